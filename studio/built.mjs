@@ -1,4 +1,5 @@
-// node built.mjs ENGINE.wasm: the engine packed into built/engine.bin, and the built-in concert grand at rest as built/picture.svg.
+// node built.mjs ENGINE.wasm: the engine packed into built/engine.bin, and the built-in concert grand at rest as
+// built/picture.svg.
 import { readFile, writeFile } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 

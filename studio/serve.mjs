@@ -1,4 +1,5 @@
-// node serve.mjs [PORT] [FOLDER]: serves the built page on this machine only. Any web server does: the files are static.
+// node serve.mjs [PORT] [FOLDER]: serves the built page on this machine only. Any web server does: the files are
+// static.
 import { createReadStream } from "node:fs";
 import { stat } from "node:fs/promises";
 import { createServer } from "node:http";

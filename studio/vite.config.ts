@@ -1,4 +1,5 @@
-// Builds the page into dist/: static files for any web space. The engine and the first picture are in built/, which `studio/wasm` fills.
+// Builds the page into dist/: static files for any web space. The engine and the first picture are in built/, which
+// `studio/wasm` fills.
 import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { defineConfig, type Plugin } from "vite";
@@ -11,7 +12,8 @@ export const POLICY = [
 
 const built = (name: string) => readFileSync(new URL(`./built/${name}`, import.meta.url));
 
-/** The policy, the first picture, the engine, and a service worker that keeps all of it for when there is no network. */
+/** The policy, the first picture, the engine, and a service worker that keeps all of it for when there is no network.
+ * */
 const studio = (): Plugin => ({
   name: "studio",
   transformIndexHtml: {

@@ -1,5 +1,5 @@
-// Checks pages in a real browser: nothing overflows on a phone, no error, axe finds nothing, and run.html does what it says.
-// Usage: node check.mjs PAGE.html... ; the page called run.html gets the checks of a run.
+// Checks pages in a real browser: nothing overflows on a phone, no error, axe finds nothing, and run.html does what it
+// says. Usage: node check.mjs PAGE.html... ; the page called run.html gets the checks of a run.
 import { chromium } from 'playwright-core';
 import { readFile } from 'node:fs/promises';
 import { createRequire } from 'node:module';
@@ -25,7 +25,8 @@ const visit = async (path, hash, options, look) => {
 
 const run = async (path) => {
   const desk = { viewport: { width: 1400, height: 900 } };
-  // Felts are dented: while the hammer is at the string its felt ends where the string begins, and is as drawn before and after.
+  // Felts are dented: while the hammer is at the string its felt ends where the string begins, and is as drawn before
+  // and after.
   await visit(path, '#shown=0.06,0.09', desk, async (page) => {
     const seen = await page.evaluate(() => {
       const part = (name) => [...document.querySelectorAll('[data-action="0"] .parts > path')].find((e) => e.querySelector('title')?.textContent === name);

@@ -1,5 +1,5 @@
-//! The commit that the program is built from, for its results to name: unknown where there is no repository, as in a package. And the studio's page, where
-//! ERARD_STUDIO names the folder that `studio/build` made.
+//! The commit that the program is built from, for its results to name: unknown where there is no repository, as in a
+//! package. And the studio's page, where ERARD_STUDIO names the folder that `studio/build` made.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

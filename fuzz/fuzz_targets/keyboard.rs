@@ -1,4 +1,5 @@
-//! Any bytes as a keyboard file: a keyboard or an error, never a panic; and keys that are instruments or say why they are not.
+//! Any bytes as a keyboard file: a keyboard or an error, never a panic; and keys that are instruments or say why they
+//! are not.
 #![no_main]
 
 use std::path::Path;

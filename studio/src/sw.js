@@ -1,4 +1,5 @@
-// Keeps the page for when there is no network: all of one build, or none of it. `vite.config.ts` fills in the version and the files.
+// Keeps the page for when there is no network: all of one build, or none of it. `vite.config.ts` fills in the version
+// and the files.
 const VERSION = "erard-/*version*/";
 const FILES = [/*files*/];
 

@@ -4,7 +4,8 @@ import { serve } from "../serve.mjs";
 
 const WHERE = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
-/** Opens the page in a browser of its own; every error, refused request and request to elsewhere is collected in `faults`. */
+/** Opens the page in a browser of its own; every error, refused request and request to elsewhere is collected in
+ * `faults`. */
 export const open = async () => {
   const server = await serve(0);
   const address = `http://localhost:${server.address().port}/`;

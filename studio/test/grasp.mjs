@@ -1,4 +1,5 @@
-// Every part can be grasped: pointed at, tapped, dragged by its screw; by the keyboard alone; and the pedal of an action with strings.
+// Every part can be grasped: pointed at, tapped, dragged by its screw; by the keyboard alone; and the pedal of an
+// action with strings.
 import { assert, atRest, struck, until } from "./help.mjs";
 
 /** A place where a part of action A is uncovered, px. */

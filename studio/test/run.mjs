@@ -1,5 +1,5 @@
-// node test/run.mjs [--seconds N] [--shots FOLDER] [--only WORD]: the page in a real browser. Exit code 1 where something does not hold.
-// ERARD names the command whose bits the page is compared with; CHROMIUM the browser.
+// node test/run.mjs [--seconds N] [--shots FOLDER] [--only WORD]: the page in a real browser. Exit code 1 where
+// something does not hold. ERARD names the command whose bits the page is compared with; CHROMIUM the browser.
 import { mkdirSync } from "node:fs";
 import { parseArgs } from "node:util";
 import { open } from "./browser.mjs";

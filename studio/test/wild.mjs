@@ -1,4 +1,5 @@
-// Random playing: pointers, keys, sliders, tabs, strokes. Nothing fails, nothing is kept, frames and steps stay in time.
+// Random playing: pointers, keys, sliders, tabs, strokes. Nothing fails, nothing is kept, frames and steps stay in
+// time.
 import { assert, onKey, percentile, until } from "./help.mjs";
 
 /** The same every time: a linear congruence. */

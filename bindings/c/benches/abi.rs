@@ -1,10 +1,13 @@
-//! What the C interface costs beside the native call, and what denormal numbers cost: `cargo bench -p erard-c --bench abi`.
+//! What the C interface costs beside the native call, and what denormal numbers cost: `cargo bench -p erard-c --bench
+//! abi`.
 //!
-//! Both play the same note, in turns, so that what else the machine does falls on both: means over whole rounds, the least of them; then every step is
-//! timed by itself for the slowest. With `--at-most PERCENT` it fails where the interface's mean is more above the native one's.
+//! Both play the same note, in turns, so that what else the machine does falls on both: means over whole rounds, the
+//! least of them; then every step is timed by itself for the slowest. With `--at-most PERCENT` it fails where the
+//! interface's mean is more above the native one's.
 //!
-//! `-- --instructions` counts instead of timing: instructions per step of both over the first 4000 steps of the note, under valgrind's callgrind. Counts repeat
-//! to the digit whatever else the machine does; `--at-most` then bounds what is counted.
+//! `-- --instructions` counts instead of timing: instructions per step of both over the first 4000 steps of the note,
+//! under valgrind's callgrind. Counts repeat to the digit whatever else the machine does; `--at-most` then bounds what
+//! is counted.
 
 use std::hint::black_box;
 use std::ptr::{null, null_mut};

@@ -1,5 +1,6 @@
-//! How stiff a coupling a haptic key can stand, by simulation and by theory: `cargo run --release -p erard-c --example haptic_margin -- FOLDER` writes the
-//! figure haptic.svg there and prints the tables of the book's chapter for builders.
+//! How stiff a coupling a haptic key can stand, by simulation and by theory: `cargo run --release -p erard-c --example
+//! haptic_margin -- FOLDER` writes the figure haptic.svg there and prints the tables of the book's chapter for
+//! builders.
 
 #[path = "../tests/abi/haptic_loop.rs"]
 mod haptic_loop;

@@ -1,4 +1,5 @@
-// node note.mjs erard_c.wasm: a note, read at the header's offsets; says its digest, sizes and times. What a page does, without the page.
+// node note.mjs erard_c.wasm: a note, read at the header's offsets; says its digest, sizes and times. What a page does,
+// without the page.
 import { readFile } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 

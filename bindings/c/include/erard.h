@@ -21,8 +21,8 @@
 #include <stdint.h>
 
 /**
- * The version of this interface: the layout of structures and the meaning of functions. A library of another version cannot be used with this
- * header; compare with erard_abi().
+ * The version of this interface: the layout of structures and the meaning of functions. A library of another version
+ * cannot be used with this header; compare with erard_abi().
  */
 #define ERARD_ABI 1
 
@@ -62,13 +62,14 @@
 #define ERARD_MOTION 2
 
 /**
- * ErardInput.kind: the key front itself is somewhere and moves, imposed. Not for a loop with a device: see "Closed loop" in the README.
+ * ErardInput.kind: the key front itself is somewhere and moves, imposed. Not for a loop with a device: see "Closed
+ * loop" in the README.
  */
 #define ERARD_RIGID 3
 
 /**
- * ErardInput.kind: a hand, a mass that muscle moves, behind a soft fingertip. Its place and speed are part of the action's state; erard_place_hand
- * sets them.
+ * ErardInput.kind: a hand, a mass that muscle moves, behind a soft fingertip. Its place and speed are part of the
+ * action's state; erard_place_hand sets them.
  */
 #define ERARD_HAND 4
 
@@ -78,7 +79,8 @@
 #define ERARD_MOST_STEPS 1000000
 
 /**
- * How a call ended. Zero is success, above zero a success with a remark, below zero an error: nothing has changed then.
+ * How a call ended. Zero is success, above zero a success with a remark, below zero an error: nothing has changed
+ * then.
  */
 enum ErardStatus
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -106,7 +108,8 @@ enum ErardStatus
    */
   ERARD_STATUS_NOT_FINITE = -3,
   /**
-   * A number is beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, or a step or time beyond its range.
+   * A number is beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, or a step or time
+   * beyond its range.
    */
   ERARD_STATUS_RANGE = -4,
   /**
@@ -151,29 +154,32 @@ typedef int32_t ErardStatus;
 #endif // __cplusplus
 
 /**
- * One action under the caller's control. It belongs to whoever made it, until erard_action_free. One thread at a time may use it; any thread may.
+ * One action under the caller's control. It belongs to whoever made it, until erard_action_free. One thread at a time
+ * may use it; any thread may.
  */
 typedef struct ErardAction ErardAction;
 
 /**
- * An instrument that was read from its file's text, and that text. It belongs to whoever made it, until erard_instrument_free. It never changes but by
- * erard_instrument_set; several threads may read it at once.
+ * An instrument that was read from its file's text, and that text. It belongs to whoever made it, until
+ * erard_instrument_free. It never changes but by erard_instrument_set; several threads may read it at once.
  */
 typedef struct ErardInstrument ErardInstrument;
 
 /**
- * A whole keyboard under the caller's control. It belongs to whoever made it, until erard_keyboard_free. One thread at a time may use it.
+ * A whole keyboard under the caller's control. It belongs to whoever made it, until erard_keyboard_free. One thread at
+ * a time may use it.
  */
 typedef struct ErardKeyboard ErardKeyboard;
 
 /**
- * What a player did over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever made it, until
- * erard_stroke_free. One thread at a time may use it.
+ * What a player did over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever
+ * made it, until erard_stroke_free. One thread at a time may use it.
  */
 typedef struct ErardStroke ErardStroke;
 
 /**
- * Looks at an action while it is pressed, and finds the instants of one press. It belongs to whoever made it, until erard_watch_free.
+ * Looks at an action while it is pressed, and finds the instants of one press. It belongs to whoever made it, until
+ * erard_watch_free.
  */
 typedef struct ErardWatch ErardWatch;
 
@@ -198,7 +204,8 @@ typedef struct ErardReading {
    */
   double finger_n;
   /**
-   * The same in the mean over all steps of the call that made this reading, N: what a device holds that is slower than the steps.
+   * The same in the mean over all steps of the call that made this reading, N: what a device holds that is slower
+   * than the steps.
    */
   double finger_mean_n;
   /**
@@ -300,7 +307,8 @@ typedef struct ErardBlow {
 } ErardBlow;
 
 /**
- * Called now and then during long work with the share that is done, 0 to 1, and the caller's own pointer; 0 ends the work.
+ * Called now and then during long work with the share that is done, 0 to 1, and the caller's own pointer; 0 ends the
+ * work.
  */
 typedef int32_t (*ErardProgress)(double share, void *user);
 
@@ -361,8 +369,9 @@ const char *erard_version(void);
 uint32_t erard_abi(void);
 
 /**
- * What went wrong in the last call of this thread that failed and was none of the real-time functions (these return a status and keep no text): a
- * line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the library's, and lasts until the next such call fails.
+ * What went wrong in the last call of this thread that failed and was none of the real-time functions (these return a
+ * status and keep no text): a line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the
+ * library's, and lasts until the next such call fails.
  */
 const char *erard_last_error(void);
 
@@ -377,8 +386,8 @@ const char *erard_status_text(int32_t status);
 void erard_text_free(char *text);
 
 /**
- * So many bytes of memory, set to zero, for callers that have none of their own to pass: a page. NULL for 0 bytes. Give it back with
- * erard_memory_free. Real time: no.
+ * So many bytes of memory, set to zero, for callers that have none of their own to pass: a page. NULL for 0 bytes.
+ * Give it back with erard_memory_free. Real time: no.
  */
 uint8_t *erard_memory_new(size_t bytes);
 
@@ -388,14 +397,12 @@ uint8_t *erard_memory_new(size_t bytes);
 void erard_memory_free(uint8_t *memory, size_t bytes);
 
 /**
- * An action at rest, nothing touching its key, from the text of an instrument file (UTF-8, `length` bytes, no zero needed at its end); NULL and 0:
- * the built-in concert grand. `step_s` is the length of a step, s: 50e-6 unless you know better. NULL where it cannot be had; why is written to
- * `status` (which may be NULL), and erard_last_error says it in words. Real time: no (it reads, allocates, and simulates until the action rests).
+ * An action at rest, nothing touching its key, from the text of an instrument file (UTF-8, `length` bytes, no zero
+ * needed at its end); NULL and 0: the built-in concert grand. `step_s` is the length of a step, s: 50e-6 unless you
+ * know better. NULL where it cannot be had; why is written to `status` (which may be NULL), and erard_last_error says
+ * it in words. Real time: no (it reads, allocates, and simulates until the action rests).
  */
-struct ErardAction *erard_action_new(const char *text,
-                                     size_t length,
-                                     double step_s,
-                                     ErardStatus *status);
+struct ErardAction *erard_action_new(const char *text, size_t length, double step_s, ErardStatus *status);
 
 /**
  * The same of an instrument. The action does not need it any more. Real time: no.
@@ -408,17 +415,16 @@ struct ErardAction *erard_action_of(const struct ErardInstrument *instrument, do
 void erard_action_free(struct ErardAction *action);
 
 /**
- * One step under a force on the key front, N, down positive (admittance: force in, position out). `reading` may be NULL. An error leaves the action
- * as it was. Real time: yes.
+ * One step under a force on the key front, N, down positive (admittance: force in, position out). `reading` may be
+ * NULL. An error leaves the action as it was. Real time: yes.
  */
-ErardStatus erard_step_force(struct ErardAction *action,
-                             double force_n,
-                             struct ErardReading *reading);
+ErardStatus erard_step_force(struct ErardAction *action, double force_n, struct ErardReading *reading);
 
 /**
- * One step under a device that is at `position_m` below the key's rest and moves at `velocity_m_s`, down positive, in the middle of the step
- * (impedance: position in, force out: finger_n of the reading). Between device and key is the fingertip of the instrument's file, a spring and a
- * damper that only push: the virtual coupling. `reading` may be NULL. An error leaves the action as it was. Real time: yes.
+ * One step under a device that is at `position_m` below the key's rest and moves at `velocity_m_s`, down positive, in
+ * the middle of the step (impedance: position in, force out: finger_n of the reading). Between device and key is the
+ * fingertip of the instrument's file, a spring and a damper that only push: the virtual coupling. `reading` may be
+ * NULL. An error leaves the action as it was. Real time: yes.
  */
 ErardStatus erard_step_motion(struct ErardAction *action,
                               double position_m,
@@ -426,8 +432,9 @@ ErardStatus erard_step_motion(struct ErardAction *action,
                               struct ErardReading *reading);
 
 /**
- * One step with the key front imposed: where it is at the step's end, and how fast. For measured strokes, not for a loop with a device (README,
- * "Closed loop"). `reading` may be NULL. An error leaves the action as it was. Real time: yes.
+ * One step with the key front imposed: where it is at the step's end, and how fast. For measured strokes, not for a
+ * loop with a device (README, "Closed loop"). `reading` may be NULL. An error leaves the action as it was. Real time:
+ * yes.
  */
 ErardStatus erard_step_rigid(struct ErardAction *action,
                              double position_m,
@@ -440,25 +447,23 @@ ErardStatus erard_step_rigid(struct ErardAction *action,
 ErardStatus erard_step_free(struct ErardAction *action, struct ErardReading *reading);
 
 /**
- * One step under an input of any kind (a hand among them). `reading` may be NULL. An error leaves the action as it was. Real time: yes.
+ * One step under an input of any kind (a hand among them). `reading` may be NULL. An error leaves the action as it
+ * was. Real time: yes.
  */
-ErardStatus erard_step_input(struct ErardAction *action,
-                             const struct ErardInput *input,
-                             struct ErardReading *reading);
+ErardStatus erard_step_input(struct ErardAction *action, const struct ErardInput *input, struct ErardReading *reading);
 
 /**
- * Places the hand (ERARD_HAND), m below the key front's rest, with a velocity, m/s, down positive. A new action has it at the key front's rest; it moves in
- * steps that a hand drives only. Real time: yes.
+ * Places the hand (ERARD_HAND), m below the key front's rest, with a velocity, m/s, down positive. A new action has it
+ * at the key front's rest; it moves in steps that a hand drives only. Real time: yes.
  */
-ErardStatus erard_place_hand(struct ErardAction *action,
-                             double position_m,
-                             double velocity_m_s);
+ErardStatus erard_place_hand(struct ErardAction *action, double position_m, double velocity_m_s);
 
 /**
- * As many steps as `dt_s` has room for, for a device that is slower than the steps (0 to ERARD_LONGEST_ADVANCE_S); what is left over counts for the
- * next call, so that times of any length do not drift. The input holds at the beginning of `dt_s`: a force is held, a position goes on at its
- * velocity. The reading's finger_mean_n is what to render: the device that holds it gives back the same impulse. If a step fails none has been
- * taken. Real time: yes, and its time is that of its steps.
+ * As many steps as `dt_s` has room for, for a device that is slower than the steps (0 to ERARD_LONGEST_ADVANCE_S);
+ * what is left over counts for the next call, so that times of any length do not drift. The input holds at the
+ * beginning of `dt_s`: a force is held, a position goes on at its velocity. The reading's finger_mean_n is what to
+ * render: the device that holds it gives back the same impulse. If a step fails none has been taken. Real time: yes,
+ * and its time is that of its steps.
  */
 ErardStatus erard_advance(struct ErardAction *action,
                           double dt_s,
@@ -476,45 +481,39 @@ ErardStatus erard_read(const struct ErardAction *action, struct ErardReading *re
 ErardStatus erard_reset(struct ErardAction *action);
 
 /**
- * Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says how many bytes there are, and is
- * told how many it takes: some 2.8 kB, the same for every action of one library whose string is rigid; strings that yield take 16 bytes more for each of
- * their modes, and the size then belongs to the action. The state is lists of numbers with names: what a later library adds, an earlier one passes over, and
- * the other way round it is absent. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
+ * Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says
+ * how many bytes there are, and is told how many it takes: some 2.8 kB, the same for every action of one library whose
+ * string is rigid; modal strings take 16 bytes more for each of their modes, and the size then belongs to the action.
+ * The state is lists of numbers with names: what a later library adds, an earlier one passes over, and the other way
+ * round it is absent. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
  */
-ErardStatus erard_save(const struct ErardAction *action,
-                       uint8_t *bytes,
-                       size_t *size);
+ErardStatus erard_save(const struct ErardAction *action, uint8_t *bytes, size_t *size);
 
 /**
- * Sends the rail that the sustain pedal lifts to a lift, m, from 0 to 0.010 (farther is as far as it goes; it moves at 0.5 m/s at most). Without strings that yield, or without a rail, it does
- * nothing. Real time: yes.
+ * Sends the rail that the sustain pedal lifts to a lift, m, from 0 to 0.010 (farther is as far as it goes; it moves at
+ * 0.5 m/s at most). Without modal strings, or without a rail, it does nothing. Real time: yes.
  */
-ErardStatus erard_set_pedal(struct ErardAction *action,
-                            double lift_m);
+ErardStatus erard_set_pedal(struct ErardAction *action, double lift_m);
 
 /**
- * The places at which erard_string_shape looks at the middle string, m from the striking point, away from its nearer end: as many as `count` has room for are
- * written to `places_m` (which may be NULL). Returns how many there are; 0 for an action without strings that yield, and for NULL. Real time: yes.
+ * The places at which erard_string_shape looks at the middle string, m from the striking point, away from its nearer
+ * end: as many as `count` has room for are written to `places_m` (which may be NULL). Returns how many there are; 0
+ * for an action without modal strings, and for NULL. Real time: yes.
  */
-size_t erard_string_places(const struct ErardAction *action,
-                           double *places_m,
-                           size_t count);
+size_t erard_string_places(const struct ErardAction *action, double *places_m, size_t count);
 
 /**
- * How far the middle string is from where it rests at each of its places, m, away from the hammer; `count` is the room in `shape_m`, at least
- * erard_string_places. Without strings that yield it does nothing. Real time: yes.
+ * How far the middle string is from where it rests at each of its places, m, away from the hammer; `count` is the room
+ * in `shape_m`, at least erard_string_places. Without modal strings it does nothing. Real time: yes.
  */
-ErardStatus erard_string_shape(const struct ErardAction *action,
-                               float *shape_m,
-                               size_t count);
+ErardStatus erard_string_shape(const struct ErardAction *action, float *shape_m, size_t count);
 
 /**
- * Goes on from a saved state of the same instrument (its numbers count; its name, its notes and the order in its file do not) and the same length of step,
- * to the bit; readings are those of then. What is no such state is refused, and the action stays as it was. Real time: yes.
+ * Goes on from a saved state of the same instrument (its numbers count; its name, its notes and the order in its file
+ * do not) and the same length of step, to the bit; readings are those of then. What is no such state is refused, and
+ * the action stays as it was. Real time: yes.
  */
-ErardStatus erard_restore(struct ErardAction *action,
-                          const uint8_t *bytes,
-                          size_t size);
+ErardStatus erard_restore(struct ErardAction *action, const uint8_t *bytes, size_t size);
 
 /**
  * How many bodies it has; 0 for NULL. Real time: yes.
@@ -527,10 +526,10 @@ size_t erard_body_count(const struct ErardAction *action);
 size_t erard_zone_count(const struct ErardAction *action);
 
 /**
- * Name of a body, from 0, as its file gives it; NULL if there is no such body. It is the action's, and lasts as long. Real time: yes.
+ * Name of a body, from 0, as its file gives it; NULL if there is no such body. It is the action's, and lasts as long.
+ * Real time: yes.
  */
-const char *erard_body_name(const struct ErardAction *action,
-                            size_t body);
+const char *erard_body_name(const struct ErardAction *action, size_t body);
 
 /**
  * Name of a contact zone, from 0; as erard_body_name. Real time: yes.
@@ -538,12 +537,10 @@ const char *erard_body_name(const struct ErardAction *action,
 const char *erard_zone_name(const struct ErardAction *action, size_t zone);
 
 /**
- * Absolute angles of all bodies, rad, counter-clockwise seen with the player to the left; `count` is the room in `angles_rad`, at least
- * erard_body_count. Real time: yes.
+ * Absolute angles of all bodies, rad, counter-clockwise seen with the player to the left; `count` is the room in
+ * `angles_rad`, at least erard_body_count. Real time: yes.
  */
-ErardStatus erard_angles(const struct ErardAction *action,
-                         double *angles_rad,
-                         size_t count);
+ErardStatus erard_angles(const struct ErardAction *action, double *angles_rad, size_t count);
 
 /**
  * Absolute angular velocities of all bodies, rad/s; as erard_angles. Real time: yes.
@@ -551,22 +548,18 @@ ErardStatus erard_angles(const struct ErardAction *action,
 ErardStatus erard_velocities(const struct ErardAction *action, double *velocities_rad_s, size_t count);
 
 /**
- * Normal forces of all contact zones in the last step, N, never negative; `count` is the room in `forces_n`, at least erard_zone_count. After a
- * restore or a reset they are 0 until the next step. Real time: yes.
+ * Normal forces of all contact zones in the last step, N, never negative; `count` is the room in `forces_n`, at least
+ * erard_zone_count. After a restore or a reset they are 0 until the next step. Real time: yes.
  */
-ErardStatus erard_contact_forces(const struct ErardAction *action,
-                                 double *forces_n,
-                                 size_t count);
+ErardStatus erard_contact_forces(const struct ErardAction *action, double *forces_n, size_t count);
 
 /**
- * 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is a built-in one; NULL and 0: the built-in
- * concert grand. Each key has an input that holds until it is changed; at first ERARD_FREE. NULL where it cannot be had; `status` (which may be
- * NULL) and erard_last_error say why. Real time: no (it takes about half a second).
+ * 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is a built-in one;
+ * NULL and 0: the built-in concert grand. Each key has an input that holds until it is changed; at first ERARD_FREE.
+ * NULL where it cannot be had; `status` (which may be NULL) and erard_last_error say why. Real time: no (it takes
+ * about half a second).
  */
-struct ErardKeyboard *erard_keyboard_new(const char *text,
-                                         size_t length,
-                                         double step_s,
-                                         ErardStatus *status);
+struct ErardKeyboard *erard_keyboard_new(const char *text, size_t length, double step_s, ErardStatus *status);
 
 /**
  * Ends a keyboard. NULL does nothing. Real time: no.
@@ -584,12 +577,10 @@ uint32_t erard_keyboard_keys(const struct ErardKeyboard *keyboard);
 uint32_t erard_keyboard_awake(const struct ErardKeyboard *keyboard);
 
 /**
- * What drives a key, from 1, from the next step on until it is driven otherwise. The position of ERARD_MOTION holds, whatever its velocity says: give
- * a new one as often as it moves. Real time: yes.
+ * What drives a key, from 1, from the next step on until it is driven otherwise. The position of ERARD_MOTION holds,
+ * whatever its velocity says: give a new one as often as it moves. Real time: yes.
  */
-ErardStatus erard_keyboard_drive(struct ErardKeyboard *keyboard,
-                                 uint32_t key,
-                                 const struct ErardInput *input);
+ErardStatus erard_keyboard_drive(struct ErardKeyboard *keyboard, uint32_t key, const struct ErardInput *input);
 
 /**
  * Places the hand (ERARD_HAND) on a key, from 1, as erard_place_hand does. Real time: yes.
@@ -600,9 +591,10 @@ ErardStatus erard_keyboard_place_hand(struct ErardKeyboard *keyboard,
                                       double velocity_m_s);
 
 /**
- * So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their order, as many as `capacity`
- * says; `count` (which may be NULL) is told how many there were: those beyond are lost. A key whose numbers became infinite stays where it was, and
- * the status says so; the others have gone on. Real time: yes.
+ * So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their
+ * order, as many as `capacity` says; `count` (which may be NULL) is told how many there were: those beyond are lost. A
+ * key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real time:
+ * yes.
  */
 ErardStatus erard_keyboard_step(struct ErardKeyboard *keyboard,
                                 uint32_t steps,
@@ -611,43 +603,36 @@ ErardStatus erard_keyboard_step(struct ErardKeyboard *keyboard,
                                 size_t *count);
 
 /**
- * What there is to be read of a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows is 0. Real time: yes.
+ * What there is to be read of a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows
+ * is 0. Real time: yes.
  */
-ErardStatus erard_keyboard_read(const struct ErardKeyboard *keyboard,
-                                uint32_t key,
-                                struct ErardReading *reading);
+ErardStatus erard_keyboard_read(const struct ErardKeyboard *keyboard, uint32_t key, struct ErardReading *reading);
 
 /**
- * Writes the absolute angles of a key's bodies, rad, in the order of its instrument's, as erard_angles does for one action: `count` says for how many there
- * is room. Real time: yes.
+ * Writes the absolute angles of a key's bodies, rad, in the order of its instrument's, as erard_angles does for one
+ * action: `count` says for how many there is room. Real time: yes.
  */
-ErardStatus erard_keyboard_angles(const struct ErardKeyboard *keyboard,
-                                  uint32_t key,
-                                  double *angles_rad,
-                                  size_t count);
+ErardStatus erard_keyboard_angles(const struct ErardKeyboard *keyboard, uint32_t key, double *angles_rad, size_t count);
 
 /**
- * Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 220 kB). Real time: yes.
+ * Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 220 kB). Real time:
+ * yes.
  */
-ErardStatus erard_keyboard_save(const struct ErardKeyboard *keyboard,
-                                uint8_t *bytes,
-                                size_t *size);
+ErardStatus erard_keyboard_save(const struct ErardKeyboard *keyboard, uint8_t *bytes, size_t *size);
 
 /**
- * Goes on from a saved state of the same keyboard and the same length of step: the same bits for every key, instants to a rounding. What is no such
- * state is refused, and the keyboard stays as it was. Forces read 0 until the next step. Real time: yes.
+ * Goes on from a saved state of the same keyboard and the same length of step: the same bits for every key, instants
+ * to a rounding. What is no such state is refused, and the keyboard stays as it was. Forces read 0 until the next
+ * step. Real time: yes.
  */
-ErardStatus erard_keyboard_restore(struct ErardKeyboard *keyboard,
-                                   const uint8_t *bytes,
-                                   size_t size);
+ErardStatus erard_keyboard_restore(struct ErardKeyboard *keyboard, const uint8_t *bytes, size_t size);
 
 /**
- * Reads the text of an instrument file (UTF-8, `length` bytes); NULL and 0: the built-in concert grand. NULL where something is wrong with it:
- * `status` (which may be NULL) and erard_last_error say what; erard_check says it for programs. Real time: no, as everything here.
+ * Reads the text of an instrument file (UTF-8, `length` bytes); NULL and 0: the built-in concert grand. NULL where
+ * something is wrong with it: `status` (which may be NULL) and erard_last_error say what; erard_check says it for
+ * programs. Real time: no, as everything here.
  */
-struct ErardInstrument *erard_instrument_new(const char *text,
-                                             size_t length,
-                                             ErardStatus *status);
+struct ErardInstrument *erard_instrument_new(const char *text, size_t length, ErardStatus *status);
 
 /**
  * A built-in instrument by its name, e.g. "heavy-touch". erard_builtin lists them.
@@ -670,8 +655,9 @@ void erard_instrument_free(struct ErardInstrument *instrument);
 char *erard_instrument_text(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
 /**
- * One number of the file, in the file's own unit, by its dotted path: "body.hammer.mass_g", "zone.string.felt.exponent", "screw.let_off.setting_mm";
- * entries of a list by their name. `which` is 0, or for a coordinate 0 or 1.
+ * One number of the file, in the file's own unit, by its dotted path: "body.hammer.mass_g",
+ * "zone.string.felt.exponent", "screw.let_off.setting_mm"; entries of a list by their name. `which` is 0, or for a
+ * coordinate 0 or 1.
  */
 ErardStatus erard_instrument_get(const struct ErardInstrument *instrument,
                                  const char *path,
@@ -679,31 +665,24 @@ ErardStatus erard_instrument_get(const struct ErardInstrument *instrument,
                                  double *value);
 
 /**
- * Changes one number of the file, in the file's own unit. The text is read anew: what the file may not be is refused, and the instrument stays as it
- * was. Actions that were made of it before stay as they are.
+ * Changes one number of the file, in the file's own unit. The text is read anew: what the file may not be is refused,
+ * and the instrument stays as it was. Actions that were made of it before stay as they are.
  */
-ErardStatus erard_instrument_set(struct ErardInstrument *instrument,
-                                 const char *path,
-                                 size_t which,
-                                 double value);
+ErardStatus erard_instrument_set(struct ErardInstrument *instrument, const char *path, size_t which, double value);
 
 /**
- * What the instrument is, as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its numbers with path, values, line and source.
- * Give it back with erard_text_free.
+ * What the instrument is, as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its numbers
+ * with path, values, line and source. Give it back with erard_text_free.
  */
-char *erard_instrument_json(const struct ErardInstrument *instrument,
-                            size_t *length,
-                            ErardStatus *status);
+char *erard_instrument_json(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
 /**
- * Whether a text is a sound instrument or keyboard file, as JSON: {"kind", "sound", "name", "errors"}; each error with "line" and "column" (from 1), "key",
- * "message", "found", "expected", the bytes from "begin" to "end", and "text", all of it in a line. A reader stops at the first error. `text` is UTF-8 of
- * `length` bytes, or not: that is an error, too. Give the JSON back with erard_text_free.
+ * Whether a text is a sound instrument or keyboard file, as JSON: {"kind", "sound", "name", "errors"}; each error with
+ * "line" and "column" (from 1), "key", "message", "found", "expected", the bytes from "begin" to "end", and "text",
+ * all of it in a line. A reader stops at the first error. `text` is UTF-8 of `length` bytes, or not: that is an error,
+ * too. Give the JSON back with erard_text_free.
  */
-char *erard_check(const char *text,
-                  size_t length,
-                  size_t *json_length,
-                  ErardStatus *status);
+char *erard_check(const char *text, size_t length, size_t *json_length, ErardStatus *status);
 
 /**
  * What is built in, as JSON: {"instruments": [...], "keyboards": [...]}. Give it back with erard_text_free.
@@ -711,9 +690,10 @@ char *erard_check(const char *text,
 char *erard_builtin(size_t *length, ErardStatus *status);
 
 /**
- * A picture of the instrument in one pose, as SVG: the same drawing as the command's. `angles_rad` are absolute angles of its bodies, as erard_angles
- * gives them; NULL and 0: as its file draws it. `size_px` is the larger side, px. `labels`: 1 names the parts. Elements of a moving part carry
- * `data-body`, its number. Give the text back with erard_text_free.
+ * A picture of the instrument in one pose, as SVG: the same drawing as the command's. `angles_rad` are absolute angles
+ * of its bodies, as erard_angles gives them; NULL and 0: as its file draws it. `size_px` is the larger side, px.
+ * `labels`: 1 names the parts. Elements of a moving part carry `data-body`, its number. Give the text back with
+ * erard_text_free.
  */
 char *erard_draw(const struct ErardInstrument *instrument,
                  const double *angles_rad,
@@ -724,9 +704,10 @@ char *erard_draw(const struct ErardInstrument *instrument,
                  ErardStatus *status);
 
 /**
- * Measures an instrument as a technician does, as JSON. `wanted` NULL: the whole sheet, as `erard measure --json` has it for an instrument; else some of
- * its lines, separated by commas ("down_weight_g,dip_mm"), as an object of their values, which costs only what they need. `progress` may be NULL.
- * Takes from tenths of a second to seconds. Give the text back with erard_text_free.
+ * Measures an instrument as a technician does, as JSON. `wanted` NULL: the whole sheet, as `erard measure --json` has
+ * it for an instrument; else some of its lines, separated by commas ("down_weight_g,dip_mm"), as an object of their
+ * values, which costs only what they need. `progress` may be NULL. Takes from tenths of a second to seconds. Give the
+ * text back with erard_text_free.
  */
 char *erard_measure(const struct ErardInstrument *instrument,
                     const char *wanted,
@@ -736,10 +717,11 @@ char *erard_measure(const struct ErardInstrument *instrument,
                     ErardStatus *status);
 
 /**
- * Turns an instrument's screws until its action meets goals, as JSON: what became of every goal, the screws that were turned, all distances before and
- * after (the fields of the report that `erard regulate` writes), and "file", the text of the instrument file with its new settings. The instrument itself
- * stays as it is. `goals` NULL: the trade's norms; else a JSON object of goals by name with values in mm (the spring in mm/s, the damper in %) or texts with
- * units: {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes seconds. Give the text back with erard_text_free.
+ * Turns an instrument's screws until its action meets goals, as JSON: what became of every goal, the screws that were
+ * turned, all distances before and after (the fields of the report that `erard regulate` writes), and "file", the text
+ * of the instrument file with its new settings. The instrument itself stays as it is. `goals` NULL: the trade's norms;
+ * else a JSON object of goals by name with values in mm (the spring in mm/s, the damper in %) or texts with units:
+ * {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes seconds. Give the text back with erard_text_free.
  */
 char *erard_regulate(const struct ErardInstrument *instrument,
                      const char *goals,
@@ -749,45 +731,40 @@ char *erard_regulate(const struct ErardInstrument *instrument,
                      ErardStatus *status);
 
 /**
- * What a page needs to draw an instrument and move its picture, as JSON: "shapes" and "gradients" (SVG for a g and a defs element; what moves carries
- * `data-body`, or with the pedal's rail, `data-rail`), "bodies" with their hinges, angles as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one),
- * "string" (where it is struck and how high it lies, null where it is rigid), "labels", "views" and the law of arrows; mm of the picture. Give the text back with erard_text_free.
+ * What a page needs to draw an instrument and move its picture, as JSON: "shapes" and "gradients" (SVG for a g and a
+ * defs element; what moves carries `data-body`, or with the pedal's rail, `data-rail`), "bodies" with their hinges,
+ * angles as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one), "string"
+ * (where it is struck and how high it lies, null where it is rigid), "labels", "views" and the law of arrows; mm of
+ * the picture. Give the text back with erard_text_free.
  */
-char *erard_scene(const struct ErardInstrument *instrument,
-                  size_t *length,
-                  ErardStatus *status);
+char *erard_scene(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
 /**
- * The lines of the protocol sheet, as JSON: groups of "heading" and "lines", each line with "key" (as erard_measure takes and gives it), "label", "unit",
- * "decimals", and "usual" ([low, high], null where open) and "source" of its norm at a key, 1 to 88. Give the text back with erard_text_free.
+ * The lines of the protocol sheet, as JSON: groups of "heading" and "lines", each line with "key" (as erard_measure
+ * takes and gives it), "label", "unit", "decimals", and "usual" ([low, high], null where open) and "source" of its
+ * norm at a key, 1 to 88. Give the text back with erard_text_free.
  */
-char *erard_sheet(uint32_t key,
-                  size_t *length,
-                  ErardStatus *status);
+char *erard_sheet(uint32_t key, size_t *length, ErardStatus *status);
 
 /**
- * What can be turned and changed of an instrument, as JSON: dials, each with "name", "label", "note", "group", "unit", "decimals", "value", "from" and
- * "to". Give the text back with erard_text_free.
+ * What can be turned and changed of an instrument, as JSON: dials, each with "name", "label", "note", "group", "unit",
+ * "decimals", "value", "from" and "to". Give the text back with erard_text_free.
  */
-char *erard_dials(const struct ErardInstrument *instrument,
-                  size_t *length,
-                  ErardStatus *status);
+char *erard_dials(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
 /**
- * The instrument with dials turned, as a new one: `turns` is a JSON object of dials' names and values, {"let_off": -0.5, "hammer": 9.5}. All count from
- * this instrument, which stays as it is. What the file may not be is refused. It belongs to the caller, until erard_instrument_free.
+ * The instrument with dials turned, as a new one: `turns` is a JSON object of dials' names and values, {"let_off":
+ * -0.5, "hammer": 9.5}. All count from this instrument, which stays as it is. What the file may not be is refused. It
+ * belongs to the caller, until erard_instrument_free.
  */
-struct ErardInstrument *erard_turned(const struct ErardInstrument *instrument,
-                                     const char *turns,
-                                     ErardStatus *status);
+struct ErardInstrument *erard_turned(const struct ErardInstrument *instrument, const char *turns, ErardStatus *status);
 
 /**
- * Presses an instrument once, mezzo forte, and says whether it plays, as JSON: "hammer_speed_m_s" (null where the hammer does not reach the string) and
- * "warnings", sentences about what cannot be trusted or does not work. Takes a tenth of a second. Give the text back with erard_text_free.
+ * Presses an instrument once, mezzo forte, and says whether it plays, as JSON: "hammer_speed_m_s" (null where the
+ * hammer does not reach the string) and "warnings", sentences about what cannot be trusted or does not work. Takes a
+ * tenth of a second. Give the text back with erard_text_free.
  */
-char *erard_try(const struct ErardInstrument *instrument,
-                size_t *length,
-                ErardStatus *status);
+char *erard_try(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
 /**
  * A watch for one press on an action of this instrument. NULL where there is no instrument. Real time: no.
@@ -815,27 +792,27 @@ ErardStatus erard_watch_look(struct ErardWatch *watch, const struct ErardAction 
 ErardStatus erard_watch_read(const struct ErardWatch *watch, struct ErardEvents *events);
 
 /**
- * From now on an action keeps where its zones touch, for erard_contacts. It costs a few percent of a step and changes no bit. Real time: no.
+ * From now on an action keeps where its zones touch, for erard_contacts. It costs a few percent of a step and changes
+ * no bit. Real time: no.
  */
 ErardStatus erard_keep_contacts(struct ErardAction *action);
 
 /**
- * How the contact zones acted in the last step, five numbers each: force, N; the point, m in the world, x to the back and y up; the unit normal along
- * which its disc's side is pushed. Zeros where nothing touches, and before erard_keep_contacts. `count` is the room in `numbers`, at least five times
- * erard_zone_count. Real time: no.
+ * How the contact zones acted in the last step, five numbers each: force, N; the point, m in the world, x to the back
+ * and y up; the unit normal along which its disc's side is pushed. Zeros where nothing touches, and before
+ * erard_keep_contacts. `count` is the room in `numbers`, at least five times erard_zone_count. Real time: no.
  */
-ErardStatus erard_contacts(const struct ErardAction *action,
-                           double *numbers,
-                           size_t count);
+ErardStatus erard_contacts(const struct ErardAction *action, double *numbers, size_t count);
 
 /**
- * Whether the last step changed nothing, so that under the same input no later one does either: 1, else 0. 0 for NULL. Real time: no.
+ * Whether the last step changed nothing, so that under the same input no later one does either: 1, else 0. 0 for NULL.
+ * Real time: no.
  */
 uint32_t erard_rests(const struct ErardAction *action);
 
 /**
- * A built-in stroke for an instrument: "pp", "p", "mf", "f" or "ff"; `struck`: 0 for a pressed touch, 1 for a struck one. It drives by its force.
- * Real time: no.
+ * A built-in stroke for an instrument: "pp", "p", "mf", "f" or "ff"; `struck`: 0 for a pressed touch, 1 for a struck
+ * one. It drives by its force. Real time: no.
  */
 struct ErardStroke *erard_stroke_builtin(const struct ErardInstrument *instrument,
                                          const char *nuance,
@@ -843,10 +820,11 @@ struct ErardStroke *erard_stroke_builtin(const struct ErardInstrument *instrumen
                                          ErardStatus *status);
 
 /**
- * A recorded stroke for an instrument, from the text of a CSV file (UTF-8, `length` bytes) with a column for the time and one for force or position;
- * it drives by its force where it has one, else by its position. It is made ready as `erard press` does without options: the zero is taken from the rest
- * before the touch, and what noise a channel has is filtered; erard_stroke_told says so. What is wrong with it erard_last_error says with line and column.
- * Real time: no.
+ * A recorded stroke for an instrument, from the text of a CSV file (UTF-8, `length` bytes) with a column for the time
+ * and one for force or position; it drives by its force where it has one, else by its position. It is prepared as
+ * `erard press` does without options: the zero is taken from the rest before the touch, and what noise a channel has
+ * is filtered; erard_stroke_told says so. What is wrong with it erard_last_error says with line and column. Real time:
+ * no.
  */
 struct ErardStroke *erard_stroke_new(const struct ErardInstrument *instrument,
                                      const char *text,
@@ -854,21 +832,17 @@ struct ErardStroke *erard_stroke_new(const struct ErardInstrument *instrument,
                                      ErardStatus *status);
 
 /**
- * What was done to a recorded stroke to make it ready and what was noticed, a line each; empty for one that is built in. Give the text back with
- * erard_text_free.
+ * What was done to a recorded stroke to make it ready and what was noticed, a line each; empty for one that is built
+ * in. Give the text back with erard_text_free.
  */
-char *erard_stroke_told(const struct ErardStroke *stroke,
-                        size_t *length,
-                        ErardStatus *status);
+char *erard_stroke_told(const struct ErardStroke *stroke, size_t *length, ErardStatus *status);
 
 /**
- * Which columns of a table are read as a recording, as JSON: an array of "role" ("time", "force", "position", "hammer"), "index" (from 0) and "title", time
- * first. `titles` is a JSON array of all titles. For who reads tables that are no text, and passes their columns on as CSV. Give the text back with
- * erard_text_free.
+ * Which columns of a table are read as a recording, as JSON: an array of "role" ("time", "force", "position",
+ * "hammer"), "index" (from 0) and "title", time first. `titles` is a JSON array of all titles. For callers that read
+ * tables that are not text, and pass their columns on as CSV. Give the text back with erard_text_free.
  */
-char *erard_recording_columns(const char *titles,
-                              size_t *length,
-                              ErardStatus *status);
+char *erard_recording_columns(const char *titles, size_t *length, ErardStatus *status);
 
 /**
  * Ends a stroke. NULL does nothing. Real time: no.
@@ -886,12 +860,10 @@ double erard_stroke_duration(const struct ErardStroke *stroke);
 ErardStatus erard_stroke_rewind(struct ErardStroke *stroke);
 
 /**
- * One step of an action under the stroke's next input: from an action at rest the same bits as `erard press`. An error leaves both as they were.
- * `reading` may be NULL. Real time: no.
+ * One step of an action under the stroke's next input: from an action at rest the same bits as `erard press`. An error
+ * leaves both as they were. `reading` may be NULL. Real time: no.
  */
-ErardStatus erard_step_stroke(struct ErardAction *action,
-                              struct ErardStroke *stroke,
-                              struct ErardReading *reading);
+ErardStatus erard_step_stroke(struct ErardAction *action, struct ErardStroke *stroke, struct ErardReading *reading);
 
 #ifdef __cplusplus
 }  // extern "C"

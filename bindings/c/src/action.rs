@@ -13,7 +13,8 @@ use crate::reading::{
 };
 use crate::status::{ErardStatus, Fault, quick, told};
 
-/// One action under the caller's control. It belongs to whoever made it, until erard_action_free. One thread at a time may use it; any thread may.
+/// One action under the caller's control. It belongs to whoever made it, until erard_action_free. One thread at a time
+/// may use it; any thread may.
 pub struct ErardAction {
     pub(crate) play: Play,
     bodies: Vec<CString>,
@@ -40,9 +41,10 @@ impl ErardAction {
     }
 }
 
-/// An action at rest, nothing touching its key, from the text of an instrument file (UTF-8, `length` bytes, no zero needed at its end); NULL and 0:
-/// the built-in concert grand. `step_s` is the length of a step, s: 50e-6 unless you know better. NULL where it cannot be had; why is written to
-/// `status` (which may be NULL), and erard_last_error says it in words. Real time: no (it reads, allocates, and simulates until the action rests).
+/// An action at rest, nothing touching its key, from the text of an instrument file (UTF-8, `length` bytes, no zero
+/// needed at its end); NULL and 0: the built-in concert grand. `step_s` is the length of a step, s: 50e-6 unless you
+/// know better. NULL where it cannot be had; why is written to `status` (which may be NULL), and erard_last_error says
+/// it in words. Real time: no (it reads, allocates, and simulates until the action rests).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_new(
     text: *const c_char,
@@ -110,8 +112,8 @@ pub(crate) fn moving(position_m: f64, velocity_m_s: f64) -> Result<[f64; 2], Era
     Ok([within(position_m, ERARD_LARGEST_POSITION_M)?, within(velocity_m_s, ERARD_LARGEST_SPEED_M_S)?])
 }
 
-/// One step under a force on the key front, N, down positive (admittance: force in, position out). `reading` may be NULL. An error leaves the action
-/// as it was. Real time: yes.
+/// One step under a force on the key front, N, down positive (admittance: force in, position out). `reading` may be
+/// NULL. An error leaves the action as it was. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_force(
     action: *mut ErardAction,
@@ -122,9 +124,10 @@ pub unsafe extern "C" fn erard_step_force(
     unsafe { step(action, within(force_n, ERARD_LARGEST_FORCE_N).map(Input::Force), reading) }
 }
 
-/// One step under a device that is at `position_m` below the key's rest and moves at `velocity_m_s`, down positive, in the middle of the step
-/// (impedance: position in, force out: finger_n of the reading). Between device and key is the fingertip of the instrument's file, a spring and a
-/// damper that only push: the virtual coupling. `reading` may be NULL. An error leaves the action as it was. Real time: yes.
+/// One step under a device that is at `position_m` below the key's rest and moves at `velocity_m_s`, down positive, in
+/// the middle of the step (impedance: position in, force out: finger_n of the reading). Between device and key is the
+/// fingertip of the instrument's file, a spring and a damper that only push: the virtual coupling. `reading` may be
+/// NULL. An error leaves the action as it was. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_motion(
     action: *mut ErardAction,
@@ -137,8 +140,9 @@ pub unsafe extern "C" fn erard_step_motion(
     unsafe { step(action, input.map(|[position_m, velocity_m_s]| Input::Motion { position_m, velocity_m_s }), reading) }
 }
 
-/// One step with the key front imposed: where it is at the step's end, and how fast. For measured strokes, not for a loop with a device (README,
-/// "Closed loop"). `reading` may be NULL. An error leaves the action as it was. Real time: yes.
+/// One step with the key front imposed: where it is at the step's end, and how fast. For measured strokes, not for a
+/// loop with a device (README, "Closed loop"). `reading` may be NULL. An error leaves the action as it was. Real time:
+/// yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_rigid(
     action: *mut ErardAction,
@@ -158,7 +162,8 @@ pub unsafe extern "C" fn erard_step_free(action: *mut ErardAction, reading: *mut
     unsafe { step(action, Ok(Input::Free), reading) }
 }
 
-/// One step under an input of any kind (a hand among them). `reading` may be NULL. An error leaves the action as it was. Real time: yes.
+/// One step under an input of any kind (a hand among them). `reading` may be NULL. An error leaves the action as it
+/// was. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_input(
     action: *mut ErardAction,
@@ -171,8 +176,8 @@ pub unsafe extern "C" fn erard_step_input(
     unsafe { step(action, input.checked(), reading) }
 }
 
-/// Places the hand (ERARD_HAND), m below the key front's rest, with a velocity, m/s, down positive. A new action has it at the key front's rest; it moves in
-/// steps that a hand drives only. Real time: yes.
+/// Places the hand (ERARD_HAND), m below the key front's rest, with a velocity, m/s, down positive. A new action has it
+/// at the key front's rest; it moves in steps that a hand drives only. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_place_hand(action: *mut ErardAction, position_m: f64, velocity_m_s: f64) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action.
@@ -187,10 +192,11 @@ pub unsafe extern "C" fn erard_place_hand(action: *mut ErardAction, position_m: 
     })
 }
 
-/// As many steps as `dt_s` has room for, for a device that is slower than the steps (0 to ERARD_LONGEST_ADVANCE_S); what is left over counts for the
-/// next call, so that times of any length do not drift. The input holds at the beginning of `dt_s`: a force is held, a position goes on at its
-/// velocity. The reading's finger_mean_n is what to render: the device that holds it gives back the same impulse. If a step fails none has been
-/// taken. Real time: yes, and its time is that of its steps.
+/// As many steps as `dt_s` has room for, for a device that is slower than the steps (0 to ERARD_LONGEST_ADVANCE_S);
+/// what is left over counts for the next call, so that times of any length do not drift. The input holds at the
+/// beginning of `dt_s`: a force is held, a position goes on at its velocity. The reading's finger_mean_n is what to
+/// render: the device that holds it gives back the same impulse. If a step fails none has been taken. Real time: yes,
+/// and its time is that of its steps.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_advance(
     action: *mut ErardAction,
@@ -227,10 +233,11 @@ pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
     quick(|| action.play.reset())
 }
 
-/// Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says how many bytes there are, and is
-/// told how many it takes: some 2.8 kB, the same for every action of one library whose string is rigid; modal strings take 16 bytes more for each of
-/// their modes, and the size then belongs to the action. The state is lists of numbers with names: what a later library adds, an earlier one passes over, and
-/// the other way round it is absent. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
+/// Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says
+/// how many bytes there are, and is told how many it takes: some 2.8 kB, the same for every action of one library whose
+/// string is rigid; modal strings take 16 bytes more for each of their modes, and the size then belongs to the action.
+/// The state is lists of numbers with names: what a later library adds, an earlier one passes over, and the other way
+/// round it is absent. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, size: *mut usize) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action and a place for a size.
@@ -252,8 +259,8 @@ pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, 
     })
 }
 
-/// Sends the rail that the sustain pedal lifts to a lift, m, from 0 to 0.010 (farther is as far as it goes; it moves at 0.5 m/s at most). Without modal strings, or without a rail, it does
-/// nothing. Real time: yes.
+/// Sends the rail that the sustain pedal lifts to a lift, m, from 0 to 0.010 (farther is as far as it goes; it moves at
+/// 0.5 m/s at most). Without modal strings, or without a rail, it does nothing. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action.
@@ -267,8 +274,9 @@ pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) 
     })
 }
 
-/// The places at which erard_string_shape looks at the middle string, m from the striking point, away from its nearer end: as many as `count` has room for are
-/// written to `places_m` (which may be NULL). Returns how many there are; 0 for an action without modal strings, and for NULL. Real time: yes.
+/// The places at which erard_string_shape looks at the middle string, m from the striking point, away from its nearer
+/// end: as many as `count` has room for are written to `places_m` (which may be NULL). Returns how many there are; 0
+/// for an action without modal strings, and for NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_string_places(action: *const ErardAction, places_m: *mut f64, count: usize) -> usize {
     // SAFETY: the caller's promise: NULL, or an action.
@@ -281,8 +289,8 @@ pub unsafe extern "C" fn erard_string_places(action: *const ErardAction, places_
     places.len()
 }
 
-/// How far the middle string is from where it rests at each of its places, m, away from the hammer; `count` is the room in `shape_m`, at least
-/// erard_string_places. Without modal strings it does nothing. Real time: yes.
+/// How far the middle string is from where it rests at each of its places, m, away from the hammer; `count` is the room
+/// in `shape_m`, at least erard_string_places. Without modal strings it does nothing. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_string_shape(
     action: *const ErardAction,
@@ -305,8 +313,9 @@ pub unsafe extern "C" fn erard_string_shape(
     })
 }
 
-/// Goes on from a saved state of the same instrument (its numbers count; its name, its notes and the order in its file do not) and the same length of step,
-/// to the bit; readings are those of then. What is no such state is refused, and the action stays as it was. Real time: yes.
+/// Goes on from a saved state of the same instrument (its numbers count; its name, its notes and the order in its file
+/// do not) and the same length of step, to the bit; readings are those of then. What is no such state is refused, and
+/// the action stays as it was. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_restore(action: *mut ErardAction, bytes: *const u8, size: usize) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action and so many bytes.
@@ -331,7 +340,8 @@ pub unsafe extern "C" fn erard_zone_count(action: *const ErardAction) -> usize {
     unsafe { action.as_ref() }.map_or(0, |action| action.zones.len())
 }
 
-/// Name of a body, from 0, as its file gives it; NULL if there is no such body. It is the action's, and lasts as long. Real time: yes.
+/// Name of a body, from 0, as its file gives it; NULL if there is no such body. It is the action's, and lasts as long.
+/// Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_body_name(action: *const ErardAction, body: usize) -> *const c_char {
     // SAFETY: the caller's promise: NULL, or an action.
@@ -368,8 +378,8 @@ unsafe fn fill(
     })
 }
 
-/// Absolute angles of all bodies, rad, counter-clockwise seen with the player to the left; `count` is the room in `angles_rad`, at least
-/// erard_body_count. Real time: yes.
+/// Absolute angles of all bodies, rad, counter-clockwise seen with the player to the left; `count` is the room in
+/// `angles_rad`, at least erard_body_count. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_angles(action: *const ErardAction, angles_rad: *mut f64, count: usize) -> ErardStatus {
     let write = |action: &ErardAction, out: &mut [f64]| {
@@ -393,8 +403,8 @@ pub unsafe extern "C" fn erard_velocities(
     unsafe { fill(action, velocities_rad_s, count, |action| action.bodies.len(), write) }
 }
 
-/// Normal forces of all contact zones in the last step, N, never negative; `count` is the room in `forces_n`, at least erard_zone_count. After a
-/// restore or a reset they are 0 until the next step. Real time: yes.
+/// Normal forces of all contact zones in the last step, N, never negative; `count` is the room in `forces_n`, at least
+/// erard_zone_count. After a restore or a reset they are 0 until the next step. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_contact_forces(
     action: *const ErardAction,

@@ -1,7 +1,8 @@
-//! What one turns at a bench or changes at a drawing board, each with its unit and its range: the screws of the file, and the numbers that designers
-//! speak of. A page makes sliders of them.
+//! What one turns at a bench or changes at a drawing board, each with its unit and its range: the screws of the file,
+//! and the numbers that designers speak of. A page makes sliders of them.
 //!
-//! A dial changes numbers of the instrument's file and nothing else: what comes out is a file again, which its reader checks.
+//! A dial changes numbers of the instrument's file and nothing else: what comes out is a file again, which its reader
+//! checks.
 
 use erard::grand::Parts;
 use erard::instrument::{Instrument, InstrumentFile, ScrewAction, Vec2, with_numbers};
@@ -63,7 +64,8 @@ enum Kind {
     Times(Numbers),
     /// The first to the dial's value, the others in proportion.
     InProportion(Numbers),
-    /// A lead of the dial's mass more, at a place of a body with this mass (g), centre of mass (mm) and inertia (kg m2).
+    /// A lead of the dial's mass more, at a place of a body with this mass (g), centre of mass (mm) and inertia (kg
+    /// m2).
     Lead { body: String, at_mm: Vec2, mass_g: f64, centre_mm: Vec2, inertia_kg_m2: f64 },
     /// A horizontal place such that it has this distance from another that is so much higher, on this side of it.
     Distance { path: String, to_mm: Vec2, height_mm: f64, side: f64 },
@@ -74,7 +76,8 @@ const SETS: [(&str, &str); 3] =
     [("capstan_height", "blow"), ("front_punching", "dip"), ("back_rail_cloth", "key height")];
 /// How far felts and friction go, either way, as a factor.
 const FACTOR: f64 = 3.0;
-/// Where a lead is put, mm in front of the balance pin: where the built-in grand's stand in the mean (0.62 and 0.55 of 265 mm).
+/// Where a lead is put, mm in front of the balance pin: where the built-in grand's stand in the mean (0.62 and 0.55 of
+/// 265 mm).
 const LEAD_AT_MM: f64 = 155.0;
 
 /// All dials of an instrument; of what is no grand action, its screws.

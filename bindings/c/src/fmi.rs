@@ -1,8 +1,9 @@
-//! FMI 2.0 for co-simulation. The standard names these functions and says what each does; what is particular to this unit stands here.
+//! FMI 2.0 for co-simulation. The standard names these functions and says what each does; what is particular to this
+//! unit stands here.
 //!
-//! The instrument is the text in the archive's `resources`. Its numbers are parameters: set before the end of initialisation, they are put into the text,
-//! which is then read anew. A communication step is as many steps of the simulation as end within it, counted from the start, so that communication
-//! steps of any length do not drift.
+//! The instrument is the text in the archive's `resources`. Its numbers are parameters: set before the end of
+//! initialisation, they are put into the text, which is then read anew. A communication step is as many steps of the
+//! simulation as end within it, counted from the start, so that communication steps of any length do not drift.
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -80,7 +81,8 @@ fn log(
 ) {
     let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
     if let Some(logger) = logger {
-        // SAFETY: the importer's promise: a logger as the standard describes it. The text is an argument, not the format.
+        // SAFETY: the importer's promise: a logger as the standard describes it. The text is an argument, not the
+        // format.
         unsafe {
             logger(environment, name.as_ptr(), status, c"logStatusError".as_ptr(), c"%s".as_ptr(), text.as_ptr());
         }
@@ -471,7 +473,8 @@ unsafe extern "C" fn fmi2DoStep(
             let until = until.round() as u64;
             let mut worst = OK;
             while *steps < until {
-                // A finger that moves goes on moving within the communication step; the step is told where it is in its middle.
+                // A finger that moves goes on moving within the communication step; the step is told where it is in its
+                // middle.
                 let later_s = (*start_s + (*steps as f64 + 0.5) * step_s - now_s).max(0.0);
                 let position_m = input.position_m + input.velocity_m_s * later_s;
                 let step = ErardInput { position_m, ..input }.checked();

@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 use crate::text::{bytes, give, name};
 
-/// An instrument that was read from its file's text, and that text. It belongs to whoever made it, until erard_instrument_free. It never changes but by
-/// erard_instrument_set; several threads may read it at once.
+/// An instrument that was read from its file's text, and that text. It belongs to whoever made it, until
+/// erard_instrument_free. It never changes but by erard_instrument_set; several threads may read it at once.
 pub struct ErardInstrument {
     pub(crate) file: InstrumentFile,
     pub(crate) text: String,
@@ -66,8 +66,9 @@ pub(crate) fn boxed(file: InstrumentFile, text: String) -> *mut ErardInstrument 
     Box::into_raw(Box::new(ErardInstrument { file, text }))
 }
 
-/// Reads the text of an instrument file (UTF-8, `length` bytes); NULL and 0: the built-in concert grand. NULL where something is wrong with it:
-/// `status` (which may be NULL) and erard_last_error say what; erard_check says it for programs. Real time: no, as everything here.
+/// Reads the text of an instrument file (UTF-8, `length` bytes); NULL and 0: the built-in concert grand. NULL where
+/// something is wrong with it: `status` (which may be NULL) and erard_last_error say what; erard_check says it for
+/// programs. Real time: no, as everything here.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_new(
     text: *const c_char,
@@ -134,8 +135,9 @@ pub unsafe extern "C" fn erard_instrument_text(
     told(null_mut(), status, || give(unsafe { given(instrument) }?.text.clone(), length))
 }
 
-/// One number of the file, in the file's own unit, by its dotted path: "body.hammer.mass_g", "zone.string.felt.exponent", "screw.let_off.setting_mm";
-/// entries of a list by their name. `which` is 0, or for a coordinate 0 or 1.
+/// One number of the file, in the file's own unit, by its dotted path: "body.hammer.mass_g",
+/// "zone.string.felt.exponent", "screw.let_off.setting_mm"; entries of a list by their name. `which` is 0, or for a
+/// coordinate 0 or 1.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_get(
     instrument: *const ErardInstrument,
@@ -158,8 +160,8 @@ fn no_number(path: &str, which: usize) -> Fault {
     Fault::new(ErardStatus::NoSuch, format!("the instrument has no number {which} at `{path}`"))
 }
 
-/// Changes one number of the file, in the file's own unit. The text is read anew: what the file may not be is refused, and the instrument stays as it
-/// was. Actions that were made of it before stay as they are.
+/// Changes one number of the file, in the file's own unit. The text is read anew: what the file may not be is refused,
+/// and the instrument stays as it was. Actions that were made of it before stay as they are.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_set(
     instrument: *mut ErardInstrument,
@@ -182,8 +184,8 @@ pub unsafe extern "C" fn erard_instrument_set(
     })
 }
 
-/// What the instrument is, as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its numbers with path, values, line and source.
-/// Give it back with erard_text_free.
+/// What the instrument is, as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its numbers
+/// with path, values, line and source. Give it back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_json(
     instrument: *const ErardInstrument,
@@ -228,9 +230,10 @@ fn described(file: &InstrumentFile) -> Value {
     })
 }
 
-/// Whether a text is a sound instrument or keyboard file, as JSON: {"kind", "sound", "name", "errors"}; each error with "line" and "column" (from 1), "key",
-/// "message", "found", "expected", the bytes from "begin" to "end", and "text", all of it in a line. A reader stops at the first error. `text` is UTF-8 of
-/// `length` bytes, or not: that is an error, too. Give the JSON back with erard_text_free.
+/// Whether a text is a sound instrument or keyboard file, as JSON: {"kind", "sound", "name", "errors"}; each error with
+/// "line" and "column" (from 1), "key", "message", "found", "expected", the bytes from "begin" to "end", and "text",
+/// all of it in a line. A reader stops at the first error. `text` is UTF-8 of `length` bytes, or not: that is an error,
+/// too. Give the JSON back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_check(
     text: *const c_char,

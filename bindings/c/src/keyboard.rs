@@ -18,7 +18,8 @@ use crate::reading::{ErardBlow, ErardInput, ErardReading};
 use crate::status::{ErardStatus, Fault, quick, told};
 use crate::text::bytes;
 
-/// A whole keyboard under the caller's control. It belongs to whoever made it, until erard_keyboard_free. One thread at a time may use it.
+/// A whole keyboard under the caller's control. It belongs to whoever made it, until erard_keyboard_free. One thread at
+/// a time may use it.
 pub struct ErardKeyboard {
     keys: Keys,
     inputs: Vec<ErardInput>,
@@ -32,9 +33,10 @@ pub const ERARD_MOST_STEPS: u32 = 1000000;
 
 const MARK: [u8; 8] = *b"erardkbd";
 
-/// 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is a built-in one; NULL and 0: the built-in
-/// concert grand. Each key has an input that holds until it is changed; at first ERARD_FREE. NULL where it cannot be had; `status` (which may be
-/// NULL) and erard_last_error say why. Real time: no (it takes about half a second).
+/// 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is a built-in one;
+/// NULL and 0: the built-in concert grand. Each key has an input that holds until it is changed; at first ERARD_FREE.
+/// NULL where it cannot be had; `status` (which may be NULL) and erard_last_error say why. Real time: no (it takes
+/// about half a second).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_new(
     text: *const c_char,
@@ -89,8 +91,8 @@ pub unsafe extern "C" fn erard_keyboard_awake(keyboard: *const ErardKeyboard) ->
     unsafe { keyboard.as_ref() }.map_or(0, |keyboard| keyboard.keys.awake() as u32)
 }
 
-/// What drives a key, from 1, from the next step on until it is driven otherwise. The position of ERARD_MOTION holds, whatever its velocity says: give
-/// a new one as often as it moves. Real time: yes.
+/// What drives a key, from 1, from the next step on until it is driven otherwise. The position of ERARD_MOTION holds,
+/// whatever its velocity says: give a new one as often as it moves. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_drive(
     keyboard: *mut ErardKeyboard,
@@ -139,9 +141,10 @@ pub unsafe extern "C" fn erard_keyboard_place_hand(
     })
 }
 
-/// So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their order, as many as `capacity`
-/// says; `count` (which may be NULL) is told how many there were: those beyond are lost. A key whose numbers became infinite stays where it was, and
-/// the status says so; the others have gone on. Real time: yes.
+/// So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their
+/// order, as many as `capacity` says; `count` (which may be NULL) is told how many there were: those beyond are lost. A
+/// key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real time:
+/// yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_step(
     keyboard: *mut ErardKeyboard,
@@ -188,7 +191,8 @@ pub unsafe extern "C" fn erard_keyboard_step(
     })
 }
 
-/// What there is to be read of a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows is 0. Real time: yes.
+/// What there is to be read of a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows
+/// is 0. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_read(
     keyboard: *const ErardKeyboard,
@@ -226,8 +230,8 @@ pub unsafe extern "C" fn erard_keyboard_read(
     })
 }
 
-/// Writes the absolute angles of a key's bodies, rad, in the order of its instrument's, as erard_angles does for one action: `count` says for how many there
-/// is room. Real time: yes.
+/// Writes the absolute angles of a key's bodies, rad, in the order of its instrument's, as erard_angles does for one
+/// action: `count` says for how many there is room. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_angles(
     keyboard: *const ErardKeyboard,
@@ -253,7 +257,8 @@ pub unsafe extern "C" fn erard_keyboard_angles(
     })
 }
 
-/// Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 220 kB). Real time: yes.
+/// Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 220 kB). Real time:
+/// yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_save(
     keyboard: *const ErardKeyboard,
@@ -305,8 +310,9 @@ fn save(keyboard: &ErardKeyboard, bytes: &mut [u8]) -> usize {
     out.seal()
 }
 
-/// Goes on from a saved state of the same keyboard and the same length of step: the same bits for every key, instants to a rounding. What is no such
-/// state is refused, and the keyboard stays as it was. Forces read 0 until the next step. Real time: yes.
+/// Goes on from a saved state of the same keyboard and the same length of step: the same bits for every key, instants
+/// to a rounding. What is no such state is refused, and the keyboard stays as it was. Forces read 0 until the next
+/// step. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_restore(
     keyboard: *mut ErardKeyboard,

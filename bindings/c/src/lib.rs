@@ -1,7 +1,9 @@
-//! The grand piano action behind a C ABI: one interface for control loops, haptic keys, simulators (FMI 2.0) and pages (WebAssembly).
+//! The grand piano action behind a C ABI: one interface for control loops, haptic keys, simulators (FMI 2.0) and pages
+//! (WebAssembly).
 //!
-//! `include/erard.h` is made from this source by cbindgen (`tests/header.rs` keeps it so); the README beside it is the contract: who owns what,
-//! what allocates, what may be called in real time. No physics is here: `erard`, `erard-workshop` and `erard-figures` are called.
+//! `include/erard.h` is made from this source by cbindgen (`tests/header.rs` keeps it so); the README beside it is the
+//! contract: who owns what, what allocates, what may be called in real time. No physics is here: `erard`,
+//! `erard-workshop` and `erard-figures` are called.
 
 mod action;
 mod dials;

@@ -1,4 +1,5 @@
-//! An action that is played: everything that may be called in real time. Nothing here allocates, locks, calls the system or uses a clock.
+//! An action that is played: everything that may be called in real time. Nothing here allocates, locks, calls the
+//! system or uses a clock.
 
 use erard::player::{HandInput, MechanismState, SNAPSHOT_MARK};
 use erard::saved::{Lists, Writer};
@@ -190,7 +191,8 @@ impl Play {
         }
     }
 
-    /// Goes on from such lists; those of a snapshot alone have the length of step that is in force, owe no time, and have seen no blow.
+    /// Goes on from such lists; those of a snapshot alone have the length of step that is in force, owe no time, and
+    /// have seen no blow.
     pub(crate) fn read(&mut self, lists: &Lists<'_>) -> ErardStatus {
         let step_s = self.action.settings().step;
         if lists.number("step_s").is_some_and(|saved_s| saved_s != step_s) {
@@ -268,7 +270,8 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
     }
 }
 
-/// An input so many s later, for a step of h s: what moves, moves on. A soft finger's place belongs to the middle of the step, an imposed one to its end.
+/// An input so many s later, for a step of h s: what moves, moves on. A soft finger's place belongs to the middle of
+/// the step, an imposed one to its end.
 fn later(input: Input, t: f64, h: f64) -> Input {
     match input {
         Input::Motion { position_m, velocity_m_s } => {

@@ -5,8 +5,8 @@ use erard::player::{Hand, HandInput};
 
 use crate::status::ErardStatus;
 
-/// The version of this interface: the layout of structures and the meaning of functions. A library of another version cannot be used with this
-/// header; compare with erard_abi().
+/// The version of this interface: the layout of structures and the meaning of functions. A library of another version
+/// cannot be used with this header; compare with erard_abi().
 pub const ERARD_ABI: u32 = 1;
 
 /// Largest force that an action takes, N, up or down: a hundred times a fortissimo.
@@ -24,10 +24,11 @@ pub const ERARD_FREE: u32 = 0;
 pub const ERARD_FORCE: u32 = 1;
 /// ErardInput.kind: the driver's end of a soft fingertip is somewhere and moves (impedance). The fingertip only pushes.
 pub const ERARD_MOTION: u32 = 2;
-/// ErardInput.kind: the key front itself is somewhere and moves, imposed. Not for a loop with a device: see "Closed loop" in the README.
+/// ErardInput.kind: the key front itself is somewhere and moves, imposed. Not for a loop with a device: see "Closed
+/// loop" in the README.
 pub const ERARD_RIGID: u32 = 3;
-/// ErardInput.kind: a hand, a mass that muscle moves, behind a soft fingertip. Its place and speed are part of the action's state; erard_place_hand
-/// sets them.
+/// ErardInput.kind: a hand, a mass that muscle moves, behind a soft fingertip. Its place and speed are part of the
+/// action's state; erard_place_hand sets them.
 pub const ERARD_HAND: u32 = 4;
 
 /// What drives a key. Fields that its kind does not use are not looked at.
@@ -118,7 +119,8 @@ pub struct ErardReading {
     pub key_m_s: f64,
     /// Force of the finger on the key in the last step, N: what a haptic key has to give back.
     pub finger_n: f64,
-    /// The same in the mean over all steps of the call that made this reading, N: what a device holds that is slower than the steps.
+    /// The same in the mean over all steps of the call that made this reading, N: what a device holds that is slower
+    /// than the steps.
     pub finger_mean_n: f64,
     /// Rise of the hammer's strike point, m.
     pub hammer_m: f64,

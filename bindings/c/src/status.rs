@@ -5,7 +5,8 @@ use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null_mut;
 
-/// How a call ended. Zero is success, above zero a success with a remark, below zero an error: nothing has changed then.
+/// How a call ended. Zero is success, above zero a success with a remark, below zero an error: nothing has changed
+/// then.
 #[repr(i32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErardStatus {
@@ -19,7 +20,8 @@ pub enum ErardStatus {
     Argument = -2,
     /// A number is not finite, or became so in the step.
     NotFinite = -3,
-    /// A number is beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, or a step or time beyond its range.
+    /// A number is beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, or a step or time
+    /// beyond its range.
     Range = -4,
     /// There is no such key, body, zone, screw or number.
     NoSuch = -5,
@@ -98,8 +100,8 @@ pub(crate) unsafe fn ended<T>(own: *mut T) {
     }
 }
 
-/// Does what may allocate and may fail: its result, or `none` where it fails; then the code is written where the caller wants it, and the text is
-/// kept for [`erard_last_error`]. A panic ends here.
+/// Does what may allocate and may fail: its result, or `none` where it fails; then the code is written where the caller
+/// wants it, and the text is kept for [`erard_last_error`]. A panic ends here.
 pub(crate) fn told<T>(none: T, status: *mut ErardStatus, work: impl FnOnce() -> Result<T, Fault>) -> T {
     let done = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().cloned().or(panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
@@ -134,8 +136,9 @@ pub(crate) fn quick(work: impl FnOnce() -> ErardStatus) -> ErardStatus {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or(ErardStatus::Internal)
 }
 
-/// What went wrong in the last call of this thread that failed and was none of the real-time functions (these return a status and keep no text): a
-/// line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the library's, and lasts until the next such call fails.
+/// What went wrong in the last call of this thread that failed and was none of the real-time functions (these return a
+/// status and keep no text): a line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the
+/// library's, and lasts until the next such call fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_last_error() -> *const c_char {
     // Where a thread ends its own storage is gone: there is nothing to say then.

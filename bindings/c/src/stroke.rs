@@ -14,8 +14,8 @@ use crate::reading::{ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARG
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 use crate::text::{bytes, give, name};
 
-/// What a player did over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever made it, until
-/// erard_stroke_free. One thread at a time may use it.
+/// What a player did over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever
+/// made it, until erard_stroke_free. One thread at a time may use it.
 pub struct ErardStroke {
     drive: Box<dyn Fn(f64) -> Input + Send>,
     start_s: f64,
@@ -36,8 +36,8 @@ fn undriven(error: &DrivingError) -> Fault {
     Fault::new(ErardStatus::File, error.to_string())
 }
 
-/// A built-in stroke for an instrument: "pp", "p", "mf", "f" or "ff"; `struck`: 0 for a pressed touch, 1 for a struck one. It drives by its force.
-/// Real time: no.
+/// A built-in stroke for an instrument: "pp", "p", "mf", "f" or "ff"; `struck`: 0 for a pressed touch, 1 for a struck
+/// one. It drives by its force. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_builtin(
     instrument: *const ErardInstrument,
@@ -58,10 +58,11 @@ pub unsafe extern "C" fn erard_stroke_builtin(
     })
 }
 
-/// A recorded stroke for an instrument, from the text of a CSV file (UTF-8, `length` bytes) with a column for the time and one for force or position;
-/// it drives by its force where it has one, else by its position. It is prepared as `erard press` does without options: the zero is taken from the rest
-/// before the touch, and what noise a channel has is filtered; erard_stroke_told says so. What is wrong with it erard_last_error says with line and column.
-/// Real time: no.
+/// A recorded stroke for an instrument, from the text of a CSV file (UTF-8, `length` bytes) with a column for the time
+/// and one for force or position; it drives by its force where it has one, else by its position. It is prepared as
+/// `erard press` does without options: the zero is taken from the rest before the touch, and what noise a channel has
+/// is filtered; erard_stroke_told says so. What is wrong with it erard_last_error says with line and column. Real time:
+/// no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_new(
     instrument: *const ErardInstrument,
@@ -85,8 +86,8 @@ pub unsafe extern "C" fn erard_stroke_new(
     })
 }
 
-/// What was done to a recorded stroke to make it ready and what was noticed, a line each; empty for one that is built in. Give the text back with
-/// erard_text_free.
+/// What was done to a recorded stroke to make it ready and what was noticed, a line each; empty for one that is built
+/// in. Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_told(
     stroke: *const ErardStroke,
@@ -100,9 +101,9 @@ pub unsafe extern "C" fn erard_stroke_told(
     })
 }
 
-/// Which columns of a table are read as a recording, as JSON: an array of "role" ("time", "force", "position", "hammer"), "index" (from 0) and "title", time
-/// first. `titles` is a JSON array of all titles. For callers that read tables that are not text, and pass their columns on as CSV. Give the text back with
-/// erard_text_free.
+/// Which columns of a table are read as a recording, as JSON: an array of "role" ("time", "force", "position",
+/// "hammer"), "index" (from 0) and "title", time first. `titles` is a JSON array of all titles. For callers that read
+/// tables that are not text, and pass their columns on as CSV. Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_recording_columns(
     titles: *const c_char,
@@ -148,8 +149,8 @@ pub unsafe extern "C" fn erard_stroke_rewind(stroke: *mut ErardStroke) -> ErardS
     })
 }
 
-/// One step of an action under the stroke's next input: from an action at rest the same bits as `erard press`. An error leaves both as they were.
-/// `reading` may be NULL. Real time: no.
+/// One step of an action under the stroke's next input: from an action at rest the same bits as `erard press`. An error
+/// leaves both as they were. `reading` may be NULL. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_stroke(
     action: *mut ErardAction,

@@ -4,7 +4,8 @@ use std::ffi::{CStr, CString, c_char};
 
 use crate::status::{ErardStatus, Fault};
 
-/// A text of the library for the caller, who gives it back with `erard_text_free`; its length is written where it is wanted.
+/// A text of the library for the caller, who gives it back with `erard_text_free`; its length is written where it is
+/// wanted.
 pub(crate) fn give(text: String, length: *mut usize) -> Result<*mut c_char, Fault> {
     let text = CString::new(text).map_err(|_| Fault::new(ErardStatus::Internal, "a text with a zero in it"))?;
     // SAFETY: the caller's promise: NULL, or a place for a size.
@@ -45,8 +46,8 @@ pub unsafe extern "C" fn erard_text_free(text: *mut c_char) {
     }
 }
 
-/// So many bytes of memory, set to zero, for callers that have none of their own to pass: a page. NULL for 0 bytes. Give it back with
-/// erard_memory_free. Real time: no.
+/// So many bytes of memory, set to zero, for callers that have none of their own to pass: a page. NULL for 0 bytes.
+/// Give it back with erard_memory_free. Real time: no.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_memory_new(bytes: usize) -> *mut u8 {
     if bytes == 0 || bytes > isize::MAX as usize {

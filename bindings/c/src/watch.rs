@@ -10,7 +10,8 @@ use crate::action::ErardAction;
 use crate::instrument::{ErardInstrument, given};
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 
-/// Looks at an action while it is pressed, and finds the instants of one press. It belongs to whoever made it, until erard_watch_free.
+/// Looks at an action while it is pressed, and finds the instants of one press. It belongs to whoever made it, until
+/// erard_watch_free.
 pub struct ErardWatch {
     instrument: Instrument,
     watch: EventDetector,
@@ -116,7 +117,8 @@ pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut
     })
 }
 
-/// From now on an action keeps where its zones touch, for erard_contacts. It costs a few percent of a step and changes no bit. Real time: no.
+/// From now on an action keeps where its zones touch, for erard_contacts. It costs a few percent of a step and changes
+/// no bit. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keep_contacts(action: *mut ErardAction) -> ErardStatus {
     tell(|| {
@@ -128,9 +130,9 @@ pub unsafe extern "C" fn erard_keep_contacts(action: *mut ErardAction) -> ErardS
     })
 }
 
-/// How the contact zones acted in the last step, five numbers each: force, N; the point, m in the world, x to the back and y up; the unit normal along
-/// which its disc's side is pushed. Zeros where nothing touches, and before erard_keep_contacts. `count` is the room in `numbers`, at least five times
-/// erard_zone_count. Real time: no.
+/// How the contact zones acted in the last step, five numbers each: force, N; the point, m in the world, x to the back
+/// and y up; the unit normal along which its disc's side is pushed. Zeros where nothing touches, and before
+/// erard_keep_contacts. `count` is the room in `numbers`, at least five times erard_zone_count. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_contacts(action: *const ErardAction, numbers: *mut f64, count: usize) -> ErardStatus {
     tell(|| {
@@ -157,7 +159,8 @@ pub unsafe extern "C" fn erard_contacts(action: *const ErardAction, numbers: *mu
     })
 }
 
-/// Whether the last step changed nothing, so that under the same input no later one does either: 1, else 0. 0 for NULL. Real time: no.
+/// Whether the last step changed nothing, so that under the same input no later one does either: 1, else 0. 0 for NULL.
+/// Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_rests(action: *const ErardAction) -> u32 {
     // SAFETY: the caller's promise: NULL, or an action.

@@ -20,12 +20,14 @@ use crate::instrument::{ErardInstrument, boxed, file_fault, given};
 use crate::status::{ErardStatus, Fault, told};
 use crate::text::{give, name};
 
-/// Called now and then during long work with the share that is done, 0 to 1, and the caller's own pointer; 0 ends the work.
+/// Called now and then during long work with the share that is done, 0 to 1, and the caller's own pointer; 0 ends the
+/// work.
 pub type ErardProgress = Option<unsafe extern "C" fn(share: f64, user: *mut c_void) -> i32>;
 
-/// A picture of the instrument in one pose, as SVG: the same drawing as the command's. `angles_rad` are absolute angles of its bodies, as erard_angles
-/// gives them; NULL and 0: as its file draws it. `size_px` is the larger side, px. `labels`: 1 names the parts. Elements of a moving part carry
-/// `data-body`, its number. Give the text back with erard_text_free.
+/// A picture of the instrument in one pose, as SVG: the same drawing as the command's. `angles_rad` are absolute angles
+/// of its bodies, as erard_angles gives them; NULL and 0: as its file draws it. `size_px` is the larger side, px.
+/// `labels`: 1 names the parts. Elements of a moving part carry `data-body`, its number. Give the text back with
+/// erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_draw(
     instrument: *const ErardInstrument,
@@ -59,9 +61,10 @@ pub unsafe extern "C" fn erard_draw(
     })
 }
 
-/// Measures an instrument as a technician does, as JSON. `wanted` NULL: the whole sheet, as `erard measure --json` has it for an instrument; else some of
-/// its lines, separated by commas ("down_weight_g,dip_mm"), as an object of their values, which costs only what they need. `progress` may be NULL.
-/// Takes from tenths of a second to seconds. Give the text back with erard_text_free.
+/// Measures an instrument as a technician does, as JSON. `wanted` NULL: the whole sheet, as `erard measure --json` has
+/// it for an instrument; else some of its lines, separated by commas ("down_weight_g,dip_mm"), as an object of their
+/// values, which costs only what they need. `progress` may be NULL. Takes from tenths of a second to seconds. Give the
+/// text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_measure(
     instrument: *const ErardInstrument,
@@ -113,10 +116,11 @@ fn not_measured(error: &MeasureError) -> Fault {
     Fault::new(status, error.to_string())
 }
 
-/// Turns an instrument's screws until its action meets goals, as JSON: what became of every goal, the screws that were turned, all distances before and
-/// after (the fields of the report that `erard regulate` writes), and "file", the text of the instrument file with its new settings. The instrument itself
-/// stays as it is. `goals` NULL: the trade's norms; else a JSON object of goals by name with values in mm (the spring in mm/s, the damper in %) or texts with
-/// units: {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes seconds. Give the text back with erard_text_free.
+/// Turns an instrument's screws until its action meets goals, as JSON: what became of every goal, the screws that were
+/// turned, all distances before and after (the fields of the report that `erard regulate` writes), and "file", the text
+/// of the instrument file with its new settings. The instrument itself stays as it is. `goals` NULL: the trade's norms;
+/// else a JSON object of goals by name with values in mm (the spring in mm/s, the damper in %) or texts with units:
+/// {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes seconds. Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_regulate(
     instrument: *const ErardInstrument,
@@ -168,9 +172,11 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
     each.collect()
 }
 
-/// What a page needs to draw an instrument and move its picture, as JSON: "shapes" and "gradients" (SVG for a g and a defs element; what moves carries
-/// `data-body`, or with the pedal's rail, `data-rail`), "bodies" with their hinges, angles as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one),
-/// "string" (where it is struck and how high it lies, null where it is rigid), "labels", "views" and the law of arrows; mm of the picture. Give the text back with erard_text_free.
+/// What a page needs to draw an instrument and move its picture, as JSON: "shapes" and "gradients" (SVG for a g and a
+/// defs element; what moves carries `data-body`, or with the pedal's rail, `data-rail`), "bodies" with their hinges,
+/// angles as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one), "string"
+/// (where it is struck and how high it lies, null where it is rigid), "labels", "views" and the law of arrows; mm of
+/// the picture. Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_scene(
     instrument: *const ErardInstrument,
@@ -184,8 +190,9 @@ pub unsafe extern "C" fn erard_scene(
     })
 }
 
-/// The lines of the protocol sheet, as JSON: groups of "heading" and "lines", each line with "key" (as erard_measure takes and gives it), "label", "unit",
-/// "decimals", and "usual" ([low, high], null where open) and "source" of its norm at a key, 1 to 88. Give the text back with erard_text_free.
+/// The lines of the protocol sheet, as JSON: groups of "heading" and "lines", each line with "key" (as erard_measure
+/// takes and gives it), "label", "unit", "decimals", and "usual" ([low, high], null where open) and "source" of its
+/// norm at a key, 1 to 88. Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
     told(null_mut(), status, || {
@@ -210,8 +217,8 @@ pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardSt
     })
 }
 
-/// What can be turned and changed of an instrument, as JSON: dials, each with "name", "label", "note", "group", "unit", "decimals", "value", "from" and
-/// "to". Give the text back with erard_text_free.
+/// What can be turned and changed of an instrument, as JSON: dials, each with "name", "label", "note", "group", "unit",
+/// "decimals", "value", "from" and "to". Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_dials(
     instrument: *const ErardInstrument,
@@ -226,8 +233,9 @@ pub unsafe extern "C" fn erard_dials(
     })
 }
 
-/// The instrument with dials turned, as a new one: `turns` is a JSON object of dials' names and values, {"let_off": -0.5, "hammer": 9.5}. All count from
-/// this instrument, which stays as it is. What the file may not be is refused. It belongs to the caller, until erard_instrument_free.
+/// The instrument with dials turned, as a new one: `turns` is a JSON object of dials' names and values, {"let_off":
+/// -0.5, "hammer": 9.5}. All count from this instrument, which stays as it is. What the file may not be is refused. It
+/// belongs to the caller, until erard_instrument_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_turned(
     instrument: *const ErardInstrument,
@@ -253,8 +261,9 @@ pub unsafe extern "C" fn erard_turned(
     })
 }
 
-/// Presses an instrument once, mezzo forte, and says whether it plays, as JSON: "hammer_speed_m_s" (null where the hammer does not reach the string) and
-/// "warnings", sentences about what cannot be trusted or does not work. Takes a tenth of a second. Give the text back with erard_text_free.
+/// Presses an instrument once, mezzo forte, and says whether it plays, as JSON: "hammer_speed_m_s" (null where the
+/// hammer does not reach the string) and "warnings", sentences about what cannot be trusted or does not work. Takes a
+/// tenth of a second. Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_try(
     instrument: *const ErardInstrument,

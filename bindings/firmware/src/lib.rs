@@ -1,7 +1,7 @@
 //! The whole grand without the standard library and without a heap: what a control loop on a chip steps.
 //!
-//! `grand.rs` is the built-in instrument as source, made by `cargo run --release -p erard --example firmware` and checked by
-//! `crates/erard/tests/it/firmware.rs`. The model is built at start, on the stack or in a static.
+//! `grand.rs` is the built-in instrument as source, made by `cargo run --release -p erard --example firmware` and
+//! checked by `crates/erard/tests/it/firmware.rs`. The model is built at start, on the stack or in a static.
 
 #![no_std]
 
@@ -71,14 +71,16 @@ impl<T: Scalar> Grand<T> {
         step(&self.model, &self.settings, &input, &mut self.state, &mut self.workspace)
     }
 
-    /// One step under a hand whose muscle has this force, N, down positive. A number that is not finite leaves it where it was.
+    /// One step under a hand whose muscle has this force, N, down positive. A number that is not finite leaves it where
+    /// it was.
     pub fn step_hand(&mut self, mass_kg: T, force_n: T) -> StepReport {
         let z = T::ZERO;
         let hand = Hand { mass: mass_kg, force: force_n, stiffness: z, damping: z, position: z, velocity: z };
         step(&self.model, &self.settings, &Input::Hand(hand), &mut self.state, &mut self.workspace)
     }
 
-    /// Places the hand, m below the key's rest, with a velocity, m/s, down positive; a new grand has it at the key's rest.
+    /// Places the hand, m below the key's rest, with a velocity, m/s, down positive; a new grand has it at the key's
+    /// rest.
     pub fn place_hand(&mut self, position_m: T, velocity_m_s: T) {
         self.state.hand = [self.rest_m + position_m, velocity_m_s];
     }
@@ -104,8 +106,8 @@ impl<T: Scalar> Grand<T> {
     }
 }
 
-/// For a linker that wants to see that nothing else is needed: steps the grand so many times under a force, N, and returns how far its key has gone, m;
-/// not-a-number if a step failed.
+/// For a linker that wants to see that nothing else is needed: steps the grand so many times under a force, N, and
+/// returns how far its key has gone, m; not-a-number if a step failed.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_key_travel(force_n: f32, step_s: f32, steps: u32) -> f32 {
     let Ok(mut grand) = Grand::new(step_s) else { return f32::NAN };

@@ -1,4 +1,5 @@
-//! The same two notes on every machine: 5 N for a quarter of a second, let go for another; then the same by a hand, whose muscle lifts it off.
+//! The same two notes on every machine: 5 N for a quarter of a second, let go for another; then the same by a hand,
+//! whose muscle lifts it off.
 
 use moreau::Scalar;
 

@@ -66,7 +66,8 @@ def clustered(strokes: int, workers: int, folder: str) -> tuple[int, float, floa
     with quiet, LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=":0", silence_logs=40) as cluster, Client(cluster) as client:
         client.run(erard.load, "concert-grand")
         print(f"cluster: {workers} processes, started in {time.perf_counter() - start:.1f} s", flush=True)
-        # What Dask takes of a core whether it works or not counts by the clock: on a machine that does other work, too, it counts for more.
+        # What Dask takes of a core whether it works or not counts by the clock: on a machine that does other work, too,
+        # it counts for more.
         before, start = sum(client.run(spent).values()), time.perf_counter()
         time.sleep(IDLE_S)
         upkeep = (sum(client.run(spent).values()) - before) / (time.perf_counter() - start)

@@ -16,7 +16,8 @@ import time
 import erard
 import numpy as np
 
-#: What is recovered, and how far it is drawn from the file's number: a factor's logarithm, or a turn in m, uniformly either way.
+#: What is recovered, and how far it is drawn from the file's number: a factor's logarithm, or a turn in m, uniformly
+#: either way.
 TRUTHS = {
     "body.hammer.mass": 0.1,
     "body.key.mass": 0.1,

@@ -8,10 +8,9 @@
 #     display_name: Python 3
 # ---
 
-# %% [markdown]
-# # My own recording
-# A recording is a table with a column for the time and any of force, position and hammer. Here one is made, with the sensors' noise; yours may be a
-# CSV or Parquet file, a data frame, or a mapping of arrays. Titles say the units: `Time (ms)`, `Force (gf)`, `Travel [mm]`.
+# %% [markdown] # My own recording A recording is a table with a column for the time and any of force, position and
+# hammer. Here one is made, with the sensors' noise; yours may be a CSV or Parquet file, a data frame, or a mapping of
+# arrays. Titles say the units: `Time (ms)`, `Force (gf)`, `Travel [mm]`.
 
 # %%
 import numpy as np
@@ -50,9 +49,9 @@ for verdict in compared.verdicts:
 errors = pd.DataFrame(compared.errors)[["drive", "quantity", "rms", "explained", "delay_s"]]
 errors
 
-# %% [markdown]
-# The same force on the model, as a run of its own. Our hammer is lighter than the recorded one and comes to the string earlier. Its speed is nearly the
-# same: the force of this stroke swells, and what comes later finds a larger force and more work.
+# %% [markdown] The same force on the model, as a run of its own. Our hammer is lighter than the recorded one and comes
+# to the string earlier. Its speed is nearly the same: the force of this stroke swells, and what comes later finds a
+# larger force and more work.
 
 # %%
 run = grand.press(stroke=mine)

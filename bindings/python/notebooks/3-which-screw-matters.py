@@ -35,9 +35,9 @@ for screw in screws:
 table = pd.DataFrame(rows).set_index("screw").sort_values("speed, % per 0.1 mm", key=abs, ascending=False)
 table.round(3)
 
-# %% [markdown]
-# These are differences over the width of a turn, which is what a technician can do: derivatives at a point would say less where let-off or check
-# jump from one way to another. A let-off that is nan did not happen: a tenth further, and the jack still pushes when the hammer is at the string.
+# %% [markdown] These are differences over the width of a turn, which is what a technician can do: derivatives at a
+# point would say less where let-off or check jump from one way to another. A let-off that is nan did not happen: a
+# tenth further, and the jack still pushes when the hammer is at the string.
 
 # %%
 first = table.index[0]

@@ -8,10 +8,9 @@
 #     display_name: Python 3
 # ---
 
-# %% [markdown]
-# # Fitting a recording
-# Two strokes of an action whose hammer is heavier and whose heel is harder than the file says, recorded by noisy sensors. `sigma` says how noisy: also
-# the load cell, whose force drives the model. What its noise does to the model is the larger part of the errors; without it they would be too small.
+# %% [markdown] # Fitting a recording Two strokes of an action whose hammer is heavier and whose heel is harder than the
+# file says, recorded by noisy sensors. `sigma` says how noisy: also the load cell, whose force drives the model. What
+# its noise does to the model is the larger part of the errors; without it they would be too small.
 
 # %%
 import numpy as np
@@ -34,8 +33,8 @@ fit
 # %%
 fit.plot()
 
-# %% [markdown]
-# `x` is what `vary` takes: the fitted instrument is one call away. What the data do not tell is said: a felt that this stroke never touches.
+# %% [markdown] `x` is what `vary` takes: the fitted instrument is one call away. What the data do not tell is said: a
+# felt that this stroke never touches.
 
 # %%
 for name, true in truth.items():

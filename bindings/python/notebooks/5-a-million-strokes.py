@@ -8,10 +8,9 @@
 #     display_name: Python 3
 # ---
 
-# %% [markdown]
-# # A million strokes
-# Chunks go to the workers of a cluster, and each comes back as a Parquet file. Here two processes of this machine do it; a client of SLURM or
-# Kubernetes does as well. `ERARD_STROKES` says how many strokes; the test plays few.
+# %% [markdown] # A million strokes Chunks go to the workers of a cluster, and each comes back as a Parquet file. Here
+# two processes of this machine do it; a client of SLURM or Kubernetes does as well. `ERARD_STROKES` says how many
+# strokes; the test plays few.
 
 # %%
 import os

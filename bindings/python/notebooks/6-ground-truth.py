@@ -8,9 +8,8 @@
 #     display_name: Python 3
 # ---
 
-# %% [markdown]
-# # Ground truth for sensor pianos
-# A data set with labels: what two optical sensors read, and how fast the hammer truly was. Two estimators are scored; neither is clever.
+# %% [markdown] # Ground truth for sensor pianos A data set with labels: what two optical sensors read, and how fast the
+# hammer truly was. Two estimators are scored; neither is clever.
 
 # %%
 import tempfile
@@ -24,10 +23,10 @@ folder = dataset.write(plan, tempfile.mkdtemp() + "/strokes")
 table = dataset.read(folder)
 print((folder / "README.md").read_text()[:600])
 
-# %% [markdown]
-# The first estimator is that of most digital pianos: the time between two thresholds of the sensor at the shank, which is the mean speed on that way.
-# The second fits a parabola to all samples between them, after turning counts into millimetres with the sensor's characteristic, and reads its slope
-# at the end: the hammer still gets faster on its last millimetres. Neither knows the full scale of each key's sensor, which differs by some per cent.
+# %% [markdown] The first estimator is that of most digital pianos: the time between two thresholds of the sensor at the
+# shank, which is the mean speed on that way. The second fits a parabola to all samples between them, after turning
+# counts into millimetres with the sensor's characteristic, and reads its slope at the end: the hammer still gets faster
+# on its last millimetres. Neither knows the full scale of each key's sensor, which differs by some per cent.
 
 # %%
 sensor = dataset.AT_SHANK

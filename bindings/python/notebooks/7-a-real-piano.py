@@ -8,10 +8,9 @@
 #     display_name: Python 3
 # ---
 
-# %% [markdown]
-# # A real piano
-# Greg Zweigle recorded a key and its hammer on a Kawai KG-3C action with optical sensors (Piano-Data, 2023, MIT licence). Three strokes are in the project's folder
-# `recordings`; its README says what is measured, and what is guessed: above all the scale of the hammer's head.
+# %% [markdown] # A real piano Greg Zweigle recorded a key and its hammer on a Kawai KG-3C action with optical sensors
+# (Piano-Data, 2023, MIT licence). Three strokes are in the project's folder `recordings`; its README says what is
+# measured, and what is guessed: above all the scale of the hammer's head.
 
 # %%
 import os
@@ -28,8 +27,8 @@ for (name, frame), axis in zip(strokes.items(), axes, strict=True):
     axis.plot(frame.time_s, frame.hammer_head_mm, frame.time_s, frame.key_mm)
     axis.set(title=name, xlabel="time (s)", ylabel="hammer, key (mm)")
 
-# %% [markdown]
-# The slow press shows let-off and drop as a technician reads them; the built-in action with published arms of a Steinway is turned to that.
+# %% [markdown] The slow press shows let-off and drop as a technician reads them; the built-in action with published
+# arms of a Steinway is turned to that.
 
 # %%
 slow = strokes["slow"]
@@ -49,10 +48,11 @@ for name, low_pass in (("slow", 20.0), ("medium", 250.0), ("fast", 250.0)):
     print(f"{name}: {100 * found.explained:.1f} % of the hammer's variance, {1e3 * found.rms:.2f} mm rms, {1e3 * found.delay_s:+.1f} ms")
     assert found.explained > 0.97
 
-# %% [markdown]
-# Good, but not perfect: the model's hammer comes a little early. A fit of the fast stroke will turn whatever it is given. Here that is let-off and the hammer's mass, and
-# the mass comes out nearly doubled. Believe what the fit says of itself before what it says of the piano: the misfit is several times what noise explains, so that the
-# model is wrong somewhere else (the sensor sits at the key's back and sees nothing of how it bends; that action's masses are not known), and the errors are too small.
+# %% [markdown] Good, but not perfect: the model's hammer comes a little early. A fit of the fast stroke will turn
+# whatever it is given. Here that is let-off and the hammer's mass, and the mass comes out nearly doubled. Believe what
+# the fit says of itself before what it says of the piano: the misfit is several times what noise explains, so that the
+# model is wrong somewhere else (the sensor sits at the key's back and sees nothing of how it bends; that action's
+# masses are not known), and the errors are too small.
 
 # %%
 fast = strokes["fast"]

@@ -1,4 +1,5 @@
-//! Errors of the crates below as Python's: `InputError` for what the caller gave, with file, line and key; `SimulationError` for what came of it.
+//! Errors of the crates below as Python's: `InputError` for what the caller gave, with file, line and key;
+//! `SimulationError` for what came of it.
 
 use erard::instrument::FileError;
 use erard::instrument_spec::InstrumentSpecError;

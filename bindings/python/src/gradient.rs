@@ -15,11 +15,13 @@ use crate::setup::Steps;
 use crate::stroke::Stroke;
 use crate::watch::watched;
 
-/// What lies on both sides of a number that has no other name than its path: two instruments, and how far apart they are.
+/// What lies on both sides of a number that has no other name than its path: two instruments, and how far apart they
+/// are.
 type Sides<'py> = (Bound<'py, Instrument>, Bound<'py, Instrument>, f64);
 
-/// A press and its derivatives, per bare number, by parameters, by `force`, and by what lies between two instruments: `values` and `slopes` of every
-/// quantity, `columns` and `column_slopes` (one row for each variable) where `every` says after how many steps they are sampled, `switches`.
+/// A press and its derivatives, per bare number, by parameters, by `force`, and by what lies between two instruments:
+/// `values` and `slopes` of every quantity, `columns` and `column_slopes` (one row for each variable) where `every`
+/// says after how many steps they are sampled, `switches`.
 #[pyfunction]
 #[pyo3(signature = (instrument, by, stroke, duration, steps, every, threads, progress))]
 #[allow(clippy::too_many_arguments)]

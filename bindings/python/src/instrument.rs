@@ -29,7 +29,8 @@ impl From<Value> for Change {
     }
 }
 
-/// An instrument. It is what its file's text says, with the changes done to it one after the other: that is how it is pickled.
+/// An instrument. It is what its file's text says, with the changes done to it one after the other: that is how it is
+/// pickled.
 #[pyclass(frozen, module = "erard._erard")]
 pub struct Instrument {
     text: Arc<str>,
@@ -126,8 +127,8 @@ impl Instrument {
         Self::made(self.text.clone(), self.file_name.clone(), all)
     }
 
-    /// A number of the file by its path (`zone.string.disc.center_mm.x`), in the file's own unit: as it was last set, or as it stands in the text. None
-    /// where there is no such number, or where it was changed by a text.
+    /// A number of the file by its path (`zone.string.disc.center_mm.x`), in the file's own unit: as it was last set,
+    /// or as it stands in the text. None where there is no such number, or where it was changed by a text.
     fn number_at(&self, path: &str) -> Option<f64> {
         match self.changes.iter().rev().find(|(name, _)| name == path) {
             Some((_, Value::Number(number))) => return Some(*number),

@@ -1,4 +1,5 @@
-//! The Python extension `erard._erard`: conversion between Python and the crates below, and nothing else. What users see is `python/erard`.
+//! The Python extension `erard._erard`: conversion between Python and the crates below, and nothing else. What users
+//! see is `python/erard`.
 //!
 //! Every long call lets go of Python's lock, and looks for signals at least every 50 ms (`watch`).
 

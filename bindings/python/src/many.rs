@@ -96,8 +96,9 @@ impl Plan {
     }
 }
 
-/// Arrays of what came of every job: those of a study's columns, `blows` (instant and speed of each), `failed`, `trusted`, `energy_residual_relative`, `errors` by the job's place,
-/// `doubts` as sentences, and what was sampled, a row for each job.
+/// Arrays of what came of every job: those of a study's columns, `blows` (instant and speed of each), `failed`,
+/// `trusted`, `energy_residual_relative`, `errors` by the job's place, `doubts` as sentences, and what was sampled, a
+/// row for each job.
 fn arrays<'py>(
     py: Python<'py>,
     outcomes: Vec<Outcome>,
@@ -252,7 +253,8 @@ pub fn play_all<'py>(
     run(py, Plan { instruments, jobs, strokes }, setup, &work, progress)
 }
 
-/// A stroke, or constant forces, on variants of an instrument: row by row the values of parameters (turns in m, rad, N m, or factors).
+/// A stroke, or constant forces, on variants of an instrument: row by row the values of parameters (turns in m, rad, N
+/// m, or factors).
 #[pyfunction]
 #[pyo3(signature = (instrument, names, values, stroke, forces, duration, steps, work, progress))]
 #[allow(clippy::too_many_arguments)]

@@ -32,8 +32,8 @@ pub fn unit(name: &str) -> &'static str {
     column_unit(name)
 }
 
-/// Plays a stroke on the action or on its one-degree-of-freedom model: columns by name in their order, those of the pins last, and what else there is
-/// to know.
+/// Plays a stroke on the action or on its one-degree-of-freedom model: columns by name in their order, those of the
+/// pins last, and what else there is to know.
 #[pyfunction]
 #[pyo3(signature = (instrument, stroke, steps, model, duration, record_every, tolerance, reactions, losses, progress))]
 #[allow(clippy::too_many_arguments)]

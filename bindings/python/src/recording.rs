@@ -19,8 +19,8 @@ pub struct Recording {
     pub position_of: PositionOf,
 }
 
-/// Arguments: whose position it is, whether the zero is taken from the rest, the low-pass in Hz, whether each channel's own noise sets it, columns
-/// that are turned, and how much later columns were written down, s.
+/// Arguments: whose position it is, whether the zero is taken from the rest, the low-pass in Hz, whether each channel's
+/// own noise sets it, columns that are turned, and how much later columns were written down, s.
 type Ready = (Option<String>, bool, Option<f64>, bool, Vec<String>, Vec<(String, f64)>);
 
 #[pymethods]

@@ -12,7 +12,8 @@ def grand() -> erard.Instrument:
 
 @pytest.fixture(scope="session")
 def run() -> erard.Run:
-    # Of no other fixture: a module may have a `grand` of its own, and the first to ask would decide what all others get.
+    # Of no other fixture: a module may have a `grand` of its own, and the first to ask would decide what all others
+    # get.
     return erard.load("concert-grand").press(force=5.0, duration=0.2)
 
 

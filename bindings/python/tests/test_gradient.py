@@ -52,7 +52,8 @@ def test_they_are_what_wide_differences_see(rigid: erard.Instrument, found: erar
         assert found["hammer_speed_m_per_s"][name] == pytest.approx(slope(lambda run: run.hammer_speed), rel=0.05), name
         assert found["hammer_contact_s"][name] == pytest.approx(slope(lambda run: run.events["hammer_contact"]), rel=0.05), name
         if name == "capstan_height":
-            # It moves where the action comes to rest, which friction decides: `press` looks for it in steps that do not end on switches.
+            # It moves where the action comes to rest, which friction decides: `press` looks for it in steps that do not
+            # end on switches.
             continue
         before = found.time_s < 0.9 * runs[-1.0].events["hammer_contact"]
         for column in ("key_m", "hammer_head_m"):

@@ -13,7 +13,8 @@ from pathlib import Path
 import erard
 import pytest
 
-#: What takes longer than an interrupt may. The forces never hold still, for an action at rest is simulated in no time; the regulation starts far off.
+#: What takes longer than an interrupt may. The forces never hold still, for an action at rest is simulated in no time;
+#: the regulation starts far off.
 LONG = {
     "press": "grand.press(force=forces, dt=1e-3, progress=False)",
     "play": "erard.Action(grand).play(many)",

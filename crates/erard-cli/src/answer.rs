@@ -38,7 +38,8 @@ pub fn give(value: &impl Serialize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Takes a JSON result that is written to a file: it is the answer unless another was given. Metadata of a table are none.
+/// Takes a JSON result that is written to a file: it is the answer unless another was given. Metadata of a table are
+/// none.
 pub(crate) fn offer(name: &str, bytes: &[u8]) {
     if takes(name) {
         let text = || String::from_utf8(bytes.to_vec()).ok();

@@ -1,4 +1,5 @@
-//! Texts that took long to make, in the user's cache folder. Losing them changes no result; what cannot be read or written there is made anew.
+//! Texts that took long to make, in the user's cache folder. Losing them changes no result; what cannot be read or
+//! written there is made anew.
 
 use std::fs;
 use std::path::PathBuf;

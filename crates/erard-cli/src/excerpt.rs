@@ -9,7 +9,8 @@ use crate::table::{WIDEST, wrapped};
 /// Longest line that is shown, bytes: more would bury the message.
 const LONGEST_LINE: usize = 400;
 
-/// Draws the place of an error; `None` where the error belongs to no line, or a line there is longer than a terminal can show.
+/// Draws the place of an error; `None` where the error belongs to no line, or a line there is longer than a terminal
+/// can show.
 pub(crate) fn excerpt(error: &FileError) -> Option<String> {
     let wrong = error.line.checked_sub(1)?;
     let lines: Vec<&str> = error.text.lines().collect();

@@ -1,4 +1,5 @@
-//! What this process reads: every file is opened once, so that a pipe can be one, and remembered, so that it is never replaced.
+//! What this process reads: every file is opened once, so that a pipe can be one, and remembered, so that it is never
+//! replaced.
 
 use std::fs::File;
 use std::io;

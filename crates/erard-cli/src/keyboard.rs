@@ -10,8 +10,8 @@ use erard_workshop::weighing::WeighedKey;
 use crate::table::{Table, decimal};
 use erard_figures::figure::{Dash, Figure, Panel, Trace, figure_svg};
 
-/// Notes that a technician samples: the lowest, pairs of neighbours in bass, middle and treble, and the highest. The nearest that were
-/// weighed stand in the text.
+/// Notes that a technician samples: the lowest, pairs of neighbours in bass, middle and treble, and the highest. The
+/// nearest that were weighed stand in the text.
 const SAMPLES: [usize; 8] = [1, 16, 17, 40, 41, 64, 65, 88];
 
 /// The columns.
@@ -47,7 +47,8 @@ fn numbers(weighed: &WeighedKey) -> [f64; 9] {
     ]
 }
 
-/// Why keys are not to be trusted, each tried with its number: of every kind and part how many keys, and the worst of them.
+/// Why keys are not to be trusted, each tried with its number: of every kind and part how many keys, and the worst of
+/// them.
 pub(crate) fn doubts<'a>(tried: impl Iterator<Item = (usize, &'a Tried)> + Clone) -> Vec<String> {
     let all = tried.clone().count();
     worst_of_each(tried.clone().flat_map(|(_, one)| &one.warnings))

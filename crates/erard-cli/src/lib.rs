@@ -1,7 +1,7 @@
 //! The command `erard`: arguments, progress, diagnostics, figures, files.
 //!
-//! No physics here: poses, forces and instants come from [`erard::run::Run`]; these modules only ask for them, draw them and
-//! write them down.
+//! No physics here: poses, forces and instants come from [`erard::run::Run`]; these modules only ask for them, draw
+//! them and write them down.
 
 #![deny(
     clippy::print_stdout,

@@ -71,7 +71,8 @@ pub(crate) fn picture(alt: &str, svg: &str) -> Markup {
     html! { img alt=(alt) src={ "data:image/svg+xml;base64," (STANDARD.encode(svg)) }; }
 }
 
-/// The head of a page: what it may load (pictures that it holds itself, and nothing else), its title and its style sheet.
+/// The head of a page: what it may load (pictures that it holds itself, and nothing else), its title and its style
+/// sheet.
 fn html_head(title: &str, style: &str) -> Markup {
     html! {
         head {

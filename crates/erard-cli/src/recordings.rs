@@ -23,13 +23,14 @@ use crate::zstandard::column_reader;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Recordings")]
 pub(crate) struct RecordingOptions {
-    /// Which columns of the file to read, by their titles, where these do not say it by themselves: as in
-    /// `time=Time (s),position=Displacement (mm),force=F [gf]`; `hammer` is the hammer's; `#3` is the third column, `x:mm` a column `x` in mm,
-    /// `none` no column
+    /// Which columns of the file to read, by their titles, where these do not say it by themselves: as in `time=Time
+    /// (s),position=Displacement (mm),force=F [gf]`; `hammer` is the hammer's; `#3` is the third column, `x:mm` a
+    /// column `x` in mm, `none` no column
     #[arg(long, value_name = "NAME=TITLE,..")]
     columns: Option<Columns>,
-    /// Whose position was recorded: the key's, or the fingertip's on the driver's side of its softness. Where force was recorded too, one
-    /// gives the other: fingertip = key + F/k, the finger's damper included [default: the key's, unless the column's title says otherwise]
+    /// Whose position was recorded: the key's, or the fingertip's on the driver's side of its softness. Where force was
+    /// recorded too, one gives the other: fingertip = key + F/k, the finger's damper included [default: the key's,
+    /// unless the column's title says otherwise]
     #[arg(long, value_name = "WHOSE", value_enum)]
     position: Option<PositionName>,
     /// Take the zero from the rest before the touch, or leave every number as it is
@@ -41,8 +42,8 @@ pub(crate) struct RecordingOptions {
     /// How much later than the others a channel was written down, as in force=1.5ms
     #[arg(long, value_name = "CHANNEL=TIME", value_delimiter = ',', value_parser = delay)]
     delay: Vec<(Role, f64)>,
-    /// Low-pass (Butterworth's, forth and back, so that nothing is delayed): a frequency in Hz at which amplitudes are halved, `off`, or
-    /// `own`: where each channel's own noise begins, if it has any
+    /// Low-pass (Butterworth's, forth and back, so that nothing is delayed): a frequency in Hz at which amplitudes are
+    /// halved, `off`, or `own`: where each channel's own noise begins, if it has any
     #[arg(long, value_name = "HZ|own|off", default_value = "own", value_parser = low_pass)]
     low_pass: LowPass,
     /// Order of the low-pass, of one pass

@@ -63,7 +63,8 @@ pub(crate) fn aside(text: String) {
     let _ = writeln!(io::stderr(), "{}", printable(&text));
 }
 
-/// Keeps the first fault. A reader that has gone away, as in `erard check FILE | head -1`, has read enough: that is none.
+/// Keeps the first fault. A reader that has gone away, as in `erard check FILE | head -1`, has read enough: that is
+/// none.
 fn keep(result: io::Result<()>) {
     if let Err(error) = result
         && error.kind() != ErrorKind::BrokenPipe

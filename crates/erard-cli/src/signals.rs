@@ -1,8 +1,8 @@
 //! Requests to end: Control-C, a terminal that goes away, a polite kill, a limit of time.
 //!
-//! They are heard by a thread of their own, so that nothing that computes, reads or writes need ask. Files appear all at once or not at
-//! all (`crate::output`), so that it can end the process at any instant but that one: it waits for it, clears away what was begun, and
-//! ends the process as the signal would have.
+//! They are heard by a thread of their own, so that nothing that computes, reads or writes need ask. Files appear all
+//! at once or not at all (`crate::output`), so that it can end the process at any instant but that one: it waits for
+//! it, clears away what was begun, and ends the process as the signal would have.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -92,8 +92,8 @@ mod listening {
         Ok(())
     }
 
-    /// Ends the process as the signal would have. After Control-C a shell ends its loop only if its command was ended by the signal, and
-    /// then shows 130; all others read that from the exit code.
+    /// Ends the process as the signal would have. After Control-C a shell ends its loop only if its command was ended
+    /// by the signal, and then shows 130; all others read that from the exit code.
     fn end(signal: i32) -> ! {
         if signal != SIGINT || a_shell_waits() {
             // Does not return.
@@ -112,7 +112,8 @@ mod listening {
         }
     }
 
-    /// Signals that this process was told to ignore by who started it. Where that cannot be known, SIGHUP is taken for one.
+    /// Signals that this process was told to ignore by who started it. Where that cannot be known, SIGHUP is taken for
+    /// one.
     fn ignored() -> Vec<i32> {
         let Ok(status) = std::fs::read_to_string("/proc/self/status") else { return vec![SIGHUP] };
         let mask = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());

@@ -20,7 +20,8 @@ const SHADES: usize = 24;
 const SIZE: [f64; 2] = [900.0, 460.0];
 const PLOT: [f64; 4] = [70.0, 50.0, 800.0, 350.0];
 
-/// Levels of a sound, dB below the loudest place and at least -[`RANGE_DB`]: columns of rows, the lowest frequency first.
+/// Levels of a sound, dB below the loudest place and at least -[`RANGE_DB`]: columns of rows, the lowest frequency
+/// first.
 fn levels(samples: &[f64], rate_hz: f64) -> Vec<Vec<f64>> {
     let hop = (samples.len().saturating_sub(WINDOW) / COLUMNS).max(1);
     let fft = FftPlanner::new().plan_fft_forward(WINDOW);

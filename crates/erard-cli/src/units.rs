@@ -20,7 +20,8 @@ impl Lengths {
         if self.inches { "in" } else { "mm" }
     }
 
-    /// A length in mm as a number of the unit; `decimals` are those of millimetres. Inches are read in thousandths, as rulers of the trade are.
+    /// A length in mm as a number of the unit; `decimals` are those of millimetres. Inches are read in thousandths, as
+    /// rulers of the trade are.
     #[must_use]
     pub(crate) fn number(self, mm: f64, decimals: usize) -> String {
         // Adding zero turns -0 into 0.

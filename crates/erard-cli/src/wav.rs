@@ -8,7 +8,8 @@ use hound::{SampleFormat, WavSpec, WavWriter};
 /// The largest sample, of a full scale of 1.
 const PEAK: f64 = 0.9;
 
-/// Writes a sound, its peak scaled to `PEAK`: one channel, 48 kHz, 16 bit, which everything reads. (Float comes out as an extended format, which not everything does.)
+/// Writes a sound, its peak scaled to `PEAK`: one channel, 48 kHz, 16 bit, which everything reads. (Float comes out as
+/// an extended format, which not everything does.)
 ///
 /// # Errors
 /// Of the writer.

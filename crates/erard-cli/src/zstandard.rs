@@ -1,4 +1,5 @@
-//! Columns of Parquet files, also those that are compressed by Zstandard, which the library leaves to us: its own way needs a library in C.
+//! Columns of Parquet files, also those that are compressed by Zstandard, which the library leaves to us: its own way
+//! needs a library in C.
 
 use std::fs::File;
 use std::io::{self, Read};

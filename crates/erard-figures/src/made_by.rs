@@ -34,7 +34,8 @@ pub struct Source {
     pub name: String,
     /// Its file, as it was given; `None` for what is built in.
     pub file: Option<String>,
-    /// SHA-256 of its bytes, in hexadecimal digits: that of the file, as `sha256sum` prints it. `None` for what has none, such as a constant force.
+    /// SHA-256 of its bytes, in hexadecimal digits: that of the file, as `sha256sum` prints it. `None` for what has
+    /// none, such as a constant force.
     pub sha256: Option<String>,
 }
 

@@ -1,7 +1,8 @@
 //! The drawing is the model: where the mechanics has two felts meet, the picture has two outlines meet.
 //!
-//! The drawn side is read from the text of the SVG, its paths and transforms, by the parser below, which knows nothing of the code that wrote it.
-//! The computed side is the engine's contact point in a run, or, where a zone is nearly closed, worked out here from the file's geometry.
+//! The drawn side is read from the text of the SVG, its paths and transforms, by the parser below, which knows nothing
+//! of the code that wrote it. The computed side is the engine's contact point in a run, or, where a zone is nearly
+//! closed, worked out here from the file's geometry.
 
 use erard::instrument::{Body, Curve, Instrument, InstrumentFile, Vec2, Zone};
 use erard::keyboard::Keyboard;
@@ -16,7 +17,8 @@ use std::collections::BTreeMap;
 const POSES: usize = 20;
 /// What is asked of the picture, mm.
 const CLOSE_MM: f64 = 0.2;
-/// A zone that is no further open than this is compared, m: what is further open does not touch, and a line of the mechanics is endless where a felt is not.
+/// A zone that is no further open than this is compared, m: what is further open does not touch, and a line of the
+/// mechanics is endless where a felt is not.
 const NEARLY_CLOSED_M: f64 = 0.5e-3;
 
 /// Which outline shows which side of which zone.
@@ -238,7 +240,8 @@ fn frames(run: &Run) -> Vec<usize> {
     out
 }
 
-/// The concert grand after a designer's afternoon: capstan, heel, knuckle, button, drop screw, toe, check, string, bore, key, shank, damper moved.
+/// The concert grand after a designer's afternoon: capstan, heel, knuckle, button, drop screw, toe, check, string,
+/// bore, key, shank, damper moved.
 fn moved() -> Instrument {
     let mut text = Instrument::builtin_text("concert-grand").unwrap().to_owned();
     for (was, is) in [

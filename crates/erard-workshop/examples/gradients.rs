@@ -1,6 +1,7 @@
 //! Derivatives held against differences over wide windows: every built-in stroke, every parameter, several steps.
 //!
-//! `cargo run --release --workspace --example gradients -- [INSTRUMENT ..]` prints a line for each stroke and step, and below it what is marked or disagrees.
+//! `cargo run --release --workspace --example gradients -- [INSTRUMENT ..]` prints a line for each stroke and step, and
+//! below it what is marked or disagrees.
 
 use erard::stroke::{NUANCES, Stroke, Touch};
 use erard::{Instrument, Settings, Setup};

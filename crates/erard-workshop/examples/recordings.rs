@@ -1,7 +1,9 @@
-//! Writes synthetic recordings of a concert grand that is not quite the built-in one, `recordings/heavier-<nuance>.csv`: `cargo run --release -p erard-workshop --example recordings`.
+//! Writes synthetic recordings of a concert grand that is not quite the built-in one,
+//! `recordings/heavier-<nuance>.csv`: `cargo run --release -p erard-workshop --example recordings`.
 //!
-//! What is different is [`TRUE`]. Sensors as a laboratory has them, at 4 kHz: a load cell with 20 mN of noise, the key to 10 um, the hammer to 50 um, each with an offset of its own, after
-//! a rest of 0.1 s; they end 3 ms after the blow. Noise is normal and white; all these sizes are estimates.
+//! What is different is [`TRUE`]. Sensors as a laboratory has them, at 4 kHz: a load cell with 20 mN of noise, the key
+//! to 10 um, the hammer to 50 um, each with an offset of its own, after a rest of 0.1 s; they end 3 ms after the blow.
+//! Noise is normal and white; all these sizes are estimates.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -38,7 +40,8 @@ pub fn recorded() -> Instrument {
     grand
 }
 
-/// Normal, of variance 1: the sum of twelve even numbers of Knuth's linear congruential generator, which is the same in every version of every library.
+/// Normal, of variance 1: the sum of twelve even numbers of Knuth's linear congruential generator, which is the same in
+/// every version of every library.
 fn normal(state: &mut u64) -> f64 {
     let mut even = || {
         *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -9,14 +9,16 @@ use crate::measure::{MeasureError, Sheet};
 use crate::regulate::{Goal, RegulateError, Regulated, Specification, Status, regulate};
 use erard::instrument::Instrument;
 
-/// A balance weight and a ratio to aim at: the middle of 34 to 40 g, and of the 5.5 to 5.75 that Stanwood and Love call ideal.
+/// A balance weight and a ratio to aim at: the middle of 34 to 40 g, and of the 5.5 to 5.75 that Stanwood and Love call
+/// ideal.
 const BALANCE_G: f64 = 37.0;
 const RATIO: f64 = 5.625;
 
 /// What to do.
 #[derive(Debug, Clone, Default)]
 pub struct Advice {
-    /// The screws turned until what is out of the norm is within it and all else is as it was; `None` where nothing is out that a screw sets.
+    /// The screws turned until what is out of the norm is within it and all else is as it was; `None` where nothing is
+    /// out that a screw sets.
     pub regulated: Option<Regulated>,
     /// What of [`Goal`]s was out.
     pub out: Vec<Goal>,
@@ -62,8 +64,9 @@ const GOALS: [(&str, Goal, f64); 7] = [
     ("damper_start_share", Goal::Damper, 1.0),
 ];
 
-/// Finds out what to do about a sheet's flags. What a screw sets is tried: the screws of an instrument's copy are turned until what is out of the
-/// norm is at the trade's number, and what is within it is where it was. `progress` is told how far the work is, and ends it by returning false.
+/// Finds out what to do about a sheet's flags. What a screw sets is tried: the screws of an instrument's copy are
+/// turned until what is out of the norm is at the trade's number, and what is within it is where it was. `progress` is
+/// told how far the work is, and ends it by returning false.
 ///
 /// # Errors
 /// See [`AdviceError`].

@@ -41,8 +41,9 @@ impl Ending for SimulationError {
     }
 }
 
-/// Does all jobs on so many threads; with one, on the caller's own, so that it also works where there are no threads. `progress` is told the share that is done and ends the work by returning false. The results do
-/// not depend on the number of threads: no job sees another's.
+/// Does all jobs on so many threads; with one, on the caller's own, so that it also works where there are no threads.
+/// `progress` is told the share that is done and ends the work by returning false. The results do not depend on the
+/// number of threads: no job sees another's.
 ///
 /// # Errors
 /// The first job's, in their order, that failed; [`SimulationError::Interrupted`].

@@ -72,7 +72,8 @@ pub fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
     blow
 }
 
-/// The blow under the smallest constant force with which the hammer is so fast, m/s, by bisection; `None` where none is. `progress` ends it by returning false.
+/// The blow under the smallest constant force with which the hammer is so fast, m/s, by bisection; `None` where none
+/// is. `progress` ends it by returning false.
 pub(crate) fn blow_of_speed(
     action: &mut Action,
     speed_m_s: f64,

@@ -21,7 +21,8 @@ pub struct Tried {
     pub warnings: Vec<Warning>,
 }
 
-/// Presses an instrument with a mezzo forte, pressed. Without a key to press there is nothing to be tried, and nothing speaks against it.
+/// Presses an instrument with a mezzo forte, pressed. Without a key to press there is nothing to be tried, and nothing
+/// speaks against it.
 ///
 /// # Errors
 /// An interruption, or what is no fault of a run ([`SimulationError::warning`]).

@@ -28,7 +28,8 @@ pub struct WeighedKey {
     pub tried: Tried,
 }
 
-/// Weighs keys, each given with its number. `progress` is told the share that is done, and ends the work by returning false.
+/// Weighs keys, each given with its number. `progress` is told the share that is done, and ends the work by returning
+/// false.
 ///
 /// # Errors
 /// See [`MeasureError`].

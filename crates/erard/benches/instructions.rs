@@ -1,12 +1,13 @@
-//! Instructions per step of the played note that `press` times, and per step of a group of four grands in the lanes of AVX2
-//! (whatever more the processor has, so that the count is the same on all that have it). Counts repeat
-//! to the digit, seconds do not. Beside them the step of [`erard::Action`] with everything read (rest-skipping off), and steps of the same
-//! note on the grand with bending parts, of 6 to 9 bodies (`benches/bending/`), alone and in four lanes; and of the grand with dry felts, and with strings.
+//! Instructions per step of the played note that `press` times, and per step of a group of four grands in the lanes of
+//! AVX2 (whatever more the processor has, so that the count is the same on all that have it). Counts repeat to the
+//! digit, seconds do not. Beside them the step of [`erard::Action`] with everything read (rest-skipping off), and steps
+//! of the same note on the grand with bending parts, of 6 to 9 bodies (`benches/bending/`), alone and in four lanes;
+//! and of the grand with dry felts, and with strings.
 //!
-//! `cargo bench -p erard --bench instructions` runs itself under valgrind's callgrind, over a whole note and over none of it; the
-//! difference is the steps'. It is a gate: `-- --at-most N` fails (exit code 1) above N instructions per step, `--at-most-group M`
-//! above M per step of a group of four. Without valgrind it fails, too, so that a gate is never open by accident; with
-//! `--if-available` it says that it counts nothing, and succeeds.
+//! `cargo bench -p erard --bench instructions` runs itself under valgrind's callgrind, over a whole note and over none
+//! of it; the difference is the steps'. It is a gate: `-- --at-most N` fails (exit code 1) above N instructions per
+//! step, `--at-most-group M` above M per step of a group of four. Without valgrind it fails, too, so that a gate is
+//! never open by accident; with `--if-available` it says that it counts nothing, and succeeds.
 
 use std::hint::black_box;
 use std::process::ExitCode;
@@ -17,8 +18,8 @@ use erard_workshop::benchmarks::{Load, MF_N, STEP_S, STEPS, WIDEST, described, g
 use moreau::Settings;
 use moreau_kernels::Lanes;
 
-/// What is counted: its name on the command line, the option that bounds it, how often it is done for every step, and what does so many
-/// steps.
+/// What is counted: its name on the command line, the option that bounds it, how often it is done for every step, and
+/// what does so many steps.
 type Subject = (&'static str, &'static str, u64, fn(u64));
 
 const SUBJECTS: [Subject; 12] = [
@@ -58,7 +59,8 @@ fn bending(bodies: usize) -> Instrument {
     Instrument::load(std::path::Path::new(&path)).expect("it reads")
 }
 
-/// The concert grand, all felts with a dry loss through a spring. (With a set-valued one some steps of a whole action do not converge.)
+/// The concert grand, all felts with a dry loss through a spring. (With a set-valued one some steps of a whole action
+/// do not converge.)
 fn with_dry_felts(slip: f64) -> Instrument {
     let mut instrument = instrument();
     for zone in &mut instrument.zones {

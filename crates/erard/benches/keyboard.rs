@@ -1,10 +1,11 @@
-//! The keyboard in real time: every tick of 88 keys (50 us of simulated time) timed by itself, from all keys asleep to all 88 playing.
+//! The keyboard in real time: every tick of 88 keys (50 us of simulated time) timed by itself, from all keys asleep to
+//! all 88 playing.
 //!
-//! `cargo bench -p erard --bench keyboard`, `-- --ticks N` for another number of ticks per line. The budget of a tick is the time that
-//! it simulates. Times include the clock's own reading (printed); the slowest ticks by the clock are those that the operating system
-//! interrupts, the largest number of keys awake is printed too, because that repeats. Lanes of four neighbours would have to be
-//! worth it: beside the times stands how many of four are awake where one is. Below 4/3 even lanes that are three times as fast gain
-//! nothing.
+//! `cargo bench -p erard --bench keyboard`, `-- --ticks N` for another number of ticks per line. The budget of a tick
+//! is the time that it simulates. Times include the clock's own reading (printed); the slowest ticks by the clock are
+//! those that the operating system interrupts, the largest number of keys awake is printed too, because that repeats.
+//! Lanes of four neighbours would have to be worth it: beside the times stands how many of four are awake where one is.
+//! Below 4/3 even lanes that are three times as fast gain nothing.
 
 use erard::keyboard::KEYS;
 use erard::keyboard::tremolo::TEN;

@@ -1,7 +1,9 @@
-//! Floating-point operations per step of the played note that `press` times, by kind: the floor under any number of instructions.
+//! Floating-point operations per step of the played note that `press` times, by kind: the floor under any number of
+//! instructions.
 //!
-//! `cargo bench -p erard --bench operations`. The engine's own step is run on a number that counts what is done with it, so that the
-//! counts are the kernel's and repeat to the digit. Steps at rest and steps in motion are distinguished.
+//! `cargo bench -p erard --bench operations`. The engine's own step is run on a number that counts what is done with
+//! it, so that the counts are the kernel's and repeat to the digit. Steps at rest and steps in motion are
+//! distinguished.
 
 use std::cell::Cell;
 use std::cmp::Ordering;

@@ -1,8 +1,9 @@
-//! Time of a key press of the concert grand: one second of a played, held and released note (mf, 5 N) at 50 us, 20 000 steps a sample. Real
-//! time is one second: the real-time factor is one second over the median.
+//! Time of a key press of the concert grand: one second of a played, held and released note (mf, 5 N) at 50 us, 20 000
+//! steps a sample. Real time is one second: the real-time factor is one second over the median.
 //!
-//! `active_set` and `projected_gauss_seidel` are the engine alone. `action` steps the player from outside and reads everything after every
-//! step. `recorded` and `recorded_with_ledger` are whole runs, from the search for the rest on, all columns of every step kept in memory.
+//! `active_set` and `projected_gauss_seidel` are the engine alone. `action` steps the player from outside and reads
+//! everything after every step. `recorded` and `recorded_with_ledger` are whole runs, from the search for the rest on,
+//! all columns of every step kept in memory.
 //!
 //! `cargo bench -p erard --bench press`
 

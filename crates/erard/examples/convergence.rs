@@ -1,5 +1,5 @@
-//! How hammer speed and contact instant approach a run with a 64 times smaller step, and what the Newton tolerance costs:
-//! `cargo run --release -p erard --example convergence`.
+//! How hammer speed and contact instant approach a run with a 64 times smaller step, and what the Newton tolerance
+//! costs: `cargo run --release -p erard --example convergence`.
 
 #[path = "../tests/common/mod.rs"]
 mod common;

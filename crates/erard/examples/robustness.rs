@@ -1,5 +1,6 @@
-//! Random instruments under random strokes: `cargo run --release -p erard --example robustness [COUNT [FIRST [THETA [STEP_US]]]]`, ten
-//! thousand from 0 at theta = 1/2 and 50 us unless told otherwise. Progress on stderr; a seed in the report makes the same instrument again.
+//! Random instruments under random strokes: `cargo run --release -p erard --example robustness [COUNT [FIRST [THETA
+//! [STEP_US]]]]`, ten thousand from 0 at theta = 1/2 and 50 us unless told otherwise. Progress on stderr; a seed in the
+//! report makes the same instrument again.
 
 #[path = "../tests/common/mod.rs"]
 mod common;

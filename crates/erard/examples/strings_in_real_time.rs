@@ -1,4 +1,5 @@
-//! What strings cost: a step of the action while its three strings ring and while they are struck, and ten fingers' fortissimo tremolo over a keyboard with strings.
+//! What strings cost: a step of the action while its three strings ring and while they are struck, and ten fingers'
+//! fortissimo tremolo over a keyboard with strings.
 //!
 //! `cargo run --release -p erard --example strings_in_real_time`
 
@@ -26,7 +27,8 @@ fn step_s(instrument: &Instrument) -> f64 {
     best
 }
 
-/// The same while the strings ring and the action sleeps, in seconds a step; in the first second after the blow, and after 30 s, when most modes have died away.
+/// The same while the strings ring and the action sleeps, in seconds a step; in the first second after the blow, and
+/// after 30 s, when most modes have died away.
 fn ringing_s(instrument: &Instrument) -> [f64; 2] {
     let mut action = Action::new(instrument).expect("it comes to rest");
     let mut go = |steps: u32, force_n: f64| {
@@ -43,8 +45,8 @@ fn ringing_s(instrument: &Instrument) -> [f64; 2] {
     [fresh, go(STEPS, 0.0)]
 }
 
-/// Ten fingers, each of which stays on its key and presses it three times a second, forte, in turn; three strings a key. Seconds for a second, and for the
-/// worst millisecond.
+/// Ten fingers, each of which stays on its key and presses it three times a second, forte, in turn; three strings a
+/// key. Seconds for a second, and for the worst millisecond.
 fn ten_notes(keyboard: &Keyboard) -> [f64; 2] {
     let pressed = [40, 42, 44, 45, 47, 49, 51, 52, 54, 56];
     let keys = Keys::at_rest(&keyboard.instruments().expect("it reads"), Settings::new(STEP_S));

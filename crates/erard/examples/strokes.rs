@@ -1,11 +1,12 @@
 //! Writes the built-in strokes, `strokes/<nuance>-<touch>.csv`: `cargo run --release -p erard --example strokes`.
 //!
-//! Hands play them on the concert grand ([`erard::player::Hand`]): the force is the fingertip's, the position the key front's. The hammer's speed
-//! at the string is the nuance's: 0.5 m/s (pp) to 5 m/s (ff), p, mf and f in equal ratios between (with mp, which has no stroke). How long the key
-//! takes is not asked for; it is printed with the published times.
+//! Hands play them on the concert grand ([`erard::player::Hand`]): the force is the fingertip's, the position the key
+//! front's. The hammer's speed at the string is the nuance's: 0.5 m/s (pp) to 5 m/s (ff), p, mf and f in equal ratios
+//! between (with mp, which has no stroke). How long the key takes is not asked for; it is printed with the published
+//! times.
 //!
-//! - Pressed: a hand of 0.2 kg rests on the key; its muscle's force rises at a constant rate until the hammer is on the string, and then falls to
-//!   what holds the key. Only pp is led down instead, along the path of least jerk.
+//! - Pressed: a hand of 0.2 kg rests on the key; its muscle's force rises at a constant rate until the hammer is on the
+//!   string, and then falls to what holds the key. Only pp is led down instead, along the path of least jerk.
 //! - Struck: a finger with a share of the hand arrives at the key with a speed, its muscle pressing on.
 //!
 //! From [`LET_GO_S`] on the hand leaves: its force is gone within 30 ms. All numbers of the hands are estimates.
@@ -19,7 +20,8 @@ use erard::run::Setup;
 use erard::run::{HandStroke, press_by_hand};
 use moreau::Settings;
 
-/// Nuance, hammer speed (m/s), and what is published of the key's stroke, ms: Askenfelt and Jansson 1990 (p, f) and 1988 (pp, ff), second-hand.
+/// Nuance, hammer speed (m/s), and what is published of the key's stroke, ms: Askenfelt and Jansson 1990 (p, f) and
+/// 1988 (pp, ff), second-hand.
 const NUANCES: [(&str, f64, &str); 5] =
     [("pp", 0.5, "over 100"), ("p", 0.79, "160"), ("mf", 1.99, ""), ("f", 3.15, "25"), ("ff", 5.0, "25")];
 /// The key is let go at this instant, s, within [`RELEASE_S`]; the stroke ends at [`END_S`].

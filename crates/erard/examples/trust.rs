@@ -1,8 +1,9 @@
 //! What the bounds of `erard::trust` are chosen by: `cargo run --release -p erard --example trust`.
 //!
-//! Every built-in instrument, and the outer keys of the built-in keyboard, under every built-in stroke and steps of force, with steps from 1 ms to
-//! 12.5 us and both ends of theta: the energy that the energy balance does not explain, beside the error of the hammer's speed against a run with 1.5625 us.
-//! Then how deep felts are pressed and how far bodies turn.
+//! Every built-in instrument, and the outer keys of the built-in keyboard, under every built-in stroke and steps of
+//! force, with steps from 1 ms to 12.5 us and both ends of theta: the energy that the energy balance does not explain,
+//! beside the error of the hammer's speed against a run with 1.5625 us. Then how deep felts are pressed and how far
+//! bodies turn.
 
 #[path = "../tests/common/mod.rs"]
 mod common;

@@ -13,16 +13,19 @@ from scipy.interpolate import PchipInterpolator
 
 HERE = Path(__file__).parent
 MM_PER_INCH = 25.4
-#: What the converter read less an offset, over a gain, at marks of a ruler: the author's tables. Key: 1/32 inch at its front; hammer: 1/64 inch at its shank.
+#: What the converter read less an offset, over a gain, at marks of a ruler: the author's tables. Key: 1/32 inch at its
+#: front; hammer: 1/64 inch at its shank.
 KEY_OFFSET, KEY_GAIN = 0.3, 0.58
 KEY_READ = [0, 0.0015, 0.0035, 0.0064, 0.0115, 0.0165, 0.0260, 0.0365, 0.0570, 0.0810, 0.1450, 0.2250, 0.3650, 0.5700, 0.8100, 1.0]
 KEY_MM = np.arange(16) / 32 * MM_PER_INCH
 HAMMER_OFFSET, HAMMER_GAIN = 0.69, 0.29
 HAMMER_READ = [0, 0.015, 0.04, 0.11, 0.17, 0.28, 0.39, 0.57, 0.75, 0.9, 1.0]
 SHANK_MM = np.array([*range(10), 9.5]) / 64 * MM_PER_INCH
-#: The head's whole way, mm, which the author gives as about two inches, and the shank's, mm: from the first mark to where all his strokes turn round.
+#: The head's whole way, mm, which the author gives as about two inches, and the shank's, mm: from the first mark to
+#: where all his strokes turn round.
 BLOW_MM, SHANK_WAY_MM = 2 * MM_PER_INCH, 3.78
-#: Below, mm, the sensors hardly see anything: what they read at rest counts as 0, and what lies between is spread evenly.
+#: Below, mm, the sensors hardly see anything: what they read at rest counts as 0, and what lies between is spread
+#: evenly.
 KEY_SEEN_MM, HAMMER_SEEN_MM = 2.0, 6.0
 #: A stroke begins with so much rest, s.
 REST_S = 0.1

@@ -15,13 +15,13 @@ HERE = Path(__file__).parent
 OFFSET, GAIN = 0.3, 0.58
 READ = np.array([0.0064, 0.0115, 0.0165, 0.0260, 0.0365, 0.0570, 0.0810, 0.1450, 0.2250, 0.3650, 0.5700, 0.8100, 1.0])
 MARKS_MM = np.arange(3, 16) / 32 * 25.4
-#: The first millimetres, which the sensor hardly sees: reading and mm, from the slow press of the file with two sensors, head over kinematic ratio.
-#: The first is what it reads at rest.
+#: The first millimetres, which the sensor hardly sees: reading and mm, from the slow press of the file with two
+#: sensors, head over kinematic ratio. The first is what it reads at rest.
 FIRST = np.array([[0.0017, 0], [0.0025, 0.5], [0.003, 0.9], [0.004, 1.5], [0.0058, 2.2], [0.0089, 3.0]])
 #: Means of so many samples.
 MEAN = 3
-#: The key has left where it was held when it is so far above its bottom, mm, is home when it is so far below its rest, mm, and a release that takes
-#: longer, s, is a finger that leads the key up.
+#: The key has left where it was held when it is so far above its bottom, mm, is home when it is so far below its rest,
+#: mm, and a release that takes longer, s, is a finger that leads the key up.
 BOTTOM_MM, LEFT_MM, HOME_MM, LONGEST_S = 11.8, 1.0, 0.5, 0.06
 #: A key that comes back farther than this, mm, was pressed again.
 PRESSED_MM = 5.0

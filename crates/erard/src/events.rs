@@ -4,8 +4,8 @@ use crate::instrument::{Instrument, Roles};
 use crate::mechanism::{Impact, Observation};
 use crate::player::Action;
 
-/// The key front has left its rest when it is this far down, m: a tenth of a millimetre, ten times what its cloths breathe
-/// and a hundredth of its dip.
+/// The key front has left its rest when it is this far down, m: a tenth of a millimetre, ten times what its cloths
+/// breathe and a hundredth of its dip.
 pub(crate) const KEY_START_M: f64 = 1e-4;
 
 /// A check is looked for within this distance of the string, m.
@@ -55,7 +55,8 @@ impl Events {
     }
 }
 
-/// Finds the events of a running mechanism. Instants are interpolated within the step, so that they are not tied to the step's grid.
+/// Finds the events of a running mechanism. Instants are interpolated within the step, so that they are not tied to the
+/// step's grid.
 #[derive(Debug, Clone)]
 pub struct EventDetector {
     roles: Roles,
@@ -98,8 +99,8 @@ impl EventDetector {
         self.observe(action.time_s(), now.key_m, now.hammer_m, action.impact(), action.mechanism());
     }
 
-    /// Call before the first step and after every one. `key_m` is the key front's travel, `hammer_m` the head's rise, `impact` the impact of the
-    /// hammer on the string in the step, if there was one.
+    /// Call before the first step and after every one. `key_m` is the key front's travel, `hammer_m` the head's rise,
+    /// `impact` the impact of the hammer on the string in the step, if there was one.
     pub fn observe(
         &mut self,
         time_s: f64,
@@ -211,7 +212,8 @@ impl EventDetector {
 }
 
 impl Sample {
-    /// The instant at which a quantity that runs linearly from a (here) to b (at `now`) is zero; that of `now` where a was not observed.
+    /// The instant at which a quantity that runs linearly from a (here) to b (at `now`) is zero; that of `now` where a
+    /// was not observed.
     fn at_zero(&self, a: f64, b: f64, now: &Sample) -> f64 {
         if a == f64::NEG_INFINITY {
             return now.time_s;

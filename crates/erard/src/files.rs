@@ -10,8 +10,8 @@ pub fn shown(path: &Path) -> String {
     printable(&path.to_string_lossy()).replace('\n', "\\n").replace('\t', "\\t")
 }
 
-/// Text in which every character that would steer a terminal, or turn the order in which it is read, is shown by its code. Ends of lines
-/// and tabulators stay.
+/// Text in which every character that would steer a terminal, or turn the order in which it is read, is shown by its
+/// code. Ends of lines and tabulators stay.
 #[must_use]
 pub fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(steers) {

@@ -1,16 +1,20 @@
 //! Which instrument it is: the numbers that change a step, by their paths, and a digest of them.
 //!
 //! **Paths** are the instrument file's keys with names in place of indices and with SI units: `body.hammer.mass_kg`,
-//! `zone.capstan_heel.felt.stiffness_N_per_m_r`, `zone.string.disc.center_m.x`. A reference to a body or a zone is a path that ends in its name, with the
-//! value 1: `zone.string.disc.body.hammer`. Paths are part of saved states: a field of a Rust type may be renamed, a path may not.
+//! `zone.capstan_heel.felt.stiffness_N_per_m_r`, `zone.string.disc.center_m.x`. A reference to a body or a zone is a
+//! path that ends in its name, with the value 1: `zone.string.disc.body.hammer`. Paths are part of saved states: a
+//! field of a Rust type may be renamed, a path may not.
 //!
-//! **Values** are the instrument's own: screws are turned, grading is done, bushings are bodies and springs. A value of zero is left out, so that a key
-//! that is absent is its default. Whoever adds a key chooses a value that is zero where the key is absent.
+//! **Values** are the instrument's own: screws are turned, grading is done, bushings are bodies and springs. A value of
+//! zero is left out, so that a key that is absent is its default. Whoever adds a key chooses a value that is zero where
+//! the key is absent.
 //!
-//! **Not listed** is what changes no step: names for people, notes and sources, drawn parts, screws, which hinges count as bends, limits beyond which a run is
-//! not trusted, roles that only name events. The order in the file does not count.
+//! **Not listed** is what changes no step: names for people, notes and sources, drawn parts, screws, which hinges count
+//! as bends, limits beyond which a run is not trusted, roles that only name events. The order in the file does not
+//! count.
 //!
-//! **The digest** is [`fnv1a`] over the pairs, sorted by path: the path's bytes, a zero, the value's 64 bits from the lowest byte on.
+//! **The digest** is [`fnv1a`] over the pairs, sorted by path: the path's bytes, a zero, the value's 64 bits from the
+//! lowest byte on.
 
 use crate::instrument::{
     Body, BridgeMode, Curve, DamperFelt, Dwell, Felt, Finger, Instrument, PianoString, Roles, Spring, Vec2, Zone,
@@ -64,7 +68,8 @@ impl Instrument {
         pairs
     }
 
-    /// The digest of [`Instrument::parameters`]: two instruments of one digest move alike, and continue each other's saved states.
+    /// The digest of [`Instrument::parameters`]: two instruments of one digest move alike, and continue each other's
+    /// saved states.
     #[must_use]
     pub fn digest(&self) -> u64 {
         let bytes = |(path, value): &(String, f64)| {

@@ -115,7 +115,8 @@ impl<'a> InstrumentSpec<'a> {
         Ok(if is_file { InstrumentSpec::File(path) } else { InstrumentSpec::Builtin(asked) })
     }
 
-    /// The text of the instrument's file, and what messages call it. The text of a keyboard's key is made of the keyboard's.
+    /// The text of the instrument's file, and what messages call it. The text of a keyboard's key is made of the
+    /// keyboard's.
     ///
     /// # Errors
     /// See [`InstrumentSpecError`]; the text itself is not read yet.

@@ -1,4 +1,5 @@
-//! The grand piano action, simulated: a force or a position of the finger goes in, and what the mechanism does comes out.
+//! The grand piano action, simulated: a force or a position of the finger goes in, and what the mechanism does comes
+//! out.
 //!
 //! ```
 //! use erard::{Action, Input, Instrument};
@@ -14,7 +15,8 @@
 //! Data flows one way: instrument file and stroke -> the player ([`Action`], [`keyboard::Keys`]) -> readings, observers
 //! ([`player::Recorder`], [`player::LedgerBook`], [`events::EventDetector`]) -> runs ([`press`], [`simulate`]).
 //!
-//! The loop over the steps of a run is [`Action::play`]; each step solves the equations at the top of [`moreau::step()`].
+//! The loop over the steps of a run is [`Action::play`]; each step solves the equations at the top of
+//! [`moreau::step()`].
 //!
 //! SI units; key and finger positive downward, the hammer upward. Nothing here uses a clock or starts a thread.
 

@@ -1,9 +1,9 @@
-//! The one-degree-of-freedom model [T12 fig. 3, T13 sec. 1]: the whole mechanism as inertia, constant moment and friction on
-//! the key, with the key's own stops.
+//! The one-degree-of-freedom model [T12 fig. 3, T13 sec. 1]: the whole mechanism as inertia, constant moment and
+//! friction on the key, with the key's own stops.
 //!
-//! It is an instrument with one body, so that every command that takes an instrument takes it too. Its numbers follow from
-//! the full instrument by virtual power at rest: with the contacts named by `one_dof.transmits` closed, every body turns at a
-//! fixed ratio r_i to the key, and
+//! It is an instrument with one body, so that every command that takes an instrument takes it too. Its numbers follow
+//! from the full instrument by virtual power at rest: with the contacts named by `one_dof.transmits` closed, every body
+//! turns at a fixed ratio r_i to the key, and
 //!
 //! - J = r . M r, c_v = sum c_v,i (r_i - r_parent)^2, c_d = sum c_d,i |r_i - r_parent|,
 //! - alpha = power of gravity and springs per unit of key velocity.

@@ -1,5 +1,5 @@
 //! How long work reports how far it is, and how it is cancelled.
 
-/// Called now and then during long work with the share that is done, 0 to 1, and asked whether to go on: work that it answers with false ends, and
-/// reports an interruption. Work that does not know its share says 0.
+/// Called now and then during long work with the share that is done, 0 to 1, and asked whether to go on: work that it
+/// answers with false ends, and reports an interruption. Work that does not know its share says 0.
 pub type Progress<'a> = dyn FnMut(f64) -> bool + 'a;

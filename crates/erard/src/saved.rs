@@ -1,4 +1,5 @@
-//! Saved states as bytes: lists of numbers by name, the same bytes on every machine, read and written without allocating.
+//! Saved states as bytes: lists of numbers by name, the same bytes on every machine, read and written without
+//! allocating.
 //!
 //! | bytes | what they are |
 //! |---|---|
@@ -7,8 +8,9 @@
 //! | 32 and more, for each list | its name in 24 bytes, filled up with zeros; how many words follow; these words of 8 bytes |
 //! | 8 | check sum: [`fnv1a`] over all bytes before |
 //!
-//! Words are little-endian. A reader passes over lists that it does not know, and a list that is absent leaves its default in force. A program may
-//! therefore read states of later and of earlier programs; the version changes with the layout only.
+//! Words are little-endian. A reader passes over lists that it does not know, and a list that is absent leaves its
+//! default in force. A program may therefore read states of later and of earlier programs; the version changes with the
+//! layout only.
 
 use thiserror::Error;
 

@@ -1,10 +1,11 @@
 //! Many mechanisms, stepped one after the other; those that nothing changes sleep.
 //!
-//! A step is a function of state and input. Where it left a state identical to the bit, every further step with the identical input would do
-//! so too: the mechanism sleeps, and is not stepped until its input changes. That is exact, not a threshold, and it happens, because dry
-//! friction as a set-valued law truly sticks: what rests comes to velocities of exactly zero in finite time. Under a regularised friction law
-//! it does not, and nothing ever sleeps. Nor does a mechanism that friction holds exactly at its limit, where rounding lets it slip and stick
-//! in turn (velocities of 1e-17 rad/s that move no angle): rare, and then merely not for free.
+//! A step is a function of state and input. Where it left a state identical to the bit, every further step with the
+//! identical input would do so too: the mechanism sleeps, and is not stepped until its input changes. That is exact,
+//! not a threshold, and it happens, because dry friction as a set-valued law truly sticks: what rests comes to
+//! velocities of exactly zero in finite time. Under a regularised friction law it does not, and nothing ever sleeps.
+//! Nor does a mechanism that friction holds exactly at its limit, where rounding lets it slip and stick in turn
+//! (velocities of 1e-17 rad/s that move no angle): rare, and then merely not for free.
 
 use moreau::{Input, ModelError, Outcome, Settings, Workspace};
 
@@ -25,7 +26,8 @@ pub struct Tick {
     pub non_finite: u32,
 }
 
-/// Many mechanisms of one size, each with an input that holds until it is changed. Indices count from 0. Only [`bank`] allocates.
+/// Many mechanisms of one size, each with an input that holds until it is changed. Indices count from 0. Only [`bank`]
+/// allocates.
 pub trait Bank: Send {
     /// How many there are.
     fn count(&self) -> usize;
@@ -41,7 +43,8 @@ pub trait Bank: Send {
     fn drive(&mut self, index: usize, input: &Input<f64>);
     /// Places one's hand: world coordinate along the drive's direction, m, and velocity, m/s. Wakes it.
     fn place_hand(&mut self, index: usize, hand: [f64; 2]);
-    /// Whether what nothing changes sleeps, as at first. Otherwise all are stepped in every step, with the same results.
+    /// Whether what nothing changes sleeps, as at first. Otherwise all are stepped in every step, with the same
+    /// results.
     fn let_sleep(&mut self, sleep: bool);
     /// Steps all that are awake; `impact` is called with every one whose marked point has met its zone.
     fn step(&mut self, impact: &mut dyn FnMut(usize, Impact)) -> Tick;
@@ -175,7 +178,8 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         let mut place = 0;
         while let Some(&index) = awake.get(place) {
             let Member { core, probes, input, awake: is_awake, drive_n, zone_n } = &mut members[index];
-            // Working memory holds another's contacts, and what is awake is stepped; but while something rings that is out of its reach, it sleeps.
+            // Working memory holds another's contacts, and what is awake is stepped; but while something rings that is
+            // out of its reach, it sleeps.
             if core.under.is_none() || !*sleep {
                 core.sleep.wake();
             }

@@ -2,7 +2,8 @@
 
 use moreau::{Body, Curve, Description, Dwell, Felt, Model, ModelError, Scalar, Site, Spring, Yields, Zone};
 
-/// A mechanism before it is compiled into a model of fixed size. Indices count from 0; the ground is [`moreau::GROUND`].
+/// A mechanism before it is compiled into a model of fixed size. Indices count from 0; the ground is
+/// [`moreau::GROUND`].
 #[derive(Debug, Clone)]
 pub struct OwnedDescription<T = f64> {
     /// Bodies, parents first.

@@ -1,4 +1,5 @@
-//! The engine of one size: a mechanism that takes steps, and how it is read. Every step outside the lanes goes through [`Stepped::step`].
+//! The engine of one size: a mechanism that takes steps, and how it is read. Every step outside the lanes goes through
+//! [`Stepped::step`].
 
 use core::cell::OnceCell;
 

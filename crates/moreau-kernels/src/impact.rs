@@ -1,5 +1,5 @@
-//! Instant and speed of an impact: the marked point (an action's hammer) meets the marked zone (its string). Both are predicted from the flight
-//! before.
+//! Instant and speed of an impact: the marked point (an action's hammer) meets the marked zone (its string). Both are
+//! predicted from the flight before.
 
 use moreau::{Clearance, Model, Pose, Real, Scalar, TrackedPoint};
 
@@ -34,8 +34,8 @@ pub(crate) struct Sample {
     pub speed_m_s: f64,
 }
 
-/// Predicts an impact from the marked point's flight. While the point is out of the zone's reach, an update costs one comparison; results are
-/// unaffected, because the last two moments are kept.
+/// Predicts an impact from the marked point's flight. While the point is out of the zone's reach, an update costs one
+/// comparison; results are unaffected, because the last two moments are kept.
 #[derive(Debug, Clone)]
 pub(crate) struct ImpactPredictor<const B: usize> {
     point: TrackedPoint<f64, B>,
@@ -134,7 +134,8 @@ impl<const B: usize> ImpactPredictor<B> {
         impact
     }
 
-    /// The mechanism has stood still without updates until this instant, in steps of h (s): as if it had been updated after every one of them.
+    /// The mechanism has stood still without updates until this instant, in steps of h (s): as if it had been updated
+    /// after every one of them.
     pub(crate) fn stood(&mut self, until_s: f64, h: f64) {
         self.impact = None;
         let newest = [self.next ^ 1, self.next].into_iter().find_map(|k| self.skipped[k]);
@@ -167,14 +168,15 @@ impl<const B: usize> ImpactPredictor<B> {
     }
 }
 
-/// Instant (s) and speed (m/s) of the impact that follows if a point flies on as it did between two samples (instant, s; the zone's compression, m; speed,
-/// m/s), its acceleration unchanged, at the latest at `now_s`:
+/// Instant (s) and speed (m/s) of the impact that follows if a point flies on as it did between two samples (instant,
+/// s; the zone's compression, m; speed, m/s), its acceleration unchanged, at the latest at `now_s`:
 ///
 /// a = dv/dt, d = -g / (dg/dx), v^2 = v_b^2 + 2 a d, t = t_b + 2 d / (v_b + v)
 ///
-/// with both slopes taken over the step before, g the zone's compression and x the point's path. The end of the step in which the
-/// zone is met plays no part: there it has pushed already, which at 200 us would make a piano hammer's blow a hundredth slower.
-/// `None` where there is no such flight: at the second look, and where the zone was touched a step before.
+/// with both slopes taken over the step before, g the zone's compression and x the point's path. The end of the step in
+/// which the zone is met plays no part: there it has pushed already, which at 200 us would make a piano hammer's blow a
+/// hundredth slower. `None` where there is no such flight: at the second look, and where the zone was touched a step
+/// before.
 pub fn impact_in_flight<T: Scalar>([older, before]: [[T; 3]; 2], now_s: T) -> Option<[T; 2]> {
     let ([older_s, older_m, v0], [before_s, before_m, v1]) = (older, before);
     let last_s = before_s - older_s;

@@ -1,8 +1,8 @@
 //! The engine, compiled: mechanisms of any size behind one dynamic call per step.
 //!
-//! `moreau` is generic over its sizes, so that its loops are unrolled. This crate is the only one that instantiates its step for
-//! piano-sized mechanisms: whoever depends on it compiles no kernel. A [`OwnedDescription`] says what the mechanism is; it runs in the smallest
-//! size that holds it ([`Size`]), as
+//! `moreau` is generic over its sizes, so that its loops are unrolled. This crate is the only one that instantiates its
+//! step for piano-sized mechanisms: whoever depends on it compiles no kernel. A [`OwnedDescription`] says what the
+//! mechanism is; it runs in the smallest size that holds it ([`Size`]), as
 //!
 //! - [`Mechanism`]: one, with its own working memory;
 //! - [`Bank`]: many that are stepped one after the other and sleep while nothing changes;

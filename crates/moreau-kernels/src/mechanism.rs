@@ -56,7 +56,8 @@ pub enum Part {
     Hand([f64; 2]),
 }
 
-/// The present state of a mechanism and what acted in its last step, whatever its size. Slices follow the description's bodies and zones.
+/// The present state of a mechanism and what acted in its last step, whatever its size. Slices follow the description's
+/// bodies and zones.
 #[derive(Clone, Copy)]
 pub struct Readout<'a> {
     /// The present instant, s.
@@ -73,8 +74,8 @@ pub struct Readout<'a> {
     pub velocities: &'a [f64],
     /// Dry friction torques of the pivots in the last step, N m.
     pub pivot_friction: &'a [f64],
-    /// The zones as they acted in the last step, where [`Stepping::keeps_contacts`], else none; those that were not touched are `None`. There may be
-    /// more places than zones.
+    /// The zones as they acted in the last step, where [`Stepping::keeps_contacts`], else none; those that were not
+    /// touched are `None`. There may be more places than zones.
     pub contacts: &'a [Option<Contact<f64>>],
     /// Coulomb forces of the zones in the last step, N. There may be more places than zones.
     pub tangential_forces: &'a [f64],
@@ -84,7 +85,8 @@ pub struct Readout<'a> {
     pub surfaces: Option<&'a dyn Surfaces>,
 }
 
-/// All that the following steps depend on, in plain numbers of any size: bodies and zones beyond the mechanism's are zero.
+/// All that the following steps depend on, in plain numbers of any size: bodies and zones beyond the mechanism's are
+/// zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Saved {
     /// The engine's state, in the largest size.
@@ -99,13 +101,14 @@ pub struct Saved {
     pub flight: [Option<[f64; 3]>; 2],
 }
 
-/// An assembled mechanism, whatever its size: this trait erases the sizes that the engine is compiled for. Indices follow the description's bodies and
-/// zones. No function but those that say so allocates.
+/// An assembled mechanism, whatever its size: this trait erases the sizes that the engine is compiled for. Indices
+/// follow the description's bodies and zones. No function but those that say so allocates.
 pub trait Mechanism: Observation + Send {
     /// Advances by one step of the current settings.
     fn step(&mut self, input: &Input<f64>) -> &StepOutput;
-    /// Advances by one step that is as long as its error allows, and at most `limit` s. `ends` gives the instant of so many s after the
-    /// step's start; `observe` is called after each of its two halves. Allocates when the first step is taken.
+    /// Advances by one step that is as long as its error allows, and at most `limit` s. `ends` gives the instant of so
+    /// many s after the step's start; `observe` is called after each of its two halves. Allocates when the first step
+    /// is taken.
     fn controlled_step(
         &mut self,
         accuracy: &Accuracy<f64>,
@@ -126,7 +129,8 @@ pub trait Mechanism: Observation + Send {
     fn energies_at(&self, velocities: &[f64]) -> Energies;
     /// Books the last step in a ledger ([`open_ledger`]).
     fn book(&self, ledger: &mut Ledger);
-    /// Reports what each pivot and each zone has lost in the last step, J, where [`Stepping::keeps_contacts`]: what a ledger books.
+    /// Reports what each pivot and each zone has lost in the last step, J, where [`Stepping::keeps_contacts`]: what a
+    /// ledger books.
     fn each_loss(&self, lose: &mut dyn FnMut(LossIn, f64));
     /// All that the following steps depend on, but for [`Readout::surfaces`].
     fn save(&self) -> Saved;
@@ -136,8 +140,8 @@ pub trait Mechanism: Observation + Send {
     fn surfaces_mut(&mut self) -> Option<&mut (dyn Surfaces + 'static)>;
 }
 
-/// Assembles a mechanism into the smallest size that holds it. Its zones press on `surfaces` if there are any; the description says which ones then
-/// yield. Such a mechanism takes fixed steps only.
+/// Assembles a mechanism into the smallest size that holds it. Its zones press on `surfaces` if there are any; the
+/// description says which ones then yield. Such a mechanism takes fixed steps only.
 ///
 /// # Errors
 /// [`ModelError`] if no size holds it, or a number is not sound.
@@ -159,7 +163,8 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
     Ok(Box::new(Engine::<B, Z, N>::new(description, probes, settings, surfaces)?))
 }
 
-/// A ledger that is opened where a mechanism is; from now on the mechanism keeps its contacts. Allocates the first time.
+/// A ledger that is opened where a mechanism is; from now on the mechanism keeps its contacts. Allocates the first
+/// time.
 pub fn open_ledger(mechanism: &mut dyn Mechanism) -> Ledger {
     // This also wakes it, so that what rests is booked at least once.
     mechanism.configure(Stepping { keeps_contacts: true, ..*mechanism.readout().stepping });

@@ -25,9 +25,11 @@ pub trait Observation {
     fn velocity_row(&self, body: usize, point: [f64; 2], n: [f64; 2]) -> Vec<f64>;
 }
 
-/// An observer of one mechanism that is stepped in lanes, whatever its size: it is given the angles and velocities after every step.
+/// An observer of one mechanism that is stepped in lanes, whatever its size: it is given the angles and velocities
+/// after every step.
 pub trait LaneObserver: Observation + Send {
-    /// Takes note of an instant; the pose is computed only when it is asked for. Bodies beyond the model's are left out.
+    /// Takes note of an instant; the pose is computed only when it is asked for. Bodies beyond the model's are left
+    /// out.
     fn update(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody);
     /// Whether the marked zone was out of reach at the last update.
     fn is_far(&self) -> bool;
@@ -35,7 +37,8 @@ pub trait LaneObserver: Observation + Send {
     fn impact(&self) -> Option<Impact>;
     /// Stored energies of a state, J.
     fn energies(&self, state: &AnyState) -> Energies;
-    /// Books a step from one state to another in a ledger. Its forces are worked out again from the two ([`Workspace::retrace`]).
+    /// Books a step from one state to another in a ledger. Its forces are worked out again from the two
+    /// ([`Workspace::retrace`]).
     fn book(&mut self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]);
 }
 

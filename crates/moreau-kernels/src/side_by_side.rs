@@ -5,7 +5,8 @@ use moreau::{Input, Model, ModelError, Outcome, SavedState, Settings, State};
 use crate::size::with_size;
 use crate::{EveryBody, Group, Lanes, OwnedDescription, Size};
 
-/// Mechanisms that are stepped together, as many as there are lanes. Indices count from 0. Only [`side_by_side`] allocates.
+/// Mechanisms that are stepped together, as many as there are lanes. Indices count from 0. Only [`side_by_side`]
+/// allocates.
 pub trait SideBySide: Send {
     /// How they are stepped.
     fn lanes(&self) -> Lanes;
@@ -19,14 +20,16 @@ pub trait SideBySide: Send {
     /// # Panics
     /// As [`SideBySide::step`].
     fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
-    /// Copies one mechanism's absolute angles, rad, and angular velocities, rad/s; places beyond its size are left as they are.
+    /// Copies one mechanism's absolute angles, rad, and angular velocities, rad/s; places beyond its size are left as
+    /// they are.
     fn motion(&self, index: usize, angles: &mut EveryBody, velocities: &mut EveryBody);
     /// One mechanism's state.
     fn state(&self, index: usize) -> SavedState<f64, 12, 32>;
 }
 
-/// Mechanisms in given states. Where there are as many of them as the processor has `lanes` for, and they differ in their numbers only, they
-/// are stepped at once, or in several parts where lanes that wide are not compiled for their size ([`Size::lanes`]); otherwise one by one.
+/// Mechanisms in given states. Where there are as many of them as the processor has `lanes` for, and they differ in
+/// their numbers only, they are stepped at once, or in several parts where lanes that wide are not compiled for their
+/// size ([`Size::lanes`]); otherwise one by one.
 ///
 /// # Errors
 /// [`ModelError`] if no size holds one of them.

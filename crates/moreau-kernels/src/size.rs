@@ -4,8 +4,8 @@ use crate::{Lanes, OwnedDescription};
 
 /// A size: so many bodies B, zones Z and set-valued laws N at most.
 ///
-/// A law is needed for every pivot, every zone with Coulomb friction and the drive; from eight bodies on there is room for one more in every
-/// zone.
+/// A law is needed for every pivot, every zone with Coulomb friction and the drive; from eight bodies on there is room
+/// for one more in every zone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Size {
     /// One body, four zones.
@@ -20,7 +20,8 @@ pub enum Size {
     Most,
 }
 
-/// `with_size!(size, f, arguments)` calls `f::<B, Z, N>(arguments)` with the numbers of bodies, zones and laws of that size.
+/// `with_size!(size, f, arguments)` calls `f::<B, Z, N>(arguments)` with the numbers of bodies, zones and laws of that
+/// size.
 macro_rules! with_size {
     ($size:expr, $f:ident, $($argument:expr),*) => {
         match $size {
@@ -59,8 +60,9 @@ impl Size {
         Size::ALL.into_iter().find(fits).unwrap_or(Size::Most)
     }
 
-    /// The widest lanes up to these that are compiled for this size. Six bodies have all. Beyond, each kind of lanes takes as long to compile as
-    /// a whole library: eight and nine bodies have four doubles, eight bodies have single precision, too; other sizes have none.
+    /// The widest lanes up to these that are compiled for this size. Six bodies have all. Beyond, each kind of lanes
+    /// takes as long to compile as a whole library: eight and nine bodies have four doubles, eight bodies have single
+    /// precision, too; other sizes have none.
     pub fn lanes(self, wanted: Lanes) -> Lanes {
         match (self, wanted) {
             (Size::Six, _) => wanted,

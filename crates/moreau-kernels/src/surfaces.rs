@@ -1,11 +1,12 @@
-//! Compliant external subsystems under zones of a mechanism: strings, say. The engine asks for their surfaces before every step, and reports the
-//! contact forces to them afterwards.
+//! Compliant external subsystems under zones of a mechanism: strings, say. The engine asks for their surfaces before
+//! every step, and reports the contact forces to them afterwards.
 
 use std::any::Any;
 
 use moreau::{COUPLED, Input, Model, Pose, Settings, Sleep, State, Surface, Workspace};
 
-/// A compliant external subsystem under zones ([`moreau::Yields`]). The trait inverts a dependency: the subsystem is the caller's. Indices count the zones in the order of [`Surfaces::zones`]. Displacements are along the zone's
+/// A compliant external subsystem under zones ([`moreau::Yields`]). The trait inverts a dependency: the subsystem is
+/// the caller's. Indices count the zones in the order of [`Surfaces::zones`]. Displacements are along the zone's
 /// normal, positive away from the disc.
 ///
 /// The surfaces may be coupled: a force on one then displaces the others within the same step ([`Surfaces::coupled`]).
@@ -14,12 +15,14 @@ pub trait Surfaces: Send {
     fn zones(&self) -> &[usize];
     /// The length of the steps that follow, s. May allocate.
     fn set_step(&mut self, step_s: f64);
-    /// While a mechanism is brought to rest: the surfaces follow their forces as if they had no inertia, so that they ring no longer than it moves.
+    /// While a mechanism is brought to rest: the surfaces follow their forces as if they had no inertia, so that they
+    /// ring no longer than it moves.
     fn follow(&mut self, statically: bool);
     /// What a surface would do in the next step.
     fn surface(&self, index: usize) -> Surface<f64>;
-    /// How many surfaces, from the first one on, are coupled; writes their compliance matrix (the displacement of one at the next step's end per newton on
-    /// another, m/N, symmetric) and the forces of the last step, N. [`Surfaces::surface`] then says what each does if nothing presses any of them.
+    /// How many surfaces, from the first one on, are coupled; writes their compliance matrix (the displacement of one
+    /// at the next step's end per newton on another, m/N, symmetric) and the forces of the last step, N.
+    /// [`Surfaces::surface`] then says what each does if nothing presses any of them.
     fn coupled(&self, compliance: &mut [[f64; COUPLED]; COUPLED], forces: &mut [f64; COUPLED]) -> usize {
         let _ = (compliance, forces);
         0
@@ -41,10 +44,11 @@ pub trait Surfaces: Send {
     fn given(&self) -> f64 {
         0.0
     }
-    /// All that the following steps depend on, in lists of numbers: to each its name, of at most 24 bytes, and its numbers.
+    /// All that the following steps depend on, in lists of numbers: to each its name, of at most 24 bytes, and its
+    /// numbers.
     fn save(&self, put: &mut dyn FnMut(&'static str, &mut dyn Iterator<Item = f64>));
-    /// Goes on from there; from nothing (no list has any numbers) at rest. `each` tells the numbers of a list, with their indices, and returns how many
-    /// there are.
+    /// Goes on from there; from nothing (no list has any numbers) at rest. `each` tells the numbers of a list, with
+    /// their indices, and returns how many there are.
     fn restore(&mut self, each: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize);
     /// The subsystem itself, for callers that know its type.
     fn as_any(&self) -> &dyn Any;
@@ -85,7 +89,8 @@ impl Under {
         Under { surfaces, forces: [0.0; MOST] }
     }
 
-    /// Before a step: hands the surfaces to the workspace. A mechanism that sleeps is left out while they ring, if they cannot reach it.
+    /// Before a step: hands the surfaces to the workspace. A mechanism that sleeps is left out while they ring, if they
+    /// cannot reach it.
     #[cold]
     #[inline(never)]
     pub(crate) fn before_step<const B: usize, const Z: usize, const N: usize>(

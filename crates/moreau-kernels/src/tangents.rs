@@ -21,7 +21,8 @@ pub trait Tangents: Send {
     fn hand(&self) -> [Number; 2];
     /// World coordinate of the driven point along the drive's direction, m.
     fn site_position(&self) -> Number;
-    /// Force of an elastic drive whose driver is at this position (m, as [`Self::site_position`]) and has this velocity, m/s; N, and 0 where it does not touch.
+    /// Force of an elastic drive whose driver is at this position (m, as [`Self::site_position`]) and has this
+    /// velocity, m/s; N, and 0 where it does not touch.
     fn push(&self, position: Number, velocity: Number) -> Number;
     /// Compression of a zone, m; negative apart.
     fn compression(&self, zone: usize) -> Number;

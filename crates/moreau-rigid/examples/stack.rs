@@ -1,6 +1,8 @@
-//! A stack of blocks, each tilted a little against the one below, falls, rebounds and comes to rest: what a step costs and what solved it.
+//! A stack of blocks, each tilted a little against the one below, falls, rebounds and comes to rest: what a step costs
+//! and what solved it.
 //!
-//! `cargo run --release -p moreau --example stack [BLOCKS [STEP_S [SECONDS]]] [stronge]`; 15 blocks touch at thirty points.
+//! `cargo run --release -p moreau --example stack [BLOCKS [STEP_S [SECONDS]]] [stronge]`; 15 blocks touch at thirty
+//! points.
 
 use std::time::Instant;
 

@@ -60,7 +60,8 @@ pub struct Contact<'m, T> {
     pub belt: T,
 }
 
-/// A rigid unilateral contact of two convex polygons. It closes at up to two points, each a corner of one against an edge of the other.
+/// A rigid unilateral contact of two convex polygons. It closes at up to two points, each a corner of one against an
+/// edge of the other.
 #[derive(Debug, Clone, Copy)]
 pub struct PolygonContact<'m, T> {
     /// Carrier of the first polygon, or [`GROUND`](moreau::GROUND).

@@ -5,8 +5,9 @@ use moreau::Scalar;
 /// Pivots below this part of the largest entry mean an equation that the others hold already.
 pub(super) const DEPENDENT: f64 = 1e-11;
 
-/// Gaussian elimination with complete pivoting of the first `m` rows and columns. Unknowns that the others determine already keep
-/// the value that `x` came with. Rows that a pivot does not concern cost nothing: blocks in a stack concern their neighbours only.
+/// Gaussian elimination with complete pivoting of the first `m` rows and columns. Unknowns that the others determine
+/// already keep the value that `x` came with. Rows that a pivot does not concern cost nothing: blocks in a stack
+/// concern their neighbours only.
 pub(super) fn eliminate<T: Scalar, const N: usize>(a: &mut [[T; N]; N], rhs: &mut [T; N], x: &mut [T; N], m: usize) {
     let (mut row_used, mut column_used) = ([false; N], [false; N]);
     let mut pivots = [(0usize, 0usize); N];
@@ -82,7 +83,8 @@ fn largest<T: Scalar, const N: usize>(row: &[T; N], used: &[bool; N], m: usize) 
 mod tests {
     use super::*;
 
-    /// A regular system, and one whose third equation is the sum of the others: the unknown that is left keeps its value.
+    /// A regular system, and one whose third equation is the sum of the others: the unknown that is left keeps its
+    /// value.
     #[test]
     fn regular_and_redundant() {
         let (mut a, mut rhs, mut x) = ([[2.0, 1.0, 0.0], [0.0, 0.0, 4.0], [1.0, -1.0, 3.0]], [4.0, 8.0, 5.0], [0.0; 3]);

@@ -1,10 +1,11 @@
 //! Stronge's law: an impact followed through in the space of impulses.
 //!
-//! Every contact that closes is a spring whose impulse grows while it is compressed; it takes the work of the normal impulse, and while it
-//! parts it gives back e squared of it. Friction is Coulomb's at every instant of the impact, joints stay closed. Between two events (a slip
-//! stops or begins, a contact begins to part, has given all back, or begins to close) the velocities are linear in the impulses, so that the
-//! work is known exactly: no impact gives energy. One contact alone needs no spring's stiffness: its events are found exactly. Several at once
-//! share their impulses as springs of one stiffness would, in short increments.
+//! Every contact that closes is a spring whose impulse grows while it is compressed; it takes the work of the normal
+//! impulse, and while it parts it gives back e squared of it. Friction is Coulomb's at every instant of the impact,
+//! joints stay closed. Between two events (a slip stops or begins, a contact begins to part, has given all back, or
+//! begins to close) the velocities are linear in the impulses, so that the work is known exactly: no impact gives
+//! energy. One contact alone needs no spring's stiffness: its events are found exactly. Several at once share their
+//! impulses as springs of one stiffness would, in short increments.
 
 use super::mixed::{Law, Limits, Mode, Problem};
 use super::model::Model;
@@ -44,8 +45,8 @@ struct Point<T> {
     rate: T,
 }
 
-/// Passes the impact of the contacts whose normal law in `workspace.problem` is in force. `workspace.rows` are the rows at its pose, `v` the
-/// velocities before, and after; `p` receives the impulses. Speeds below `tolerance` are none.
+/// Passes the impact of the contacts whose normal law in `workspace.problem` is in force. `workspace.rows` are the rows
+/// at its pose, `v` the velocities before, and after; `p` receives the impulses. Speeds below `tolerance` are none.
 pub(super) fn collide<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     tolerance: T,
@@ -176,8 +177,8 @@ fn sign<T: Scalar>(u: T, tolerance: T) -> T {
     }
 }
 
-/// Growth of all impulses while the normal ones grow as told: what sticks has friction up to its limit, what slips all of it, joints what
-/// keeps them closed. A convex problem, which has a solution.
+/// Growth of all impulses while the normal ones grow as told: what sticks has friction up to its limit, what slips all
+/// of it, joints what keeps them closed. A convex problem, which has a solution.
 fn rates<T: Scalar, const N: usize>(
     problem: &mut Problem<T, N>,
     reduced: &mut super::sweeps::Reduced<T, N>,

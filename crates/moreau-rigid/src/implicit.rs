@@ -7,7 +7,8 @@ use super::rows::{Row, joint_rows};
 use moreau::vector::dot;
 use moreau::{GROUND, Scalar};
 
-/// A = M - h dQ/dv1 without what would make it indefinite, factored as L D L^T (L's diagonal is one, in the lower half; D on the diagonal).
+/// A = M - h dQ/dv1 without what would make it indefinite, factored as L D L^T (L's diagonal is one, in the lower half;
+/// D on the diagonal).
 #[derive(Debug, Clone)]
 pub(super) struct Implicit<T, const B: usize> {
     a: [[[[T; 3]; 3]; B]; B],
@@ -20,8 +21,8 @@ impl<T: Scalar, const B: usize> Implicit<T, B> {
         Implicit { a: [[[[T::ZERO; 3]; 3]; B]; B], present: false }
     }
 
-    /// Linearises at these placements and velocities of the theta point, theta h^2 theta of displacement and theta h of velocity per
-    /// velocity at the step's end.
+    /// Linearises at these placements and velocities of the theta point, theta h^2 theta of displacement and theta h of
+    /// velocity per velocity at the step's end.
     pub(crate) fn renew(&mut self, model: &Model<'_, T>, h: T, theta: T, q: &[Placement<T>; B], v: &[Twist<T>; B]) {
         let dampers = model.joints.iter().any(|joint| T::ZERO < joint.viscous);
         self.present = dampers || !model.springs.is_empty() || !model.torsions.is_empty();
@@ -38,7 +39,8 @@ impl<T: Scalar, const B: usize> Implicit<T, B> {
         for spring in model.springs {
             let ends = spring_ends(spring, q);
             self.add(&along_spring(spring, q, ends.direction), place * spring.stiffness + speed * spring.damping);
-            // The force's direction turns with the ends, its levers turn with the bodies. Only what draws back is taken in.
+            // The force's direction turns with the ends, its levers turn with the bodies. Only what draws back is taken
+            // in.
             let force = spring.stiffness * (ends.length - spring.length)
                 + spring.damping * along_spring(spring, q, ends.direction).velocity(v);
             if T::ZERO < ends.length {

@@ -45,7 +45,8 @@ pub(super) fn contact_laws<T: Scalar, const B: usize, const N: usize>(
     }
 }
 
-/// Of the closed contacts at the start of the step: slips (at the tangential laws) and speeds of closing (at the normal ones).
+/// Of the closed contacts at the start of the step: slips (at the tangential laws) and speeds of closing (at the normal
+/// ones).
 pub(super) fn start_velocities<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     q0: &[Placement<T>; B],
@@ -101,8 +102,9 @@ pub(super) fn place_rows<T: Scalar, const B: usize, const N: usize>(
     }
 }
 
-/// W and u_free: impulses act along the rows at the theta point, the laws speak of the velocities of the rows at the step's end. W is
-/// therefore symmetric up to order h only; but redundant joints stay consistent, since what they ask for is asked at one pose.
+/// W and u_free: impulses act along the rows at the theta point, the laws speak of the velocities of the rows at the
+/// step's end. W is therefore symmetric up to order h only; but redundant joints stay consistent, since what they ask
+/// for is asked at one pose.
 pub(super) fn one_step_problem<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     impact_law: ImpactLaw,

@@ -1,10 +1,11 @@
-//! Rigid bodies in the plane with hinges, slides, slots, closed loops, springs, rigid unilateral contacts of discs, lines, plates and convex
-//! polygons, impacts and moving surfaces: what the papers' inclusion M dv + F dt = di also admits and the piano action does not need.
+//! Rigid bodies in the plane with hinges, slides, slots, closed loops, springs, rigid unilateral contacts of discs,
+//! lines, plates and convex polygons, impacts and moving surfaces: what the papers' inclusion M dv + F dt = di also
+//! admits and the piano action does not need.
 //!
-//! Where the action's step has one angle per body and a tree, a body here has three coordinates (its centre of mass and its
-//! angle) and every joint is a pair of equalities. The mass matrix is then constant and diagonal, there are no centrifugal
-//! terms, and closing a loop is one more joint. The price is size; these mechanisms are small and their step is not the
-//! action's.
+//! Where the action's step has one angle per body and a tree, a body here has three coordinates (its centre of mass and
+//! its angle) and every joint is a pair of equalities. The mass matrix is then constant and diagonal, there are no
+//! centrifugal terms, and closing a loop is one more joint. The price is size; these mechanisms are small and their
+//! step is not the action's.
 //!
 //! [`step()`] is the Moreau-Jean theta step; the equations are in this crate's `README.md`. [`problems`] holds textbook
 //! problems with known answers.

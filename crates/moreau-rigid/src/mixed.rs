@@ -6,10 +6,10 @@
 //! - Coulomb: the same with bound = mu p_n, p_n the impulse of a unilateral law of the same step.
 //!
 //! Because the bound follows the normal impulse the problem is not a convex one: it may have several solutions or none
-//! (Painleve). It is solved exactly, by guessing what every law does, solving the linear system that the guess leaves and
-//! correcting the guess. Where guesses cycle, sweeps (`sweeps.rs`) lead to a better one; where they do not either and there are few
-//! enough, all are tried in order. All of it is bounded, and what is given back is admissible: no contact pulls, no friction is beyond its
-//! cone.
+//! (Painleve). It is solved exactly, by guessing what every law does, solving the linear system that the guess leaves
+//! and correcting the guess. Where guesses cycle, sweeps (`sweeps.rs`) lead to a better one; where they do not either
+//! and there are few enough, all are tried in order. All of it is bounded, and what is given back is admissible: no
+//! contact pulls, no friction is beyond its cone.
 
 use super::eliminate::eliminate;
 use super::sweeps::Reduced;
@@ -188,8 +188,8 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
         all <= limit
     }
 
-    /// The largest amount, as a velocity, by which impulses miss a law: u where it must be zero, else the distance of W_ii p from its
-    /// projection after -u.
+    /// The largest amount, as a velocity, by which impulses miss a law: u where it must be zero, else the distance of
+    /// W_ii p from its projection after -u.
     pub(crate) fn residual(&self, p: &[T; N]) -> T {
         let mut most = T::ZERO;
         for i in 0..self.count {
@@ -375,8 +375,9 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
         false
     }
 
-    /// Change of a contact's normal velocity per normal impulse while it slips with friction p_t = factor p_n, everything else
-    /// doing what `mode` says; and its velocity without its impulses. Where both are negative, no finite force keeps it closed while it slips.
+    /// Change of a contact's normal velocity per normal impulse while it slips with friction p_t = factor p_n,
+    /// everything else doing what `mode` says; and its velocity without its impulses. Where both are negative, no
+    /// finite force keeps it closed while it slips.
     pub(crate) fn slipping_mobility(&self, n: usize, t: usize, factor: T, mode: &[Mode; N], tolerance: T) -> (T, T) {
         let mut others = *mode;
         others[n] = Mode::Open;
@@ -472,8 +473,9 @@ mod tests {
         }
     }
 
-    /// An equality, a dry joint and three contacts with friction, rank-deficient. Whatever is called solved satisfies every law,
-    /// checked here from p and u alone. Where there is said to be no solution all guesses were tried; that is rare at friction of 0.3.
+    /// An equality, a dry joint and three contacts with friction, rank-deficient. Whatever is called solved satisfies
+    /// every law, checked here from p and u alone. Where there is said to be no solution all guesses were tried; that
+    /// is rare at friction of 0.3.
     #[test]
     fn solutions_satisfy_every_law() {
         let mut random = Random(5);

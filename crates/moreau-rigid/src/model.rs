@@ -27,15 +27,17 @@ pub enum JointKind<T> {
         /// Angle of the second body minus that of the first, rad.
         angle: T,
     },
-    /// A pin in a straight slot: the second body's point stays on the line through the first body's point; both turn freely. Friction and
-    /// motor act on the pin's way along the slot. Where the slot ends, a contact of the pin with a line on the first body is the stop.
+    /// A pin in a straight slot: the second body's point stays on the line through the first body's point; both turn
+    /// freely. Friction and motor act on the pin's way along the slot. Where the slot ends, a contact of the pin with a
+    /// line on the first body is the stop.
     Slot {
         /// Unit direction of the slot, in the first body's frame.
         axis: Vector<T>,
     },
 }
 
-/// A joint between two bodies, or of a body with the ground. A tree's joint and the closure of a loop are the same thing.
+/// A joint between two bodies, or of a body with the ground. A tree's joint and the closure of a loop are the same
+/// thing.
 #[derive(Debug, Clone, Copy)]
 pub struct Joint<T> {
     /// Hinge, slide or slot.
@@ -52,8 +54,9 @@ pub struct Joint<T> {
     pub dry: T,
     /// Viscous friction, N m s or N s/m.
     pub viscous: T,
-    /// A motor: the rate of the coordinate that the joint leaves, at the end of every step, rad/s or m/s. A body on a driven joint is
-    /// moving ground. For a rate that varies, make the model anew: it borrows its parts and costs next to nothing.
+    /// A motor: the rate of the coordinate that the joint leaves, at the end of every step, rad/s or m/s. A body on a
+    /// driven joint is moving ground. For a rate that varies, make the model anew: it borrows its parts and costs next
+    /// to nothing.
     pub rate: Option<T>,
 }
 
@@ -76,8 +79,8 @@ pub struct Spring<T> {
     pub length: T,
 }
 
-/// A spring that resists turning, with a damper in parallel: the moment `stiffness (phi_2 - phi_1 - angle) + damping (rate)` on the first
-/// body, its opposite on the second.
+/// A spring that resists turning, with a damper in parallel: the moment `stiffness (phi_2 - phi_1 - angle) + damping
+/// (rate)` on the first body, its opposite on the second.
 #[derive(Debug, Clone, Copy)]
 pub struct Torsion<T> {
     /// The first body, or [`GROUND`].
@@ -119,7 +122,8 @@ pub enum ModelError {
     BadTorsion(usize),
     /// A number of this contact is not finite or out of its range.
     BadContact(usize),
-    /// A number of this contact of polygons is not finite or out of its range, or a polygon is not convex or not counter-clockwise.
+    /// A number of this contact of polygons is not finite or out of its range, or a polygon is not convex or not
+    /// counter-clockwise.
     BadPolygonContact(usize),
     /// Gravity is not finite.
     BadGravity,
@@ -243,7 +247,8 @@ impl<'m, T: Scalar> Model<'m, T> {
         Ok(Model { polygons, ..self })
     }
 
-    /// The number of laws that a state and a workspace must have room for: three a joint, two a contact, four a contact of polygons.
+    /// The number of laws that a state and a workspace must have room for: three a joint, two a contact, four a contact
+    /// of polygons.
     pub fn laws(&self) -> usize {
         3 * self.joints.len() + 2 * self.points()
     }
@@ -267,8 +272,8 @@ impl<'m, T: Scalar> Model<'m, T> {
         [first, first + 1]
     }
 
-    /// The law slots of a point, 0 or 1, of a contact of polygons: its normal one, its tangential one. The points are in the order in which
-    /// they lie along t = (n_y, -n_x), n the outward normal of the second polygon.
+    /// The law slots of a point, 0 or 1, of a contact of polygons: its normal one, its tangential one. The points are
+    /// in the order in which they lie along t = (n_y, -n_x), n the outward normal of the second polygon.
     pub fn polygon_laws(&self, contact: usize, point: usize) -> [usize; 2] {
         self.contact_laws(self.contacts.len() + 2 * contact + point)
     }

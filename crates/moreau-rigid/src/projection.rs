@@ -1,5 +1,6 @@
-//! Joints are closed in position, not in velocity only: after a step the placements move, by as little as possible in the metric
-//! of the mass matrix, to where every joint is closed (Newton's method). What a motor drives stays where the motor has brought it.
+//! Joints are closed in position, not in velocity only: after a step the placements move, by as little as possible in
+//! the metric of the mass matrix, to where every joint is closed (Newton's method). What a motor drives stays where the
+//! motor has brought it.
 
 use super::eliminate::eliminate;
 use super::model::Model;
@@ -21,8 +22,8 @@ pub(super) fn close_joints<T: Scalar, const B: usize>(
     motors_hold: bool,
 ) -> bool {
     for correction in 0..CORRECTIONS {
-        // The first one always: whether an opening is just below the tolerance or just above must not decide where the bodies are, or a step's
-        // iteration goes back and forth between the two.
+        // The first one always: whether an opening is just below the tolerance or just above must not decide where the
+        // bodies are, or a step's iteration goes back and forth between the two.
         if (correction > 0 || model.joints.is_empty()) && largest_opening(model, q) <= tolerance {
             return true;
         }
@@ -71,8 +72,8 @@ fn largest_opening<T: Scalar>(model: &Model<'_, T>, q: &[Placement<T>]) -> T {
 }
 
 impl<T: Scalar, const B: usize, const N: usize> State<T, B, N> {
-    /// The largest amount, m or rad, by which a joint of the model is open: the constraint drift. Infinite if the state has no
-    /// room for the model's bodies.
+    /// The largest amount, m or rad, by which a joint of the model is open: the constraint drift. Infinite if the state
+    /// has no room for the model's bodies.
     pub fn drift(&self, model: &Model<'_, T>) -> T {
         if model.bodies.len() > B {
             return T::ONE / T::ZERO;
@@ -80,8 +81,8 @@ impl<T: Scalar, const B: usize, const N: usize> State<T, B, N> {
         largest_opening(model, &self.placement)
     }
 
-    /// Closes all joints from placements that are nearly right, and takes out of the velocities what the joints do not admit.
-    /// False if they do not close; the state is then left as it was.
+    /// Closes all joints from placements that are nearly right, and takes out of the velocities what the joints do not
+    /// admit. False if they do not close; the state is then left as it was.
     pub fn assemble(&mut self, model: &Model<'_, T>, tolerance: T) -> bool {
         let mut q = self.placement;
         if model.bodies.len() > B || !close_joints(model, &mut q, tolerance, false) {

@@ -1,5 +1,5 @@
-//! Joints, springs and contacts as rows: the velocity that a law speaks of, linear in the velocities of two bodies. The impulse of the
-//! law acts along the same row.
+//! Joints, springs and contacts as rows: the velocity that a law speaks of, linear in the velocities of two bodies. The
+//! impulse of the law acts along the same row.
 
 use super::model::{Joint, JointKind, Model};
 use super::placement::{Placement, Twist, placed};

@@ -37,30 +37,34 @@ impl<T: Scalar, const B: usize, const N: usize> State<T, B, N> {
 /// What the coefficient of restitution e of a contact means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImpactLaw {
-    /// Newton's: a contact parts with e times the speed with which it closed. Simple, solved with the other laws of the step at once; with
-    /// friction or several contacts an impact may give energy (Kane's paradox), which [`super::StepReport::impact_energy`] tells.
+    /// Newton's: a contact parts with e times the speed with which it closed. Simple, solved with the other laws of the
+    /// step at once; with friction or several contacts an impact may give energy (Kane's paradox), which
+    /// [`super::StepReport::impact_energy`] tells.
     Newton,
-    /// Stronge's: a contact's normal impulse gives back e squared of the work that it took. The impact is followed through in the space of
-    /// impulses before the rest of the step, friction with it, and takes energy whatever the contacts are.
+    /// Stronge's: a contact's normal impulse gives back e squared of the work that it took. The impact is followed
+    /// through in the space of impulses before the rest of the step, friction with it, and takes energy whatever the
+    /// contacts are.
     Stronge,
 }
 
 /// How a step is to be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings<T> {
-    /// Step h, s. Errors fall with its square on smooth motion at theta = 1/2, with itself across impacts and reversals.
+    /// Step h, s. Errors fall with its square on smooth motion at theta = 1/2, with itself across impacts and
+    /// reversals.
     pub step: T,
     /// theta of the theta-method, in [1/2, 1].
     pub theta: T,
-    /// The iteration on forces and rows ends when no velocity changes by more than this times (1 + |velocity|). 1e-11 is usual:
-    /// each iteration gains two or three digits, so that what is left is far less.
+    /// The iteration on forces and rows ends when no velocity changes by more than this times (1 + |velocity|). 1e-11
+    /// is usual: each iteration gains two or three digits, so that what is left is far less.
     pub tolerance: T,
     /// Largest number of those iterations; three to six are usual.
     pub iteration_limit: u32,
     /// What a law's velocity may miss, times (1 + |largest velocity|). 1e-12 is usual.
     pub solver_tolerance: T,
-    /// Most guesses that are tried in order in one one-step problem. Four for every contact and three for every dry joint, multiplied, are
-    /// all that there are; where that is more than this limit none are tried in order, and what the sweeps found is taken.
+    /// Most guesses that are tried in order in one one-step problem. Four for every contact and three for every dry
+    /// joint, multiplied, are all that there are; where that is more than this limit none are tried in order, and what
+    /// the sweeps found is taken.
     pub solver_limit: u32,
     /// Most sweeps of projected Gauss-Seidel in one one-step problem.
     pub sweep_limit: u32,

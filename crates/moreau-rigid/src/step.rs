@@ -21,11 +21,12 @@ const NEARLY: u32 = 4;
 pub enum Outcome {
     /// Velocities, laws and joints met their tolerances.
     Converged,
-    /// The same, but a contact that slipped at the start of the step, and did not close then, stayed closed although Coulomb's law lets no
-    /// finite force keep it so (Painleve): an impulse that does not shrink with h did. Other solutions may exist.
+    /// The same, but a contact that slipped at the start of the step, and did not close then, stayed closed although
+    /// Coulomb's law lets no finite force keep it so (Painleve): an impulse that does not shrink with h did. Other
+    /// solutions may exist.
     Painleve,
-    /// Impulses that every law admits (no contact pulls, no friction is beyond its cone), but some velocity misses its law by the report's
-    /// residual: the sweeps ended before they met the tolerance.
+    /// Impulses that every law admits (no contact pulls, no friction is beyond its cone), but some velocity misses its
+    /// law by the report's residual: the sweeps ended before they met the tolerance.
     Approximate,
     /// An iteration limit was reached; the last (finite) iterate was taken.
     IterationLimit,
@@ -52,8 +53,8 @@ pub struct StepReport<T> {
     pub solver: SolvedBy,
     /// The largest amount, m/s or rad/s, by which its impulses miss a law.
     pub residual: T,
-    /// Work of the contacts' impulses in a step in which a contact closed, against the velocities of the surfaces, J; else zero. Negative:
-    /// the impact took energy. Positive: it gave energy, which Newton's law does not exclude.
+    /// Work of the contacts' impulses in a step in which a contact closed, against the velocities of the surfaces, J;
+    /// else zero. Negative: the impact took energy. Positive: it gave energy, which Newton's law does not exclude.
     pub impact_energy: T,
     /// Increments in which Stronge's law followed an impact.
     pub impact_increments: u32,
@@ -63,7 +64,8 @@ pub struct StepReport<T> {
 
 /// Advances `state` by one step h. Never allocates, never panics, takes a bounded number of iterations.
 ///
-/// `loads` are forces (N) and moments about the centre of mass (N m) on the bodies at t0 + theta h; missing ones are zero.
+/// `loads` are forces (N) and moments about the centre of mass (N m) on the bodies at t0 + theta h; missing ones are
+/// zero.
 pub fn step<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     settings: &Settings<T>,

@@ -1,7 +1,9 @@
-//! Projected Gauss-Seidel on the friction cone: contact by contact, each solved exactly while the others keep their impulses.
+//! Projected Gauss-Seidel on the friction cone: contact by contact, each solved exactly while the others keep their
+//! impulses.
 //!
-//! Joints are eliminated first, so that sweeps pass over contacts and dry joints only. Every iterate is admissible, p_n >= 0 and |p_t| <= mu
-//! p_n, and redundant contacts do not disturb. Now and then what the sweeps found serves as a guess for the exact solver.
+//! Joints are eliminated first, so that sweeps pass over contacts and dry joints only. Every iterate is admissible, p_n
+//! >= 0 and |p_t| <= mu p_n, and redundant contacts do not disturb. Now and then what the sweeps found serves as a
+//! guess for the exact solver.
 
 use super::eliminate::DEPENDENT;
 use super::mixed::{Law, Limits, Mode, Problem, Solution};
@@ -105,8 +107,8 @@ impl<T: Scalar, const N: usize> Reduced<T, N> {
 }
 
 impl<T: Scalar, const N: usize> Problem<T, N> {
-    /// Sweeps from a warm start, whose impulses need not be admissible. True if a guess from what was swept met every law; else the impulses
-    /// are the best that were swept, admissible ones.
+    /// Sweeps from a warm start, whose impulses need not be admissible. True if a guess from what was swept met every
+    /// law; else the impulses are the best that were swept, admissible ones.
     #[cold]
     pub(crate) fn sweep(
         &self,
@@ -118,7 +120,8 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
     ) -> bool {
         reduced.of(self);
         self.project(p);
-        // Friction starts from nothing: what redundant contacts braced against each other in the last step would be carried along for ever.
+        // Friction starts from nothing: what redundant contacts braced against each other in the last step would be
+        // carried along for ever.
         for i in 0..self.count {
             if matches!(self.law[i], Law::Coulomb(..)) {
                 p[i] = T::ZERO;
@@ -143,7 +146,8 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
             // What the laws seem to do, solved exactly.
             let (mut guess, mut exact) = (*mode, swept);
             self.modes_of(&mut guess, &swept);
-            // All refuted laws at once are quick, and may go round; one at a time is slow, and does not if the laws alone would not (Murty).
+            // All refuted laws at once are quick, and may go round; one at a time is slow, and does not if the laws
+            // alone would not (Murty).
             let patient = sweep == PATIENCE;
             for _ in 0..if patient { FLIPS } else { CORRECTIONS } {
                 solution.guesses += 1;
@@ -265,8 +269,8 @@ impl<T: Scalar, const N: usize> Problem<T, N> {
     }
 }
 
-/// One contact with friction alone: u = a + W p. If no mode is consistent, the normal law as it would be without friction and friction
-/// projected onto its bound.
+/// One contact with friction alone: u = a + W p. If no mode is consistent, the normal law as it would be without
+/// friction and friction projected onto its bound.
 fn local<T: Scalar>(a: [T; 2], w: [[T; 2]; 2], mu: T, held: T) -> [T; 2] {
     let [[nn, nt], [tn, tt]] = w;
     if a[0] >= T::ZERO {
@@ -308,7 +312,8 @@ mod tests {
     const CONTACTS: usize = 20;
     const N: usize = 2 * CONTACTS;
 
-    /// A contact that jams when it slips the one way, does not slip the other, and cannot be held: the normal law as without friction.
+    /// A contact that jams when it slips the one way, does not slip the other, and cannot be held: the normal law as
+    /// without friction.
     #[test]
     fn where_no_mode_is_consistent_the_normal_law_is_left() {
         assert_eq!(local([-1.0, 1.0], [[1.0, 2.0], [2.0, 0.0]], 0.6, 1e-9), [1.0, 0.0]);
@@ -318,8 +323,9 @@ mod tests {
         assert_eq!(local([-1.0, 2.0], [[1.0, 0.0], [0.0, 1.0]], 0.5, 1e-9), [1.0, -0.5]);
     }
 
-    /// Twenty contacts of bodies with fifteen coordinates in all: redundant ones. Whatever a solve gives is admissible, its residual
-    /// is what it says, and what is called solved meets the tolerance. Two sweeps are too few for some, two hundred leave a quarter of them at most (the rows are random, not those of bodies).
+    /// Twenty contacts of bodies with fifteen coordinates in all: redundant ones. Whatever a solve gives is admissible,
+    /// its residual is what it says, and what is called solved meets the tolerance. Two sweeps are too few for some,
+    /// two hundred leave a quarter of them at most (the rows are random, not those of bodies).
     #[test]
     fn impulses_are_admissible_whatever_the_limit() {
         let mut state = 7u64;

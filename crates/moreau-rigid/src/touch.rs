@@ -1,6 +1,7 @@
 //! Where surfaces touch: which corner, edge or disc meets which, and the rows of that pair.
 //!
-//! The pair is chosen once per step, at the predicted pose, and kept for the step: its rows are then smooth functions of the pose.
+//! The pair is chosen once per step, at the predicted pose, and kept for the step: its rows are then smooth functions
+//! of the pose.
 
 use super::contact::{Contact, PolygonContact, Surface};
 use super::model::Model;
@@ -45,8 +46,9 @@ impl<T: Scalar> Touch<T> {
                 let center = placed(places, disc_body).point(center);
                 let n = carrier.turn(normal);
                 let distance = dot(n, sub(center, carrier.point(point))) - radius;
-                // A corner's rows stand on the line: corners of one block over one line then have the same slip, to the bit of what they
-                // are above it. Else sticking corners would ask for two slips that are nearly the same, at the price of any impulse.
+                // A corner's rows stand on the line: corners of one block over one line then have the same slip, to the
+                // bit of what they are above it. Else sticking corners would ask for two slips that are nearly the
+                // same, at the price of any impulse.
                 let down = if radius == T::ZERO { distance } else { radius };
                 (disc_body, body, sub(center, scale(n, down)), n, distance)
             }
@@ -100,7 +102,8 @@ pub(super) fn disc_touch<T: Scalar>(contact: &Contact<'_, T>, places: &[Placemen
             let (i, _) = farthest(corners, |a, n| dot(n, sub(c, a)));
             let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
             let (normal, length) = edge(a, b);
-            // Of a point outside, the nearest place is on this edge, or a corner if the edge ends before it; inside, it is on this edge.
+            // Of a point outside, the nearest place is on this edge, or a corner if the edge ends before it; inside, it
+            // is on this edge.
             let along = -(normal[1] * (c[0] - a[0])) + normal[0] * (c[1] - a[1]);
             let outside = dot(normal, sub(c, a)) > T::ZERO;
             if outside && !(along >= T::ZERO && along <= length) {
@@ -200,8 +203,8 @@ impl<T: Scalar> Placed<'_, T> {
 
 /// Where two polygons touch at these placements: up to two points. Polygons further apart than `margin` do not.
 ///
-/// The edge that separates the polygons most (or is least deep in the other) is the reference. The other polygon's edge that faces it is cut
-/// off where the reference ends; what is left of it ends at the two points.
+/// The edge that separates the polygons most (or is least deep in the other) is the reference. The other polygon's edge
+/// that faces it is cut off where the reference ends; what is left of it ends at the two points.
 pub(super) fn polygon_touch<T: Scalar>(
     pair: &PolygonContact<'_, T>,
     places: &[Placement<T>],
@@ -255,21 +258,23 @@ pub(super) fn polygon_touch<T: Scalar>(
 pub struct ContactPoint<T> {
     /// The point, in the world, m.
     pub at: Vector<T>,
-    /// Outward unit normal of the surface that is touched, in the world: of the line, disc, plate or polygon; of two polygons, of the one
-    /// whose edge it is.
+    /// Outward unit normal of the surface that is touched, in the world: of the line, disc, plate or polygon; of two
+    /// polygons, of the one whose edge it is.
     pub normal: Vector<T>,
     /// Distance, m, positive apart.
     pub distance: T,
 }
 
 impl<T: Scalar> Model<'_, T> {
-    /// Where a contact is at these placements; nothing if its surface is not there, or the contact or a placement is missing.
+    /// Where a contact is at these placements; nothing if its surface is not there, or the contact or a placement is
+    /// missing.
     pub fn contact_point(&self, places: &[Placement<T>], contact: usize) -> Option<ContactPoint<T>> {
         let contact = self.contacts.get(contact).filter(|_| places.len() >= self.bodies.len())?;
         point_of(&disc_touch(contact, places), places)
     }
 
-    /// Where two polygons touch at these placements, in the order of [`Model::polygon_laws`]; nothing if they are further apart than `margin`.
+    /// Where two polygons touch at these placements, in the order of [`Model::polygon_laws`]; nothing if they are
+    /// further apart than `margin`.
     pub(crate) fn polygon_points(
         &self,
         places: &[Placement<T>],
@@ -328,7 +333,8 @@ mod tests {
         Placement { at: [x, y], angle }
     }
 
-    /// Distances and places of the points of a block (0.2 x 0.1) over a slab that is `wide`, both about their own middles.
+    /// Distances and places of the points of a block (0.2 x 0.1) over a slab that is `wide`, both about their own
+    /// middles.
     fn points(wide: f64, at: Placement<f64>) -> Vec<(f64, f64)> {
         let (upper, lower) = (block([0.1, 0.05]), block([wide, 0.05]));
         let pair = PolygonContact {
@@ -360,8 +366,8 @@ mod tests {
         }
     }
 
-    /// On a wide slab the block's corners touch; over its edge the slab's corner and the block's; on a narrow one the slab's corners. The
-    /// points are in the order of t = (1, 0).
+    /// On a wide slab the block's corners touch; over its edge the slab's corner and the block's; on a narrow one the
+    /// slab's corners. The points are in the order of t = (1, 0).
     #[test]
     fn common_parts_of_edges() {
         near(&points(1.0, place(0.0, 0.1, 0.0)), &[(0.0, -0.1), (0.0, 0.1)]);

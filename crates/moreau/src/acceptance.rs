@@ -6,8 +6,9 @@ use crate::settings::Settings;
 use crate::timing::Timing;
 use crate::workspace::Workspace;
 
-/// Whether the linearisation holds where the last correction has taken the velocities, to `next`. It does if for every joint the impulse
-/// that it leaves out (by the felts' curvature, weight and centrifugal force) would change the velocity by less than the tolerance.
+/// Whether the linearisation holds where the last correction has taken the velocities, to `next`. It does if for every
+/// joint the impulse that it leaves out (by the felts' curvature, weight and centrifugal force) would change the
+/// velocity by less than the tolerance.
 ///
 /// A quick bound ([`Margins::bound`](crate::curvature::Margins::bound)) settles most steps. The others are looked at zone by zone.
 #[inline(always)]
@@ -58,7 +59,8 @@ fn carry_drive_along<T: Real, const B: usize, const Z: usize, const N: usize>(
     pushed.and(pushes).or(pushed.or(pushes).not())
 }
 
-/// The impulse on joint i, N m s, that weight and centrifugal force may add: the linearisation leaves out their gradients.
+/// The impulse on joint i, N m s, that weight and centrifugal force may add: the linearisation leaves out their
+/// gradients.
 #[inline(always)]
 fn by_inertia<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,

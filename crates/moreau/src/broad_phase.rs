@@ -1,8 +1,9 @@
-//! The broad phase: which zones can be touched at all while the mechanism stays near a pose. A step leaves the others out.
+//! The broad phase: which zones can be touched at all while the mechanism stays near a pose. A step leaves the others
+//! out.
 //!
-//! A zone's compression changes by at most lever times angle for every supporting joint. So a zone with a clearance c at the pose of the broad
-//! phase cannot be reached before the joints have turned by dq with sum lever |dq| >= c. This is a bound and no estimate: with or without
-//! a broad phase, a step gives the same bits.
+//! A zone's compression changes by at most lever times angle for every supporting joint. So a zone with a clearance c
+//! at the pose of the broad phase cannot be reached before the joints have turned by dq with sum lever |dq| >= c. This
+//! is a bound and no estimate: with or without a broad phase, a step gives the same bits.
 
 use crate::felt::ONSET;
 use crate::model::Model;
@@ -10,8 +11,8 @@ use crate::real::{Mask, Real};
 use crate::timing::Timing;
 use crate::workspace::Kinematics;
 
-/// A zone that could be touched within so many steps at the present speeds is near: every step looks at it. A larger number means fewer
-/// broad phases and more zones to look at.
+/// A zone that could be touched within so many steps at the present speeds is near: every step looks at it. A larger
+/// number means fewer broad phases and more zones to look at.
 const STEPS: f64 = 32.0;
 /// m; a zone with less clearance is near even at rest.
 const CLEARANCE: f64 = 5e-5;
@@ -65,7 +66,8 @@ impl<T: Real, const B: usize, const Z: usize> BroadPhase<T, B, Z> {
         &self.sliding[..self.sliding_count]
     }
 
-    /// BroadPhases again if the zones left out could now be closer than `reach` (m), and says whether it did; `joint`: the joints' angles.
+    /// BroadPhases again if the zones left out could now be closer than `reach` (m), and says whether it did; `joint`:
+    /// the joints' angles.
     #[inline(always)]
     pub(crate) fn renew(
         &mut self,

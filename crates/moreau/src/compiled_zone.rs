@@ -1,4 +1,5 @@
-//! A contact zone as the step reads it. What does not change is worked out once, and what is read together lies together.
+//! A contact zone as the step reads it. What does not change is worked out once, and what is read together lies
+//! together.
 
 use crate::description::{Curve, Zone};
 use crate::felt::FeltLaw;
@@ -18,8 +19,8 @@ enum Core {
     Point,
 }
 
-/// A disc against a curve: compression = `level` - distance of the disc's centre from the curve's core (for a line, from its carrier's
-/// pivot along the normal).
+/// A disc against a curve: compression = `level` - distance of the disc's centre from the curve's core (for a line,
+/// from its carrier's pivot along the normal).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CompiledZone<T> {
     disc_body: usize,
@@ -114,8 +115,8 @@ impl<T: Real> CompiledZone<T> {
         self.compression_and_normal(pose, self.center(pose)).0
     }
 
-    /// The row G at a pose in relative velocities, with an entry for every joint: dg/dt = G w, with G = -n . (v_disc(c) - v_curve(c)),
-    /// exact although the contact point moves.
+    /// The row G at a pose in relative velocities, with an entry for every joint: dg/dt = G w, with G = -n .
+    /// (v_disc(c) - v_curve(c)), exact although the contact point moves.
     pub(crate) fn compression_row<const B: usize>(&self, support: &Support<T, B>, pose: &Pose<T, B>) -> [T; B] {
         let center = self.center(pose);
         let (_, normal) = self.compression_and_normal(pose, center);

@@ -29,8 +29,8 @@ pub struct Contact<T> {
     pub force: T,
     /// The part of `force` due to the felt's loss (or what the clamp left of it), N.
     pub damping_force: T,
-    /// By how much the energy that the felt's memory holds has grown in the step, J; 0 for a felt without memory. What `damping_force` did beyond
-    /// that is lost.
+    /// By how much the energy that the felt's memory holds has grown in the step, J; 0 for a felt without memory. What
+    /// `damping_force` did beyond that is lost.
     pub gained: T,
 }
 
@@ -43,7 +43,8 @@ pub(crate) struct ContactState<T: Real, const B: usize> {
     pub force: T,
     /// h dF/dv1 along the row (the linearised felt), never negative.
     pub tangent: T,
-    /// Compression at the theta point, m, and dg/dt, m/s. The felt's curvature is worked out from them, where it is asked for.
+    /// Compression at the theta point, m, and dg/dt, m/s. The felt's curvature is worked out from them, where it is
+    /// asked for.
     pub compression: T,
     pub rate: T,
     /// The felt's memory at the step's start, where it has one.
@@ -74,8 +75,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         }
     }
 
-    /// Evaluates the geometry at the theta point, and in which lanes the felt is touched during the step. The row has K entries.
-    /// `candidates`: the lanes that may be in reach.
+    /// Evaluates the geometry at the theta point, and in which lanes the felt is touched during the step. The row has K
+    /// entries. `candidates`: the lanes that may be in reach.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn evaluate<const K: usize, const YIELDS: bool>(
@@ -109,7 +110,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             rate -= surface.drift;
         }
         (self.compression, self.rate) = (compression, rate);
-        // Where the mean is worked out from end to end, the ends say what is touched: sqrt(3) farther out than the Gauss points.
+        // Where the mean is worked out from end to end, the ends say what is touched: sqrt(3) farther out than the
+        // Gauss points.
         let seen = if const { YIELDS } { T::from_f64(1.732_050_807_568_877_2) * rate } else { rate };
         let touched = in_reach.and(T::from_f64(ONSET).lt(margins.include(compression, seen, timing)));
         Proximity { touched, compression, normal }
@@ -134,7 +136,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         self.tangent = pressed.tangent;
     }
 
-    /// The same on a curve that yields. What is pressed is written here, and handed to nobody, so that the fast path keeps its own in registers.
+    /// The same on a curve that yields. What is pressed is written here, and handed to nobody, so that the fast path
+    /// keeps its own in registers.
     #[cold]
     #[inline(never)]
     fn press_on(
@@ -166,8 +169,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         [pressed.force, pressed.tangent / timing.h_theta]
     }
 
-    /// What a caller may read: the contact at the pose of the last evaluation, its force carried along with the last change of the
-    /// relative velocities.
+    /// What a caller may read: the contact at the pose of the last evaluation, its force carried along with the last
+    /// change of the relative velocities.
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn contact(
         &self,
@@ -206,7 +209,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         }
     }
 
-    /// The same on a compliant surface, from compression and rate to where the surface was: it is displaced, and the felt is compressed by so much less.
+    /// The same on a compliant surface, from compression and rate to where the surface was: it is displaced, and the
+    /// felt is compressed by so much less.
     #[cold]
     #[inline(never)]
     fn contact_that_yields(
@@ -260,8 +264,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         }
     }
 
-    /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what one
-    /// Newton iteration leaves to the next.
+    /// How far the force may be from its linearisation after the relative velocities have changed by `change`, N: what
+    /// one Newton iteration leaves to the next.
     #[inline(always)]
     pub(crate) fn remainder(
         &self,
@@ -315,8 +319,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         T::select(active, bent, T::only(self.in_reach, onset))
     }
 
-    /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point, in some lanes; t is
-    /// the normal turned clockwise by a quarter turn.
+    /// The row that maps relative velocities to the slip u = t . (v_disc - v_curve) at the contact point, in some
+    /// lanes; t is the normal turned clockwise by a quarter turn.
     #[inline(always)]
     pub(crate) fn slip_row(
         proximity: &Proximity<T>,
@@ -343,8 +347,8 @@ mod tests {
     use crate::felt::Felt;
     use crate::law::{Exponent, Loss};
 
-    /// Rows against central differences of the compression, for every kind of curve, on a three-body chain: the claim is that
-    /// dg/dt = G v is the exact derivative of g. Differences of step 1e-6 carry an error near 1e-9.
+    /// Rows against central differences of the compression, for every kind of curve, on a three-body chain: the claim
+    /// is that dg/dt = G v is the exact derivative of g. Differences of step 1e-6 carry an error near 1e-9.
     #[test]
     fn rows_are_the_gradient_of_the_compression() {
         let body = |parent, pivot| Body { parent, pivot, mass: 1.0, ..Body::inert() };
@@ -385,8 +389,9 @@ mod tests {
         }
     }
 
-    /// What one Newton iteration leaves to the next, by its definition: bent by the felt's curvature to second order, or to first where the
-    /// clamp may have come or gone; of a felt that was not touched, the largest force that it may have now.
+    /// What one Newton iteration leaves to the next, by its definition: bent by the felt's curvature to second order,
+    /// or to first where the clamp may have come or gone; of a felt that was not touched, the largest force that it may
+    /// have now.
     #[test]
     fn the_remainder_is_what_it_says() {
         let felt = Felt { stiffness: 4e7, exponent: Exponent::Two, loss: Loss::quadratic(8e7) };

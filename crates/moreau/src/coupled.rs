@@ -1,8 +1,10 @@
-//! Felts that press one and the same thing within a step, a hammer's and a damper's on a string: their forces are found together.
+//! Felts that press one and the same thing within a step, a hammer's and a damper's on a string: their forces are found
+//! together.
 //!
-//! With r_i the rate at which felt i would be pressed if nothing displaced its surface, F_i = P_i(r_i - sum_j a_ij F_j), where a = A/h between the zones
-//! is symmetric and positive definite, and the laws P rise. So the forces are where a convex function is least, sum P*_i(F_i) + F a F / 2 - r F, and going
-//! from felt to felt, each time solving the scalar equation of [`crate::surface::solve`], falls to it from anywhere (README, "Compliant surfaces").
+//! With r_i the rate at which felt i would be pressed if nothing displaced its surface, F_i = P_i(r_i - sum_j a_ij
+//! F_j), where a = A/h between the zones is symmetric and positive definite, and the laws P rise. So the forces are
+//! where a convex function is least, sum P*_i(F_i) + F a F / 2 - r F, and going from felt to felt, each time solving
+//! the scalar equation of [`crate::surface::solve`], falls to it from anywhere (README, "Compliant surfaces").
 
 use crate::linear::gauss_jordan;
 use crate::model::Model;
@@ -22,8 +24,9 @@ struct Found<T> {
     slopes: [T; COUPLED],
 }
 
-/// Finds the forces of the zones that take part, at rates that are so much greater than those of the last evaluation, m/s. What they displace
-/// each other by stands with their surfaces afterwards. `None`: nothing displaces anything, and all is as it was.
+/// Finds the forces of the zones that take part, at rates that are so much greater than those of the last evaluation,
+/// m/s. What they displace each other by stands with their surfaces afterwards. `None`: nothing displaces anything, and
+/// all is as it was.
 fn solve<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
@@ -83,7 +86,8 @@ fn solve<T: Real, const B: usize, const Z: usize>(
     Some(Found { forces, slopes })
 }
 
-/// Puts the forces that are found together in the place of those that each felt has found for itself, in the linearised step, too.
+/// Puts the forces that are found together in the place of those that each felt has found for itself, in the linearised
+/// step, too.
 ///
 /// With s_i = -dF_i/dr_i of each alone, dF = (diag(1/s) + a)^-1 dr: a row of one zone then acts on another's force.
 #[cold]
@@ -134,7 +138,8 @@ pub(crate) fn press_coupled<T: Real, const B: usize, const Z: usize, const N: us
     }
 }
 
-/// What the force of one zone owes to another's rate, and the other way round, in the linearised step: A += t (x^T y + y^T x), b += t (x^T y + y^T x) w.
+/// What the force of one zone owes to another's rate, and the other way round, in the linearised step: A += t (x^T y +
+/// y^T x), b += t (x^T y + y^T x) w.
 fn add_pair<T: Real, const B: usize, const N: usize>(
     [x, y]: [&[T; B]; 2],
     tangent: T,
@@ -194,7 +199,8 @@ pub(crate) fn settle<T: Real, const B: usize, const Z: usize, const N: usize>(
 mod tests {
     use super::*;
 
-    /// Against the inverse of diag(1/s) + a, worked out by multiplying back; a felt that does not push has no part in it.
+    /// Against the inverse of diag(1/s) + a, worked out by multiplying back; a felt that does not push has no part in
+    /// it.
     #[test]
     fn the_tangents_are_the_inverse() {
         let give = [[0.0, 0.3, -0.2, 0.1], [0.3, 0.0, 0.05, 0.0], [-0.2, 0.05, 0.0, 0.02], [0.1, 0.0, 0.02, 0.0]];

@@ -1,9 +1,10 @@
-//! The quick test of a step's linearisation: a bound of what it leaves out, at a few operations per zone. It settles most steps.
+//! The quick test of a step's linearisation: a bound of what it leaves out, at a few operations per zone. It settles
+//! most steps.
 //!
-//! A felt's force F(g, dg/dt) leaves its tangent for two reasons. It bends, by an amount of second order in the change of the velocities;
-//! or it meets a kink, the onset of touch or the clamp at zero. The bend is bounded with the longest levers that the rows can have and
-//! with the felts' own bounds ([`Felt::curvature_bound`](crate::Felt)); both are numbers of the model ([`Curvatures`]). The distance of
-//! the kinks is gathered zone by zone ([`Margins`]).
+//! A felt's force F(g, dg/dt) leaves its tangent for two reasons. It bends, by an amount of second order in the change
+//! of the velocities; or it meets a kink, the onset of touch or the clamp at zero. The bend is bounded with the longest
+//! levers that the rows can have and with the felts' own bounds ([`Felt::curvature_bound`](crate::Felt)); both are
+//! numbers of the model ([`Curvatures`]). The distance of the kinks is gathered zone by zone ([`Margins`]).
 
 use crate::description::Zone;
 use crate::felt::FAR;
@@ -16,8 +17,8 @@ use crate::timing::Timing;
 pub(crate) struct Curvatures<T, const B: usize> {
     /// The largest |dg/dt| of any zone for joint velocities of at most 1, m.
     lever: T,
-    /// Sums over the joint's zones of its lever times the square of |dg/dt| for joint velocities of at most 1, times the felt's
-    /// [`CurvatureBound`](crate::felt::CurvatureBound).
+    /// Sums over the joint's zones of its lever times the square of |dg/dt| for joint velocities of at most 1, times
+    /// the felt's [`CurvatureBound`](crate::felt::CurvatureBound).
     stiffness: [T; B],
     stiffness_by_depth: [T; B],
     damping: [T; B],
@@ -102,15 +103,17 @@ impl<T: Real> Margins<T> {
         self.opening = self.opening.min(T::select(touched, opening, T::from_f64(FAR)));
     }
 
-    /// What the linearisation may leave out where no joint's velocity has changed by more than `change`, and where that bound holds.
+    /// What the linearisation may leave out where no joint's velocity has changed by more than `change`, and where that
+    /// bound holds.
     ///
-    /// A zone's rate then changes by at most `rate` = lever theta change, and the compression at its Gauss points by at most
-    /// `gained` = reach rate. Two conditions keep every felt on one side of its kinks:
+    /// A zone's rate then changes by at most `rate` = lever theta change, and the compression at its Gauss points by at
+    /// most `gained` = reach rate. Two conditions keep every felt on one side of its kinks:
     ///
-    /// - no Gauss point reaches the onset: gained < distance. It is asked for twice that, so that no felt loses more than half of its
-    ///   compression;
-    /// - no felt comes to the clamp: it pushes no more when it opens faster than k g^(r - 2) / b. `rate` uses up one half of the margin.
-    ///   The other half is for felts with r > 2, whose k g^(r - 2) / b falls with the compression (by k gained / b for r = 3).
+    /// - no Gauss point reaches the onset: gained < distance. It is asked for twice that, so that no felt loses more
+    ///   than half of its compression;
+    /// - no felt comes to the clamp: it pushes no more when it opens faster than k g^(r - 2) / b. `rate` uses up one
+    ///   half of the margin. The other half is for felts with r > 2, whose k g^(r - 2) / b falls with the compression
+    ///   (by k gained / b for r = 3).
     #[inline(always)]
     pub(crate) fn bound<const B: usize>(
         &self,
@@ -160,9 +163,10 @@ mod tests {
     use crate::pose::Pose;
     use crate::surface::Yielding;
 
-    /// Where the quick bound says that it holds, no joint may see more of what the felts' forces, worked out again after the change, are
-    /// away from their linearisation: on a chain of two bodies between felts of every exponent, from apart to pressed by millimetres,
-    /// from rest to faster than any hammer, for changes of any size. It must also hold often, or it would be of no use.
+    /// Where the quick bound says that it holds, no joint may see more of what the felts' forces, worked out again
+    /// after the change, are away from their linearisation: on a chain of two bodies between felts of every exponent,
+    /// from apart to pressed by millimetres, from rest to faster than any hammer, for changes of any size. It must also
+    /// hold often, or it would be of no use.
     #[test]
     fn the_quick_bound_is_one() {
         let body = |parent, pivot| Body { parent, pivot, mass: 1.0, ..Body::inert() };
@@ -245,8 +249,8 @@ mod tests {
         assert!(held > 2_000 && tight > 0.1, "{held} {tight}");
     }
 
-    /// One felt on a lever as long as a row can have it, and at theta = 1 both Gauss points at one place: the bound has little to spare,
-    /// and must hold all the same.
+    /// One felt on a lever as long as a row can have it, and at theta = 1 both Gauss points at one place: the bound has
+    /// little to spare, and must hold all the same.
     #[test]
     fn the_quick_bound_holds_where_the_lever_is_the_longest() {
         let exponents = [Exponent::Two, Exponent::TwoAndHalf, Exponent::Three];

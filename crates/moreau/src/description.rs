@@ -136,8 +136,8 @@ pub struct Site<T> {
     pub damping: T,
 }
 
-/// Dry friction that grows while it sticks: a pivot's or a zone's. What the body or the zone says is the kinetic friction; at rest it grows to `ratio` of
-/// that, as 1 - exp(-t/`time`), and it is lost when it slips.
+/// Dry friction that grows while it sticks: a pivot's or a zone's. What the body or the zone says is the kinetic
+/// friction; at rest it grows to `ratio` of that, as 1 - exp(-t/`time`), and it is lost when it slips.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dwell<T> {
     /// A body, whose pivot has dry friction, or a zone with Coulomb friction.
@@ -154,7 +154,8 @@ pub struct Dwell<T> {
 pub struct Yields<T> {
     /// The zone. Its felt has no set-valued loss.
     pub zone: usize,
-    /// How far the curve may come out of where it is drawn, toward the disc, m. A zone that is farther open is not looked at.
+    /// How far the curve may come out of where it is drawn, toward the disc, m. A zone that is farther open is not
+    /// looked at.
     pub excursion: T,
 }
 
@@ -177,7 +178,8 @@ pub struct Description<'a, T> {
     pub gravity: T,
 }
 
-/// Nothing, without gravity: for a description of which only some lists are filled, `Description { bodies, ..Description::default() }`.
+/// Nothing, without gravity: for a description of which only some lists are filled, `Description { bodies,
+/// ..Description::default() }`.
 impl<T: Real> Default for Description<'_, T> {
     fn default() -> Self {
         Description { bodies: &[], springs: &[], zones: &[], dwells: &[], yields: &[], site: None, gravity: T::ZERO }
@@ -283,8 +285,8 @@ impl fmt::Display for ModelError {
 impl core::error::Error for ModelError {}
 
 impl<T: Scalar> Description<'_, T> {
-    /// How many set-valued laws a step may have to solve at once: one for each pivot with dry friction, one for each zone with Coulomb
-    /// friction, one for a rigid drive where there is a site.
+    /// How many set-valued laws a step may have to solve at once: one for each pivot with dry friction, one for each
+    /// zone with Coulomb friction, one for a rigid drive where there is a site.
     pub fn laws(&self) -> usize {
         let pivots = self.bodies.iter().filter(|body| body.dry > T::ZERO).count();
         let zones: usize = self.zones.iter().map(Zone::laws).sum();

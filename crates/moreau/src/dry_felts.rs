@@ -1,8 +1,9 @@
 //! Felts with a set-valued loss, F = k g^r (1 + eta Sign(dg/dt)): their laws in the one-step problem.
 //!
-//! A cold path: a mechanism without such felts pays nothing for it. The law stands along the zone's row G: u = G w, |p| <= h eta k g^r, p against
-//! u at the step's end. Where dg/dt reverses within a step, such a law would do work p (u0 + u1)/2 of either sign. There the sign is
-//! replaced by its mean over a step in which u runs linearly, (u0 + u1)/(|u0| + |u1|), so that the work is never a gain (README, "Dry felts").
+//! A cold path: a mechanism without such felts pays nothing for it. The law stands along the zone's row G: u = G w, |p|
+//! <= h eta k g^r, p against u at the step's end. Where dg/dt reverses within a step, such a law would do work p (u0 +
+//! u1)/2 of either sign. There the sign is replaced by its mean over a step in which u runs linearly, (u0 + u1)/(|u0| +
+//! |u1|), so that the work is never a gain (README, "Dry felts").
 
 use crate::felt::TINY;
 use crate::model::Model;
@@ -28,7 +29,8 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
     }
 }
 
-/// Completes the linearised step with the felts' laws; Coulomb's laws are there already, and get their share of the felts' dry forces.
+/// Completes the linearised step with the felts' laws; Coulomb's laws are there already, and get their share of the
+/// felts' dry forces.
 #[cold]
 #[inline(never)]
 pub(crate) fn assemble<T: Real, const B: usize, const Z: usize, const N: usize>(
@@ -103,7 +105,8 @@ fn mean_sign<T: Real>(u0: T, u1: T, theta: T) -> (T, T) {
     (sign, T::only(turned, two * theta * before.abs() / (size * size)))
 }
 
-/// After the solver: which felts reverse within the step, and in which lanes what the iteration left out is not yet small.
+/// After the solver: which felts reverse within the step, and in which lanes what the iteration left out is not yet
+/// small.
 #[cold]
 #[inline(never)]
 pub(crate) fn unsettled<T: Real, const B: usize, const Z: usize, const N: usize>(

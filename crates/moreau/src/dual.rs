@@ -1,14 +1,15 @@
 //! Numbers that carry derivatives: forward mode, several directions in one pass.
 //!
-//! `Dual<D>` is a value and its derivatives in D directions. The kernel runs on it unchanged. What it compares, it compares by value, so that
-//! every choice is that of the plain number: a derivative is taken on the piece of the solution on which the run is. What happens where one piece ends and
-//! another begins is `tangent/`.
+//! `Dual<D>` is a value and its derivatives in D directions. The kernel runs on it unchanged. What it compares, it
+//! compares by value, so that every choice is that of the plain number: a derivative is taken on the piece of the
+//! solution on which the run is. What happens where one piece ends and another begins is `tangent/`.
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use crate::real::{COSINE, Real, SINE, Scalar};
 
-/// A Newton iteration on derivatives ends when none of them changes any more by this part of the largest of its direction.
+/// A Newton iteration on derivatives ends when none of them changes any more by this part of the largest of its
+/// direction.
 const SETTLED: f64 = 1e-10;
 /// Derivatives below this, in the units of the caller, are rounding.
 const NOTHING: f64 = 1e-200;
@@ -169,7 +170,8 @@ impl<const D: usize> Real for Dual<D> {
         x
     }
 
-    /// At zero, where the root has no derivative, it is given none: only a number that is zero whatever the directions are has one there.
+    /// At zero, where the root has no derivative, it is given none: only a number that is zero whatever the directions
+    /// are has one there.
     #[inline(always)]
     fn sqrt(self) -> Self {
         let root = libm::sqrt(self.value);

@@ -1,8 +1,9 @@
 //! Friction that grows while it sticks: dwell.
 //!
-//! A cold path: a mechanism without dwell pays nothing for it. A law's bound is its kinetic one times 1 + (ratio - 1) m. While the law sticks, m grows as
-//! dm/dt = (1 - m)/tau; when it slips, m = 0. What sticks, sticks exactly: nothing creeps. A step is solved with the bound of a rest
-//! first, and once more with the kinetic bound of those laws that slipped.
+//! A cold path: a mechanism without dwell pays nothing for it. A law's bound is its kinetic one times 1 + (ratio - 1)
+//! m. While the law sticks, m grows as dm/dt = (1 - m)/tau; when it slips, m = 0. What sticks, sticks exactly: nothing
+//! creeps. A step is solved with the bound of a rest first, and once more with the kinetic bound of those laws that
+//! slipped.
 
 use crate::model::Model;
 use crate::real::{Mask, Real, Scalar, cast};
@@ -43,8 +44,8 @@ pub(crate) fn raise_bounds<T: Real, const B: usize, const Z: usize, const N: usi
     }
 }
 
-/// After the solver, which gave the velocities `next`: the laws that slip have lost what they had gained. Says in which lanes one has, so that the
-/// step must be solved again.
+/// After the solver, which gave the velocities `next`: the laws that slip have lost what they had gained. Says in which
+/// lanes one has, so that the step must be solved again.
 #[cold]
 #[inline(never)]
 pub(crate) fn slipped<T: Real, const B: usize, const Z: usize, const N: usize>(

@@ -156,10 +156,10 @@ impl<T: Real> FeltLaw<T> {
 
     /// The felt's mean force over the step and its tangent, at a compression and rate, in the lanes that are touched.
     ///
-    /// The mean is taken along the step's straight path in g, by two-point Gauss quadrature. For r = 2 and 3 that is exact, so that
-    /// compressing and releasing a felt conserves energy whatever the step; taken at one point instead, the string's felt alone would
-    /// leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path shrinks to the step's end, and the scheme is
-    /// backward Euler.
+    /// The mean is taken along the step's straight path in g, by two-point Gauss quadrature. For r = 2 and 3 that is
+    /// exact, so that compressing and releasing a felt conserves energy whatever the step; taken at one point instead,
+    /// the string's felt alone would leave 2e-3 of the work in the ledger's residual at 50 us. At theta = 1 the path
+    /// shrinks to the step's end, and the scheme is backward Euler.
     #[inline(always)]
     pub(crate) fn press(
         &self,
@@ -216,9 +216,10 @@ impl<T: Real> FeltLaw<T> {
 
     /// Any law on a surface that yields, at the compression and the rate that there would be if it were not pressed.
     ///
-    /// With P the law's mean force and P' its slope with the rate, F = P(rate - a F) has the slope P'/(1 + a P'). It bends less than the law itself,
-    /// F'' = P''/(1 + a P')^3, at a compression that is no deeper, so that the law's curvature there is a bound. The quick test knows nothing
-    /// of that: a margin of zero leaves such a zone to the exact one.
+    /// With P the law's mean force and P' its slope with the rate, F = P(rate - a F) has the slope P'/(1 + a P'). It
+    /// bends less than the law itself, F'' = P''/(1 + a P')^3, at a compression that is no deeper, so that the law's
+    /// curvature there is a bound. The quick test knows nothing of that: a margin of zero leaves such a zone to the
+    /// exact one.
     pub(crate) fn press_yielding(
         &self,
         compression: T,
@@ -233,8 +234,8 @@ impl<T: Real> FeltLaw<T> {
         Pressed { tangent: pressed.tangent / slope, opening: T::ZERO, ..pressed }
     }
 
-    /// The compression and its rate at the theta point, with the displacement of a compliant surface under the felt's force: from those that there
-    /// would be if it were not pressed.
+    /// The compression and its rate at the theta point, with the displacement of a compliant surface under the felt's
+    /// force: from those that there would be if it were not pressed.
     pub(crate) fn give_way(
         &self,
         compression: T,
@@ -253,7 +254,8 @@ impl<T: Real> FeltLaw<T> {
         behind(force)
     }
 
-    /// What becomes of its memory, where it has one; at the compression and rate of [`FeltLaw::give_way`] on a surface that yields.
+    /// What becomes of its memory, where it has one; at the compression and rate of [`FeltLaw::give_way`] on a surface
+    /// that yields.
     pub(crate) fn recall(
         &self,
         compression: T,

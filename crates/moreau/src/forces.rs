@@ -13,8 +13,8 @@ use crate::workspace::{Drive, Inertia, Kinematics, Workspace};
 
 /// The couplings of M(q_*), M w0 in relative velocities, and the driven point's row, at the predicted pose.
 ///
-/// In absolute velocities M has a constant diagonal and, for every body and ancestor, (branch arm) . (first moment) (README,
-/// "Inertia").
+/// In absolute velocities M has a constant diagonal and, for every body and ancestor, (branch arm) . (first moment)
+/// (README, "Inertia").
 #[inline(always)]
 pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -62,8 +62,8 @@ fn beyond_parents<T: Real, const B: usize>(tree: &Tree<T, B>, mut pair: impl FnM
 
 /// The mass matrix of a tree of any depth in relative velocities.
 ///
-/// It is built in absolute ones first. There v is the sum of w over the joints that carry a body; so each row and column is added to its
-/// parent's, from the leaves on.
+/// It is built in absolute ones first. There v is the sum of w over the joints that carry a body; so each row and
+/// column is added to its parent's, from the leaves on.
 #[cold]
 fn deep_mass<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
@@ -96,8 +96,8 @@ fn deep_mass<T: Real, const B: usize, const Z: usize>(
 /// A w1 = b: the linearised step in relative velocities, without zones and set-valued laws.
 ///
 /// A = M + h theta (-dQ/dw) + h^2 theta^2 (-dQ/dq), b = M w0 + h Q + (A - M) w. Terms of the gradient that could make A
-/// indefinite (gravity, centrifugal, geometric stiffness, an unloading felt) are left out or clamped: they are of order h^2
-/// and cost convergence speed, not accuracy.
+/// indefinite (gravity, centrifugal, geometric stiffness, an unloading felt) are left out or clamped: they are of order
+/// h^2 and cost convergence speed, not accuracy.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>(
@@ -267,7 +267,8 @@ fn hand_force<T: Real, const B: usize, const Z: usize>(
     elastic_force(model, site, flight.free, fingertip, timing, kinematics, drive)
 }
 
-/// Moves a hand through the step, in the lanes in which it ends, by the fingertip's force that the last iteration has found.
+/// Moves a hand through the step, in the lanes in which it ends, by the fingertip's force that the last iteration has
+/// found.
 #[cold]
 #[inline(never)]
 pub(crate) fn move_hand<T: Real, const B: usize>(

@@ -5,21 +5,23 @@
 //! F = max(0, k (x - y) + d (v - u))                    F: the fingertip's force; y, u: place and speed of the driven point
 //! ```
 //!
-//! x is the world coordinate along the site's direction. Over a step of the theta method the first line is linear, so that the hand's
-//! displacement can be eliminated exactly: with D = v1 - v0, M = m/h + theta C + theta^2 h K and the load G without the fingertip,
+//! x is the world coordinate along the site's direction. Over a step of the theta method the first line is linear, so
+//! that the hand's displacement can be eliminated exactly: with D = v1 - v0, M = m/h + theta C + theta^2 h K and the
+//! load G without the fingertip,
 //!
 //! ```text
 //! D = (G - F) / M,  x_theta = x_f - (theta^2 h / M) F,  v_theta = v_f - (theta / M) F
 //! F = max(0, s k (x_f - y) + s d (v_f - u)),            s = 1 / (1 + theta (theta h k + d) / M)
 //! ```
 //!
-//! So the driven point feels a softer fingertip, by s, that follows the hand as it would fly free (x_f, v_f). The step solves hand and
-//! mechanism at once; the hand adds no unknown to it.
+//! So the driven point feels a softer fingertip, by s, that follows the hand as it would fly free (x_f, v_f). The step
+//! solves hand and mechanism at once; the hand adds no unknown to it.
 
 use crate::real::Real;
 use crate::timing::Timing;
 
-/// A hand and what its muscle does during one step. Numbers along the site's direction; those of the muscle at t0 + theta h.
+/// A hand and what its muscle does during one step. Numbers along the site's direction; those of the muscle at t0 +
+/// theta h.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand<T> {
     /// Mass at the fingertip, kg; above zero.

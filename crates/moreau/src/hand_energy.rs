@@ -7,8 +7,8 @@ use crate::settings::Settings;
 use crate::state::State;
 use crate::workspace::Workspace;
 
-/// Running totals of one run, J: `muscle_work` is what the hand gains, what its fingertip stores and loses, and the work that the fingertip does on the
-/// mechanism ([`crate::Ledger::drive_work`]).
+/// Running totals of one run, J: `muscle_work` is what the hand gains, what its fingertip stores and loses, and the
+/// work that the fingertip does on the mechanism ([`crate::Ledger::drive_work`]).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct HandEnergy {
     /// Work of the muscle on the hand, signed.
@@ -29,7 +29,8 @@ impl HandEnergy {
         self.muscle_work - self.kinetic_gain - self.fingertip_stored - self.fingertip_loss - self.work
     }
 
-    /// Books one step that a hand drove: the hand's place and velocity and the bodies' velocities before it, the state after it, and the workspace that it left.
+    /// Books one step that a hand drove: the hand's place and velocity and the bodies' velocities before it, the state
+    /// after it, and the workspace that it left.
     #[allow(clippy::too_many_arguments)]
     pub fn record<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         &mut self,
@@ -57,7 +58,8 @@ impl HandEnergy {
         let pressed = place[1] - model.site_position(&after.angle).to_f64();
         let held = |pressed: f64| 0.5 * site.stiffness.to_f64() * pressed * pressed;
         if force > 0.0 {
-            // The damper pushes from d v / k before the touch on, with the spring stretched: what that holds comes from nowhere.
+            // The damper pushes from d v / k before the touch on, with the spring stretched: what that holds comes from
+            // nowhere.
             let onset = if self.fingertip_stored > 0.0 { 0.0 } else { held(pressed - h * rate) };
             self.fingertip_loss += site.damping.to_f64() * rate * rate * h - onset;
             self.fingertip_stored = held(pressed);

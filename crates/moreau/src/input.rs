@@ -10,8 +10,8 @@ pub enum Input<T> {
     Free,
     /// A force, N, along the site's direction, at time t0 + theta h.
     Force(T),
-    /// The driver's position (m, world coordinate along the site's direction) and velocity at t0 + theta h; the force comes
-    /// from the site's spring and damper, which only push.
+    /// The driver's position (m, world coordinate along the site's direction) and velocity at t0 + theta h; the force
+    /// comes from the site's spring and damper, which only push.
     Motion {
         /// m.
         position: T,
@@ -23,7 +23,8 @@ pub enum Input<T> {
         /// m/s.
         velocity: T,
     },
-    /// A hand whose place and velocity are part of the state; the force comes from the site's spring and damper, its fingertip.
+    /// A hand whose place and velocity are part of the state; the force comes from the site's spring and damper, its
+    /// fingertip.
     Hand(Hand<T>),
 }
 

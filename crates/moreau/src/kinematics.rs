@@ -15,8 +15,8 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         pose
     }
 
-    /// The row that maps absolute angular velocities to `n . velocity` of a point given in a body's frame, m. On the ground, or a body
-    /// that is not there, all zero.
+    /// The row that maps absolute angular velocities to `n . velocity` of a point given in a body's frame, m. On the
+    /// ground, or a body that is not there, all zero.
     pub fn velocity_row<const Z: usize>(
         &self,
         model: &Model<T, B, Z>,
@@ -38,7 +38,8 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         model.compiled[zone].compression(self)
     }
 
-    /// The row G of a zone at this pose for absolute angular velocities, m: dg/dt = G v, whether the zone touches or not.
+    /// The row G of a zone at this pose for absolute angular velocities, m: dg/dt = G v, whether the zone touches or
+    /// not.
     pub fn compression_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
         let mut row = model.compiled[zone].compression_row(&model.supports[zone], self);
         model.tree.row_to_angles(&mut row);

@@ -1,4 +1,5 @@
-//! Several mechanisms in the lanes of one model. The lanes may be of another precision than the mechanisms: S is theirs.
+//! Several mechanisms in the lanes of one model. The lanes may be of another precision than the mechanisms: S is
+//! theirs.
 
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Curvatures;
@@ -13,8 +14,9 @@ use crate::tree::Tree;
 use crate::vector::Vector;
 
 impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
-    /// As many models as there are lanes (`T::LANES`), side by side; `None` if their number is another, or if they differ in more than
-    /// their numbers: in what is hinged on what, in the zones' bodies, kinds of curve and felt, or in where there is friction.
+    /// As many models as there are lanes (`T::LANES`), side by side; `None` if their number is another, or if they
+    /// differ in more than their numbers: in what is hinged on what, in the zones' bodies, kinds of curve and felt, or
+    /// in where there is friction.
     pub fn of_lanes<S: Scalar>(models: &[&Model<S, B, Z>]) -> Option<Self> {
         let first = models.first()?;
         if models.len() != T::LANES || !models.iter().all(|m| alike(first, m)) {

@@ -1,4 +1,5 @@
-//! The hook's contract, for every law in the list and in each precision, with generated data. What a law must keep, whatever its numbers:
+//! The hook's contract, for every law in the list and in each precision, with generated data. What a law must keep,
+//! whatever its numbers:
 //!
 //! - it never pulls, and what it loses is never negative;
 //! - round a loop that begins and ends apart, the work that goes in is what is lost;
@@ -137,7 +138,8 @@ fn energy_closes<T: Scalar>(law: usize) {
         let felt = as_scalar::<T>(&felt(law, &mut random));
         let (turns, speed) = (turns(&mut random), random.scale(2e-2, 2.0));
         let books = go_round(&felt, &turns, speed, STEP_S);
-        // Each step rounds differences of energies. The set-valued sign is the one-step problem's: its work is not among these.
+        // Each step rounds differences of energies. The set-valued sign is the one-step problem's: its work is not
+        // among these.
         let rounding = 4.0 * T::EPSILON.to_f64() * books.steps.max(10.0) * books.stored * felt.loss.largest().to_f64();
         let residual = books.work - books.lost - books.held;
         assert!(residual.abs() <= rounding, "{law} {n}: {felt:?}, {residual} of {}", books.stored);
@@ -152,7 +154,8 @@ fn energy_closes<T: Scalar>(law: usize) {
     }
 }
 
-/// The steps in which Stulov's felt gives energy give less than a thousandth of what it loses, and a third as much or less in steps half as long.
+/// The steps in which Stulov's felt gives energy give less than a thousandth of what it loses, and a third as much or
+/// less in steps half as long.
 #[test]
 fn what_a_hereditary_felt_gives_vanishes_with_the_step() {
     let law = LAWS.iter().position(|numbers| numbers[0].name == "relaxed").unwrap();
@@ -215,9 +218,9 @@ fn remembers(law: usize) -> bool {
     loss.remembers() > 0 && loss.set_valued().is_none()
 }
 
-/// The tangent is theta h dF/d(rate), where nothing switches near: central differences, to what they are worth. It is never negative: where the force falls
-/// with the rate, it is cut off at zero. (Beyond theta = 1/2 laws that remember say by their slack that it
-/// is not exact: the next test.)
+/// The tangent is theta h dF/d(rate), where nothing switches near: central differences, to what they are worth. It is
+/// never negative: where the force falls with the rate, it is cut off at zero. (Beyond theta = 1/2 laws that remember
+/// say by their slack that it is not exact: the next test.)
 #[test]
 fn tangents_are_derivatives() {
     for law in 0..LAWS.len() {
@@ -273,7 +276,8 @@ fn no_force_bends_more_than_it_says() {
                 let (linear, quadratic) =
                     (pressed.curvature.linear * more.abs(), pressed.curvature.quadratic * more * more);
                 let most = if linear < pressed.curvature.slack { quadratic } else { linear.max(quadratic) };
-                // To second order: what is beyond it is smaller by the change over the rate, and by that over the depth.
+                // To second order: what is beyond it is smaller by the change over the rate, and by that over the
+                // depth.
                 let (reach, deepest) = (timing.h_theta + timing.node, compression + timing.node * rate.abs());
                 let most = most * (1.0 + more.abs() / rate.abs() + reach * more.abs() / deepest);
                 let rounding = 1e-12 * (after.force + pressed.force);

@@ -11,8 +11,8 @@ use crate::timing::Timing;
 use crate::workspace::{Forces, LawSource, Problem, Turning, Workspace};
 use crate::{dry_felts, dwell};
 
-/// Guesses where the pivots stand, before a step's first iteration. A pivot that turned is expected to go on turning, unless the predicted
-/// velocity `w` has the other sign: then it is expected to stick, as does one that stuck.
+/// Guesses where the pivots stand, before a step's first iteration. A pivot that turned is expected to go on turning,
+/// unless the predicted velocity `w` has the other sign: then it is expected to stick, as does one that stuck.
 #[inline(always)]
 pub(crate) fn warm_start_pivots<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -37,8 +37,8 @@ pub(crate) fn warm_start_pivots<T: Real, const B: usize, const Z: usize, const N
     }
 }
 
-/// Completes the linearised step with the laws in force and a warm start: the last iteration's forces and sides, or in the first
-/// iteration the contact cache.
+/// Completes the linearised step with the laws in force and a warm start: the last iteration's forces and sides, or in
+/// the first iteration the contact cache.
 ///
 /// There is room for all laws: `step_lanes` takes no step where there is not.
 #[inline(always)]
@@ -92,8 +92,8 @@ pub(crate) fn assemble_laws<T: Real, const B: usize, const Z: usize, const N: us
             support.spread(slip_row, T::ONE, &mut law.row);
             law.target = T::ZERO;
             if allows_for_turning {
-                // Stick must hold at the end of the step. The slip row is extrapolated to that instant: it is assumed to keep turning at
-                // the rate since the last step.
+                // Stick must hold at the end of the step. The slip row is extrapolated to that instant: it is assumed
+                // to keep turning at the rate since the last step.
                 let pressed_before = T::ZERO.lt(warm.abs()).or(T::ZERO.lt(warm_side.abs()));
                 let turned = support.product(slip_row, w0) - slip_before[z];
                 let rest = (T::ONE - settings.theta) * h / (*span + settings.theta * h);
@@ -116,8 +116,8 @@ pub(crate) fn assemble_laws<T: Real, const B: usize, const Z: usize, const N: us
                 guess.sliding[n] = T::select(fresh, arrival, warm_side);
             }
             if !pressed.all() {
-                // Lanes that do not press have no law: a bound of zero that no velocity changes. A product does it, because storing only
-                // some lanes is far slower.
+                // Lanes that do not press have no law: a bound of zero that no velocity changes. A product does it,
+                // because storing only some lanes is far slower.
                 let share = T::only(pressed, T::ONE);
                 let only = |x: T| x * share;
                 law.row = law.row.map(only);
@@ -167,7 +167,8 @@ fn complete_laws<T: Real, const B: usize, const Z: usize, const N: usize>(
     }
 }
 
-/// In which lanes dry felts or friction that had grown at rest are not yet what the solver, which gave the velocities `next`, took them for.
+/// In which lanes dry felts or friction that had grown at rest are not yet what the solver, which gave the velocities
+/// `next`, took them for.
 #[cold]
 #[inline(never)]
 pub(crate) fn unsettled<T: Real, const B: usize, const Z: usize, const N: usize>(
@@ -252,7 +253,8 @@ pub(crate) fn keep_forces<T: Real, const B: usize, const Z: usize, const N: usiz
     }
 }
 
-/// Hands to the state what felts and resting friction remember, in the lanes in which the step ends; `w`: the relative velocities then.
+/// Hands to the state what felts and resting friction remember, in the lanes in which the step ends; `w`: the relative
+/// velocities then.
 #[cold]
 #[inline(never)]
 pub(crate) fn keep_memories<T: Real, const B: usize, const Z: usize, const N: usize>(

@@ -39,7 +39,8 @@ impl Energies {
         Energies::displaced(model, state, |_| T::ZERO)
     }
 
-    /// Energies of a state in which compliant surfaces are displaced, m away from their discs. What is in those surfaces is not among them.
+    /// Energies of a state in which compliant surfaces are displaced, m away from their discs. What is in those
+    /// surfaces is not among them.
     pub fn displaced<T: Scalar, const B: usize, const Z: usize>(
         model: &Model<T, B, Z>,
         state: &State<T, B, Z>,
@@ -121,7 +122,8 @@ impl Ledger {
         Ledger::open_at(Energies::of(model, state), 0.0, 0.0)
     }
 
-    /// Starts the energy balance at stored energies, where surfaces have lost so much before, J, and so much work has been done through them from outside, J.
+    /// Starts the energy balance at stored energies, where surfaces have lost so much before, J, and so much work has
+    /// been done through them from outside, J.
     pub fn open_at(start: Energies, surface_lost_before: f64, surface_given_before: f64) -> Self {
         Ledger {
             start,
@@ -153,7 +155,8 @@ impl Ledger {
         self.record_contacts(model, settings, &before.velocity, after, workspace, &contacts);
     }
 
-    /// [`Ledger::record`] for a caller that has the step's contacts at hand, zone by zone, and the absolute velocities before it, rad/s.
+    /// [`Ledger::record`] for a caller that has the step's contacts at hand, zone by zone, and the absolute velocities
+    /// before it, rad/s.
     pub fn record_contacts<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         &mut self,
         model: &Model<T, B, Z>,
@@ -216,8 +219,8 @@ impl Ledger {
 
 /// Reports every loss of a step, J. The arguments are those of [`Ledger::record_contacts`].
 ///
-/// Forces act at the theta point, so their work is force times velocity there. A dry law's loss is |force| times the path
-/// of its velocity, which runs linearly over the step from before to after: not negative by itself even where the
+/// Forces act at the theta point, so their work is force times velocity there. A dry law's loss is |force| times the
+/// path of its velocity, which runs linearly over the step from before to after: not negative by itself even where the
 /// velocity turns, and equal to the scheme's own work wherever it does not.
 pub fn each_loss<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,

@@ -1,8 +1,9 @@
 //! Planar non-smooth multibody dynamics: trees of hinged rigid bodies, felts between them, dry friction as a set-valued
 //! law, and Moreau-Jean time-stepping. Named after Jean Jacques Moreau.
 //!
-//! A pendulum with a dry pivot, let go from rest at 0.5 rad. Friction takes the energy c_d times the angle swept, so that the amplitudes
-//! follow from m g l (cos a1 - cos a0) = c_d (a0 + a1): 0.349759, 0.202137 and 0.055977 rad. There it stays, for m g l sin a < c_d.
+//! A pendulum with a dry pivot, let go from rest at 0.5 rad. Friction takes the energy c_d times the angle swept, so
+//! that the amplitudes follow from m g l (cos a1 - cos a0) = c_d (a0 + a1): 0.349759, 0.202137 and 0.055977 rad. There
+//! it stays, for m g l sin a < c_d.
 //!
 //! ```
 //! use moreau::{Body, Description, Input, ModelError, Outcome, Settings, State, Workspace, step};
@@ -27,14 +28,15 @@
 //! # Ok::<(), ModelError>(())
 //! ```
 //!
-//! The inner step is [`step()`]; `step.rs` begins with its equations, symbols and references. The derivations are in this crate's `README.md`.
+//! The inner step is [`step()`]; `step.rs` begins with its equations, symbols and references. The derivations are in
+//! this crate's `README.md`.
 //!
-//! Four types, not one: the [`Description`] (what the mechanism is, as its caller writes it), the immutable [`Model`] (the same, checked and
-//! compiled), the mutable [`State`] (where it is now) and the [`Workspace`] (what a step needs and what it leaves to be read: forces,
-//! impulses, contact points).
+//! Four types, not one: the [`Description`] (what the mechanism is, as its caller writes it), the immutable [`Model`]
+//! (the same, checked and compiled), the mutable [`State`] (where it is now) and the [`Workspace`] (what a step needs
+//! and what it leaves to be read: forces, impulses, contact points).
 //!
-//! No standard library, no heap, no unsafe code, no panic in a step: the crate can live in firmware. It is generic over the
-//! scalar ([`Real`]) and over its sizes: `B` bodies, `Z` zones, `N` set-valued laws.
+//! No standard library, no heap, no unsafe code, no panic in a step: the crate can live in firmware. It is generic over
+//! the scalar ([`Real`]) and over its sizes: `B` bodies, `Z` zones, `N` set-valued laws.
 //!
 //! Units are the caller's, as long as they are consistent; the project uses SI. Angles are counter-clockwise.
 #![no_std]

@@ -2,8 +2,8 @@
 
 use crate::real::Real;
 
-/// Repeats a body for every `row` below B (or down to 0), written out up to the size of a piano's action: the compiler does not unroll
-/// loops within loops early enough to keep a matrix in registers.
+/// Repeats a body for every `row` below B (or down to 0), written out up to the size of a piano's action: the compiler
+/// does not unroll loops within loops early enough to keep a matrix in registers.
 macro_rules! written_out {
     (up $row:ident, $size:ident, $body:block) => {{
         written_out!(@each $row, $size, $body, 0 1 2 3 4 5);
@@ -66,8 +66,8 @@ impl<T: Real, const B: usize> Symmetric<T, B> {
         sum
     }
 
-    /// Factorises the matrix, with another diagonal, into `l` (strictly lower: L) and returns 1/D; takes right-hand sides `x` along
-    /// through the forward substitution, which then waits for nothing.
+    /// Factorises the matrix, with another diagonal, into `l` (strictly lower: L) and returns 1/D; takes right-hand
+    /// sides `x` along through the forward substitution, which then waits for nothing.
     ///
     /// The matrix must be positive definite: here a mass matrix plus positive semidefinite terms.
     #[inline(always)]
@@ -125,8 +125,8 @@ pub(crate) fn solve<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B]
     y
 }
 
-/// Solves `matrix` x = `right` for all columns of `right`, in place, by Gauss and Jordan's elimination. Pivots are not sought: none may vanish, as with
-/// a positive definite matrix times a positive diagonal one.
+/// Solves `matrix` x = `right` for all columns of `right`, in place, by Gauss and Jordan's elimination. Pivots are not
+/// sought: none may vanish, as with a positive definite matrix times a positive diagonal one.
 pub fn gauss_jordan<T: Real, const K: usize>(matrix: &mut [[T; K]; K], right: &mut [[T; K]; K]) {
     for pivot in 0..K {
         let by = T::ONE / matrix[pivot][pivot];

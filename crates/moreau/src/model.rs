@@ -1,4 +1,5 @@
-//! The compiled model: a [`Description`] that has been checked, with everything that a step would otherwise work out again. Immutable.
+//! The compiled model: a [`Description`] that has been checked, with everything that a step would otherwise work out
+//! again. Immutable.
 
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Curvatures;
@@ -40,15 +41,18 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) spring_torque: [T; B],
     pub(crate) spring_stiffness: [T; B],
     // Inertia.
-    /// Diagonal of the mass matrix in absolute velocities: own inertia plus every descendant's mass at its branch's pivot.
+    /// Diagonal of the mass matrix in absolute velocities: own inertia plus every descendant's mass at its branch's
+    /// pivot.
     pub(crate) inertia: [T; B],
-    /// What that diagonal contributes to the one of the mass matrix in relative velocities: a joint turns all that it carries.
+    /// What that diagonal contributes to the one of the mass matrix in relative velocities: a joint turns all that it
+    /// carries.
     pub(crate) joint_inertia: [T; B],
     /// First moment of body and descendants about the pivot, fixed in the body's frame (see README, "Inertia").
     pub(crate) moment: [Vector<T>; B],
     pub(crate) moment_x: [T; B],
     pub(crate) moment_y: [T; B],
-    /// Gravity times |moment|, N m, and |branch arm| times |moment|, kg m2: how strongly weight and centrifugal force change with the pose.
+    /// Gravity times |moment|, N m, and |branch arm| times |moment|, kg m2: how strongly weight and centrifugal force
+    /// change with the pose.
     pub(crate) weight: [T; B],
     pub(crate) centrifugal: [T; B],
     // The zones.
@@ -88,7 +92,8 @@ pub struct Model<T, const B: usize, const Z: usize> {
 }
 
 impl<T: Scalar> Description<'_, T> {
-    /// Checks the description and compiles it for `B` bodies and `Z` zones. Unused places are filled with [`Body::inert`].
+    /// Checks the description and compiles it for `B` bodies and `Z` zones. Unused places are filled with
+    /// [`Body::inert`].
     ///
     /// # Errors
     /// The first fault ([`Description::check`]), or that the size has too little room.
@@ -167,7 +172,8 @@ impl<T: Scalar> Description<'_, T> {
 }
 
 impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
-    /// The mass matrix's constant part, first moments, and how strongly weight and centrifugal force change (README, "Inertia").
+    /// The mass matrix's constant part, first moments, and how strongly weight and centrifugal force change (README,
+    /// "Inertia").
     fn set_inertia(&mut self, bodies: &[Body<T>]) {
         let mut branch_mass = [T::ZERO; B];
         for (i, body) in bodies.iter().enumerate() {
@@ -246,7 +252,8 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
 }
 
 impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
-    /// How many set-valued laws a step may have to solve at once: [`Description::laws`]. A workspace must have room for them.
+    /// How many set-valued laws a step may have to solve at once: [`Description::laws`]. A workspace must have room for
+    /// them.
     pub fn laws(&self) -> usize {
         self.laws
     }

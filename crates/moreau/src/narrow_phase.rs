@@ -9,10 +9,11 @@ use crate::surface::Yielding;
 use crate::timing::Timing;
 use crate::workspace::{Contacts, Kinematics, Workspace};
 
-/// Geometry of the zones near contact: which are touched during the step, and their rows. A zone with friction gets its slip row when it
-/// first touches, once in a step.
+/// Geometry of the zones near contact: which are touched during the step, and their rows. A zone with friction gets its
+/// slip row when it first touches, once in a step.
 ///
-/// It runs before anything else that needs the pose, because the rest of the linearisation does not wait for its results.
+/// It runs before anything else that needs the pose, because the rest of the linearisation does not wait for its
+/// results.
 #[inline(always)]
 pub(crate) fn narrow_phase<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,

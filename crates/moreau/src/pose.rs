@@ -36,7 +36,8 @@ impl<T: Real, const B: usize> Pose<T, B> {
         }
     }
 
-    /// Places every body for the given absolute angles, parents first. `moment`: x and y of the first moments in the bodies' frames.
+    /// Places every body for the given absolute angles, parents first. `moment`: x and y of the first moments in the
+    /// bodies' frames.
     #[inline(always)]
     pub(crate) fn place(&mut self, tree: &Tree<T, B>, moment: [&[T; B]; 2], angle: &[T; B]) {
         sin_cos(angle, &mut self.sin, &mut self.cos);
@@ -106,7 +107,8 @@ impl<T: Real, const B: usize> Pose<T, B> {
         [self.pivot_x[body], self.pivot_y[body]]
     }
 
-    /// The row that maps relative velocities to `n . velocity(x)`, for the supporting joints: each turns x about its pivot.
+    /// The row that maps relative velocities to `n . velocity(x)`, for the supporting joints: each turns x about its
+    /// pivot.
     #[inline(always)]
     pub(crate) fn turning_row(&self, support: &Support<T, B>, x: Vector<T>, n: Vector<T>, row: &mut [T; B]) {
         for (k, j) in support.joints() {

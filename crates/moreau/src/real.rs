@@ -75,7 +75,8 @@ pub trait Real:
     type Lane: Scalar;
     /// Number of lanes.
     const LANES: usize;
-    /// Whether a step's first Newton iteration is compiled apart from the further ones: faster, and twice as much to compile.
+    /// Whether a step's first Newton iteration is compiled apart from the further ones: faster, and twice as much to
+    /// compile.
     const FIRST_APART: bool = false;
     /// 0.
     const ZERO: Self;
@@ -95,8 +96,8 @@ pub trait Real:
     fn lane(self, lane: usize) -> Self::Lane;
     /// The same with another number in one lane.
     fn with_lane(self, lane: usize, x: Self::Lane) -> Self;
-    /// self + a b. Lanes round the result once, with one fused instruction. A number alone rounds twice, product and sum, so that its
-    /// bits are the same on targets without that instruction.
+    /// self + a b. Lanes round the result once, with one fused instruction. A number alone rounds twice, product and
+    /// sum, so that its bits are the same on targets without that instruction.
     #[inline(always)]
     fn add_product(self, a: Self, b: Self) -> Self {
         self + a * b
@@ -133,8 +134,8 @@ pub trait Real:
     fn tanh(self) -> Self;
     /// Sine and cosine for any argument. Slow; the kernel calls it beyond a quarter of pi.
     fn sin_cos_any(self) -> (Self, Self);
-    /// Whether the derivatives that these numbers carry have settled, after Newton's method has corrected them by `corrections`: always, for numbers that
-    /// carry none ([`Dual`](crate::Dual) does).
+    /// Whether the derivatives that these numbers carry have settled, after Newton's method has corrected them by
+    /// `corrections`: always, for numbers that carry none ([`Dual`](crate::Dual) does).
     #[inline(always)]
     fn derivatives_settled(corrections: &[Self], values: &[Self]) -> Self::Mask {
         let _ = (corrections, values);
@@ -144,8 +145,8 @@ pub trait Real:
 
 /// Hides from the compiler, in lanes, what a reference points to.
 ///
-/// The compiler hoists out of a loop the loads that do not change in it, and the addresses. Lanes have too few registers to keep them, so
-/// it spills them to the stack. A loop that usually runs once only pays for that.
+/// The compiler hoists out of a loop the loads that do not change in it, and the addresses. Lanes have too few
+/// registers to keep them, so it spills them to the stack. A loop that usually runs once only pays for that.
 #[inline(always)]
 pub(crate) fn opaque<T: Real, R>(reference: R) -> R {
     if T::LANES > 1 { core::hint::black_box(reference) } else { reference }
@@ -178,12 +179,12 @@ pub const COSINE: [f64; 6] = [
 
 /// Sines and cosines of angles, radians.
 ///
-/// Bodies of a mechanism stay near their drawn angle, so the usual case is the polynomial on [-pi/4, pi/4] (error below one unit in the
-/// last place); elsewhere `libm`.
+/// Bodies of a mechanism stay near their drawn angle, so the usual case is the polynomial on [-pi/4, pi/4] (error below
+/// one unit in the last place); elsewhere `libm`.
 #[inline(always)]
 pub(crate) fn sin_cos<T: Real, const B: usize>(angle: &[T; B], sin: &mut [T; B], cos: &mut [T; B]) {
-    // Lanes have no registers left for these constants. To read them from memory at full width is cheaper than what the compiler would
-    // do instead, to broadcast each from a single number.
+    // Lanes have no registers left for these constants. To read them from memory at full width is cheaper than what the
+    // compiler would do instead, to broadcast each from a single number.
     let (sine, cosine) = (opaque::<T, _>(T::SINE), opaque::<T, _>(T::COSINE));
     let mut largest = T::ZERO;
     for i in 0..B {

@@ -13,8 +13,9 @@ use crate::timing::Timing;
 use crate::workspace::Workspace;
 
 impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z, N> {
-    /// Works out the forces of a step from the states before and after it and the input during it, all curves as drawn. Afterwards they can be read as if the
-    /// step had been taken with this workspace, to what its Newton iteration left; an [`crate::Ledger`] books it alike. Nothing is solved, so that N may be 0.
+    /// Works out the forces of a step from the states before and after it and the input during it, all curves as drawn.
+    /// Afterwards they can be read as if the step had been taken with this workspace, to what its Newton iteration
+    /// left; an [`crate::Ledger`] books it alike. Nothing is solved, so that N may be 0.
     pub fn retrace(
         &mut self,
         model: &Model<T, B, Z>,

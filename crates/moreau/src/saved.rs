@@ -10,7 +10,8 @@ pub struct SavedState<T, const B: usize, const Z: usize> {
     pub angle: [T; B],
     /// Absolute angular velocities v, rad/s.
     pub velocity: [T; B],
-    /// Velocity increment: the change of the velocities over the last step, rad/s. The next step's iteration starts from it.
+    /// Velocity increment: the change of the velocities over the last step, rad/s. The next step's iteration starts
+    /// from it.
     pub increment: [T; B],
     // The contact cache: what the set-valued laws did in the last step. It warm-starts the solver.
     /// Dry friction torque of each pivot over the last step, N m (counter-clockwise on the body).
@@ -24,16 +25,18 @@ pub struct SavedState<T, const B: usize, const Z: usize> {
     pub hand: [T; 2],
     /// What the felts remember, as their laws say ([`Loss`](crate::Loss)). Zeros where a law remembers fewer numbers, or none.
     pub memory: [[T; MEMORY]; Z],
-    /// How far each pivot's dry friction and each zone's Coulomb friction has grown while it stuck, from 0 (kinetic) to 1 (static); zero where it
-    /// does not grow ([`Dwell`](crate::Dwell)).
+    /// How far each pivot's dry friction and each zone's Coulomb friction has grown while it stuck, from 0 (kinetic) to
+    /// 1 (static); zero where it does not grow ([`Dwell`](crate::Dwell)).
     pub pivot_rested: [T; B],
     /// See `pivot_rested`.
     pub rested: [T; Z],
-    /// The sign with which each zone's Coulomb force was at its bound over the last step, or 0: the solver's first guess.
+    /// The sign with which each zone's Coulomb force was at its bound over the last step, or 0: the solver's first
+    /// guess.
     pub side: [T; Z],
 }
 
-/// Makes, from the fields with a number for every body, for every zone, with two and alone, what is done with all of them.
+/// Makes, from the fields with a number for every body, for every zone, with two and alone, what is done with all of
+/// them.
 macro_rules! each_field {
     (bodies: $($body:ident)*; zones: $($zone:ident)*; memories: $($memory:ident)*; pairs: $($pair:ident)*; alone: $($alone:ident)*) => {
         impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {

@@ -29,11 +29,12 @@ impl<T> FrictionLaw<T> {
 pub struct Settings<T> {
     /// Step h, s. 50e-6 is usual for the piano; the error falls with its square on smooth motion at theta = 1/2.
     pub step: T,
-    /// theta of the theta-method, in [1/2, 1]. 1/2 is of second order and loses no energy of its own; 1 is of first order and damps.
+    /// theta of the theta-method, in [1/2, 1]. 1/2 is of second order and loses no energy of its own; 1 is of first
+    /// order and damps.
     pub theta: T,
     /// A step has converged when its last Newton correction, or what the linearisation left out, is at most this times
-    /// (1 rad/s + |velocity|), for every joint. Newton converges quadratically, so what remains is about the square of it. 1e-5 is usual;
-    /// looser loses the order.
+    /// (1 rad/s + |velocity|), for every joint. Newton converges quadratically, so what remains is about the square of
+    /// it. 1e-5 is usual; looser loses the order.
     pub tolerance: T,
     /// Largest number of Newton iterations. Usual steps take one; beyond eight the corrections are halved.
     pub newton_limit: u32,

@@ -1,9 +1,9 @@
 //! Sleeping: steps that would change nothing are not taken.
 //!
-//! A step is a function of state and input. If one leaves the state identical to the bit, then every further step with the identical input
-//! does the same: it leaves the state as it is, reports the same, and leaves the same in the workspace. So it need not be taken. There is
-//! no threshold and no drift: with sleep or without, the bits are the same. A mechanism comes to sleep only where dry friction truly
-//! sticks.
+//! A step is a function of state and input. If one leaves the state identical to the bit, then every further step with
+//! the identical input does the same: it leaves the state as it is, reports the same, and leaves the same in the
+//! workspace. So it need not be taken. There is no threshold and no drift: with sleep or without, the bits are the
+//! same. A mechanism comes to sleep only where dry friction truly sticks.
 
 use crate::input::Input;
 use crate::model::Model;
@@ -15,8 +15,8 @@ use crate::workspace::Workspace;
 
 /// Whether a mechanism's last step changed nothing, and under which input.
 ///
-/// It belongs to one [`State`] and its [`Settings`]. Whoever changes either otherwise than by [`Sleep::step`] must call [`Sleep::wake`];
-/// so must whoever wants to read the [`Workspace`] after another state has used it.
+/// It belongs to one [`State`] and its [`Settings`]. Whoever changes either otherwise than by [`Sleep::step`] must call
+/// [`Sleep::wake`]; so must whoever wants to read the [`Workspace`] after another state has used it.
 #[derive(Debug, Clone, Copy)]
 pub struct Sleep<T> {
     under: Option<(Input<T>, StepReport)>,
@@ -46,7 +46,8 @@ impl<T: Scalar> Sleep<T> {
         self.under.as_ref().and_then(|(last, report)| last.identical(input).then_some(*report))
     }
 
-    /// After a step with this input: whether it has changed nothing. `before` is the state before the step, needed of a mechanism that stood still only.
+    /// After a step with this input: whether it has changed nothing. `before` is the state before the step, needed of a
+    /// mechanism that stood still only.
     #[inline]
     pub fn compare<const B: usize, const Z: usize>(
         &mut self,
@@ -86,8 +87,8 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         self.velocity.iter().all(|v| (0..T::LANES).all(|lane| v.lane(lane).to_f64() == 0.0))
     }
 
-    /// Whether two states are the same to the bit, signs of zeros included, in everything that a step's result depends on. That leaves out
-    /// the broad phase: with any of them a step gives the same bits.
+    /// Whether two states are the same to the bit, signs of zeros included, in everything that a step's result depends
+    /// on. That leaves out the broad phase: with any of them a step gives the same bits.
     pub fn identical(&self, other: &Self) -> bool {
         let mut same = true;
         self.numbers.zip(&other.numbers, |a, b| same = same && same_bits(a, b));

@@ -1,9 +1,10 @@
-//! The inner step: one step of the Moreau-Jean theta scheme for a planar tree of hinged bodies with felts and dry friction.
+//! The inner step: one step of the Moreau-Jean theta scheme for a planar tree of hinged bodies with felts and dry
+//! friction.
 //!
 //! # Equations
 //!
-//! The mechanism obeys the measure differential equation `M(q) dv + F(t, q, v) dt = di` [T12 eqs 2-4, T13 eq 3], [M88]. A fixed step h takes
-//! (q0, v0) to (q1, v1) without locating events [J99]:
+//! The mechanism obeys the measure differential equation `M(q) dv + F(t, q, v) dt = di` [T12 eqs 2-4, T13 eq 3], [M88].
+//! A fixed step h takes (q0, v0) to (q1, v1) without locating events [J99]:
 //!
 //! ```text
 //! M(q_*) (w1 - w0) = h Q(q_theta, w_theta, t_theta) + D(q_*) p           momentum over the step
@@ -18,8 +19,8 @@
 //! A = M + sum over zones of tangent G^T G + springs and dampers,         tangent = h theta (F_v + theta h F_g) >= 0
 //! ```
 //!
-//! Every iteration solves the one-step problem for (w1, p) exactly (`osnsp/`). It is accepted when the correction is small, or when what the
-//! linearisation left out is (`acceptance.rs`).
+//! Every iteration solves the one-step problem for (w1, p) exactly (`osnsp/`). It is accepted when the correction is
+//! small, or when what the linearisation left out is (`acceptance.rs`).
 //!
 //! # Symbols
 //!
@@ -36,14 +37,16 @@
 //!
 //! # Where the parts are
 //!
-//! [`step_lanes`] begins and ends a step; `iterate` is one Newton iteration. Both call the stages in the order of the table in this crate's
-//! README, which also has the derivations.
+//! [`step_lanes`] begins and ends a step; `iterate` is one Newton iteration. Both call the stages in the order of the
+//! table in this crate's README, which also has the derivations.
 //!
 //! # References
 //!
 //! - [T12] Thorin, Boutillon, Lozada, Merlhiot, *Simulation of a non-smooth dynamical model of the piano key*.
-//! - [T13] Thorin, Boutillon, Merlhiot, Lozada, *A non-smooth simulation of the dynamics of the grand piano action*, Waves 2013.
-//! - [M88] Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, CISM Courses and Lectures 302, 1988.
+//! - [T13] Thorin, Boutillon, Merlhiot, Lozada, *A non-smooth simulation of the dynamics of the grand piano action*,
+//!   Waves 2013.
+//! - [M88] Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, CISM Courses and Lectures 302,
+//!   1988.
 //! - [J99] Jean, *The non-smooth contact dynamics method*, Comput. Methods Appl. Mech. Engrg. 177 (1999) 235-257.
 
 use crate::acceptance::linearisation_holds;
@@ -68,7 +71,8 @@ pub enum Outcome {
     Converged,
     /// The iteration limit was reached; the last (finite) iterate was taken.
     IterationLimit,
-    /// A number that is not finite arose (or came in with the input), or a velocity whose square is not; the state was left as it was.
+    /// A number that is not finite arose (or came in with the input), or a velocity whose square is not; the state was
+    /// left as it was.
     NonFinite,
     /// The model has more set-valued laws than the workspace has room for ([`Model::laws`], N): no step was taken.
     /// [`Workspace::for_model`] finds that out beforehand.
@@ -86,14 +90,16 @@ pub struct StepReport {
     pub solver: u32,
 }
 
-/// Beyond this many Newton iterations the corrections are halved. That ends a cycle between the two sides of a felt's onset.
+/// Beyond this many Newton iterations the corrections are halved. That ends a cycle between the two sides of a felt's
+/// onset.
 const DAMPED_AFTER: u32 = 8;
 
 /// Advances `state` by one step h. Never allocates, never panics, takes a bounded number of iterations.
 ///
-/// `input` holds during the step (see [`Input`] for the instants that its numbers belong to). `N` must be at least [`Model::laws`].
-// Inlined where it is called, it takes a tenth fewer instructions: the caller's arrays have known places. The compiler would decide that by
-// size, and the step is near its limit.
+/// `input` holds during the step (see [`Input`] for the instants that its numbers belong to). `N` must be at least
+/// [`Model::laws`].
+// Inlined where it is called, it takes a tenth fewer instructions: the caller's arrays have known places. The compiler
+// would decide that by size, and the step is near its limit.
 #[inline(always)]
 pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -114,8 +120,8 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     StepReport { outcome, newton: ended.newton, solver: ended.solver }
 }
 
-/// [`step()`], compiled once for every size wherever it is called from: a few instructions more than one that is inlined into its loop, and
-/// a hundred kilobytes less at every further call.
+/// [`step()`], compiled once for every size wherever it is called from: a few instructions more than one that is
+/// inlined into its loop, and a hundred kilobytes less at every further call.
 #[inline(never)]
 pub fn step_out_of_line<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -140,8 +146,9 @@ pub struct LanesReport<M> {
     pub solver: u32,
 }
 
-/// [`step()`] for several mechanisms at once, one in each lane: the same kernel, and the same numbers in every lane as if it were alone,
-/// to rounding. The mechanisms must share their topology (what is hinged on what, which curves and felts), not their numbers.
+/// [`step()`] for several mechanisms at once, one in each lane: the same kernel, and the same numbers in every lane as
+/// if it were alone, to rounding. The mechanisms must share their topology (what is hinged on what, which curves and
+/// felts), not their numbers.
 ///
 /// `N` must be at least [`Model::laws`]: otherwise nothing is done, and no lane is `converged` or `finite`.
 #[inline(always)]
@@ -158,7 +165,8 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         return LanesReport { finite: no, ..report };
     }
     let w0 = model.tree.relative(&state.velocity);
-    // The acceptance test knows the felts' curvature but not a regularised friction law's, whose stiffness also makes increments alternate.
+    // The acceptance test knows the felts' curvature but not a regularised friction law's, whose stiffness also makes
+    // increments alternate.
     let smooth = !settings.friction.is_regularised();
     let mut w = if smooth { extrapolate(model, settings, &w0, &state.increment) } else { w0 };
     warm_start_pivots(model, settings, state, &w0, &w, workspace);
@@ -169,8 +177,9 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     let next = if const { !T::FIRST_APART } {
         iterate_to_the_end(model, settings, input, state, workspace, &w0, &mut w, &mut done, &mut report, 0)
     } else {
-        // The compiler hoists loop-invariant loads out of a loop and spills them to the stack. This loop usually runs once, so that only
-        // costs time. The first iteration therefore stands outside the loop, and the others in a function of their own.
+        // The compiler hoists loop-invariant loads out of a loop and spills them to the stack. This loop usually runs
+        // once, so that only costs time. The first iteration therefore stands outside the loop, and the others in a
+        // function of their own.
         let first = match settings.newton_limit {
             0 => Next::End,
             _ => iterate(model, settings, input, state, workspace, &w0, &mut w, &mut done, &mut report, 0),
@@ -212,7 +221,8 @@ struct Iterate<T: Real, const B: usize> {
     report: LanesReport<T::Mask>,
 }
 
-/// All iterations but the first one. Seldom needed; what goes in and out goes by value, so that the first one can keep it in registers.
+/// All iterations but the first one. Seldom needed; what goes in and out goes by value, so that the first one can keep
+/// it in registers.
 #[cold]
 #[inline(never)]
 fn further_iterations<T: Real, const B: usize, const Z: usize, const N: usize>(
@@ -266,8 +276,8 @@ enum Next {
     Nothing,
 }
 
-/// One Newton iteration, from the relative velocities `w` to the next ones: the stages of the README's table, in call order. `done`: the
-/// lanes that have ended already.
+/// One Newton iteration, from the relative velocities `w` to the next ones: the stages of the README's table, in call
+/// order. `done`: the lanes that have ended already.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
@@ -352,7 +362,8 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     Next::Again
 }
 
-/// Solves the one-step problem: the next relative velocities, the lanes in which the solver converged, and its sweeps or active sets.
+/// Solves the one-step problem: the next relative velocities, the lanes in which the solver converged, and its sweeps
+/// or active sets.
 #[inline(always)]
 fn solve<T: Real, const B: usize, const Z: usize, const N: usize>(
     settings: &Settings<T>,
@@ -403,7 +414,8 @@ fn theta_point<T: Real, const B: usize, const Z: usize, const N: usize>(
     q
 }
 
-/// Whether velocities are numbers whose squares do not overflow. What the step's end works out from them does not overflow then.
+/// Whether velocities are numbers whose squares do not overflow. What the step's end works out from them does not
+/// overflow then.
 #[inline(always)]
 fn usable<T: Real, const B: usize>(w: &[T; B]) -> T::Mask {
     let mut sum = T::ZERO;

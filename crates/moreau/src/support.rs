@@ -6,8 +6,9 @@ use crate::real::{Real, Scalar, join};
 use crate::tree::Tree;
 use crate::vector::{Vector, dot, sub};
 
-/// The joints that a zone's compression (or a driven point's velocity) depends on: those that carry one of its two bodies and
-/// not the other. Rows are stored for these joints only, in this order: entry k of a row belongs to `joint[k]`.
+/// The joints that a zone's compression (or a driven point's velocity) depends on: those that carry one of its two
+/// bodies and not the other. Rows are stored for these joints only, in this order: entry k of a row belongs to
+/// `joint[k]`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Support<T, const B: usize> {
     count: usize,

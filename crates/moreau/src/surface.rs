@@ -1,20 +1,22 @@
-//! Contact surfaces of external subsystems (e.g. a string), coupled implicitly to the step: the curve of a zone yields under the felt.
+//! Contact surfaces of external subsystems (e.g. a string), coupled implicitly to the step: the curve of a zone yields
+//! under the felt.
 //!
-//! What yields is its owner's business. The step asks three numbers of it ([`Surface`]): where it is, where it would be at the step's end if nothing
-//! pressed it, and by how much a newton that lasts for the step displaces it by then. The felt's force is then one scalar unknown within the same
-//! implicit step ([`solve`]; README, "Compliant surfaces").
+//! What yields is its owner's business. The step asks three numbers of it ([`Surface`]): where it is, where it would be
+//! at the step's end if nothing pressed it, and by how much a newton that lasts for the step displaces it by then. The
+//! felt's force is then one scalar unknown within the same implicit step ([`solve`]; README, "Compliant surfaces").
 
 use crate::real::{Mask, Real};
 
-/// Most iterations of the scalar equation. Newton's method takes four or five, and is given up after ten, for across a kink it may go to and fro; bisection
-/// then halves the bracket.
+/// Most iterations of the scalar equation. Newton's method takes four or five, and is given up after ten, for across a
+/// kink it may go to and fro; bisection then halves the bracket.
 const MOST: u32 = 64;
 const NEWTON: u32 = 10;
 
 /// Zones whose surfaces may feel each other within a step.
 pub const COUPLED: usize = 4;
 
-/// What a counter-surface would do in the next step, along the zone's normal; positive is away from the disc, the way in which the felt pushes it.
+/// What a counter-surface would do in the next step, along the zone's normal; positive is away from the disc, the way
+/// in which the felt pushes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface<T> {
     /// Its displacement at the step's start, m.
@@ -77,10 +79,11 @@ impl<T: Real> Yielding<T> {
     }
 }
 
-/// Solves F = P(F), where P falls: the felt's force, given the force that presses the surface. `press` tells P and -dP/dF, both at least 0.
+/// Solves F = P(F), where P falls: the felt's force, given the force that presses the surface. `press` tells P and
+/// -dP/dF, both at least 0.
 ///
-/// F - P(F) rises, so that there is one solution, between 0 and P(0). P is convex (a felt's law is), so that Newton's method rises to the solution
-/// from 0. Where P has a kink, bisection takes over.
+/// F - P(F) rises, so that there is one solution, between 0 and P(0). P is convex (a felt's law is), so that Newton's
+/// method rises to the solution from 0. Where P has a kink, bisection takes over.
 #[inline(always)]
 pub(crate) fn solve<T: Real>(touched: T::Mask, press: impl Fn(T) -> [T; 2]) -> T {
     let (zero, half) = (T::ZERO, T::from_f64(0.5));
@@ -108,7 +111,8 @@ pub(crate) fn solve<T: Real>(touched: T::Mask, press: impl Fn(T) -> [T; 2]) -> T
 mod tests {
     use super::*;
 
-    /// Against the closed form for a linear felt, F = k (g - a F): F = k g / (1 + k a); and a square one, from its quadratic equation.
+    /// Against the closed form for a linear felt, F = k (g - a F): F = k g / (1 + k a); and a square one, from its
+    /// quadratic equation.
     #[test]
     fn the_scalar_equation_is_solved() {
         for k in [1e-3_f64, 1.0, 1e6] {

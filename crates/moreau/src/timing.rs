@@ -2,8 +2,8 @@
 
 use crate::real::Real;
 
-/// m/s; a zone so far apart that it would need a greater speed to touch within the step is left out. A faster one still counts from
-/// the theta point on. 20 m/s is three times the fastest hammer.
+/// m/s; a zone so far apart that it would need a greater speed to touch within the step is left out. A faster one still
+/// counts from the theta point on. 20 m/s is three times the fastest hammer.
 const CLOSING_SPEED: f64 = 20.0;
 /// 1/sqrt(3): the two-point Gauss nodes on [-1, 1].
 const GAUSS_POINT: f64 = 0.577_350_269_189_625_8;

@@ -5,11 +5,12 @@ use crate::pose::Pose;
 use crate::real::{Scalar, sin_cos};
 use crate::vector::Vector;
 
-/// A point of a body, placed through the bodies that carry it and no others. Gives the same bits as [`Pose::point`] for a body that is
-/// hinged on the ground.
+/// A point of a body, placed through the bodies that carry it and no others. Gives the same bits as [`Pose::point`] for
+/// a body that is hinged on the ground.
 #[derive(Debug, Clone, Copy)]
 pub struct TrackedPoint<T, const B: usize> {
-    /// From the body next to the ground to the one that has the point: each with the place of what follows in its frame, m.
+    /// From the body next to the ground to the one that has the point: each with the place of what follows in its
+    /// frame, m.
     links: [(usize, Vector<T>); B],
     count: usize,
     /// The first body's pivot, or the point itself where it belongs to the ground, m.
@@ -33,7 +34,8 @@ impl<T: Scalar, const B: usize> TrackedPoint<T, B> {
         tracked
     }
 
-    /// Where the point is in the world, m, and its velocity, m/s; from absolute angles (rad) and angular velocities (rad/s).
+    /// Where the point is in the world, m, and its velocity, m/s; from absolute angles (rad) and angular velocities
+    /// (rad/s).
     #[inline(always)]
     pub fn motion(&self, angle: &[T; B], velocity: &[T; B]) -> [Vector<T>; 2] {
         let mut moving = [self.root, [T::ZERO; 2]];
@@ -45,7 +47,8 @@ impl<T: Scalar, const B: usize> TrackedPoint<T, B> {
         moving
     }
 
-    /// [`TrackedPoint::motion`] of two points, the same bits: the sines and cosines of both are worked out side by side.
+    /// [`TrackedPoint::motion`] of two points, the same bits: the sines and cosines of both are worked out side by
+    /// side.
     #[inline(always)]
     pub fn motions(points: [&Self; 2], angle: &[T; B], velocity: &[T; B]) -> [[Vector<T>; 2]; 2] {
         let mut moving = points.map(|p| [p.root, [T::ZERO; 2]]);
@@ -76,8 +79,8 @@ fn carry<T: Scalar>([x, v]: &mut [Vector<T>; 2], arm: Vector<T>, s: T, c: T, rat
 
 /// How far the joints may turn before an open zone can touch.
 ///
-/// A zone's compression changes by at most its longest lever times the angle, for every joint that it depends on. So a zone that was open
-/// by c stays open while sum lever |dq| < c. This is a bound and no estimate.
+/// A zone's compression changes by at most its longest lever times the angle, for every joint that it depends on. So a
+/// zone that was open by c stays open while sum lever |dq| < c. This is a bound and no estimate.
 #[derive(Debug, Clone, Copy)]
 pub struct Clearance<T, const B: usize> {
     zone: usize,

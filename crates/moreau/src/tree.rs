@@ -1,10 +1,11 @@
-//! The tree of hinges, and the change between absolute angular velocities v (what a state holds) and relative ones w = v - v_parent
-//! (what a joint sees).
+//! The tree of hinges, and the change between absolute angular velocities v (what a state holds) and relative ones w =
+//! v - v_parent (what a joint sees).
 //!
 //! In relative velocities a pivot's friction acts on one number, and everything hinged on the ground is unchanged.
 //!
-//! The functions write all entries at once, through masks of a parent's children. An entry that is changed alone and then read together
-//! with its neighbour would stall the processor's store buffer, which costs more than the arithmetic.
+//! The functions write all entries at once, through masks of a parent's children. An entry that is changed alone and
+//! then read together with its neighbour would stall the processor's store buffer, which costs more than the
+//! arithmetic.
 
 use crate::description::{Body, GROUND};
 use crate::real::{Real, Scalar, join_all};
@@ -25,7 +26,8 @@ pub(crate) struct Tree<T, const B: usize> {
     pub deep: bool,
     /// Pivots in the parent's frame, m.
     pub pivot: [Vector<T>; B],
-    /// x and y of the pivots on other bodies, in the parent's frame, and of the pivots on the ground; zero for the others.
+    /// x and y of the pivots on other bodies, in the parent's frame, and of the pivots on the ground; zero for the
+    /// others.
     pub link: [[T; B]; 2],
     pub root: [[T; B]; 2],
 }
@@ -108,8 +110,8 @@ impl<T: Real, const B: usize> Tree<T, B> {
         }
     }
 
-    /// Takes generalised forces for absolute velocities to relative ones: a joint carries everything beyond it. `on_parent` is what acts
-    /// on each body's parent because of it, besides.
+    /// Takes generalised forces for absolute velocities to relative ones: a joint carries everything beyond it.
+    /// `on_parent` is what acts on each body's parent because of it, besides.
     #[inline(always)]
     pub(crate) fn row_to_joints(&self, row: &mut [T; B], on_parent: &[T; B]) {
         let [first, further @ ..] = self.parents() else { return };
@@ -181,8 +183,8 @@ fn carry<T: Real, const B: usize>(parent: &Parent<T, B>, row: &mut [T; B], on_pa
     }
 }
 
-// What follows is for mechanisms with more than one parent. Arrays go in and out by value: the compiler keeps in memory what a loop
-// changes in place, and would then do so for the usual case, too.
+// What follows is for mechanisms with more than one parent. Arrays go in and out by value: the compiler keeps in memory
+// what a loop changes in place, and would then do so for the usual case, too.
 
 #[inline(always)]
 fn relative_beyond<T: Real, const B: usize>(parents: &[Parent<T, B>], v: [T; B], mut w: [T; B]) -> [T; B] {

@@ -1,5 +1,5 @@
-//! Working memory of a step, grouped by stage. Each group says which stage writes it and which ones read it; the stages are those of the
-//! README's table, in call order.
+//! Working memory of a step, grouped by stage. Each group says which stage writes it and which ones read it; the stages
+//! are those of the README's table, in call order.
 
 use crate::contact::{Contact, ContactState};
 use crate::curvature::Margins;
@@ -27,8 +27,8 @@ pub struct Workspace<T: Real, const B: usize, const Z: usize, const N: usize> {
     pub(crate) forces: Forces<T, B, Z>,
     pub(crate) dry: DryFelts<T, Z>,
     pub(crate) dwell: Rested<T, B, Z>,
-    /// The last Newton correction of the relative velocities. Written by `iterate` after the solver, read by `linearisation_holds` and by
-    /// whoever asks for a contact after the step.
+    /// The last Newton correction of the relative velocities. Written by `iterate` after the solver, read by
+    /// `linearisation_holds` and by whoever asks for a contact after the step.
     pub(crate) correction: [T; B],
 }
 
@@ -46,12 +46,13 @@ pub(crate) struct Kinematics<T, const B: usize> {
 
 /// The zones near contact.
 ///
-/// `narrow_phase` writes geometry and slip rows, `add_felts` the forces, tangents and margins. `assemble_laws` reads forces and rows,
-/// `linearisation_holds` reads all of it.
+/// `narrow_phase` writes geometry and slip rows, `add_felts` the forces, tangents and margins. `assemble_laws` reads
+/// forces and rows, `linearisation_holds` reads all of it.
 #[derive(Debug, Clone)]
 pub(crate) struct Contacts<T: Real, const B: usize, const Z: usize> {
     pub states: [ContactState<T, B>; Z],
-    /// The lanes in which a zone is touched, for the zones that were looked at; for others it says nothing (see `touched_in`).
+    /// The lanes in which a zone is touched, for the zones that were looked at; for others it says nothing (see
+    /// `touched_in`).
     pub active: [T::Mask; Z],
     /// The zones that are touched in any lane, in the order in which they come.
     pub touched: [usize; Z],
@@ -96,8 +97,9 @@ pub(crate) struct Inertia<T, const B: usize> {
 
 /// The drive.
 ///
-/// `joint_momentum` writes the row once per step, `linearise` the force and tangent, `store_forces` the force of a rigid drive, `move_hand` a hand.
-/// `linearisation_holds` reads an elastic drive's force and carries it along with the correction.
+/// `joint_momentum` writes the row once per step, `linearise` the force and tangent, `store_forces` the force of a
+/// rigid drive, `move_hand` a hand. `linearisation_holds` reads an elastic drive's force and carries it along with the
+/// correction.
 #[derive(Debug, Clone)]
 pub(crate) struct Drive<T, const B: usize> {
     pub site_row: [T; B],
@@ -112,8 +114,8 @@ pub(crate) struct Drive<T, const B: usize> {
 
 /// The one-step non-smooth problem and its solution.
 ///
-/// `linearise` and `add_felts` write A and b, `warm_start_pivots` and `assemble_laws` the bounds, laws, impulses and guess. The solver
-/// reads the system and corrects impulses and guess; `store_forces` and `keep_forces` read those.
+/// `linearise` and `add_felts` write A and b, `warm_start_pivots` and `assemble_laws` the bounds, laws, impulses and
+/// guess. The solver reads the system and corrects impulses and guess; `store_forces` and `keep_forces` read those.
 #[derive(Debug, Clone)]
 pub(crate) struct Problem<T: Real, const B: usize, const N: usize> {
     pub system: System<T, B, N>,
@@ -138,8 +140,8 @@ pub(crate) enum LawSource {
 
 /// How fast each slip row turns, for steps that allow for it (README, "Sticking contacts").
 ///
-/// `controlled_step` writes `slip_before` and `span` before the step; at fixed steps the span is zero, and nothing is allowed for.
-/// `assemble_laws` reads them and writes `turn`.
+/// `controlled_step` writes `slip_before` and `span` before the step; at fixed steps the span is zero, and nothing is
+/// allowed for. `assemble_laws` reads them and writes `turn`.
 #[derive(Debug, Clone)]
 pub(crate) struct Turning<T, const Z: usize> {
     /// The slip velocity at the step's start along the last step's row, m/s.
@@ -152,7 +154,8 @@ pub(crate) struct Turning<T, const Z: usize> {
 
 /// Felts with a set-valued loss; nobody touches this where there are none.
 ///
-/// Written by `dry_felts::begin` before a step's first iteration, then by `dry_felts::assemble`, `store_forces` and `dry_felts::unsettled`.
+/// Written by `dry_felts::begin` before a step's first iteration, then by `dry_felts::assemble`, `store_forces` and
+/// `dry_felts::unsettled`.
 #[derive(Debug, Clone)]
 pub(crate) struct DryFelts<T: Real, const Z: usize> {
     /// The dry part of the normal force, N; positive pushes.
@@ -168,9 +171,11 @@ pub(crate) struct DryFelts<T: Real, const Z: usize> {
     pub law: [T::Mask; Z],
 }
 
-/// How far friction has grown at rest, in this step: what slips in it has lost it. Nobody touches this where no friction grows.
+/// How far friction has grown at rest, in this step: what slips in it has lost it. Nobody touches this where no
+/// friction grows.
 ///
-/// Written by `dwell::begin` before a step's first iteration and by `dwell::slipped`, read by `dwell::raise_bounds` and `dwell::keep`.
+/// Written by `dwell::begin` before a step's first iteration and by `dwell::slipped`, read by `dwell::raise_bounds` and
+/// `dwell::keep`.
 #[derive(Debug, Clone)]
 pub(crate) struct Rested<T, const B: usize, const Z: usize> {
     pub pivot: [T; B],
@@ -179,8 +184,8 @@ pub(crate) struct Rested<T, const B: usize, const Z: usize> {
 
 /// Forces and sides of the set-valued laws, kept from iteration to iteration.
 ///
-/// Written by `store_forces` (and `regularised_friction`), read by `assemble_laws` in the next iteration and by `keep_forces`, which
-/// hands them to the state's contact cache.
+/// Written by `store_forces` (and `regularised_friction`), read by `assemble_laws` in the next iteration and by
+/// `keep_forces`, which hands them to the state's contact cache.
 #[derive(Debug, Clone)]
 pub(crate) struct Forces<T, const B: usize, const Z: usize> {
     /// Torques of the pivots where their friction is regularised, N m.
@@ -250,9 +255,10 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         self.contacts.surfaces[zone] = Yielding::of(surface, h, settings.theta * h);
     }
 
-    /// Says which zones' surfaces belong to one thing, after [`Workspace::set_surface`] was told of each of them as if nothing pressed the others:
-    /// `compliance[i][j]`, m/N, is by how much a newton on the one that throughout the step displaces the other at its end, the same both ways (the diagonal is not read);
-    /// `guess`: about what presses them, N. Before every step; fewer than two zones, or more than [`COUPLED`], feel nothing of each other.
+    /// Says which zones' surfaces belong to one thing, after [`Workspace::set_surface`] was told of each of them as if
+    /// nothing pressed the others: `compliance[i][j]`, m/N, is by how much a newton on the one that throughout the step
+    /// displaces the other at its end, the same both ways (the diagonal is not read); `guess`: about what presses them,
+    /// N. Before every step; fewer than two zones, or more than [`COUPLED`], feel nothing of each other.
     pub fn set_coupled_surfaces(
         &mut self,
         settings: &Settings<T>,
@@ -276,8 +282,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         }
     }
 
-    /// After a step and before its forces are read: what presses surfaces that belong to one thing, at the velocities that the step ended with. What was said of
-    /// them is forgotten.
+    /// After a step and before its forces are read: what presses surfaces that belong to one thing, at the velocities
+    /// that the step ended with. What was said of them is forgotten.
     pub fn settle_surfaces(&mut self, model: &Model<T, B, Z>, settings: &Settings<T>) {
         if self.contacts.coupled.count > 1 {
             crate::coupled::settle(model, settings, self);
@@ -295,7 +301,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         self.drive.force
     }
 
-    /// Velocity of the driven point at the theta point of the last step, m/s, given the relative velocities before and after it.
+    /// Velocity of the driven point at the theta point of the last step, m/s, given the relative velocities before and
+    /// after it.
     pub(crate) fn drive_velocity(&self, model: &Model<T, B, Z>, settings: &Settings<T>, joints: &[[T; B]; 2]) -> f64
     where
         T: Scalar,
@@ -353,8 +360,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         if anywhere { contacts.active[zone] } else { T::Mask::splat(false) }
     }
 
-    /// Slip velocities of a zone with friction before and after the last step, along its row, given the relative velocities, m/s; zero if
-    /// it was not touched.
+    /// Slip velocities of a zone with friction before and after the last step, along its row, given the relative
+    /// velocities, m/s; zero if it was not touched.
     pub(crate) fn slip(&self, model: &Model<T, B, Z>, zone: usize, joints: &[[T; B]; 2]) -> [T; 2] {
         if !(self.touched_in(zone).any() && model.compiled[zone].slides) {
             return [T::ZERO; 2];

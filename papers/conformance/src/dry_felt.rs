@@ -1,4 +1,5 @@
-//! Problems 23, 24 and 27: felts whose loss does not depend on how fast they move. A mass of 10 g thrown at a felt, and one that stands on it.
+//! Problems 23, 24 and 27: felts whose loss does not depend on how fast they move. A mass of 10 g thrown at a felt, and
+//! one that stands on it.
 
 use moreau::{Body, Curve, Description, Elastoplastic, Exponent, Felt, GROUND, Iwan, Loss, SetValued, Settings, Zone};
 
@@ -9,10 +10,12 @@ use moreau_rigid::problems::{Expected, Order, Row};
 /// Felts of an action's stiffness: exponent and k.
 const FELTS: [(f64, f64); 3] = [(2.0, 5e7), (2.5, 3e9), (3.0, 1e11)];
 
-/// Closed forms after an arrival with 1/2 m v^2 = E, at any speed. F = k g^r (1 + eta Sign(dg/dt)) takes (1 + eta) W to be pressed by G, with W = k
-/// G^(r+1)/(r+1), and gives (1 - eta) W back. With a spring in series with the slider, `slip` as in [`Loss::Elastoplastic`], the way back begins with
-/// the spring, and the loss is 2 eta W (1 - slip)/(1 + slip): in x = g^((r+1)/2) the loop is a triangle's two sides and the diagonal of a
-/// parallelogram. Sliders in parallel lose the mean of that over their slips. Speed of rebound over that of arrival; compression, m; loss as a part of E.
+/// Closed forms after an arrival with 1/2 m v^2 = E, at any speed. F = k g^r (1 + eta Sign(dg/dt)) takes (1 + eta) W to
+/// be pressed by G, with W = k G^(r+1)/(r+1), and gives (1 - eta) W back. With a spring in series with the slider,
+/// `slip` as in [`Loss::Elastoplastic`], the way back begins with the spring, and the loss is 2 eta W (1 - slip)/(1 +
+/// slip): in x = g^((r+1)/2) the loop is a triangle's two sides and the diagonal of a parallelogram. Sliders in
+/// parallel lose the mean of that over their slips. Speed of rebound over that of arrival; compression, m; loss as a
+/// part of E.
 fn dry_exact(r: f64, k: f64, eta: f64, slips: &[f64], speed: f64) -> [f64; 3] {
     let mean = slips.iter().map(|slip| (1.0 - slip) / (1.0 + slip)).sum::<f64>() / slips.len() as f64;
     let lost = 2.0 * eta / (1.0 + eta) * mean;
@@ -68,8 +71,8 @@ fn throws(loss: impl Fn(f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
     rows
 }
 
-/// A mass that stands on a felt (r = 2) under a load of 1 N, pushed by an impulse that gives it so much speed, m/s: at the end of an arm as in
-/// [`crate::felt`].
+/// A mass that stands on a felt (r = 2) under a load of 1 N, pushed by an impulse that gives it so much speed, m/s: at
+/// the end of an arm as in [`crate::felt`].
 fn standing(loss: Loss<f64>, push: f64) -> (Mechanism<1, 1, 2>, f64) {
     let (k, load) = (5e7, 1.0);
     let depth = f64::sqrt(load / k);
@@ -100,7 +103,8 @@ pub(crate) fn set_valued() -> Vec<Row> {
     rows.push(Row::new("held felt, way in 50 ms", "m", 0.0, moved, 0.0, because));
     let (mut m, depth) = standing(Loss::SetValued(SetValued { eta: 0.2 }), -1e-4);
     m.run(0.05);
-    // The push's energy over the loss: (1 + eta) k g^2 against the load, until it stands; to first order in the small way.
+    // The push's energy over the loss: (1 + eta) k g^2 against the load, until it stands; to first order in the small
+    // way.
     let way = MASS * 1e-8 / (2.0 * 0.2 * 1.0);
     let because = "the way is so short that the felt is as stiff as at its start: (way / depth)";
     let moved = m.value(-m.state.angle[0] * ARM);
@@ -121,8 +125,8 @@ pub(crate) fn set_valued() -> Vec<Row> {
 pub(crate) fn elastoplastic() -> Vec<Row> {
     let (eta, slip) = (0.3, 0.2);
     let mut rows = throws(|eta| Loss::Elastoplastic(Elastoplastic { damping: 0.0, eta, slip }), &[slip]);
-    // A small push: the felt vibrates on its spring and its slider's spring, without loss, about the depth where it stands. There
-    // dF/dg = 2 k g + K (dx/dg)^2 = k g (2 + 3/2 eta/slip) for r = 2, the slider's spring being slack.
+    // A small push: the felt vibrates on its spring and its slider's spring, without loss, about the depth where it
+    // stands. There dF/dg = 2 k g + K (dx/dg)^2 = k g (2 + 3/2 eta/slip) for r = 2, the slider's spring being slack.
     let (mut m, depth) = standing(Loss::Elastoplastic(Elastoplastic { damping: 0.0, eta, slip }), 1e-5);
     let stiffness = 5e7 * depth * (2.0 + 1.5 * eta / slip);
     let period = 2.0 * std::f64::consts::PI * (MASS / stiffness).sqrt();
@@ -149,7 +153,8 @@ pub(crate) fn elastoplastic() -> Vec<Row> {
     rows
 }
 
-/// The speed of rebound over that of arrival, m/s, of 10 g thrown at a felt of a stiffness k, an exponent and a loss; steps of `h` s.
+/// The speed of rebound over that of arrival, m/s, of 10 g thrown at a felt of a stiffness k, an exponent and a loss;
+/// steps of `h` s.
 #[must_use]
 pub fn thrown_back(speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64) -> f64 {
     throw_at(speed, k, r, loss, h).rebound / speed

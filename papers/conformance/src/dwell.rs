@@ -1,7 +1,7 @@
 //! Problem 26: dry friction that grows while it sticks, of a pivot and of a sliding contact.
 //!
-//! A body on a hinge, J = 1.5e-4 kg m2, kinetic friction c = 2e-3 N m, static friction 1.5 c, tau = 0.2 s: after resting for t it holds
-//! c (1 + 0.5 (1 - exp(-t/tau))). The contact's friction has the same moment.
+//! A body on a hinge, J = 1.5e-4 kg m2, kinetic friction c = 2e-3 N m, static friction 1.5 c, tau = 0.2 s: after
+//! resting for t it holds c (1 + 0.5 (1 - exp(-t/tau))). The contact's friction has the same moment.
 
 use moreau::{
     Body, Curve, Description, Dwell, Exponent, Felt, GROUND, Input, Loss, Outcome, Part, Settings, Site, State,
@@ -27,7 +27,8 @@ enum At {
 fn loaded(at: At, duration: f64, load: impl Fn(f64) -> f64) -> [f64; 2] {
     let dry = if matches!(at, At::Pivot) { KINETIC } else { 0.0 };
     let body = Body { inertia: INERTIA, dry, ..Body::inert() };
-    // A point at 1 m below the pivot, 1 mm within a floor that pushes with k g^2 = 1 N: what it slides with is as long a lever.
+    // A point at 1 m below the pivot, 1 mm within a floor that pushes with k g^2 = 1 N: what it slides with is as long
+    // a lever.
     let zone = Zone {
         disc_body: 0,
         center: [0.0, -1.0],
@@ -68,9 +69,10 @@ fn lets_go(rate: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Gonthier's bristle (Y. Gonthier, J. McPhee, C. Lange, J.-C. Piedboeuf, Multibody System Dynamics 11 (2004) 209-233) in the pivot's place, under half
-/// of the kinetic friction and a tremor of a quarter of it at 50 Hz, for so long, s: how far the body creeps while it should stick, rad. By Runge and Kutta's
-/// method of order 4 at 5 us; the bristle bends by a milliradian at the kinetic friction, and is critically damped.
+/// Gonthier's bristle (Y. Gonthier, J. McPhee, C. Lange, J.-C. Piedboeuf, Multibody System Dynamics 11 (2004) 209-233)
+/// in the pivot's place, under half of the kinetic friction and a tremor of a quarter of it at 50 Hz, for so long, s:
+/// how far the body creeps while it should stick, rad. By Runge and Kutta's method of order 4 at 5 us; the bristle
+/// bends by a milliradian at the kinetic friction, and is critically damped.
 fn bristle_creeps(duration: f64) -> f64 {
     let stiffness = KINETIC / 1e-3;
     let damping = 2.0 * (stiffness * INERTIA).sqrt();

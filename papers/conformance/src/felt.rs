@@ -5,8 +5,8 @@ use moreau::{Body, Curve, Description, Exponent, Felt, GROUND, Ledger, Loss, Pos
 use crate::mechanism::Mechanism;
 use moreau_rigid::problems::{Order, Row};
 
-/// A mass at the end of an arm so long that its path is straight: x = L sin(angle), L = 100 m, so that over the felt's 1 mm
-/// of compression the arm turns by 1e-5 rad and the path deviates from a line by 1e-10 of itself.
+/// A mass at the end of an arm so long that its path is straight: x = L sin(angle), L = 100 m, so that over the felt's
+/// 1 mm of compression the arm turns by 1e-5 rad and the path deviates from a line by 1e-10 of itself.
 pub(crate) const ARM: f64 = 100.0;
 pub(crate) const MASS: f64 = 0.010;
 
@@ -67,7 +67,8 @@ pub(crate) fn throw_from(ahead: f64, speed: f64, k: f64, r: f64, loss: Loss<f64>
         m.step();
         ledger.record(&m.model, &m.settings, &before, &m.state, &m.workspace);
         let next = Pose::of(&m.model, &m.state.angle).compression(&m.model, 0);
-        // Instants by linear interpolation of the compression; largest compression by the parabola through its velocity's zero.
+        // Instants by linear interpolation of the compression; largest compression by the parabola through its
+        // velocity's zero.
         if pressed <= 0.0 && next > 0.0 {
             touch = Some(m.time - h * next / (next - pressed));
         }
@@ -115,10 +116,10 @@ pub(crate) fn elastic() -> Vec<Row> {
     rows
 }
 
-/// The damped felt's rebound and largest compression. With p = dg/dt as a function of g, m p dp/dg = -(k g^r + b g^2 p); for
-/// r = 2 it integrates to l v0 - ln(1 + l v0) = -(l v1 + ln(1 - l v1)), l = b/k. For the others the values are from a quadrature of
-/// that equation outside this project, the force clamped at zero (unclamped, as published, it pulls before separation when r > 2
-/// and would give 0.43121981 and 0.53364008).
+/// The damped felt's rebound and largest compression. With p = dg/dt as a function of g, m p dp/dg = -(k g^r + b g^2
+/// p); for r = 2 it integrates to l v0 - ln(1 + l v0) = -(l v1 + ln(1 - l v1)), l = b/k. For the others the values are
+/// from a quadrature of that equation outside this project, the force clamped at zero (unclamped, as published, it
+/// pulls before separation when r > 2 and would give 0.43121981 and 0.53364008).
 pub(crate) const DAMPED: [(f64, f64, f64, f64, f64); 3] = [
     (2.0, 5e7, 3e7, 0.711_950_179_6, 6.006_110_607_3e-4),
     (2.5, 3e9, 1e8, 0.435_620_80, 4.993_564_099e-4),
@@ -144,13 +145,13 @@ pub(crate) fn damped() -> Vec<Row> {
 
 /// Hunt and Crossley's felt: rebound, m/s, and largest compression, m, after arriving with 1 m/s.
 ///
-/// With p = dg/dt as a function of g, m p dp/dg = -k g^r (1 + a p): the variables separate for any r. Inwards, p falls from v0 to 0;
-/// outwards, from 0 to -v1:
+/// With p = dg/dt as a function of g, m p dp/dg = -k g^r (1 + a p): the variables separate for any r. Inwards, p falls
+/// from v0 to 0; outwards, from 0 to -v1:
 ///
 /// a v0 - ln(1 + a v0) = a^2 k G^(r+1) / ((r+1) m) = -(a v1 + ln(1 - a v1)).
 ///
-/// The rebound depends on a v0 alone, not on the felt's stiffness or exponent. [K. H. Hunt and F. R. E. Crossley, Journal of Applied
-/// Mechanics 42 (1975) 440-445]
+/// The rebound depends on a v0 alone, not on the felt's stiffness or exponent. [K. H. Hunt and F. R. E. Crossley,
+/// Journal of Applied Mechanics 42 (1975) 440-445]
 pub(crate) fn hunt_crossley_exact(k: f64, r: f64, a: f64) -> [f64; 2] {
     let left = a - a.ln_1p();
     let compression = ((r + 1.0) * MASS * left / (k * a * a)).powf(1.0 / (r + 1.0));

@@ -78,10 +78,9 @@ fn rigid(h: f64, theta: f64) -> Swung {
     swung
 }
 
-/// Lagrange's equations of two uniform bars, by classical Runge-Kutta of order 4 at a step so small (20 us) that its own error is
-/// below 1e-12:
-/// (J1 + m2 l1^2) a'' + m2 l1 c2 cos(a - b) b'' + m2 l1 c2 sin(a - b) b'^2 + (m1 c1 + m2 l1) g sin a = 0
-/// J2 b'' + m2 l1 c2 cos(a - b) a'' - m2 l1 c2 sin(a - b) a'^2 + m2 c2 g sin b = 0
+/// Lagrange's equations of two uniform bars, by classical Runge-Kutta of order 4 at a step so small (20 us) that its
+/// own error is below 1e-12: (J1 + m2 l1^2) a'' + m2 l1 c2 cos(a - b) b'' + m2 l1 c2 sin(a - b) b'^2 + (m1 c1 + m2 l1)
+/// g sin a = 0 J2 b'' + m2 l1 c2 cos(a - b) a'' - m2 l1 c2 sin(a - b) a'^2 + m2 c2 g sin b = 0
 fn reference() -> Vec<[f64; 2]> {
     let (j1, j2) = (M1 * L1 * L1 / 3.0, M2 * L2 * L2 / 3.0);
     let (c1, c2) = (0.5 * L1, 0.5 * L2);

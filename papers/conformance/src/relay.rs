@@ -1,7 +1,8 @@
 //! Problem 7: the one-step problem alone.
 //!
-//! Problems are built around a known answer z: free laws get a residual velocity of zero, laws at a bound get one of the right
-//! sign, and u_free = u - W z. W = Q S Q^T has a prescribed spectrum, badly conditioned or rank-deficient by choice.
+//! Problems are built around a known answer z: free laws get a residual velocity of zero, laws at a bound get one of
+//! the right sign, and u_free = u - W z. W = Q S Q^T has a prescribed spectrum, badly conditioned or rank-deficient by
+//! choice.
 
 use fastrand::Rng;
 use moreau::osnsp::delassus::OneStepProblem;
@@ -75,7 +76,8 @@ fn relay(n: usize, rank: usize, condition: f64, random: &mut Random) -> Relay {
     Relay { problem, answer }
 }
 
-/// Full rank: the largest error of z over the condition number, and the most active sets, over 200 problems of each size.
+/// Full rank: the largest error of z over the condition number, and the most active sets, over 200 problems of each
+/// size.
 fn full_rank(condition: f64, random: &mut Random) -> [f64; 2] {
     let (mut worst, mut most) = (0.0_f64, 0);
     for n in 1..=15 {

@@ -52,7 +52,8 @@ def compiled(mechanism):
     dry, viscous = column("dry_friction_N_m"), column("viscous_friction_N_m_s")
     gravity = float(mechanism["gravity_m_s2"])
 
-    # Of a body with everything hinged beyond it: mass, first moment about its pivot, and what the diagonal of the mass matrix is.
+    # Of a body with everything hinged beyond it: mass, first moment about its pivot, and what the diagonal of the mass
+    # matrix is.
     beyond, moment, diagonal = mass.copy(), center * mass[:, None], column("inertia_kg_m2")
     for i in reversed(range(count)):
         if parent[i] >= 0:

@@ -21,8 +21,8 @@ import action
 
 # What a run reads and leaves, shared with the callback.
 SCALE, CONSTANT, WIDTH, DRY, PER_STEP, CALLS, TIME, BEYOND, RATE, WHOLE, SLOPE, CONTACT, SPEED, SIZE = range(14)
-# Integrator, evaluations of the forces per step, whether the pivots' dry friction is MuJoCo's own or regularised in the callback too
-# (which is less stiff and needs no constraint solver).
+# Integrator, evaluations of the forces per step, whether the pivots' dry friction is MuJoCo's own or regularised in the
+# callback too (which is less stiff and needs no constraint solver).
 METHODS = {
     "implicitfast": ("implicitfast", 1, True),
     "implicitfast, tanh pivots": ("implicitfast", 1, False),

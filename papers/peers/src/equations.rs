@@ -1,14 +1,15 @@
 //! The equations of motion in absolute angles, with friction regularised by tanh: a plain stiff ordinary differential
 //! equation. Written from the exported mechanism alone; it shares nothing with Erard's engine.
 //!
-//! A point of a body is the sum of one turned arm per body of its chain (the pivots on the way, then the point itself), so
-//! that its velocity is the sum of v_a perp(arm_a) and its acceleration that of (dv_a/dt) perp(arm_a) - v_a^2 arm_a. D'Alembert's
-//! principle on every centre of mass gives M dv/dt = Q.
+//! A point of a body is the sum of one turned arm per body of its chain (the pivots on the way, then the point itself),
+//! so that its velocity is the sum of v_a perp(arm_a) and its acceleration that of (dv_a/dt) perp(arm_a) - v_a^2 arm_a.
+//! D'Alembert's principle on every centre of mass gives M dv/dt = Q.
 
 use crate::mechanism::{Curve, Mechanism, Zone};
 use crate::number::Number;
 
-/// A state has the bodies' angles, then their angular velocities: S is 2 B everywhere, which the compiler cannot work out by itself.
+/// A state has the bodies' angles, then their angular velocities: S is 2 B everywhere, which the compiler cannot work
+/// out by itself.
 pub const fn is_size(bodies: usize, states: usize) -> bool {
     states == 2 * bodies
 }

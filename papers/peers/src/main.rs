@@ -1,4 +1,5 @@
-//! The same piano action by a stiff solver: `stiff-peer MECHANISM.json samples|blow|limit|hold [--quick]`, one JSON object a line.
+//! The same piano action by a stiff solver: `stiff-peer MECHANISM.json samples|blow|limit|hold [--quick]`, one JSON
+//! object a line.
 //!
 //! - `samples`: states along a blow and their accelerations, for other programs to check theirs against.
 //! - `blow`: hammer speeds and seconds at several tolerances and widths of the regularised friction.
@@ -17,7 +18,8 @@ use mechanism::Mechanism;
 use run::{Method, Run, Setup, run};
 use serde_json::{Value, json};
 
-/// What is run, and how often: the least time of the repetitions counts. Widths in rad/s at the pivots; at sliding contacts a tenth of the number in m/s.
+/// What is run, and how often: the least time of the repetitions counts. Widths in rad/s at the pivots; at sliding
+/// contacts a tenth of the number in m/s.
 struct Plan {
     methods: &'static [Method],
     tolerances: &'static [f64],

@@ -93,7 +93,8 @@ pub fn run<const B: usize, const S: usize>(
         .root(|y: &[f64], _p: &[f64], _t: f64, beyond: &mut [f64]| beyond[0] = equations.beyond_string(&state(y)), 1)
         .build()
         .map_err(|e| e.to_string())?;
-    // Narrow friction laws make Newton fail now and then; the solver shortens its step and goes on, as often as it takes.
+    // Narrow friction laws make Newton fail now and then; the solver shortens its step and goes on, as often as it
+    // takes.
     problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
     problem.ode_options.max_error_test_failures = usize::MAX;
     let solved = match setup.method {

@@ -1,7 +1,7 @@
 //! The papers' figures and claims about the grand action, computed anew.
 //!
-//! A program on the command's library: [`subjects`] computes claims, tables and curves, `page` shows them on one page, [`command`] is the
-//! command line of `erard-reproduce`.
+//! A program on the command's library: [`subjects`] computes claims, tables and curves, `page` shows them on one page,
+//! [`command`] is the command line of `erard-reproduce`.
 
 #![deny(
     clippy::print_stdout,

@@ -1,6 +1,8 @@
-// liberard in WebAssembly: texts, memory and errors across its C interface (bindings/c/include/erard.h). Knows nothing of pages or workers.
+// liberard in WebAssembly: texts, memory and errors across its C interface (bindings/c/include/erard.h). Knows nothing
+// of pages or workers.
 
-/** The functions of erard.h that a page calls. Addresses and sizes are numbers; a text's length may be asked for or not. */
+/** The functions of erard.h that a page calls. Addresses and sizes are numbers; a text's length may be asked for or
+ * not. */
 export interface Exports {
   memory: WebAssembly.Memory;
   erard_abi(): number;

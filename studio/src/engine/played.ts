@@ -5,7 +5,8 @@ import type { Events, Pose, Scene } from "./protocol";
 
 /** Length of a step, s: `erard press` takes the same. */
 export const STEP_S = 50e-6;
-/** What is kept, s: the last second, and enough before it that a press which swings out for long is still there from its beginning. */
+/** What is kept, s: the last second, and enough before it that a press which swings out for long is still there from
+ * its beginning. */
 const KEPT_S = 3;
 /** Bytes of ErardReading. */
 export const READING_BYTES = 104;
@@ -43,7 +44,8 @@ export class Played {
   limited = 0;
 
   /** @param firmness_n_m how firm the fingertip is, N/m; its damping goes with it.
-   *  @param spare rings that nobody uses any more: twenty megabytes each, which a slider that is dragged would else ask for many times a second. */
+   * @param spare rings that nobody uses any more: twenty megabytes each, which a slider that is dragged would else ask
+   * for many times a second. */
   constructor(private readonly library: Library, text: string, firmness_n_m: number, spare: Ring[]) {
     const { raw } = library;
     this.instrument = library.made(library.given(text, (at, length) => raw.erard_instrument_new(at, length, 0)));
@@ -218,7 +220,8 @@ export class Played {
     };
   }
 
-  /** Key (mm), hammer (mm), finger (N) and string (N) at so many instants; of forces the largest since the instant before, so that no blow is lost. */
+  /** Key (mm), hammer (mm), finger (N) and string (N) at so many instants; of forces the largest since the instant
+   * before, so that no blow is lost. */
   curves(times: Float64Array): Float64Array[] {
     const out = [0, 1, 2, 3].map(() => new Float64Array(times.length).fill(NaN));
     const [first, last] = this.ring.span;

@@ -1,9 +1,11 @@
-// The worker that owns the player. The page's frames are its clock: it asks for a frame, and gets what became of the time since the last one.
+// The worker that owns the player. The page's frames are its clock: it asks for a frame, and gets what became of the
+// time since the last one.
 import { Library } from "./library";
 import { LoadError, Player } from "./player";
 import type { FromPlayer, Stroke, ToPlayer } from "./protocol";
 
-/** What is wrong with a recording, with its own name in it; a line of a table that is no text is a row below its titles. */
+/** What is wrong with a recording, with its own name in it; a line of a table that is no text is a row below its
+ * titles. */
 const inFile = (message: string, stroke: Stroke): string =>
   "csv" in stroke ? message.replace(/^recording(:(\d+))?/, (_, line, number) => stroke.name + (!line ? "" : stroke.rows ? `, row ${Number(number) - 1}` : line)) : message;
 

@@ -1,4 +1,5 @@
-// The studio: what the panels share. It owns the state, the workers and the clock of frames, and knows nothing of the panels' insides.
+// The studio: what the panels share. It owns the state, the workers and the clock of frames, and knows nothing of the
+// panels' insides.
 import type { Dial, Events, FromPlayer, Pose, Scene, Stroke, ToPlayer, Touch } from "../engine/protocol";
 import { Bench, Dropped } from "./bench";
 import { CurvePanel } from "./curves";
@@ -29,7 +30,8 @@ const LEAST_SHOWN_S = 0.1;
 const POINTS = 600;
 /** How often curves are drawn, ms. */
 const CURVES_MS = 60;
-/** Without an answer for so many frames the worker is taken to hang: seconds, and none while the page is not seen or the machine sleeps. */
+/** Without an answer for so many frames the worker is taken to hang: seconds, and none while the page is not seen or
+ * the machine sleeps. */
 const PATIENCE = 300;
 
 export class App {
@@ -74,7 +76,8 @@ export class App {
   onchoose: (chosen: Chosen | null) => void = () => {};
   onpoint: (pointed: Chosen | null) => void = () => {};
 
-  /** For tests: what frames of the keyboard cost, ms, their steps, and how many keys were awake; and the time that was left out, s. */
+  /** For tests: what frames of the keyboard cost, ms, their steps, and how many keys were awake; and the time that was
+   * left out, s. */
   readonly keysTiming: [number, number, number][] = [];
   keysLate = 0;
 
@@ -83,7 +86,7 @@ export class App {
     this.startPlayer();
   }
 
-  // ------------------------------------------------------------------------------------------------------------ the player
+  // -------------------------------------------------------------------------------------------------------- the player
 
   private startPlayer(): void {
     this.player?.terminate();
@@ -172,7 +175,7 @@ export class App {
     place.hidden = !message;
   }
 
-  // ------------------------------------------------------------------------------------------------------------- pictures
+  // ---------------------------------------------------------------------------------------------------------- pictures
 
   private show(scenes: Scene[]): void {
     const another = scenes.length !== this.scenes.length || this.state.beside !== this.pictures.length > 1;
@@ -256,7 +259,7 @@ export class App {
     return this.scenes.length > 1 ? ["A", "B"] : ["A"];
   }
 
-  // --------------------------------------------------------------------------------------------------------------- frames
+  // ------------------------------------------------------------------------------------------------------------ frames
 
   /** A frame is wanted: something may move. */
   wake(): void {
@@ -354,7 +357,7 @@ export class App {
     return Number.isFinite(speed) ? speed : undefined;
   }
 
-  // ------------------------------------------------------------------------------------------------------------- pressing
+  // ---------------------------------------------------------------------------------------------------------- pressing
 
   /** The finger, so far below where it touched the key, m; null lifts it. */
   press(down_m: number | null): void {
@@ -436,7 +439,7 @@ export class App {
     void this.change({ speed });
   }
 
-  // ---------------------------------------------------------------------------------------------------------------- state
+  // ------------------------------------------------------------------------------------------------------------- state
 
   /** Begins with what the address asks for. */
   async start(): Promise<void> {

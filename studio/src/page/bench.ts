@@ -1,4 +1,5 @@
-// The workers that take their time: one for what is asked while sliders move, a few for what is measured. What is not wanted any more is ended.
+// The workers that take their time: one for what is asked while sliders move, a few for what is measured. What is not
+// wanted any more is ended.
 import type { FromWorkshop, Task } from "../engine/protocol";
 
 interface Waiting {
@@ -17,7 +18,8 @@ class Hand {
   private now: Waiting | null = null;
   private id = 0;
 
-  /** @param early whether it starts at once, and not with its first task: the page's beginning waits for one hand only. */
+  /** @param early whether it starts at once, and not with its first task: the page's beginning waits for one hand only.
+   * */
   constructor(private readonly module: WebAssembly.Module, private readonly next: () => Waiting | undefined, early: boolean) {
     if (early) this.start();
   }

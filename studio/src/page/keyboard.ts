@@ -16,7 +16,8 @@ const MIDDLE_C = 40;
 const SOFT_N = 1.2, HARD_N = 18;
 /** What the drawing counts as a full dip and a full blow, m. */
 const DIP_M = 0.0105, BLOW_M = 0.048;
-/** How far a finger that drags a key may go above and below the key's rest, m: at the bottom it presses with some 30 N, as fingers do. */
+/** How far a finger that drags a key may go above and below the key's rest, m: at the bottom it presses with some 30 N,
+ * as fingers do. */
 const HIGHEST_M = 0.005, DEEPEST_M = 0.0115;
 const KEYS = 88;
 
@@ -121,9 +122,10 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     }
   };
 
-  // ------------------------------------------------------------------------------------------------------------- drawing
+  // ----------------------------------------------------------------------------------------------------------- drawing
   const whites = Array.from({ length: KEYS }, (_, n) => n + 1).filter((one) => !isSharp(one));
-  /** Where a screen is too narrow for fingers on all 88, so many white keys are shown, from the one that the buttons choose. */
+  /** Where a screen is too narrow for fingers on all 88, so many white keys are shown, from the one that the buttons
+   * choose. */
   const narrow = () => canvas.clientWidth > 0 && canvas.clientWidth < 640;
   let first = whites.indexOf(MIDDLE_C) - 3;
   const layout = () => {

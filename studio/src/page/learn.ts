@@ -1,4 +1,5 @@
-// Learn: six short scenes that run the real model. Each says in a few sentences what there is to be seen, sets the action up, and gives something to try.
+// Learn: six short scenes that run the real model. Each says in a few sentences what there is to be seen, sets the
+// action up, and gives something to try.
 import type { App } from "./app";
 import { h, later } from "./dom";
 import type { Setting } from "./state";

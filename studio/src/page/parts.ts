@@ -1,5 +1,5 @@
-// What one needs to know of each part of a grand's action, by its name in the drawing: what it is for, the contacts that it is part of, what one turns of
-// it, and which way it is turned by hand. The numbers are the engine's.
+// What one needs to know of each part of a grand's action, by its name in the drawing: what it is for, the contacts
+// that it is part of, what one turns of it, and which way it is turned by hand. The numbers are the engine's.
 
 export interface PartText {
   does: string;

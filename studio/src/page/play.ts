@@ -1,4 +1,5 @@
-// Play: how firm the finger is, how hard a key presses, strokes that are built in, and a recording that is dropped onto the page.
+// Play: how firm the finger is, how hard a key presses, strokes that are built in, and a recording that is dropped onto
+// the page.
 import type { App } from "./app";
 import { fixed, h, say } from "./dom";
 import { MOST_PEDAL_MM } from "./state";

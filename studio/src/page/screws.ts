@@ -1,4 +1,5 @@
-// The screws: sliders with units, the sheet that follows, what does not work and why, and regulation in one click with a log of the turns.
+// The screws: sliders with units, the sheet that follows, what does not work and why, and regulation in one click with
+// a log of the turns.
 import type { Dial, Regulated } from "../engine/protocol";
 import type { App } from "./app";
 import { Dropped } from "./bench";

@@ -1,10 +1,12 @@
-// The protocol sheet beside the screws: measured anew after every turn, line by line as they come, with the usual range.
+// The protocol sheet beside the screws: measured anew after every turn, line by line as they come, with the usual
+// range.
 import type { SheetGroup } from "../engine/protocol";
 import type { App } from "./app";
 import { Dropped } from "./bench";
 import { fixed, h, later } from "./dom";
 
-/** Lines that are measured together, the cheap ones first: each costs what the others of its group have paid already. */
+/** Lines that are measured together, the cheap ones first: each costs what the others of its group have paid already.
+ * */
 const PARTS = [
   ["dip_mm", "blow_mm", "let_off_mm", "drop_mm", "aftertouch_mm", "check_mm"],
   ["repetition_rate_hz"],

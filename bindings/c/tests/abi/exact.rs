@@ -56,7 +56,8 @@ fn steps_are_the_native_actions() {
     }
 }
 
-/// Restored anywhere, in another action, after anything: readings of then, and the same bits from there on; modal strings ring on as they did.
+/// Restored anywhere, in another action, after anything: readings of then, and the same bits from there on; modal
+/// strings ring on as they did.
 #[test]
 fn saved_states_go_on_to_the_bit() {
     goes_on(&Action::grand(), &Action::grand());
@@ -132,7 +133,8 @@ fn periods_are_steps() {
         assert!(reading.time_s <= due + 1e-9 && reading.time_s > due - 50e-6 - 1e-9, "{} of {due}", reading.time_s);
     }
     assert_eq!(unsafe { erard_reset(action.0) }, ErardStatus::Ok);
-    // A device's position moves on within its period: a straight way in periods of 20 steps is the same as step by step.
+    // A device's position moves on within its period: a straight way in periods of 20 steps is the same as step by
+    // step.
     let single = Action::grand();
     let (v, h) = (0.1, 50e-6);
     for n in 0..80 {
@@ -173,7 +175,8 @@ fn keys_show_their_angles() {
     unsafe { erard_instrument_free(instrument) };
 }
 
-/// The string's shape is that of a run: it bulges away from the hammer where it is struck, and of a rigid string there is none.
+/// The string's shape is that of a run: it bulges away from the hammer where it is struck, and of a rigid string there
+/// is none.
 #[test]
 fn strings_show_their_shape() {
     let (rigid, strung) = (Action::grand(), Action::strung());
@@ -271,7 +274,8 @@ fn a_strung_keyboard_goes_on() {
         press(&second, force_n);
         assert_eq!(first.step(1500).len(), second.step(1500).len());
         for key in [1, 40, 88] {
-            // Instants are right to a rounding, and with them the speed of the blow, which is read from the flight before it.
+            // Instants are right to a rounding, and with them the speed of the blow, which is read from the flight
+            // before it.
             let (here, there) = (first.read(key), second.read(key));
             assert_eq!(bits(&here)[1..7], bits(&there)[1..7], "key {key} in round {round}");
             assert!((here.blow_m_s - there.blow_m_s).abs() < 1e-9, "{} {}", here.blow_m_s, there.blow_m_s);
@@ -282,8 +286,8 @@ fn a_strung_keyboard_goes_on() {
     assert_eq!(unsafe { erard_keyboard_restore(second.0, bad.as_ptr(), bad.len()) }, ErardStatus::Saved);
 }
 
-/// The keys that are played blow, each as an action of its own does; those at rest sleep. Saved and restored, at another instant of the clock and one step
-/// before a blow: the same bits, the same blow.
+/// The keys that are played blow, each as an action of its own does; those at rest sleep. Saved and restored, at
+/// another instant of the clock and one step before a blow: the same bits, the same blow.
 #[test]
 fn a_keyboard_plays() {
     let keyboard = Keyboard::new();
@@ -351,7 +355,8 @@ fn a_keyboard_plays() {
     assert_eq!(unsafe { erard_keyboard_awake(keyboard.0) }, 0, "what was let go sleeps");
 }
 
-/// A state has lists with names: a native snapshot is a state that lacks the interface's own, and a state is a snapshot that has more.
+/// A state has lists with names: a native snapshot is a state that lacks the interface's own, and a state is a snapshot
+/// that has more.
 #[test]
 fn states_and_snapshots_are_one() {
     let (here, native) = (Action::strung(), erard::Instrument::builtin("concert-grand-strings").unwrap());

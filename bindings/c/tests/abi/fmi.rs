@@ -1,4 +1,5 @@
-//! The unit for simulators, as a simulator uses it: by fmpy, where that is there; its functions called one by one are in `fmi.py`.
+//! The unit for simulators, as a simulator uses it: by fmpy, where that is there; its functions called one by one are
+//! in `fmi.py`.
 
 use std::path::Path;
 use std::process::Command;
@@ -21,7 +22,8 @@ fn python() -> Option<String> {
     has.then_some(python)
 }
 
-/// fmpy validates the unit and plays it: the blow is the native one's at communication steps of 50 us and 1 ms, parameters act, states come back.
+/// fmpy validates the unit and plays it: the blow is the native one's at communication steps of 50 us and 1 ms,
+/// parameters act, states come back.
 #[test]
 fn fmpy_plays_it() {
     let Some(python) = python() else { return };

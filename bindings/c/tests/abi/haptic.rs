@@ -8,7 +8,8 @@ fn grand() -> Instrument {
     Instrument::builtin("concert-grand").unwrap()
 }
 
-/// Half of what Colgate's condition allows, with the loop's delay: still at every rate, under every finger, and the note sounds.
+/// Half of what Colgate's condition allows, with the loop's delay: still at every rate, under every finger, and the
+/// note sounds.
 #[test]
 fn passive_couplings_are_still() {
     for (rate, damping) in [(1e3, 4.0), (4e3, 2.0), (20e3, 2.0)] {
@@ -22,7 +23,8 @@ fn passive_couplings_are_still() {
     }
 }
 
-/// What is still in simulation lies above what is passive in theory, which answers for every finger, and below what quanta allow.
+/// What is still in simulation lies above what is passive in theory, which answers for every finger, and below what
+/// quanta allow.
 #[test]
 fn theory_is_on_the_safe_side() {
     let device = Device::usual(4e3, 2.0);
@@ -30,9 +32,9 @@ fn theory_is_on_the_safe_side() {
     assert!(found > passive && passive < device.quantised_n_per_m(), "{found:.0} N/m, passive {passive:.0} N/m");
 }
 
-/// An imposed position asks for mass times its second difference: a quantum of 1 um in 50 us are 400 m/s2, a hundred newtons on a quarter of a kilogram.
-/// Where the speed is not smoothed over more than a period the motor is asked for more than it has: at 1 kHz. (At 20 kHz the same loop asked for 38 of
-/// the motor's 40 N.)
+/// An imposed position asks for mass times its second difference: a quantum of 1 um in 50 us are 400 m/s2, a hundred
+/// newtons on a quarter of a kilogram. Where the speed is not smoothed over more than a period the motor is asked for
+/// more than it has: at 1 kHz. (At 20 kHz the same loop asked for 38 of the motor's 40 N.)
 #[test]
 fn rigid_coupling_is_none() {
     let device = Device { window_s: 1e-3, ..Device::usual(1e3, 4.0) };
@@ -48,9 +50,10 @@ fn admittance_renders_the_blow() {
     assert!((servo.blow_m_s / direct.blow_m_s - 1.0).abs() < 0.1, "{direct:?} {servo:?}");
 }
 
-/// Against a wall the loop is linear, and stands as far as the eigenvalues of its map from sample to sample lie within the unit circle. The limits were
-/// worked out apart from this program (NumPy): with position, speed and motor force of the device under a held command by the matrix exponential, the
-/// command told a period late, and the force K (x + v' T / 2) of a coupling that is led on by the speed v' of the window.
+/// Against a wall the loop is linear, and stands as far as the eigenvalues of its map from sample to sample lie within
+/// the unit circle. The limits were worked out apart from this program (NumPy): with position, speed and motor force of
+/// the device under a held command by the matrix exponential, the command told a period late, and the force K (x + v' T
+/// / 2) of a coupling that is led on by the speed v' of the window.
 #[test]
 fn a_wall_stands_as_far_as_its_eigenvalues_say() {
     let wall = Instrument::parse(

@@ -7,11 +7,14 @@
 //! hand     a constant force, or Hand's mass on muscle
 //! ```
 //!
-//! Between device and key stands the fingertip, spring K and damper B, that only pushes: the virtual coupling (Colgate, Stanley and Brown 1995; Adams and
-//! Hannaford 1999). What the device feels is never stiffer than it. Two bounds from theory, both for a spring-damper wall:
+//! Between device and key stands the fingertip, spring K and damper B, that only pushes: the virtual coupling (Colgate,
+//! Stanley and Brown 1995; Adams and Hannaford 1999). What the device feels is never stiffer than it. Two bounds from
+//! theory, both for a spring-damper wall:
 //!
-//! - Colgate and Schenkel 1997: passive, sampled without delay, if b > K T / 2 + |B|. A delay t_d asks for K t_d more (to first order).
-//! - Abbott and Okamura 2005: quanta d of the encoder feed no energy in if K < 2 c / d, with the device's dry friction c.
+//! - Colgate and Schenkel 1997: passive, sampled without delay, if b > K T / 2 + |B|. A delay t_d asks for K t_d more
+//!   (to first order).
+//! - Abbott and Okamura 2005: quanta d of the encoder feed no energy in if K < 2 c / d, with the device's dry friction
+//!   c.
 
 use erard::{Action, Input, Instrument, Settings};
 
@@ -39,7 +42,8 @@ pub struct Device {
 }
 
 impl Device {
-    /// A good motor key, as an estimate: 50 g at the front, an encoder of 1 um, a motor of 40 N with a lag of 0.2 ms, 0.1 N of friction.
+    /// A good motor key, as an estimate: 50 g at the front, an encoder of 1 um, a motor of 40 N with a lag of 0.2 ms,
+    /// 0.1 N of friction.
     pub fn usual(rate_hz: f64, damping_n_s_per_m: f64) -> Self {
         Device {
             mass_kg: 0.05,
@@ -88,7 +92,8 @@ struct Pressing {
 }
 
 impl Pressing {
-    /// The force on a device that is at `x`, m, with speed `v`, m/s, over the next [`FINE_S`], N. A hand moves on by as much.
+    /// The force on a device that is at `x`, m, with speed `v`, m/s, over the next [`FINE_S`], N. A hand moves on by as
+    /// much.
     fn push(&mut self, x: f64, v: f64) -> f64 {
         match self.finger {
             Finger::Force(force_n) => force_n,
@@ -120,8 +125,9 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether it is still, or becomes so: trembling that no finger feels (1 mm/s is some 5 um at 30 Hz, an estimate), or that dies away. What a soft
-    /// coupling on a device of little damping does for a while is no trembling of the loop.
+    /// Whether it is still, or becomes so: trembling that no finger feels (1 mm/s is some 5 um at 30 Hz, an estimate),
+    /// or that dies away. What a soft coupling on a device of little damping does for a while is no trembling of the
+    /// loop.
     pub fn is_still(&self) -> bool {
         self.trembling_m_s < 1e-3 || self.trembling_m_s < 0.8 * self.earlier_m_s
     }
@@ -134,8 +140,9 @@ const END_S: f64 = 1.0;
 /// Where the speed is looked at, s: from the beginning of each for a tenth of a second.
 const LOOKED_S: [f64; 2] = [0.4, 0.9];
 
-/// The loop by position and force (impedance): the device says where it is, and gives back what the fingertip gives. `coupling`: its stiffness, N/m, and
-/// its damping, N s/m; `rigid` imposes the position on the key instead, with no coupling at all.
+/// The loop by position and force (impedance): the device says where it is, and gives back what the fingertip gives.
+/// `coupling`: its stiffness, N/m, and its damping, N s/m; `rigid` imposes the position on the key instead, with no
+/// coupling at all.
 pub fn play(instrument: &Instrument, device: &Device, coupling: [f64; 2], finger: Finger, rigid: bool) -> Outcome {
     let mut own = instrument.clone();
     [own.finger.stiffness_n_per_m, own.finger.damping_n_s_per_m] = coupling;
@@ -202,8 +209,9 @@ pub fn play(instrument: &Instrument, device: &Device, coupling: [f64; 2], finger
     out
 }
 
-/// The loop by force and position (admittance): the finger's force on the device is measured, the action says where its key is, and a servo of the given
-/// bandwidth, Hz, takes the device there; mass and friction of the device are the servo's affair.
+/// The loop by force and position (admittance): the finger's force on the device is measured, the action says where its
+/// key is, and a servo of the given bandwidth, Hz, takes the device there; mass and friction of the device are the
+/// servo's affair.
 pub fn play_admittance(instrument: &Instrument, period_s: f64, bandwidth_hz: f64, finger: Finger) -> Outcome {
     let mut action = Action::with(instrument, Settings::new(STEP_S)).expect("it comes to rest");
     let sub_steps = (period_s / STEP_S).round() as usize;

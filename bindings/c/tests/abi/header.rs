@@ -57,7 +57,8 @@ fn header_is_that_of_the_source() {
     assert!(committed == header, "include/erard.h is not that of the source: ERARD_HEADER=write makes it anew");
 }
 
-/// Every function that the library exports is in the header, and what the header says can be used in real time is what is called so in the source.
+/// Every function that the library exports is in the header, and what the header says can be used in real time is what
+/// is called so in the source.
 #[test]
 fn header_has_every_function() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -75,7 +75,8 @@ fn a_keyboard_takes_none() {
     unsafe { erard_keyboard_free(keyboard) };
 }
 
-/// Pages in WebAssembly reserve memory for the interface's structures by their sizes, which no compiler checks there: too little corrupts the heap.
+/// Pages in WebAssembly reserve memory for the interface's structures by their sizes, which no compiler checks there:
+/// too little corrupts the heap.
 #[test]
 fn pages_reserve_as_much_as_the_structures_take() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

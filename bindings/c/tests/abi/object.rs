@@ -1,5 +1,6 @@
-//! What the real-time functions can reach in the compiled library, followed from call to call: no allocation, no lock, no system call; no panic in this
-//! interface or in the player, and in the engine's step none but the checks of array bounds, whose indices the compiled model holds.
+//! What the real-time functions can reach in the compiled library, followed from call to call: no allocation, no lock,
+//! no system call; no panic in this interface or in the player, and in the engine's step none but the checks of array
+//! bounds, whose indices the compiled model holds.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -29,8 +30,8 @@ fn function_of(section: &str) -> &str {
     ["unlikely.", "cold.", "hot."].iter().find_map(|prefix| name.strip_prefix(prefix)).unwrap_or(name)
 }
 
-/// From each function to all that its code names: by the symbols of the objects and the relocations of their sections, for to disassemble them takes
-/// thirty times as long.
+/// From each function to all that its code names: by the symbols of the objects and the relocations of their sections,
+/// for to disassemble them takes thirty times as long.
 fn calls(folder: &Path) -> BTreeMap<String, BTreeSet<String>> {
     let mut calls: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for object in std::fs::read_dir(folder).expect("it reads") {

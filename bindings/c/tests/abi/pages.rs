@@ -65,7 +65,8 @@ fn texts_are_checked() {
     }
 }
 
-/// Numbers by their paths, in the file's own units; what the file may not be is refused, and the instrument stays as it was.
+/// Numbers by their paths, in the file's own units; what the file may not be is refused, and the instrument stays as it
+/// was.
 #[test]
 fn numbers_are_looked_up_and_changed() {
     let grand = builtin("concert-grand");

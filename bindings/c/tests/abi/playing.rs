@@ -1,4 +1,5 @@
-//! What a page that plays asks beside a control loop: strokes as `erard press` plays them, the instants of a press, where parts touch, dials.
+//! What a page that plays asks beside a control loop: strokes as `erard press` plays them, the instants of a press,
+//! where parts touch, dials.
 
 use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
@@ -38,8 +39,8 @@ fn pressed(instrument: &Instrument, nuance: &str, touch: Touch) -> Run {
     simulate(instrument, &*stroke.inputs(&instrument.finger).unwrap(), &setup, &mut |_| true).unwrap()
 }
 
-/// Ten strokes, every row: angles, key and hammer to the bit, and the instants that a run finds; the forces are those of the last step, which a row
-/// centres on its instant by the next step's.
+/// Ten strokes, every row: angles, key and hammer to the bit, and the instants that a run finds; the forces are those
+/// of the last step, which a row centres on its instant by the next step's.
 #[test]
 fn strokes_are_those_of_press() {
     let (grand, native) = (Owned::grand(), Instrument::builtin("concert-grand").unwrap());
@@ -119,7 +120,8 @@ fn strokes_are_those_of_press() {
                 (seen.free_flight_s, e.free_flight_s()),
                 (seen.key_bottom_after_blow_s, e.key_bottom_after_blow_s()),
             ] {
-                // The action's clock begins at 0, the stroke's where it says; both are the same sums but for their rounding.
+                // The action's clock begins at 0, the stroke's where it says; both are the same sums but for their
+                // rounding.
                 match expected {
                     Some(expected) => assert!((found - expected).abs() < 1e-12, "{nuance}: {found} {expected}"),
                     None => assert!(found.is_nan(), "{nuance}: {found}"),
@@ -182,7 +184,8 @@ fn turned(instrument: *const ErardInstrument, turns: &Value) -> Result<Owned, (E
     if made.is_null() { Err((status, last_error())) } else { Ok(Owned(made)) }
 }
 
-/// Every dial of every built-in grand changes the instrument, leaves it as it is at its own value, and reads at both ends.
+/// Every dial of every built-in grand changes the instrument, leaves it as it is at its own value, and reads at both
+/// ends.
 #[test]
 fn dials_turn() {
     dials_turn_on(&["concert-grand"]);
@@ -260,7 +263,8 @@ fn spread_mm(instrument: &Instrument) -> f64 {
     1e3 * (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// The picture that moves is the picture of a run; the sheet's lines are those that are measured; an action that does not play says so.
+/// The picture that moves is the picture of a run; the sheet's lines are those that are measured; an action that does
+/// not play says so.
 #[test]
 fn scenes_sheets_and_trials() {
     let grand = Owned::grand();
@@ -337,7 +341,8 @@ fn bad_callers_of_a_player() {
     }
 }
 
-/// A sensor's offset is no stroke: what stands before the touch is the zero, as `erard press` takes it, and the stroke says so.
+/// A sensor's offset is no stroke: what stands before the touch is the zero, as `erard press` takes it, and the stroke
+/// says so.
 #[test]
 fn recordings_are_made_ready() {
     let grand = Owned::grand();
@@ -392,7 +397,8 @@ fn columns_are_found() {
     }
 }
 
-/// A hand in C plays as in Rust, alone and on a keyboard; it is placed, read and saved; what is no hand is refused and changes nothing.
+/// A hand in C plays as in Rust, alone and on a keyboard; it is placed, read and saved; what is no hand is refused and
+/// changes nothing.
 #[test]
 fn a_hand_plays_as_in_rust() {
     let mut action = erard::Action::new(&erard::Instrument::builtin("concert-grand").unwrap()).unwrap();

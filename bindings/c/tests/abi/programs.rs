@@ -42,8 +42,8 @@ fn run(command: &mut Command) -> String {
 /// The examples.
 const EXAMPLES: [&str; 3] = ["press", "haptic", "keyboard"];
 
-/// Compiles the examples against the static library or the shared one into one program, for linking takes longest: its argument says which example it
-/// runs.
+/// Compiles the examples against the static library or the shared one into one program, for linking takes longest: its
+/// argument says which example it runs.
 fn compiled(folder: &Path, shared: bool, flags: &[&str]) -> PathBuf {
     let cc = |more: &[&str]| {
         let mut cc = Command::new("cc");
@@ -115,7 +115,8 @@ fn presses(said: &str) {
     assert_eq!(number_after(said, "ends at ").to_bits(), last.unwrap().key_m.to_bits(), "{said}");
 }
 
-/// The haptic loop at 1 kHz sounds a note, stays bounded, and ends still, held by the finger. Its coupling of 500 N/m gives 12 mm under 6 N.
+/// The haptic loop at 1 kHz sounds a note, stays bounded, and ends still, held by the finger. Its coupling of 500 N/m
+/// gives 12 mm under 6 N.
 fn sounds_a_note(said: &str) {
     assert!(number_after(said, "force ") < 60.0 && number_after(said, "deepest ") < 24.0, "{said}");
     assert!(said.starts_with("1 blows"), "{said}");

@@ -16,7 +16,8 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
     loop {}
 }
 
-/// With QEMU's `-icount shift=0` an instruction takes a nanosecond, and the clock of these machines ticks at 25 MHz: every 40 instructions.
+/// With QEMU's `-icount shift=0` an instruction takes a nanosecond, and the clock of these machines ticks at 25 MHz:
+/// every 40 instructions.
 const PER_TICK: u64 = 40;
 /// What the stack is painted with before it is used.
 const PAINT: u32 = 0xa11d_a7a5;

@@ -40,7 +40,8 @@ AGREED = 1.005
 AFTER_THE_BLOW_S = 2e-3
 #: Samples at both ends of a recorded motion that are not compared.
 SPLINE_ENDS = 10
-#: Steps of the differences, as shares of a factor or of the way that a screw may go: the middle one is used, all are compared.
+#: Steps of the differences, as shares of a factor or of the way that a screw may go: the middle one is used, all are
+#: compared.
 DIFFERENCES = (4e-3, 1e-3, 2.5e-4)
 #: How the Jacobian of the last steps is found.
 JACOBIANS = ("differences", "gradient")
@@ -147,7 +148,8 @@ class _Data:
         dt = max(float(np.median(np.diff(times))), 1.0 / RATE_HZ)
         self.steps, self.every = divided(dt, own)
         self.time_s: Array = self.stroke.start_s + dt * np.arange(int(span / dt) + 1, dtype=np.float64)
-        # Where a recorded motion ends it stops, and its spline rings over some samples at both ends: forces there are nobody's.
+        # Where a recorded motion ends it stops, and its spline rings over some samples at both ends: forces there are
+        # nobody's.
         ends = 0 if self.driving == "force_N" else SPLINE_ENDS
         if len(self.time_s) < 2 * ends + 2:
             raise InputError(f"{self.recording.name}: found {len(self.time_s)} samples, expected {2 * ends + 2} or more")
@@ -761,7 +763,8 @@ def _fit(
         point, _, _ = solve(point, COARSE, "soft_l1", 15)
         point, left, message = solve(point, DIFFERENCES[1], loss, most)
         for _ in range(3):
-            # The noise that nothing tells is estimated with the parameters held and the other way round, until neither moves.
+            # The noise that nothing tells is estimated with the parameters held and the other way round, until neither
+            # moves.
             if all(s is not None for s in told) or _noise(problem, point, told):
                 break
             point, left, message = solve(point, DIFFERENCES[1], loss, most)

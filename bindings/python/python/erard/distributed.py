@@ -40,10 +40,11 @@ if TYPE_CHECKING:
 
 #: Strokes in a chunk unless told otherwise: a second or two of one core, and a megabyte of results.
 CHUNK = 4096
-#: Chunks that are with the cluster at a time, for each worker: the next is there when one is done, and no more waits in memory.
+#: Chunks that are with the cluster at a time, for each worker: the next is there when one is done, and no more waits in
+#: memory.
 AHEAD = 2
-#: Dask's configuration for workers that compute: its profiler, its ticks and its monitors wake every 10 to 500 ms, which takes 2.4 % of each worker's core
-#: whether it works or not; so they take 0.4 %.
+#: Dask's configuration for workers that compute: its profiler, its ticks and its monitors wake every 10 to 500 ms,
+#: which takes 2.4 % of each worker's core whether it works or not; so they take 0.4 %.
 QUIET: dict[str, Any] = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "500ms",

@@ -1,8 +1,9 @@
 //! How the cost grows: with strokes, with bodies, with zones. In instructions, counted by callgrind, which repeat.
 //!
 //! `cargo bench -p erard-cli --bench scaling`, `-- --out DIR` for scaling.csv, scaling.svg and scaling.png. An action's
-//! tree is two deep; a chain of levers is the hardest tree, for every joint moves all that hangs on it. Sizes are those that instrument files may have. An
-//! exponent is the slope of log cost over log size: of the straight line through all points, and between the last two.
+//! tree is two deep; a chain of levers is the hardest tree, for every joint moves all that hangs on it. Sizes are those
+//! that instrument files may have. An exponent is the slope of log cost over log size: of the straight line through all
+//! points, and between the last two.
 
 mod levers;
 

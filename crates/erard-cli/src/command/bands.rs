@@ -15,8 +15,9 @@ use crate::table::{Table, three};
 /// Whether values have bands.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct BandOptions {
-    /// Give every value its 5 to 95 % band over so many plausible grands around the instrument: drawn within the spreads of its file, regulated and
-    /// weighed to the usual ranges. The first time that takes minutes; drawn grands are kept in the user's cache folder [default without a number: 200]
+    /// Give every value its 5 to 95 % band over so many plausible grands around the instrument: drawn within the
+    /// spreads of its file, regulated and weighed to the usual ranges. The first time that takes minutes; drawn grands
+    /// are kept in the user's cache folder [default without a number: 200]
     #[arg(
         long,
         value_name = "SAMPLES",
@@ -50,8 +51,9 @@ impl BandRow {
 /// What a value is called, and its unit.
 pub(crate) type Named = (String, String);
 
-/// Values of the instrument that was asked for, with their bands over its first samples. `values` finds them in an instrument, in one order; what it finds of a sample is kept as
-/// `kind` with what else it depends on, unless that is nothing.
+/// Values of the instrument that was asked for, with their bands over its first samples. `values` finds them in an
+/// instrument, in one order; what it finds of a sample is kept as `kind` with what else it depends on, unless that is
+/// nothing.
 pub(crate) fn bands(
     asked: &str,
     count: u32,

@@ -23,11 +23,12 @@ use crate::recordings::{Ready, RecordingOptions};
 use crate::{say, small_plot, tell};
 use erard_workshop::trying::try_all;
 
-/// Checks a file and says what it holds: an instrument, keyboard or linkage, a stroke or recording, published measurements, or a result.
+/// Checks a file and says what it holds: an instrument, keyboard or linkage, a stroke or recording, published
+/// measurements, or a result.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// The file, or the name of something built in: what ends in `.toml` says itself what it is, a stroke ends in `.csv` or `.parquet`, a result
-    /// in `.json`
+    /// The file, or the name of something built in: what ends in `.toml` says itself what it is, a stroke ends in
+    /// `.csv` or `.parquet`, a result in `.json`
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]

@@ -22,8 +22,9 @@ use erard_figures::figure::{Dash, Figure, Panel, Trace, Window, figure_svg};
 /// Holds a measured stroke against the models: what drives it, what comes out, what is missed.
 #[derive(Debug, Args)]
 pub(crate) struct Compare {
-    /// Recording: CSV or Parquet with columns for the time, for force and/or position (down is positive), and for the hammer if it was measured
-    /// too, as `time_s`, `force_N` or `Force (gf)`, `position_m` or `Travel [mm]`, `hammer_head_m`
+    /// Recording: CSV or Parquet with columns for the time, for force and/or position (down is positive), and for the
+    /// hammer if it was measured too, as `time_s`, `force_N` or `Force (gf)`, `position_m` or `Travel [mm]`,
+    /// `hammer_head_m`
     #[arg(value_name = "MEASURED.csv")]
     file: PathBuf,
     #[command(flatten)]
@@ -159,7 +160,8 @@ fn widened(curves: &[Trace]) -> (f64, f64) {
     (low - margin, high + margin)
 }
 
-/// The action in orange, one degree of freedom in blue dashes, and dotted in black over them what was measured, so that all of it is seen.
+/// The action in orange, one degree of freedom in blue dashes, and dotted in black over them what was measured, so that
+/// all of it is seen.
 fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
     let curve = |label: &str, y: Cow<'a, [f64]>, colour, dash| Trace::new(label, &c.time_s, y, colour, dash);
     let in_mm = |y: &[f64]| Cow::Owned(y.iter().map(|y| y * 1e3).collect::<Vec<f64>>());

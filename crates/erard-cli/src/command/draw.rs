@@ -21,8 +21,8 @@ pub(crate) struct Draw {
     stroke: StrokeOptions,
     #[command(flatten)]
     instrument: InstrumentOption,
-    /// Instant of the stroke to draw: ms after its start, where 0 is rest, or an event: key-start, toe-contact, let-off,
-    /// hammer-contact, key-bottom, check
+    /// Instant of the stroke to draw: ms after its start, where 0 is rest, or an event: key-start, toe-contact,
+    /// let-off, hammer-contact, key-bottom, check
     #[arg(long, value_name = "MILLISECONDS-OR-EVENT", default_value = "0", value_parser = parse_at, allow_negative_numbers = true)]
     at: At,
     /// Name the main parts

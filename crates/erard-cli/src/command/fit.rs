@@ -29,26 +29,29 @@ pub(crate) struct Fit {
     /// Instrument: a TOML file, or the name of a built-in one, where the fit starts
     #[arg(value_name = "INSTRUMENT")]
     instrument: String,
-    /// Recordings: CSV or Parquet with columns for the time, for force and/or position (down is positive), and for the hammer if it was measured too
+    /// Recordings: CSV or Parquet with columns for the time, for force and/or position (down is positive), and for the
+    /// hammer if it was measured too
     #[arg(value_name = "RECORDING.csv", required = true)]
     recordings: Vec<PathBuf>,
     /// What is fitted: screws and parameters by their names
     #[arg(long, value_name = "NAME,NAME,..", value_delimiter = ',', required = true)]
     vary: Vec<String>,
-    /// How far a number may go, as in `let_off=-1mm..1mm` (a screw's turn from where it is), `body.hammer.mass=0.9..1.2` (a factor) or `body.hammer.mass=9g..12g`;
-    /// may be repeated
+    /// How far a number may go, as in `let_off=-1mm..1mm` (a screw's turn from where it is),
+    /// `body.hammer.mass=0.9..1.2` (a factor) or `body.hammer.mass=9g..12g`; may be repeated
     #[arg(long, value_name = "NAME=LOW..HIGH", allow_hyphen_values = true)]
     bounds: Vec<String>,
     /// Where the fit begins, as in `body.hammer.mass=1.1`; may be repeated [default: the instrument as it is]
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
     start: Vec<String>,
-    /// What of the recordings drives the model [default: force where there is one, else the motion of whatever was recorded]
+    /// What of the recordings drives the model [default: force where there is one, else the motion of whatever was
+    /// recorded]
     #[arg(long, value_enum)]
     drive: Option<DriveName>,
     /// What is compared, of force, position, hammer [default: all but what drives]
     #[arg(long, value_name = "CHANNEL,..", value_delimiter = ',', value_parser = channel)]
     compare: Vec<Role>,
-    /// Noise of a channel, root mean square, as in force=0.02N,position=10um; that of what drives, too [default: as the recording's rest or spectrum tells it]
+    /// Noise of a channel, root mean square, as in force=0.02N,position=10um; that of what drives, too [default: as the
+    /// recording's rest or spectrum tells it]
     #[arg(long, value_name = "CHANNEL=NOISE,..", value_delimiter = ',', value_parser = noise)]
     sigma: Vec<(Role, f64)>,
     /// Estimate for every channel how much later it was written down than what drives
@@ -57,7 +60,8 @@ pub(crate) struct Fit {
     /// Loss function of the residuals: all but `linear` give outliers less weight
     #[arg(long, value_enum, default_value_t = LossName::Linear)]
     loss: LossName,
-    /// Where the derivatives of the last steps and of the errors come from: differences, or the model's own derivatives, which need no step and take longer
+    /// Where the derivatives of the last steps and of the errors come from: differences, or the model's own
+    /// derivatives, which need no step and take longer
     #[arg(long, value_enum, default_value_t = JacobianName::Differences)]
     jacobian: JacobianName,
     /// How often the fit may begin again elsewhere
@@ -66,7 +70,8 @@ pub(crate) struct Fit {
     /// Most evaluations of one solution
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u16).range(1..=10000))]
     most: u16,
-    /// Fit only the first S seconds of every recording: shortly after the blow a little more or less of anything begins to have large effects
+    /// Fit only the first S seconds of every recording: shortly after the blow a little more or less of anything begins
+    /// to have large effects
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Write the numbers only, no figure

@@ -8,8 +8,8 @@ use crate::failure::Failure;
 /// A hand that plays the stroke.
 #[derive(Debug, Args)]
 pub struct HandOptions {
-    /// Let a hand play the stroke, of so many grams at the fingertip: the stroke's force is its muscle's, or its muscle follows
-    /// the stroke's motion; the force at the key is then the fingertip's [default: 200]
+    /// Let a hand play the stroke, of so many grams at the fingertip: the stroke's force is its muscle's, or its muscle
+    /// follows the stroke's motion; the force at the key is then the fingertip's [default: 200]
     #[arg(long, value_name = "GRAMS", num_args = 0..=1, require_equals = true, default_missing_value = "200")]
     hand: Option<f64>,
     /// How fast the hand arrives at the key, m/s: 0 presses, more strikes

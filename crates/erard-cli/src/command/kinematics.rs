@@ -33,9 +33,9 @@ pub(crate) struct Kinematics {
     /// Instrument: a TOML file, or the name of a built-in one [default: concert-grand]
     #[arg(long, value_name = "FILE-OR-NAME")]
     instrument: Option<String>,
-    /// A part moved, as a case beside the unmoved one; may be repeated. Negative is toward the player (x) or down. Parts:
-    /// capstan, knuckle, capstan-height, heel-depth, knuckle-depth, jack-height, whippen-x, whippen-y, hammer-x, hammer-y;
-    /// several at once with commas
+    /// A part moved, as a case beside the unmoved one; may be repeated. Negative is toward the player (x) or down.
+    /// Parts: capstan, knuckle, capstan-height, heel-depth, knuckle-depth, jack-height, whippen-x, whippen-y, hammer-x,
+    /// hammer-y; several at once with commas
     #[arg(long = "move", value_name = "capstan=-10mm", value_parser = moves::parse)]
     moves: Vec<MoveOption>,
     /// Leave moved cases as they are, instead of screwing the capstan until the hammer rests where it did

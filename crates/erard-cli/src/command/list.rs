@@ -16,8 +16,8 @@ use crate::say::verbatim;
 /// Lists what is built in: instruments, keyboards, strokes, linkages; or prints one of them as the file that it is.
 #[derive(Debug, Args)]
 pub(crate) struct List {
-    /// Print this one: a name, or a stroke as in `mf-struck`; `keyboard:NAME` where an instrument has the same name; or a sample, as in
-    /// `concert-grand:sample=17` or `concert-grand:key=88:sample=17`
+    /// Print this one: a name, or a stroke as in `mf-struck`; `keyboard:NAME` where an instrument has the same name; or
+    /// a sample, as in `concert-grand:sample=17` or `concert-grand:key=88:sample=17`
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }

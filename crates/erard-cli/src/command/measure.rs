@@ -38,21 +38,23 @@ const AFTER: &str = include_str!("help/measure.txt");
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Measure {
-    /// Instruments: TOML files, names of built-in ones, or keys of a keyboard (concert-grand:key=88); many keys (concert-grand:key=1..88,
-    /// concert-grand:key=1,40,88) make one row each [default: concert-grand]
+    /// Instruments: TOML files, names of built-in ones, or keys of a keyboard (concert-grand:key=88); many keys
+    /// (concert-grand:key=1..88, concert-grand:key=1,40,88) make one row each [default: concert-grand]
     #[arg(value_name = "INSTRUMENT")]
     instruments: Vec<String>,
     /// One more instrument; may be repeated
     #[arg(long = "instrument", value_name = "FILE-OR-NAME")]
     more: Vec<String>,
-    /// One row per instrument, and these quantities only: keys of measure.json with commas [default of many keys: weights, ratio,
-    /// inertia, distances, repetition]
+    /// One row per instrument, and these quantities only: keys of measure.json with commas [default of many keys:
+    /// weights, ratio, inertia, distances, repetition]
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',', conflicts_with = "sheet")]
     only: Vec<String>,
-    /// Write the technician's sheet, too: one page each, to be printed, with what to turn and by how much (sheet.html, sheet.json)
+    /// Write the technician's sheet, too: one page each, to be printed, with what to turn and by how much (sheet.html,
+    /// sheet.json)
     #[arg(long)]
     sheet: bool,
-    /// Which key of the piano it is, for the usual ranges there, 1 (A0) to 88 (C8), where the instrument's name does not say [default: 40]
+    /// Which key of the piano it is, for the usual ranges there, 1 (A0) to 88 (C8), where the instrument's name does
+    /// not say [default: 40]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88), allow_negative_numbers = true)]
     key: Option<u8>,
     #[command(flatten)]

@@ -145,8 +145,9 @@ fn moved(arguments: &[String]) -> Failure {
     ))
 }
 
-/// Runs a program that has this library's manners: arguments parsed by `definition`, requests to end heard, answers as text or JSON, exit
-/// codes as [`run`] says. `speech` finds the shared options among the parsed ones; `work` does the work.
+/// Runs a program that has this library's manners: arguments parsed by `definition`, requests to end heard, answers as
+/// text or JSON, exit codes as [`run`] says. `speech` finds the shared options among the parsed ones; `work` does the
+/// work.
 pub fn run_program<P: FromArgMatches>(
     definition: &clap::Command,
     speech: impl Fn(&P) -> &Speech,

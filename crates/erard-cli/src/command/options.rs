@@ -24,8 +24,8 @@ use erard_figures::drawing::ChangedNote;
 /// Which instrument.
 #[derive(Debug, Args)]
 pub(crate) struct InstrumentOption {
-    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88; with :sample=17, one plausible
-    /// grand around it
+    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88; with
+    /// :sample=17, one plausible grand around it
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
     /// Which model of it
@@ -95,15 +95,16 @@ impl InstrumentOption {
 pub(crate) struct Noted {
     /// The instrument.
     pub instrument: Instrument,
-    /// The numbers; none in a built-in instrument, nor in a key of a keyboard, whose notes are written with its numbers.
+    /// The numbers; none in a built-in instrument, nor in a key of a keyboard, whose notes are written with its
+    /// numbers.
     pub changed: Vec<ChangedNote>,
 }
 
 /// One instrument, or two to be laid beside each other.
 #[derive(Debug, Args)]
 pub(crate) struct InstrumentsOption {
-    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88. Given twice, both are
-    /// played and shown on one page
+    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88.
+    /// Given twice, both are played and shown on one page
     #[arg(long = "instrument", value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instruments: Vec<String>,
     /// Which model of it
@@ -207,7 +208,8 @@ pub(crate) struct KeyboardKey {
 }
 
 impl KeyboardKey {
-    /// What is asked for in the place of an instrument, as in `concert-grand:key=88`; `None` where that is no key of a keyboard.
+    /// What is asked for in the place of an instrument, as in `concert-grand:key=88`; `None` where that is no key of a
+    /// keyboard.
     pub(crate) fn asked(asked: &str) -> Result<Option<Self>, Failure> {
         match InstrumentSpec::of(asked).map_err(|error| Failure::Usage(error.to_string()))? {
             InstrumentSpec::Key { keyboard, key } => Ok(Some(KeyboardKey { keyboard: load_keyboard(keyboard)?, key })),
@@ -230,7 +232,8 @@ impl KeyboardKey {
     }
 }
 
-/// What is asked for in the place of an instrument, many keys of a keyboard (`concert-grand:key=1..88`, `:key=1,40,88`) one by one.
+/// What is asked for in the place of an instrument, many keys of a keyboard (`concert-grand:key=1..88`, `:key=1,40,88`)
+/// one by one.
 pub(crate) fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
     if let (rest, Some(sample)) = split_sample(asked).map_err(|error| Failure::Usage(error.to_string()))? {
         return Ok(keys_of(&rest)?.into_iter().map(|key| format!("{key}{SAMPLE}{sample}")).collect());
@@ -297,8 +300,8 @@ pub(crate) fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
 /// What the player does.
 #[derive(Debug, Args)]
 pub(crate) struct StrokeOptions {
-    /// Stroke file: CSV or Parquet with columns for the time and for force and/or position (down is positive), as `time_s`, `force_N` or
-    /// `Force (gf)`, `position_m` or `Travel [mm]`; a run's own run.csv is one
+    /// Stroke file: CSV or Parquet with columns for the time and for force and/or position (down is positive), as
+    /// `time_s`, `force_N` or `Force (gf)`, `position_m` or `Travel [mm]`; a run's own run.csv is one
     #[arg(value_name = "STROKE.csv", conflicts_with_all = ["stroke", "force_step"])]
     file: Option<PathBuf>,
     /// Built-in stroke
@@ -310,8 +313,9 @@ pub(crate) struct StrokeOptions {
     /// A constant force from the start on, N
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     force_step: Option<f64>,
-    /// What is prescribed: the finger's force, the motion of a soft finger, or the key's own motion. Default: force where
-    /// the stroke has one, else the motion of whatever was recorded (see --position): rigid for a key's, motion for a fingertip's
+    /// What is prescribed: the finger's force, the motion of a soft finger, or the key's own motion. Default: force
+    /// where the stroke has one, else the motion of whatever was recorded (see --position): rigid for a key's, motion
+    /// for a fingertip's
     #[arg(long, value_enum)]
     drive: Option<DriveName>,
     #[command(flatten)]

@@ -28,13 +28,15 @@ impl OutOptions {
         &self.folder
     }
 
-    /// Makes sure, before any long work, that results of this command can be written; `certain` are the files that will come in any case.
+    /// Makes sure, before any long work, that results of this command can be written; `certain` are the files that will
+    /// come in any case.
     pub fn prepare(&self, command: &'static str, certain: &[&str]) -> Result<Output, Failure> {
         Output::results(&self.folder, command, self.force, certain)
     }
 }
 
-/// Gives every subcommand that writes results a default folder of its own: `erard-out` to `press`, `erard-out-NAME` to the others.
+/// Gives every subcommand that writes results a default folder of its own: `erard-out` to `press`, `erard-out-NAME` to
+/// the others.
 pub(crate) fn with_default_folders(program: clap::Command) -> clap::Command {
     program.mut_subcommands(|subcommand| {
         let own = match subcommand.get_name() {

@@ -25,8 +25,8 @@ const AFTER: &str = include_str!("help/regulate.txt");
 
 /// Turns an instrument's screws until its action meets a specification.
 ///
-/// The work is done as on the bench: measured by simulated trials, in the trade's order, and round after round until no goal
-/// is disturbed by another.
+/// The work is done as on the bench: measured by simulated trials, in the trade's order, and round after round until no
+/// goal is disturbed by another.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Regulate {

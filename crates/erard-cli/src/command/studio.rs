@@ -12,7 +12,8 @@ use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::say;
 
-/// The page's files where it was built in: names and bytes. `build.rs` fills it from the folder that ERARD_STUDIO names.
+/// The page's files where it was built in: names and bytes. `build.rs` fills it from the folder that ERARD_STUDIO
+/// names.
 mod built_in {
     include!(concat!(env!("OUT_DIR"), "/studio.rs"));
 }

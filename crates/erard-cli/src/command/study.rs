@@ -41,10 +41,12 @@ pub(crate) struct Study {
         allow_hyphen_values = true
     )]
     vary: Vec<String>,
-    /// Tell which numbers of the instrument matter most, instead: derivatives of hammer speed, let-off, timing and touch weight, the largest first
+    /// Tell which numbers of the instrument matter most, instead: derivatives of hammer speed, let-off, timing and
+    /// touch weight, the largest first
     #[arg(long, conflicts_with_all = ["vary", "measure", "single"])]
     sensitivities: bool,
-    /// What derivatives are taken by: names and paths as --vary takes them, with commas [default: every screw and parameter]
+    /// What derivatives are taken by: names and paths as --vary takes them, with commas [default: every screw and
+    /// parameter]
     #[arg(
         long,
         value_name = "NAME,NAME,..",
@@ -53,12 +55,14 @@ pub(crate) struct Study {
         conflicts_with = "vary"
     )]
     by: Vec<String>,
-    /// Of what: keys with commas, of hammer_speed_m_per_s, let_off_s, hammer_contact_s, key_bottom_s, key_bottom_after_blow_s, free_flight_s,
-    /// key_start_s, toe_contact_s, key_start_to_hammer_s, down_weight_g, up_weight_g, balance_weight_g [default: speed, let-off, key bottom after the blow,
-    /// down-weight and balance weight]
+    /// Of what: keys with commas, of hammer_speed_m_per_s, let_off_s, hammer_contact_s, key_bottom_s,
+    /// key_bottom_after_blow_s, free_flight_s, key_start_s, toe_contact_s, key_start_to_hammer_s, down_weight_g,
+    /// up_weight_g, balance_weight_g [default: speed, let-off, key bottom after the blow, down-weight and balance
+    /// weight]
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',', requires = "sensitivities", conflicts_with = "vary")]
     of: Vec<String>,
-    /// Measure every variant, too: keys of measure.json with commas, such as down_weight_g,effective_inertia_kg,repetition_rate_half_hz
+    /// Measure every variant, too: keys of measure.json with commas, such as
+    /// down_weight_g,effective_inertia_kg,repetition_rate_half_hz
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',')]
     measure: Vec<String>,
     /// Rows of the printed table, from the first to the last; `all` prints every one

@@ -22,11 +22,13 @@ use crate::weigh::{Work, html, report, table, text, weighed_svg};
 /// What is asked of weighed keys.
 #[derive(Debug, Args)]
 pub(crate) struct WeighOptions {
-    /// A table of what was weighed on a piano: key (or note), strike weight, front weight, down-weight and up-weight, keys and cells may be
-    /// missing; writes a work list of leads, hammers and capstans. The keyboard gives lengths and what no scale tells
+    /// A table of what was weighed on a piano: key (or note), strike weight, front weight, down-weight and up-weight,
+    /// keys and cells may be missing; writes a work list of leads, hammers and capstans. The keyboard gives lengths and
+    /// what no scale tells
     #[arg(long, value_name = "MEASURED.csv", conflicts_with_all = ["every", "key"])]
     weigh: Option<std::path::PathBuf>,
-    /// What the keys are to have: balance=38g, or inertia=0.25kg, or both [default: the balance weight that half of the keys are above]
+    /// What the keys are to have: balance=38g, or inertia=0.25kg, or both [default: the balance weight that half of the
+    /// keys are above]
     #[arg(long = "target", value_name = "WHAT=VALUE", requires = "weigh")]
     targets: Vec<String>,
     /// Bring hammers to their smooth curve (or to the target inertia) first; leads do the rest

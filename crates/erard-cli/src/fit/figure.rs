@@ -3,7 +3,8 @@
 use erard_figures::figure::{Dash, Figure, Panel, Trace, Window};
 use erard_workshop::fit::Channel;
 
-/// For every channel what was measured (dotted, black) over what was fitted, and below what is left over in units of the noise, with two of these on both sides.
+/// For every channel what was measured (dotted, black) over what was fitted, and below what is left over in units of
+/// the noise, with two of these on both sides.
 pub(crate) fn figure<'a>(channels: &'a [Channel], recordings: &[&str], instrument: &str) -> Figure<'a> {
     let mut panels = Vec::new();
     for channel in channels {

@@ -5,7 +5,8 @@ use erard_workshop::fit::{Channel, FitResult, Problem};
 use super::values::unit_shown;
 use crate::table::Table;
 
-/// Decimals with which a number with this error is shown: two digits of the error, at most six places behind the point; `None` where only powers of ten do.
+/// Decimals with which a number with this error is shown: two digits of the error, at most six places behind the point;
+/// `None` where only powers of ten do.
 fn decimals(value: f64, error: f64) -> Option<usize> {
     let size = value.abs().max(error);
     if !(error > 0.0 && error.is_finite() && size < 1e6 && (size == 0.0 || size >= 1e-3)) {

@@ -11,7 +11,8 @@ pub(crate) fn column(role: Role) -> &'static str {
     COLUMNS.iter().find(|(_, own, _)| *own == role).map_or("time_s", |(column, ..)| column)
 }
 
-/// A bound or a start as it was written, in SI units or as a factor: of a screw its turn, in its unit where none is said; of a parameter a factor, or what it shall be with its unit.
+/// A bound or a start as it was written, in SI units or as a factor: of a screw its turn, in its unit where none is
+/// said; of a parameter a factor, or what it shall be with its unit.
 ///
 /// # Errors
 /// What was expected.

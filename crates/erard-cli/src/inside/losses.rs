@@ -17,7 +17,8 @@ pub(crate) struct LossReport {
     pub losses: Vec<Loss>,
 }
 
-/// One pin or contact, or what yields under the contacts: the strings, their bridge, dampers' felts where they are rocked.
+/// One pin or contact, or what yields under the contacts: the strings, their bridge, dampers' felts where they are
+/// rocked.
 #[derive(Debug, Serialize)]
 #[allow(non_snake_case)]
 pub(crate) struct Loss {

@@ -1,4 +1,5 @@
-//! What `erard press` shows of the inside of the action when it is asked to: pin reactions and accelerations, and where the energy goes.
+//! What `erard press` shows of the inside of the action when it is asked to: pin reactions and accelerations, and where
+//! the energy goes.
 
 mod figure;
 mod losses;

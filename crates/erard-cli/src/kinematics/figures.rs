@@ -72,7 +72,8 @@ pub(crate) fn sliding_svg(design: &Design, cases: &[Shown], range: (f64, f64)) -
     figure_svg(&figure(design, "sliding at the contacts", subtitle, range, panels, cases))
 }
 
-/// End of the axis of all leverages, which begins at nothing: figures of one file and of several can be laid beside each other.
+/// End of the axis of all leverages, which begins at nothing: figures of one file and of several can be laid beside
+/// each other.
 fn room_above(highest: f64) -> f64 {
     1.25 * highest
 }

@@ -51,8 +51,8 @@ fn coarse(mm: f64) -> String {
     format!("{mm:.1} mm")
 }
 
-/// The numbers of a case, lengths in mm: slidings between rest and let-off, at most and to and fro; the six classical lever arms at rest; the
-/// largest residual of the closure equations over the largest length, of all poses.
+/// The numbers of a case, lengths in mm: slidings between rest and let-off, at most and to and fro; the six classical
+/// lever arms at rest; the largest residual of the closure equations over the largest length, of all poses.
 fn case(shown: &Shown) -> Value {
     let (digest, arms) = (&shown.digest, &shown.digest.arms);
     // Slidings belong to the stroke to let-off: without one there are none.

@@ -5,9 +5,9 @@ use moreau_linkage::three_lever::StrokePose;
 use super::Shown;
 use crate::table::Table;
 
-/// All cases, one below the other. Angles are the equations' own `k`, `w`, `h`, absolute; `s1_mm` and `s2_mm` are `S1` and `S2` (for discs: at
-/// rest, and from there by what the surfaces slide); the slidings are their change since rest; `leverage` is the head's
-/// speed upward over the speed of the key's front.
+/// All cases, one below the other. Angles are the equations' own `k`, `w`, `h`, absolute; `s1_mm` and `s2_mm` are `S1`
+/// and `S2` (for discs: at rest, and from there by what the surfaces slide); the slidings are their change since rest;
+/// `leverage` is the head's speed upward over the speed of the key's front.
 pub(crate) fn table(cases: &[Shown]) -> Table<'static> {
     type Number = (&'static str, fn(&Shown, &StrokePose) -> f64);
     const NUMBERS: [Number; 10] = [

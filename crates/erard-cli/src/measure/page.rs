@@ -53,7 +53,8 @@ pub(crate) fn html(
 fn on_every_page(title: &str, headed: &Headed) -> String {
     let words = [Some(title), headed.serial.as_deref(), headed.date.as_deref()];
     let words = words.into_iter().flatten().collect::<Vec<_>>().join(" - ");
-    // A string of a style sheet, inside an element that ends at its first `</`: everything but letters, digits and blanks by its code.
+    // A string of a style sheet, inside an element that ends at its first `</`: everything but letters, digits and
+    // blanks by its code.
     let mut quoted = String::new();
     for c in words.chars() {
         if c.is_alphanumeric() || c == ' ' {

@@ -1,7 +1,7 @@
 //! Files that are renamed one by one into a folder that holds others too, so that all of them arrive or none.
 //!
-//! Before the first is renamed all stand whole in the stage, and a journal beside them says what is to be done. From then on it is
-//! decided: who finds the journal finishes, or where that cannot be, undoes. A failure undoes at once.
+//! Before the first is renamed all stand whole in the stage, and a journal beside them says what is to be done. From
+//! then on it is decided: who finds the journal finishes, or where that cannot be, undoes. A failure undoes at once.
 
 use std::fs;
 use std::io::{self, Write};

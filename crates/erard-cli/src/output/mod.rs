@@ -1,12 +1,13 @@
 //! What a command leaves behind: files in a folder, all of them or none.
 //!
-//! One rule for all commands: **a result belongs to the command that wrote it.** A small file in the folder, [`Mark`], says which results
-//! are whose. A command replaces its own, and takes away those that it no longer makes. What another command wrote, or nobody that is
-//! known, is replaced with `--force` only; what a command reads is never replaced.
+//! One rule for all commands: **a result belongs to the command that wrote it.** A small file in the folder, [`Mark`],
+//! says which results are whose. A command replaces its own, and takes away those that it no longer makes. What another
+//! command wrote, or nobody that is known, is replaced with `--force` only; what a command reads is never replaced.
 //!
-//! Files are written in a `Stage`, a folder of an unpredictable name beside the results. When all are whole they appear: a folder that
-//! Erard made and that holds nothing else changes places with the stage in one operation of the file system; in any other the files are
-//! renamed one by one, under a `journal` that lets the next command finish what a killed one began.
+//! Files are written in a `Stage`, a folder of an unpredictable name beside the results. When all are whole they
+//! appear: a folder that Erard made and that holds nothing else changes places with the stage in one operation of the
+//! file system; in any other the files are renamed one by one, under a `journal` that lets the next command finish what
+//! a killed one began.
 
 mod exchange;
 mod journal;
@@ -35,7 +36,8 @@ pub(crate) use stage::clear as clear_stages;
 pub struct Output {
     /// As the user named it.
     folder: PathBuf,
-    /// Whose results these are; `None` for files that belong to the user at once, which are never replaced without `force`.
+    /// Whose results these are; `None` for files that belong to the user at once, which are never replaced without
+    /// `force`.
     command: Option<&'static str>,
     force: bool,
     names: Vec<String>,
@@ -46,8 +48,8 @@ pub struct Output {
 type Writes<'a> = dyn FnMut(&mut dyn Write) -> std::io::Result<()> + 'a;
 
 impl Output {
-    /// Results of a command. Makes sure, before any long work, that the folder can be written to and that nothing stands in the way of
-    /// the files that are certain to come.
+    /// Results of a command. Makes sure, before any long work, that the folder can be written to and that nothing
+    /// stands in the way of the files that are certain to come.
     ///
     /// # Errors
     /// [`Failure::Write`]; [`Failure::Usage`] where something stands in the way.
@@ -89,7 +91,8 @@ impl Output {
         Ok(Output { folder: folder.to_path_buf(), command, force, names: Vec::new(), stage: stage.map_err(refused)? })
     }
 
-    /// Writes a file, to appear under this name; with what made it in it where its kind can hold that ([`identity::stamped`]).
+    /// Writes a file, to appear under this name; with what made it in it where its kind can hold that
+    /// ([`identity::stamped`]).
     ///
     /// # Errors
     /// [`Failure::Write`].
@@ -164,7 +167,8 @@ impl Output {
     /// Gives all files their names; returns what to say of them.
     ///
     /// # Errors
-    /// [`Failure::Write`]; [`Failure::Usage`] where something has come to stand in the way. Either leaves the folder as it was.
+    /// [`Failure::Write`]; [`Failure::Usage`] where something has come to stand in the way. Either leaves the folder as
+    /// it was.
     pub fn commit(mut self) -> Result<Written, Failure> {
         // Whoever wants to end the program now waits until this is done.
         let _undisturbed = signals::hold();
@@ -258,8 +262,8 @@ impl Place<'_> {
         mark.of(command).iter().filter(|name| !names.contains(name) && there(name)).cloned().collect()
     }
 
-    /// Whether the command made the folder and knows all that stands in it, so that it can be exchanged. Not where somebody who stands in it
-    /// would be left in a folder that is gone.
+    /// Whether the command made the folder and knows all that stands in it, so that it can be exchanged. Not where
+    /// somebody who stands in it would be left in a folder that is gone.
     fn is_whole(&self) -> bool {
         let (Some(command), Some(mark)) = (self.command, Mark::read(self.folder)) else { return false };
         let link = self.folder.symlink_metadata().is_ok_and(|found| found.is_symlink());

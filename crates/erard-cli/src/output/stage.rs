@@ -26,8 +26,9 @@ const RESULTS: &str = "results";
 /// What was there before.
 pub(crate) const OLD: &str = "old";
 
-/// Stages of this process, and the folders made for them: for the handler that ends the process from outside. Held while one is made, so that whoever
-/// clears up knows of all that stand; and from then on for ever, so that no other is made.
+/// Stages of this process, and the folders made for them: for the handler that ends the process from outside. Held
+/// while one is made, so that whoever clears up knows of all that stand; and from then on for ever, so that no other is
+/// made.
 static OPEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// A stage of this process; gone when dropped, with what is in it.
@@ -166,7 +167,8 @@ pub(crate) fn clear() {
     remove_empty(&made);
 }
 
-/// Clears up after processes that were killed while they wrote results for a folder: finishes what they had decided, and removes the rest.
+/// Clears up after processes that were killed while they wrote results for a folder: finishes what they had decided,
+/// and removes the rest.
 ///
 /// # Errors
 /// Of the file system, where a decided exchange can be neither finished nor undone.

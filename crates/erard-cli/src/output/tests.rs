@@ -242,7 +242,8 @@ fn what_cannot_be_finished_is_undone() {
     assert_eq!(held(root.path()), files(&OLD));
 }
 
-/// Where folders cannot change places in one operation, a process killed between the two renames leaves what the next one puts back.
+/// Where folders cannot change places in one operation, a process killed between the two renames leaves what the next
+/// one puts back.
 #[test]
 fn a_folder_that_went_aside_comes_back() {
     let root = root();

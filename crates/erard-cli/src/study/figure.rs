@@ -17,8 +17,8 @@ const QUANTITIES: [Quantity; 3] = [
     ("hammer before key bottom (ms)", |e| Some((e.key_bottom_s? - e.hammer_contact_s()?) * 1e3)),
 ];
 
-/// The figure; `None` where the first axis has one value only or the others make too many curves. Rows stand in the order of the axes, the
-/// last one fastest.
+/// The figure; `None` where the first axis has one value only or the others make too many curves. Rows stand in the
+/// order of the axes, the last one fastest.
 pub(crate) fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
     let (first, others) = axes.split_first()?;
     let curves: usize = others.iter().map(|axis| axis.shown.len()).product();

@@ -26,7 +26,8 @@ impl Row {
     }
 }
 
-/// What speaks against the strokes of a study: of every kind and part how many strokes, and the worst of them as a sentence.
+/// What speaks against the strokes of a study: of every kind and part how many strokes, and the worst of them as a
+/// sentence.
 pub(crate) fn doubts(rows: &[Row]) -> Vec<String> {
     let warnings = rows.iter().filter_map(|row| row.outcome.as_ref().ok()).flat_map(|played| &played.warnings);
     let each = worst_of_each(warnings).into_iter();

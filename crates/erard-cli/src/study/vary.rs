@@ -51,7 +51,8 @@ impl Source {
                         match (point, between) {
                             (Some(point), _) if point == at => one.value = value,
                             (Some(_), _) => {}
-                            // Times a factor is what it differs by: a mass or a way from 0, a ratio by its logarithm from 1.
+                            // Times a factor is what it differs by: a mass or a way from 0, a ratio by its logarithm
+                            // from 1.
                             (None, Between::Linear) => one.value *= value,
                             (None, Between::Logarithmic) => one.value = one.value.powf(value),
                         }
@@ -357,7 +358,8 @@ mod tests {
         assert!(read().instrument(&axes, &[0]).unwrap().unwrap_err().contains("mass_g"));
     }
 
-    /// A grading as a whole and at one of its points makes the keys that it says; a keyboard's own key stays its instrument.
+    /// A grading as a whole and at one of its points makes the keys that it says; a keyboard's own key stays its
+    /// instrument.
     #[test]
     fn gradings_are_varied() {
         let keyboard = Keyboard::builtin("concert-grand").unwrap();

@@ -15,7 +15,8 @@ pub(crate) use text::{WIDEST, decimal, three, wrapped};
 
 /// How the name of a table in text ends.
 pub(crate) const TABLE: &str = ".csv";
-/// What follows it in the name of the table's metadata: where the W3C's "Metadata Vocabulary for Tabular Data" has programs look.
+/// What follows it in the name of the table's metadata: where the W3C's "Metadata Vocabulary for Tabular Data" has
+/// programs look.
 const METADATA: &str = "-metadata.json";
 
 /// Name of the metadata of a table.
@@ -163,8 +164,8 @@ impl<'a> Table<'a> {
         self.columns.iter().map(|(name, cells)| (name.to_string(), column(cells))).collect::<Map<_, _>>().into()
     }
 
-    /// What a CSV cannot say of itself, in the W3C's vocabulary for tables on the web (CSVW): the units of its columns. What made it is added
-    /// where it is written.
+    /// What a CSV cannot say of itself, in the W3C's vocabulary for tables on the web (CSVW): the units of its columns.
+    /// What made it is added where it is written.
     pub(crate) fn metadata(&self, name: &str) -> Value {
         let column = |title: &str| match column_unit(title) {
             "1" => json!({"titles": title}),

@@ -21,8 +21,8 @@ pub(super) type ParquetColumn<'a> = (&'a str, Cow<'a, [f64]>, Vec<i16>);
 /// Columns that count: whole numbers.
 const COUNTS: [&str; 4] = ["strikes", "unconverged_steps", "failed", "key"];
 
-/// One row group, compressed by Snappy, which every reader of Parquet knows: doubles, and whole numbers for what counts. Its metadata hold what made it (`made_by`) and every
-/// column's unit (`units`), as JSON.
+/// One row group, compressed by Snappy, which every reader of Parquet knows: doubles, and whole numbers for what
+/// counts. Its metadata hold what made it (`made_by`) and every column's unit (`units`), as JSON.
 pub(super) fn write(title: &str, columns: &[ParquetColumn<'_>], writer: &mut dyn Write) -> std::io::Result<()> {
     let counts = |name: &str| COUNTS.contains(&name);
     let fields = columns

@@ -27,7 +27,8 @@ impl Table<'_> {
                 text
             };
             let cells: Vec<String> = (0..self.rows()).map(cell).collect();
-            // A name of a note among weights stands at the right as they do; a sentence among numbers puts all of them at the left.
+            // A name of a note among weights stands at the right as they do; a sentence among numbers puts all of them
+            // at the left.
             let (numbers, words): (Vec<&String>, Vec<&String>) =
                 cells.iter().filter(|cell| !cell.is_empty() && *cell != "-").partition(|cell| is_number(cell));
             let widest = |cells: &[&String]| cells.iter().map(|cell| wide(cell)).max().unwrap_or(0);
@@ -59,8 +60,8 @@ fn wide(text: &str) -> usize {
     text.chars().count()
 }
 
-/// Lines of two spaces, then columns two spaces apart; a head only where one is named. A last column of words that would be beyond the
-/// edge is wrapped.
+/// Lines of two spaces, then columns two spaces apart; a head only where one is named. A last column of words that
+/// would be beyond the edge is wrapped.
 impl fmt::Display for Table<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let columns = self.shown();

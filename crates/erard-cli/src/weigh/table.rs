@@ -34,8 +34,8 @@ pub(crate) fn text(work: &Work<'_>) -> String {
     out
 }
 
-/// The work, a row for every key: key, note, ratio, friction, balance weight, inertia, strike weight and its aim, front weight and its aim, the
-/// strike weight or the move of the capstan that would do instead of leads, the leads.
+/// The work, a row for every key: key, note, ratio, friction, balance weight, inertia, strike weight and its aim, front
+/// weight and its aim, the strike weight or the move of the capstan that would do instead of leads, the leads.
 pub(crate) fn rows(work: &Work<'_>) -> Vec<Vec<String>> {
     let row = |key: &BalancedKey| {
         vec![

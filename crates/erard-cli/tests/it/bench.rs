@@ -49,8 +49,8 @@ const NUMBERS: [&str; 42] = [
     "keyboard_asleep_tick_ns_p50",
 ];
 
-/// The JSON is alone on standard output, has every key, and every number is finite and positive (a spread may be zero). What
-/// follows from the definitions holds: percentiles ascend, a factor is a step over its time.
+/// The JSON is alone on standard output, has every key, and every number is finite and positive (a spread may be zero).
+/// What follows from the definitions holds: percentiles ascend, a factor is a step over its time.
 #[test]
 fn json_has_every_number() {
     let folder = Folder::for_command("bench", "json");

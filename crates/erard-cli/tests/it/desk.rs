@@ -1,4 +1,5 @@
-//! What a desk expects of a command: lists, completions, manual pages, quiet, refusals that explain, and a README that needs no files.
+//! What a desk expects of a command: lists, completions, manual pages, quiet, refusals that explain, and a README that
+//! needs no files.
 
 use crate::common::Folder;
 
@@ -174,7 +175,8 @@ fn words(line: &str) -> (Vec<String>, Option<String>) {
     (words, into)
 }
 
-/// Runs command lines one after the other in a folder. What takes long is shortened: the test shows that the lines need nothing else.
+/// Runs command lines one after the other in a folder. What takes long is shortened: the test shows that the lines need
+/// nothing else.
 fn run_lines(folder: &Folder, lines: &str) -> usize {
     let mut played = 0;
     for line in lines.lines().filter(|line| !line.trim().is_empty()) {
@@ -224,7 +226,8 @@ fn an_empty_folder_is_enough_for_the_readme() {
     assert_eq!(played, 7);
 }
 
-/// A number that was changed under its note is marked in the pictures, too: of a pose, of a run, and of two; elsewhere nothing is.
+/// A number that was changed under its note is marked in the pictures, too: of a pose, of a run, and of two; elsewhere
+/// nothing is.
 #[test]
 fn notes_that_became_untrue_are_marked_in_pictures() {
     let folder = Folder::new("desk-changed");

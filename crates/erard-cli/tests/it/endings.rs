@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use crate::common::Folder;
 
-/// A request that was heard ends the process within this time, however busy the machine is: none of the commands here would be over by then.
-/// How long it takes on an idle machine, some hundredths of a second, is not for a test to say.
+/// A request that was heard ends the process within this time, however busy the machine is: none of the commands here
+/// would be over by then. How long it takes on an idle machine, some hundredths of a second, is not for a test to say.
 const HEARD: Duration = Duration::from_secs(8);
 
 fn send(signal: &str, to: i64) {
@@ -46,7 +46,8 @@ fn mill() -> String {
     )
 }
 
-/// Control-C while a rest is sought, while levers are computed, while files are written, while many cores work: code 130, nothing left.
+/// Control-C while a rest is sought, while levers are computed, while files are written, while many cores work: code
+/// 130, nothing left.
 #[test]
 fn control_c_is_heard() {
     heard(false);

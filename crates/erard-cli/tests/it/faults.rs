@@ -1,8 +1,8 @@
-//! Faults put into every call by which results are written: an error, or a signal of every kind. Whatever happens, the old results stand
-//! there or the new ones, and the next run clears up.
+//! Faults put into every call by which results are written: an error, or a signal of every kind. Whatever happens, the
+//! old results stand there or the new ones, and the next run clears up.
 //!
-//! The calls are found and disturbed by strace, where it is there and may trace. A few are disturbed in every run of the tests, a fifth of them by the
-//! ignored test, and every one of them by that with `ERARD_FAULTS=all`.
+//! The calls are found and disturbed by strace, where it is there and may trace. A few are disturbed in every run of
+//! the tests, a fifth of them by the ignored test, and every one of them by that with `ERARD_FAULTS=all`.
 #![cfg(target_os = "linux")]
 
 use std::fs;

@@ -36,7 +36,8 @@ fn a_fit_is_written() {
     }
 }
 
-/// One command finds hammer and felt of the grand that was recorded within their errors; table, JSON, table of curves and the new instrument say the same.
+/// One command finds hammer and felt of the grand that was recorded within their errors; table, JSON, table of curves
+/// and the new instrument say the same.
 #[test]
 #[ignore = "ci: a fit of four parameters to two recordings"]
 fn a_recording_is_fitted_in_one_command() {

@@ -1,4 +1,5 @@
-//! `erard fmu`: what is in the unit, and what it says when there is none. That simulators take it, the tests of `erard-c` show.
+//! `erard fmu`: what is in the unit, and what it says when there is none. That simulators take it, the tests of
+//! `erard-c` show.
 
 use std::fs::File;
 use std::io::Read;

@@ -90,7 +90,8 @@ fn a_tolerance_leaves_the_rows_where_they_are() {
     assert!(number(&control["smallest_step_s"]) < 1e-5 && number(&control["largest_step_s"]) > 1e-4, "{control}");
 }
 
-/// The same bytes for the same input, but for how long it took. (In every run of the tests: `identity`, a tenth of a second.)
+/// The same bytes for the same input, but for how long it took. (In every run of the tests: `identity`, a tenth of a
+/// second.)
 #[test]
 #[ignore = "ci: a whole stroke, twice"]
 fn twice_the_same() {
@@ -123,7 +124,8 @@ fn every_drive_and_model() {
     assert!(header.contains("key_rad") && !header.contains("hammer_rad"));
 }
 
-/// A stroke from a file with Windows line ends and a byte-order mark, unevenly sampled, is played as if from a tidy one.
+/// A stroke from a file with Windows line ends and a byte-order mark, unevenly sampled, is played as if from a tidy
+/// one.
 #[test]
 fn a_stroke_from_a_file() {
     let folder = Folder::new("file");

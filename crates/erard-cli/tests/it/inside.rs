@@ -10,8 +10,8 @@ fn column(text: &str, name: &str) -> Vec<f64> {
     lines.map(|line| line.split(',').nth(at).unwrap().parse().unwrap()).collect()
 }
 
-/// Off by default. On, every body has three columns more, and the others are the same to the byte; at rest the hammer's pin and what else holds
-/// the hammer carry its weight; a figure shows them.
+/// Off by default. On, every body has three columns more, and the others are the same to the byte; at rest the hammer's
+/// pin and what else holds the hammer carry its weight; a figure shows them.
 #[test]
 fn reactions_are_columns_and_curves() {
     let folder = Folder::new("inside-reactions");
@@ -129,7 +129,8 @@ fn pins_are_drawn() {
     }
 }
 
-/// Sound under a name of one's own, and under note.wav where none is given: 48 kHz, with C4 in it. A folder, another ending and a stroke's file are no names.
+/// Sound under a name of one's own, and under note.wav where none is given: 48 kHz, with C4 in it. A folder, another
+/// ending and a stroke's file are no names.
 #[test]
 fn sound_is_written_under_a_name() {
     let folder = Folder::new("inside-wav");

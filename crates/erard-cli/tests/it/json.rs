@@ -1,7 +1,8 @@
 //! `--json` of every command: standard output is one JSON value, and has the schema that stands in `schemas/`.
 //!
-//! The schemas say what is there in any case and of which type; commands may say more. `ERARD_SCHEMAS=write cargo test --release -p erard-cli
-//! --test it json:: -- --include-ignored` makes them anew from what the commands answer, to be looked at.
+//! The schemas say what is there in any case and of which type; commands may say more. `ERARD_SCHEMAS=write cargo test
+//! --release -p erard-cli --test it json:: -- --include-ignored` makes them anew from what the commands answer, to be
+//! looked at.
 
 use std::path::PathBuf;
 

@@ -117,7 +117,8 @@ fn interrupted_it_leaves_nothing() {
     assert_eq!(folder.names(), before);
 }
 
-/// Two keyboards: both tables as each would be alone, the second less the first, both in one figure, and a page with a row for every key.
+/// Two keyboards: both tables as each would be alone, the second less the first, both in one figure, and a page with a
+/// row for every key.
 #[test]
 fn two_keyboards_beside_each_other() {
     beside_each_other(&[("mine.toml", 2)]);

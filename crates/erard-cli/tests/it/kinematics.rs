@@ -60,9 +60,9 @@ rest_deg = 90.0
 head_mm = [130.0, 48.0]
 "#;
 
-/// An independent solution gave leverage 6.27 / 5.61 / 5.13 / 4.75 at key 1.25 / 3.25 / 5.25 / 7.25 mm, as head rise over
-/// key travel in steps of 1 mm, and 0.07 mm and 0.82 mm of sliding: the table has each to its last digit, from the built-in
-/// set and from a file.
+/// An independent solution gave leverage 6.27 / 5.61 / 5.13 / 4.75 at key 1.25 / 3.25 / 5.25 / 7.25 mm, as head rise
+/// over key travel in steps of 1 mm, and 0.07 mm and 0.82 mm of sliding: the table has each to its last digit, from the
+/// built-in set and from a file.
 #[test]
 fn the_known_numbers() {
     let folder = Folder::for_command("kinematics", "known");
@@ -104,9 +104,9 @@ fn the_known_numbers() {
     }
 }
 
-/// The papers' claims, with lengths and with an instrument's discs: leverage falls through the stroke in all three cases, is
-/// lower with the capstan 10 mm toward the player, higher with the knuckle 3 mm in; the capstan slides far less than the
-/// knuckle. Figures and summary are there.
+/// The papers' claims, with lengths and with an instrument's discs: leverage falls through the stroke in all three
+/// cases, is lower with the capstan 10 mm toward the player, higher with the knuckle 3 mm in; the capstan slides far
+/// less than the knuckle. Figures and summary are there.
 #[test]
 fn three_cases() {
     let folder = Folder::for_command("kinematics", "cases");

@@ -64,7 +64,8 @@ fn heavy() -> String {
     toml::to_string(&file).unwrap()
 }
 
-/// One action: every promised key is there, the table has its digits, norms and flags, the page is whole and fetches nothing.
+/// One action: every promised key is there, the table has its digits, norms and flags, the page is whole and fetches
+/// nothing.
 #[test]
 fn one_sheet() {
     let folder = folder("one");
@@ -102,7 +103,8 @@ fn one_sheet() {
     assert_eq!(page.matches("<script").count(), page.matches("<script type=\"application/json\"").count());
 }
 
-/// Two actions side by side: a list in the JSON, a column each in table and page, a drawing each; heavy hammers are flagged.
+/// Two actions side by side: a list in the JSON, a column each in table and page, a drawing each; heavy hammers are
+/// flagged.
 #[test]
 #[ignore = "ci: two sheets"]
 fn side_by_side() {
@@ -167,8 +169,8 @@ fn an_interruption_leaves_nothing() {
     assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 0);
 }
 
-/// The technician's sheet of an action that is out of order: what is out is marked, what to turn is said in turns and millimetres, and its own
-/// name and number stand on it. Its numbers are those that `regulate` finds.
+/// The technician's sheet of an action that is out of order: what is out is marked, what to turn is said in turns and
+/// millimetres, and its own name and number stand on it. Its numbers are those that `regulate` finds.
 #[test]
 #[ignore = "ci: a regulation and two sheets"]
 fn the_technicians_sheet() {

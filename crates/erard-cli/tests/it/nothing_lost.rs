@@ -1,4 +1,5 @@
-//! What a command reads it does not write over; what it writes appears whole or not at all; what belongs to others stays.
+//! What a command reads it does not write over; what it writes appears whole or not at all; what belongs to others
+//! stays.
 
 use std::fs;
 use std::path::Path;
@@ -108,7 +109,8 @@ fn all_results_or_none() {
     refused(&folder, &SHORT, "run.html: is a folder");
 }
 
-/// Every command has a folder of its own unless told otherwise, and none touches another's; the same command again replaces its own.
+/// Every command has a folder of its own unless told otherwise, and none touches another's; the same command again
+/// replaces its own.
 #[test]
 fn results_of_different_commands() {
     let folder = Folder::new("commands");
@@ -180,7 +182,8 @@ fn links_are_not_followed() {
     assert!(!folder.0.join("out/run.csv").symlink_metadata().unwrap().is_symlink());
 }
 
-/// What does not arrive on standard output is an error; a reader that has read enough is none; an error that cannot be told is no crash.
+/// What does not arrive on standard output is an error; a reader that has read enough is none; an error that cannot be
+/// told is no crash.
 #[cfg(target_os = "linux")]
 #[test]
 fn standard_output() {

@@ -42,7 +42,8 @@ fn played(folder: &Folder) -> Vec<[f64; 3]> {
     rows
 }
 
-/// The same as a laboratory would hand it over: milliseconds, millimetres, gram-force, semicolons, decimal commas, offsets and noise.
+/// The same as a laboratory would hand it over: milliseconds, millimetres, gram-force, semicolons, decimal commas,
+/// offsets and noise.
 fn handed_over(rows: &[[f64; 3]], sign: f64) -> String {
     let mut noise = Noise(1);
     let mut text = String::from("% rig 3, key 40\nTime (ms);Displacement (mm);F [gf]\n");
@@ -69,8 +70,8 @@ fn of<'a>(report: &'a Value, channel: &str) -> &'a Value {
     report["preparation"].as_array().unwrap().iter().find(|c| c["channel"] == channel).unwrap()
 }
 
-/// Noise, offsets, decimal commas and millimetres, compared in one command: offsets and noise are found as they were put in, and the model
-/// that made it explains it under every drive, up to where its noise begins and not beyond.
+/// Noise, offsets, decimal commas and millimetres, compared in one command: offsets and noise are found as they were
+/// put in, and the model that made it explains it under every drive, up to where its noise begins and not beyond.
 #[test]
 fn a_laboratory_s_recording_in_one_command() {
     let folder = Folder::new("recordings-lab");
@@ -190,7 +191,8 @@ fn runs_are_strokes() {
     };
     let force = speed(&["run/run.csv"]);
     assert_eq!(force, speed(&["run/run.parquet"]));
-    // Rigidly and through the fingertip the same blow as by the force that made it; read as the fingertip's, the key's trace lags.
+    // Rigidly and through the fingertip the same blow as by the force that made it; read as the fingertip's, the key's
+    // trace lags.
     let [motion, rigid, misread] =
         [&["--drive", "motion"][..], &["--drive", "rigid"], &["--drive", "motion", "--position", "fingertip"]]
             .map(|drive| speed(&[&["run/run.csv"], drive].concat()));
@@ -212,7 +214,8 @@ fn runs_are_strokes() {
     assert!(said.contains("needs the key's position"), "{said}");
 }
 
-/// Zstandard, as PyArrow 26 writes it: pages of both versions of the format, plain and by dictionary, several in a column. Damaged, it is refused.
+/// Zstandard, as PyArrow 26 writes it: pages of both versions of the format, plain and by dictionary, several in a
+/// column. Damaged, it is refused.
 #[test]
 fn zstandard_is_read() {
     let folder = Folder::new("recordings-zstandard");
@@ -268,7 +271,8 @@ fn what_cannot_be_read() {
     assert!(said.contains("--columns") && said.contains("Displacement (mm)"), "{said}");
 }
 
-/// What is said of columns belongs to the second stroke where that alone is a file, to both where both are, and each can have its own.
+/// What is said of columns belongs to the second stroke where that alone is a file, to both where both are, and each
+/// can have its own.
 #[test]
 fn a_second_stroke_has_columns_too() {
     let folder = Folder::new("recordings-against");

@@ -23,8 +23,8 @@ fn mis_set(folder: &Folder) -> String {
     text
 }
 
-/// One command puts a mis-set file right: what was asked for is there when the new file is measured anew, the old file is as
-/// it was, and table and JSON say the same.
+/// One command puts a mis-set file right: what was asked for is there when the new file is measured anew, the old file
+/// is as it was, and table and JSON say the same.
 #[test]
 fn a_mis_set_file_is_put_right() {
     let folder = folder("right");
@@ -178,7 +178,8 @@ fn interrupted_it_leaves_nothing() {
     }
 }
 
-/// Let-off alone leaves the drop screw in the way: it says which screw must follow; with `--follow` it does, and its distance stays.
+/// Let-off alone leaves the drop screw in the way: it says which screw must follow; with `--follow` it does, and its
+/// distance stays.
 #[test]
 #[ignore = "ci: two regulations"]
 fn what_must_follow_is_said_and_follows() {

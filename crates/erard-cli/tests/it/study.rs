@@ -64,7 +64,8 @@ fn a_study_is_many_presses() {
     assert!(folder.read("erard-out-study/study.svg").ends_with("</svg>\n"));
 }
 
-/// In single precision the same strokes, right to what it is good for; where the processor has no lanes, the same numbers.
+/// In single precision the same strokes, right to what it is good for; where the processor has no lanes, the same
+/// numbers.
 #[test]
 fn single_precision_is_asked_for() {
     let folder = Folder::new("study-single");
@@ -82,7 +83,8 @@ fn single_precision_is_asked_for() {
     assert_eq!(doubles, singles);
 }
 
-/// A force too weak for a sound leaves its cells empty; a setting that cannot be is a row that failed, and the others stand.
+/// A force too weak for a sound leaves its cells empty; a setting that cannot be is a row that failed, and the others
+/// stand.
 #[test]
 fn what_does_not_happen_is_empty_and_what_cannot_be_fails_alone() {
     let folder = Folder::new("study-empty");
@@ -174,7 +176,8 @@ fn interrupted() {
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }
 
-/// Keys of a keyboard and numbers of the file are varied, and measured; each row is what `measure` finds of that instrument.
+/// Keys of a keyboard and numbers of the file are varied, and measured; each row is what `measure` finds of that
+/// instrument.
 #[test]
 #[ignore = "ci: sheets of several keys"]
 fn anything_is_varied_and_measured() {

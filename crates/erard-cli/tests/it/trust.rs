@@ -118,7 +118,8 @@ fn a_study_has_a_column_for_it() {
     assert!(said.contains("back_check_angle") && said.contains("at most 90 degrees either way"), "{said}");
 }
 
-/// One key of 88 whose parts weigh a hundred-thousandth: its hammer meets the string with more than 180 m/s, once "all 88 keys are sound".
+/// One key of 88 whose parts weigh a hundred-thousandth: its hammer meets the string with more than 180 m/s, once "all
+/// 88 keys are sound".
 #[test]
 #[ignore = "ci: a keyboard of 88 keys"]
 fn a_key_at_180_metres_a_second() {
@@ -172,7 +173,8 @@ fn a_keyboard_with_an_absurd_key_is_not_sound() {
     }
 }
 
-/// Mutants from end to end: the command presses what it accepts, touches nothing that it reads and leaves nothing behind.
+/// Mutants from end to end: the command presses what it accepts, touches nothing that it reads and leaves nothing
+/// behind.
 #[test]
 #[ignore = "ci: 24 mutants"]
 fn mutants_touch_nothing_and_leave_nothing_behind() {

@@ -3,7 +3,8 @@
 use crate::common::Folder;
 use serde_json::Value;
 
-/// The same rows in table, JSON and CSV; misses have a reason, and end with code 1 where that is asked for; the picture is there in both forms.
+/// The same rows in table, JSON and CSV; misses have a reason, and end with code 1 where that is asked for; the picture
+/// is there in both forms.
 #[test]
 fn a_validated_grand() {
     let folder = Folder::for_command("validate", "grand");

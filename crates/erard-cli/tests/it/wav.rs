@@ -1,4 +1,5 @@
-//! The sound that `press --wav` writes, measured in the file as it is: partials where the formula has them, how they fall, and no clicks.
+//! The sound that `press --wav` writes, measured in the file as it is: partials where the formula has them, how they
+//! fall, and no clicks.
 
 use std::f64::consts::PI;
 
@@ -42,7 +43,8 @@ fn swing(samples: &[f64], from: usize, window: usize, hz: f64) -> Complex<f64> {
     2.0 * of_it / sum
 }
 
-/// How far what swings near a frequency is from it, cents, how it falls, 1/s, and its amplitude at first: from windows of half a second, so many samples apart.
+/// How far what swings near a frequency is from it, cents, how it falls, 1/s, and its amplitude at first: from windows
+/// of half a second, so many samples apart.
 struct Partial {
     cents: f64,
     falls_per_s: f64,
@@ -64,7 +66,8 @@ fn formula_hz(string: &PianoString, n: u32) -> f64 {
     string.ideal_hz() * f64::from(n) * (1.0 + string.inharmonicity() * f64::from(n * n)).sqrt()
 }
 
-/// The first ten partials lie within 0.1 cent of n f0 sqrt(1 + B n^2) with the file's f0 and B, and fall as b1 + b3 omega^2 says, to a twentieth.
+/// The first ten partials lie within 0.1 cent of n f0 sqrt(1 + B n^2) with the file's f0 and B, and fall as b1 + b3
+/// omega^2 says, to a twentieth.
 #[test]
 #[ignore = "ci: a note of two seconds"]
 fn partials_of_the_file_are_where_the_formula_has_them() {
@@ -86,9 +89,10 @@ fn partials_of_the_file_are_where_the_formula_has_them() {
     }
 }
 
-/// Three strings in unison end on a bridge that moves. A string that ends on an admittance Y swings at omega with omega = omega_n + i (c/L) 3 Z0 Y(omega), c/L = 2 f0 and
-/// Z0 = mu c (where Y is so small that Z0 Y does not count beside 1: N. H. Fletcher and T. D. Rossing, The Physics of Musical Instruments, 1998, chapter 12; from memory):
-/// a partial rises above each of the bridge's modes, and falls below it.
+/// Three strings in unison end on a bridge that moves. A string that ends on an admittance Y swings at omega with omega
+/// = omega_n + i (c/L) 3 Z0 Y(omega), c/L = 2 f0 and Z0 = mu c (where Y is so small that Z0 Y does not count beside 1:
+/// N. H. Fletcher and T. D. Rossing, The Physics of Musical Instruments, 1998, chapter 12; from memory): a partial
+/// rises above each of the bridge's modes, and falls below it.
 #[test]
 #[ignore = "ci: a note of two seconds"]
 fn a_bridge_that_moves_shifts_partials_as_its_admittance_says() {
@@ -129,8 +133,8 @@ fn a_bridge_that_moves_shifts_partials_as_its_admittance_says() {
     }
 }
 
-/// A damper that is half up holds its place of the string as a spring does, and takes from it as a dashpot does: the first partials rise by some cents and fall faster. Lifted
-/// it does neither.
+/// A damper that is half up holds its place of the string as a spring does, and takes from it as a dashpot does: the
+/// first partials rise by some cents and fall faster. Lifted it does neither.
 #[test]
 #[ignore = "ci: two notes of two seconds"]
 fn a_damper_that_is_half_up_shifts_partials() {
@@ -161,7 +165,8 @@ fn jumps(samples: &[f64]) -> f64 {
     tops.windows(21).map(|t| t[20] / (t[..20].iter().sum::<f64>() / 20.0).max(step)).fold(0.0, f64::max)
 }
 
-/// After the blow nothing in the file is sharper than what is around it; a sample that is off by two hundredths of full scale would be.
+/// After the blow nothing in the file is sharper than what is around it; a sample that is off by two hundredths of full
+/// scale would be.
 #[test]
 fn the_file_has_no_clicks() {
     let folder = Folder::for_command("press", "wav-clicks");

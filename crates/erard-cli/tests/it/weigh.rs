@@ -3,8 +3,9 @@
 use crate::common::Folder;
 use serde_json::Value;
 
-/// A piano with a ratio of 5.6, whose keys have a balance weight of 40 g in the bass and 36 g in the treble; key 30 was not weighed, key 40 only
-/// in part; key 50's hammer is a gram too heavy for its neighbours. Decimal commas, as a spreadsheet writes them here.
+/// A piano with a ratio of 5.6, whose keys have a balance weight of 40 g in the bass and 36 g in the treble; key 30 was
+/// not weighed, key 40 only in part; key 50's hammer is a gram too heavy for its neighbours. Decimal commas, as a
+/// spreadsheet writes them here.
 fn piano() -> String {
     let mut table = String::from("key;SW;FW;DW;UW\n");
     for key in (1..=88).filter(|key| *key != 30) {
@@ -27,8 +28,8 @@ fn read(folder: &Folder, file: &str) -> Value {
     serde_json::from_str(&folder.read(file)).unwrap()
 }
 
-/// The statics of every key by hand: balance weight, friction, leads whose moment makes the difference to the target; and the sample in the
-/// dynamic model agrees to half a gram.
+/// The statics of every key by hand: balance weight, friction, leads whose moment makes the difference to the target;
+/// and the sample in the dynamic model agrees to half a gram.
 #[test]
 fn a_work_list() {
     let folder = Folder::new("weigh");

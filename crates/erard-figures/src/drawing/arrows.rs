@@ -105,8 +105,9 @@ fn shaft(arrow: &Arrow) -> [Vec2; 2] {
     [from, [from[0] + arrow.direction[0] * length, from[1] - arrow.direction[1] * length]]
 }
 
-/// The nearest place for a number about its arrow's tip that no arrow and no other number crosses. Rings of growing radius about the tip are
-/// tried, each from the arrow's own direction to its opposite; the page's script does the same.
+/// The nearest place for a number about its arrow's tip that no arrow and no other number crosses. Rings of growing
+/// radius about the tip are tried, each from the arrow's own direction to its opposite; the page's script does the
+/// same.
 fn free_place(arrow: &Arrow, [width, height]: Vec2, shafts: &[[Vec2; 2]], taken: &[Box4]) -> Box4 {
     let [_, tip] = shaft(arrow);
     let heading = (-arrow.direction[1]).atan2(arrow.direction[0]);
@@ -170,7 +171,8 @@ mod tests {
         assert!(arrows(&[arrow(0.0, 0.0, 1.0, 12.34)]).contains("12.3 N"));
     }
 
-    /// Thirty arrows in the space of a hand, numbers of all lengths: none is crossed. The boxes are read from the text that is written.
+    /// Thirty arrows in the space of a hand, numbers of all lengths: none is crossed. The boxes are read from the text
+    /// that is written.
     #[test]
     fn no_arrow_crosses_a_number() {
         let mut seed = 7_u64;

@@ -1,4 +1,5 @@
-//! Numbers that were changed while the note beside them still speaks of what they were: a mark in the picture, and a line below it.
+//! Numbers that were changed while the note beside them still speaks of what they were: a mark in the picture, and a
+//! line below it.
 
 use super::carried;
 use super::outline::MM;
@@ -18,7 +19,8 @@ const MOST: usize = 9;
 /// A number whose note speaks of what it was before it was changed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChangedNote {
-    /// The body (`None`: the ground) and the point in its frame, m, that the number belongs to; `None` where it has no place.
+    /// The body (`None`: the ground) and the point in its frame, m, that the number belongs to; `None` where it has no
+    /// place.
     pub place: Option<(Option<usize>, Vec2)>,
     /// What was changed, and the note.
     pub text: String,
@@ -146,7 +148,8 @@ mod tests {
         InstrumentFile::parse(&lines.join("\n"), "moved").unwrap()
     }
 
-    /// A capstan that was moved is marked where it is now, and the line says what its note said; an instrument as it comes has no mark.
+    /// A capstan that was moved is marked where it is now, and the line says what its note said; an instrument as it
+    /// comes has no mark.
     #[test]
     fn a_note_that_became_untrue_is_marked_where_it_belongs() {
         let file = moved();

@@ -1,5 +1,5 @@
-//! Something decent to look at for an instrument that is no grand action and whose file draws no parts: a rod from every pivot to whatever
-//! the body touches or carries, and the contact curves themselves.
+//! Something decent to look at for an instrument that is no grand action and whose file draws no parts: a rod from
+//! every pivot to whatever the body touches or carries, and the contact curves themselves.
 
 use super::material::Finish;
 use super::piece::{Carrier, Piece};

@@ -88,8 +88,8 @@ pub(crate) fn labels(pieces: &[Piece], placed: &[Placement], bounds: [f64; 4]) -
     out
 }
 
-/// The pieces that have a label: a name with a comma is a detail, and of several pieces of one name the first is labelled. With a point of
-/// each that can be seen, m in the world.
+/// The pieces that have a label: a name with a comma is a detail, and of several pieces of one name the first is
+/// labelled. With a point of each that can be seen, m in the world.
 fn visible_points(pieces: &[Piece], placed: &[Placement]) -> Vec<(usize, Vec2)> {
     let outlines: Vec<Vec<Vec2>> = pieces
         .iter()

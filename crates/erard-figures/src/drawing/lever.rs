@@ -1,4 +1,5 @@
-//! A key alone: the picture of the one-degree-of-freedom model, in which all the rest of the action is an inertia and a moment on the key.
+//! A key alone: the picture of the one-degree-of-freedom model, in which all the rest of the action is an inertia and a
+//! moment on the key.
 
 use super::fallback::circle;
 use super::material::Finish;

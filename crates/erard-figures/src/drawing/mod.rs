@@ -1,7 +1,7 @@
 //! The action as a picture: outlines that hang on the instrument's geometry, each carried by its body, in one pose.
 //!
-//! A grand action is drawn by `grand`, a key alone by `lever`, anything else from its contact curves (`fallback`). Outlines that an instrument
-//! file brings along come on top, or instead of the latter.
+//! A grand action is drawn by `grand`, a key alone by `lever`, anything else from its contact curves (`fallback`).
+//! Outlines that an instrument file brings along come on top, or instead of the latter.
 
 mod anchor;
 mod arrows;
@@ -72,8 +72,8 @@ pub struct Drawing {
 
 /// Draws an instrument from its geometry.
 ///
-/// What its file draws itself comes on top of a grand action or a key alone, unless the program draws a part of that name, which follows the
-/// geometry; of any other mechanism it is the whole picture.
+/// What its file draws itself comes on top of a grand action or a key alone, unless the program draws a part of that
+/// name, which follows the geometry; of any other mechanism it is the whole picture.
 #[must_use]
 pub fn drawing(instrument: &Instrument) -> Drawing {
     let all: Vec<usize> = (0..instrument.bodies.len()).collect();
@@ -166,8 +166,8 @@ pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptio
     out
 }
 
-/// A picture for a page that may be dark: where the page is, its paper is dark and its words are light, as in the page of a run; the parts keep
-/// their colours.
+/// A picture for a page that may be dark: where the page is, its paper is dark and its words are light, as in the page
+/// of a run; the parts keep their colours.
 #[must_use]
 pub fn at_night(svg: &str) -> String {
     svg.replacen("</style>", &format!("{NIGHT}</style>"), 1)
@@ -176,9 +176,9 @@ pub fn at_night(svg: &str) -> String {
 const NIGHT: &str = "@media (prefers-color-scheme:dark){.paper{fill:#26272b}.label,.caption{fill:#e9e6e0}.leader{stroke:#a8a39a}\
 .leader-end{fill:#a8a39a}.newton{fill:#fff;stroke:#1b1214}.changed-note{fill:#ff8a7d}}";
 
-/// Pieces and pins as SVG elements, each piece in its carrier's frame. `data-body` says which body moves it; with `data-point` it follows
-/// that point of the body (mm, as written) from where it is as drawn (`data-drawn`) without turning, with `data-guided` up and down only. `data-rail` says that the sustain
-/// pedal lifts it.
+/// Pieces and pins as SVG elements, each piece in its carrier's frame. `data-body` says which body moves it; with
+/// `data-point` it follows that point of the body (mm, as written) from where it is as drawn (`data-drawn`) without
+/// turning, with `data-guided` up and down only. `data-rail` says that the sustain pedal lifts it.
 pub(crate) fn shapes(drawing: &Drawing, placed: &[Placement]) -> String {
     let mut out = String::from("<g class=\"parts\">");
     for piece in &drawing.pieces {

@@ -40,8 +40,8 @@ pub enum Carrier {
     Rail,
     /// A body, as a piece of it.
     Body(usize),
-    /// A point of a body, without turning: what is guided (a damper's head, by its rail) or held (a finger). Its outline is given in the
-    /// world, as drawn.
+    /// A point of a body, without turning: what is guided (a damper's head, by its rail) or held (a finger). Its
+    /// outline is given in the world, as drawn.
     Point {
         /// The body.
         body: usize,

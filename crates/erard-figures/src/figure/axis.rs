@@ -59,7 +59,8 @@ impl Axis {
         }
     }
 
-    /// Powers of ten, with their doubles and fivefolds where there is room for them; round values where the axis is shorter than that.
+    /// Powers of ten, with their doubles and fivefolds where there is room for them; round values where the axis is
+    /// shorter than that.
     fn powers(&self, most: usize) -> Vec<(f64, String)> {
         let decades = (self.high - self.low).max(1e-12);
         let every = (decades / most as f64).ceil().max(1.0) as i32;

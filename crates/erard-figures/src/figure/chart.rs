@@ -76,7 +76,8 @@ fn panel(panel: &ChartPanel) -> Panel<'_> {
     }
 }
 
-/// From where to where the abscissa goes: as far as its values, and a little further where points would be cut by the frame.
+/// From where to where the abscissa goes: as far as its values, and a little further where points would be cut by the
+/// frame.
 fn abscissae(chart: &Chart) -> (f64, f64) {
     let curves = || chart.panels.iter().flat_map(|panel| &panel.curves);
     let place = |x: f64| if chart.x_log { x.log10() } else { x };

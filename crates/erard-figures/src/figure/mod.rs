@@ -36,8 +36,9 @@ use crate::svg::{escape, number};
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Colours distinguished by everybody, also in grey print when combined with [`Dash`]: first Okabe and Ito's set (yellow left out because it
-/// vanishes on paper), then darker and duller ones, so that sixteen curves of one panel have sixteen colours.
+/// Colours distinguished by everybody, also in grey print when combined with [`Dash`]: first Okabe and Ito's set
+/// (yellow left out because it vanishes on paper), then darker and duller ones, so that sixteen curves of one panel
+/// have sixteen colours.
 pub const PALETTE: [&str; 16] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#7a4b9e", "#8c6d1f", "#a1253b",
     "#4a7a3a", "#5c6f8a", "#c08a6a", "#00807f", "#8f8f8f", "#3a3f8f",
@@ -403,7 +404,8 @@ mod tests {
         }
     }
 
-    /// Areas stand one upon the other: parts of 1 and 3 end at 1 and at 4 of an axis that ends at 4.2, a twentieth above the whole.
+    /// Areas stand one upon the other: parts of 1 and 3 end at 1 and at 4 of an axis that ends at 4.2, a twentieth
+    /// above the whole.
     #[test]
     fn stacked_areas_end_at_their_sums() {
         let trace = |label: &str, y: f64, colour| Trace::new(label, &[0.0, 1.0], vec![y, y], colour, Dash::Solid);

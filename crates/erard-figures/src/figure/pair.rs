@@ -1,4 +1,5 @@
-//! Two runs on one clock: their curves over each other, and their difference where they lie too close to be distinguished.
+//! Two runs on one clock: their curves over each other, and their difference where they lie too close to be
+//! distinguished.
 
 use super::run::{FORCE_FLOOR, scaled, windows};
 use super::ticks::range;
@@ -105,7 +106,8 @@ pub(crate) fn paired_zones(runs: [&Run; 2]) -> Vec<(usize, usize)> {
     out
 }
 
-/// The second curve less the first at the first one's instants, as far as both go; `None` where they never meet in time.
+/// The second curve less the first at the first one's instants, as far as both go; `None` where they never meet in
+/// time.
 fn difference(first: &Trace, second: &Trace) -> Option<Vec<f64>> {
     let mut at = 0;
     let values: Vec<f64> = first
@@ -132,7 +134,8 @@ mod tests {
     use super::*;
     use crate::drawing::fixture::two_levers_run;
 
-    /// A run beside itself differs nowhere, and says so; a heavier one beside it does not coincide and has no difference plotted.
+    /// A run beside itself differs nowhere, and says so; a heavier one beside it does not coincide and has no
+    /// difference plotted.
     #[test]
     fn a_difference_is_drawn_where_curves_coincide() {
         let run = two_levers_run(400);

@@ -12,7 +12,8 @@ pub fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
         return (0.0, 1.0);
     }
     let spread = high - low;
-    // A constant curve, or one whose spread no label of six digits would show: ticks that all read the same say nothing.
+    // A constant curve, or one whose spread no label of six digits would show: ticks that all read the same say
+    // nothing.
     if spread <= CONSTANT * low.abs().max(high.abs()) || spread == 0.0 {
         let half = if low == 0.0 { 1.0 } else { 0.5 * low.abs() };
         return (low - half, high + half);

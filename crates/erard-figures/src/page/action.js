@@ -2,8 +2,8 @@
 const picture = $("action");
 const SVG = "http://www.w3.org/2000/svg";
 
-// What moves: an element turns with its body, or follows a point of it without turning (`data-point`, from `data-drawn`), a guided one up and
-// down only. `placed` is where its frame is now.
+// What moves: an element turns with its body, or follows a point of it without turning (`data-point`, from
+// `data-drawn`), a guided one up and down only. `placed` is where its frame is now.
 data.actions.forEach((action, index) => {
   action.group = picture.querySelector(`[data-action="${index}"]`);
   action.pieces = [...action.group.querySelectorAll(".parts > path")];
@@ -48,8 +48,8 @@ const pose = (where) => {
   }
 };
 
-// Arrows and their numbers are made once and reused: the finger's and one per zone, and whatever else a later kind of force brings (its
-// class is its kind, and `at` says where it acts, which way and how much, or nothing).
+// Arrows and their numbers are made once and reused: the finger's and one per zone, and whatever else a later kind of
+// force brings (its class is its kind, and `at` says where it acts, which way and how much, or nothing).
 const arrows = [];
 const arrow = (action, kind, at) => {
   const { forces, numbers } = data.actions[action].layers, tint = data.actions.length > 1 ? ` a${action}` : "";
@@ -133,8 +133,9 @@ data.actions.forEach((action, index) => {
   });
 });
 
-// The view: [left, top, width, height] in millimetres of the picture. Two actions side by side are seen in the same view each, in halves of
-// the picture: the second, with all that belongs to it, is moved aside or below, as the picture has room, and both are cut at its edges.
+// The view: [left, top, width, height] in millimetres of the picture. Two actions side by side are seen in the same
+// view each, in halves of the picture: the second, with all that belongs to it, is moved aside or below, as the picture
+// has room, and both are cut at its edges.
 const box = (view) => [view[0], view[1], view[2] - view[0], view[3] - view[1]];
 let view = box(data.views.whole);
 const sideBySide = $("beside");

@@ -128,8 +128,9 @@ const TIMES: [f64; 7] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
 /// How far it then swings in the picture at most, mm.
 const SWING_MM: f64 = 12.0;
 
-/// The string as it swings, where it yields: places and rest in picture millimetres, displacements in mm, place by place in every frame, and by how much the picture
-/// exaggerates them; the lift of the pedal's rail in every frame, mm, where it is lifted.
+/// The string as it swings, where it yields: places and rest in picture millimetres, displacements in mm, place by
+/// place in every frame, and by how much the picture exaggerates them; the lift of the pedal's rail in every frame, mm,
+/// where it is lifted.
 fn string(instrument: &Instrument, run: &Run, frames: &Frames) -> Option<Value> {
     let series = run.strings.as_ref()?;
     let [strike_m, height_m] = scene::string_at(instrument)?;

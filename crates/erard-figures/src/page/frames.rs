@@ -7,10 +7,10 @@ pub(crate) const MOST: usize = 6000;
 
 /// Rows of the run, ascending, at most about `most` of them.
 ///
-/// A long run is sampled at equal steps of what happens rather than of time: the sum of how far every series has
-/// moved, each against the way it goes in all. Blows and felts that open and close so get their frames, a key at rest few. Time
-/// takes part too, so that nothing rests for too long; the first and last row, the row of every series' extremes and
-/// the rows next to the given instants are always there.
+/// A long run is sampled at equal steps of what happens rather than of time: the sum of how far every series has moved,
+/// each against the way it goes in all. Blows and felts that open and close so get their frames, a key at rest few.
+/// Time takes part too, so that nothing rests for too long; the first and last row, the row of every series' extremes
+/// and the rows next to the given instants are always there.
 pub(crate) fn choose(run: &Run, instants: &[f64], most: usize) -> Vec<usize> {
     let rows = run.time_s.len();
     if rows <= most {

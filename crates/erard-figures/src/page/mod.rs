@@ -54,7 +54,8 @@ impl<'a> Shown<'a> {
     }
 }
 
-/// What stands in the page's table: a heading for every column of values (none where there is one), and rows of a name and its values.
+/// What stands in the page's table: a heading for every column of values (none where there is one), and rows of a name
+/// and its values.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SummaryTable {
     /// Headings.
@@ -70,17 +71,19 @@ pub(crate) struct Views {
     close: Option<[f64; 4]>,
 }
 
-/// The page. `stroke` is what was played; `summary` is what the command prints, as pairs of a name and a value with its unit.
+/// The page. `stroke` is what was played; `summary` is what the command prints, as pairs of a name and a value with its
+/// unit.
 ///
-/// Nothing is fetched, and the page's own policy forbids it. Without JavaScript it shows the action at rest, the summary,
-/// and says what is missing.
+/// Nothing is fetched, and the page's own policy forbids it. Without JavaScript it shows the action at rest, the
+/// summary, and says what is missing.
 pub fn page_html(shown: &Shown<'_>, stroke: &str, summary: &[(String, String)]) -> String {
     let figure = figure::run_figure(shown.run, stroke);
     let rows = summary.iter().map(|(name, value)| (name.clone(), vec![value.clone()])).collect();
     page(std::slice::from_ref(shown), &figure, &SummaryTable { heads: Vec::new(), rows })
 }
 
-/// The page of two runs on one clock: both actions over each other in two tints or side by side, their curves, and a table of what differs.
+/// The page of two runs on one clock: both actions over each other in two tints or side by side, their curves, and a
+/// table of what differs.
 pub fn pair_html(title: &str, shown: &[Shown<'_>; 2], summary: &SummaryTable) -> String {
     let runs = [0, 1].map(|index| (shown[index].name.as_str(), shown[index].run));
     page(shown, &figure::pair_figure(title, runs), summary)

@@ -1,11 +1,12 @@
-// Moving a picture of the action: what a page of a run and a page that plays live share. Nothing here knows of a page. In the page of a run these
-// lines stand among its others; where scripts are modules it is one.
+// Moving a picture of the action: what a page of a run and a page that plays live share. Nothing here knows of a page.
+// In the page of a run these lines stand among its others; where scripts are modules it is one.
 
 /** A body's frame: where its pivot is, mm of the picture with y up, and how it is turned.
  * @typedef {{ x: number, y: number, cos: number, sin: number, angle: number }} Frame */
 /** What a body is hinged on (null: the ground), and where, mm.
  * @typedef {{ parent: number | null, pivot: number[] }} Hinge */
-/** An element that turns with its body, or follows a point of it without turning, a guided one up and down only, or is lifted by the sustain pedal (`rail`); `frame` is where it is now.
+/** An element that turns with its body, or follows a point of it without turning, a guided one up and down only, or is
+ * lifted by the sustain pedal (`rail`); `frame` is where it is now.
  * @typedef {{ element: SVGElement, body: number, point?: number[], drawn?: number[], guided: boolean, rail: boolean, frame: Frame }} Moving */
 /** How long arrows are, mm, for forces in N.
  * @typedef {{ base: number, decade: number, knee: number, drawn: number, labelled: number }} ArrowLaw */
@@ -103,7 +104,8 @@ export const crosses = ([from, to], box, room) => {
 export const overlap = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
 const TURNS = [0, 0.5, -0.5, 1, -1, 1.5, -1.5, 2, -2, 2.5, -2.5, 3.1];
 
-/** The nearest place for a number about its arrow's tip that no arrow and no other number crosses; `pixel`: mm of the picture per pixel.
+/** The nearest place for a number about its arrow's tip that no arrow and no other number crosses; `pixel`: mm of the
+ * picture per pixel.
  * @type {(line: number[][], wide: number, tall: number, shafts: number[][][], taken: number[][], pixel: number) => number[] | null} */
 export const freePlace = ([from, tip], wide, tall, shafts, taken, pixel) => {
   const heading = Math.atan2(tip[1] - from[1], tip[0] - from[0]);
@@ -162,18 +164,23 @@ export const layNames = (inside, [left, top, right, bottom], pixel) => {
   }
 };
 
-/** An outline of the picture: what it is made of (how soft: 0 is the softest, -1 is hard), its path as drawn, its points once they are asked for (mm
- * of its frame, y up; `corners` are those that a straight line does not pass), and the body that carries it (null: the ground).
+/** An outline of the picture: what it is made of (how soft: 0 is the softest, -1 is hard), its path as drawn, its
+ * points once they are asked for (mm
+ * of its frame, y up; `corners` are those that a straight line does not pass), and the body that carries it (null: the
+ * ground).
  * @typedef {{ element: SVGGeometryElement, moving: Moving | undefined, body: number | null, soft: number, drawn: string, points: number[][] | null, corners: number[][], dented: boolean }} Outline */
 /** The bodies on the two sides of a contact (null: the ground).
  * @typedef {{ disc: number | null, curve: number | null }} Sides */
 /** A pressed contact: its point (mm, y up) and the normal toward the disc's side.
  * @typedef {{ sides: Sides, at: number[], normal: number[] }} Pressed */
-/** Which outline is dented in a contact, by which, and whether it is the disc's; where on that part it was pressed last, and the way into the felt there, in
+/** Which outline is dented in a contact, by which, and whether it is the disc's; where on that part it was pressed
+ * last, and the way into the felt there, in
  * the part's frame. @typedef {{ felt: Outline, into: Outline, ofDisc: boolean, at: number[], inward: number[] }} Dent */
 
 const SOFT = ["felt", "cloth", "leather"];
-/** mm: between points of an outline; how little a point may be beside the line of its neighbours to be none of its corners; how far an outline may be from a contact that it shows; how far about the contact, and how deep, a felt is dented. */
+/** mm: between points of an outline; how little a point may be beside the line of its neighbours to be none of its
+ * corners; how far an outline may be from a contact that it shows; how far about the contact, and how deep, a felt is
+ * dented. */
 const FINE = 0.25, STRAIGHT = 1e-4, NEAR = 1.5, ABOUT = 15, DEEPEST = 4;
 
 /** The outlines in a group of shapes. @type {(group: Element, moving: Moving[]) => Outline[]} */
@@ -182,7 +189,8 @@ export const outlinesIn = (group, moving) => [.../** @type {NodeListOf<SVGGeomet
   soft: SOFT.findIndex((finish) => element.getAttribute("fill") === `url(#${finish})`), drawn: element.getAttribute("d") ?? "", points: null, corners: [], dented: false,
 }));
 
-/** Points of a path of lines and quadratic curves, no farther apart than FINE, y up. What the browser says of a path (getPointAtLength) takes seconds for a whole action.
+/** Points of a path of lines and quadratic curves, no farther apart than FINE, y up. What the browser says of a path
+ * (getPointAtLength) takes seconds for a whole action.
  * @type {(drawn: string) => number[][]} */
 const pointsAlong = (drawn) => {
   const words = drawn.match(/[A-Z]|-?[0-9.]+(?:e-?[0-9]+)?/g) ?? [];
@@ -235,7 +243,8 @@ const farFrom = (outline, at) => {
   return Math.min(...pointsOf(outline).map((p) => carry(frame, p)).map(([x, y]) => Math.hypot(x - at[0], y - at[1])));
 };
 
-/** Which two outlines show a contact: the softest of both sides, and the nearest of the other's. Nothing if the picture does not show it.
+/** Which two outlines show a contact: the softest of both sides, and the nearest of the other's. Nothing if the picture
+ * does not show it.
  * @type {(outlines: Outline[], pressed: Pressed) => Dent | null} */
 const dentOf = (outlines, { sides, at }) => {
   const near = (/** @type {number | null} */ body) => outlines.filter((outline) => outline.body === body)
@@ -249,7 +258,8 @@ const dentOf = (outlines, { sides, at }) => {
   return into ? { felt, into, ofDisc, at: [0, 0], inward: [0, 0] } : null;
 };
 
-/** Where a point of a felt goes that lies within the part that presses it, or beyond its surface: out of it, the way `inward` into the felt.
+/** Where a point of a felt goes that lies within the part that presses it, or beyond its surface: out of it, the way
+ * `inward` into the felt.
  * @type {(p: number[], beyond: boolean, inward: number[], part: number[][]) => number[]} */
 const pushedOut = (p, beyond, [dx, dy], part) => {
   let crossings = 0, way = 0;
@@ -266,7 +276,8 @@ const pushedOut = (p, beyond, [dx, dy], part) => {
   return beyond || crossings % 2 === 1 ? [p[0] + way * dx, p[1] + way * dy] : p;
 };
 
-/** Felts are dented where something presses them, and are as drawn elsewhere. The outlines are where `move` has put them; `found` keeps which outlines show
+/** Felts are dented where something presses them, and are as drawn elsewhere. The outlines are where `move` has put
+ * them; `found` keeps which outlines show
  * which contact. @type {(outlines: Outline[], pressed: (Pressed | null)[], found: Map<number, Dent | null>) => void} */
 export const dent = (outlines, pressed, found) => {
   /** @type {Map<Outline, number[][]>} */

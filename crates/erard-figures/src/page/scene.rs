@@ -1,5 +1,5 @@
-//! What a page's script must know of an instrument to move its picture: shapes, hinges, names, which way arrows point. No run is needed: a page that
-//! plays live asks for the same as one that shows what was played.
+//! What a page's script must know of an instrument to move its picture: shapes, hinges, names, which way arrows point.
+//! No run is needed: a page that plays live asks for the same as one that shows what was played.
 
 use serde_json::{Value, json};
 
@@ -7,8 +7,8 @@ use super::{Views, close_up};
 use crate::drawing::{self, ARROW, Drawing, MM, gradients, shapes};
 use erard::instrument::{Curve, Instrument};
 
-/// The instrument as drawn: `shapes` and `gradients` are SVG (for `<g>` and `<defs>`), lengths are millimetres of the picture (y up; SVG's is down),
-/// angles rad.
+/// The instrument as drawn: `shapes` and `gradients` are SVG (for `<g>` and `<defs>`), lengths are millimetres of the
+/// picture (y up; SVG's is down), angles rad.
 #[must_use]
 pub fn scene(instrument: &Instrument) -> Value {
     let drawing = drawing::drawing(instrument);

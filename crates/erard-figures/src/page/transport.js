@@ -201,8 +201,9 @@ const redraw = () => {
 addEventListener("resize", redraw);
 dark.addEventListener("change", redraw);
 
-// #t=0.123 opens the page at that time (s); shown=from,to at that stretch of the curves; view=whole, or left,top,width,height in
-// millimetres of the picture, at that view; names=1 with the parts' names; beside=1 with two actions side by side; pins=0 without the forces of the pins.
+// #t=0.123 opens the page at that time (s); shown=from,to at that stretch of the curves; view=whole, or
+// left,top,width,height in millimetres of the picture, at that view; names=1 with the parts' names; beside=1 with two
+// actions side by side; pins=0 without the forces of the pins.
 const open = () => {
   const hash = new URLSearchParams(location.hash.slice(1));
   const numbers = (key, count) => {

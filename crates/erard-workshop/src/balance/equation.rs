@@ -66,8 +66,8 @@ impl Balance {
 mod tests {
     use super::*;
 
-    /// David Love's example (Caut list, "The balance weight is the modern standard"): D 52 g and U 28 g are a balance weight of 40 g and a
-    /// friction weight of 12 g; and a gram of friction more (53, 27) leaves the balance weight.
+    /// David Love's example (Caut list, "The balance weight is the modern standard"): D 52 g and U 28 g are a balance
+    /// weight of 40 g and a friction weight of 12 g; and a gram of friction more (53, 27) leaves the balance weight.
     #[test]
     fn the_published_example() {
         let key = Balance { down_weight_g: 52.0, up_weight_g: 28.0 };
@@ -76,8 +76,8 @@ mod tests {
         assert_eq!((stiffer.balance_weight_g(), stiffer.friction_weight_g()), (40.0, 13.0));
     }
 
-    /// By hand: KR 0.5 of WW 18 g is 9 g, R 5.5 of SW 10 g is 55 g; with FW 26 g, 38 g are left to be balanced. A gram more in front is a
-    /// gram less of balance weight (Love, the same post).
+    /// By hand: KR 0.5 of WW 18 g is 9 g, R 5.5 of SW 10 g is 55 g; with FW 26 g, 38 g are left to be balanced. A gram
+    /// more in front is a gram less of balance weight (Love, the same post).
     #[test]
     fn the_equation_by_hand() {
         let parts = Parts { front_weight_g: 26.0, strike_weight_g: 10.0, whippen_weight_g: 18.0, key_ratio: 0.5 };

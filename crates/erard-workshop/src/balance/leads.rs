@@ -23,8 +23,9 @@ impl Lead {
     }
 }
 
-/// Masses that leads are taken to have unless one says which are in the drawer, g: cylinders of lead (11.34 g/cm3) through a key 12 mm wide, of
-/// 1/2, 7/16, 3/8 and 1/4 inch (12.7, 11.1, 9.5 and 6.4 mm) weigh 17.2, 13.2, 9.7 and 4.3 g; sold leads are shorter. An estimate.
+/// Masses that leads are taken to have unless one says which are in the drawer, g: cylinders of lead (11.34 g/cm3)
+/// through a key 12 mm wide, of 1/2, 7/16, 3/8 and 1/4 inch (12.7, 11.1, 9.5 and 6.4 mm) weigh 17.2, 13.2, 9.7 and 4.3
+/// g; sold leads are shorter. An estimate.
 pub const LEADS_G: [f64; 4] = [14.0, 10.0, 7.0, 4.0];
 /// Most leads that are added to a key.
 pub(crate) const MOST_LEADS: usize = 3;
@@ -32,7 +33,8 @@ pub(crate) const MOST_LEADS: usize = 3;
 pub(crate) const FEWEST_GRAMS: f64 = 0.5;
 /// What leads give may be off by this, g.
 const CLOSE_G: f64 = 0.25;
-/// Leads are put no nearer to the pin than this, and no nearer to the key's front, mm: balance hole and front pin's mortise need their wood.
+/// Leads are put no nearer to the pin than this, and no nearer to the key's front, mm: balance hole and front pin's
+/// mortise need their wood.
 const NEAR_PIN_MM: f64 = 40.0;
 const NEAR_FRONT_MM: f64 = 60.0;
 /// Two leads stand at least so far apart, mm: a lead is 12.7 mm wide, with some wood between.
@@ -51,10 +53,10 @@ pub struct LeadWork {
     pub inertia_g: f64,
 }
 
-/// The leads that change the front weight by so much, to the nearest that leads of these masses, each at a whole millimetre, can: the fewest,
-/// and of as many, those with the least inertia. `present` are the key's own leads where they are known; they can be taken out, and nothing is
-/// put where one of them stays. `None` where nothing reaches it to a quarter of a gram: a key from whose front more must be taken than its
-/// known leads weigh, say.
+/// The leads that change the front weight by so much, to the nearest that leads of these masses, each at a whole
+/// millimetre, can: the fewest, and of as many, those with the least inertia. `present` are the key's own leads where
+/// they are known; they can be taken out, and nothing is put where one of them stays. `None` where nothing reaches it
+/// to a quarter of a gram: a key from whose front more must be taken than its known leads weigh, say.
 #[must_use]
 pub(crate) fn lead_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead]) -> Option<LeadWork> {
     if change_g.abs() < FEWEST_GRAMS {
@@ -110,7 +112,8 @@ fn put(change_g: f64, key_front_mm: f64, masses_g: &[f64], stays: &[Lead], count
     best.map(|(_, put)| put)
 }
 
-/// Where leads may stand, mm from the pin: in front of it to add front weight, behind it (as far as in front) to take some away.
+/// Where leads may stand, mm from the pin: in front of it to add front weight, behind it (as far as in front) to take
+/// some away.
 fn places(change_g: f64, key_front_mm: f64) -> [f64; 2] {
     let [near, far] = [NEAR_PIN_MM, key_front_mm - NEAR_FRONT_MM];
     if change_g > 0.0 { [near, far] } else { [-far.min(BEHIND_MM), -near] }
@@ -134,8 +137,8 @@ fn choices(masses_g: &[f64], count: usize) -> Vec<Vec<f64>> {
     all
 }
 
-/// Leads of these masses side by side, so that mass times place is `moment` (g mm) to the nearest whole millimetre of the group; the places keep
-/// their distance from each other and from what stays.
+/// Leads of these masses side by side, so that mass times place is `moment` (g mm) to the nearest whole millimetre of
+/// the group; the places keep their distance from each other and from what stays.
 fn stand(moment: f64, masses_g: &[f64], [from, to]: [f64; 2], stays: &[Lead]) -> Option<Vec<Lead>> {
     let total: f64 = masses_g.iter().sum();
     let offset = |i: usize| (i as f64 - 0.5 * (masses_g.len() - 1) as f64) * APART_MM;
@@ -174,8 +177,8 @@ mod tests {
 
     const FRONT_MM: f64 = 250.0;
 
-    /// By hand: 5 g at a front 250 mm from the pin are 1250 g mm: 14 g at 89 mm (1246). It is the least inertia of one lead, for the heaviest
-    /// stands nearest.
+    /// By hand: 5 g at a front 250 mm from the pin are 1250 g mm: 14 g at 89 mm (1246). It is the least inertia of one
+    /// lead, for the heaviest stands nearest.
     #[test]
     fn one_lead_by_hand() {
         let work = lead_work(5.0, FRONT_MM, &LEADS_G, &[]).unwrap();
@@ -186,7 +189,8 @@ mod tests {
         assert_eq!(lead_work(5.0, FRONT_MM, &[7.0], &[]).unwrap().put, [Lead { mass_g: 7.0, at_mm: 179.0 }]);
     }
 
-    /// Whatever is asked for comes out to within half a gram, its leads exist, stand at whole millimetres, in the wood, and apart.
+    /// Whatever is asked for comes out to within half a gram, its leads exist, stand at whole millimetres, in the wood,
+    /// and apart.
     #[test]
     fn what_is_asked_for_comes_out() {
         for tenths in 5..=280 {
@@ -202,8 +206,8 @@ mod tests {
         }
     }
 
-    /// One lead is preferred to two, though the heaviest would stand too near to the pin: 2.1 g at a front of 265 mm are 14 g at
-    /// 40 mm, 1.8 g are 10 g at 48 mm.
+    /// One lead is preferred to two, though the heaviest would stand too near to the pin: 2.1 g at a front of 265 mm
+    /// are 14 g at 40 mm, 1.8 g are 10 g at 48 mm.
     #[test]
     fn one_lead_is_better_than_two() {
         assert_eq!(lead_work(2.1, 265.0, &LEADS_G, &[]).unwrap().put, [Lead { mass_g: 14.0, at_mm: 40.0 }]);
@@ -220,7 +224,8 @@ mod tests {
         assert!(work.put.iter().all(|lead| present.iter().all(|other| (lead.at_mm - other.at_mm).abs() >= APART_MM)));
     }
 
-    /// Without known leads a front that is too heavy gets one behind the pin; nothing at all is done for less than half a gram.
+    /// Without known leads a front that is too heavy gets one behind the pin; nothing at all is done for less than half
+    /// a gram.
     #[test]
     fn behind_the_pin_and_nothing() {
         let work = lead_work(-3.0, FRONT_MM, &LEADS_G, &[]).unwrap();

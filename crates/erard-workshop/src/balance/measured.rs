@@ -105,11 +105,12 @@ const COLUMNS: [Column; 6] = [
     Column { name: "key_ratio", also: &["kr"], limits: [0.3, 0.8], unit: "", put: |key, x| key.key_ratio = Some(x) },
 ];
 
-/// Reads a table: a header that names `key` (1 to 88) or `note` (A0 to C8), and any of `strike_weight_g`, `front_weight_g`, `down_weight_g`,
-/// `up_weight_g`, `whippen_weight_g`, `key_ratio`, `leads` (such as `14@165 14@147`: grams at millimetres in front of the balance pin). The
-/// trade's letters (SW, FW, DW, UW, WW, KR) do as well; other columns are passed over. Cells end at commas, or at semicolons or tabs where the
-/// header has one, and then decimals may have commas. Empty cells were not weighed; lines that begin with `#` are comments. Keys come out
-/// ascending. `file` appears in errors only.
+/// Reads a table: a header that names `key` (1 to 88) or `note` (A0 to C8), and any of `strike_weight_g`,
+/// `front_weight_g`, `down_weight_g`, `up_weight_g`, `whippen_weight_g`, `key_ratio`, `leads` (such as `14@165 14@147`:
+/// grams at millimetres in front of the balance pin). The trade's letters (SW, FW, DW, UW, WW, KR) do as well; other
+/// columns are passed over. Cells end at commas, or at semicolons or tabs where the header has one, and then decimals
+/// may have commas. Empty cells were not weighed; lines that begin with `#` are comments. Keys come out ascending.
+/// `file` appears in errors only.
 ///
 /// # Errors
 /// The first thing that is wrong, with line and column.
@@ -251,7 +252,8 @@ fn leads(text: &str, separator: char) -> Result<Vec<Lead>, String> {
 mod tests {
     use super::*;
 
-    /// Commas with points, semicolons with decimal commas, tabs; numbers or notes; empty cells, comments, other columns.
+    /// Commas with points, semicolons with decimal commas, tabs; numbers or notes; empty cells, comments, other
+    /// columns.
     #[test]
     fn tables_as_people_write_them() {
         let plain = "# weighed on Monday\nkey,SW,FW,DW,UW,who\n40,8.7,21.2,50,26,me\n1,10.4,,54.5,,\n";

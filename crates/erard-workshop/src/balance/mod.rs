@@ -4,12 +4,13 @@
 //!
 //! BW + FW = KR WW + R SW
 //!
-//! with balance weight BW = (D + U) / 2, friction weight F = (D - U) / 2, front weight FW, key ratio KR, whippen weight WW, strike weight SW
-//! and strike-weight ratio R: `equation`. What was measured: `measured`. Curves over the keyboard: `smooth`. Leads that exist: `leads`.
-//! What reaches the target, key by key: `plan`. Whether it does in the dynamic model: `check`.
+//! with balance weight BW = (D + U) / 2, friction weight F = (D - U) / 2, front weight FW, key ratio KR, whippen weight
+//! WW, strike weight SW and strike-weight ratio R: `equation`. What was measured: `measured`. Curves over the keyboard:
+//! `smooth`. Leads that exist: `leads`. What reaches the target, key by key: `plan`. Whether it does in the dynamic
+//! model: `check`.
 //!
-//! Grams are gram-forces at the key front or on the scale, as in the trade; millimetres along the key count from its balance pin, positive
-//! toward the player.
+//! Grams are gram-forces at the key front or on the scale, as in the trade; millimetres along the key count from its
+//! balance pin, positive toward the player.
 
 mod check;
 mod equation;

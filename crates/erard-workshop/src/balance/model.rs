@@ -36,8 +36,8 @@ const G: f64 = 1e3;
 const MM: f64 = 1e3;
 /// The trip of the key that inertias belong to: half-way to where let-off usually begins, m.
 const HALF_WAY_M: f64 = 4e-3;
-/// Where leads are taken to stand when a measured front weight differs from the model's, as a share of the key's front arm: an estimate (the
-/// built-in grand's two leads stand at 0.62 and 0.55 of it).
+/// Where leads are taken to stand when a measured front weight differs from the model's, as a share of the key's front
+/// arm: an estimate (the built-in grand's two leads stand at 0.62 and 0.55 of it).
 const LEADS_AT: f64 = 0.6;
 
 impl KeyModel {
@@ -75,21 +75,22 @@ impl KeyModel {
         })
     }
 
-    /// Effective inertia at the key's front of a key with these weights, kg: the hammer's from its strike weight and ratio, the key's with its
-    /// leads changed for its front weight (at `LEADS_AT`), the whippen's as the model's.
+    /// Effective inertia at the key's front of a key with these weights, kg: the hammer's from its strike weight and
+    /// ratio, the key's with its leads changed for its front weight (at `LEADS_AT`), the whippen's as the model's.
     #[must_use]
     pub(crate) fn inertia_kg(&self, strike_weight_g: f64, front_weight_g: f64, ratio: f64) -> f64 {
         let hammer_g = self.hammer_factor * strike_weight_g * ratio * ratio;
         1e-3 * (hammer_g + self.whippen_inertia_g + self.key_g(front_weight_g))
     }
 
-    /// The key with its leads changed for a front weight, g at its front: so much front weight needs `1 / LEADS_AT` of lead, which counts
-    /// `LEADS_AT` squared.
+    /// The key with its leads changed for a front weight, g at its front: so much front weight needs `1 / LEADS_AT` of
+    /// lead, which counts `LEADS_AT` squared.
     fn key_g(&self, front_weight_g: f64) -> f64 {
         self.key_inertia_g + LEADS_AT * (front_weight_g - self.front_weight_g)
     }
 
-    /// The strike weight with which a key has an inertia, its leads giving a balance weight meanwhile, g: inertia is a straight line of it.
+    /// The strike weight with which a key has an inertia, its leads giving a balance weight meanwhile, g: inertia is a
+    /// straight line of it.
     #[must_use]
     pub(crate) fn strike_weight_for_inertia(
         &self,
@@ -105,8 +106,8 @@ impl KeyModel {
         (inertia_kg - at(0.0)) / (at(1.0) - at(0.0))
     }
 
-    /// By what factor action weight (KR WW and R SW alike) changes when the capstan goes `by_mm` toward the player: the key's arm gets shorter,
-    /// the whippen's longer.
+    /// By what factor action weight (KR WW and R SW alike) changes when the capstan goes `by_mm` toward the player: the
+    /// key's arm gets shorter, the whippen's longer.
     #[must_use]
     pub(crate) fn capstan_factor(&self, by_mm: f64) -> f64 {
         (self.capstan_mm - by_mm) / self.capstan_mm * self.heel_mm / (self.heel_mm + by_mm)
@@ -133,7 +134,8 @@ fn stack_inertia_kg_m2(instrument: &Instrument, part: usize) -> f64 {
         .sum()
 }
 
-/// A point mass added to a body at a point of its frame (taken away where negative), kg and m: mass, centre of mass and inertia about its pin.
+/// A point mass added to a body at a point of its frame (taken away where negative), kg and m: mass, centre of mass and
+/// inertia about its pin.
 pub(super) fn add_mass(instrument: &mut Instrument, body: usize, mass_kg: f64, [x, y]: Vec2) {
     let body = &mut instrument.bodies[body];
     let total = body.mass_kg + mass_kg;
@@ -148,8 +150,9 @@ mod tests {
     use super::*;
     use crate::measure::inertia::inertia;
 
-    /// The scale's numbers are the sheet's; what statics makes of the inertia is what the kinetic energy of the simulated action makes of it,
-    /// half-way: to 3 %, for the ratio of the equation of balance is that of another place of the stroke.
+    /// The scale's numbers are the sheet's; what statics makes of the inertia is what the kinetic energy of the
+    /// simulated action makes of it, half-way: to 3 %, for the ratio of the equation of balance is that of another
+    /// place of the stroke.
     #[test]
     fn the_built_in_grand() {
         let grand = Instrument::builtin("concert-grand").unwrap();

@@ -15,7 +15,8 @@ pub struct Target {
     pub balance_weight_g: Option<f64>,
     /// Effective inertia of every key at its front, kg; then the hammers follow it, not the smooth curve.
     pub inertia_kg: Option<f64>,
-    /// Whether hammers come to their target strike weights first, and leads follow; otherwise hammers stay, and leads do it alone.
+    /// Whether hammers come to their target strike weights first, and leads follow; otherwise hammers stay, and leads
+    /// do it alone.
     pub hammers: bool,
 }
 
@@ -28,7 +29,8 @@ pub struct Curves {
     pub ratio: Option<[f64; KEYS]>,
     /// Target strike weights: the smooth ones, or those that give the target inertia, g.
     pub target_strike_weight_g: Option<[f64; KEYS]>,
-    /// Front weights with which keys of the smooth ratio and the target strike weights have the target balance weight, g.
+    /// Front weights with which keys of the smooth ratio and the target strike weights have the target balance weight,
+    /// g.
     pub target_front_weight_g: Option<[f64; KEYS]>,
 }
 
@@ -70,7 +72,8 @@ pub struct BalancedKey {
     pub from_curves: bool,
     /// Its target strike weight, g.
     pub target_strike_weight_g: Option<f64>,
-    /// The front weight that reaches the target balance weight, the hammer as it is or at its target ([`Target::hammers`]), g.
+    /// The front weight that reaches the target balance weight, the hammer as it is or at its target
+    /// ([`Target::hammers`]), g.
     pub target_front_weight_g: Option<f64>,
     /// What leads do it; `None` where too little is known, or no leads do.
     pub leads: Option<LeadWork>,
@@ -97,8 +100,8 @@ pub struct Plan {
     pub target: Target,
 }
 
-/// Plans the work. `models` has every key's model, the first key at index 0; `leads_g` are the masses of the leads at hand. `None` where no
-/// balance weight is asked for and no key has both weights to take one from.
+/// Plans the work. `models` has every key's model, the first key at index 0; `leads_g` are the masses of the leads at
+/// hand. `None` where no balance weight is asked for and no key has both weights to take one from.
 #[must_use]
 pub fn plan(measured: &[MeasuredKey], models: &[KeyModel; KEYS], target: Target, leads_g: &[f64]) -> Option<Plan> {
     let balance = |key: &MeasuredKey| {

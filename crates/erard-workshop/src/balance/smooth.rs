@@ -1,8 +1,9 @@
 //! A smooth curve through what was measured over the keyboard, gaps and outliers among it.
 //!
-//! Whittaker's smoother (E. T. Whittaker, Proc. Edinburgh Math. Soc. 41 (1922) 63-75; P. H. C. Eilers, Anal. Chem. 75 (2003) 3631): the curve z
-//! that makes sum w (y - z)^2 + lambda sum (third differences of z)^2 least. It leaves parabolas as they are and goes on through gaps as one.
-//! Weights are Tukey's, from the residuals of the curve before, so that one wrong hammer does not bend its neighbours' target.
+//! Whittaker's smoother (E. T. Whittaker, Proc. Edinburgh Math. Soc. 41 (1922) 63-75; P. H. C. Eilers, Anal. Chem. 75
+//! (2003) 3631): the curve z that makes sum w (y - z)^2 + lambda sum (third differences of z)^2 least. It leaves
+//! parabolas as they are and goes on through gaps as one. Weights are Tukey's, from the residuals of the curve before,
+//! so that one wrong hammer does not bend its neighbours' target.
 
 use erard::keyboard::KEYS;
 
@@ -17,8 +18,8 @@ const PER_MEDIAN: f64 = 1.4826;
 /// Residuals below this are no outliers, g (or a hundredth of a ratio times ten): scales read to a tenth of a gram.
 const FINEST: f64 = 0.1;
 
-/// A smooth curve over all keys, the first at index 0, through values of some of them; `None` where fewer than four are known, for a parabola
-/// asks for three.
+/// A smooth curve over all keys, the first at index 0, through values of some of them; `None` where fewer than four are
+/// known, for a parabola asks for three.
 #[must_use]
 pub fn smooth(values: &[Option<f64>; KEYS]) -> Option<[f64; KEYS]> {
     let known: Vec<usize> = (0..KEYS).filter(|&key| values[key].is_some_and(f64::is_finite)).collect();
@@ -112,7 +113,8 @@ mod tests {
         }
     }
 
-    /// A wave of thirty keys keeps half of its height, one of ten next to nothing: the smoother's own frequency response, in closed form.
+    /// A wave of thirty keys keeps half of its height, one of ten next to nothing: the smoother's own frequency
+    /// response, in closed form.
     #[test]
     fn waves_keep_what_the_filter_says() {
         for (keys, gain) in [(30.0, 0.5), (10.0, 1.0 / (1.0 + (0.618_033_988_75_f64 / 0.209_056_926_5).powi(6)))] {

@@ -44,7 +44,8 @@ pub fn keyboard() -> Vec<Instrument> {
 }
 
 impl Ticks {
-    /// Times so many ticks of a tremolo with so many fingers: 0 leaves all keys asleep. `None` where `progress` ended the work.
+    /// Times so many ticks of a tremolo with so many fingers: 0 leaves all keys asleep. `None` where `progress` ended
+    /// the work.
     ///
     /// # Panics
     /// If a key does not come to rest.

@@ -163,7 +163,8 @@ pub fn of_steps(steps: u64, progress: &mut Progress<'_>) -> Option<Latency> {
     })
 }
 
-/// Times steps of as many grands as there are lanes, each with a player of its own; `None` where `progress` ended the work.
+/// Times steps of as many grands as there are lanes, each with a player of its own; `None` where `progress` ended the
+/// work.
 ///
 /// # Panics
 /// If a number becomes infinite.

@@ -41,8 +41,9 @@ const TREMOLO_HZ: f64 = 8.0;
 const TREMOLO_N: f64 = 20.0;
 
 impl Load {
-    /// A parameter study: the same second of a note on so many groups of grands whose hammers are of different weight, by up to 20 %
-    /// either way, and whose knuckles are of different stiffness. The lanes of a group do nearly the same at the same time.
+    /// A parameter study: the same second of a note on so many groups of grands whose hammers are of different weight,
+    /// by up to 20 % either way, and whose knuckles are of different stiffness. The lanes of a group do nearly the same
+    /// at the same time.
     pub fn parameter_study(groups: usize, steps: u64) -> Self {
         // Settling takes its time: the groups are alike.
         let count = WIDEST;
@@ -65,8 +66,8 @@ impl Load {
         Load { grands, settings: Settings::new(STEP_S), forces_n: (0..STEPS).map(note).collect(), begins, steps }
     }
 
-    /// A fortissimo tremolo: grands that are alike, each in another phase of its strokes, so that the lanes of a group are never in
-    /// contact with the same felts.
+    /// A fortissimo tremolo: grands that are alike, each in another phase of its strokes, so that the lanes of a group
+    /// are never in contact with the same felts.
     pub fn tremolo(groups: usize, steps: u64) -> Self {
         let count = groups * WIDEST;
         let period = (1.0 / (TREMOLO_HZ * STEP_S)).round();
@@ -92,7 +93,8 @@ impl Load {
         (groups * WIDEST) as f64 * self.steps as f64
     }
 
-    /// Plays the grands of so many groups one after the other; returns the sum of the last angles, so that nothing can be left out.
+    /// Plays the grands of so many groups one after the other; returns the sum of the last angles, so that nothing can
+    /// be left out.
     ///
     /// # Panics
     /// If a number becomes infinite; so do the others.
@@ -158,8 +160,8 @@ impl Load {
 mod tests {
     use super::*;
 
-    /// All ways of playing a load do the same work. (How near lanes are to a mechanism alone is tested elsewhere; here what Newton's
-    /// tolerance of 1e-5 rad/s may make of 200 angles in 20 ms would go unseen.)
+    /// All ways of playing a load do the same work. (How near lanes are to a mechanism alone is tested elsewhere; here
+    /// what Newton's tolerance of 1e-5 rad/s may make of 200 angles in 20 ms would go unseen.)
     #[test]
     fn all_ways_lead_to_the_same_poses() {
         for load in [Load::parameter_study(2, 400), Load::tremolo(2, 400)] {

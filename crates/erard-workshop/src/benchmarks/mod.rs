@@ -1,7 +1,8 @@
 //! How fast this machine is at it: a step, a press, many at once, a keyboard, the worst step, the kinematics.
 //!
-//! What the benchmarks in `benches/` and the command `erard bench` time is here, so that both time the same. Times are medians over
-//! rounds in which everything that is compared has its turn, and come with their quartiles; ratios are ratios of medians of one run.
+//! What the benchmarks in `benches/` and the command `erard bench` time is here, so that both time the same. Times are
+//! medians over rounds in which everything that is compared has its turn, and come with their quartiles; ratios are
+//! ratios of medians of one run.
 
 pub mod callgrind;
 mod grand;
@@ -49,7 +50,8 @@ impl Effort {
         Effort { rounds: 3, steps: STEPS / 20, groups_per_core: 1, single_steps: 100_000, ticks: 2_000 };
 }
 
-/// Measures everything, as one flat JSON object: wall-clock times of this machine while it did whatever else it was doing; `None` where `progress` ended the work: it is told, beside the share done, what is going on.
+/// Measures everything, as one flat JSON object: wall-clock times of this machine while it did whatever else it was
+/// doing; `None` where `progress` ended the work: it is told, beside the share done, what is going on.
 pub fn measure(effort: &Effort, progress: &mut dyn FnMut(&str, f64) -> bool) -> Option<Value> {
     // From where to where each part goes: shares of the whole, as they last on a machine of two cores.
     let mut part = |what: &'static str, from: f64, to: f64, share: f64| progress(what, from + (to - from) * share);

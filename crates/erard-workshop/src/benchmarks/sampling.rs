@@ -53,8 +53,8 @@ pub(crate) struct Timed<'a> {
     pub go: Box<dyn FnMut() + 'a>,
 }
 
-/// Times several things in turn, round after round, after one round that does not count. Time of each per thing done, ns; `None` where
-/// `progress`, told the share done, ended the work by returning false.
+/// Times several things in turn, round after round, after one round that does not count. Time of each per thing done,
+/// ns; `None` where `progress`, told the share done, ended the work by returning false.
 pub(crate) fn in_turn(rounds: usize, subjects: &mut [Timed<'_>], progress: &mut Progress<'_>) -> Option<Vec<Times>> {
     let mut ns = vec![Vec::with_capacity(rounds); subjects.len()];
     let all = ((rounds + 1) * subjects.len()) as f64;

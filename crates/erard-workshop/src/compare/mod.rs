@@ -1,12 +1,13 @@
 //! A measured stroke beside the models: what each drive and each model explains of it.
 //!
-//! A file with a force drives the key by that force, and the key's motion comes out; one with a position drives a soft finger by the
-//! fingertip's position, and the key itself rigidly by its own, and the finger's force comes out. With both, what comes out can be held
-//! against what was measured [T12 fig. 3]. A position is the key's unless it is said to be the fingertip's ([`Choice::position_of`]); where
-//! force was recorded too, each gives the other ([`Series::position_of`]).
+//! A file with a force drives the key by that force, and the key's motion comes out; one with a position drives a soft
+//! finger by the fingertip's position, and the key itself rigidly by its own, and the finger's force comes out. With
+//! both, what comes out can be held against what was measured [T12 fig. 3]. A position is the key's unless it is said
+//! to be the fingertip's ([`Choice::position_of`]); where force was recorded too, each gives the other
+//! ([`Series::position_of`]).
 //!
-//! What is noise in a recording no model explains. Errors are told up to the frequency up to which both the series that drives and the
-//! series that is compared are more than noise ([`Choice::tells_to_hz`]), and not beyond.
+//! What is noise in a recording no model explains. Errors are told up to the frequency up to which both the series that
+//! drives and the series that is compared are more than noise ([`Choice::tells_to_hz`]), and not beyond.
 
 mod errors;
 
@@ -89,7 +90,8 @@ pub struct Choice {
     pub models: Vec<Which>,
     /// Whose position was recorded.
     pub position_of: PositionOf,
-    /// Up to which frequency force, position and hammer show a stroke rather than noise, Hz; infinite where nothing limits them.
+    /// Up to which frequency force, position and hammer show a stroke rather than noise, Hz; infinite where nothing
+    /// limits them.
     pub tells_to_hz: [f64; 3],
 }
 
@@ -118,8 +120,8 @@ impl Choice {
     }
 }
 
-/// Share of the frequency where noise or a low-pass begins up to which errors are told: there itself half of an amplitude may be filtered
-/// away, and at this share of it, by the default filter, six in a hundred.
+/// Share of the frequency where noise or a low-pass begins up to which errors are told: there itself half of an
+/// amplitude may be filtered away, and at this share of it, by the default filter, six in a hundred.
 const WELL_WITHIN: f64 = 0.7;
 /// A band that ends below this, Hz, shows nothing: a key is down in a twentieth of a second.
 const LOWEST_LIMIT_HZ: f64 = 10.0;
@@ -137,8 +139,8 @@ pub struct Trial {
     pub force_n: Vec<f64>,
     /// Errors are told up to here, Hz; infinite where nothing limits them.
     pub told_to_hz: f64,
-    /// What came out against what was measured (position in m, force in N), as far as it is told; `None` where the file holds no such
-    /// series, or nothing but noise.
+    /// What came out against what was measured (position in m, force in N), as far as it is told; `None` where the file
+    /// holds no such series, or nothing but noise.
     pub errors: Option<Errors>,
     /// Rise of the hammer's strike point, m; empty for a model without a hammer.
     pub hammer_m: Vec<f64>,
@@ -345,7 +347,8 @@ pub fn compare_chosen(
     Ok(Comparison { time_s, measured_force_n, measured_position_m, position_of, measured_hammer_m, trials, notes })
 }
 
-/// The errors up to a frequency, Hz: both series go through the same low-pass, forth and back. `None` where that leaves nothing to compare.
+/// The errors up to a frequency, Hz: both series go through the same low-pass, forth and back. `None` where that leaves
+/// nothing to compare.
 fn errors_within(measured: &[f64], simulated: &[f64], told_to_hz: f64) -> Option<Errors> {
     if told_to_hz >= 0.5 * RATE_HZ {
         return Some(Errors::new(measured, simulated));
@@ -422,7 +425,8 @@ impl Comparison {
         verdicts
     }
 
-    /// What a comparison gives away about the recording: a trace that goes the other way, stands off, or comes at another time.
+    /// What a comparison gives away about the recording: a trace that goes the other way, stands off, or comes at
+    /// another time.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         for (what, unit, driven) in [

@@ -1,4 +1,5 @@
-//! An action on the bench and the finger that presses it: slowly, stopping where the eye says stop, or with a constant force.
+//! An action on the bench and the finger that presses it: slowly, stopping where the eye says stop, or with a constant
+//! force.
 
 use moreau::{Outcome, Settings};
 
@@ -10,7 +11,8 @@ use erard::player::{Action, Input};
 
 /// How often the caller is asked whether to go on, in steps.
 const ASK_EVERY: u64 = 4096;
-/// Time in which a slow finger reaches its speed, s: three swings of the hammer on its felts, so that it is not set swinging.
+/// Time in which a slow finger reaches its speed, s: three swings of the hammer on its felts, so that it is not set
+/// swinging.
 const GATHERING_S: f64 = 0.3;
 /// Time in which it stops, s: it goes half a tenth of a millimetre further meanwhile.
 const BRAKING_S: f64 = 0.02;
@@ -121,8 +123,8 @@ impl<'i> Fixture<'i> {
         Ok(())
     }
 
-    /// Moves the finger at a speed (m/s, down positive), gathered gently, until `seen` says stop or the finger has reached
-    /// `until_m`. Whether it was `seen`.
+    /// Moves the finger at a speed (m/s, down positive), gathered gently, until `seen` says stop or the finger has
+    /// reached `until_m`. Whether it was `seen`.
     pub(crate) fn move_finger(
         &mut self,
         speed_m_s: f64,

@@ -1,9 +1,9 @@
 //! The distances of a regulated action, measured as a technician measures them.
 //!
 //! Two trials give them all. The slow key: pressed from rest at a few millimetres a second until the hammer is let off,
-//! held there until the hammer has dropped, then pressed on to the bottom, firmly. The medium blow: a constant force that
-//! throws the hammer at the string at about mf; the hammer is caught by the back check, then the key is let up slowly until
-//! the check lets go, and held there while the repetition spring lifts the hammer.
+//! held there until the hammer has dropped, then pressed on to the bottom, firmly. The medium blow: a constant force
+//! that throws the hammer at the string at about mf; the hammer is caught by the back check, then the key is let up
+//! slowly until the check lets go, and held there while the repetition spring lifts the hammer.
 
 use thiserror::Error;
 
@@ -16,8 +16,8 @@ use erard::player::ActionError;
 /// How the key is pressed. The default is the project's protocol; a shop that measures otherwise can say so.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Protocol {
-    /// Speed of the slow finger, m/s: slow enough that what the hammer swings on its felts moves no distance by more than
-    /// 0.02 mm.
+    /// Speed of the slow finger, m/s: slow enough that what the hammer swings on its felts moves no distance by more
+    /// than 0.02 mm.
     pub slow_m_s: f64,
     /// Force of the firm press that dip is measured under, N: half a kilogram of finger.
     pub firm_n: f64,
@@ -44,28 +44,29 @@ pub struct Distances {
     pub blow_m: Option<f64>,
     /// Lost motion: travel of the key front before the hammer has risen by `MOVED_M`, m.
     pub lost_motion_m: Option<f64>,
-    /// Let-off: nearest approach of the strike point to the string on a slow key, m. Not positive where the hammer is pressed
-    /// against the string (it blocks): minus what the string's felt gives.
+    /// Let-off: nearest approach of the strike point to the string on a slow key, m. Not positive where the hammer is
+    /// pressed against the string (it blocks): minus what the string's felt gives.
     pub let_off_m: Option<f64>,
-    /// Drop: how far the strike point falls from its nearest approach once it is let off, to where it comes to rest on the
-    /// repetition lever with the key held where it let off, m. 0 where it does not fall.
+    /// Drop: how far the strike point falls from its nearest approach once it is let off, to where it comes to rest on
+    /// the repetition lever with the key held where it let off, m. 0 where it does not fall.
     pub drop_m: Option<f64>,
-    /// Aftertouch: travel of the key front from the hammer's highest point at let-off to the bottom, m; `None` where there is
-    /// no let-off.
+    /// Aftertouch: travel of the key front from the hammer's highest point at let-off to the bottom, m; `None` where
+    /// there is no let-off.
     pub aftertouch_m: Option<f64>,
-    /// Jack position: from the middle of the knuckle to the rear edge of the jack's top, along the jack's top, at rest, m.
-    /// Positive: the knuckle sits on the jack.
+    /// Jack position: from the middle of the knuckle to the rear edge of the jack's top, along the jack's top, at rest,
+    /// m. Positive: the knuckle sits on the jack.
     pub jack_position_m: Option<f64>,
-    /// Lever height: step from the jack's top up to the repetition lever's, under the knuckle, with the hammer lifted off, m.
-    /// Positive: the jack is lower and slips back freely.
+    /// Lever height: step from the jack's top up to the repetition lever's, under the knuckle, with the hammer lifted
+    /// off, m. Positive: the jack is lower and slips back freely.
     pub lever_height_m: Option<f64>,
     /// Damper timing: travel of the key front when the damper has risen by `MOVED_M`, as a share of the dip.
     pub damper_start: Option<f64>,
-    /// Check distance: strike point to string with the hammer caught by the back check after a medium blow, m. `None` where it
-    /// is not caught.
+    /// Check distance: strike point to string with the hammer caught by the back check after a medium blow, m. `None`
+    /// where it is not caught.
     pub check_m: Option<f64>,
-    /// Repetition rise: how far the strike point has risen, from where it was caught to where it comes to rest, when the key is
-    /// let up slowly until the back check lets go, and is held there, m. Not positive where the spring cannot lift the hammer.
+    /// Repetition rise: how far the strike point has risen, from where it was caught to where it comes to rest, when
+    /// the key is let up slowly until the back check lets go, and is held there, m. Not positive where the spring
+    /// cannot lift the hammer.
     pub repetition_rise_m: Option<f64>,
     /// Strength of the repetition spring, by what it does: the largest speed of the strike point during that rise, m/s.
     /// Technicians judge it by eye: a brisk rise that can be followed, without a jump.
@@ -77,8 +78,8 @@ pub struct Distances {
 /// A part has moved, to a technician's eye, when it is this far from its rest, m.
 pub(crate) const MOVED_M: f64 = 1e-4;
 
-/// The hammer has been let off once it is this far below its highest point, m: a fifth of a usual drop, ten times what the
-/// hammer swings on its felts under a slow finger.
+/// The hammer has been let off once it is this far below its highest point, m: a fifth of a usual drop, ten times what
+/// the hammer swings on its felts under a slow finger.
 const LET_OFF_FALL_M: f64 = 2e-4;
 /// How far a slow finger is followed, m: a quarter more than the deepest key.
 const DEEPEST_M: f64 = 15e-3;
@@ -125,7 +126,8 @@ impl Trial {
     /// All of them.
     pub(crate) const ALL: [Trial; 3] = [Trial::SlowKey, Trial::LiftedHammer, Trial::MediumBlow];
 
-    /// Makes the trial and sets its distances, leaving those of the others as they are; steps that did not converge are added.
+    /// Makes the trial and sets its distances, leaving those of the others as they are; steps that did not converge are
+    /// added.
     ///
     /// # Errors
     /// See [`DistanceError`].
@@ -248,7 +250,8 @@ fn slow_key(
     Ok(())
 }
 
-/// The rear edge of the jack's top and the direction along it to the back, in the jack's frame; `None` where it has no end.
+/// The rear edge of the jack's top and the direction along it to the back, in the jack's frame; `None` where it has no
+/// end.
 fn jack_edge(instrument: &Instrument, anatomy: &Anatomy, fixture: &Fixture<'_>) -> Option<(Vec2, Vec2)> {
     let zone = &instrument.zones[anatomy.jack_knuckle];
     let Curve::Segment { from_m, to_m, .. } = zone.curve else { return None };

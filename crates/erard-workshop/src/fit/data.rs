@@ -15,7 +15,8 @@ pub const COLUMNS: [(&str, Role, f64); 3] =
     [("force_N", Role::Force, 0.02), ("key_m", Role::Position, 10e-6), ("hammer_head_m", Role::HammerHead, 50e-6)];
 /// Samples per second at most: above, a recording says more of its noise than of the action.
 const RATE_HZ: f64 = 4000.0;
-/// Samples at both ends of a recorded motion that are not compared: where it ends it stops, and its spline rings, so that forces there are nobody's.
+/// Samples at both ends of a recorded motion that are not compared: where it ends it stops, and its spline rings, so
+/// that forces there are nobody's.
 const SPLINE_ENDS: usize = 10;
 
 /// A recording, ready to be fitted.
@@ -48,8 +49,9 @@ pub struct Data {
 }
 
 impl Data {
-    /// Of a recording: prepared in one way for driving, and in another (or the same) for being compared. `columns` are compared; without them all that were
-    /// recorded and do not drive. Steps divide the time from sample to sample, and are as long as `settings` says at most.
+    /// Of a recording: prepared in one way for driving, and in another (or the same) for being compared. `columns` are
+    /// compared; without them all that were recorded and do not drive. Steps divide the time from sample to sample, and
+    /// are as long as `settings` says at most.
     ///
     /// # Errors
     /// Where it cannot drive so, or nothing is left to be compared.
@@ -149,7 +151,8 @@ impl Data {
         Some(self.prepared.report.channel(*role)?.noise?.rms)
     }
 
-    /// What drives, with noise of this root mean square added to every one of its samples: it goes through the same zero and the same filter.
+    /// What drives, with noise of this root mean square added to every one of its samples: it goes through the same
+    /// zero and the same filter.
     pub(super) fn disturbed(&self, sigma: f64, rng: &mut Rng) -> Result<Stroke, FitError> {
         let mut series = self.driven.series.clone();
         let role = if self.driving == "force_N" { Role::Force } else { Role::Position };
@@ -231,7 +234,8 @@ mod tests {
         format!("time_s,force_N,key_m,hammer_head_m\n{}", rows.collect::<String>())
     }
 
-    /// The force drives, the rest is compared at the recording's own instants, at 4 kHz at most, in steps that divide them.
+    /// The force drives, the rest is compared at the recording's own instants, at 4 kHz at most, in steps that divide
+    /// them.
     #[test]
     fn recordings_are_made_even() {
         let own = data(&table(101, 1.0 / 1024.0), None, None).unwrap();

@@ -10,7 +10,8 @@ use super::{FitError, Problem};
 /// Strokes whose drive is disturbed by its own noise.
 pub(super) const DISTURBED: usize = 48;
 
-/// How residuals move when the drive is disturbed: for each recording that has noise of its own, as many columns as were played.
+/// How residuals move when the drive is disturbed: for each recording that has noise of its own, as many columns as
+/// were played.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Disturbed {
     /// All columns; rows of other recordings are nothing.

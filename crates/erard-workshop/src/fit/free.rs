@@ -5,16 +5,17 @@ use erard::instrument::{Instrument, InstrumentFile};
 
 use super::FitError;
 
-/// From a spread so wide on, upper over lower end, the file says how far a number may be off; a narrower one says how far grands of this kind differ, and
-/// another piano may lie beyond it.
+/// From a spread so wide on, upper over lower end, the file says how far a number may be off; a narrower one says how
+/// far grands of this kind differ, and another piano may lie beyond it.
 const KNOWN_TO_A_FACTOR: f64 = 2.3;
 /// Bounds of a factor of which the file does not say how far it may be off.
 const USUAL_FACTORS: [f64; 2] = [0.2, 5.0];
 /// The same of a screw, as a share of what it can do.
 const USUAL_TURN: f64 = 0.02;
 
-/// A parameter that is fitted. Outside it is what `study --vary` takes in SI units: a screw's turn in m, rad or N m, or a factor. Inside it is counted so that steps
-/// are alike: the logarithm of a factor, or a turn as a share of half its bounds.
+/// A parameter that is fitted. Outside it is what `study --vary` takes in SI units: a screw's turn in m, rad or N m, or
+/// a factor. Inside it is counted so that steps are alike: the logarithm of a factor, or a turn as a share of half its
+/// bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Free {
     /// Its name ([`Parameter::all`]).
@@ -90,7 +91,8 @@ impl Free {
 /// What is asked for by name.
 pub type Asked<T> = Vec<(String, T)>;
 
-/// The free parameters by their names, with bounds: those asked for, else as far as the file says that the number may be off, else usual ones.
+/// The free parameters by their names, with bounds: those asked for, else as far as the file says that the number may
+/// be off, else usual ones.
 ///
 /// # Errors
 /// A name that is none, is there twice, or bounds that are none.

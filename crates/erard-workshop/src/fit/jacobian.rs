@@ -1,4 +1,5 @@
-//! How residuals change with the inner parameters: by differences side by side in lanes, or by derivatives of the model itself.
+//! How residuals change with the inner parameters: by differences side by side in lanes, or by derivatives of the model
+//! itself.
 
 use crate::sensitivities::{Sampled, SensitivityError, Variable, gradient};
 use crate::study::Stroke;
@@ -11,7 +12,8 @@ use super::problem::moved;
 use super::svd::Columns;
 use super::{FitError, Problem};
 
-/// Steps of the differences, as shares of a factor or of half the way that a screw may go: the middle one is used, all are compared.
+/// Steps of the differences, as shares of a factor or of half the way that a screw may go: the middle one is used, all
+/// are compared.
 pub const DIFFERENCES: [f64; 3] = [4e-3, 1e-3, 2.5e-4];
 /// Half the step of a delay's difference, ms.
 const DELAY_STEP_MS: f64 = 1e-2;

@@ -1,4 +1,5 @@
-//! The course of a fit: what leads to the blow, then all of it in coarse differences, then finely; and from elsewhere again.
+//! The course of a fit: what leads to the blow, then all of it in coarse differences, then finely; and from elsewhere
+//! again.
 
 use fastrand::Rng;
 
@@ -16,7 +17,8 @@ const COARSE_MOST: [usize; 2] = [20, 15];
 const MISFIT: f64 = 1.03;
 /// Two fits whose misfits differ by less have ended at the same place.
 const AGREED: f64 = 1.005;
-/// How far away the next one begins, as it is counted, and as a share of narrower bounds. From farther away in wide bounds few come back.
+/// How far away the next one begins, as it is counted, and as a share of narrower bounds. From farther away in wide
+/// bounds few come back.
 const FAR: f64 = 0.2;
 /// Rounds in which noise and parameters are estimated by turns.
 const ROUNDS: usize = 3;
@@ -110,7 +112,8 @@ pub fn fit(problem: &mut Problem, plan: &Plan) -> Result<FitResult, FitError> {
         let found = solve(problem, &found.point, COARSE, Loss::SoftL1, COARSE_MOST[1])?;
         let mut found = solve(problem, &found.point, DIFFERENCES[1], plan.loss, plan.most)?;
         if silent {
-            // The noise that nothing tells is estimated with the parameters held and the other way round, until neither moves.
+            // The noise that nothing tells is estimated with the parameters held and the other way round, until neither
+            // moves.
             for _ in 0..ROUNDS {
                 if problem.estimate_noise(&found.point)? {
                     break;

@@ -53,7 +53,8 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// Of an instrument and recordings. `sigma` is the noise of columns, N or m, where the caller knows it; that of what drives, too.
+    /// Of an instrument and recordings. `sigma` is the noise of columns, N or m, where the caller knows it; that of
+    /// what drives, too.
     ///
     /// # Errors
     /// Noise of a column that is not there, or that is no positive number (of what drives: that is negative).
@@ -183,7 +184,8 @@ impl Problem {
         Workers { threads: self.threads, ..Workers::all() }
     }
 
-    /// Every recording at every point, all points of one recording side by side; a point that cannot be played is not a number.
+    /// Every recording at every point, all points of one recording side by side; a point that cannot be played is not a
+    /// number.
     ///
     /// # Errors
     /// An interruption, or a setting that is wrong for all.
@@ -312,7 +314,8 @@ impl Problem {
         Ok(weights)
     }
 
-    /// Estimates the noise of every channel of which nothing tells it from what is left over at a point; whether it stays as it was.
+    /// Estimates the noise of every channel of which nothing tells it from what is left over at a point; whether it
+    /// stays as it was.
     ///
     /// # Errors
     /// An interruption.

@@ -30,9 +30,11 @@ pub struct FitResult {
     pub degrees_of_freedom: usize,
     /// Sum of the residuals' squares over the degrees of freedom.
     pub chi2_reduced: f64,
-    /// What it should be if the model were true: 1 for the sensors' noise, and what the drive's noise adds, which moves the model itself.
+    /// What it should be if the model were true: 1 for the sensors' noise, and what the drive's noise adds, which moves
+    /// the model itself.
     pub chi2_expected: f64,
-    /// Of the Jacobian, every parameter counted in halves of what its bounds allow: below 1 a direction is known no better from the data than from its bounds.
+    /// Of the Jacobian, every parameter counted in halves of what its bounds allow: below 1 a direction is known no
+    /// better from the data than from its bounds.
     pub singular_values: Vec<f64>,
     /// The directions that belong to them, delays included.
     pub directions: Rows,
@@ -42,7 +44,8 @@ pub struct FitResult {
     pub inner_cov: Rows,
     /// The same of the sensors' noise alone.
     pub sensors_cov: Rows,
-    /// Every channel's name, the root mean square of its noise (N or m), and how much later than the drive it was written down (s), where that was estimated.
+    /// Every channel's name, the root mean square of its noise (N or m), and how much later than the drive it was
+    /// written down (s), where that was estimated.
     pub channels: Vec<(String, f64, Option<f64>)>,
     /// Deviations of these delays, s.
     pub delay_std: Vec<f64>,

@@ -1,9 +1,11 @@
-//! Least squares within bounds: a reflective trust region, scaled by the distance to the bounds and by the Jacobian's columns.
+//! Least squares within bounds: a reflective trust region, scaled by the distance to the bounds and by the Jacobian's
+//! columns.
 //!
-//! Branch, Coleman and Li, "A subspace, interior, and conjugate gradient method for large-scale bound-constrained minimization problems", SIAM J. Sci.
-//! Comput. 21 (1999), and as SciPy chooses its steps, its scales and its ends (`least_squares(method="trf", x_scale="jac")`), so that it and the fit in Python, which has
-//! SciPy for its solver, come out alike. The trust region's own problem is More's (1978). Losses that give outliers less weight are weighted as there:
-//! Triggs and others, "Bundle adjustment: a modern synthesis" (1999).
+//! Branch, Coleman and Li, "A subspace, interior, and conjugate gradient method for large-scale bound-constrained
+//! minimization problems", SIAM J. Sci. Comput. 21 (1999), and as SciPy chooses its steps, its scales and its ends
+//! (`least_squares(method="trf", x_scale="jac")`), so that it and the fit in Python, which has SciPy for its solver,
+//! come out alike. The trust region's own problem is More's (1978). Losses that give outliers less weight are weighted
+//! as there: Triggs and others, "Bundle adjustment: a modern synthesis" (1999).
 
 use super::svd::{Columns, Svd, dot, norm, svd, times};
 
@@ -43,7 +45,8 @@ impl Loss {
         0.5 * residuals.iter().map(|f| self.of(f * f)[0]).sum::<f64>()
     }
 
-    /// Residuals and Jacobian of the squares whose gradient is the loss's, and whose curvature is as near to it as is safe.
+    /// Residuals and Jacobian of the squares whose gradient is the loss's, and whose curvature is as near to it as is
+    /// safe.
     fn weighted(self, residuals: &mut [f64], jacobian: &mut [Vec<f64>]) {
         if self == Loss::Linear {
             return;
@@ -122,7 +125,8 @@ pub(crate) struct Solved {
 /// Where gradient, cost and step are nothing, as shares of themselves.
 const TOLERANCE: f64 = 1e-8;
 
-/// Minimises half the sum of the losses from a point within the bounds, with so many evaluations of the residuals at most.
+/// Minimises half the sum of the losses from a point within the bounds, with so many evaluations of the residuals at
+/// most.
 ///
 /// # Errors
 /// Those of the problem.
@@ -244,7 +248,8 @@ fn inside(x: &[f64], (low, high): (&[f64], &[f64]), share: f64) -> Vec<f64> {
     x.iter().enumerate().map(|(k, x)| into(k, *x)).collect()
 }
 
-/// How far it is to the bound that the gradient leads to, and which way that distance changes; 1 and 0 where there is none.
+/// How far it is to the bound that the gradient leads to, and which way that distance changes; 1 and 0 where there is
+/// none.
 fn distance(x: &[f64], gradient: &[f64], (low, high): (&[f64], &[f64]), k: usize) -> (f64, f64) {
     if gradient[k] < 0.0 && high[k].is_finite() {
         (high[k] - x[k], -1.0)
@@ -301,7 +306,8 @@ impl Model {
     }
 }
 
-/// The step of the model alone that goes no farther than the radius (More 1978). `damping` is where the search begins, and what it found.
+/// The step of the model alone that goes no farther than the radius (More 1978). `damping` is where the search begins,
+/// and what it found.
 fn region(factors: &Svd, gradient: &[f64], rows: usize, radius: f64, damping: &mut f64) -> Vec<f64> {
     let (s, v) = (&factors.values, &factors.directions);
     // s u'f, for the singular vectors u that nobody needs.
@@ -354,8 +360,8 @@ fn region(factors: &Svd, gradient: &[f64], rows: usize, radius: f64, damping: &m
     found.iter().map(|x| x * radius / length).collect()
 }
 
-/// The best of three steps within bounds and radius: the model's as far as the bounds let it, the same reflected at the first bound, and down the gradient.
-/// Gives the step, the same in scaled parameters, and by how much the model falls.
+/// The best of three steps within bounds and radius: the model's as far as the bounds let it, the same reflected at the
+/// first bound, and down the gradient. Gives the step, the same in scaled parameters, and by how much the model falls.
 fn choose(
     model: &Model,
     x: &[f64],
@@ -491,8 +497,8 @@ mod tests {
         }
     }
 
-    /// Rosenbrock's valley: its end is known, and where a bound cuts it off, its lowest point on the bound. SciPy 1.17 takes as many evaluations, and ends for the
-    /// same reason.
+    /// Rosenbrock's valley: its end is known, and where a bound cuts it off, its lowest point on the bound. SciPy 1.17
+    /// takes as many evaluations, and ends for the same reason.
     #[test]
     fn rosenbrock_s_valley_with_and_without_bounds() {
         let found = rosenbrock([-2.0, 1.0], FREE.0, FREE.1, 200);
@@ -503,7 +509,8 @@ mod tests {
         near(&found.x, &[0.5, 0.25], 1e-8);
         near(&[found.cost], &[0.125], 1e-8);
         assert_eq!((found.evaluations, found.ended), (18, Ended::Cost));
-        // From y = 3/2 on: 200 x^3 - 299 x - 1 = 0 (d/dx of half the squares), whose largest root is SciPy's own example.
+        // From y = 3/2 on: 200 x^3 - 299 x - 1 = 0 (d/dx of half the squares), whose largest root is SciPy's own
+        // example.
         for (start, x) in [([2.0, 2.0], 1.224_370_749), ([-2.0, 1.6], -1.221_026_243)] {
             let found = rosenbrock(start, [f64::NEG_INFINITY, 1.5], FREE.1, 200);
             near(&found.x, &[x, 1.5], 1e-8);
@@ -516,7 +523,8 @@ mod tests {
         near(&cut.x, &[-1.636_164_717_334_608, 2.394_868_607_531_044], 1e-12);
     }
 
-    /// The monomolecular data Misra1a of NIST's statistical reference data sets: certified to eleven digits, from both its starts.
+    /// The monomolecular data Misra1a of NIST's statistical reference data sets: certified to eleven digits, from both
+    /// its starts.
     #[test]
     fn misra_s_data() {
         const DATA: [[f64; 2]; 14] = [
@@ -559,8 +567,8 @@ mod tests {
         near(&[found.cost], &[1.667_222_941], 1e-9);
     }
 
-    /// Two outliers among twelve samples of a decay, 2 + 3 exp(-0.8 t): SciPy's answers for every loss, and as many evaluations. A loss that gives outliers less weight is
-    /// near the truth; plain squares are not.
+    /// Two outliers among twelve samples of a decay, 2 + 3 exp(-0.8 t): SciPy's answers for every loss, and as many
+    /// evaluations. A loss that gives outliers less weight is near the truth; plain squares are not.
     #[test]
     fn outliers_are_heeded_less() {
         const OFF: [f64; 12] = [0.1, -0.2, 0.15, 0.05, -0.1, 3.0, 0.12, -0.07, -2.5, 0.03, 0.09, -0.11];

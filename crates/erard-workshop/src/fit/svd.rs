@@ -1,4 +1,5 @@
-//! Singular values of a tall matrix by Hestenes' one-sided rotations: small ones come out with their own relative accuracy, not with that of the largest.
+//! Singular values of a tall matrix by Hestenes' one-sided rotations: small ones come out with their own relative
+//! accuracy, not with that of the largest.
 //!
 //! Demmel and Veselic, "Jacobi's method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992).
 
@@ -78,7 +79,8 @@ pub(crate) fn times(matrix: &[Vec<f64>], vector: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// The singular values of Lauchli's matrix are known: sqrt(n + e^2) and e; those of a graded one come out each to its own accuracy.
+    /// The singular values of Lauchli's matrix are known: sqrt(n + e^2) and e; those of a graded one come out each to
+    /// its own accuracy.
     #[test]
     fn known_singular_values() {
         let e = 1e-7;
@@ -91,7 +93,8 @@ mod tests {
         assert_eq!(graded.directions[2].iter().map(|x| x.abs()).collect::<Vec<_>>(), [0.0, 1.0, 0.0]);
     }
 
-    /// What it is made of gives the matrix again: J v = s u, and the u are orthogonal. Columns that are alike have a singular value of nothing.
+    /// What it is made of gives the matrix again: J v = s u, and the u are orthogonal. Columns that are alike have a
+    /// singular value of nothing.
     #[test]
     fn directions_are_right() {
         let matrix = vec![vec![1.0, 2.0, 3.0, 4.0], vec![2.0, -1.0, 0.5, 1.0], vec![3.0, 1.0, 3.5, 5.0]];

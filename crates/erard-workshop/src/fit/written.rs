@@ -21,8 +21,8 @@ pub enum WriteError {
 }
 
 impl FitResult {
-    /// `text`, the file of the instrument that was fitted, with the fitted numbers in place of its own, each cited as fitted to these recordings, with its standard
-    /// deviation in its note. It is read again before it is given out.
+    /// `text`, the file of the instrument that was fitted, with the fitted numbers in place of its own, each cited as
+    /// fitted to these recordings, with its standard deviation in its note. It is read again before it is given out.
     ///
     /// # Errors
     /// See [`WriteError`].

@@ -34,7 +34,8 @@ pub struct Design {
 pub struct Case {
     /// The levers, moved and put together.
     pub train: LeverTrain,
-    /// Travel of the key's front at let-off, m; `None` where it cannot be reached, or where nothing says what let-off is.
+    /// Travel of the key's front at let-off, m; `None` where it cannot be reached, or where nothing says what let-off
+    /// is.
     pub let_off_key_m: Option<f64>,
 }
 

@@ -1,9 +1,9 @@
 //! Three levers from an instrument file: the same one that a key press is simulated with.
 //!
-//! The levers stand as the instrument rests, friction and felts included. Whippen, jack and repetition lever turn as one
-//! body, as they do until the jack's toe meets its button. A felt that is compressed at rest stays as thick as it is there;
-//! a contact that is open at rest (a jack just below the knuckle, which the repetition lever carries) is closed first,
-//! because the levers work only once that play is taken up.
+//! The levers stand as the instrument rests, friction and felts included. Whippen, jack and repetition lever turn as
+//! one body, as they do until the jack's toe meets its button. A felt that is compressed at rest stays as thick as it
+//! is there; a contact that is open at rest (a jack just below the knuckle, which the repetition lever carries) is
+//! closed first, because the levers work only once that play is taken up.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -86,8 +86,8 @@ pub struct Derived {
     pub design: Design,
     /// The same as [`Design::levers`].
     pub levers: DiscLevers,
-    /// The nearest levers of lengths L1 to L10: knuckle and jack exactly (the knuckle's centre on a line that far above the
-    /// jack's top), the capstan as the point of the heel that it touches at rest, sliding on a straight key.
+    /// The nearest levers of lengths L1 to L10: knuckle and jack exactly (the knuckle's centre on a line that far above
+    /// the jack's top), the capstan as the point of the heel that it touches at rest, sliding on a straight key.
     pub lengths: ThreeLever,
     /// Name of the zone between key and whippen.
     pub capstan_zone: String,
@@ -105,9 +105,9 @@ struct AtRest<'i> {
 
 /// Finds the three levers of an instrument, which are rigid: bends are locked.
 ///
-/// They are: the key of `roles`; the hammer of `roles`; and the whippen, the body on the ground that carries (or is) what
-/// pushes the knuckle. That is the zone of `roles.knuckle` whose pusher meets the let-off button, or the first one. The
-/// capstan's zone is the one between key and whippen, the most compressed of them if there are several.
+/// They are: the key of `roles`; the hammer of `roles`; and the whippen, the body on the ground that carries (or is)
+/// what pushes the knuckle. That is the zone of `roles.knuckle` whose pusher meets the let-off button, or the first
+/// one. The capstan's zone is the one between key and whippen, the most compressed of them if there are several.
 ///
 /// # Errors
 /// When a part is missing, the instrument finds no rest, or a contact is one of two discs.
@@ -242,8 +242,8 @@ impl AtRest<'_> {
         false
     }
 
-    /// A zone's disc and line in the frames of the two levers at rest. The line is directed away from the player (+1) or
-    /// toward him (-1), as `senses` says for a line on the whippen and one on the other lever.
+    /// A zone's disc and line in the frames of the two levers at rest. The line is directed away from the player (+1)
+    /// or toward him (-1), as `senses` says for a line on the whippen and one on the other lever.
     fn touch(
         &self,
         zone_index: usize,

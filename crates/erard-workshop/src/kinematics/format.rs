@@ -13,9 +13,9 @@ pub(crate) const KIND: &str = "three-lever";
 
 /// Three levers of a piano action by their lengths: the kinematics of one note.
 ///
-/// Lengths in millimetres, signed; angles in degrees, counter-clockwise; x away from the player, y up. A, B and C are the
-/// pivots of key, whippen and hammer: B - A = (L1, L5), B - C = (L6, -L10). Every number may stand alone or carry its
-/// provenance: `L1 = 205.23` or `L1 = { value = 205.23, source = "...", certainty = "estimate" }`.
+/// Lengths in millimetres, signed; angles in degrees, counter-clockwise; x away from the player, y up. A, B and C are
+/// the pivots of key, whippen and hammer: B - A = (L1, L5), B - C = (L6, -L10). Every number may stand alone or carry
+/// its provenance: `L1 = 205.23` or `L1 = { value = 205.23, source = "...", certainty = "estimate" }`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Erard linkage file")]

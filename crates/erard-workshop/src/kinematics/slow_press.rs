@@ -1,7 +1,7 @@
 //! The dynamic model pressed so slowly that only geometry is left: a check of the kinematics.
 //!
-//! What remains apart: the play and the felts that the first tenths of a millimetre take up, and the felts' breathing as
-//! the forces change on the way.
+//! What remains apart: the play and the felts that the first tenths of a millimetre take up, and the felts' breathing
+//! as the forces change on the way.
 
 use moreau::Settings;
 use moreau_linkage::three_lever::{DiscLevers, LeverTrain};
@@ -11,8 +11,9 @@ use erard::player::motion;
 use erard::run::least_jerk;
 use erard::run::{Setup, SimulationError, simulate};
 
-/// Simulated time, s. The hammer on its felts swings at about 10 Hz after it has been set in motion, and dry friction on a
-/// moving pivot does not damp that; over eight seconds the swing dies away while the key goes a few tenths of a millimetre.
+/// Simulated time, s. The hammer on its felts swings at about 10 Hz after it has been set in motion, and dry friction
+/// on a moving pivot does not damp that; over eight seconds the swing dies away while the key goes a few tenths of a
+/// millimetre.
 const DURATION_S: f64 = 8.0;
 /// Step, s: 100 steps per swing at 100 Hz, with the engine's second-order scheme.
 const STEP_S: f64 = 100e-6;
@@ -20,7 +21,8 @@ const STEP_S: f64 = 100e-6;
 const RECORD_EVERY: u64 = 20;
 /// How far beyond the end of the comparison the finger goes, m: to show what happens there.
 const BEYOND_M: f64 = 1.0e-3;
-/// Leverage is a difference over this half-width of key travel, m: a hundredth of the dip, ten times what is left of a swing.
+/// Leverage is a difference over this half-width of key travel, m: a hundredth of the dip, ten times what is left of a
+/// swing.
 const HALF_WINDOW_M: f64 = 1e-4;
 /// The parts are in touch once the head has risen by so much, m: a fiftieth of the blow.
 const TAKEN_UP_RISE_M: f64 = 1e-3;
@@ -47,8 +49,8 @@ pub struct Agreement {
     pub worst: f64,
 }
 
-/// Presses an instrument slowly and a little beyond key travel `to_m`. The finger is soft and only pushes: leverage is read
-/// from what the key itself does.
+/// Presses an instrument slowly and a little beyond key travel `to_m`. The finger is soft and only pushes: leverage is
+/// read from what the key itself does.
 ///
 /// # Errors
 /// Of the simulation.
@@ -78,8 +80,8 @@ pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Re
 }
 
 impl SlowPress {
-    /// Leverage at key travel `key_m`: rise of the head over travel of the key in a window around it. `None` where the key
-    /// did not pass through the whole window.
+    /// Leverage at key travel `key_m`: rise of the head over travel of the key in a window around it. `None` where the
+    /// key did not pass through the whole window.
     #[must_use]
     pub fn leverage(&self, key_m: f64) -> Option<f64> {
         let rise = |travel: f64| {
@@ -98,8 +100,8 @@ impl SlowPress {
         self.key_m.get(row).copied()
     }
 
-    /// Compares leverages every twentieth of a millimetre from where play is taken up to let-off: until the toe touches,
-    /// or `let_off_m` where there is no toe. `None` where no range is left.
+    /// Compares leverages every twentieth of a millimetre from where play is taken up to let-off: until the toe
+    /// touches, or `let_off_m` where there is no toe. `None` where no range is left.
     #[must_use]
     pub fn agreement(&self, train: &LeverTrain, let_off_m: f64) -> Option<Agreement> {
         const EVERY_M: f64 = 5e-5;

@@ -1,7 +1,8 @@
 //! What key and shank give, as technicians measure it on the bench: a weight on one end while the other is held.
 //!
-//! The key lies on its balance hole and its capstan, its back is held, and a kilogram is put on the playing end; the shank is held at the stock of its
-//! knuckle, and a pound hangs 5 1/8 inches from its centre. In a part of rigid pieces on torsion springs that is a sum over its bends,
+//! The key lies on its balance hole and its capstan, its back is held, and a kilogram is put on the playing end; the
+//! shank is held at the stock of its knuckle, and a pound hangs 5 1/8 inches from its centre. In a part of rigid pieces
+//! on torsion springs that is a sum over its bends,
 //!
 //! ```text
 //! give / force = sum over bends of (x_load - x_bend)^2 / k
@@ -11,19 +12,22 @@
 
 use erard::instrument::{Instrument, Placement};
 
-/// Where the pound hangs on the shank, m from the hammer's centre: 5 1/8 inches (J. Ellis, Caut mailing list, November 2003).
+/// Where the pound hangs on the shank, m from the hammer's centre: 5 1/8 inches (J. Ellis, Caut mailing list, November
+/// 2003).
 pub(crate) const SHANK_LOAD_M: f64 = 0.1302;
 /// The weight of a pound, N.
 pub(crate) const POUND_N: f64 = 4.448;
 
-/// How far the key's playing end goes down for every newton on it while fulcrum and capstan are held, m/N; `None` without a key.
+/// How far the key's playing end goes down for every newton on it while fulcrum and capstan are held, m/N; `None`
+/// without a key.
 #[must_use]
 pub(crate) fn key_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
     let roles = &instrument.roles;
     roles.key.map(|key| flex(instrument, key, |along| along.to_world(roles.key_front_m)[0]))
 }
 
-/// How far the shank goes for every newton across it at [`SHANK_LOAD_M`] while it is held at the knuckle, m/N; `None` without a hammer.
+/// How far the shank goes for every newton across it at [`SHANK_LOAD_M`] while it is held at the knuckle, m/N; `None`
+/// without a hammer.
 #[must_use]
 pub(crate) fn shank_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
     instrument.roles.hammer.map(|hammer| flex(instrument, hammer, |_| SHANK_LOAD_M))

@@ -1,9 +1,9 @@
-//! What mass the player feels at the key front: the kinetic energy of the whole action over half the square of the key front's
-//! speed, as it changes through the stroke.
+//! What mass the player feels at the key front: the kinetic energy of the whole action over half the square of the key
+//! front's speed, as it changes through the stroke.
 //!
-//! Until let-off begins, whippen and hammer follow the key by geometry: their speeds are those of the three levers at the same
-//! key travel ([`crate::kinematics`]), the damper's that of its contact with the key. Afterwards the jack slips away and the hammer
-//! flies by itself; no one mass represents the action any more.
+//! Until let-off begins, whippen and hammer follow the key by geometry: their speeds are those of the three levers at
+//! the same key travel ([`crate::kinematics`]), the damper's that of its contact with the key. Afterwards the jack
+//! slips away and the hammer flies by itself; no one mass represents the action any more.
 
 use moreau::Settings;
 use moreau_linkage::three_lever::StrokePose;
@@ -55,7 +55,8 @@ impl Shares {
     }
 }
 
-/// Effective inertia from rest to the end of the free way, `way_m`: where let-off begins. Bends are locked: it is that of the geometry.
+/// Effective inertia from rest to the end of the free way, `way_m`: where let-off begins. Bends are locked: it is that
+/// of the geometry.
 ///
 /// # Errors
 /// See [`MeasureError`].

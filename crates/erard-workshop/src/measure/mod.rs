@@ -1,10 +1,11 @@
-//! The technician's measurements: weights on the key, parts on the scale, force over travel, inertia, timing, repetition.
+//! The technician's measurements: weights on the key, parts on the scale, force over travel, inertia, timing,
+//! repetition.
 //!
-//! Everything is measured in simulation, in the way in which it is measured on a piano, and where the masses and the geometry of
-//! the instrument file give the same quantity by themselves, both are given.
+//! Everything is measured in simulation, in the way in which it is measured on a piano, and where the masses and the
+//! geometry of the instrument file give the same quantity by themselves, both are given.
 //!
-//! Grams are forces here, as in the trade: a force over the instrument's gravity. Key travel is that of the key front from its
-//! rest, down positive.
+//! Grams are forces here, as in the trade: a force over the instrument's gravity. Key travel is that of the key front
+//! from its rest, down positive.
 
 pub mod flex;
 pub mod inertia;

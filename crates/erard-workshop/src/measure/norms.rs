@@ -1,4 +1,5 @@
-//! The lines of the sheet: what they are called, their unit, how many digits a technician reads. Their usual ranges are in [`super::usual`].
+//! The lines of the sheet: what they are called, their unit, how many digits a technician reads. Their usual ranges are
+//! in [`super::usual`].
 
 use std::sync::LazyLock;
 
@@ -211,7 +212,8 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
         if apart.abs() > RATIOS_AGREE {
             let mut message = format!("R by weights and R by the geometry are {:.1} % apart", 100.0 * apart.abs());
             if let Some(half_way) = sheet.strike_weight_ratio_weights_half_way {
-                // Down-weight and up-weight are decided at different places: friction that differs between them stays in BW.
+                // Down-weight and up-weight are decided at different places: friction that differs between them stays
+                // in BW.
                 let there = half_way / sheet.strike_weight_ratio_kinematics_half_way - 1.0;
                 message += &format!("; half-way, where friction goes out, {:.1} %", 100.0 * there.abs());
             }
@@ -246,7 +248,8 @@ mod tests {
         assert_eq!(twice.range(40), [None, Some(HARDLY_HEARD_M_S)]);
     }
 
-    /// At the keys of the sources their numbers, between them a straight line, beyond them the nearest; middle C's are those of before.
+    /// At the keys of the sources their numbers, between them a straight line, beyond them the nearest; middle C's are
+    /// those of before.
     #[test]
     fn norms_follow_the_register() {
         let line = |key: &str| lines().find(|line| line.key == key).unwrap();

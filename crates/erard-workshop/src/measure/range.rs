@@ -59,9 +59,9 @@ pub struct Softest {
 
 /// MIDI velocity of a hammer speed (m/s): 52 + 25 log2(speed), from 1 to 127.
 ///
-/// The map with which W. Goebl, The Role of Timing and Intensity in the Production and Perception of Melody in Expressive Piano
-/// Performance (thesis, University of Graz, 2003, section 3.7, eq. 3.2) turned hammer speeds of a Bösendorfer SE290 into MIDI
-/// velocities. Other instruments have others: it is declared, not measured.
+/// The map with which W. Goebl, The Role of Timing and Intensity in the Production and Perception of Melody in
+/// Expressive Piano Performance (thesis, University of Graz, 2003, section 3.7, eq. 3.2) turned hammer speeds of a
+/// Bösendorfer SE290 into MIDI velocities. Other instruments have others: it is declared, not measured.
 #[must_use]
 pub(crate) fn midi_velocity(speed_m_s: f64) -> Option<u8> {
     (speed_m_s > 0.0).then(|| (52.0 + 25.0 * speed_m_s.log2()).round().clamp(1.0, 127.0) as u8)
@@ -70,8 +70,9 @@ pub(crate) fn midi_velocity(speed_m_s: f64) -> Option<u8> {
 /// What that map is, for people.
 pub const MIDI_MAP: &str = "MIDI velocity = 52 + 25 log2(hammer speed in m/s), Goebl 2003 (Bösendorfer SE290)";
 
-/// Acceleration with which the strike point slows down while it rises freely with the shank level, along its arc, m/s2: weight
-/// and the pivot's dry friction about the pin over the inertia. The hammer is one rigid body ([`Instrument::locked`]).
+/// Acceleration with which the strike point slows down while it rises freely with the shank level, along its arc, m/s2:
+/// weight and the pivot's dry friction about the pin over the inertia. The hammer is one rigid body
+/// ([`Instrument::locked`]).
 #[must_use]
 pub(crate) fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
     let body = &instrument.bodies[hammer];
@@ -98,8 +99,8 @@ pub(crate) fn speed_against_force(
         .collect()
 }
 
-/// The fastest blow after the first, m/s, of soft constant forces: a hammer that the repetition spring throws back against the string while the key
-/// is held (double striking). 0 where every one of `DOUBLE_STRIKE_N` sounds once.
+/// The fastest blow after the first, m/s, of soft constant forces: a hammer that the repetition spring throws back
+/// against the string while the key is held (double striking). 0 where every one of `DOUBLE_STRIKE_N` sounds once.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -140,7 +141,8 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
     let rigid_hammer = Parts::of(&rigid)?.hammer;
     let [along, above] = rigid.roles.hammer_head_m;
     let flight_m = blow.hammer_head_m[row(contact)] - blow.hammer_head_m[row(off)];
-    // The head moves along its part's arc about the centre pin; what it rocks on a bending shank does not belong to its flight.
+    // The head moves along its part's arc about the centre pin; what it rocks on a bending shank does not belong to its
+    // flight.
     let rate = blow.bodies[instrument.first_piece(parts.hammer)].rate_rad_per_s[row(off)];
     Ok(Some(Softest {
         force_n: high,

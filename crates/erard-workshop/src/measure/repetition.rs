@@ -2,13 +2,15 @@
 //!
 //! A finger presses the key with a constant force until it is at its punching, stays there for a moment, and lifts off
 //! altogether; the key comes up by itself, as fast as its weights and springs let it. When it is up, at its rest (fully
-//! released) or at half of its dip, the finger waits for a moment, or not at all, and presses again. The shorter the finger stays and waits, the higher
-//! the rate; the fastest at which every stroke still sounds, once and not more softly than the softest playing that has been published, is the rate of
-//! repetition. So the rate is the action's own, not that of a prescribed motion.
+//! released) or at half of its dip, the finger waits for a moment, or not at all, and presses again. The shorter the
+//! finger stays and waits, the higher the rate; the fastest at which every stroke still sounds, once and not more
+//! softly than the softest playing that has been published, is the rate of repetition. So the rate is the action's own,
+//! not that of a prescribed motion.
 //!
-//! Why it may wait: a jack that its spring throws back under the knuckle bounces off its rest, and is still on its way when a light key of the treble is
-//! home. Pressed at once it meets the knuckle beside its edge, is kicked out to the end of its window, and the hammer, caught on its way by the check, does not sound, however long the
-//! finger stayed below. Some ten milliseconds later it stands.
+//! Why it may wait: a jack that its spring throws back under the knuckle bounces off its rest, and is still on its way
+//! when a light key of the treble is home. Pressed at once it meets the knuckle beside its edge, is kicked out to the
+//! end of its window, and the hammer, caught on its way by the check, does not sound, however long the finger stayed
+//! below. Some ten milliseconds later it stands.
 
 use moreau::Settings;
 
@@ -31,8 +33,8 @@ const STAY_STEP_S: f64 = 2e-3;
 const STAYS: usize = 100;
 /// How many of these steps of it the finger waits above.
 const WAITS: [usize; 4] = [0, 3, 6, 9];
-/// So many neighbouring stays must all hold, and the slowest of them counts: no finger keeps time to a step, and a rate that
-/// only one of them reaches is luck.
+/// So many neighbouring stays must all hold, and the slowest of them counts: no finger keeps time to a step, and a rate
+/// that only one of them reaches is luck.
 const NEIGHBOURS: usize = 3;
 /// A stroke that takes longer has got stuck, s.
 const PATIENCE_S: f64 = 1.0;
@@ -42,7 +44,8 @@ const PATIENCE_S: f64 = 1.0;
 pub struct Repetition {
     /// Blows per second.
     pub rate_hz: f64,
-    /// How long the finger stays on the bottom, s, and how long it waits above: together the shortest with which every stroke sounds.
+    /// How long the finger stays on the bottom, s, and how long it waits above: together the shortest with which every
+    /// stroke sounds.
     pub stay_s: f64,
     /// See there.
     pub wait_s: f64,
@@ -52,8 +55,8 @@ pub struct Repetition {
     pub softest_m_s: f64,
 }
 
-/// The fastest rate at which every stroke sounds; `None` where none does. `up_m`: the finger presses again when the key has come
-/// up to this travel below its rest.
+/// The fastest rate at which every stroke sounds; `None` where none does. `up_m`: the finger presses again when the key
+/// has come up to this travel below its rest.
 ///
 /// # Errors
 /// See [`MeasureError`].

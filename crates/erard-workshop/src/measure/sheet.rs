@@ -26,8 +26,8 @@ const INTO_PUNCHING_M: f64 = 0.3e-3;
 /// How many points of a loop are kept on the sheet, at most.
 const LOOP_POINTS: usize = 600;
 
-/// The sheet of one action. Grams are gram-forces at the key front or on the scale, millimetres as a technician measures them;
-/// `None` (JSON `null`) is what did not happen or what there is no part for.
+/// The sheet of one action. Grams are gram-forces at the key front or on the scale, millimetres as a technician
+/// measures them; `None` (JSON `null`) is what did not happen or what there is no part for.
 #[derive(Debug, Clone, Serialize)]
 #[allow(non_snake_case)]
 pub struct Sheet {
@@ -57,8 +57,8 @@ pub struct Sheet {
     pub key_ratio: f64,
     /// R by the equation of balance.
     pub strike_weight_ratio_weights: Option<f64>,
-    /// The same from the slow loop's two forces half-way, where friction takes as much from one as it adds to the other: the law
-    /// at one place.
+    /// The same from the slow loop's two forces half-way, where friction takes as much from one as it adds to the
+    /// other: the law at one place.
     pub strike_weight_ratio_weights_half_way: Option<f64>,
     /// R by the geometry: mean of the ratios at the two places that decide down-weight and up-weight.
     pub strike_weight_ratio_kinematics: f64,
@@ -112,8 +112,8 @@ pub struct Sheet {
     pub softest_fall_speed_m_s: Option<f64>,
     /// The fastest second blow after a soft first one, the key held, m/s; 0 where there is none.
     pub double_strike_m_s: Option<f64>,
-    /// Largest force on the slow way from where let-off begins to the bottom less that before it, N: what the finger feels of
-    /// let-off.
+    /// Largest force on the slow way from where let-off begins to the bottom less that before it, N: what the finger
+    /// feels of let-off.
     pub let_off_resistance_N: Option<f64>,
     /// Work that a slow way to the bottom and back takes, pedal down, mJ.
     pub loop_loss_mJ: f64,
@@ -274,8 +274,8 @@ struct Results {
     scale: Option<(PartWeights, StrikeRatio)>,
 }
 
-/// Measures an action from end to end, and holds it against the norms of middle C. `progress` is told the share that is done, and ends the work
-/// by returning false.
+/// Measures an action from end to end, and holds it against the norms of middle C. `progress` is told the share that is
+/// done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -369,8 +369,8 @@ impl Need {
     }
 }
 
-/// Measures only what some lines of the sheet need; their values, in their order. One after the other, for callers that measure many actions side by
-/// side.
+/// Measures only what some lines of the sheet need; their values, in their order. One after the other, for callers that
+/// measure many actions side by side.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -520,7 +520,8 @@ impl Results {
     }
 }
 
-/// The largest force between where let-off begins and half a millimetre before the bottom, less that where it begins, N.
+/// The largest force between where let-off begins and half a millimetre before the bottom, less that where it begins,
+/// N.
 fn let_off_resistance(slow: &SlowLoop, begins_m: f64, distances: &Distances) -> Option<f64> {
     let before = slow.down.force(begins_m - HOME_M)?;
     let to_m = distances.dip_m? - HOME_M;

@@ -1,5 +1,5 @@
-//! Force against displacement of a key that is moved so slowly that only weights, springs, felts and dry friction are left:
-//! the hysteresis loop.
+//! Force against displacement of a key that is moved so slowly that only weights, springs, felts and dry friction are
+//! left: the hysteresis loop.
 
 use moreau::Settings;
 
@@ -10,8 +10,8 @@ use erard::player::motion;
 use erard::run::least_jerk;
 use erard::run::{Setup, simulate};
 
-/// Time of either way, s. The hammer on its felts swings at about 10 Hz, which dry friction on a moving pivot does not damp;
-/// over eight seconds what is left of it is a few hundredths of a newton.
+/// Time of either way, s. The hammer on its felts swings at about 10 Hz, which dry friction on a moving pivot does not
+/// damp; over eight seconds what is left of it is a few hundredths of a newton.
 const WAY_S: f64 = 8.0;
 /// Rest at the turning point, s.
 const TURN_S: f64 = 0.3;
@@ -19,8 +19,8 @@ const TURN_S: f64 = 0.3;
 const STEP_S: f64 = 100e-6;
 /// Every so many steps are kept: 4000 rows a way, two and a half micrometres of the key apart.
 const RECORD_EVERY: u64 = 20;
-/// Forces are means over this half-width of key travel, m: the hammer's swing goes out of them, and a peak, whose slopes are some
-/// grams per millimetre, is flattened by less than a tenth of a gram.
+/// Forces are means over this half-width of key travel, m: the hammer's swing goes out of them, and a peak, whose
+/// slopes are some grams per millimetre, is flattened by less than a tenth of a gram.
 const HALF_WINDOW_M: f64 = 0.05e-3;
 
 /// A slow way down and up again.

@@ -1,8 +1,9 @@
 //! Weights laid on the key front: does the key sink, does it come up?
 //!
-//! The technician's own search. A weight is laid on the resting key, or on the key held just before let-off, and let go. A key
-//! that runs away is caught and let go again, so that none of its way is made by momentum: a weight is heavy enough when the
-//! key starts again from wherever it is stopped. The weight's own inertia is left out, for the motion is slow.
+//! The technician's own search. A weight is laid on the resting key, or on the key held just before let-off, and let
+//! go. A key that runs away is caught and let go again, so that none of its way is made by momentum: a weight is heavy
+//! enough when the key starts again from wherever it is stopped. The weight's own inertia is left out, for the motion
+//! is slow.
 
 use moreau::Settings;
 
@@ -17,8 +18,8 @@ const STEP_S: f64 = 400e-6;
 const PATIENCE_S: f64 = 40.0;
 /// A key that has stood still for so long will not start again, s.
 const STUCK_S: f64 = 0.1;
-/// A key that is faster than this is caught, m/s. At this speed the whole action, 0.3 kg at the key front, has the energy to carry
-/// a tenth of a gram too little over a sixth of a millimetre.
+/// A key that is faster than this is caught, m/s. At this speed the whole action, 0.3 kg at the key front, has the
+/// energy to carry a tenth of a gram too little over a sixth of a millimetre.
 const CAUGHT_M_S: f64 = 0.001;
 /// A key that has arrived is caught there, too, and must go on by itself by so much, m.
 const FURTHER_M: f64 = 2e-5;
@@ -28,12 +29,12 @@ const APPROACH_S: f64 = 0.4;
 const CLOSE_N: f64 = 2e-4;
 /// A guess is first looked for within this, N: a gram and a half.
 const NEAR_N: f64 = 0.015;
-/// The smallest and the largest force that are tried, N: no action asks for 300 g, and one that must be pulled up with more
-/// than 100 g does not move.
+/// The smallest and the largest force that are tried, N: no action asks for 300 g, and one that must be pulled up with
+/// more than 100 g does not move.
 const TRIED_N: [f64; 2] = [-1.0, 3.0];
 
-/// The smallest force that makes the resting key sink to `to_m`, N; `None` when none that is tried does. `guess_n` is where to begin
-/// to search.
+/// The smallest force that makes the resting key sink to `to_m`, N; `None` when none that is tried does. `guess_n` is
+/// where to begin to search.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -46,7 +47,8 @@ pub(super) fn smallest_that_sinks(
     boundary(guess_n, &mut |force| moves(instrument, force, 0.0, to_m, progress))
 }
 
-/// The largest force against which the key, let go at `from_m`, comes up to `to_m`, N; `None` when none that is tried does.
+/// The largest force against which the key, let go at `from_m`, comes up to `to_m`, N; `None` when none that is tried
+/// does.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -61,8 +63,8 @@ pub(super) fn largest_that_is_lifted(
     boundary(guess_n, &mut |force| Ok(!moves(instrument, force, from_m, to_m, progress)?))
 }
 
-/// Where an answer changes from no to yes as the force grows. A guess saves trials, and changes nothing: where the answers around
-/// it are not no and yes, the whole range is searched.
+/// Where an answer changes from no to yes as the force grows. A guess saves trials, and changes nothing: where the
+/// answers around it are not no and yes, the whole range is searched.
 fn boundary(
     guess_n: Option<f64>,
     holds: &mut dyn FnMut(f64) -> Result<bool, MeasureError>,

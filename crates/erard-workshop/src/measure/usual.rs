@@ -1,4 +1,5 @@
-//! Usual ranges of the technician's numbers, `validation/usual.toml`: one table for the sheet, its flags and the rows of `validate`.
+//! Usual ranges of the technician's numbers, `validation/usual.toml`: one table for the sheet, its flags and the rows
+//! of `validate`.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

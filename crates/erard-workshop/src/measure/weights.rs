@@ -1,14 +1,15 @@
 //! Grams: at the key front, and of the parts on the scale; and the equation of balance between them.
 //!
-//! Down-weight D is the smallest weight on the key front that makes the resting key sink to where let-off begins, up-weight U the
-//! largest that the key, let go just before, lifts again; balance weight is their mean and friction weight half their
-//! difference. They are found twice: by trial with weights (`trial.rs`), and as the largest force of the way down and the
-//! smallest of the way up of a slow loop between the same places. With the weights of the parts, weighed as a technician does,
+//! Down-weight D is the smallest weight on the key front that makes the resting key sink to where let-off begins,
+//! up-weight U the largest that the key, let go just before, lifts again; balance weight is their mean and friction
+//! weight half their difference. They are found twice: by trial with weights (`trial.rs`), and as the largest force of
+//! the way down and the smallest of the way up of a slow loop between the same places. With the weights of the parts,
+//! weighed as a technician does,
 //!
 //! BW + FW = KR WW + R SW        (D. C. Stanwood, The New Touchweight Metrology, PTG Journal, June 1996)
 //!
-//! gives the strike-weight ratio R, which the geometry gives by itself: speed of a mass at the strike weight's place, with the
-//! shank level, over the speed of the key front.
+//! gives the strike-weight ratio R, which the geometry gives by itself: speed of a mass at the strike weight's place,
+//! with the shank level, over the speed of the key front.
 
 use super::slow_loop::{SlowLoop, slow_loop};
 use super::trial::{largest_that_is_lifted, smallest_that_sinks};
@@ -87,8 +88,8 @@ pub struct PartWeights {
     pub key_ratio: f64,
 }
 
-/// R by the geometry. It falls on the way, and the balance weight is the mean of a weight that is decided near rest and one that is
-/// decided near let-off: where it was weighed, R is the mean of the ratios at these two places.
+/// R by the geometry. It falls on the way, and the balance weight is the mean of a weight that is decided near rest and
+/// one that is decided near let-off: where it was weighed, R is the mean of the ratios at these two places.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrikeRatio {
     /// Mean of the ratios where down-weight and up-weight are decided.
@@ -159,8 +160,8 @@ pub struct FreeWay {
     pub let_off: bool,
 }
 
-/// Presses the key slowly until jack or lever meets its stop; in an action that is out of order, until the hammer blocks against
-/// the string or the key is down.
+/// Presses the key slowly until jack or lever meets its stop; in an action that is out of order, until the hammer
+/// blocks against the string or the key is down.
 ///
 /// # Errors
 /// When there is no such way, or the run fails.
@@ -189,7 +190,8 @@ pub(crate) struct LoopWeights {
     pub slow: SlowLoop,
 }
 
-/// Down-weight and up-weight of an action as it stands from a slow loop alone: a tenth of the work of trials with weights.
+/// Down-weight and up-weight of an action as it stands from a slow loop alone: a tenth of the work of trials with
+/// weights.
 ///
 /// # Errors
 /// Where there is no gravity, and those of the run.
@@ -236,8 +238,9 @@ pub fn on_the_key(
     Ok(KeyWeights { by_weights, by_loop, decided_m, slow })
 }
 
-/// Weighs the parts as they come off the action, unbent, from masses, centres of mass and where they touch at rest; and finds the
-/// strike-weight ratio by the geometry, `decided_m` being the key travels at which down-weight and up-weight were decided.
+/// Weighs the parts as they come off the action, unbent, from masses, centres of mass and where they touch at rest; and
+/// finds the strike-weight ratio by the geometry, `decided_m` being the key travels at which down-weight and up-weight
+/// were decided.
 ///
 /// # Errors
 /// When no three levers are found in it.

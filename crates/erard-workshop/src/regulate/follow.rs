@@ -5,15 +5,17 @@ use super::{Goal, Kind, RegulateError, Specification};
 use crate::distances::{Distances, Protocol};
 use erard::instrument::Instrument;
 
-/// A distance that has moved by more than this has been disturbed, m, or as a share of a speed, or of the dip: what a technician sees.
+/// A distance that has moved by more than this has been disturbed, m, or as a share of a speed, or of the dip: what a
+/// technician sees.
 const SEEN_M: f64 = 0.25e-3;
 const SEEN_OF_SPEED: f64 = 0.15;
 const SEEN_OF_DIP: f64 = 0.03;
 /// Passes in which what was newly disturbed is taken along.
 const PASSES: u32 = 4;
 
-/// Goals that nobody asked for, and that a regulation has disturbed: each with what it measured before, which is to come back. Goals without a
-/// screw of their own in this instrument are left out, and the repetition rise, whose screw is the check's.
+/// Goals that nobody asked for, and that a regulation has disturbed: each with what it measured before, which is to
+/// come back. Goals without a screw of their own in this instrument are left out, and the repetition rise, whose screw
+/// is the check's.
 #[must_use]
 pub fn disturbed(regulated: &Regulated) -> Specification {
     let asked = |goal: Goal| regulated.achieved.iter().any(|achieved| achieved.goal == goal);
@@ -37,8 +39,8 @@ fn has_moved(goal: Goal, before: &Distances, after: &Distances) -> Option<f64> {
     (!is_there).then_some(before)
 }
 
-/// [`regulate`], and again with what that disturbed kept as it was, until nothing else is disturbed: the screws that must follow, follow.
-/// Distances before are those before the first turn.
+/// [`regulate`], and again with what that disturbed kept as it was, until nothing else is disturbed: the screws that
+/// must follow, follow. Distances before are those before the first turn.
 ///
 /// # Errors
 /// As [`regulate`].

@@ -2,8 +2,8 @@
 
 use crate::distances::{Distances, Trial};
 
-/// A distance that can be asked for. The order is the trade's order of work: the jack and the lever under the knuckle, the
-/// hammer line, the key's dip, let-off, drop, checking, the repetition spring, the damper.
+/// A distance that can be asked for. The order is the trade's order of work: the jack and the lever under the knuckle,
+/// the hammer line, the key's dip, let-off, drop, checking, the repetition spring, the damper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Goal {
     /// [`Distances::jack_position_m`].
@@ -84,12 +84,13 @@ impl Goal {
 
     /// What the trade asks for where nothing else is said, in m, m/s, or shares; `None` where it has no norm.
     ///
-    /// Dip 10 (published 9.5-11), blow 46 (44-49), let-off 1.5, drop 1.5, check 15 (12-15): Brekne 2009, Gillespie et al. 2011.
-    /// Jack position 1.5: the jack's rear edge flush with the rear of a knuckle core 3 mm thick. Lever height 0.1: the jack just
-    /// below the lever. Damper 0.5: dampers rise from half stroke. Spring 0.25 m/s: an estimate; technicians ask for a brisk rise
-    /// without a kick and give no number. It is a compromise: with much less the shipped actions miss strokes at 8 Hz, above about 0.22 m/s a hammer
-    /// let up slowly from the check reaches the string, and at 0.3 m/s the concert grand's soft notes strike twice, the second time at 0.24 m/s
-    /// (`erard regulate --spring 300mm/s`).
+    /// Dip 10 (published 9.5-11), blow 46 (44-49), let-off 1.5, drop 1.5, check 15 (12-15): Brekne 2009, Gillespie et
+    /// al. 2011. Jack position 1.5: the jack's rear edge flush with the rear of a knuckle core 3 mm thick. Lever height
+    /// 0.1: the jack just below the lever. Damper 0.5: dampers rise from half stroke. Spring 0.25 m/s: an estimate;
+    /// technicians ask for a brisk rise without a kick and give no number. It is a compromise: with much less the
+    /// shipped actions miss strokes at 8 Hz, above about 0.22 m/s a hammer let up slowly from the check reaches the
+    /// string, and at 0.3 m/s the concert grand's soft notes strike twice, the second time at 0.24 m/s (`erard regulate
+    /// --spring 300mm/s`).
     pub(crate) fn norm(self) -> Option<f64> {
         match self {
             Goal::JackPosition => Some(1.5e-3),
@@ -125,8 +126,8 @@ impl Goal {
         }
     }
 
-    /// How far from `target` still counts as met: 0.05 mm, 2 % of a speed, 1 % of the dip; lever height, which is a tenth of a
-    /// millimetre, 0.02 mm.
+    /// How far from `target` still counts as met: 0.05 mm, 2 % of a speed, 1 % of the dip; lever height, which is a
+    /// tenth of a millimetre, 0.02 mm.
     pub(crate) fn tolerance(self, target: f64) -> f64 {
         match self {
             Goal::LeverHeight => 2e-5,
@@ -161,9 +162,10 @@ impl Goal {
         }
     }
 
-    /// The screws that do it, the usual one first; the next takes over where that one is at its end. With each, what it does
-    /// to the goal per m, rad or N m turned along its [`KnownScrew::reference`](super::KnownScrew): only a first guess, which
-    /// the first turn corrects. Sizes follow from lever arms (a hammer's head moves about ten times as far as its knuckle).
+    /// The screws that do it, the usual one first; the next takes over where that one is at its end. With each, what it
+    /// does to the goal per m, rad or N m turned along its [`KnownScrew::reference`](super::KnownScrew): only a first
+    /// guess, which the first turn corrects. Sizes follow from lever arms (a hammer's head moves about ten times as far
+    /// as its knuckle).
     pub fn screws(self) -> &'static [(&'static str, f64)] {
         match self {
             Goal::JackPosition => &[("jack_position", 1.8)],
@@ -173,16 +175,16 @@ impl Goal {
             Goal::Drop => &[("drop", 6.0)],
             Goal::Dip => &[("front_punching", -1.0), ("back_rail_cloth", -1.2)],
             Goal::Check => &[("back_check", -10.0)],
-            // The hammer rises to where the drop screw holds the lever: how far that is is decided by where it is checked. The
-            // check's angle decides how far the key has come up by then, which matters little.
+            // The hammer rises to where the drop screw holds the lever: how far that is is decided by where it is
+            // checked. The check's angle decides how far the key has come up by then, which matters little.
             Goal::RepetitionRise => &[("back_check", -10.0), ("back_check_angle", 3e-3)],
             Goal::Spring => &[("repetition_spring", 25.0)],
             Goal::Damper => &[("damper_timing", -110.0)],
         }
     }
 
-    /// What counts where it does not happen: a hammer that is not caught is caught infinitely low; what is not caught does not
-    /// rise; a key without a bottom is infinitely deep.
+    /// What counts where it does not happen: a hammer that is not caught is caught infinitely low; what is not caught
+    /// does not rise; a key without a bottom is infinitely deep.
     pub(super) fn missing(self) -> f64 {
         match self {
             Goal::RepetitionRise | Goal::Spring => 0.0,

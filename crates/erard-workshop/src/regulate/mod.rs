@@ -1,8 +1,8 @@
 //! Turning an action's own screws until it meets a specification, as a technician does.
 //!
 //! `goal` is what can be asked for, `screw` what can be turned, `workshop` the action with its screws and what has been
-//! measured of it, `search` how one screw is turned until one goal is met, and `rounds` the order of work, done again until no
-//! goal is disturbed by another; `follow` takes along the screws that must follow.
+//! measured of it, `search` how one screw is turned until one goal is met, and `rounds` the order of work, done again
+//! until no goal is disturbed by another; `follow` takes along the screws that must follow.
 
 mod follow;
 mod goal;

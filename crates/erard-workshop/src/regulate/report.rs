@@ -55,7 +55,8 @@ impl Regulated {
         self.turned.iter().filter(move |turned| asked(&turned.name) == Some(goal))
     }
 
-    /// `text`, the file that was regulated, with the settings that its screws have now, each cited as regulated in simulation.
+    /// `text`, the file that was regulated, with the settings that its screws have now, each cited as regulated in
+    /// simulation.
     ///
     /// # Errors
     /// See [`RewriteError`].

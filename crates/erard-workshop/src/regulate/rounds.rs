@@ -15,7 +15,8 @@ const MOST_ROUNDS: u32 = 8;
 const MOST_TRIES: u32 = 14;
 /// Most measurements to meet a goal again while another's screw is turned.
 const MOST_TRIES_TO_KEEP: u32 = 6;
-/// A screw is turned until its goal is met to this share of its tolerance, so that what comes after may disturb it a little.
+/// A screw is turned until its goal is met to this share of its tolerance, so that what comes after may disturb it a
+/// little.
 const WORKING_SHARE: f64 = 0.3;
 /// Rounds that an end of the work is guessed at, for the share that progress shows.
 const USUAL_ROUNDS: f64 = 4.0;
@@ -117,11 +118,12 @@ struct Task {
     nearest: Option<f64>,
 }
 
-/// Regulates a copy of an instrument. `progress` is told now and then how far the work is, and ends it by returning false.
+/// Regulates a copy of an instrument. `progress` is told now and then how far the work is, and ends it by returning
+/// false.
 ///
-/// Goals are worked on in the order of [`Goal::ALL`], whatever the order of the specification; of a goal that is named twice
-/// the last counts. Before let-off is set for the first time, a drop screw that keeps the lever from carrying the hammer too
-/// late is turned out of the way, as on the bench.
+/// Goals are worked on in the order of [`Goal::ALL`], whatever the order of the specification; of a goal that is named
+/// twice the last counts. Before let-off is set for the first time, a drop screw that keeps the lever from carrying the
+/// hammer too late is turned out of the way, as on the bench.
 ///
 /// # Errors
 /// See [`RegulateError`]. A goal that cannot be met is no error: see [`Achieved::miss`].
@@ -234,9 +236,9 @@ fn total_error(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<f64, RegulateE
     Ok(total)
 }
 
-/// A repetition lever that is not stopped in time carries the hammer on after the jack has gone, and let-off cannot be seen: as on
-/// the bench, the drop screw is turned out of the way until the hammer drops far. Where the drop is not to be set afterwards, it
-/// is turned only as far as the hammer drops at all.
+/// A repetition lever that is not stopped in time carries the hammer on after the jack has gone, and let-off cannot be
+/// seen: as on the bench, the drop screw is turned out of the way until the hammer drops far. Where the drop is not to
+/// be set afterwards, it is turned only as far as the hammer drops at all.
 fn clear_the_drop_screw(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
     let Some(screw) = shop.instrument.screw("drop") else { return Ok(()) };
     let Some(known) = known_screw("drop") else { return Ok(()) };
@@ -258,8 +260,8 @@ fn clear_the_drop_screw(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<(), R
     Ok(())
 }
 
-/// Turns the screws of task `n` until its goal is met, or as near as it gets in so many tries for each. A goal that has to be
-/// kept meanwhile is met again after every turn.
+/// Turns the screws of task `n` until its goal is met, or as near as it gets in so many tries for each. A goal that has
+/// to be kept meanwhile is met again after every turn.
 fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
     let (goal, target) = (tasks[n].goal, tasks[n].target);
     let near_enough = WORKING_SHARE * goal.tolerance(target);

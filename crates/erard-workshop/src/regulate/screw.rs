@@ -26,10 +26,12 @@ pub enum Handwork {
     Stack,
 }
 
-/// Threads of capstans and let-off screws, m a turn: about a 10-24 machine screw's 1.06 mm, which R. Nossaman puts in as damper capstans (Caut
-/// list, 23 March 2007). An estimate; D. Nereson calls most capstans' threads "fairly fine machine threads" (Pianotech list, 28 February 2008).
+/// Threads of capstans and let-off screws, m a turn: about a 10-24 machine screw's 1.06 mm, which R. Nossaman puts in
+/// as damper capstans (Caut list, 23 March 2007). An estimate; D. Nereson calls most capstans' threads "fairly fine
+/// machine threads" (Pianotech list, 28 February 2008).
 pub const CAPSTAN_THREAD_M: f64 = 1.0e-3;
-/// Threads of the small screws in whippens, hammer flanges and shanks, m a turn: an estimate, as of 4-40 and 5-40 machine screws (0.64 mm).
+/// Threads of the small screws in whippens, hammer flanges and shanks, m a turn: an estimate, as of 4-40 and 5-40
+/// machine screws (0.64 mm).
 pub const SMALL_THREAD_M: f64 = 0.65e-3;
 
 /// A screw that `regulate` knows how to use.
@@ -39,8 +41,8 @@ pub struct KnownScrew {
     pub name: &'static str,
     /// The direction in which a technician's usual words turn it; a file may count the other way.
     pub reference: Vec2,
-    /// How far it plausibly goes. These are estimates: the thread of a capstan or button, a stack of punchings, what a wire
-    /// bends and what a spring takes.
+    /// How far it plausibly goes. These are estimates: the thread of a capstan or button, a stack of punchings, what a
+    /// wire bends and what a spring takes.
     pub range: Range,
     /// How it is done on the bench.
     pub work: Handwork,

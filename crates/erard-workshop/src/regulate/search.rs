@@ -1,8 +1,9 @@
 //! One screw, one goal: the secant, kept inside a bracket once there is one.
 //!
-//! Two things keep the plain secant from working. Distances saturate (a hammer that blocks has no let-off, a lever that is
-//! not stopped no drop, a weak spring does not lift), so that two turns may show no difference; then the expected effect is
-//! used. And dry friction makes distances rough by some micrometres; so slopes are taken over turns that matter only.
+//! Two things keep the plain secant from working. Distances saturate (a hammer that blocks has no let-off, a lever that
+//! is not stopped no drop, a weak spring does not lift), so that two turns may show no difference; then the expected
+//! effect is used. And dry friction makes distances rough by some micrometres; so slopes are taken over turns that
+//! matter only.
 
 /// How far the slope may be from the expected effect, as a factor: beyond it a difference is roughness or saturation.
 const SLOPE_FACTOR: f64 = 8.0;
@@ -45,7 +46,8 @@ impl Search {
         self.slope
     }
 
-    /// Tells that `setting` gives `value`, and gets the next setting to try; `None` where there is none that could be better.
+    /// Tells that `setting` gives `value`, and gets the next setting to try; `None` where there is none that could be
+    /// better.
     pub(crate) fn next(&mut self, setting: f64, value: f64) -> Option<f64> {
         let error = value - self.target;
         if self.best.is_none_or(|(_, best)| error.abs() < (best - self.target).abs()) {
@@ -107,8 +109,8 @@ mod tests {
         (60, x)
     }
 
-    /// A line whose slope was guessed three times too small is met in four evaluations; what saturates, or jumps to infinity,
-    /// is met too; what lies out of range ends at the end of the range.
+    /// A line whose slope was guessed three times too small is met in four evaluations; what saturates, or jumps to
+    /// infinity, is met too; what lies out of range ends at the end of the range.
     #[test]
     fn known_functions() {
         let (n, x) = run(|x| 3.0 * x - 1.0, 1.0, 0.5);

@@ -13,7 +13,8 @@ pub struct Band {
 
 const SHARES: [f64; 2] = [0.05, 0.95];
 
-/// The 5 to 95 % band of those values that came about, by straight lines between the sorted ones; `None` of fewer than two.
+/// The 5 to 95 % band of those values that came about, by straight lines between the sorted ones; `None` of fewer than
+/// two.
 #[must_use]
 pub fn band(values: impl IntoIterator<Item = Option<f64>>) -> Option<Band> {
     let mut sorted: Vec<f64> = values.into_iter().flatten().filter(|x| x.is_finite()).collect();

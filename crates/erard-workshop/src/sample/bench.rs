@@ -1,4 +1,5 @@
-//! A sample on the bench: regulated to the distances of the instrument that it is a sample of, its friction and its leads put right.
+//! A sample on the bench: regulated to the distances of the instrument that it is a sample of, its friction and its
+//! leads put right.
 
 use super::draw::ten_digits;
 use crate::distances::{self, Distances, Protocol};
@@ -23,7 +24,8 @@ const LEAST_FRICTION: f64 = 0.1;
 /// How far the key goes down for each millimetre of the hammer on its way to let-off.
 const KEY_PER_HAMMER: f64 = 0.19;
 
-/// What a sample is put right to: the distances and the balance weight of the instrument that it is a sample of, and the key whose usual ranges hold.
+/// What a sample is put right to: the distances and the balance weight of the instrument that it is a sample of, and
+/// the key whose usual ranges hold.
 #[derive(Debug, Clone)]
 pub(super) struct Aim {
     goals: Specification,
@@ -143,8 +145,8 @@ impl Aim {
         Ok(Some(self.goals.iter().map(other).collect()))
     }
 
-    /// Friction of the key's pins and leads, for friction, balance, down- and up-weight within their usual ranges: friction as near to what was drawn, and
-    /// balance as near to the file's, as they allow.
+    /// Friction of the key's pins and leads, for friction, balance, down- and up-weight within their usual ranges:
+    /// friction as near to what was drawn, and balance as near to the file's, as they allow.
     fn weighed(&self, text: &str, progress: &mut Progress<'_>) -> Result<String, Unfit> {
         let instrument = parsed(text)?;
         let found = touch(&instrument, progress)?;

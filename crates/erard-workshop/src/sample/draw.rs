@@ -3,12 +3,14 @@
 use super::random::deviation;
 use erard::instrument::{CitedNumber, InstrumentFile, Spread, with_numbers};
 
-/// A felt's stiffness was sized by the force at this share of its thickness; where the exponent deviates, that force is kept.
+/// A felt's stiffness was sized by the force at this share of its thickness; where the exponent deviates, that force is
+/// kept.
 const SIZED_AT: f64 = 0.05;
 /// The compression at which that force is taken where the file states no thickness, m.
 const SIZED_AT_M: f64 = 1e-4;
 
-/// The text of a file with its numbers drawn; `None` where no number has a spread. The same deviation serves all numbers that are `together`.
+/// The text of a file with its numbers drawn; `None` where no number has a spread. The same deviation serves all
+/// numbers that are `together`.
 pub(super) fn drawn(file: &InstrumentFile, text: &str, sample: u32, attempt: u32) -> Option<String> {
     let numbers = &file.provenance.numbers;
     let mut changes: Vec<(&str, usize, f64)> = Vec::new();

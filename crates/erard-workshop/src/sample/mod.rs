@@ -1,11 +1,13 @@
 //! Not one piano but many: plausible grands around an instrument file.
 //!
-//! A sample is one grand. Every number of the file that has a spread deviates, numbers that are `together` by the same share of theirs (`draw`, `random`); then screws, friction
-//! and leads are put right on the bench (`bench`), as a technician would: the drawn piano has the distances and the balance weight of the file's,
-//! and a friction weight within the usual range. A grand that cannot be put right nobody would keep; it is drawn again.
+//! A sample is one grand. Every number of the file that has a spread deviates, numbers that are `together` by the same
+//! share of theirs (`draw`, `random`); then screws, friction and leads are put right on the bench (`bench`), as a
+//! technician would: the drawn piano has the distances and the balance weight of the file's, and a friction weight
+//! within the usual range. A grand that cannot be put right nobody would keep; it is drawn again.
 //!
-//! A sample is decided by its number and the file alone, and has the same bits on every machine: integers, `libm` and the engine. Keys of one keyboard are one
-//! piano: its base instrument is drawn, graded over the keys, and each key put right by itself.
+//! A sample is decided by its number and the file alone, and has the same bits on every machine: integers, `libm` and
+//! the engine. Keys of one keyboard are one piano: its base instrument is drawn, graded over the keys, and each key put
+//! right by itself.
 
 mod band;
 mod bench;
@@ -127,7 +129,8 @@ impl Sampled {
         }
     }
 
-    /// The same of the base instrument, where a key is asked for. Whether a piano is drawn again is decided by it, so that all keys are one piano's.
+    /// The same of the base instrument, where a key is asked for. Whether a piano is drawn again is decided by it, so
+    /// that all keys are one piano's.
     fn base_text(&self, sample: u32, progress: &mut Progress<'_>) -> Result<String, SampleError> {
         for attempt in 0..ATTEMPTS {
             if !progress(0.0) {

@@ -1,9 +1,12 @@
-//! Deviations that depend on a sample's number and a name, and on nothing else: a number more in a file changes no other's.
+//! Deviations that depend on a sample's number and a name, and on nothing else: a number more in a file changes no
+//! other's.
 
-/// Nine tenths of all sums of four uniform numbers lie so near to two: the root of d^4 - 4 (d - 1)^4 = 1.2, less from 2.
+/// Nine tenths of all sums of four uniform numbers lie so near to two: the root of d^4 - 4 (d - 1)^4 = 1.2, less from
+/// 2.
 const NINE_TENTHS: f64 = 0.9534;
 
-/// A deviation, bell-shaped, nine tenths of the time within -1 and 1, never beyond 2.1. Integers, sums and one division: the same bits everywhere.
+/// A deviation, bell-shaped, nine tenths of the time within -1 and 1, never beyond 2.1. Integers, sums and one
+/// division: the same bits everywhere.
 pub(super) fn deviation(sample: u32, attempt: u32, name: &str, component: usize) -> f64 {
     let mut state = mixed(named(name) ^ mixed(u64::from(sample) << 32 | u64::from(attempt)) ^ component as u64);
     let mut sum = 0.0;
@@ -32,7 +35,8 @@ fn named(name: &str) -> u64 {
 mod tests {
     use super::*;
 
-    /// Mean 0, nine tenths within 1, variance that of four uniform numbers; other names, samples, attempts and components are independent.
+    /// Mean 0, nine tenths within 1, variance that of four uniform numbers; other names, samples, attempts and
+    /// components are independent.
     #[test]
     fn deviations_are_distributed_as_said() {
         const N: u32 = 20_000;

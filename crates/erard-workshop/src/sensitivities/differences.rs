@@ -1,4 +1,5 @@
-//! Differences over windows that are wide against what one step resolves: what derivatives are held against, and what touch weights have instead.
+//! Differences over windows that are wide against what one step resolves: what derivatives are held against, and what
+//! touch weights have instead.
 
 use erard::Progress;
 use erard::grand::{Parts, pedal_down};

@@ -1,9 +1,10 @@
 //! Which parameters of an instrument matter, and how much: the derivatives of a stroke's outcome by them.
 //!
-//! Speeds and instants are differentiated in one pass each ([`erard::gradient`]): exact to first order, errors of the steps' length apart. It is done
-//! with three steps, `SHARES` of the stroke's: the middle result is told, half of their range is its error. Beside it stand differences over a window
-//! that is wide against anything that one step resolves: where they say something else, or something else to either side, the solution
-//! jumps nearby, and the row is marked. Touch weights are the largest and the smallest force of a slow loop, and have differences alone.
+//! Speeds and instants are differentiated in one pass each ([`erard::gradient`]): exact to first order, errors of the
+//! steps' length apart. It is done with three steps, `SHARES` of the stroke's: the middle result is told, half of their
+//! range is its error. Beside it stand differences over a window that is wide against anything that one step resolves:
+//! where they say something else, or something else to either side, the solution jumps nearby, and the row is marked.
+//! Touch weights are the largest and the smallest force of a slow loop, and have differences alone.
 
 mod differences;
 mod error;
@@ -159,7 +160,8 @@ pub struct Sensitivities {
     pub by: Vec<Variable>,
     /// Every one of every quantity that happened, by quantity, the largest effect first.
     pub rows: Vec<Sensitivity>,
-    /// Instants at which derivatives jump, from the pose as drawn to the blow, and those that could not be distinguished.
+    /// Instants at which derivatives jump, from the pose as drawn to the blow, and those that could not be
+    /// distinguished.
     pub switches: [u32; 2],
 }
 

@@ -1,4 +1,5 @@
-//! A press in numbers that carry derivatives, as often as there are groups of directions and lengths of step, on all cores.
+//! A press in numbers that carry derivatives, as often as there are groups of directions and lengths of step, on all
+//! cores.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -19,8 +20,8 @@ use crate::study::Stroke;
 pub struct Gradient {
     /// By what.
     pub by: Vec<Variable>,
-    /// Of every quantity of [`QUANTITIES`]: its value, and its derivatives by every variable, per bare number (`Variable::per_bare_number`); `None`
-    /// where it did not happen.
+    /// Of every quantity of [`QUANTITIES`]: its value, and its derivatives by every variable, per bare number
+    /// (`Variable::per_bare_number`); `None` where it did not happen.
     pub of: Vec<(&'static str, Option<ValueAndSlopes>)>,
     /// What was sampled.
     pub sampled: Vec<Sampled>,
@@ -42,8 +43,8 @@ pub struct Sampled {
     pub slopes: Vec<Vec<f64>>,
 }
 
-/// Plays a press with its derivatives by an instrument's numbers: of its instants and speeds, and of key travel, rise of the hammer's head and finger's force
-/// after every so many steps, if asked for.
+/// Plays a press with its derivatives by an instrument's numbers: of its instants and speeds, and of key travel, rise
+/// of the hammer's head and finger's force after every so many steps, if asked for.
 ///
 /// `stroke` makes what drives the key. `progress` is told the share done and ends the work by returning false.
 ///
@@ -149,7 +150,8 @@ pub(super) fn passes<'a>(
 /// How often the caller is asked whether to go on.
 const ASK_EVERY: Duration = Duration::from_millis(2);
 
-/// Does work on a thread with a deep stack; on the caller's own where no thread is available. The caller's thread asks on whether to go on.
+/// Does work on a thread with a deep stack; on the caller's own where no thread is available. The caller's thread asks
+/// on whether to go on.
 fn on_a_deep_stack<T: Send>(progress: &mut Progress<'_>, work: &(dyn Fn(&mut Progress<'_>) -> T + Sync)) -> T {
     let stop = AtomicBool::new(false);
     let found = std::thread::scope(|scope| {

@@ -7,8 +7,8 @@ use thiserror::Error;
 use crate::regulate::screw_unit;
 use crate::study::Parameter;
 
-/// Half the way, in the units that [`Parameter::vary`] takes, over which the map from a number to the mechanism's numbers is differenced. It is
-/// smooth, and mostly linear.
+/// Half the way, in the units that [`Parameter::vary`] takes, over which the map from a number to the mechanism's
+/// numbers is differenced. It is smooth, and mostly linear.
 const HALF: f64 = 1e-4;
 /// The same for a screw, m, rad or N m.
 const HALF_TURN: f64 = 1e-5;
@@ -18,8 +18,8 @@ const HALF_TURN: f64 = 1e-5;
 pub struct Variable {
     /// As `study --vary` calls it.
     pub name: String,
-    /// The unit that derivatives are told for: `mm`, `degrees` or `N mm` of a screw, `%` of a parameter, the file's own unit of a number of the
-    /// file, `N` of the force.
+    /// The unit that derivatives are told for: `mm`, `degrees` or `N mm` of a screw, `%` of a parameter, the file's own
+    /// unit of a number of the file, `N` of the force.
     pub per: &'static str,
     /// Its value in that unit, where it has one: a parameter is 100 %.
     pub value: Option<f64>,
@@ -67,7 +67,8 @@ pub enum VariableError {
 }
 
 impl Variable {
-    /// Every parameter of an instrument that has a name of its own ([`Parameter::all`]). Those that cannot be changed to both sides are left out.
+    /// Every parameter of an instrument that has a name of its own ([`Parameter::all`]). Those that cannot be changed
+    /// to both sides are left out.
     pub fn all(instrument: &Instrument) -> Vec<Variable> {
         let plain = Instrument { parts: Vec::new(), ..instrument.clone() };
         let all = Parameter::all(&plain).into_iter();
@@ -191,8 +192,8 @@ impl Variable {
         Some(made)
     }
 
-    /// How many of its units ([`Variable::per`]) a bare number is: what `study --vary` takes for a parameter (a turn in m, rad or N m; a factor), the number itself
-    /// of the file, and 1 N.
+    /// How many of its units ([`Variable::per`]) a bare number is: what `study --vary` takes for a parameter (a turn in
+    /// m, rad or N m; a factor), the number itself of the file, and 1 N.
     pub(crate) fn per_bare_number(&self) -> f64 {
         match &self.target {
             Target::Parameter(_, per_si) => *per_si,

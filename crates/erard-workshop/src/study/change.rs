@@ -10,11 +10,11 @@ use super::Parameter;
 /// What is done to a number.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Change {
-    /// As `study --vary`: a screw is turned by so many m, rad or N m; another parameter is multiplied by it; a number of the file takes its
-    /// place.
+    /// As `study --vary`: a screw is turned by so many m, rad or N m; another parameter is multiplied by it; a number
+    /// of the file takes its place.
     Number(f64),
-    /// As a person writes it: `8.7 g` is what it shall be, `+0.8 g` and `-0.2 mm` what is added, `*1.5` a factor, and `= -0.2 mm` what it shall
-    /// be where that has a sign or no unit.
+    /// As a person writes it: `8.7 g` is what it shall be, `+0.8 g` and `-0.2 mm` what is added, `*1.5` a factor, and
+    /// `= -0.2 mm` what it shall be where that has a sign or no unit.
     Text(String),
 }
 
@@ -76,7 +76,8 @@ pub struct Quantity {
     pub value: f64,
     /// SI; empty for a coefficient.
     pub unit: &'static str,
-    /// How far the file says it may be off, as [`Change::Number`] says it: turns in m, rad or N m, or factors. `None` where it does not say.
+    /// How far the file says it may be off, as [`Change::Number`] says it: turns in m, rad or N m, or factors. `None`
+    /// where it does not say.
     pub spread: Option<[f64; 2]>,
     /// How sure the file is of it; `None` for a bare number.
     pub certainty: Option<Certainty>,

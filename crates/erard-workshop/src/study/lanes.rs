@@ -98,8 +98,9 @@ pub(super) fn settle(
     Ok(rested.collect())
 }
 
-/// Where mechanisms rest; `None` for one that [`equilibrium::settle`] would have to slow down, that flies apart, or whose steps find no solution.
-/// Lanes wait for each other's iterations: the others begin anew without a hopeless one, and come out as if it had never been there.
+/// Where mechanisms rest; `None` for one that [`equilibrium::settle`] would have to slow down, that flies apart, or
+/// whose steps find no solution. Lanes wait for each other's iterations: the others begin anew without a hopeless one,
+/// and come out as if it had never been there.
 fn rests_of(
     descriptions: &[&OwnedDescription],
     from: &[State],

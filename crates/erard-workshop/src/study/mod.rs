@@ -1,9 +1,11 @@
-//! A parameter study: many strokes on many variants of an instrument, in the lanes of the processor's vectors and on all its cores.
+//! A parameter study: many strokes on many variants of an instrument, in the lanes of the processor's vectors and on
+//! all its cores.
 //!
-//! What is alike in topology goes side by side, as many as the processor has lanes for; what comes out is the same as from [`simulate`],
-//! to rounding (of single precision, if that is asked for), and the same bits however many threads there are. Nothing is recorded but
-//! the instants of each stroke. Instruments of six to nine bodies and up to twenty zones go in lanes; the others on all cores, but one by one. So
-//! do instruments whose strings yield, and steps whose error is controlled, for lanes share their steps.
+//! What is alike in topology goes side by side, as many as the processor has lanes for; what comes out is the same as
+//! from [`simulate`], to rounding (of single precision, if that is asked for), and the same bits however many threads
+//! there are. Nothing is recorded but the instants of each stroke. Instruments of six to nine bodies and up to twenty
+//! zones go in lanes; the others on all cores, but one by one. So do instruments whose strings yield, and steps whose
+//! error is controlled, for lanes share their steps.
 
 mod change;
 mod lanes;
@@ -47,7 +49,8 @@ pub struct Job<'a> {
 pub struct Workers {
     /// Threads.
     pub threads: usize,
-    /// Strokes side by side in each. In single precision hammer speeds are right to some 1e-4; rests are found in doubles.
+    /// Strokes side by side in each. In single precision hammer speeds are right to some 1e-4; rests are found in
+    /// doubles.
     pub lanes: Lanes,
 }
 
@@ -77,7 +80,8 @@ pub struct Played {
     pub highest_m: f64,
     /// Steps that reached an iteration limit.
     pub unconverged_steps: u64,
-    /// What the energy balance leaves unexplained, a share of what was turned over ([`erard::trust`]); `None` without the setup's ledger.
+    /// What the energy balance leaves unexplained, a share of what was turned over ([`erard::trust`]); `None` without
+    /// the setup's ledger.
     pub energy_residual: Option<f64>,
     /// Why the stroke is not to be trusted; without the setup's ledger neither energy nor felts are judged.
     pub warnings: Vec<Warning>,
@@ -201,7 +205,8 @@ fn play_alone(
     Ok(())
 }
 
-/// How long finding a rest is taken to last, in seconds of stroke that could be played in the same time. Progress counts with it.
+/// How long finding a rest is taken to last, in seconds of stroke that could be played in the same time. Progress
+/// counts with it.
 const REST_S: f64 = 0.3;
 
 /// Plays jobs in lanes: first every instrument used comes to rest, then all strokes.

@@ -35,8 +35,9 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// Every parameter of an instrument by its name: a screw by its own, the others as `body.hammer.mass`, `body.key.friction`,
-    /// `spring.repetition.torque`, `spring.key_bending.stiffness`, `zone.string.stiffness`, `zone.check.damping`, `zone.check.friction`.
+    /// Every parameter of an instrument by its name: a screw by its own, the others as `body.hammer.mass`,
+    /// `body.key.friction`, `spring.repetition.torque`, `spring.key_bending.stiffness`, `zone.string.stiffness`,
+    /// `zone.check.damping`, `zone.check.friction`.
     pub fn all(instrument: &Instrument) -> Vec<(String, Parameter)> {
         let mut all = Vec::new();
         for (screw, one) in instrument.screws.iter().enumerate() {
@@ -73,7 +74,8 @@ impl Parameter {
         !matches!(self, Parameter::Screw { .. })
     }
 
-    /// How far it may be varied: what [`Parameter::vary`] is given, in SI units or as a factor. The reader of files knows narrower limits.
+    /// How far it may be varied: what [`Parameter::vary`] is given, in SI units or as a factor. The reader of files
+    /// knows narrower limits.
     pub fn range(&self) -> [f64; 2] {
         match self {
             // As far as a file's own setting may turn a curve.
@@ -84,7 +86,8 @@ impl Parameter {
         }
     }
 
-    /// Its value in an instrument, in SI units: a screw's setting, a mass, a torque, a felt's stiffness or damping, a coefficient.
+    /// Its value in an instrument, in SI units: a screw's setting, a mass, a torque, a felt's stiffness or damping, a
+    /// coefficient.
     pub fn value(&self, instrument: &Instrument) -> f64 {
         match *self {
             Parameter::Screw { screw, .. } => instrument.screws[screw].setting,
@@ -123,8 +126,8 @@ impl Parameter {
         }
     }
 
-    /// The numbers of its file that [`Parameter::vary`] comes to, by their paths, with their values in the file's units, to ten digits. `text` is the file of this
-    /// instrument.
+    /// The numbers of its file that [`Parameter::vary`] comes to, by their paths, with their values in the file's
+    /// units, to ten digits. `text` is the file of this instrument.
     pub(crate) fn numbers(&self, instrument: &Instrument, value: f64, text: &str) -> Vec<(String, f64)> {
         let path = self.path(instrument);
         let own = |path: &str| numbers_at(text, path).and_then(|numbers| numbers.first().copied());
@@ -163,8 +166,8 @@ impl Parameter {
 
     /// Varies an instrument: turns the screw by `value` (m, rad, N m) or multiplies by it.
     ///
-    /// Returns whether it could be done. It cannot when a spring's torque would turn around or a factor is not a positive number; the
-    /// instrument is then unchanged.
+    /// Returns whether it could be done. It cannot when a spring's torque would turn around or a factor is not a
+    /// positive number; the instrument is then unchanged.
     #[must_use]
     pub fn vary(&self, instrument: &mut Instrument, value: f64) -> bool {
         if self.is_factor() && !(value.is_finite() && value > 0.0) {
@@ -200,7 +203,8 @@ mod tests {
     use super::*;
     use erard::instrument::cited;
 
-    /// Numbers in the file are what varying the instrument is, for every parameter of every built-in instrument that is played.
+    /// Numbers in the file are what varying the instrument is, for every parameter of every built-in instrument that is
+    /// played.
     #[test]
     fn numbers_of_the_file_are_what_is_varied() {
         for name in ["concert-grand", "concert-grand-rigid", "concert-grand-strings"] {

@@ -36,8 +36,8 @@ const FORCE: usize = 0;
 const TRAVELS: [&str; 3] = ["force_N", "key_m", "hammer_head_m"];
 
 impl Sampling {
-    /// Of these columns of [`Run::columns`], a row every so many steps, the first at the start. Bodies and zones are those of an instrument;
-    /// others that are played must have the same.
+    /// Of these columns of [`Run::columns`], a row every so many steps, the first at the start. Bodies and zones are
+    /// those of an instrument; others that are played must have the same.
     ///
     /// # Errors
     /// [`SamplingError`].

@@ -3,17 +3,17 @@
 //! Five protocols, fixed before any number of an instrument was moved for them:
 //!
 //! - *constant*: a force that is there at once and stays. Nobody plays so; it is the plainest of drives.
-//! - *ramped*: a force that rises within 10 ms by half a cosine and stays. Under a step the front of a key that bends trembles, and its largest
-//!   speed is that of the trembling.
+//! - *ramped*: a force that rises within 10 ms by half a cosine and stays. Under a step the front of a key that bends
+//!   trembles, and its largest speed is that of the trembling.
 //! - *struck*: a finger of 0.1 kg arrives with a speed, and its muscle presses on ([`HandStroke::struck`]).
-//! - *pressed*: a hand of 0.2 kg rests on the key, and its muscle's force rises from nothing at a constant rate, to the end of the run
-//!   ([`HandStroke::pressed`]). The loudest is that of 2500 N/s: 50 N within 20 ms, which Timmermans and Fisette (Machines 8 (2020) 76) ask of an
-//!   actuator that is to play as a pianist does.
-//! - *led*: the same hand is led to 10.5 mm below the key's rest along the path of least jerk, by muscle of 1500 N/m and 14 N s/m, and stays
-//!   there ([`HandStroke::led`]). The slowest that sounds is the softest.
+//! - *pressed*: a hand of 0.2 kg rests on the key, and its muscle's force rises from nothing at a constant rate, to the
+//!   end of the run ([`HandStroke::pressed`]). The loudest is that of 2500 N/s: 50 N within 20 ms, which Timmermans and
+//!   Fisette (Machines 8 (2020) 76) ask of an actuator that is to play as a pianist does.
+//! - *led*: the same hand is led to 10.5 mm below the key's rest along the path of least jerk, by muscle of 1500 N/m
+//!   and 14 N s/m, and stays there ([`HandStroke::led`]). The slowest that sounds is the softest.
 //!
-//! Key bottom is the first touch of the front punching, and the key starts when its front is 0.1 mm down ([`erard::events`]). Accelerometers see key
-//! bottom where the key is slowed down most, a millisecond or more later.
+//! Key bottom is the first touch of the front punching, and the key starts when its front is 0.1 mm down
+//! ([`erard::events`]). Accelerometers see key bottom where the key is slowed down most, a millisecond or more later.
 
 use std::f64::consts::PI;
 
@@ -32,7 +32,8 @@ const STEP_S: f64 = 50e-6;
 const DURATION_S: f64 = 0.5;
 /// The forces of published playing, N: 0.5 starts a key, 15 is ff, and 35 is more than any.
 const FORCES_N: [f64; 2] = [0.3, 35.0];
-/// Rates at which a hand's force rises, N/s: from one with which the key takes a third of a second to the fastest of a pianist.
+/// Rates at which a hand's force rises, N/s: from one with which the key takes a third of a second to the fastest of a
+/// pianist.
 const RATES_N_S: [f64; 2] = [4.0, 2500.0];
 /// Times within which a hand is led down, s: twice the longest published key stroke, and one that no led hand keeps.
 const SLOWEST_S: f64 = 0.5;
@@ -224,8 +225,8 @@ const PRESSED: Family = Family { drive: Drive::Pressed, ends: RATES_N_S };
 /// By the inverse of its time, 1/s, so that more is louder.
 const LED: Family = Family { drive: |per_s| Drive::Led(1.0 / per_s), ends: [1.0 / SLOWEST_S, 1.0 / QUICKEST_S] };
 
-/// The smallest number of the family from which on `holds`, by bisection on the logarithm, and its blow; `None` when it does not hold at
-/// the largest.
+/// The smallest number of the family from which on `holds`, by bisection on the logarithm, and its blow; `None` when it
+/// does not hold at the largest.
 fn smallest(
     instrument: &Instrument,
     family: &Family,
@@ -344,7 +345,8 @@ mod tests {
         }
     }
 
-    /// A straight line through zero at 2.5 m/s is found to rounding; one that does not change its sign has no crossover.
+    /// A straight line through zero at 2.5 m/s is found to rounding; one that does not change its sign has no
+    /// crossover.
     #[test]
     fn a_line_crosses_where_it_does() {
         let line: Vec<PressedBlow> = [1.0, 2.0, 3.0, 4.0].iter().map(|v| at(*v, 1e-3 * (2.5 - v))).collect();

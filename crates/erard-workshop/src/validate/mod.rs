@@ -1,8 +1,9 @@
 //! An instrument against what has been measured on real pianos.
 //!
-//! `published` is the table: one row per published number, with its source, its certainty and the range in which a simulated value
-//! meets it. `blows` and `touches` simulate what the technician's sheet ([`crate::measure`]) does not hold: the order of events
-//! against loudness, under constant forces and under a hand, and pressed against struck keys. [`validate`] puts both beside each other; what misses is said to miss.
+//! `published` is the table: one row per published number, with its source, its certainty and the range in which a
+//! simulated value meets it. `blows` and `touches` simulate what the technician's sheet ([`crate::measure`]) does not
+//! hold: the order of events against loudness, under constant forces and under a hand, and pressed against struck keys.
+//! [`validate`] puts both beside each other; what misses is said to miss.
 
 mod blows;
 mod keys;
@@ -45,7 +46,8 @@ pub struct GroupResult {
     pub set: Tally,
     /// Rows that follow from the model.
     pub predicted: Tally,
-    /// Root mean square of z over its predicted rows with two ends: the distance from the middle of the range over half its width, 1 at its ends.
+    /// Root mean square of z over its predicted rows with two ends: the distance from the middle of the range over half
+    /// its width, 1 at its ends.
     pub z: Option<f64>,
 }
 
@@ -111,11 +113,12 @@ const BLOWS: f64 = 0.25;
 const TOUCHES: f64 = 0.05;
 const KEYS: f64 = 0.05;
 
-/// Simulates everything that the table asks about. `keyboard`: whose middle C the instrument is, for the rows that are about other keys. `progress` is told the share
-/// that is done and ends the work by returning false.
+/// Simulates everything that the table asks about. `keyboard`: whose middle C the instrument is, for the rows that are
+/// about other keys. `progress` is told the share that is done and ends the work by returning false.
 ///
 /// # Errors
-/// See [`MeasureError`]: the instrument is no piano action, or a run failed. A value that does not come about is no error.
+/// See [`MeasureError`]: the instrument is no piano action, or a run failed. A value that does not come about is no
+/// error.
 pub fn validate(
     instrument: &Instrument,
     keyboard: Option<&Keyboard>,

@@ -201,8 +201,9 @@ impl Row {
         }
     }
 
-    /// Whether a band of values, from low to high, is too wide to say whether the row is met: wider than a range with two ends that it overlaps, or across the
-    /// only end of one. A band that lies within the range, or beside it, decides.
+    /// Whether a band of values, from low to high, is too wide to say whether the row is met: wider than a range with
+    /// two ends that it overlaps, or across the only end of one. A band that lies within the range, or beside it,
+    /// decides.
     #[must_use]
     pub fn is_undecided(&self, [low, high]: [f64; 2]) -> bool {
         match (self.at_least, self.at_most) {
@@ -212,8 +213,8 @@ impl Row {
         }
     }
 
-    /// Distance of a simulated value from the middle of the range over half its width: 1 at either end. `None` without a value or without two
-    /// ends.
+    /// Distance of a simulated value from the middle of the range over half its width: 1 at either end. `None` without
+    /// a value or without two ends.
     #[must_use]
     pub fn z(&self, verdict: &Verdict) -> Option<f64> {
         let (Verdict::Met { simulated } | Verdict::Missed { simulated, .. }) = verdict else { return None };

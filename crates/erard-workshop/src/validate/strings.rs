@@ -39,7 +39,8 @@ pub(super) const NAMES: [&str; 15] = [
     "t60_c6_s",
 ];
 
-/// What a rigid string answers, too: a felt of middle C's that represents string and felt has been given to it. Those of other keys are not graded for that, and it has no partials.
+/// What a rigid string answers, too: a felt of middle C's that represents string and felt has been given to it. Those
+/// of other keys are not graded for that, and it has no partials.
 fn asks_no_string(name: &str) -> bool {
     name.starts_with("peak_c4") || name.starts_with("return_c4")
 }
@@ -171,7 +172,8 @@ fn cents(instrument: &Instrument) -> Option<f64> {
     instrument.strings.last().map(|string| CENTS_PER_B * string.inharmonicity())
 }
 
-/// A note under its damper: force that strikes it, N; how long it is held, and how long after it was let go the damper is taken to lie still, s.
+/// A note under its damper: force that strikes it, N; how long it is held, and how long after it was let go the damper
+/// is taken to lie still, s.
 const STRUCK_N: f64 = 5.0;
 const HELD_S: f64 = 0.3;
 const LIES_S: f64 = 0.1;
@@ -180,8 +182,8 @@ const WINDOW_S: f64 = 20e-3;
 const FALL_DB: f64 = 20.0;
 const PATIENCE_S: f64 = 2.0;
 
-/// How long the force on the bridge takes to fall by 60 dB under the damper, at the rate at which it falls by 20 or as far as it does in two seconds, s;
-/// `None` where the note has no damper.
+/// How long the force on the bridge takes to fall by 60 dB under the damper, at the rate at which it falls by 20 or as
+/// far as it does in two seconds, s; `None` where the note has no damper.
 fn t60_s(instrument: &Instrument) -> Result<Option<f64>, MeasureError> {
     if instrument.strings.iter().all(|string| string.damper.is_none()) {
         return Ok(None);

@@ -1,9 +1,8 @@
-//! Pressed against struck at equal loudness: the built-in mf strokes, the struck one scaled until its hammer is as fast; and how soon the damper is
-//! back after a hand has left.
+//! Pressed against struck at equal loudness: the built-in mf strokes, the struck one scaled until its hammer is as
+//! fast; and how soon the damper is back after a hand has left.
 //!
-//! The release: a hand presses with 100 N/s up to 5 N and holds; after a quarter of a second it leaves, its force gone within 30 ms
-//! ([`HandStroke::leaving`]). The key is released when the finger
-//! pushes no longer.
+//! The release: a hand presses with 100 N/s up to 5 N and holds; after a quarter of a second it leaves, its force gone
+//! within 30 ms ([`HandStroke::leaving`]). The key is released when the finger pushes no longer.
 
 use moreau::Settings;
 
@@ -102,8 +101,8 @@ fn release_to_damper(instrument: &Instrument) -> Result<Option<f64>, MeasureErro
     Ok(down.map(|rows| run.time_s[released + rows] - run.time_s[released]))
 }
 
-/// Key travel at the slowest instant between the first surge of the key and the hammer's blow, m; `None` where the key does not
-/// slow down by a tenth.
+/// Key travel at the slowest instant between the first surge of the key and the hammer's blow, m; `None` where the key
+/// does not slow down by a tenth.
 fn plateau(run: &Run) -> Option<f64> {
     let until = run.time_s.partition_point(|&t| t < run.events.hammer_contact_s().unwrap_or(0.0));
     let wide = (MEAN_S / STEP_S) as usize;

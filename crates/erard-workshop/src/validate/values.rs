@@ -96,7 +96,8 @@ pub(super) struct Simulated {
     pub flex: Flex,
 }
 
-/// The damper's share of a slow key counts from so far below where it starts to so far above the bottom, mm: the let-off between them is in both ways.
+/// The damper's share of a slow key counts from so far below where it starts to so far above the bottom, mm: the
+/// let-off between them is in both ways.
 const AWAY_MM: f64 = 1.0;
 
 /// What the damper adds to the force of a slow key on its way down, N.

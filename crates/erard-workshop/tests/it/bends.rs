@@ -49,7 +49,8 @@ fn geometry_is_rigid() {
     near(bent.moment_n_m, rigid.moment_n_m, 5e-3 * rigid.moment_n_m.abs(), "moment");
 }
 
-/// Roles that name the end of a chain are found; distances are those that the screws set, though the key gives under the finger.
+/// Roles that name the end of a chain are found; distances are those that the screws set, though the key gives under
+/// the finger.
 #[test]
 fn distances_are_found_in_what_bends() {
     let [_, bent] = both();

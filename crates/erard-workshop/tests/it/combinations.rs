@@ -103,7 +103,8 @@ impl Asked {
         };
         let [here, there] = [alone.unwrap(), events].map(|events| events.hammer_speed_m_s().unwrap());
         assert!((here / there - 1.0).abs() < 1e-6, "{:?}: {here} {there}", self.both);
-        // Lanes round products and sums at once; what is played alone has the bits of a press. Where the processor has no lanes, nothing can be told.
+        // Lanes round products and sums at once; what is played alone has the bits of a press. Where the processor has
+        // no lanes, nothing can be told.
         let in_lanes =
             here != there || (Lanes::most() == Lanes::One && !self.has("strings") && !self.has("adaptive steps"));
         if in_lanes { "yes" } else { "one by one" }.to_owned()

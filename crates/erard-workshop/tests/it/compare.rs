@@ -58,9 +58,10 @@ fn setup() -> Setup {
 }
 
 /// Force driven, the only error of the action is the noise (its standard deviation within a tenth: 300 samples, and the
-/// spline between them smooths a little), and it explains the motion; the one-degree-of-freedom model explains most of it
-/// before the stops: the papers' second-order low-pass. Motion driven (rigidly, without noise) the action has the force up to
-/// 200 Hz to a few per cent, while the one-degree-of-freedom model misses it altogether: the papers' contrast.
+/// spline between them smooths a little), and it explains the motion; the one-degree-of-freedom model explains most of
+/// it before the stops: the papers' second-order low-pass. Motion driven (rigidly, without noise) the action has the
+/// force up to 200 Hz to a few per cent, while the one-degree-of-freedom model misses it altogether: the papers'
+/// contrast.
 #[test]
 fn known_errors_are_found() {
     let grand = Instrument::builtin("concert-grand").unwrap();
@@ -80,10 +81,12 @@ fn known_errors_are_found() {
     };
     let one_dof = errors(BEFORE_THE_STOPS_S, Driven::ByForce, Which::OneDof);
     assert!(one_dof.explained > 0.8, "force driven, one degree of freedom: {one_dof:?}");
-    // A series that ends in motion would end with a jerk (a position is held where its series ends): wait until the key rests.
+    // A series that ends in motion would end with a jerk (a position is held where its series ends): wait until the key
+    // rests.
     let action = errors(0.4, Driven::Rigidly, Which::Action);
     let one_dof = errors(0.4, Driven::Rigidly, Which::OneDof);
-    // Samples at 2 kHz and a spline between them carry the motion well below 200 Hz, and the impacts' content beyond it not.
+    // Samples at 2 kHz and a spline between them carry the motion well below 200 Hz, and the impacts' content beyond it
+    // not.
     for band in &action.bands[..3] {
         assert!(band.error_rms < 0.1 * band.measured_rms, "rigid, action: {band:?}");
     }
@@ -109,8 +112,8 @@ fn half_a_file_is_enough() {
     assert!(c.trials.iter().all(|t| t.errors.is_none() && t.force_n.iter().any(|&f| f > 1.0)));
 }
 
-/// The key's trace, played back on the model that made it through the fingertip that the force gives: the force comes out again. Read as the
-/// fingertip's it lags by F/k, and most of the force is missed.
+/// The key's trace, played back on the model that made it through the fingertip that the force gives: the force comes
+/// out again. Read as the fingertip's it lags by F/k, and most of the force is missed.
 #[test]
 fn whose_position_it_is() {
     let grand = Instrument::builtin("concert-grand").unwrap();

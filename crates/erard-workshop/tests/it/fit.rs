@@ -112,14 +112,16 @@ fn quiet<'a>(vary: &'a [&'a str]) -> Asks<'a> {
     asks
 }
 
-/// Names of the parameters, two strokes of the grand that has the true ones, and the fit to them by differences: several tests look at it.
+/// Names of the parameters, two strokes of the grand that has the true ones, and the fit to them by differences:
+/// several tests look at it.
 static FITTED: LazyLock<(Vec<&str>, [Recording; 2], FitResult)> = LazyLock::new(|| {
     let (vary, data) = (names(), both_strokes());
     let found = fit(&data, &quiet(&vary)).unwrap();
     (vary, data, found)
 });
 
-/// Four parameters of a grand that differ from the file, from two strokes with the noise of good sensors: each is found within four of its errors.
+/// Four parameters of a grand that differ from the file, from two strokes with the noise of good sensors: each is found
+/// within four of its errors.
 #[test]
 fn the_truth_is_found_within_its_errors() {
     let (_, _, found) = &*FITTED;
@@ -171,8 +173,9 @@ fn derivatives_find_the_truth_too() {
     }
 }
 
-/// The synthetic recordings that lie beside the book are what their example makes; the flexible grand that made them is found in them: hammer, balance pin, capstan's felt and let-off, with
-/// offsets and noise on all three sensors, the load cell's on what drives included.
+/// The synthetic recordings that lie beside the book are what their example makes; the flexible grand that made them is
+/// found in them: hammer, balance pin, capstan's felt and let-off, with offsets and noise on all three sensors, the
+/// load cell's on what drives included.
 #[test]
 #[ignore = "ci: a fit of four parameters to recordings with noise on the force"]
 fn the_recordings_tell_the_grand_that_made_them() {
@@ -310,7 +313,8 @@ fn noise_of_the_drive_is_told_or_asked_for() {
     assert!(unknown.warnings()[0].contains("force_N, which drives, is not known"));
 }
 
-/// With a load cell's noise on what drives, the truth is where the errors say, over several drawings: their mean square deviation is about one error.
+/// With a load cell's noise on what drives, the truth is where the errors say, over several drawings: their mean square
+/// deviation is about one error.
 #[test]
 #[ignore = "ci: four fits to recordings with noise on the force"]
 fn errors_are_true_with_a_noisy_drive() {

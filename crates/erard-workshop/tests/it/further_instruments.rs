@@ -16,9 +16,10 @@ fn length([x, y]: Vec2) -> f64 {
     x.hypot(y)
 }
 
-/// The six lever arms as drawn (screws turned back), m: key to the capstan's contact and to its front, whippen to the knuckle's
-/// contact on the jack and to the heel, hammer to the strike point and to the knuckle's contact, the last laid out as the
-/// concert grand lays out the published 20.5 mm: the jack pushes one millimetre behind the middle of the knuckle.
+/// The six lever arms as drawn (screws turned back), m: key to the capstan's contact and to its front, whippen to the
+/// knuckle's contact on the jack and to the heel, hammer to the strike point and to the knuckle's contact, the last
+/// laid out as the concert grand lays out the published 20.5 mm: the jack pushes one millimetre behind the middle of
+/// the knuckle.
 fn arms(instrument: &Instrument) -> [f64; 6] {
     let mut drawn = instrument.clone();
     for screw in 0..drawn.screws.len() {
@@ -77,8 +78,8 @@ fn they_ship_regulated() {
     }
 }
 
-/// Each lets off, strikes once and is checked, from soft to loud; the same force throws the heavy hammer more slowly. At 20 N the
-/// hammers are still pushed when they reach the string.
+/// Each lets off, strikes once and is checked, from soft to loud; the same force throws the heavy hammer more slowly.
+/// At 20 N the hammers are still pushed when they reach the string.
 #[test]
 fn they_play() {
     let mut speeds = Vec::new();
@@ -104,7 +105,8 @@ fn they_play() {
     assert!(speeds[2] < 0.9 * speeds[1], "{speeds:?}");
 }
 
-/// The Steinway repeats at eight strokes a second without the key coming home, between 3 mm and its dip of 10 mm and a tenth.
+/// The Steinway repeats at eight strokes a second without the key coming home, between 3 mm and its dip of 10 mm and a
+/// tenth.
 #[test]
 fn the_steinway_repeats() {
     let play = Play::Tremolo { top: 3e-3, bottom: 10.1e-3, frequency: 8.0 };

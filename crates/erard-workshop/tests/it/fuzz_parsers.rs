@@ -297,7 +297,8 @@ direction = [0, 1]
 by_mm = [{ key = 1, value = -1.5 }, { key = 40, value = 0 }]
 "#;
 
-/// What still reads has curves that are finite at every key, and gives sound instruments or says what is wrong with them.
+/// What still reads has curves that are finite at every key, and gives sound instruments or says what is wrong with
+/// them.
 #[test]
 fn damaged_keyboards() {
     damage_keyboards(1_000);
@@ -388,8 +389,9 @@ fn assert_stroke_error_helpful(error: &StrokeError, bytes: &[u8]) {
     assert!(!error.message.is_empty() && !error.to_string().contains('\n'), "{error}");
 }
 
-/// The seeds of the fuzzers' corpus: files that once meant something else to each parser, one for every message and a few that read. They are what a
-/// coverage-guided fuzzer begins with, and here they are ordinary tests. `ERARD_CORPUS=write` makes the folder anew.
+/// The seeds of the fuzzers' corpus: files that once meant something else to each parser, one for every message and a
+/// few that read. They are what a coverage-guided fuzzer begins with, and here they are ordinary tests.
+/// `ERARD_CORPUS=write` makes the folder anew.
 #[test]
 fn the_corpus_reads_or_is_refused_with_a_reason() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -24,8 +24,8 @@ fn concert_grand() -> &'static (Keyboard, Vec<Instrument>) {
     })
 }
 
-/// Key 40 is the instrument file itself, to the bit; every other key differs from it and from its neighbours; and every number that
-/// differs says that it was graded.
+/// Key 40 is the instrument file itself, to the bit; every other key differs from it and from its neighbours; and every
+/// number that differs says that it was graded.
 #[test]
 fn the_base_key_is_the_instrument() {
     let (keyboard, instruments) = concert_grand();
@@ -44,8 +44,8 @@ fn the_base_key_is_the_instrument() {
     assert!(citation.note.as_deref().is_some_and(|note| note.contains("hammer head")), "{citation:?}");
 }
 
-/// A point mass added to a body changes mass, centre of mass and inertia as mechanics has it: computed here from the base's numbers,
-/// to 1e-5, because numbers are written to six digits.
+/// A point mass added to a body changes mass, centre of mass and inertia as mechanics has it: computed here from the
+/// base's numbers, to 1e-5, because numbers are written to six digits.
 #[test]
 fn added_masses_obey_mechanics() {
     let (_, instruments) = concert_grand();
@@ -63,14 +63,15 @@ fn added_masses_obey_mechanics() {
     }
 }
 
-/// Every one of the 88 keys, played mf twice by a finger that lifts off in between: it escapes (the knuckle is let go before the
-/// string), strikes once a stroke, is caught by its check, and strikes again from where it is.
+/// Every one of the 88 keys, played mf twice by a finger that lifts off in between: it escapes (the knuckle is let go
+/// before the string), strikes once a stroke, is caught by its check, and strikes again from where it is.
 #[test]
 #[ignore = "ci: all 88 keys"]
 fn every_key_escapes_checks_and_repeats() {
     let stroke = Series::builtin("mf", Touch::Pressed).and_then(|s| s.force).expect("built in");
     let force = stroke.drive();
-    // The built-in stroke holds the key for half a second; here the finger lifts off after 120 ms and strikes again at 220 ms.
+    // The built-in stroke holds the key for half a second; here the finger lifts off after 120 ms and strikes again at
+    // 220 ms.
     let twice = |t: f64| {
         let within = if t < 0.22 { t } else { t - 0.22 };
         if within < 0.12 { force(within) } else { 0.0 }
@@ -93,7 +94,8 @@ fn every_key_escapes_checks_and_repeats() {
         assert!(strikes.len() == 2 && strikes[0] < 0.12 && strikes[1] > 0.22, "{name} repeats: {strikes:?}");
         let (let_off, contact) = (events.let_off_s.expect("escapes"), events.hammer_contact_s().expect("strikes"));
         let toe = events.toe_contact_s.expect("meets the button");
-        // The heavy hammers of the bass wind knuckle and shank up: theirs are pushed until they are there, to some hundredths of a millisecond.
+        // The heavy hammers of the bass wind knuckle and shank up: theirs are pushed until they are there, to some
+        // hundredths of a millisecond.
         assert!(toe < let_off && let_off < contact + 5e-5, "{name} flies free: {toe} {let_off} {contact}");
         assert!(events.check_s.is_some_and(|check| (0.0..0.06).contains(&(check - contact))), "{name} is caught");
         assert_eq!(run.work.unconverged_steps, 0, "{name}");
@@ -104,9 +106,10 @@ fn every_key_escapes_checks_and_repeats() {
     }
 }
 
-/// Touch weights, measured key by key as a technician measures them, follow what the gradings aim at: the norms' friction weight of
-/// 16 g in the bass and 10 g in the treble, one balance weight of 34 to 40 g everywhere (the leads are worked out from the equation of
-/// balance, not from these measurements), down-weight 45 to 55 g, up-weight from 20 g; strike weights between Stanwood's bounds.
+/// Touch weights, measured key by key as a technician measures them, follow what the gradings aim at: the norms'
+/// friction weight of 16 g in the bass and 10 g in the treble, one balance weight of 34 to 40 g everywhere (the leads
+/// are worked out from the equation of balance, not from these measurements), down-weight 45 to 55 g, up-weight from 20
+/// g; strike weights between Stanwood's bounds.
 #[test]
 #[ignore = "ci: five keys weighed"]
 fn touch_weights_follow_the_norms() {
@@ -138,9 +141,9 @@ fn touch_weights_follow_the_norms() {
     assert!((friction[0] - 16.0).abs() < 1.0 && (friction[4] - 10.0).abs() < 1.0, "{friction:?}");
 }
 
-/// Nobody regulates the graded keys one by one, and none of them needs it: all distances stay within the published regulation (blow 44 to
-/// 49 mm, let-off and drop about 1.5 mm, aftertouch about 1 mm, check 12 to 15 mm) and the spring lifts the hammer as briskly as in the
-/// instrument.
+/// Nobody regulates the graded keys one by one, and none of them needs it: all distances stay within the published
+/// regulation (blow 44 to 49 mm, let-off and drop about 1.5 mm, aftertouch about 1 mm, check 12 to 15 mm) and the
+/// spring lifts the hammer as briskly as in the instrument.
 #[test]
 fn both_ends_are_in_regulation() {
     in_regulation(&[1, 88]);
@@ -171,7 +174,8 @@ fn in_regulation(keys: &[usize]) {
     }
 }
 
-/// The keys with strings check, too, between those at which the check was regulated; light hammers are thrown back fastest, and those of keys that lift a damper are caught lowest.
+/// The keys with strings check, too, between those at which the check was regulated; light hammers are thrown back
+/// fastest, and those of keys that lift a damper are caught lowest.
 #[test]
 #[ignore = "ci: seven keys with strings"]
 fn keys_with_strings_check_between_regulated_ones() {

@@ -58,8 +58,8 @@ fn derived_levers_rest_as_the_instrument_does() {
     assert!(derived.notes.iter().any(|note| note.contains("jack top - knuckle is open by 0.06 mm")));
 }
 
-/// Contact tangency: the lengths are the start set's own numbers, with the discs' radii. Felts (0.18 mm at the
-/// capstan) and the whippen's lean on them (0.18 mm over 65 mm, 2.8 mrad, over the 142 mm of the key's back arm) are all that
+/// Contact tangency: the lengths are the start set's own numbers, with the discs' radii. Felts (0.18 mm at the capstan)
+/// and the whippen's lean on them (0.18 mm over 65 mm, 2.8 mrad, over the 142 mm of the key's back arm) are all that
 /// stands between: 0.6 mm.
 #[test]
 fn derived_lengths_are_the_instruments() {
@@ -129,7 +129,8 @@ fn a_changed_instrument_changes_both() {
     let late = agreement.key_m.iter().zip(&agreement.deviation).filter(|(key, _)| **key > 1.6e-3);
     let worst = late.map(|(_, deviation)| deviation.abs()).fold(0.0, f64::max);
     println!("worst {:.2} %", worst * 100.0);
-    // The capstan's felt gives 0.18 mm at rest and less as the ratio falls: what comes back of it lifts the hammer too, by 1 %.
+    // The capstan's felt gives 0.18 mm at rest and less as the ratio falls: what comes back of it lifts the hammer too,
+    // by 1 %.
     assert!(worst < 0.03, "{worst}");
 }
 

@@ -18,10 +18,11 @@ use erard_workshop::measure::weights::{HOME_M, Weights, weigh};
 use erard_workshop::measure::{measure, slow_loop};
 use moreau::Settings;
 
-/// Two weights are searched to a fiftieth of a gram each, and a key that is caught at a millimetre per second is carried over a tenth
-/// of a gram for a sixth of a millimetre: g.
+/// Two weights are searched to a fiftieth of a gram each, and a key that is caught at a millimetre per second is
+/// carried over a tenth of a gram for a sixth of a millimetre: g.
 const SCALE_G: f64 = 0.1;
-/// What is left of the hammer's swing in the curve of a slow loop, whose largest and smallest force are read: a millinewton, g.
+/// What is left of the hammer's swing in the curve of a slow loop, whose largest and smallest force are read: a
+/// millinewton, g.
 const SWING_G: f64 = 0.1;
 
 fn go(_: f64) -> bool {
@@ -153,9 +154,9 @@ fn the_concert_grand_is_within_the_norms() {
     within("effective inertia", effective_kg(&grand, w), 0.2, 0.35);
 }
 
-/// The detached parts weigh what their masses and arms make of them: key 140 g at 39.75 of 265 mm, hammer 11.2 g at 101 of
-/// 130 mm, whippen, jack and lever 11, 4 and 5 g at 50, 85 and 65 mm, on a heel that is touched at 63 mm of the whippen and
-/// 142 mm of the key (which felts and the dome shift by some tenths of a millimetre).
+/// The detached parts weigh what their masses and arms make of them: key 140 g at 39.75 of 265 mm, hammer 11.2 g at 101
+/// of 130 mm, whippen, jack and lever 11, 4 and 5 g at 50, 85 and 65 mm, on a heel that is touched at 63 mm of the
+/// whippen and 142 mm of the key (which felts and the dome shift by some tenths of a millimetre).
 #[test]
 fn the_parts_weigh_what_they_are() {
     let grand = rigid_grand();
@@ -182,8 +183,8 @@ fn show_change(before: &Weights, after: &Weights) {
     println!("R {} -> {}, D {} -> {}", ratios[0], ratios[1], down(before), down(after));
 }
 
-/// Toward the player the capstan's arm on the key shrinks and the heel's on the whippen grows: less leverage, so that everything
-/// behind it weighs less at the key, still and in motion. The blow is kept by the capstan's height.
+/// Toward the player the capstan's arm on the key shrinks and the heel's on the whippen grows: less leverage, so that
+/// everything behind it weighs less at the key, still and in motion. The blow is kept by the capstan's height.
 #[test]
 fn capstan_toward_the_player_is_lighter() {
     let grand = rigid_grand();
@@ -217,13 +218,13 @@ fn knuckle_in_is_heavier() {
     assert!(effective_kg(&moved, &after) > 1.05 * effective_kg(&grand, before));
 }
 
-/// A gram at the hammer's head raises the strike weight by a gram and the balance weight by R grams, whichever way R is found.
-/// The head's centre stands 18 mm above the shank's line: above the weighing place when the shank hangs by 8 degrees, as it does
-/// in the middle of the way, so that its arm is 130 mm there within a hundredth.
+/// A gram at the hammer's head raises the strike weight by a gram and the balance weight by R grams, whichever way R is
+/// found. The head's centre stands 18 mm above the shank's line: above the weighing place when the shank hangs by 8
+/// degrees, as it does in the middle of the way, so that its arm is 130 mm there within a hundredth.
 ///
-/// The law is one of levers. It needs the hammer at the height that it had (a heavier one sinks into its felts and is screwed up
-/// again), and a knuckle without friction: as it is, jack and lever share a heavier hammer in another way, and the balance weight,
-/// a mean of two ways, sees half of what one of them rubs more than the other.
+/// The law is one of levers. It needs the hammer at the height that it had (a heavier one sinks into its felts and is
+/// screwed up again), and a knuckle without friction: as it is, jack and lever share a heavier hammer in another way,
+/// and the balance weight, a mean of two ways, sees half of what one of them rubs more than the other.
 #[test]
 fn a_gram_at_the_hammer_is_r_grams_at_the_key() {
     let mut smooth = rigid_grand();
@@ -250,12 +251,14 @@ fn a_gram_at_the_hammer_with_a_knuckle_that_rubs() {
     let (before, after) = with_a_gram(&rigid_grand());
     let raised = balance(&after) - balance(&before);
     let ratio = before.strike_ratio.where_weighed;
-    // The whole hammer on the jack: 9.7 g times 138/21 by the arms, times 0.25, times what the knuckle slides of the key's way.
+    // The whole hammer on the jack: 9.7 g times 138/21 by the arms, times 0.25, times what the knuckle slides of the
+    // key's way.
     let rubs = 9.7 * (138.0 / 21.0) * 0.25 * (0.87 / 5.54);
     near("balance weight, with a knuckle that rubs", raised, ratio, SCALE_G + 0.5 * rubs);
 }
 
-/// A key lead of 14 g at 147 of 265 mm in front of the balance rail: 7.8 g less at the front, of down-weight and up-weight.
+/// A key lead of 14 g at 147 of 265 mm in front of the balance rail: 7.8 g less at the front, of down-weight and
+/// up-weight.
 #[test]
 #[ignore = "ci: actions weighed anew"]
 fn a_lead_lowers_the_balance_weight_by_its_lever() {
@@ -288,8 +291,9 @@ fn friction_raises_one_weight_and_lowers_the_other_by_the_same() {
     near("friction weight", friction(&after) - friction(before), grams, SCALE_G);
 }
 
-/// What the damper weighs on the key: 34 g at 36 mm of its pin, lifted at 65 mm of it and 235 mm of the key, is 16.7 g at 265 mm;
-/// the key lifts it late in its way, where it decides the down-weight, so that friction weight alone does not see all of it.
+/// What the damper weighs on the key: 34 g at 36 mm of its pin, lifted at 65 mm of it and 235 mm of the key, is 16.7 g
+/// at 265 mm; the key lifts it late in its way, where it decides the down-weight, so that friction weight alone does
+/// not see all of it.
 #[test]
 fn dampers_down_are_heavier() {
     let grand = rigid_grand();
@@ -305,8 +309,8 @@ fn dampers_down_are_heavier() {
     assert!(with.by_weights.down_weight_g.unwrap() > down(w) + 5.0);
 }
 
-/// Inertia from the geometry of three levers and, at rest, from the closed contacts of the one-degree-of-freedom model: 3 % apart
-/// at most, which is what the levers take as closed and the other as it stands.
+/// Inertia from the geometry of three levers and, at rest, from the closed contacts of the one-degree-of-freedom model:
+/// 3 % apart at most, which is what the levers take as closed and the other as it stands.
 #[test]
 fn inertia_is_that_of_the_reduced_model() {
     let grand = rigid_grand();
@@ -320,9 +324,9 @@ fn inertia_is_that_of_the_reduced_model() {
     assert!(curve.pedal_down_kg.is_sorted_by(|a, b| a > b), "leverage falls through the stroke, and inertia with it");
 }
 
-/// Effective inertia is what a force accelerates: what a force's work leaves over the slow way's is half the effective mass times
-/// the square of the key front's speed. With felts a thousand times stiffer, a repetition lever that no hammer presses off its
-/// stop and a force that swells, for otherwise the hammer lags behind and swings ahead.
+/// Effective inertia is what a force accelerates: what a force's work leaves over the slow way's is half the effective
+/// mass times the square of the key front's speed. With felts a thousand times stiffer, a repetition lever that no
+/// hammer presses off its stop and a force that swells, for otherwise the hammer lags behind and swings ahead.
 #[test]
 fn inertia_is_what_a_force_accelerates() {
     let mut stiff = rigid_grand();
@@ -380,8 +384,9 @@ fn let_off_distance(instrument: &Instrument) -> f64 {
     -Action::new(instrument).unwrap().compression(string) - press.down.head_m.iter().copied().fold(0.0, f64::max)
 }
 
-/// From twice as far the hammer flies longer, and has to be let go faster, to reach the string at all: v = sqrt(2 a d), with a
-/// the slowing of a freely rising hammer, from its weight, pin friction and inertia, and d the way that it flies.
+/// From twice as far the hammer flies longer, and has to be let go faster, to reach the string at all: v = sqrt(2 a d),
+/// with a the slowing of a freely rising hammer, from its weight, pin friction and inertia, and d the way that it
+/// flies.
 #[test]
 #[ignore = "ci: searches for the softest blow"]
 fn twice_the_let_off_needs_a_faster_hammer() {
@@ -405,8 +410,8 @@ fn twice_the_let_off_needs_a_faster_hammer() {
     assert!(b.flight_s > a.flight_s && b.flight_m > a.flight_m && b.let_off_speed_m_s > a.let_off_speed_m_s);
 }
 
-/// The double escapement is worth its name: from half-way the note repeats faster than fully released, and as fast as the twelve
-/// to fourteen per second that are published for grands, or nearly.
+/// The double escapement is worth its name: from half-way the note repeats faster than fully released, and as fast as
+/// the twelve to fourteen per second that are published for grands, or nearly.
 #[test]
 fn half_way_repeats_faster() {
     let grand = rigid_grand();
@@ -427,8 +432,8 @@ fn half_way_repeats_faster() {
     assert!(slack.is_none_or(|slack| slack.rate_hz < 0.8 * half.rate_hz), "{slack:?}");
 }
 
-/// The whole sheet of an action without a damper: what needs one is missing, everything else is there, and the same as with the
-/// pedal down. Measured on several threads, the sheet is the same, bit for bit.
+/// The whole sheet of an action without a damper: what needs one is missing, everything else is there, and the same as
+/// with the pedal down. Measured on several threads, the sheet is the same, bit for bit.
 #[test]
 #[ignore = "ci: another sheet"]
 fn an_action_without_a_damper_has_a_sheet() {
@@ -464,8 +469,8 @@ fn what_cannot_be_measured_is_said() {
     assert!(measure(&rigid_grand(), &mut |_| false).unwrap_err().is_interruption());
 }
 
-/// An action that blocks, its let-off button and drop screw turned out of reach, is measured all the same: up to where the hammer
-/// meets the string, and let-off, drop and aftertouch are red flags.
+/// An action that blocks, its let-off button and drop screw turned out of reach, is measured all the same: up to where
+/// the hammer meets the string, and let-off, drop and aftertouch are red flags.
 #[test]
 #[ignore = "ci: a sheet whose searches go to their ends"]
 fn a_blocking_action_has_a_sheet() {

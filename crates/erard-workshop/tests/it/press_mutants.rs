@@ -1,9 +1,11 @@
-//! Property tests that go on where the parser ends: instruments, strokes, keyboards and options are changed at random, and whatever is accepted is
-//! PRESSED. Nothing panics, every number is finite, energy is bounded or the run says that it is not to be trusted.
+//! Property tests that go on where the parser ends: instruments, strokes, keyboards and options are changed at random,
+//! and whatever is accepted is PRESSED. Nothing panics, every number is finite, energy is bounded or the run says that
+//! it is not to be trusted.
 //!
-//! Every mutant is made from one number, which a failure prints: `ERARD_MUTANT=17 cargo test --release -p erard-workshop --test it press_mutants`
-//! presses that one again and tells what it is. Some are pressed in every run of the tests, 500 that were accepted by the ignored test, and
-//! `ERARD_MUTANTS=20000 cargo test --release -p erard-workshop --test it press_mutants -- --ignored` presses as many as that.
+//! Every mutant is made from one number, which a failure prints: `ERARD_MUTANT=17 cargo test --release -p
+//! erard-workshop --test it press_mutants` presses that one again and tells what it is. Some are pressed in every run
+//! of the tests, 500 that were accepted by the ignored test, and `ERARD_MUTANTS=20000 cargo test --release -p
+//! erard-workshop --test it press_mutants -- --ignored` presses as many as that.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -78,7 +80,8 @@ fn numbers(text: &str) -> Vec<std::ops::Range<usize>> {
     found
 }
 
-/// Changes one to five numbers of a text: by a factor, by sign, to nothing, to another number of the same text, or to what nobody means.
+/// Changes one to five numbers of a text: by a factor, by sign, to nothing, to another number of the same text, or to
+/// what nobody means.
 fn mutated(text: &str, rng: &mut Rng) -> String {
     let mut text = text.to_owned();
     for _ in 0..rng.usize(1..=5) {
@@ -108,7 +111,8 @@ fn mutated(text: &str, rng: &mut Rng) -> String {
     text
 }
 
-/// A random instrument, from one of the built-in ones, a clock, or a key of a random keyboard; `None` where the reader refuses it.
+/// A random instrument, from one of the built-in ones, a clock, or a key of a random keyboard; `None` where the reader
+/// refuses it.
 fn instrument(rng: &mut Rng) -> Option<Instrument> {
     match rng.u8(..8) {
         0 => InstrumentFile::parse(&mutated(CLOCK, rng), "mutant.toml").ok().map(|file| file.instrument),
@@ -194,7 +198,8 @@ fn setup(rng: &mut Rng) -> Setup {
     }
 }
 
-/// The energy of all bodies and springs at a row, worked out here and nowhere else, J: moving, lifted, wound up. Compressed felts are left out.
+/// The energy of all bodies and springs at a row, worked out here and nowhere else, J: moving, lifted, wound up.
+/// Compressed felts are left out.
 fn energy_j(instrument: &Instrument, run: &Run, row: usize) -> f64 {
     let angle = |i: usize| run.bodies[i].angle_rad[row];
     let rate = |i: usize| run.bodies[i].rate_rad_per_s[row];
@@ -252,8 +257,8 @@ fn assert_sane(instrument: &Instrument, run: &Run) -> Fate {
     if !run.is_trusted() {
         return Fate::Doubtful;
     }
-    // Nothing speaks against it. Then no body and spring ever holds more than was there, what the drive has put in, and what the felts
-    // held at the start: the energy balance must include it.
+    // Nothing speaks against it. Then no body and spring ever holds more than was there, what the drive has put in, and
+    // what the felts held at the start: the energy balance must include it.
     let ledger = run.ledger.as_ref().expect("it was kept");
     let held = ledger.start.felt.max(0.0);
     let allowed = (ledger.drive_work_in + held).max(1e-6);
@@ -381,8 +386,8 @@ fn names_its_mutant(seeds: std::ops::Range<u64>) {
     }
 }
 
-/// Lanes tell the same warnings as a press does: their books are the engine's, worked out again from the ends of every step. Books that are kept from outside, in
-/// other arithmetic, say the same. Bounds are far apart from where runs lie.
+/// Lanes tell the same warnings as a press does: their books are the engine's, worked out again from the ends of every
+/// step. Books that are kept from outside, in other arithmetic, say the same. Bounds are far apart from where runs lie.
 #[test]
 fn a_study_distrusts_what_a_press_does() {
     distrusts_alike(40);
@@ -414,7 +419,8 @@ fn distrusts_alike(seeds: u64) {
         let lanes = played.energy_residual.unwrap();
         let kinds = |warnings: &[erard::trust::Warning]| {
             let mut kinds: Vec<_> = warnings.iter().map(|w| (w.kind, w.part.clone())).collect();
-            // Where lanes round otherwise, what is chaotic goes another way; so may a count of steps that did not converge.
+            // Where lanes round otherwise, what is chaotic goes another way; so may a count of steps that did not
+            // converge.
             kinds.retain(|(kind, _)| *kind != erard::trust::Kind::UnconvergedSteps);
             kinds
         };

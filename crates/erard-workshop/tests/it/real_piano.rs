@@ -1,5 +1,5 @@
-//! Beside a real action: a Kawai KG-3C's key, recorded by somebody else (`recordings/README.md`), drives the model, and its hammer is compared. Of the model only the screws were
-//! turned, to the distances that the slow stroke shows.
+//! Beside a real action: a Kawai KG-3C's key, recorded by somebody else (`recordings/README.md`), drives the model, and
+//! its hammer is compared. Of the model only the screws were turned, to the distances that the slow stroke shows.
 
 use std::path::Path;
 
@@ -136,7 +136,8 @@ fn recorded_releases_give_the_published_ranges() {
     }
 }
 
-/// Every recorded stroke either chooses or judges; what judges was cut out of the source where the list says, and nothing is in both.
+/// Every recorded stroke either chooses or judges; what judges was cut out of the source where the list says, and
+/// nothing is in both.
 #[test]
 fn strokes_choose_or_judge() {
     let split = recorded("split.csv");

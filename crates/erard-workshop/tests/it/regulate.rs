@@ -25,8 +25,8 @@ fn regulated(instrument: &Instrument, specification: &Specification) -> Regulate
 /// The grand regulated to the norms, from which several tests begin.
 static NORMAL: LazyLock<Regulated> = LazyLock::new(|| regulated(&rigid_grand(), &Goal::norms()));
 
-/// A regulated grand mis-set: let-off 5 mm or more, no drop to speak of, dip 8 mm, a spring too weak to lift the hammer, a check too far to
-/// catch it.
+/// A regulated grand mis-set: let-off 5 mm or more, no drop to speak of, dip 8 mm, a spring too weak to lift the
+/// hammer, a check too far to catch it.
 fn mis_set() -> Instrument {
     let mut instrument = NORMAL.instrument.clone();
     turn_on(
@@ -42,8 +42,9 @@ fn mis_set() -> Instrument {
     instrument
 }
 
-/// Blows in two seconds at eight strokes a second, from 3 mm to the bottom (and a tenth of a millimetre of fingertip further):
-/// the key does not come home. The margin is small: a finger that stops short of the bottom by a tenth misses some.
+/// Blows in two seconds at eight strokes a second, from 3 mm to the bottom (and a tenth of a millimetre of fingertip
+/// further): the key does not come home. The margin is small: a finger that stops short of the bottom by a tenth misses
+/// some.
 fn blows_at_eight_hertz(instrument: &Instrument, dip_m: f64) -> usize {
     let play = Play::Tremolo { top: 3e-3, bottom: dip_m + 0.1e-3, frequency: 8.0 };
     play.run(instrument, Settings::new(USUAL_STEP_S), 2.0).events.impacts.len()
@@ -90,8 +91,8 @@ fn a_regulated_action_is_left_alone() {
     assert!(twice.simulations < once.simulations);
 }
 
-/// Only what is asked for is regulated. A string 1 mm higher adds 1 mm to blow and let-off; the let-off button alone takes
-/// the let-off back.
+/// Only what is asked for is regulated. A string 1 mm higher adds 1 mm to blow and let-off; the let-off button alone
+/// takes the let-off back.
 #[test]
 fn one_goal_turns_one_screw() {
     let mut instrument = NORMAL.instrument.clone();
@@ -119,8 +120,8 @@ fn a_file_may_count_the_other_way() {
     assert_eq!(drop(a).way, drop(b).way);
 }
 
-/// What geometry does not give is said so, with the nearest: a dip of 3 mm needs more than 3 mm of punchings and 2 mm of cloth;
-/// a hammer checked 15 mm below the string has no 20 mm to rise.
+/// What geometry does not give is said so, with the nearest: a dip of 3 mm needs more than 3 mm of punchings and 2 mm
+/// of cloth; a hammer checked 15 mm below the string has no 20 mm to rise.
 #[test]
 fn a_dip_that_cannot_be_met_is_said_so() {
     let far = regulated(&rigid_grand(), &vec![(Goal::Dip, 3e-3), (Goal::Blow, 46e-3)]);

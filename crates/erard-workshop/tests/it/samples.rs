@@ -39,7 +39,8 @@ fn every_estimate_has_a_spread() {
     }
 }
 
-/// A sample is the same every time, another than the next, within its spreads' reach, put right; its number is in its name. What is together moves together.
+/// A sample is the same every time, another than the next, within its spreads' reach, put right; its number is in its
+/// name. What is together moves together.
 #[test]
 fn a_sample_is_one_plausible_grand() {
     let sampled = Sampled::of_file(grand(), GRAND, &mut |_| true).unwrap();
@@ -51,7 +52,8 @@ fn a_sample_is_one_plausible_grand() {
         let of = |text: &str| numbers_at(text, path).unwrap()[0];
         of(&text) / of(grand())
     };
-    // Woods: one factor for mass and inertia of three parts. Cloths of one batch share stiffness but for what the exponent, theirs too, changes with thickness.
+    // Woods: one factor for mass and inertia of three parts. Cloths of one batch share stiffness but for what the
+    // exponent, theirs too, changes with thickness.
     let whippen = factor("body.whippen.mass_g");
     for path in ["body.whippen.inertia_kg_m2", "body.jack.mass_g", "body.lever.inertia_kg_m2"] {
         assert!((factor(path) / whippen - 1.0).abs() < 1e-9, "{path}");
@@ -72,7 +74,8 @@ fn a_sample_is_one_plausible_grand() {
     }
 }
 
-/// The key of a sample is a key of that sample's piano: numbers that are not graded and not put right are those of its base.
+/// The key of a sample is a key of that sample's piano: numbers that are not graded and not put right are those of its
+/// base.
 #[test]
 #[ignore = "ci: two samples"]
 fn keys_of_a_sample_are_one_piano() {

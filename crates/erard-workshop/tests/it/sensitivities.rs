@@ -19,7 +19,8 @@ fn by<'a>(all: &'a Sensitivities, name: &str, of: &str) -> &'a Sensitivity {
     all.rows.iter().find(|row| all.by[row.by].name == name && all.of[row.of].key == of).unwrap()
 }
 
-/// What matters most for a blow has the slope that differences over a window see, which is thousands of times wider than what one step resolves.
+/// What matters most for a blow has the slope that differences over a window see, which is thousands of times wider
+/// than what one step resolves.
 #[test]
 fn derivatives_are_what_wide_differences_see() {
     derivatives_are_differences(&["concert-grand-rigid"]);
@@ -52,7 +53,8 @@ fn derivatives_are_differences(instruments: &[&str]) {
     }
 }
 
-/// A parameter by its name and the same number by its path in the file have one derivative; what a blow is over before has none.
+/// A parameter by its name and the same number by its path in the file have one derivative; what a blow is over before
+/// has none.
 #[test]
 fn a_number_has_one_derivative_whatever_it_is_called() {
     let (name, path) = ("zone.jack_knuckle.friction", "zone.jack_knuckle.friction_coefficient");
@@ -78,8 +80,9 @@ fn touch_weights_have_differences() {
     assert_eq!(all.rows.len(), 2);
 }
 
-/// A derivative does not hang on the length of the step: at some lengths a step across a reversal ends at rest, at some two laws switch within a few
-/// nanoseconds. The first case once gave 1.2e-3 for 4.2e-4, the second -1.18e-3 for -1.15e-3, the third 3e-4 for 2.5e-5.
+/// A derivative does not hang on the length of the step: at some lengths a step across a reversal ends at rest, at some
+/// two laws switch within a few nanoseconds. The first case once gave 1.2e-3 for 4.2e-4, the second -1.18e-3 for
+/// -1.15e-3, the third 3e-4 for 2.5e-5.
 #[test]
 #[ignore = "ci: derivatives in steps of several lengths"]
 fn a_derivative_is_the_same_whatever_the_step() {
@@ -113,8 +116,9 @@ fn a_derivative_is_the_same_whatever_the_step() {
     }
 }
 
-/// Sampled columns have the derivatives that differences of sampled runs have, and the values of a run. (What moves the rest, a felt that carries the key, say,
-/// is no check: `simulate` looks for the rest in steps that do not end on switches.)
+/// Sampled columns have the derivatives that differences of sampled runs have, and the values of a run. (What moves the
+/// rest, a felt that carries the key, say, is no check: `simulate` looks for the rest in steps that do not end on
+/// switches.)
 #[test]
 fn columns_have_derivatives() {
     let (name, names) = ("concert-grand-rigid", ["let_off", "body.hammer.mass", "zone.jack_knuckle.friction"]);

@@ -33,7 +33,8 @@ fn instruments() -> Vec<Instrument> {
     all
 }
 
-/// A stroke made anew each time, for a study takes it away: forces, a finger's motion from rest and from half-way, an imposed motion.
+/// A stroke made anew each time, for a study takes it away: forces, a finger's motion from rest and from half-way, an
+/// imposed motion.
 fn stroke(kind: usize, strength: f64) -> Stroke<'static> {
     match kind {
         0 => Box::new(player::force(move |t| if t < 0.15 { strength } else { 0.0 })),
@@ -84,8 +85,8 @@ fn played(results: Vec<JobResult>) -> Vec<Played> {
     results.into_iter().map(|result| result.expect("plays")).collect()
 }
 
-/// The events of a study are those of `simulate`. Lanes and scalars sum in the same order, so that only rounding is between them;
-/// blows and releases multiply it, and instants inherit it through the speeds there.
+/// The events of a study are those of `simulate`. Lanes and scalars sum in the same order, so that only rounding is
+/// between them; blows and releases multiply it, and instants inherit it through the speeds there.
 #[test]
 fn a_study_gives_what_simulate_gives() {
     let plan = plan();
@@ -105,11 +106,12 @@ fn in_single_precision_the_same_to_its_rounding() {
     }
 }
 
-/// Felts with an internal state, and friction that grows at rest, are the same in lanes; the energy balance of the lanes closes as the engine's does.
+/// Felts with an internal state, and friction that grows at rest, are the same in lanes; the energy balance of the
+/// lanes closes as the engine's does.
 #[test]
 fn what_is_remembered_is_remembered_in_lanes() {
-    // The elastoplastic one. The set-valued loss does not converge in every step of a whole action (`felt_laws.rs` has the number); Stulov's and
-    // friction that dwells are not held to this in lanes yet.
+    // The elastoplastic one. The set-valued loss does not converge in every step of a whole action (`felt_laws.rs` has
+    // the number); Stulov's and friction that dwells are not held to this in lanes yet.
     let laws: [fn(&mut Instrument); 1] = [|i| {
         for felt in i.zones.iter_mut().map(|zone| &mut zone.felt) {
             felt.loss = Elastoplastic { damping: felt.loss.viscous(1.0, 0.0), eta: 0.3, slip: 0.2 }.into();
@@ -160,7 +162,8 @@ fn alone(instrument: &Instrument, kind: usize, strength: f64) -> Run {
     simulate(instrument, own.as_ref(), &setup, &mut |_| true).expect("plays")
 }
 
-/// Largest differences between a study's strokes and the same ones alone: of instants, of hammer speeds (relative), of rises.
+/// Largest differences between a study's strokes and the same ones alone: of instants, of hammer speeds (relative), of
+/// rises.
 #[derive(Debug)]
 struct Apart {
     seconds: f64,
@@ -234,8 +237,8 @@ fn the_order_does_not_matter() {
     }
 }
 
-/// A force that is not a number, a spring without bounds: the job says so, and its neighbours get the bits that they get beside
-/// a job that does not fail.
+/// A force that is not a number, a spring without bounds: the job says so, and its neighbours get the bits that they
+/// get beside a job that does not fail.
 #[test]
 fn a_job_that_fails_fails_alone() {
     let mut instruments = vec![grand(); 3];
@@ -273,8 +276,8 @@ fn nothing_to_do_a_wrong_setup_and_an_interruption() {
     ));
 }
 
-/// What is sampled in lanes, or of runs where lanes do not see it, is the run's own rows: to rounding of its size, and the instants are
-/// what they are without samples.
+/// What is sampled in lanes, or of runs where lanes do not see it, is the run's own rows: to rounding of its size, and
+/// the instants are what they are without samples.
 #[test]
 fn samples_are_the_rows_of_the_run() {
     let every = 20;
@@ -302,7 +305,8 @@ fn samples_are_the_rows_of_the_run() {
                 let own: Vec<f64> = own.iter().step_by(every as usize).copied().collect();
                 assert_eq!(values.len(), own.len(), "{name}");
                 let size = own.iter().fold(1e-12, |a: f64, b| a.max(b.abs()));
-                // A run's force is the mean of two steps: at its ends there is one, and where the force jumps (0.15 s) it is half-way.
+                // A run's force is the mean of two steps: at its ends there is one, and where the force jumps (0.15 s)
+                // it is half-way.
                 let jumps = |row: &usize| *name == "force_N" && [0, 150, own.len() - 1].contains(row);
                 let rows = (0..own.len()).filter(|row| !jumps(row));
                 let worst = rows.map(|row| (values[row] - own[row]).abs()).fold(0.0, f64::max);

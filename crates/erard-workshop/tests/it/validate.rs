@@ -99,8 +99,8 @@ fn meets(grand: usize) {
     };
     assert_eq!(those(|v| matches!(v, Verdict::Missed { .. } | Verdict::Absent)), missed, "{name}");
     assert_eq!(those(|v| *v == Verdict::Silent), SILENT);
-    // Rows on strings are asked of an instrument with strings alone, but for the largest force and the return at middle C, which a rigid string has, too; what nothing published was found for is shown, and is neither
-    // met nor missed.
+    // Rows on strings are asked of an instrument with strings alone, but for the largest force and the return at middle
+    // C, which a rigid string has, too; what nothing published was found for is shown, and is neither met nor missed.
     let (skipped, open) = (those(|v| matches!(v, Verdict::Skipped(_))), those(|v| matches!(v, Verdict::Open { .. })));
     let on_strings =
         |row: &&Row| row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)));
@@ -126,7 +126,8 @@ fn meets(grand: usize) {
     let silent_about =
         published.rows.iter().filter(|row| missed.contains(&row.name.as_str()) && row.if_missed.is_none());
     assert_eq!(silent_about.count(), 0);
-    // The order of events reverses once, from the hammer first to the key first, as loudness grows: under constant forces and pressed by a hand.
+    // The order of events reverses once, from the hammer first to the key first, as loudness grows: under constant
+    // forces and pressed by a hand.
     for blows in [&validation.blows, &validation.pressed] {
         let ahead: Vec<f64> = blows.iter().filter_map(|blow| blow.hammer_ahead_s).collect();
         let changes = ahead.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count();
@@ -179,7 +180,8 @@ fn usual_ranges_are_those_of_the_sheet() {
     }
 }
 
-/// Rows are counted in their groups, what an instrument was set to apart from what it predicts; z is 1 at an end of a range.
+/// Rows are counted in their groups, what an instrument was set to apart from what it predicts; z is 1 at an end of a
+/// range.
 #[test]
 fn groups_are_counted_apart() {
     let published = Published::builtin();

@@ -1,4 +1,5 @@
-//! An instrument as Rust source: the engine's description, every number in the shortest digits that read back as the same, and where it rests.
+//! An instrument as Rust source: the engine's description, every number in the shortest digits that read back as the
+//! same, and where it rests.
 
 use std::fmt::Write;
 

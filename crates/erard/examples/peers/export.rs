@@ -1,24 +1,29 @@
 //! An instrument's mechanism as JSON: what another program needs to compute the same action.
 //!
-//! Units are SI (m, kg, s, N, rad); x toward the back of the piano, y up, angles counter-clockwise. Format `erard-mechanism/2`:
+//! Units are SI (m, kg, s, N, rad); x toward the back of the piano, y up, angles counter-clockwise. Format
+//! `erard-mechanism/2`:
 //!
 //! - `gravity_m_s2`: toward -y.
-//! - `bodies`, parents before children. `parent`: index of the body it is hinged on, null for the ground. `pivot_m`: in the
-//!   parent's frame. Each body's frame has its origin at the pivot; `center_of_mass_m` is in it, `inertia_kg_m2` about it.
-//!   The pivot's torque on the body, against the rate relative to the parent: `dry_friction_N_m` times its set-valued sign
-//!   plus `viscous_friction_N_m_s` times it. `rest_angle_rad`: the frame's absolute angle at rest, dry friction included.
-//! - `springs`: torque on `body`, opposite on its parent: `torque_N_m - stiffness_N_m_per_rad (relative angle - reference_rad)`.
-//! - `zones`: a disc (radius 0: a point) on one body against a curve on another (null: the ground). With d the distance from the
-//!   disc's centre to the curve and n the curve's outward normal there, the compression is g = radius - d, and where g > 0
-//!   the felt pushes the disc along n with `max(0, k g^r + b g^2 dg/dt)`. Curves: `line` (`point_m`, unit `normal`),
-//!   `segment` (all points within `rounding_m` of the straight piece from `from_m` to `to_m`), `disc` (`center_m`, `radius_m`).
-//!   `friction_coefficient` mu: a tangential force of at most mu times the felt's, against the slip at the contact point.
+//! - `bodies`, parents before children. `parent`: index of the body it is hinged on, null for the ground. `pivot_m`: in
+//!   the parent's frame. Each body's frame has its origin at the pivot; `center_of_mass_m` is in it, `inertia_kg_m2`
+//!   about it. The pivot's torque on the body, against the rate relative to the parent: `dry_friction_N_m` times its
+//!   set-valued sign plus `viscous_friction_N_m_s` times it. `rest_angle_rad`: the frame's absolute angle at rest, dry
+//!   friction included.
+//! - `springs`: torque on `body`, opposite on its parent: `torque_N_m - stiffness_N_m_per_rad (relative angle -
+//!   reference_rad)`.
+//! - `zones`: a disc (radius 0: a point) on one body against a curve on another (null: the ground). With d the distance
+//!   from the disc's centre to the curve and n the curve's outward normal there, the compression is g = radius - d, and
+//!   where g > 0 the felt pushes the disc along n with `max(0, k g^r + b g^2 dg/dt)`. Curves: `line` (`point_m`, unit
+//!   `normal`), `segment` (all points within `rounding_m` of the straight piece from `from_m` to `to_m`), `disc`
+//!   (`center_m`, `radius_m`). `friction_coefficient` mu: a tangential force of at most mu times the felt's, against
+//!   the slip at the contact point.
 //! - `finger`: the point that the finger pushes and the world direction of a positive force.
-//! - `strike`: the striking body and the strike point in its frame; the world direction toward the string, of length 1, and the strike point's
-//!   coordinate in it when the string is met. `radius_m`: its distance from the hammer's centre pin.
-//! - `blow`: the mf stroke's force in cubic pieces (Hermite's form: forces and slopes at the samples; constant before and
-//!   after them), the factors that it is played with, and how long. `hold`: a constant force under which the hammer is caught
-//!   and held, and the instants between which its angle is compared.
+//! - `strike`: the striking body and the strike point in its frame; the world direction toward the string, of length 1,
+//!   and the strike point's coordinate in it when the string is met. `radius_m`: its distance from the hammer's centre
+//!   pin.
+//! - `blow`: the mf stroke's force in cubic pieces (Hermite's form: forces and slopes at the samples; constant before
+//!   and after them), the factors that it is played with, and how long. `hold`: a constant force under which the hammer
+//!   is caught and held, and the instants between which its angle is compared.
 
 use erard::instrument::{Body, Curve, Instrument, Spring, Zone};
 use serde_json::{Value, json};

@@ -11,10 +11,11 @@ use moreau::{
 use moreau_kernels::Lanes;
 use moreau_kernels::{OwnedDescription, SideBySide, Size, side_by_side};
 
-/// The stroke whose hammer speed is compared is the mf, pressed, that belongs to the instrument, its force times each of these: a single blow may be met by
-/// luck, a row of them is not.
+/// The stroke whose hammer speed is compared is the mf, pressed, that belongs to the instrument, its force times each
+/// of these: a single blow may be met by luck, a row of them is not.
 pub const SCALES: [f64; 9] = [0.88, 0.91, 0.94, 0.97, 1.0, 1.03, 1.06, 1.09, 1.12];
-/// All of them have struck, and left the string again or nearly, at this instant, s: of the rigid grand's stroke, and of a hand's on one that bends.
+/// All of them have struck, and left the string again or nearly, at this instant, s: of the rigid grand's stroke, and
+/// of a hand's on one that bends.
 const BLOW_S: [f64; 2] = [0.06, 0.09];
 /// The note that is held: a constant force, N, looked at from one instant to another, s.
 pub const HOLD_N: f64 = 12.0;
@@ -126,8 +127,9 @@ impl<'a> Watch<'a> {
         Watch { strike, links, found: None, now, slope: 0.0, turn, instants, angles_rad }
     }
 
-    /// A step of h from t on has been taken. Within it the angle is the cubic through angles and velocities at both ends; but the string is
-    /// met as if the step before went on, the acceleration unchanged: at the step's end the string has pushed already.
+    /// A step of h from t on has been taken. Within it the angle is the cubic through angles and velocities at both
+    /// ends; but the string is met as if the step before went on, the acceleration unchanged: at the step's end the
+    /// string has pushed already.
     #[inline(always)]
     fn look<const B: usize>(&mut self, t: f64, h: f64, angle: &[f64; B], velocity: &[f64; B]) {
         let (before, now) = (self.now, self.strike.now(self.links, angle, velocity));
@@ -236,8 +238,8 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
             .expect("the model was assembled before")
     }
 
-    /// Plays blows side by side, of the stroke's force times the factor of each lane. Speed of the strike point at the string, m/s, and the
-    /// instant, s.
+    /// Plays blows side by side, of the stroke's force times the factor of each lane. Speed of the strike point at the
+    /// string, m/s, and the instant, s.
     pub fn play_together(&self, mut group: Together, h: f64, scales: &[f64]) -> Vec<Option<[f64; 2]>> {
         let theta = Settings::<f64>::new(h).theta;
         let force = self.force(1.0);

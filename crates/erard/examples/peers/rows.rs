@@ -81,8 +81,8 @@ fn row<const B: usize, const Z: usize, const N: usize>(
     println!("{}", Value::from(row));
 }
 
-/// Prints a row for every step, of blows side by side in the lanes of as many cores as this process may use. A blow's seconds are those of
-/// all, over their number.
+/// Prints a row for every step, of blows side by side in the lanes of as many cores as this process may use. A blow's
+/// seconds are those of all, over their number.
 pub fn batches<const B: usize, const Z: usize, const N: usize>(action: &Action<B, Z, N>, quick: bool) {
     let (steps, repetitions) = if quick { (&STEPS_S[..QUICK_STEPS], 3) } else { (&STEPS_S[..], 15) };
     for lanes in [Lanes::most(), Lanes::most_single()].map(|lanes| action.lanes(lanes)) {

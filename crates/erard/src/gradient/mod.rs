@@ -1,12 +1,14 @@
-//! Derivatives of a key press: how its instants and speeds depend on the numbers of the instrument and on the force, by forward mode.
+//! Derivatives of a key press: how its instants and speeds depend on the numbers of the instrument and on the force, by
+//! forward mode.
 //!
-//! The press is played once in numbers that carry derivatives ([`moreau_kernels::Tangents`]), up to eight directions at a time, from the pose as drawn over the
-//! rest to the blow. What is differentiated is the motion with dry friction that truly sticks and felts that are not smoothed: steps end where
-//! sliding comes to rest or turns round, and there the derivatives jump as they must (the engine's README, "Derivatives"). Of the map from
-//! an instrument's numbers to the mechanism's, which is smooth, differences are taken.
+//! The press is played once in numbers that carry derivatives ([`moreau_kernels::Tangents`]), up to eight directions at
+//! a time, from the pose as drawn over the rest to the blow. What is differentiated is the motion with dry friction
+//! that truly sticks and felts that are not smoothed: steps end where sliding comes to rest or turns round, and there
+//! the derivatives jump as they must (the engine's README, "Derivatives"). Of the map from an instrument's numbers to
+//! the mechanism's, which is smooth, differences are taken.
 //!
-//! A derivative holds for the piece of the solution on which the press is. Where the solution jumps beside it, as where a hammer strikes twice or
-//! only once, a derivative says nothing of the jump.
+//! A derivative holds for the piece of the solution on which the press is. Where the solution jumps beside it, as where
+//! a hammer strikes twice or only once, a derivative says nothing of the jump.
 
 mod watch;
 
@@ -130,8 +132,9 @@ impl Direction {
 pub struct Followed {
     /// Instants and speeds; slopes in the order of the directions.
     pub instants: Instants,
-    /// Key travel and rise of the strike point, m, and the finger's force, N, after every step that was asked for, from the start on; until the end of the
-    /// setup's duration then. Under a rigid drive the force is the one that its motion takes, and is not known here: NaN.
+    /// Key travel and rise of the strike point, m, and the finger's force, N, after every step that was asked for, from
+    /// the start on; until the end of the setup's duration then. Under a rigid drive the force is the one that its
+    /// motion takes, and is not known here: NaN.
     pub samples: Vec<[Number; 3]>,
     /// Switches at which derivatives jumped.
     pub switches: u32,
@@ -141,10 +144,11 @@ pub struct Followed {
     pub unconverged: u32,
 }
 
-/// Presses the key in numbers that carry the derivatives in at most [`DIRECTIONS`] directions. The run ends when all has been seen, or with the setup's
-/// duration; with samples every so many steps, with the duration.
+/// Presses the key in numbers that carry the derivatives in at most [`DIRECTIONS`] directions. The run ends when all
+/// has been seen, or with the setup's duration; with samples every so many steps, with the duration.
 ///
-/// The setup's step is that of the press; the rest is found in steps of `rest_step_s` (usually [`equilibrium::STEP_S`]).
+/// The setup's step is that of the press; the rest is found in steps of `rest_step_s` (usually
+/// [`equilibrium::STEP_S`]).
 ///
 /// # Errors
 /// See [`GradientError`].
@@ -228,8 +232,8 @@ pub fn follow(
     Ok(Followed { instants: watch.finish(), samples, switches, unresolved, unconverged })
 }
 
-/// Room that [`follow`] needs on its thread's stack, bytes: a step's working memory in numbers with derivatives is nine times that of plain ones. A
-/// thread that is started has less unless told otherwise.
+/// Room that [`follow`] needs on its thread's stack, bytes: a step's working memory in numbers with derivatives is nine
+/// times that of plain ones. A thread that is started has less unless told otherwise.
 pub const STACK_BYTES: usize = 64 << 20;
 
 /// Newton's tolerance: derivatives have their own, and the velocities are to be as exact.
@@ -292,7 +296,8 @@ impl Places {
     }
 }
 
-/// Lets it come to rest, as [`equilibrium::settle`] does; where that would have to slow it down by force there is no derivative.
+/// Lets it come to rest, as [`equilibrium::settle`] does; where that would have to slow it down by force there is no
+/// derivative.
 fn settle(
     mechanism: &mut dyn Tangents,
     step_s: f64,

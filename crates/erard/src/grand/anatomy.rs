@@ -1,4 +1,5 @@
-//! Which body and which zone is which, as a technician names them. Found from who touches whom, so that no file has to say it.
+//! Which body and which zone is which, as a technician names them. Found from who touches whom, so that no file has to
+//! say it.
 
 use crate::instrument::{Instrument, Zone};
 
@@ -58,9 +59,9 @@ pub struct Anatomy {
 }
 
 impl Anatomy {
-    /// Finds the parts: key, hammer, string, let-off, knuckle zones and key bottom by their roles; the jack is what meets the
-    /// let-off button; the repetition lever is the other body that pushes the knuckle; the damper is the other body on the
-    /// ground that the key touches besides whippen and hammer.
+    /// Finds the parts: key, hammer, string, let-off, knuckle zones and key bottom by their roles; the jack is what
+    /// meets the let-off button; the repetition lever is the other body that pushes the knuckle; the damper is the
+    /// other body on the ground that the key touches besides whippen and hammer.
     ///
     /// # Errors
     /// Where a part is missing that regulation needs.

@@ -12,7 +12,8 @@ pub struct Parts {
     pub hammer: usize,
     /// The body on the ground that carries, or is, the jack.
     pub whippen: usize,
-    /// Where jack and repetition lever meet the ground: let-off button and drop screw. The first of them to touch begins let-off.
+    /// Where jack and repetition lever meet the ground: let-off button and drop screw. The first of them to touch
+    /// begins let-off.
     pub let_off_stops: Vec<usize>,
     /// Where the key lifts the damper, and the damper; `None` where there is none.
     pub damper: Option<(usize, usize)>,

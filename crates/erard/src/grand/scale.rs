@@ -6,8 +6,8 @@ use crate::instrument::Instrument;
 /// Grams per kilogram.
 const G_PER_KG: f64 = 1e3;
 
-/// What the scale under the key's front end shows, g: the key on its balance pin, level as drawn. `front_m` is the distance of
-/// the front from the pin, positive; a key that is heavier behind shows less than nothing.
+/// What the scale under the key's front end shows, g: the key on its balance pin, level as drawn. `front_m` is the
+/// distance of the front from the pin, positive; a key that is heavier behind shows less than nothing.
 #[must_use]
 pub fn front_weight_g(instrument: &Instrument, parts: &Parts, front_m: f64) -> f64 {
     let key = &instrument.bodies[parts.key];
@@ -23,16 +23,16 @@ pub fn strike_weight_g(instrument: &Instrument, parts: &Parts) -> f64 {
     G_PER_KG * hammer.mass_kg * hammer.center_of_mass_m[0] / instrument.roles.hammer_head_m[0]
 }
 
-/// Moment about its pin of a part's weight and the pin's dry friction, that slows the part down while it rises with its own x axis level (a
-/// hammer's shank), N m.
+/// Moment about its pin of a part's weight and the pin's dry friction, that slows the part down while it rises with its
+/// own x axis level (a hammer's shank), N m.
 #[must_use]
 pub fn falling_moment_n_m(instrument: &Instrument, body: usize) -> f64 {
     let body = &instrument.bodies[body];
     body.mass_kg * instrument.gravity_m_s2 * body.center_of_mass_m[0] + body.friction_torque_n_m
 }
 
-/// What the scale under the capstan's place shows, g: the whippen with all that rides on it, on its pin, as drawn. `arm_m` is the distance
-/// of that place from the pin along x, with its sign.
+/// What the scale under the capstan's place shows, g: the whippen with all that rides on it, on its pin, as drawn.
+/// `arm_m` is the distance of that place from the pin along x, with its sign.
 #[must_use]
 pub fn whippen_weight_g(instrument: &Instrument, parts: &Parts, arm_m: f64) -> f64 {
     let drawn = instrument.drawn();

@@ -1,8 +1,9 @@
-//! Parts that bend: pieces of one part, joined by hinges that represent the bending of wood, and the rigid part that they make.
+//! Parts that bend: pieces of one part, joined by hinges that represent the bending of wood, and the rigid part that
+//! they make.
 //!
-//! A bend is a hinge between two rigid pieces with the stiffness that the part has there (a pseudo-rigid-body model): a key at its fulcrum,
-//! a shank beyond the knuckle. Whoever means the part's geometry or its weights, and not what it gives, locks the bends
-//! ([`Instrument::locked`]): the pieces become one rigid body, as drawn.
+//! A bend is a hinge between two rigid pieces with the stiffness that the part has there (a pseudo-rigid-body model): a
+//! key at its fulcrum, a shank beyond the knuckle. Whoever means the part's geometry or its weights, and not what it
+//! gives, locks the bends ([`Instrument::locked`]): the pieces become one rigid body, as drawn.
 
 use super::placement::Placement;
 use super::{Body, Curve, Instrument, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone};
@@ -14,7 +15,8 @@ impl Instrument {
         self.bodies.iter().any(|body| body.is_bend)
     }
 
-    /// The first piece of the part that a body belongs to: the one that is not hinged by a bend. Of a body that does not bend, itself.
+    /// The first piece of the part that a body belongs to: the one that is not hinged by a bend. Of a body that does
+    /// not bend, itself.
     #[must_use]
     pub fn first_piece(&self, mut body: usize) -> usize {
         while self.bodies[body].is_bend {
@@ -42,8 +44,9 @@ impl Instrument {
         self.first_piece(a) == self.first_piece(b)
     }
 
-    /// The instrument with all bends locked as drawn: the pieces of a part are one rigid body, in the frame of the first, with their masses and
-    /// moments of inertia (Steiner's theorem). It bears the name of the piece that has a role (key, hammer), else of the first.
+    /// The instrument with all bends locked as drawn: the pieces of a part are one rigid body, in the frame of the
+    /// first, with their masses and moments of inertia (Steiner's theorem). It bears the name of the piece that has a
+    /// role (key, hammer), else of the first.
     ///
     /// The dry torque, damping and springs of the bends are gone, and the screws that turned them.
     #[must_use]

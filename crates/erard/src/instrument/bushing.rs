@@ -1,8 +1,8 @@
 //! Bushings: pivots whose cloth gives.
 //!
-//! A pivot that may move a little in one direction is a pivot at the end of a long arm: a body of its own, hinged in line with the pivot on what that was
-//! hinged on, and held by a spring. The engine's tree of hinges then needs nothing new. For whoever means the rigid geometry the arm is a piece of what it
-//! is hinged on ([`Instrument::locked`]).
+//! A pivot that may move a little in one direction is a pivot at the end of a long arm: a body of its own, hinged in
+//! line with the pivot on what that was hinged on, and held by a spring. The engine's tree of hinges then needs nothing
+//! new. For whoever means the rigid geometry the arm is a piece of what it is hinged on ([`Instrument::locked`]).
 
 use super::{Body, Instrument, Spring};
 
@@ -20,8 +20,9 @@ impl Instrument {
         format!("{}_bushing", self.bodies[body].name)
     }
 
-    /// The instrument with a bushing at a body's pivot, of a stiffness, N/m, and a damping, N s/m: the pivot may move across the x axis of what the body is
-    /// hinged on (up and down, for the ground). The bushing is a body more, right before this one, and a spring more, the last.
+    /// The instrument with a bushing at a body's pivot, of a stiffness, N/m, and a damping, N s/m: the pivot may move
+    /// across the x axis of what the body is hinged on (up and down, for the ground). The bushing is a body more, right
+    /// before this one, and a spring more, the last.
     #[must_use]
     pub fn with_bushing(&self, body: usize, n_per_m: f64, n_s_per_m: f64) -> Instrument {
         let mut other = self.clone();

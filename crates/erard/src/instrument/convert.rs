@@ -187,7 +187,8 @@ fn read_dwell(
     }
 }
 
-/// The order in which every parent precedes its children and which otherwise keeps the file's; `Err` is a member of a cycle.
+/// The order in which every parent precedes its children and which otherwise keeps the file's; `Err` is a member of a
+/// cycle.
 fn parents_first(parents: &[Option<usize>]) -> Result<Vec<usize>, usize> {
     let mut order = Vec::with_capacity(parents.len());
     let mut placed = vec![false; parents.len()];

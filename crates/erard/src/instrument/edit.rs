@@ -5,7 +5,8 @@ use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value, value};
 /// Certainty of every number that is put in: the program computed it.
 const CERTAINTY: &str = "estimate";
 
-/// What stands at a path; the tables of a list are distinguished by their `name`, as in `zone`, `string`, `felt`, `exponent`.
+/// What stands at a path; the tables of a list are distinguished by their `name`, as in `zone`, `string`, `felt`,
+/// `exponent`.
 pub(crate) fn find<'d>(table: &'d mut dyn TableLike, path: &[&str]) -> Option<&'d mut Item> {
     let (first, rest) = path.split_first()?;
     let item = table.get_mut(first)?;

@@ -1,5 +1,6 @@
-//! A zone's felt in the file: the spring, and the numbers of one contact law. Which numbers there are, their units, ranges and descriptions come from the
-//! engine's tables ([`moreau::LAWS`]): reader, schema and messages know no law by name.
+//! A zone's felt in the file: the spring, and the numbers of one contact law. Which numbers there are, their units,
+//! ranges and descriptions come from the engine's tables ([`moreau::LAWS`]): reader, schema and messages know no law by
+//! name.
 
 use std::borrow::Cow;
 use std::fmt;

@@ -87,7 +87,8 @@ impl InstrumentFile {
     }
 }
 
-/// An instrument file's keys, the instrument, and its numbers with their places: where they come from nobody has asked yet.
+/// An instrument file's keys, the instrument, and its numbers with their places: where they come from nobody has asked
+/// yet.
 fn read(text: &str, file_name: &str) -> Result<(InstrumentToml, Instrument, Vec<ReadNumber>), Box<FileError>> {
     check_size(text, file_name, "an instrument, starting with its `format`")?;
     let file: InstrumentToml = from_toml(text).map_err(|error| dress(file_name, text, serde_fault(&error, text)))?;
@@ -177,8 +178,8 @@ pub fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
     Ok((name, bytes))
 }
 
-/// The bytes of an opened instrument, keyboard or linkage file: not more of them than [`MAX_FILE_BYTES`] and one, which tells that it is too
-/// large. A device that never ends is not read to its end. `file_name` appears in errors only.
+/// The bytes of an opened instrument, keyboard or linkage file: not more of them than [`MAX_FILE_BYTES`] and one, which
+/// tells that it is too large. A device that never ends is not read to its end. `file_name` appears in errors only.
 ///
 /// # Errors
 /// When it could not be opened, cannot be read, or is too large.

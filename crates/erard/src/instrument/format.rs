@@ -51,7 +51,8 @@ pub(crate) struct InstrumentToml {
     #[serde(default)]
     #[schemars(length(max = MAX_ZONES))]
     pub zone: Vec<At<ZoneToml>>,
-    /// The strings that the hammer strikes, at the zone that `roles.string` names; at most 3, those of one note. The string is rigid when absent.
+    /// The strings that the hammer strikes, at the zone that `roles.string` names; at most 3, those of one note. The
+    /// string is rigid when absent.
     #[serde(default)]
     #[schemars(length(max = MAX_STRINGS))]
     pub string: Vec<At<StringToml>>,
@@ -102,23 +103,26 @@ pub(crate) struct BodyToml {
     /// Viscous friction of the pivot, N m s per radian; 0 when absent.
     #[serde(rename = "viscous_N_m_s")]
     pub viscous_n_m_s: Option<Num<NonNegative>>,
-    /// Static over kinetic friction, from 1: what sticks gets harder to move, as 1 - exp(-t/tau), and what slips has lost that. With `dwell_s`.
+    /// Static over kinetic friction, from 1: what sticks gets harder to move, as 1 - exp(-t/tau), and what slips has
+    /// lost that. With `dwell_s`.
     pub static_friction_ratio: Option<Num<Positive>>,
     /// tau of that, s.
     pub dwell_s: Option<Num<Positive>>,
-    /// Stiffness of the pivot's bushing, N/m: the pivot may then move, across the x axis of what it is hinged on (for the ground, up and down).
-    /// It stands at the end of an arm of 300 mm, a body of its own that the reader adds (`<name>_bushing`). Rigid when absent.
+    /// Stiffness of the pivot's bushing, N/m: the pivot may then move, across the x axis of what it is hinged on (for
+    /// the ground, up and down). It stands at the end of an arm of 300 mm, a body of its own that the reader adds
+    /// (`<name>_bushing`). Rigid when absent.
     #[serde(rename = "bushing_N_per_m")]
     pub bushing_n_per_m: Option<Num<Positive>>,
     /// Damping of the bushing, N s/m; 0 when absent.
     #[serde(rename = "bushing_N_s_per_m")]
     pub bushing_n_s_per_m: Option<Num<NonNegative>>,
-    /// Whether the hinge is a bend, false when absent: this body and what it is hinged on are two pieces of one part (a key, a shank), and the
-    /// hinge represents the bending of its wood. Its stiffness is that of a spring on this body. What means the rigid geometry or
-    /// the weights of parts takes both for one body.
+    /// Whether the hinge is a bend, false when absent: this body and what it is hinged on are two pieces of one part (a
+    /// key, a shank), and the hinge represents the bending of its wood. Its stiffness is that of a spring on this body.
+    /// What means the rigid geometry or the weights of parts takes both for one body.
     pub bend: Option<At<bool>>,
-    /// How far its stops let it turn against what it is hinged on, from as drawn, degrees counter-clockwise: `[lowest, highest]`, from at most
-    /// 0 to at least 0. It takes no part in the mechanics: a run in which the body turns further is not trusted. Not looked at when absent.
+    /// How far its stops let it turn against what it is hinged on, from as drawn, degrees counter-clockwise: `[lowest,
+    /// highest]`, from at most 0 to at least 0. It takes no part in the mechanics: a run in which the body turns
+    /// further is not trusted. Not looked at when absent.
     pub turn_deg: Option<Num<Pair>>,
 }
 
@@ -140,7 +144,8 @@ pub(crate) struct SpringToml {
     pub stiffness_n_m_per_rad: Num<NonNegative>,
 }
 
-/// A modal string under the hammer: a stiff string between two supports that do not move. Its inharmonicity B lifts partial n to n f0 sqrt(1 + B n^2).
+/// A modal string under the hammer: a stiff string between two supports that do not move. Its inharmonicity B lifts
+/// partial n to n f0 sqrt(1 + B n^2).
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "String", extend("oneOf" = [{ "required": ["frequency_Hz"] }, { "required": ["tension_N"] }]))]
@@ -150,7 +155,8 @@ pub(crate) struct StringToml {
     pub name: At<String>,
     /// Speaking length, mm.
     pub length_mm: Num<Positive>,
-    /// Diameter of the wire, of a wound string's core, mm; it bends the string. With `inharmonicity` and `mass_g_per_m` it may be absent.
+    /// Diameter of the wire, of a wound string's core, mm; it bends the string. With `inharmonicity` and `mass_g_per_m`
+    /// it may be absent.
     pub diameter_mm: Option<Num<Positive>>,
     /// Mass per length, g/m, for a wound string; that of a steel wire of 7850 kg/m3 when absent.
     pub mass_g_per_m: Option<Num<Positive>>,
@@ -227,7 +233,8 @@ pub(crate) struct ZoneToml {
     pub felt: At<FeltToml>,
     /// Coulomb friction coefficient; no friction when absent.
     pub friction_coefficient: Option<Num<NonNegative>>,
-    /// Static over kinetic friction, from 1: what sticks gets harder to move, as 1 - exp(-t/tau), and what slips has lost that. With `dwell_s`.
+    /// Static over kinetic friction, from 1: what sticks gets harder to move, as 1 - exp(-t/tau), and what slips has
+    /// lost that. With `dwell_s`.
     pub static_friction_ratio: Option<Num<Positive>>,
     /// tau of that, s.
     pub dwell_s: Option<Num<Positive>>,
@@ -335,8 +342,8 @@ pub(crate) struct OneDofToml {
     pub stops: Vec<At<String>>,
 }
 
-/// A regulating screw: moves one side of a zone (`zone`, `side`, `direction`, `setting_mm`), turns its curve (`zone`, `side`,
-/// `setting_deg`), or adds to a spring's torque (`spring`, `setting_N_m`).
+/// A regulating screw: moves one side of a zone (`zone`, `side`, `direction`, `setting_mm`), turns its curve (`zone`,
+/// `side`, `setting_deg`), or adds to a spring's torque (`spring`, `setting_N_m`).
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Screw")]
@@ -354,8 +361,8 @@ pub(crate) struct ScrewToml {
     pub direction: Option<Num<Pair>>,
     /// How far it is turned from the drawn geometry, mm.
     pub setting_mm: Option<Num<Real>>,
-    /// How far the curve is turned from the drawn geometry, degrees counter-clockwise: a line about its `point_mm`, a segment
-    /// about its middle.
+    /// How far the curve is turned from the drawn geometry, degrees counter-clockwise: a line about its `point_mm`, a
+    /// segment about its middle.
     pub setting_deg: Option<Num<Real>>,
     /// The spring that it tightens.
     pub spring: Option<At<String>>,

@@ -1,7 +1,8 @@
 //! From TOML to the types of a file.
 //!
-//! As `toml::from_str`, whose deserializer is four types: it compiles every type of a file, each number among them, a dozen times, which was most of
-//! what this crate took to compile. Here values, keys and spans are one type (`Node`), and so is what stands in tables and lists.
+//! As `toml::from_str`, whose deserializer is four types: it compiles every type of a file, each number among them, a
+//! dozen times, which was most of what this crate took to compile. Here values, keys and spans are one type (`Node`),
+//! and so is what stands in tables and lists.
 
 use std::borrow::Cow;
 use std::fmt::Display;

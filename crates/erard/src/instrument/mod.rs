@@ -1,15 +1,16 @@
 //! The instrument: what a piano action *is*, in SI units, checked, and without a trace of the file it came from.
 //!
 //! World frame at rest: x toward the back of the piano, y up, angles counter-clockwise; metres, kilograms, seconds,
-//! newtons, radians. Every body carries a frame of its own with the origin at its pivot; all geometry on a body is given
-//! in that frame, all geometry on the ground in the world frame.
+//! newtons, radians. Every body carries a frame of its own with the origin at its pivot; all geometry on a body is
+//! given in that frame, all geometry on the ground in the world frame.
 //!
-//! Parts may bend: `bends` says what then belongs together. `format` is the file as written, `file` reads it, `convert` checks it and turns it into the types below,
-//! `provenance` keeps where every number comes from, `screws` turns the regulating screws, `rewrite` puts their settings
-//! back into the file, and `edit` is how numbers in its text are changed.
+//! Parts may bend: `bends` says what then belongs together. `format` is the file as written, `file` reads it, `convert`
+//! checks it and turns it into the types below, `provenance` keeps where every number comes from, `screws` turns the
+//! regulating screws, `rewrite` puts their settings back into the file, and `edit` is how numbers in its text are
+//! changed.
 
-// Hidden modules are the reader that all kinds of files share; the linkage files of `erard-workshop` are read by it, too. They promise
-// nothing to others.
+// Hidden modules are the reader that all kinds of files share; the linkage files of `erard-workshop` are read by it,
+// too. They promise nothing to others.
 mod bends;
 mod bushing;
 mod convert;
@@ -123,10 +124,12 @@ pub struct Body {
     pub viscous_n_m_s: f64,
     /// How its dry friction grows while it sticks; `None`: it does not.
     pub dwell: Option<Dwell>,
-    /// Whether the hinge is a bend (or the far end of a bushing's arm): this body and what it is hinged on are pieces of one part, and the hinge represents its bending.
+    /// Whether the hinge is a bend (or the far end of a bushing's arm): this body and what it is hinged on are pieces
+    /// of one part, and the hinge represents its bending.
     pub is_bend: bool,
-    /// How far its stops let it turn against what it is hinged on, from as drawn, rad counter-clockwise: the lowest and the highest. It moves
-    /// nothing: a run that goes further is not to be trusted ([`crate::trust`]). `None`: not known.
+    /// How far its stops let it turn against what it is hinged on, from as drawn, rad counter-clockwise: the lowest and
+    /// the highest. It moves nothing: a run that goes further is not to be trusted ([`crate::trust`]). `None`: not
+    /// known.
     pub turn_rad: Option<[f64; 2]>,
 }
 
@@ -235,7 +238,8 @@ pub enum Curve {
         /// Outward unit normal.
         normal: Vec2,
     },
-    /// A segment with round edges (a stadium of the given radius about the core segment): it ends, so that a disc can slip off.
+    /// A segment with round edges (a stadium of the given radius about the core segment): it ends, so that a disc can
+    /// slip off.
     Segment {
         /// One end of the core, m.
         from_m: Vec2,
@@ -262,8 +266,8 @@ pub struct Felt {
     pub exponent: f64,
     /// How it loses energy.
     pub loss: Loss<f64>,
-    /// Thickness of what is compressed, of both sides together, m. It moves nothing: a run that presses it deeper is not to be trusted
-    /// ([`crate::trust`]). `None`: not known.
+    /// Thickness of what is compressed, of both sides together, m. It moves nothing: a run that presses it deeper is
+    /// not to be trusted ([`crate::trust`]). `None`: not known.
     pub thickness_m: Option<f64>,
 }
 
@@ -368,7 +372,8 @@ pub enum ScrewAction {
         /// Unit direction of a positive setting.
         direction: Vec2,
     },
-    /// Turns side B's curve by `setting` radians, counter-clockwise: a line about its point, a segment about its middle.
+    /// Turns side B's curve by `setting` radians, counter-clockwise: a line about its point, a segment about its
+    /// middle.
     Turn {
         /// Zone.
         zone: usize,

@@ -4,8 +4,8 @@ use toml_edit::{DocumentMut, Item, Value};
 
 use super::edit::{find, numbers};
 
-/// The numbers at a dotted path, such as `body.hammer.mass_g` (one) or `zone.string.disc.center_mm` (two), in the file's own units; the entries of
-/// a list are distinguished by their `name`. `None` where there are none.
+/// The numbers at a dotted path, such as `body.hammer.mass_g` (one) or `zone.string.disc.center_mm` (two), in the
+/// file's own units; the entries of a list are distinguished by their `name`. `None` where there are none.
 #[must_use]
 pub fn numbers_at(text: &str, path: &str) -> Option<Vec<f64>> {
     numbers_at_each(text, [path]).pop().flatten()
@@ -22,8 +22,9 @@ pub fn numbers_at_each<'a>(text: &str, paths: impl IntoIterator<Item = &'a str>)
     paths.into_iter().map(&mut at).collect()
 }
 
-/// The text with other numbers at some paths: the path, which of its numbers, and the value in the file's own unit. What they were said to come
-/// from stays beside them; the result is for computing, not for keeping. `None` where there is no such number.
+/// The text with other numbers at some paths: the path, which of its numbers, and the value in the file's own unit.
+/// What they were said to come from stays beside them; the result is for computing, not for keeping. `None` where there
+/// is no such number.
 #[must_use]
 pub fn with_numbers(text: &str, changes: &[(&str, usize, f64)]) -> Option<String> {
     let mut document: DocumentMut = text.parse().ok()?;
@@ -54,7 +55,8 @@ mod tests {
     use super::*;
     use crate::instrument::Instrument;
 
-    /// A number and a coordinate of the built-in grand are found, changed, and read back as the instrument; the rest is the same.
+    /// A number and a coordinate of the built-in grand are found, changed, and read back as the instrument; the rest is
+    /// the same.
     #[test]
     fn numbers_are_found_and_changed() {
         let text = Instrument::builtin_text("concert-grand-rigid").unwrap();

@@ -3,7 +3,8 @@
 use super::provenance::{CitedNumber, Provenance};
 use super::{Instrument, InstrumentFile};
 
-/// A number that was changed and still carries the note of the built-in instrument that it comes from: the note speaks of the old value.
+/// A number that was changed and still carries the note of the built-in instrument that it comes from: the note speaks
+/// of the old value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutlivedNote {
     /// The number as it is.
@@ -40,7 +41,8 @@ impl Provenance {
 mod tests {
     use super::*;
 
-    /// A capstan that was moved by hand keeps the note of where it was, and is found; the built-in files have no such notes.
+    /// A capstan that was moved by hand keeps the note of where it was, and is found; the built-in files have no such
+    /// notes.
     #[test]
     fn a_note_that_its_number_has_outlived_is_found() {
         for name in Instrument::builtin_names() {

@@ -4,7 +4,8 @@ use moreau::vector::{add, sub};
 
 use super::{Instrument, Vec2};
 
-/// A frame in another one: of a body in the world, or of a piece in that of its part. A point x of the frame is at `pivot_m` + R(`angle_rad`) x there.
+/// A frame in another one: of a body in the world, or of a piece in that of its part. A point x of the frame is at
+/// `pivot_m` + R(`angle_rad`) x there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// The frame's origin, m: a body's pivot.
@@ -55,8 +56,8 @@ impl Instrument {
         self.bodies.iter().map(|body| body.angle_rad).collect()
     }
 
-    /// Places all bodies at absolute angles, rad. A missing or non-finite angle falls back to the one the body was drawn with, so that a picture can
-    /// still be made of a run that went wrong.
+    /// Places all bodies at absolute angles, rad. A missing or non-finite angle falls back to the one the body was
+    /// drawn with, so that a picture can still be made of a run that went wrong.
     #[must_use]
     pub fn placements(&self, angles_rad: &[f64]) -> Vec<Placement> {
         let mut placed = Vec::with_capacity(self.bodies.len());

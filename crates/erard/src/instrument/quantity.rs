@@ -164,7 +164,8 @@ pub struct Cited<T> {
     pub spread: Option<At<NonNegative>>,
     /// Times or divided by: for what is known to a factor only, such as a felt's stiffness. At least 1.
     pub spread_factor: Option<At<SpreadFactor>>,
-    /// Numbers with the same word here are off together, by the same share of their spreads: one cloth or one piece of wood serves them all.
+    /// Numbers with the same word here are off together, by the same share of their spreads: one cloth or one piece of
+    /// wood serves them all.
     pub together: Option<At<String>>,
     /// How it was derived, or a caution.
     pub note: Option<String>,
@@ -214,7 +215,8 @@ impl<'de, T: Kind> Deserialize<'de> for Quantity<T> {
                 let number: F64Deserializer<E> = value.into_deserializer();
                 T::deserialize(number).map(Quantity::Bare)
             }
-            // TOML integers have 64 bits; those beyond 2^53 lose digits here, and none of them is a sane length or mass.
+            // TOML integers have 64 bits; those beyond 2^53 lose digits here, and none of them is a sane length or
+            // mass.
             fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
                 self.visit_f64(value as f64)
             }

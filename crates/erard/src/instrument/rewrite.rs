@@ -25,8 +25,8 @@ pub enum RewriteError {
 }
 
 impl Instrument {
-    /// `text`, the file that this instrument was read from, with the settings that its screws have now. Only settings that
-    /// differ are touched: each becomes a cited number with `note`, under a source of its own titled `title`.
+    /// `text`, the file that this instrument was read from, with the settings that its screws have now. Only settings
+    /// that differ are touched: each becomes a cited number with `note`, under a source of its own titled `title`.
     ///
     /// Settings are written to 0.1 um, a ten-thousandth of a degree, and 1 uN m.
     ///
@@ -60,8 +60,9 @@ impl Instrument {
     }
 }
 
-/// The text of an instrument file with other numbers: of each its path (as [`super::numbers_at`] takes it, of a single number), its value in the file's
-/// own unit, and a note. Each becomes a cited number under a source of its own; comments and layout stay.
+/// The text of an instrument file with other numbers: of each its path (as [`super::numbers_at`] takes it, of a single
+/// number), its value in the file's own unit, and a note. Each becomes a cited number under a source of its own;
+/// comments and layout stay.
 ///
 /// # Errors
 /// See [`RewriteError`].
@@ -137,8 +138,8 @@ mod tests {
         (gone, new)
     }
 
-    /// Two settings of the grand: two lines change and a source is added; every other line, comments included, stays. What is
-    /// read back has the same screws to the bit.
+    /// Two settings of the grand: two lines change and a source is added; every other line, comments included, stays.
+    /// What is read back has the same screws to the bit.
     #[test]
     fn only_the_settings_change() {
         let text = Instrument::builtin_text("concert-grand-rigid").unwrap();

@@ -12,8 +12,8 @@ impl Instrument {
     /// Turns screw number `screw` to `setting`, counted from the drawn geometry: metres, radians for a
     /// curve that turns, newton metres for a spring.
     ///
-    /// Returns whether it could be done. It cannot when there is no such screw, when `setting` is not finite, or when it
-    /// would turn a spring's torque around; the instrument is then unchanged.
+    /// Returns whether it could be done. It cannot when there is no such screw, when `setting` is not finite, or when
+    /// it would turn a spring's torque around; the instrument is then unchanged.
     #[must_use]
     pub fn turn(&mut self, screw: usize, setting: f64) -> bool {
         let Some(turned) = self.screws.get(screw) else {
@@ -27,7 +27,8 @@ impl Instrument {
         true
     }
 
-    /// Moves what a screw moves by `by` (m, rad or N m); `false`, and nothing moved, when a spring would change its side.
+    /// Moves what a screw moves by `by` (m, rad or N m); `false`, and nothing moved, when a spring would change its
+    /// side.
     pub fn shift(&mut self, action: &ScrewAction, by: f64) -> bool {
         let moved = |point: &mut [f64; 2], direction: [f64; 2]| {
             point[0] += by * direction[0];

@@ -101,7 +101,8 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
         return Err(Fault::at(span, "this string would be held by its stiffness alone", expected)
             .found(format!("a tension of {base_n:.3} N")));
     }
-    // Frequencies go with the root of the tension; what bending adds to the first partial is the same in cents to a thousandth.
+    // Frequencies go with the root of the tension; what bending adds to the first partial is the same in cents to a
+    // thousandth.
     let tension_n = base_n * libm::exp2(2.0 * cents / OCTAVE_CENTS);
     let square = std::f64::consts::PI * std::f64::consts::PI;
     let bending_n_m2 = inharmonicity.map_or(bending, |b| b * tension_n * length_m * length_m / square);

@@ -19,7 +19,8 @@ pub(crate) fn bending_stiffness(diameter_m: f64) -> f64 {
     STEEL_YOUNG_PA * PI * square * square / 64.0
 }
 
-/// The tension, N, with which the first partial of a string has a frequency, Hz; not positive where bending alone makes it higher.
+/// The tension, N, with which the first partial of a string has a frequency, Hz; not positive where bending alone makes
+/// it higher.
 pub(crate) fn tension_for(frequency_hz: f64, length_m: f64, mass_kg_m: f64, bending_n_m2: f64) -> f64 {
     let square = length_m * length_m;
     // f^2 = f0^2 (1 + B) = (T + pi^2 EI / L^2) / (4 mu L^2).

@@ -28,11 +28,12 @@ const BUILTIN: [(&str, &str); 3] = [
 ];
 
 impl Keyboard {
-    /// Reads the text of a keyboard file. `file_name` appears in errors only; an instrument that is not built in is looked for
-    /// in `folder`.
+    /// Reads the text of a keyboard file. `file_name` appears in errors only; an instrument that is not built in is
+    /// looked for in `folder`.
     ///
     /// # Errors
-    /// The first thing that is wrong in it or in the instrument's file, with line, key, what was found and what was expected.
+    /// The first thing that is wrong in it or in the instrument's file, with line, key, what was found and what was
+    /// expected.
     pub fn parse(text: &str, file_name: &str, folder: &Path) -> Result<Self, Box<FileError>> {
         check_size(text, file_name, "a keyboard, starting with its `format`")?;
         let file: KeyboardToml =
@@ -44,8 +45,8 @@ impl Keyboard {
             None => {
                 let path = folder.join(base);
                 let (name, bytes) = read_bytes(&path).map_err(|error| wrong(error.message.clone()))?;
-                // A base that is no instrument is that file's own fault. But what a keyboard file points to outside its folder may be
-                // anything, and nobody asked to see it: not a word of that is shown.
+                // A base that is no instrument is that file's own fault. But what a keyboard file points to outside its
+                // folder may be anything, and nobody asked to see it: not a word of that is shown.
                 let foreign = !is_within(&path, folder);
                 let hidden = |error: Box<FileError>| match foreign {
                     false => error,

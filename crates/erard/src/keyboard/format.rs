@@ -13,8 +13,8 @@ pub(crate) const FORMAT: &str = "erard-keyboard/1";
 
 /// A keyboard: one instrument file, and what differs from it from key to key.
 ///
-/// Every quantity over the keyboard is a list of points `{ key = 1, value = ..., source = "...", certainty = "..." }`, joined by
-/// straight lines and level beyond the first and the last. Keys count from 1 in the bass.
+/// Every quantity over the keyboard is a list of points `{ key = 1, value = ..., source = "...", certainty = "..." }`,
+/// joined by straight lines and level beyond the first and the last. Keys count from 1 in the bass.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Erard keyboard file")]
@@ -114,7 +114,8 @@ pub(crate) struct PointToml<T> {
 pub(crate) struct AbsentToml {
     /// What it is, for people: `third string`.
     pub name: At<String>,
-    /// The tables, each by its list and name in the instrument file: `string.right`; one within it: `string.right.damper`.
+    /// The tables, each by its list and name in the instrument file: `string.right`; one within it:
+    /// `string.right.damper`.
     pub tables: Vec<At<String>>,
     /// The first and the last key without them.
     pub keys: At<[i64; 2]>,

@@ -1,7 +1,7 @@
 //! From the instrument of one key to the instruments of all: what a grading does to the text of an instrument file.
 //!
-//! The text and not the numbers in SI units, because a key's instrument is then a file like any other: it is checked by the same
-//! reader, every number says where it comes from, and it can be written down, measured and regulated.
+//! The text and not the numbers in SI units, because a key's instrument is then a file like any other: it is checked by
+//! the same reader, every number says where it comes from, and it can be written down, measured and regulated.
 
 use std::collections::BTreeMap;
 
@@ -36,8 +36,8 @@ pub struct Grading {
 pub struct Absence {
     /// What it is, for people.
     pub name: String,
-    /// Each by its list and name in the instrument file, as in `string.right`, and its own name where it stands in another, as in
-    /// `string.right.damper`.
+    /// Each by its list and name in the instrument file, as in `string.right`, and its own name where it stands in
+    /// another, as in `string.right.damper`.
     pub tables: Vec<String>,
     /// The first and the last key without them.
     pub keys: [usize; 2],
@@ -67,8 +67,8 @@ pub enum Graded {
     },
 }
 
-/// The text of a key's instrument file. Numbers that the key does not change keep their bits and their sources. `None` if a number
-/// that is graded is not there.
+/// The text of a key's instrument file. Numbers that the key does not change keep their bits and their sources. `None`
+/// if a number that is graded is not there.
 pub(super) fn graded_text(keyboard: &Keyboard, key: usize) -> Option<String> {
     let mut document: DocumentMut = keyboard.base_text.parse().ok()?;
     document["name"] = value(format!("{}, key {key} ({})", keyboard.name, note_name(key)));

@@ -1,6 +1,7 @@
 //! The assembled actions of a keyboard, stepped together.
 //!
-//! A key that nothing changes sleeps ([`moreau_kernels::Bank`] says why that is exact): keys at rest, and held notes, cost nothing.
+//! A key that nothing changes sleeps ([`moreau_kernels::Bank`] says why that is exact): keys at rest, and held notes,
+//! cost nothing.
 
 use moreau::{Outcome, Settings};
 use moreau_kernels::{Bank, StepOutput, bank};
@@ -54,7 +55,8 @@ struct Own {
 }
 
 impl Keys {
-    /// Assembles the keys of a keyboard, at rest, nothing touching them; all of them asleep if they come to a complete rest.
+    /// Assembles the keys of a keyboard, at rest, nothing touching them; all of them asleep if they come to a complete
+    /// rest.
     ///
     /// # Errors
     /// [`KeysError`]: a key cannot be assembled, or finds no rest.
@@ -122,8 +124,8 @@ impl Keys {
         self.bank.now_s()
     }
 
-    /// What drives a key from the next step on, until it is driven otherwise. Wakes it if that is anything new. An imposed motion
-    /// ([`Input::Rigid`]) holds its velocity.
+    /// What drives a key from the next step on, until it is driven otherwise. Wakes it if that is anything new. An
+    /// imposed motion ([`Input::Rigid`]) holds its velocity.
     ///
     /// # Panics
     /// If there is no such key; keys count from 1.
@@ -142,7 +144,8 @@ impl Keys {
         self.bank.place_hand(key - 1, [site_m + position_m, velocity_m_s]);
     }
 
-    /// Sends the sustain pedal's rail to a lift, m, under all keys that have one; see [`Strings::set_pedal`]. Wakes them if that is anything new.
+    /// Sends the sustain pedal's rail to a lift, m, under all keys that have one; see [`Strings::set_pedal`]. Wakes
+    /// them if that is anything new.
     pub fn set_pedal(&mut self, lift_m: f64) {
         for index in 0..self.bank.count() {
             let aim = |strings: &Strings| strings.pedal_aim_m().filter(|aim_m| *aim_m != lift_m);
@@ -155,7 +158,8 @@ impl Keys {
         }
     }
 
-    /// Whether sleeping keys are left alone (as at first). Otherwise every key is stepped in every step, with the same results.
+    /// Whether sleeping keys are left alone (as at first). Otherwise every key is stepped in every step, with the same
+    /// results.
     pub fn let_sleep(&mut self, sleep: bool) {
         self.bank.let_sleep(sleep);
     }
@@ -179,8 +183,8 @@ impl Keys {
         self.bank.output(key - 1)
     }
 
-    /// What there is to be read of a key after the last step, as an [`Action`]'s reading; its outcome is [`Outcome::Converged`], for [`Tick`] counts
-    /// those of a step.
+    /// What there is to be read of a key after the last step, as an [`Action`]'s reading; its outcome is
+    /// [`Outcome::Converged`], for [`Tick`] counts those of a step.
     #[must_use]
     pub fn reading(&self, key: usize) -> Reading {
         let reading = Reading::of(&self.output(key), &self.own[key - 1].rest);
@@ -217,7 +221,8 @@ impl Keys {
         self.bank.velocities(key - 1)
     }
 
-    /// All that a key's following steps depend on: what an [`Action`] of its instrument can go on from, and the other way round.
+    /// All that a key's following steps depend on: what an [`Action`] of its instrument can go on from, and the other
+    /// way round.
     #[must_use]
     pub fn save(&self, key: usize) -> Snapshot {
         Snapshot::new(self.mechanism_state(key), self.bank.surfaces(key - 1))
@@ -236,8 +241,8 @@ impl Keys {
         }
     }
 
-    /// A key goes on from a snapshot of the same instrument, to the bit; its input stays. Its clock is that of all keys: what the snapshot has
-    /// seen of the hammer's flight is moved there.
+    /// A key goes on from a snapshot of the same instrument, to the bit; its input stays. Its clock is that of all
+    /// keys: what the snapshot has seen of the hammer's flight is moved there.
     ///
     /// # Errors
     /// [`SnapshotError`].

@@ -1,8 +1,8 @@
 //! The keyboard: 88 actions, graded from bass to treble, and played together.
 //!
-//! A [`Keyboard`] is what a keyboard *is*: the instrument file of one key and what differs from it from key to key (hammers, leads,
-//! strings, pins). Every key's [`Instrument`] comes of it, for every command that takes one. [`Keys`] are the assembled actions, stepped
-//! together, in which a key at rest costs nothing; [`tremolo`] plays them.
+//! A [`Keyboard`] is what a keyboard *is*: the instrument file of one key and what differs from it from key to key
+//! (hammers, leads, strings, pins). Every key's [`Instrument`] comes of it, for every command that takes one. [`Keys`]
+//! are the assembled actions, stepped together, in which a key at rest costs nothing; [`tremolo`] plays them.
 
 mod file;
 mod format;
@@ -69,8 +69,8 @@ impl Keyboard {
         Ok(keyboard)
     }
 
-    /// The text of a key's instrument file: the base instrument's with its gradings, every graded number cited. Its name is the
-    /// keyboard's with number and note of the key.
+    /// The text of a key's instrument file: the base instrument's with its gradings, every graded number cited. Its
+    /// name is the keyboard's with number and note of the key.
     #[must_use]
     pub fn key_text(&self, key: usize) -> String {
         // Every path was looked up when the file was read.

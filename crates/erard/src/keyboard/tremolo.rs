@@ -1,8 +1,9 @@
 //! A fortissimo tremolo that wanders over the whole keyboard: what a keyboard has to bear in real time.
 //!
-//! Every finger has a stretch of the keyboard of its own. It strikes a key [`STROKES`] times, [`STROKES_PER_S`] times a second, goes on to
-//! the next key and from the last of its stretch back to the first. Every other finger strikes half a stroke later, as in a tremolo.
-//! With ten fingers five hammers fly together and all 88 keys are played in turn; one finger plays them all, and 88 play all at once.
+//! Every finger has a stretch of the keyboard of its own. It strikes a key [`STROKES`] times, [`STROKES_PER_S`] times a
+//! second, goes on to the next key and from the last of its stretch back to the first. Every other finger strikes half
+//! a stroke later, as in a tremolo. With ten fingers five hammers fly together and all 88 keys are played in turn; one
+//! finger plays them all, and 88 play all at once.
 
 use std::f64::consts::PI;
 

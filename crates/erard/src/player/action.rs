@@ -51,8 +51,9 @@ pub enum PlayError {
 
 /// What there is to be read after a step: SI units, key and finger positive downward (pushing), hammer positive upward.
 ///
-/// Places and speeds are those at the step's end, from rest. The two forces acted in the step: they belong to its theta point, half a
-/// step before. (A run's rows centre them on the row's instant by the step after; a reading does not wait for it.)
+/// Places and speeds are those at the step's end, from rest. The two forces acted in the step: they belong to its theta
+/// point, half a step before. (A run's rows centre them on the row's instant by the step after; a reading does not wait
+/// for it.)
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Reading {
@@ -99,8 +100,9 @@ impl Reading {
 
 /// A grand action that is stepped from outside: a force or a position in, what the mechanism does out.
 ///
-/// It starts at rest, friction included, nothing touching the key. [`Action::step`] never allocates, never panics and takes a bounded number
-/// of iterations; nor does anything else here but [`Action::new`] and [`Action::with`], unless it says so. Nothing uses a clock or a thread.
+/// It starts at rest, friction included, nothing touching the key. [`Action::step`] never allocates, never panics and
+/// takes a bounded number of iterations; nor does anything else here but [`Action::new`] and [`Action::with`], unless
+/// it says so. Nothing uses a clock or a thread.
 ///
 /// ```
 /// use erard::{Action, Input, Instrument};
@@ -190,13 +192,14 @@ impl Action {
         self.begin_at(0.0);
     }
 
-    /// Places the hand ([`Input::Hand`]), m below the key front's rest, with a velocity, m/s, down positive; a new action has it at the key front's rest. It moves
-    /// in steps that a hand drives only.
+    /// Places the hand ([`Input::Hand`]), m below the key front's rest, with a velocity, m/s, down positive; a new
+    /// action has it at the key front's rest. It moves in steps that a hand drives only.
     pub fn place_hand(&mut self, position_m: f64, velocity_m_s: f64) {
         self.mechanism.set(Part::Hand([self.rest.site_m + position_m, velocity_m_s]));
     }
 
-    /// One step of the settings' length under an input. A number that is not finite leaves the action as it was; the reading's outcome reports it.
+    /// One step of the settings' length under an input. A number that is not finite leaves the action as it was; the
+    /// reading's outcome reports it.
     ///
     /// The equations are solved in [`moreau::step()`], which [`Mechanism::step`] calls for the mechanism's size.
     #[inline]
@@ -223,8 +226,8 @@ impl Action {
         self.mechanism.readout().output
     }
 
-    /// The loop over fixed steps: asks `next` for an input, takes a step, asks again, until there is no input. `next` sees the action
-    /// after every step; `progress` is asked every 512 steps, and ends the loop by returning false.
+    /// The loop over fixed steps: asks `next` for an input, takes a step, asks again, until there is no input. `next`
+    /// sees the action after every step; `progress` is asked every 512 steps, and ends the loop by returning false.
     ///
     /// A step is [`Mechanism::step`], which solves the equations at the top of [`moreau::step()`].
     ///
@@ -241,7 +244,8 @@ impl Action {
         })
     }
 
-    /// The loop over fixed steps, under inputs of the engine's; `next` gets the last step's report, too. Every run takes its steps here.
+    /// The loop over fixed steps, under inputs of the engine's; `next` gets the last step's report, too. Every run
+    /// takes its steps here.
     pub(crate) fn play_engine(
         &mut self,
         progress: &mut Progress<'_>,
@@ -263,8 +267,9 @@ impl Action {
         Ok(())
     }
 
-    /// Lets the action come to rest under a constant input, with true dry friction whatever its settings say; they are restored, and all
-    /// velocities are zero, at the end. Returns the simulated time it took, s; [`Action::time_s`] does not count it.
+    /// Lets the action come to rest under a constant input, with true dry friction whatever its settings say; they are
+    /// restored, and all velocities are zero, at the end. Returns the simulated time it took, s; [`Action::time_s`]
+    /// does not count it.
     ///
     /// # Errors
     /// See [`EquilibriumError`].
@@ -323,7 +328,8 @@ impl Action {
         Strings::under(self.mechanism.as_ref())
     }
 
-    /// Sends the sustain pedal's rail to a lift, m: see [`Strings::set_pedal`]. Without modal strings, or a rail, it does nothing.
+    /// Sends the sustain pedal's rail to a lift, m: see [`Strings::set_pedal`]. Without modal strings, or a rail, it
+    /// does nothing.
     pub fn set_pedal(&mut self, lift_m: f64) {
         if self.strings().and_then(Strings::pedal_aim_m).is_some_and(|aim_m| aim_m != lift_m)
             && let Some(surfaces) = self.mechanism.surfaces_mut()
@@ -358,7 +364,8 @@ impl Action {
         self.mechanism.normal_force(zone)
     }
 
-    /// Coulomb force of a contact zone in the last step, N, on side A along the tangent (the normal turned clockwise by a quarter turn).
+    /// Coulomb force of a contact zone in the last step, N, on side A along the tangent (the normal turned clockwise by
+    /// a quarter turn).
     ///
     /// # Panics
     /// If there is no such zone.
@@ -391,7 +398,8 @@ impl Action {
         self.mechanism.as_ref()
     }
 
-    /// All that the following steps depend on. Allocates for modal strings only; [`Action::mechanism_state`] and [`Action::save_strings`] never do.
+    /// All that the following steps depend on. Allocates for modal strings only; [`Action::mechanism_state`] and
+    /// [`Action::save_strings`] never do.
     pub fn save(&self) -> Snapshot {
         Snapshot::new(self.mechanism_state(), self.mechanism.readout().surfaces)
     }
@@ -408,8 +416,9 @@ impl Action {
         }
     }
 
-    /// Goes on from a snapshot of the same instrument, to the bit; modal strings, in steps of the same length (in others they are at rest).
-    /// The last step's forces are not part of it: they are zero until the next. Settings stay as they are.
+    /// Goes on from a snapshot of the same instrument, to the bit; modal strings, in steps of the same length (in
+    /// others they are at rest). The last step's forces are not part of it: they are zero until the next. Settings stay
+    /// as they are.
     ///
     /// # Errors
     /// [`SnapshotError`]: another instrument's, or of another version; nothing has changed then.
@@ -417,8 +426,8 @@ impl Action {
         self.restore_from(&snapshot.mechanism, &|name, number| snapshot.each(name, number))
     }
 
-    /// The same from its parts. `strings` tells the numbers of a list by its name and returns how many there are; of none, or of those of another length of
-    /// steps, modal strings are at rest. Does not allocate.
+    /// The same from its parts. `strings` tells the numbers of a list by its name and returns how many there are; of
+    /// none, or of those of another length of steps, modal strings are at rest. Does not allocate.
     ///
     /// # Errors
     /// As [`Action::restore`].
@@ -439,8 +448,8 @@ impl Action {
         Ok(())
     }
 
-    /// Adds to the angular velocity of a body (index as in the instrument), rad/s: what an impulse on it does. The last step's forces are zero until the
-    /// next step.
+    /// Adds to the angular velocity of a body (index as in the instrument), rad/s: what an impulse on it does. The last
+    /// step's forces are zero until the next step.
     ///
     /// # Panics
     /// If there is no such body.

@@ -7,7 +7,8 @@ use super::{Action, PlayError};
 use crate::instrument::Instrument;
 use crate::progress::Progress;
 
-/// Step of the settling run, s. It is the same for every run, so that runs with different steps start from the same pose.
+/// Step of the settling run, s. It is the same for every run, so that runs with different steps start from the same
+/// pose.
 pub const STEP_S: f64 = 50e-6;
 /// A mechanism that has not come to rest by itself after this time is slowed down by force.
 pub const PATIENCE_S: f64 = 2.0;
@@ -59,8 +60,8 @@ pub enum EquilibriumError {
     Interrupted,
 }
 
-/// How a mechanism is stepped toward its rest: with true dry friction, and with theta = 1, which damps what the felts leave and does
-/// not move the rest position.
+/// How a mechanism is stepped toward its rest: with true dry friction, and with theta = 1, which damps what the felts
+/// leave and does not move the rest position.
 pub fn settings() -> Settings<f64> {
     Settings { theta: 1.0, friction: FrictionLaw::SetValued, ..Settings::new(STEP_S) }
 }
@@ -99,8 +100,9 @@ impl Settling {
         self.quiet_s >= QUIET_S
     }
 
-    /// Counts the steps that the solver does not solve, told every step's outcome after [`Settling::rests`]; true when there is no hope. What stands
-    /// still may be undetermined (felts with a set-valued loss lock more than there are freedoms) and does not count.
+    /// Counts the steps that the solver does not solve, told every step's outcome after [`Settling::rests`]; true when
+    /// there is no hope. What stands still may be undetermined (felts with a set-valued loss lock more than there are
+    /// freedoms) and does not count.
     pub fn is_hopeless(&mut self, outcome: Outcome) -> bool {
         let unsolved = outcome == Outcome::IterationLimit && self.quiet_s == 0.0;
         self.unsolved = if unsolved { self.unsolved + 1 } else { 0 };
@@ -108,8 +110,9 @@ impl Settling {
     }
 }
 
-/// Lets an action come to rest under a constant input, with true dry friction whatever its settings say; they are restored, and the
-/// velocities are zero, at the end. `instrument` is what it was assembled from. Returns the simulated time it took, s.
+/// Lets an action come to rest under a constant input, with true dry friction whatever its settings say; they are
+/// restored, and the velocities are zero, at the end. `instrument` is what it was assembled from. Returns the simulated
+/// time it took, s.
 ///
 /// # Errors
 /// See [`EquilibriumError`].

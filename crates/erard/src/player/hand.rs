@@ -1,15 +1,17 @@
 //! A hand behind the fingertip: a mass that muscle moves.
 //!
-//! A prescribed force is there whatever the key does, and a prescribed motion stops for nothing. A hand has inertia: it arrives with speed, its
-//! force rises above its muscle's when the key stops it, and it may lift off. That is the coupled pianist that \[T13\] names as future work.
-//! The engine solves hand and key in one step; [`moreau::Hand`] has the equations.
+//! A prescribed force is there whatever the key does, and a prescribed motion stops for nothing. A hand has inertia: it
+//! arrives with speed, its force rises above its muscle's when the key stops it, and it may lift off. That is the
+//! coupled pianist that \[T13\] names as future work. The engine solves hand and key in one step; [`moreau::Hand`] has
+//! the equations.
 
 use super::Input;
 
 /// A hand, as the fingertip feels it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand {
-    /// Effective mass at the fingertip, kg. An estimate: 0.1 to 0.3, the finger alone to the hand with a part of the forearm.
+    /// Effective mass at the fingertip, kg. An estimate: 0.1 to 0.3, the finger alone to the hand with a part of the
+    /// forearm.
     pub mass_kg: f64,
     /// Stiffness with which muscle holds the hand on its way, N/m. Only where the stroke is a motion. An estimate.
     pub stiffness_n_per_m: f64,
@@ -89,8 +91,9 @@ pub enum HandError {
     Stroke,
 }
 
-/// What a hand is and what its muscle does in one step. Positions in m below the key front's rest; forces and velocities positive downward. The
-/// numbers of the muscle belong to the step's theta point. [`Hand::input`] makes it of a hand and what its muscle is told.
+/// What a hand is and what its muscle does in one step. Positions in m below the key front's rest; forces and
+/// velocities positive downward. The numbers of the muscle belong to the step's theta point. [`Hand::input`] makes it
+/// of a hand and what its muscle is told.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HandInput {
     /// Effective mass at the fingertip, kg; above zero.
@@ -150,7 +153,8 @@ mod tests {
         stiffness_N_m_per_rad = 400
     "#;
 
-    /// The same, with the hand as a body: 0.2 kg at the end of an arm of five metres, pressed down by 0.6 N, on a felt of exponent 1.
+    /// The same, with the hand as a body: 0.2 kg at the end of an arm of five metres, pressed down by 0.6 N, on a felt
+    /// of exponent 1.
     const WITH_A_BODY: &str = r#"
         [[body]]
         name = "hand"
@@ -212,7 +216,8 @@ mod tests {
         assert!(largest_n > 0.9 && off_n < 1e-5 * largest_n, "{off_n:.1e} of {largest_n:.1e} N");
     }
 
-    /// A hand that has not met the key yet falls as its muscle says: m v' = F, exactly, and toward a target as a damped oscillator, to h^2.
+    /// A hand that has not met the key yet falls as its muscle says: m v' = F, exactly, and toward a target as a damped
+    /// oscillator, to h^2.
     #[test]
     fn in_the_air_it_is_a_mass_on_muscle() {
         let hand = Hand { start_m: -0.5, start_m_s: 0.3, ..Hand::default() };
@@ -232,7 +237,8 @@ mod tests {
         assert!((v - 0.1 * e * own / w * s).abs() < 1e-4, "{v}");
     }
 
-    /// Second order, as without a hand: while the fingertip stays on the key a quarter of the error is left when the step is halved.
+    /// Second order, as without a hand: while the fingertip stays on the key a quarter of the error is left when the
+    /// step is halved.
     #[test]
     fn it_converges_with_the_square_of_the_step() {
         let at = |h: f64| {

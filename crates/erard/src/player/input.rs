@@ -2,10 +2,11 @@
 
 use super::hand::HandInput;
 
-/// What drives the key in a step. Forces in N, positions in m from the key front's rest, both positive downward (pushing).
+/// What drives the key in a step. Forces in N, positions in m from the key front's rest, both positive downward
+/// (pushing).
 ///
-/// The numbers of a force or of a soft finger belong to the step's theta point (with the usual theta of 1/2: its middle), those of an imposed
-/// motion to its end. A control loop that has one number per period simply passes it.
+/// The numbers of a force or of a soft finger belong to the step's theta point (with the usual theta of 1/2: its
+/// middle), those of an imposed motion to its end. A control loop that has one number per period simply passes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Input {
@@ -13,7 +14,8 @@ pub enum Input {
     Free,
     /// A force on the key front.
     Force(f64),
-    /// Where the driver's end of a soft fingertip is. The fingertip's spring and damper (the instrument's `[finger]`) only push.
+    /// Where the driver's end of a soft fingertip is. The fingertip's spring and damper (the instrument's `[finger]`)
+    /// only push.
     Motion {
         /// m.
         position_m: f64,
@@ -27,8 +29,8 @@ pub enum Input {
         /// m/s.
         velocity_m_s: f64,
     },
-    /// A hand ([`super::Hand::input`]): a mass that muscle moves, whose fingertip is the instrument's `[finger]`. Its place and speed are part of the
-    /// action's state; [`crate::Action::place_hand`] sets them.
+    /// A hand ([`super::Hand::input`]): a mass that muscle moves, whose fingertip is the instrument's `[finger]`. Its
+    /// place and speed are part of the action's state; [`crate::Action::place_hand`] sets them.
     Hand(HandInput),
 }
 

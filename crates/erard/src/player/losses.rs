@@ -1,6 +1,7 @@
 //! Where the energy goes: what every pin and every contact has lost.
 //!
-//! The engine's ledger sums the same losses over all pins and all contacts ([`moreau::Ledger`]); here they are kept one by one.
+//! The engine's ledger sums the same losses over all pins and all contacts ([`moreau::Ledger`]); here they are kept one
+//! by one.
 
 use super::Observer;
 use crate::instrument::Instrument;
@@ -51,8 +52,8 @@ impl Loss {
     }
 }
 
-/// An observer that books losses: told where an action begins, then of every step, of whatever length (of both halves of each, where the error is
-/// controlled).
+/// An observer that books losses: told where an action begins, then of every step, of whatever length (of both halves
+/// of each, where the error is controlled).
 #[derive(Debug, Clone)]
 pub struct Losses {
     instrument: Instrument,
@@ -71,7 +72,8 @@ fn lost_in_strings(mechanism: &dyn Mechanism) -> StringLosses {
 }
 
 impl Losses {
-    /// Starts the energy balance where an action stands. Its mechanism must keep its contacts ([`moreau_kernels::Stepping::keeps_contacts`]), as that of a run does.
+    /// Starts the energy balance where an action stands. Its mechanism must keep its contacts
+    /// ([`moreau_kernels::Stepping::keeps_contacts`]), as that of a run does.
     #[must_use]
     pub fn open(instrument: &Instrument, mechanism: &dyn Mechanism) -> Self {
         Losses {
@@ -114,7 +116,8 @@ impl Losses {
         &self.contacts
     }
 
-    /// What modal strings have lost so far: in themselves, in a bridge that moves, and where a damper's felt is rocked; zero where they are rigid.
+    /// What modal strings have lost so far: in themselves, in a bridge that moves, and where a damper's felt is rocked;
+    /// zero where they are rigid.
     #[must_use]
     pub fn strings(&self) -> StringLosses {
         self.strings

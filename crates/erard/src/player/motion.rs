@@ -3,7 +3,8 @@
 use crate::instrument::{Instrument, Placement, Vec2};
 use crate::mechanism::Mechanism;
 
-/// The last step of a mechanism, worked out from angles and velocities before and after it. Absolute angles, rad, and so on; world frame.
+/// The last step of a mechanism, worked out from angles and velocities before and after it. Absolute angles, rad, and
+/// so on; world frame.
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
     /// Length of the step, s.
@@ -49,7 +50,8 @@ impl Motion {
         self.after.copy_from_slice(m.readout().angles);
     }
 
-    /// Works out the theta point of the step from `after` (where the last one ended), whose velocities stand in `velocity`.
+    /// Works out the theta point of the step from `after` (where the last one ended), whose velocities stand in
+    /// `velocity`.
     fn place(&mut self, instrument: &Instrument, theta: f64) {
         let h = self.step_s;
         for i in 0..instrument.bodies.len() {

@@ -1,9 +1,10 @@
 //! What the pins carry: reactions in both components, and angular accelerations.
 //!
-//! The engine's coordinates are angles, so that no pin force appears in its equations. Newton's and Euler's laws give them back, body by body
-//! from the leaves of the tree to the ground: with the acceleration of each centre of mass from the step's velocities, and all other forces
-//! (felts, friction, weight, the finger) as they acted in the step, what is missing to m a is the pin's. The moments about the pins are not
-//! needed for that. They are left as a check: [`Reactions::moment_n_m`] is what Euler's law leaves over.
+//! The engine's coordinates are angles, so that no pin force appears in its equations. Newton's and Euler's laws give
+//! them back, body by body from the leaves of the tree to the ground: with the acceleration of each centre of mass from
+//! the step's velocities, and all other forces (felts, friction, weight, the finger) as they acted in the step, what is
+//! missing to m a is the pin's. The moments about the pins are not needed for that. They are left as a check:
+//! [`Reactions::moment_n_m`] is what Euler's law leaves over.
 
 use moreau::vector::{add, cross, sub};
 
@@ -15,9 +16,10 @@ use crate::mechanism::Mechanism;
 
 /// An observer of a running action: told where it begins, then of every step.
 ///
-/// Where the error is controlled it is told of both halves of every step. The second half arrives at velocities that were combined with those of
-/// the whole step to a higher order: they differ from what its forces alone made of them by no more than the tolerance, which is within the error
-/// of the accelerations that follow from them ([`Reactions::moment_n_m`] shows how much).
+/// Where the error is controlled it is told of both halves of every step. The second half arrives at velocities that
+/// were combined with those of the whole step to a higher order: they differ from what its forces alone made of them by
+/// no more than the tolerance, which is within the error of the accelerations that follow from them
+/// ([`Reactions::moment_n_m`] shows how much).
 #[derive(Debug, Clone)]
 pub struct Reactions {
     instrument: Instrument,
@@ -32,7 +34,8 @@ pub struct Reactions {
 }
 
 impl Reactions {
-    /// Begins where an action stands still. Its mechanism must keep its contacts ([`moreau_kernels::Stepping::keeps_contacts`]), as that of a run does.
+    /// Begins where an action stands still. Its mechanism must keep its contacts
+    /// ([`moreau_kernels::Stepping::keeps_contacts`]), as that of a run does.
     #[must_use]
     pub fn open(instrument: &Instrument, mechanism: &dyn Mechanism) -> Self {
         let count = instrument.bodies.len();
@@ -55,8 +58,8 @@ impl Reactions {
         self.balance(mechanism);
     }
 
-    /// Force of each body's pin on the body in the last step, N, in the world frame (x to the back, y up): what its parent, or the ground,
-    /// does to it.
+    /// Force of each body's pin on the body in the last step, N, in the world frame (x to the back, y up): what its
+    /// parent, or the ground, does to it.
     #[must_use]
     pub fn pin_n(&self) -> &[Vec2] {
         &self.pin_n
@@ -68,8 +71,9 @@ impl Reactions {
         &self.motion.acceleration
     }
 
-    /// What Euler's law about each body's pin leaves over in the last step, N m: inertia less all moments, those of its riders' pins among
-    /// them. Zero but for what the step's Newton iteration left and for the pose that its inertia was taken at.
+    /// What Euler's law about each body's pin leaves over in the last step, N m: inertia less all moments, those of its
+    /// riders' pins among them. Zero but for what the step's Newton iteration left and for the pose that its inertia
+    /// was taken at.
     #[must_use]
     pub fn moment_n_m(&self) -> &[f64] {
         &self.moment_n_m
@@ -158,8 +162,8 @@ fn accelerated(motion: &Motion, body: usize, arm: Vec2) -> Vec2 {
     [-alpha * arm[1] - omega * omega * arm[0], alpha * arm[0] - omega * omega * arm[1]]
 }
 
-/// One pin's series, with the rows of the run that it was recorded beside; forces and accelerations are centred on the rows' instants as a run's
-/// forces are.
+/// One pin's series, with the rows of the run that it was recorded beside; forces and accelerations are centred on the
+/// rows' instants as a run's forces are.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PinSeries {
     /// The body's name.

@@ -9,7 +9,8 @@ use crate::strings::{ShapeProbe, Strings};
 /// What modal strings do.
 #[derive(Debug, Clone, Default)]
 pub struct StringSeries {
-    /// Displacement under the hammer from a straight line, m, away from it; of several strings their mean. What a damper's weight displaces is in it.
+    /// Displacement under the hammer from a straight line, m, away from it; of several strings their mean. What a
+    /// damper's weight displaces is in it.
     pub displacement_m: Vec<f64>,
     /// Force of all of them on the bridge, N, positive in the direction in which the hammer pushes.
     pub bridge_n: Vec<f64>,
@@ -41,11 +42,13 @@ pub struct ZoneSeries {
     pub label: String,
     /// Normal force, N, never negative.
     pub normal_n: Vec<f64>,
-    /// Coulomb force on side A along the tangent (normal turned clockwise by 90 degrees), N; empty where the zone has no friction.
+    /// Coulomb force on side A along the tangent (normal turned clockwise by 90 degrees), N; empty where the zone has
+    /// no friction.
     pub tangential_n: Vec<f64>,
     /// Whether the zone has Coulomb friction.
     pub has_friction: bool,
-    /// Contact point in the world and the outward unit normal of side B, `[x, y, nx, ny]`, m; valid where `normal_n > 0`.
+    /// Contact point in the world and the outward unit normal of side B, `[x, y, nx, ny]`, m; valid where `normal_n >
+    /// 0`.
     pub contact: Vec<[f32; 4]>,
 }
 
@@ -70,8 +73,8 @@ pub struct Recorded {
 
 /// An observer that writes an action's series down: told of every step, and of every instant that makes a row.
 ///
-/// Memory for all rows is asked for at once, as zeros, which an operating system gives only where they are overwritten: a zone that is never
-/// touched costs neither time nor memory.
+/// Memory for all rows is asked for at once, as zeros, which an operating system gives only where they are overwritten:
+/// a zone that is never touched costs neither time nor memory.
 #[derive(Debug)]
 pub struct Recorder {
     recorded: Recorded,
@@ -132,8 +135,8 @@ impl Recorder {
         let row = self.rows - 1;
         let force = &mut self.recorded.force_n[row];
         if row == 0 && *force == 0.0 {
-            // Nobody pushed before the run: it begins with the force that begins, not with the half of it. Else a run's own force, played again,
-            // would not be the run.
+            // Nobody pushed before the run: it begins with the force that begins, not with the half of it. Else a run's
+            // own force, played again, would not be the run.
             *force = now.output.drive_n;
         } else {
             mean(force, now.output.drive_n);
@@ -162,8 +165,8 @@ impl Recorder {
         }
     }
 
-    /// In the place of [`Recorder::step`] where the last step and the one before it changed nothing: their forces, being the same, are their own
-    /// mean.
+    /// In the place of [`Recorder::step`] where the last step and the one before it changed nothing: their forces,
+    /// being the same, are their own mean.
     pub(crate) fn stood(&mut self) {
         self.pending = None;
     }

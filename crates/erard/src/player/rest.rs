@@ -27,8 +27,9 @@ impl Rest {
         Rest { site_m: m.site_position(), head_m }
     }
 
-    /// The engine's input for the step from t0, each number at the instant that the engine expects.
-    /// `correction_s`: in what time [`RIGID_CORRECTION`] of a rigid drive's position error is taken back; `site_m`: where the driven point is.
+    /// The engine's input for the step from t0, each number at the instant that the engine expects. `correction_s`: in
+    /// what time [`RIGID_CORRECTION`] of a rigid drive's position error is taken back; `site_m`: where the driven point
+    /// is.
     pub fn input(
         &self,
         drive: &Drive<'_>,
@@ -49,7 +50,8 @@ impl Rest {
         })
     }
 
-    /// The engine's input: travels count from here. `imposed` gives the key's velocity at the step's end where the motion is rigid, m/s.
+    /// The engine's input: travels count from here. `imposed` gives the key's velocity at the step's end where the
+    /// motion is rigid, m/s.
     #[inline]
     pub(crate) fn engine_input(&self, input: &input::Input, imposed: impl FnOnce() -> f64) -> Input<f64> {
         match *input {

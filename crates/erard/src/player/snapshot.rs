@@ -1,7 +1,8 @@
 //! A player's state as plain data.
 //!
-//! Its numbers are lists with names, in bytes ([`crate::saved`]) and in text alike. Names belong to the format: they do not follow the fields of Rust types.
-//! An absent list means what its default says, zero or none; a list that is not known is passed over.
+//! Its numbers are lists with names, in bytes ([`crate::saved`]) and in text alike. Names belong to the format: they do
+//! not follow the fields of Rust types. An absent list means what its default says, zero or none; a list that is not
+//! known is passed over.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -22,8 +23,8 @@ pub const MARK: [u8; 8] = *b"erardsav";
 /// What the names of the strings' lists begin with.
 const STRINGS: &str = "string_";
 
-/// All that the steps of an [`crate::Action`] after an instant depend on, in plain numbers. It belongs to one instrument, which its digest
-/// tells, and says nothing of the settings.
+/// All that the steps of an [`crate::Action`] after an instant depend on, in plain numbers. It belongs to one
+/// instrument, which its digest tells, and says nothing of the settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
     /// The state of the mechanism.
@@ -32,7 +33,8 @@ pub struct Snapshot {
     strings: BTreeMap<String, Vec<f64>>,
 }
 
-/// All of a [`Snapshot`] but how modal strings vibrate: of a size that is always the same, to be copied without allocating.
+/// All of a [`Snapshot`] but how modal strings vibrate: of a size that is always the same, to be copied without
+/// allocating.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MechanismState {
     instrument: u64,
@@ -83,8 +85,8 @@ impl Snapshot {
         bytes
     }
 
-    /// The snapshot that such bytes are. Whether it belongs to an instrument is seen when it is restored. Without the strings' lists it is one whose
-    /// strings are at rest.
+    /// The snapshot that such bytes are. Whether it belongs to an instrument is seen when it is restored. Without the
+    /// strings' lists it is one whose strings are at rest.
     ///
     /// # Errors
     /// [`SnapshotError::Unreadable`], [`SnapshotError::NotFinite`].
@@ -128,8 +130,8 @@ impl MechanismState {
         self.saved.now_s
     }
 
-    /// Every number but the digest: the one list of names, by which states are written, read and checked. What may be absent (a finger's aim, a sample of the
-    /// flight) has a number before it that is 1 if it is there.
+    /// Every number but the digest: the one list of names, by which states are written, read and checked. What may be
+    /// absent (a finger's aim, a sample of the flight) has a number before it that is 1 if it is there.
     fn lists(&mut self, list: &mut dyn FnMut(&'static str, &mut [f64])) {
         let MechanismState { instrument: _, saved, aimed_m } = self;
         let Saved { state, origin_s, steps, now_s, flight } = saved;
@@ -356,7 +358,8 @@ mod tests {
         assert_eq!(Snapshot::from_bytes(&broken.to_vec()), Err(SnapshotError::NotFinite));
     }
 
-    /// A state of a later program has lists more, in bytes and in text; that of an earlier one lacks some, which are then zero or none.
+    /// A state of a later program has lists more, in bytes and in text; that of an earlier one lacks some, which are
+    /// then zero or none.
     #[test]
     fn a_list_more_and_a_list_fewer() {
         let snapshot = pressed();

@@ -1,7 +1,8 @@
 //! Butterworth's low-pass, run forth and back so that nothing is delayed.
 //!
-//! The analogue filter through the bilinear transform with its cutoff prewarped, as second-order sections (and one of first order where
-//! the order is odd). Forth and back the phase cancels and the gain is squared: one half (-6 dB) at the cutoff, for every order.
+//! The analogue filter through the bilinear transform with its cutoff prewarped, as second-order sections (and one of
+//! first order where the order is odd). Forth and back the phase cancels and the gain is squared: one half (-6 dB) at
+//! the cutoff, for every order.
 
 use std::f64::consts::PI;
 
@@ -24,12 +25,13 @@ struct Section {
 /// Orders that make sense here.
 pub const ORDERS: std::ops::RangeInclusive<usize> = 1..=10;
 
-/// Periods of the cutoff by which a series is continued at its ends: what a filter of order 4 rings longer is below 1e-6.
+/// Periods of the cutoff by which a series is continued at its ends: what a filter of order 4 rings longer is below
+/// 1e-6.
 const PERIODS_BEYOND_THE_ENDS: f64 = 6.0;
 
 impl Butterworth {
-    /// A low-pass of an order (of one pass) for a series of so many samples per second; `None` where the order is not one of [`ORDERS`] or
-    /// the cutoff does not lie between zero and half the rate.
+    /// A low-pass of an order (of one pass) for a series of so many samples per second; `None` where the order is not
+    /// one of [`ORDERS`] or the cutoff does not lie between zero and half the rate.
     pub fn low_pass(order: usize, cutoff_hz: f64, rate_hz: f64) -> Option<Self> {
         let is_sound = cutoff_hz > 0.0 && cutoff_hz < 0.5 * rate_hz && rate_hz.is_finite();
         if !(ORDERS.contains(&order) && is_sound) {
@@ -70,7 +72,8 @@ impl Butterworth {
         1.0 / (1.0 + (warped(hz) / warped(self.cutoff_hz)).powi(2 * self.order as i32))
     }
 
-    /// The series forth and back. At its ends it is continued by its own reflection in the end point, and begins as if it had always been so.
+    /// The series forth and back. At its ends it is continued by its own reflection in the end point, and begins as if
+    /// it had always been so.
     pub fn forth_and_back(&self, x: &[f64]) -> Vec<f64> {
         let Some(last) = x.len().checked_sub(1).filter(|last| *last > 0) else { return x.to_vec() };
         let beyond = ((PERIODS_BEYOND_THE_ENDS * self.rate_hz / self.cutoff_hz).ceil() as usize).min(last);
@@ -132,8 +135,8 @@ mod tests {
         }
     }
 
-    /// Waves of whole periods, far from the ends: 1 / (1 + (tan(pi f / r) / tan(pi c / r))^2n) of the amplitude, the analytic response of
-    /// the squared filter, and no delay.
+    /// Waves of whole periods, far from the ends: 1 / (1 + (tan(pi f / r) / tan(pi c / r))^2n) of the amplitude, the
+    /// analytic response of the squared filter, and no delay.
     #[test]
     fn the_analytic_response() {
         let (rate, cutoff) = (2000.0, 150.0);

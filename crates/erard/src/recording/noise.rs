@@ -72,7 +72,8 @@ impl Spectrum {
         &self.power[index(from_hz)..index(to_hz).max(index(from_hz))]
     }
 
-    /// The level of noise between two frequencies: what half of the values are below. Of white noise their mean is that over ln 2.
+    /// The level of noise between two frequencies: what half of the values are below. Of white noise their mean is that
+    /// over ln 2.
     fn level(&self, from_hz: f64, to_hz: f64) -> f64 {
         let mut values = self.between(from_hz, to_hz).to_vec();
         values.sort_unstable_by(f64::total_cmp);
@@ -103,8 +104,9 @@ pub(super) fn noise(x: &[f64], rate_hz: f64, rest: usize) -> Option<Noise> {
     found.filter(|noise| noise.rms > ROUNDING * (high - low))
 }
 
-/// Up to which frequency a series is more than this noise, Hz: the last third of an octave, from below, in which its power is twice the noise's
-/// or more; one that fails between two that do not is a zero of the spectrum. The half rate where it never falls so low; 0 where it never is more.
+/// Up to which frequency a series is more than this noise, Hz: the last third of an octave, from below, in which its
+/// power is twice the noise's or more; one that fails between two that do not is a zero of the spectrum. The half rate
+/// where it never falls so low; 0 where it never is more.
 pub(super) fn band(x: &[f64], rate_hz: f64, noise: &Noise) -> f64 {
     let spectrum = Spectrum::new(x, rate_hz);
     let half = 0.5 * rate_hz;
@@ -182,8 +184,9 @@ mod tests {
         assert_eq!(noise(&vec![1.0; 5000], RATE_HZ, 0), None);
     }
 
-    /// The band ends where the raised cosine's spectrum meets the noise's: its energy density |X(f)|^2 = (A pi / T)^2 / (2 pi f)^2
-    /// (2 + 2 cos(2 pi f T)) / ((pi/T)^2 - (2 pi f)^2)^2 ... of amplitude A in the time T, against the noise's over the window.
+    /// The band ends where the raised cosine's spectrum meets the noise's: its energy density |X(f)|^2 = (A pi / T)^2 /
+    /// (2 pi f)^2 (2 + 2 cos(2 pi f T)) / ((pi/T)^2 - (2 pi f)^2)^2 ... of amplitude A in the time T, against the
+    /// noise's over the window.
     #[test]
     fn the_band_ends_where_noise_begins() {
         let at = |rms: f64| {

@@ -59,7 +59,8 @@ mod tests {
         (time, x)
     }
 
-    /// It ends within a few milliseconds before the touch, never after the force has begun to rise by more than two in a hundred.
+    /// It ends within a few milliseconds before the touch, never after the force has begun to rise by more than two in
+    /// a hundred.
     #[test]
     fn it_ends_at_the_touch() {
         for (noise, rate_hz) in [(0.0, 20e3), (0.05, 20e3), (0.05, 2e3), (0.0, 1e3)] {

@@ -1,9 +1,12 @@
-//! What a pianist's hand does with a key: the touches of the measurements, as a hand ([`Hand`]) and what its muscle does.
+//! What a pianist's hand does with a key: the touches of the measurements, as a hand ([`Hand`]) and what its muscle
+//! does.
 //!
-//! In the *pressed* touch the finger rests on the key before (Goebl, Bresin and Galembo 2005); a *struck* one is a [`Hand`] that arrives with speed. A loud pressed touch is a force that rises; a soft one is a motion
-//! that is led, because nobody plays pianissimo by dropping a weight on the key: a constant force that is small enough to play softly leaves the key
-//! hanging at let-off. The path along which a hand is led is that of least jerk, as people's hands move between two points (Flash and Hogan, The
-//! coordination of arm movements, J. Neurosci. 5 (1985) 1688, from memory):
+//! In the *pressed* touch the finger rests on the key before (Goebl, Bresin and Galembo 2005); a *struck* one is a
+//! [`Hand`] that arrives with speed. A loud pressed touch is a force that rises; a soft one is a motion that is led,
+//! because nobody plays pianissimo by dropping a weight on the key: a constant force that is small enough to play
+//! softly leaves the key hanging at let-off. The path along which a hand is led is that of least jerk, as people's
+//! hands move between two points (Flash and Hogan, The coordination of arm movements, J. Neurosci. 5 (1985) 1688, from
+//! memory):
 //!
 //! ```text
 //! x(t) = d (10 s^3 - 15 s^4 + 6 s^5),   s = t / T
@@ -20,7 +23,8 @@ use crate::instrument::Instrument;
 use crate::player::{Hand, Input};
 use crate::progress::Progress;
 
-/// How deep a hand is led, m below the key front's rest: a dip of 10 mm and a half more, so that muscle holds the key down at the end.
+/// How deep a hand is led, m below the key front's rest: a dip of 10 mm and a half more, so that muscle holds the key
+/// down at the end.
 const LED_DEPTH_M: f64 = 10.5e-3;
 /// The finger of a struck touch, kg: the lightest of the published effective masses.
 const STRUCK_KG: f64 = 0.1;
@@ -65,31 +69,33 @@ pub struct HandStroke {
     pub hand: Hand,
     /// What its muscle does.
     pub muscle: Muscle,
-    /// When its force begins to relax, s, and to what, N: half a cosine of 0.1 s. `None`: it does not. A hand that is led does not.
+    /// When its force begins to relax, s, and to what, N: half a cosine of 0.1 s. `None`: it does not. A hand that is
+    /// led does not.
     pub relaxes: Option<[f64; 2]>,
-    /// When it begins to leave, s, and within what time its force is gone, s (half a cosine); a hand that was led goes up along the path of least
-    /// jerk within twice that. `None`: it stays.
+    /// When it begins to leave, s, and within what time its force is gone, s (half a cosine); a hand that was led goes
+    /// up along the path of least jerk within twice that. `None`: it stays.
     pub leaves: Option<[f64; 2]>,
 }
 
 impl HandStroke {
-    /// The loud pressed touch: the finger rests on the key, and its muscle's force rises at this rate, N/s, without end. The hand is
-    /// [`Hand::default`].
+    /// The loud pressed touch: the finger rests on the key, and its muscle's force rises at this rate, N/s, without
+    /// end. The hand is [`Hand::default`].
     #[must_use]
     pub fn pressed(rate_n_s: f64) -> Self {
         let hand = Hand::default();
         HandStroke { hand, muscle: Muscle::Rises { rate_n_s, height_n: f64::INFINITY }, relaxes: None, leaves: None }
     }
 
-    /// The soft pressed touch: the finger rests on the key and is led down within so many s. The hand is [`Hand::default`].
+    /// The soft pressed touch: the finger rests on the key and is led down within so many s. The hand is
+    /// [`Hand::default`].
     #[must_use]
     pub fn led(duration_s: f64) -> Self {
         let muscle = Muscle::Leads { depth_m: LED_DEPTH_M, duration_s };
         HandStroke { hand: Hand::default(), muscle, relaxes: None, leaves: None }
     }
 
-    /// The struck touch: a finger with a share of the hand, 0.1 kg, arrives at the key with a speed, m/s, and its muscle presses on, by 6 N for every
-    /// m/s: both estimates.
+    /// The struck touch: a finger with a share of the hand, 0.1 kg, arrives at the key with a speed, m/s, and its
+    /// muscle presses on, by 6 N for every m/s: both estimates.
     #[must_use]
     pub fn struck(speed_m_s: f64) -> Self {
         let hand = Hand { mass_kg: STRUCK_KG, start_m_s: speed_m_s, ..Hand::default() };
@@ -102,8 +108,8 @@ impl HandStroke {
         HandStroke { relaxes: Some([at_s, to_n]), ..self }
     }
 
-    /// The same, relaxing to what holds the key as soon as the hammer is at the string: when that is, a run of so many s says. A touch that does not
-    /// sound within them relaxes at their end.
+    /// The same, relaxing to what holds the key as soon as the hammer is at the string: when that is, a run of so many
+    /// s says. A touch that does not sound within them relaxes at their end.
     ///
     /// # Errors
     /// See [`SimulationError`].
@@ -147,7 +153,8 @@ impl HandStroke {
         }
     }
 
-    /// The muscle's force, N; as the hand leaves it falls by half a cosine, to what lifts the hand, and rises no further.
+    /// The muscle's force, N; as the hand leaves it falls by half a cosine, to what lifts the hand, and rises no
+    /// further.
     fn let_go(&self, t: f64) -> f64 {
         let Some([at, within]) = self.leaves else { return self.relaxed(t) };
         let held = self.relaxed(t.min(at));
@@ -176,8 +183,8 @@ fn half_a_cosine(share: f64) -> f64 {
     0.5 - 0.5 * libm::cos(PI * share.clamp(0.0, 1.0))
 }
 
-/// The path of least jerk from 0 to 1 and its slope at a share of its time, which is held between 0 and 1: velocity and acceleration begin and end at
-/// nothing.
+/// The path of least jerk from 0 to 1 and its slope at a share of its time, which is held between 0 and 1: velocity and
+/// acceleration begin and end at nothing.
 #[must_use]
 pub fn least_jerk(s: f64) -> [f64; 2] {
     let s = s.clamp(0.0, 1.0);

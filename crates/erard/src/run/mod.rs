@@ -1,4 +1,5 @@
-//! One key press from rest to the end of its duration, and what it leaves behind: series, events and the energy balance.
+//! One key press from rest to the end of its duration, and what it leaves behind: series, events and the energy
+//! balance.
 //!
 //! [`simulate`] prepares an action and hands it to the loop over steps in `run_loop.rs`.
 
@@ -64,8 +65,8 @@ impl Run {
         self.warnings.is_empty()
     }
 
-    /// Name and values of every column of its table; a column without values (no hammer in the model) is empty. A name ends with the unit
-    /// ([`column_unit`]).
+    /// Name and values of every column of its table; a column without values (no hammer in the model) is empty. A name
+    /// ends with the unit ([`column_unit`]).
     pub fn columns(&self) -> Vec<(String, &[f64])> {
         let mut columns: Vec<(String, &[f64])> = vec![
             ("time_s".into(), &self.time_s),

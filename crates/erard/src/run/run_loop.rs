@@ -1,5 +1,5 @@
-//! The loop over the steps of a run, from its rest to its end: `RunLoop::fixed` and `RunLoop::adaptive`. Both call [`Mechanism`], which solves the
-//! equations at the top of [`moreau::step()`].
+//! The loop over the steps of a run, from its rest to its end: `RunLoop::fixed` and `RunLoop::adaptive`. Both call
+//! [`Mechanism`], which solves the equations at the top of [`moreau::step()`].
 
 use moreau::{Accuracy, Outcome, Settings, StepReport};
 
@@ -14,8 +14,9 @@ use crate::trust::{Extremes, assess};
 use super::Run;
 use super::setup::{MOST_ROWS, Setup, SimulationError};
 
-/// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the part of the step
-/// before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of positions.
+/// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the
+/// part of the step before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of
+/// positions.
 pub(crate) const SMALLEST_CONTROLLED_STEP_S: f64 = 1e-11;
 
 /// A run under way.

@@ -13,7 +13,8 @@ use crate::trust::{Kind, Warning};
 pub const MOST_ROWS: u64 = 200_000;
 /// Most rows that a run keeps when told how many. The concert grand's hold some 500 bytes each.
 pub const MOST_ROWS_ASKED: u64 = 1_000_000;
-/// Tolerances that an error-controlled run accepts: below, rounding is seen as error; above, the largest step limits the error.
+/// Tolerances that an error-controlled run accepts: below, rounding is seen as error; above, the largest step limits
+/// the error.
 pub const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
 /// How to run.
 #[derive(Debug, Clone, Copy)]
@@ -26,14 +27,16 @@ pub struct Setup {
     pub duration_s: f64,
     /// Keep a row every so many steps; `None`: every step, or so many that [`MOST_ROWS`] are not exceeded.
     pub record_every: Option<u64>,
-    /// Error that a step may have (see [`moreau::Accuracy::tolerance`]); `None`: all steps are as long as the settings say. With a tolerance,
-    /// rows stand where they would without, and steps between two of them are as long as their error allows.
+    /// Error that a step may have (see [`moreau::Accuracy::tolerance`]); `None`: all steps are as long as the settings
+    /// say. With a tolerance, rows stand where they would without, and steps between two of them are as long as their
+    /// error allows.
     pub tolerance: Option<f64>,
     /// Whether the energy ledger is kept.
     pub ledger: bool,
     /// How the sustain pedal is moved, on the stroke's own clock.
     pub pedal: Pedal,
-    /// The hand between stroke and key: the stroke's force is its muscle's, or its muscle follows the stroke's motion. `None`: the stroke drives the key.
+    /// The hand between stroke and key: the stroke's force is its muscle's, or its muscle follows the stroke's motion.
+    /// `None`: the stroke drives the key.
     pub hand: Option<Hand>,
 }
 
@@ -140,8 +143,8 @@ impl From<ActionError> for SimulationError {
 }
 
 impl Setup {
-    /// A run of so many seconds from the stroke's start at 0: steps of 50 us with the usual settings, every step a row (or so many that
-    /// [`MOST_ROWS`] are not exceeded), with the ledger.
+    /// A run of so many seconds from the stroke's start at 0: steps of 50 us with the usual settings, every step a row
+    /// (or so many that [`MOST_ROWS`] are not exceeded), with the ledger.
     pub fn new(duration_s: f64) -> Self {
         let settings = Settings::new(equilibrium::STEP_S);
         Setup {
@@ -156,8 +159,8 @@ impl Setup {
         }
     }
 
-    /// What drives the key under a stroke: the stroke, or the hand that it moves. A run ends as from a number that is not finite where the stroke later imposes the
-    /// key's motion, which no hand can.
+    /// What drives the key under a stroke: the stroke, or the hand that it moves. A run ends as from a number that is
+    /// not finite where the stroke later imposes the key's motion, which no hand can.
     ///
     /// # Errors
     /// [`HandError::Stroke`] if it begins so.
@@ -220,7 +223,8 @@ impl From<PlayError> for SimulationError {
 }
 
 impl SimulationError {
-    /// The warning that this error is where the run is one of many and the others go on; `None` for an error that this instrument did not cause.
+    /// The warning that this error is where the run is one of many and the others go on; `None` for an error that this
+    /// instrument did not cause.
     #[must_use]
     pub fn warning(&self) -> Option<Warning> {
         let warning = |kind, part, value, unit, time_s| {

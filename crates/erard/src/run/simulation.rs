@@ -17,11 +17,12 @@ pub fn press(instrument: &Instrument, drive: &Drive<'_>, setup: &Setup) -> Resul
 
 /// Simulates one press. `progress` is told the share done now and then, and ends the run by returning false.
 ///
-/// The mechanism starts in equilibrium, friction included: undriven for a force or under a hand ([`Setup::hand`]), under the finger's first
-/// position for a motion.
+/// The mechanism starts in equilibrium, friction included: undriven for a force or under a hand ([`Setup::hand`]),
+/// under the finger's first position for a motion.
 ///
 /// # Errors
-/// See [`SimulationError`]. Steps that do not converge are no error: they are counted in the run's [`crate::run::Work`].
+/// See [`SimulationError`]. Steps that do not converge are no error: they are counted in the run's
+/// [`crate::run::Work`].
 pub fn simulate(
     instrument: &Instrument,
     drive: &Drive<'_>,

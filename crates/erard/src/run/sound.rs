@@ -1,4 +1,5 @@
-//! The force on the bridge as sound: what a microphone at the bridge would hear, and not a piano. No soundboard, no room.
+//! The force on the bridge as sound: what a microphone at the bridge would hear, and not a piano. No soundboard, no
+//! room.
 
 use moreau::Settings;
 
@@ -50,7 +51,8 @@ impl Observer for Microphone {
     }
 }
 
-/// Plays a stroke in steps of 1/96000 s, whatever else it is played with, and listens at the bridge. `None` where the string is rigid.
+/// Plays a stroke in steps of 1/96000 s, whatever else it is played with, and listens at the bridge. `None` where the
+/// string is rigid.
 ///
 /// # Errors
 /// As [`crate::run::simulate`].

@@ -1,17 +1,21 @@
-//! A bridge that moves: a few modes of the soundboard at the place where the strings of a note end, which all of them drive and which moves them all.
+//! A bridge that moves: a few modes of the soundboard at the place where the strings of a note end, which all of them
+//! drive and which moves them all.
 //!
-//! **Energy.** Where the bridge is displaced by w, a string without inertia hangs straight, u = w x/L. In the string's modes that is beta_n w with
-//! beta_n = b_n / (m omega_n^2), b_n being the mode's force on the bridge per metre. The strings' potential energy is that of what they bend away from there,
+//! **Energy.** Where the bridge is displaced by w, a string without inertia hangs straight, u = w x/L. In the string's
+//! modes that is beta_n w with beta_n = b_n / (m omega_n^2), b_n being the mode's force on the bridge per metre. The
+//! strings' potential energy is that of what they bend away from there,
 //!
 //! ```text
 //! V = sum m omega_n^2 (q_n - beta_n w)^2 / 2 + (T/L) w^2 / 2      (never negative)
 //! ```
 //!
-//! so that mode n feels the force b_n w, and the bridge F_b = S - K w with S = sum b_n q_n and K = sum b_n beta_n + T/L: what acts one way acts the other
-//! way with the same number. The bridge's own modes are oscillators with M_k r_k'' + ... = F_b and w = sum r_k.
+//! so that mode n feels the force b_n w, and the bridge F_b = S - K w with S = sum b_n q_n and K = sum b_n beta_n +
+//! T/L: what acts one way acts the other way with the same number. The bridge's own modes are oscillators with M_k
+//! r_k'' + ... = F_b and w = sum r_k.
 //!
-//! **A step.** The strings' modes move exactly under the mean w of the step's two ends, those of the bridge exactly under the mean F_b. The work that the one does, w (S1 - S0), and that
-//! of the other, F_b (w1 - w0), add up to what V has changed by, whatever the length of the step: nothing is won, and nothing can become unstable. Both means are
+//! **A step.** The strings' modes move exactly under the mean w of the step's two ends, those of the bridge exactly
+//! under the mean F_b. The work that the one does, w (S1 - S0), and that of the other, F_b (w1 - w0), add up to what V
+//! has changed by, whatever the length of the step: nothing is won, and nothing can become unstable. Both means are
 //! linear in the hammer's force, so that it goes on being one scalar unknown.
 
 use std::f64::consts::PI;
@@ -44,7 +48,8 @@ struct Own {
 }
 
 impl Bridge {
-    /// At rest. `row`: b_n of the strings' modes; `stiffness_n_m`: K; `answers_n_m`: sum b_n^2 (1 - P_11) / (m omega^2).
+    /// At rest. `row`: b_n of the strings' modes; `stiffness_n_m`: K; `answers_n_m`: sum b_n^2 (1 - P_11) / (m
+    /// omega^2).
     pub(crate) fn new(modes: &[BridgeMode], row: Row, stiffness_n_m: f64, answers_n_m: f64, step_s: f64) -> Self {
         let own = |mode: &BridgeMode| {
             let omega = 2.0 * PI * mode.frequency_hz;
@@ -99,7 +104,8 @@ impl Bridge {
         0.5 * (s_n[0] + s_n[1]) - self.stiffness_n_m * mean_m
     }
 
-    /// Where it stands, m, under the strings' force at w = 0 without inertia, N: they hold it as springs of T/L do. `hold_n_m`: these.
+    /// Where it stands, m, under the strings' force at w = 0 without inertia, N: they hold it as springs of T/L do.
+    /// `hold_n_m`: these.
     pub(crate) fn stands_m(&self, force_n: f64, hold_n_m: f64) -> f64 {
         force_n / (1.0 / self.static_m_n + hold_n_m)
     }

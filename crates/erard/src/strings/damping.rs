@@ -1,17 +1,21 @@
 //! The dampers' felts on their strings.
 //!
-//! A damper's felt of length l lies on each string by itself, so that strings of one note are damped that move against each other, too. What it is compressed by is the mean
-//! along it, in Gauss's quadrature the mean of the two places l/sqrt(12) before and behind its middle: this is a contact of the mechanism
-//! like any other, whose force the damper's weight on its lever, the key and the pedal decide.
+//! A damper's felt of length l lies on each string by itself, so that strings of one note are damped that move against
+//! each other, too. What it is compressed by is the mean along it, in Gauss's quadrature the mean of the two places
+//! l/sqrt(12) before and behind its middle: this is a contact of the mechanism like any other, whose force the damper's
+//! weight on its lever, the key and the pedal decide.
 //!
-//! A partial with a node under the middle would pass by that mean. It rocks the felt: half the difference of the two places, r, is what one end is pressed by more
-//! than the other. Its force is the felt's own dashpot, c r' with c the loss of the felt's law at the compression of the step before, c = b g^2 (a k g^r); found within
-//! the step, f = -c (r1 - r0) / h with r1 = r_free + A_r f, so that it takes f^2 h / c, never less than nothing. (What the felt's stiffness adds to that is left out.)
-//! It is linear in the forces of felt and hammer, r_free = r + sum A_rp F_p, and so the places yield to these by a little less: by A_pr k A_rq with
-//! k = (c/h)/(1 + (c/h) A_r), and they are moved by -A_pr k (r - r0) if nothing presses them.
+//! A partial with a node under the middle would pass by that mean. It rocks the felt: half the difference of the two
+//! places, r, is what one end is pressed by more than the other. Its force is the felt's own dashpot, c r' with c the
+//! loss of the felt's law at the compression of the step before, c = b g^2 (a k g^r); found within the step, f = -c
+//! (r1 - r0) / h with r1 = r_free + A_r f, so that it takes f^2 h / c, never less than nothing. (What the felt's
+//! stiffness adds to that is left out.) It is linear in the forces of felt and hammer, r_free = r + sum A_rp F_p, and
+//! so the places yield to these by a little less: by A_pr k A_rq with k = (c/h)/(1 + (c/h) A_r), and they are moved by
+//! -A_pr k (r - r0) if nothing presses them.
 //!
-//! Where the bridge moves, all felts of a note rock each other through it, and are rocked by whatever presses any of its strings: k is then the matrix (C^-1 + A)^-1 with C the
-//! dashpots c/h on its diagonal, and A what a newton that rocks one felt rocks another by.
+//! Where the bridge moves, all felts of a note rock each other through it, and are rocked by whatever presses any of
+//! its strings: k is then the matrix (C^-1 + A)^-1 with C the dashpots c/h on its diagonal, and A what a newton that
+//! rocks one felt rocks another by.
 
 use moreau::gauss_jordan;
 
@@ -29,14 +33,16 @@ pub(super) struct Felt {
     pub zone: usize,
     pub string: usize,
     law: instrument::Felt,
-    /// 1 where it pushes the string the way the hammer does, -1 against it, as a damper above strings that are struck from below.
+    /// 1 where it pushes the string the way the hammer does, -1 against it, as a damper above strings that are struck
+    /// from below.
     side: f64,
     /// Gauss's two places, m.
     places_m: [f64; 2],
     /// Its mean, and half the difference of its ends.
     pub row: Row,
     pub rocking: Row,
-    /// A of the rocking, m/N; and how far in a step a newton on the hammer and on the felt itself rocks it, and the other way round, m/N.
+    /// A of the rocking, m/N; and how far in a step a newton on the hammer and on the felt itself rocks it, and the
+    /// other way round, m/N.
     rocks_m_n: f64,
     pub rocked_by_m_n: [f64; 2],
     /// What a newton that rocks it adds to S in a step.
@@ -64,7 +70,8 @@ pub(super) fn felts(instrument: &Instrument) -> Vec<Felt> {
     instrument.strings.iter().enumerate().filter_map(of).collect()
 }
 
-/// On which side of the strings a damper lies: both curves are where the strings are at rest, with normals toward what presses.
+/// On which side of the strings a damper lies: both curves are where the strings are at rest, with normals toward what
+/// presses.
 fn side(instrument: &Instrument, damper: usize) -> f64 {
     let normal = |zone: usize| match instrument.zones[zone].curve {
         Curve::Line { normal, .. } => normal,
@@ -87,7 +94,8 @@ impl Felt {
         [self.side * 0.5 * (a + b), self.side * 0.5 * (b - a)]
     }
 
-    /// Takes in a mode of its string, which displaces the hammer by so much per metre; returns its displacement of the felt.
+    /// Takes in a mode of its string, which displaces the hammer by so much per metre; returns its displacement of the
+    /// felt.
     pub(crate) fn set_mode(
         &mut self,
         string: &PianoString,
@@ -108,7 +116,8 @@ impl Felt {
         mean
     }
 
-    /// Static compliances of the modes beyond the first so many, m/N: its own, and with a hammer that strikes this string alone.
+    /// Static compliances of the modes beyond the first so many, m/N: its own, and with a hammer that strikes this
+    /// string alone.
     pub(crate) fn beyond(&self, string: &PianoString, count: u32) -> [f64; 2] {
         let mut sums = [0.0; 2];
         for n in (count + 1..=STATIC_PARTIALS.max(count + 1)).rev() {
@@ -167,7 +176,8 @@ pub(super) struct Rocks {
 /// A number for every two felts that rock.
 pub(super) type BridgeCoupling = [[f64; MAX_STRINGS]; MAX_STRINGS];
 
-/// How felts that rock hang together where the bridge moves, (C^-1 + A)^-1, N/m: what a metre by which one would rock makes another's dashpot push. `per_newton` is the bridge's.
+/// How felts that rock hang together where the bridge moves, (C^-1 + A)^-1, N/m: what a metre by which one would rock
+/// makes another's dashpot push. `per_newton` is the bridge's.
 pub(super) fn bridge_coupling(rocks: &[Rocks; MAX_STRINGS], felts: &[Felt], per_newton: f64) -> BridgeCoupling {
     let rocked: [bool; MAX_STRINGS] = std::array::from_fn(|k| rocks[k].per_s > 0.0);
     // C^-1 + A and a one for each felt, among those that rock: symmetric and positive, so that no pivot is missing.

@@ -1,37 +1,42 @@
 //! Modal strings: stiff strings in their modes, each stepped exactly, under the hammer's felt.
 //!
-//! **A string** of length L, mass per length mu, tension T and bending stiffness EI on two supports that do not move has the modes sin(n pi x / L) with
-//! the mass m = mu L / 2 and
+//! **A string** of length L, mass per length mu, tension T and bending stiffness EI on two supports that do not move
+//! has the modes sin(n pi x / L) with the mass m = mu L / 2 and
 //!
 //! ```text
 //! omega_n = 2 pi n f0 sqrt(1 + B n^2),   f0 = sqrt(T/mu) / (2 L),   B = pi^2 EI / (T L^2)
 //! m (q'' + 2 sigma_n q' + omega_n^2 q) = sin(n pi x0 / L) F,   sigma_n = b1 + b3 omega_n^2
 //! ```
 //!
-//! (H. Fletcher, *Normal vibration frequencies of a stiff piano string*, JASA 36 (1964) 203-209; the losses in the form of A. Chaigne and A. Askenfelt,
-//! *Numerical simulations of piano strings*, JASA 95 (1994) 1112-1118).
+//! (H. Fletcher, *Normal vibration frequencies of a stiff piano string*, JASA 36 (1964) 203-209; the losses in the form
+//! of A. Chaigne and A. Askenfelt, *Numerical simulations of piano strings*, JASA 95 (1994) 1112-1118).
 //!
-//! **A step.** The felt's force F holds for a step h. Each mode then moves exactly: with q_s = sin(...) F / (m omega^2) where it would rest,
+//! **A step.** The felt's force F holds for a step h. Each mode then moves exactly: with q_s = sin(...) F / (m omega^2)
+//! where it would rest,
 //!
 //! ```text
 //! (q - q_s, q') -> P (q - q_s, q'),   P = exp(-sigma h) [ c + sigma s, s ; -omega^2 s, c - sigma s ],   c = cos(w h), s = sin(w h)/w, w^2 = omega^2 - sigma^2
 //! ```
 //!
-//! at every length of step: nothing can become unstable. What the felt sees of it is where the string would be without it, u_free, and by how much a
-//! newton displaces it by the step's end, A = sum of sin^2 (1 - P_11) / (m omega^2), without losses sin^2 (1 - cos(omega h)) / (m omega^2). The
-//! work that F does on the modes is F times the way of the struck point, exactly, so that nothing is won or lost between felt and string
-//! (`crates/moreau/README.md`, "Compliant surfaces").
+//! at every length of step: nothing can become unstable. What the felt sees of it is where the string would be without
+//! it, u_free, and by how much a newton displaces it by the step's end, A = sum of sin^2 (1 - P_11) / (m omega^2),
+//! without losses sin^2 (1 - cos(omega h)) / (m omega^2). The work that F does on the modes is F times the way of the
+//! struck point, exactly, so that nothing is won or lost between felt and string (`crates/moreau/README.md`, "Compliant
+//! surfaces").
 //!
-//! **Modes beyond the step's reach** (above 1/(2 h), and above 20 kHz) follow the force as a spring does: their static compliance is added to A. They take what
-//! the force's change leaves them, never giving any back that was not there.
+//! **Modes beyond the step's reach** (above 1/(2 h), and above 20 kHz) follow the force as a spring does: their static
+//! compliance is added to A. They take what the force's change leaves them, never giving any back that was not there.
 //!
-//! **Several strings** of a note are struck by one felt. It is pressed by the mean of their displacements, and presses each with an equal part of its force: u =
-//! sum u_i / N and F_i = F / N, whose work is the same, sum F_i du_i = F du. Strings of one note differ by less than a cent, so that within a blow they move together.
-//! They do not feel each other unless the bridge moves (`bridge.rs`); dampers lie on each by itself (`damping.rs`), and the pedal lifts them (`pedal.rs`).
+//! **Several strings** of a note are struck by one felt. It is pressed by the mean of their displacements, and presses
+//! each with an equal part of its force: u = sum u_i / N and F_i = F / N, whose work is the same, sum F_i du_i = F du.
+//! Strings of one note differ by less than a cent, so that within a blow they move together. They do not feel each
+//! other unless the bridge moves (`bridge.rs`); dampers lie on each by itself (`damping.rs`), and the pedal lifts them
+//! (`pedal.rs`).
 //!
-//! **Several places** on one string, the hammer's and the damper's, displace each other within a step by little: at 50 us a wave goes 16 mm. Their forces are found together
-//! ([`moreau_kernels::Surfaces::coupled`]), and with them what rocks the dampers' felts and the mean displacement of a bridge that moves, which are linear in them (`damping.rs`, `bridge.rs`): the
-//! books close exactly (`tests/it/dampers.rs`).
+//! **Several places** on one string, the hammer's and the damper's, displace each other within a step by little: at 50
+//! us a wave goes 16 mm. Their forces are found together ([`moreau_kernels::Surfaces::coupled`]), and with them what
+//! rocks the dampers' felts and the mean displacement of a bridge that moves, which are linear in them (`damping.rs`,
+//! `bridge.rs`): the energy balance closes exactly (`tests/it/dampers.rs`).
 
 mod bridge;
 mod damping;
@@ -46,12 +51,14 @@ pub use shape_probe::ShapeProbe;
 
 use crate::instrument::Instrument;
 
-/// How far a string may swing out of its rest toward the hammer, m: a hammer that is farther away is not looked at. Strings of a fortissimo swing by 3 mm.
+/// How far a string may swing out of its rest toward the hammer, m: a hammer that is farther away is not looked at.
+/// Strings of a fortissimo swing by 3 mm.
 const EXCURSION_M: f64 = 5e-3;
 /// Likewise toward the damper, which lies nearer to the end.
 const DAMPER_EXCURSION_M: f64 = 3e-3;
 
-/// The zones whose surfaces yield or are moved, and how far these may come toward the mechanism, m. None where the string is rigid.
+/// The zones whose surfaces yield or are moved, and how far these may come toward the mechanism, m. None where the
+/// string is rigid.
 pub(crate) fn yielding_zones(instrument: &Instrument) -> Vec<(usize, f64)> {
     let Some(string) = instrument.roles.string.filter(|_| instrument.has_yielding_strings()) else {
         return Vec::new();

@@ -7,7 +7,8 @@ use thiserror::Error;
 
 /// How far the rail can be lifted, m.
 pub const PEDAL_MOST_M: f64 = 10e-3;
-/// How fast it follows what it is set to, m/s: a foot that stamps moves it by 10 mm in 20 ms. So that a number that jumps is no blow with a hammer.
+/// How fast it follows what it is set to, m/s: a foot that stamps moves it by 10 mm in 20 ms. So that a number that
+/// jumps is no blow with a hammer.
 pub const PEDAL_M_S: f64 = 0.5;
 
 /// Where the rail is, m above its place with the pedal up.
@@ -45,7 +46,8 @@ impl Rail {
 /// Most instants of a [`Pedal`].
 const MOST: usize = 16;
 
-/// How the sustain pedal's rail is moved over a run: its lift at some instants, straight lines between them, constant before and after.
+/// How the sustain pedal's rail is moved over a run: its lift at some instants, straight lines between them, constant
+/// before and after.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pedal {
     /// s, and m.

@@ -1,6 +1,7 @@
 //! Modes side by side, and places at which something presses them.
 
-/// Modes that are stepped side by side. The compiler makes vectors of four; the order of sums is fixed, so that the bits are the same on every target.
+/// Modes that are stepped side by side. The compiler makes vectors of four; the order of sums is fixed, so that the
+/// bits are the same on every target.
 pub(super) const WIDE: usize = 4;
 
 /// [`WIDE`] modes of one string. Places beyond its last mode are zero.
@@ -44,7 +45,8 @@ impl Row {
         Row { first, parts: vec![Part::default(); blocks] }
     }
 
-    /// A mode's displacement at the place per metre of its own, and its stiffness, N/m. The mode's step is known already.
+    /// A mode's displacement at the place per metre of its own, and its stiffness, N/m. The mode's step is known
+    /// already.
     pub(crate) fn set(&mut self, at: usize, shape: f64, stiffness_n_m: f64, blocks: &[Block]) {
         let (block, lane) = (at / WIDE, at % WIDE);
         let part = &mut self.parts[block - self.first];

@@ -4,7 +4,8 @@ use super::modal::Strings;
 use super::rows::WIDE;
 use crate::instrument::PianoString;
 
-/// How far from the striking point the string is looked at, m: toward the nearer end, and away from it. What a picture of the action shows.
+/// How far from the striking point the string is looked at, m: toward the nearer end, and away from it. What a picture
+/// of the action shows.
 const SEEN_M: [f64; 2] = [0.10, 0.07];
 /// At how many places.
 const PLACES: usize = 35;

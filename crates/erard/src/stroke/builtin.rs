@@ -61,8 +61,9 @@ impl Series {
         strokes!(nuance, touch, "strokes")
     }
 
-    /// The stroke that belongs to `concert-grand-rigid`: a force that is a formula, and the position that the key of six rigid bodies has under it.
-    /// The built-in strokes of before the grand bent; what was published with it stays as it was.
+    /// The stroke that belongs to `concert-grand-rigid`: a force that is a formula, and the position that the key of
+    /// six rigid bodies has under it. The built-in strokes of before the grand bent; what was published with it stays
+    /// as it was.
     pub fn rigid(nuance: &str, touch: Touch) -> Option<Self> {
         Series::parse(strokes!(nuance, touch, "rigid-strokes")?, nuance).ok()
     }

@@ -1,9 +1,10 @@
 //! Reading recordings from text: a header, then one row per instant.
 //!
-//! Columns for the time and for force and/or position, and for the hammer where it was measured too, in any order and in any unit that is
-//! known, among others that are ignored (a run's own `run.csv` is a stroke file too). Commas, semicolons or tabulators separate them;
-//! numbers may have decimal commas where commas do not separate. Sampling may be uneven, empty cells are gaps, lines that start with `#`,
-//! `%` or `//` are comments, and a row below the header may state the units.
+//! Columns for the time and for force and/or position, and for the hammer where it was measured too, in any order and
+//! in any unit that is known, among others that are ignored (a run's own `run.csv` is a stroke file too). Commas,
+//! semicolons or tabulators separate them; numbers may have decimal commas where commas do not separate. Sampling may
+//! be uneven, empty cells are gaps, lines that start with `#`, `%` or `//` are comments, and a row below the header may
+//! state the units.
 
 use std::fs::File;
 use std::io::Read;

@@ -109,7 +109,8 @@ impl Stroke {
         }
     }
 
-    /// A built-in stroke, which drives by its force unless told otherwise; `None` where there is none of that name ([`NUANCES`]).
+    /// A built-in stroke, which drives by its force unless told otherwise; `None` where there is none of that name
+    /// ([`NUANCES`]).
     ///
     /// # Errors
     /// See [`DrivingError`].
@@ -123,8 +124,8 @@ impl Stroke {
         Some(Self::of(title, Series::builtin(nuance, touch)?, PositionOf::Key, drive, AFTER_BUILTIN_S))
     }
 
-    /// A recording, and a note where it does not drive quite as it says. It drives by its force where it has one, else by the motion of
-    /// whatever was recorded, unless told otherwise.
+    /// A recording, and a note where it does not drive quite as it says. It drives by its force where it has one, else
+    /// by the motion of whatever was recorded, unless told otherwise.
     ///
     /// # Errors
     /// See [`DrivingError`].
@@ -175,7 +176,8 @@ impl Stroke {
         ))
     }
 
-    /// What drives a key under this finger over time, s on the stroke's own clock: a fingertip is as soft as its instrument says.
+    /// What drives a key under this finger over time, s on the stroke's own clock: a fingertip is as soft as its
+    /// instrument says.
     ///
     /// # Errors
     /// See [`DrivingError`].
@@ -219,7 +221,8 @@ impl Stroke {
         Ok(if rigid { Box::new(player::rigid(position)) } else { Box::new(player::motion(position)) })
     }
 
-    /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where the other is not known.
+    /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where
+    /// the other is not known.
     fn position(&self, wanted: PositionOf, finger: &Finger) -> Result<Arc<PositionSeries>, DrivingError> {
         let mut worked_out = self.worked_out.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, position)) = worked_out.as_ref().filter(|(of, _)| of == finger) {
@@ -240,7 +243,8 @@ impl Stroke {
 mod tests {
     use super::*;
 
-    /// A recording drives by force where it has one, by the motion of what was recorded where not, and says what it lacks.
+    /// A recording drives by force where it has one, by the motion of what was recorded where not, and says what it
+    /// lacks.
     #[test]
     fn what_drives() {
         let read = |text: &str| Series::parse(text, "test").unwrap();

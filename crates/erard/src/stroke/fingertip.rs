@@ -4,11 +4,12 @@ use super::{Cursor, ForceSeries, PositionOf, PositionSeries, SHORTEST_STEP_S, Sa
 use crate::instrument::Finger;
 
 impl Series {
-    /// The position of the key's front or of the fingertip, whichever is wanted, when the recorded one is `of` the other.
+    /// The position of the key's front or of the fingertip, whichever is wanted, when the recorded one is `of` the
+    /// other.
     ///
-    /// The fingertip is ahead of the key by its compression: F/k, which its damper lets follow with the time constant c/k
-    /// (k d + c d' = F with d the difference, the finger's own law). `None` where there is no position, or where the other one is
-    /// wanted and no force was recorded.
+    /// The fingertip is ahead of the key by its compression: F/k, which its damper lets follow with the time constant
+    /// c/k (k d + c d' = F with d the difference, the finger's own law). `None` where there is no position, or where
+    /// the other one is wanted and no force was recorded.
     ///
     /// # Errors
     /// Where the two together cannot be interpolated.

@@ -4,8 +4,8 @@ use std::cell::Cell;
 
 use super::{Cursor, SampleError, check_samples};
 
-/// Force over time, interpolated by monotone piecewise cubics (Fritsch and Carlson): continuous, with a continuous slope,
-/// and between two samples never outside them, so that a series of pushes never pulls.
+/// Force over time, interpolated by monotone piecewise cubics (Fritsch and Carlson): continuous, with a continuous
+/// slope, and between two samples never outside them, so that a series of pushes never pulls.
 ///
 /// Before the first sample and after the last one the force holds that sample's value: a recording that ends with the
 /// finger on the key leaves it there, one that ends at 0 N has let go.
@@ -71,8 +71,8 @@ impl ForceSeries {
         &self.forces_n
     }
 
-    /// The slopes at the samples, N/s: with the forces they are the cubic pieces (in Hermite's form) for a program that is
-    /// not this one.
+    /// The slopes at the samples, N/s: with the forces they are the cubic pieces (in Hermite's form) for a program that
+    /// is not this one.
     pub fn slopes_n_per_s(&self) -> &[f64] {
         &self.slopes
     }

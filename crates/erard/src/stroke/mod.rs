@@ -1,9 +1,10 @@
 //! Strokes: what the player does over time.
 //!
-//! Time in seconds, force in newtons, position in metres; force and position are positive downward (pushing), position is counted from the
-//! key's rest. Whose position it is, the key's front or the fingertip's, [`PositionOf`] says.
+//! Time in seconds, force in newtons, position in metres; force and position are positive downward (pushing), position
+//! is counted from the key's rest. Whose position it is, the key's front or the fingertip's, [`PositionOf`] says.
 //!
-//! A [`Recording`] is a table as a laboratory wrote it, its columns and units understood; a [`Series`] is what can drive a key.
+//! A [`Recording`] is a table as a laboratory wrote it, its columns and units understood; a [`Series`] is what can
+//! drive a key.
 
 mod builtin;
 mod columns;
@@ -41,7 +42,8 @@ pub struct Series {
     pub force: Option<ForceSeries>,
     /// Interpolated position, when the series has one.
     pub position: Option<PositionSeries>,
-    /// Interpolated rise of the hammer's strike point from rest, up positive, when it was measured too: it drives nothing.
+    /// Interpolated rise of the hammer's strike point from rest, up positive, when it was measured too: it drives
+    /// nothing.
     pub hammer_head: Option<PositionSeries>,
 }
 

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::{Cursor, SampleError, check_samples};
 
-/// Position over time, interpolated by the clamped cubic spline: twice continuously differentiable, with zero velocity at
-/// both ends. Before the first sample and after the last one the driver holds still at that sample's position, so that the
-/// velocity is continuous for all time (the acceleration jumps at the two ends only).
+/// Position over time, interpolated by the clamped cubic spline: twice continuously differentiable, with zero velocity
+/// at both ends. Before the first sample and after the last one the driver holds still at that sample's position, so
+/// that the velocity is continuous for all time (the acceleration jumps at the two ends only).
 #[derive(Debug, Clone, PartialEq)]
 pub struct PositionSeries {
     times_s: Vec<f64>,
@@ -84,9 +84,9 @@ impl PositionSeries {
     }
 }
 
-/// Second derivatives of the clamped spline with zero end slopes, from the usual tridiagonal system
-/// `h[i-1] m[i-1] + 2 (h[i-1] + h[i]) m[i] + h[i] m[i+1] = 6 (slope[i] - slope[i-1])`, at the ends with the slope 0 outside.
-/// The matrix is diagonally dominant, so that elimination without pivoting is stable.
+/// Second derivatives of the clamped spline with zero end slopes, from the usual tridiagonal system `h[i-1] m[i-1] + 2
+/// (h[i-1] + h[i]) m[i] + h[i] m[i+1] = 6 (slope[i] - slope[i-1])`, at the ends with the slope 0 outside. The matrix is
+/// diagonally dominant, so that elimination without pivoting is stable.
 fn clamped_curvatures(times: &[f64], values: &[f64]) -> Vec<f64> {
     let n = times.len();
     let step = |i: usize| times[i + 1] - times[i];
@@ -133,8 +133,9 @@ mod tests {
         largest
     }
 
-    /// The spline is the only C2 piecewise cubic with these end slopes, so the smooth step 3 t^2 - 2 t^3, a single cubic
-    /// with zero end slopes, comes back from any samples but for rounding (amplified by 1/h^2 in the acceleration).
+    /// The spline is the only C2 piecewise cubic with these end slopes, so the smooth step 3 t^2 - 2 t^3, a single
+    /// cubic with zero end slopes, comes back from any samples but for rounding (amplified by 1/h^2 in the
+    /// acceleration).
     #[test]
     fn a_cubic_that_starts_and_ends_at_rest_is_reproduced() {
         for n in [2, 3, 7, 40] {
@@ -148,7 +149,8 @@ mod tests {
         }
     }
 
-    /// (1 - cos(2 pi t)) / 2 has zero end slopes: position converges with order 4, velocity with 3, acceleration with 2.
+    /// (1 - cos(2 pi t)) / 2 has zero end slopes: position converges with order 4, velocity with 3, acceleration with
+    /// 2.
     #[test]
     fn a_sine_converges_with_order_four() {
         let exact = |t: f64| {

@@ -52,8 +52,8 @@ pub struct Gaps {
 }
 
 impl Recording {
-    /// Makes a recording of columns that are numbers already, as from a Parquet file: one slice for each column of the layout, in its
-    /// order and in the file's units; what is not a number is a gap.
+    /// Makes a recording of columns that are numbers already, as from a Parquet file: one slice for each column of the
+    /// layout, in its order and in the file's units; what is not a number is a gap.
     ///
     /// # Errors
     /// As of a text; the line of an error is the row, from 1.
@@ -127,7 +127,8 @@ impl Builder {
         &self.layout.columns
     }
 
-    /// Takes a row: a cell for every column of the layout, in the file's units; `None` is an empty one. A row without any is left out.
+    /// Takes a row: a cell for every column of the layout, in the file's units; `None` is an empty one. A row without
+    /// any is left out.
     pub(super) fn push(&mut self, place: &Place, row: [Option<f64>; 4]) -> Result<(), Box<StrokeError>> {
         if row.iter().all(Option::is_none) {
             return Ok(());

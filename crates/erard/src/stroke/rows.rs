@@ -18,7 +18,8 @@ const LONGEST_EXCERPT: usize = 60;
 /// What a comment begins with.
 const COMMENTS: [&str; 3] = ["#", "%", "//"];
 
-/// Reads rows: lines that are neither blank nor comments, split at commas, semicolons or tabulators. Line ends are LF or CRLF.
+/// Reads rows: lines that are neither blank nor comments, split at commas, semicolons or tabulators. Line ends are LF
+/// or CRLF.
 pub(super) struct Rows<R> {
     reader: BufReader<R>,
     /// What separates cells; as long as it is not known, each row's own.
@@ -124,7 +125,8 @@ impl<R: Read> Rows<R> {
     }
 }
 
-/// What separates the cells of a line: what stands in it most often, outside of quotes; a semicolon or tabulator before a comma.
+/// What separates the cells of a line: what stands in it most often, outside of quotes; a semicolon or tabulator before
+/// a comma.
 fn separator(text: &str) -> u8 {
     let mut counts = [(0, b','), (0, b';'), (0, b'\t')];
     let mut quoted = false;
@@ -141,7 +143,8 @@ fn separator(text: &str) -> u8 {
         .map_or(b',', |(count, mark)| if count == 0 { b',' } else { mark })
 }
 
-/// Splits a line at its separators, except those in quotes, and strips blanks and quotes; `false` when a quote stays open.
+/// Splits a line at its separators, except those in quotes, and strips blanks and quotes; `false` when a quote stays
+/// open.
 fn split(text: &str, separator: u8, cells: &mut Vec<Range<usize>>) -> bool {
     cells.clear();
     let mut start = 0;

@@ -33,8 +33,8 @@ impl Furthest {
 /// How far the bodies of an instrument have turned, and how deep its felts were pressed: told of every step.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Extremes {
-    /// Of every body: turned against what it is hinged on, from as drawn, rad counter-clockwise; the lowest, at most 0, and the highest, at
-    /// least 0.
+    /// Of every body: turned against what it is hinged on, from as drawn, rad counter-clockwise; the lowest, at most 0,
+    /// and the highest, at least 0.
     pub turned: Vec<[Furthest; 2]>,
     /// Of every zone: the deepest compression, m, at least 0.
     pub deepest: Vec<Furthest>,

@@ -1,9 +1,10 @@
-//! Whether a run can be trusted: what it shows is measured against stated bounds, and every bound that it breaks is a warning.
+//! Whether a run can be trusted: what it shows is measured against stated bounds, and every bound that it breaks is a
+//! warning.
 //!
-//! A simulation always gives numbers. These are the signs that they are not the instrument's: energy that the energy balance does not explain, steps that
-//! did not converge, a felt pressed deeper than it is thick, a body turned further than its stops let it, a hammer faster than any, no rest to
-//! start from. A run
-//! without a warning has shown none of them; it is not thereby right.
+//! A simulation always gives numbers. These are the signs that they are not the instrument's: energy that the energy
+//! balance does not explain, steps that did not converge, a felt pressed deeper than it is thick, a body turned further
+//! than its stops let it, a hammer faster than any, no rest to start from. A run without a warning has shown none of
+//! them; it is not thereby right.
 //!
 //! ```
 //! use erard::{Input, Instrument, Setup, press};
@@ -34,8 +35,8 @@ use crate::player::Work;
 pub const ENERGY_RESIDUAL: f64 = 0.01;
 /// Steps that may end without convergence: none.
 pub(crate) const UNCONVERGED_STEPS: u64 = 0;
-/// Fastest blow, m/s: four times the fastest that was measured on a piano, and as far as the engine looks ahead for what may be touched within a
-/// step.
+/// Fastest blow, m/s: four times the fastest that was measured on a piano, and as far as the engine looks ahead for
+/// what may be touched within a step.
 pub(crate) const HAMMER_SPEED_M_S: f64 = 20.0;
 /// Turnover below which the residual is measured against this, J: a thousandth of the softest blow's.
 pub const LEAST_TURNOVER_J: f64 = 1e-6;
@@ -102,8 +103,8 @@ impl std::fmt::Display for Warning {
     }
 }
 
-/// What the energy balance leaves unexplained, over what was turned over: the work that the drive put in, or all that was lost where that is more, or
-/// [`LEAST_TURNOVER_J`].
+/// What the energy balance leaves unexplained, over what was turned over: the work that the drive put in, or all that
+/// was lost where that is more, or [`LEAST_TURNOVER_J`].
 #[must_use]
 pub fn energy_residual(ledger: &Ledger) -> f64 {
     ledger.residual().abs() / ledger.drive_work_in.max(ledger.dissipated()).max(LEAST_TURNOVER_J)

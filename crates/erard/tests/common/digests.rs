@@ -1,4 +1,5 @@
-//! What must be the same bits on every target: here, and in the program that `crates/erard/tests/wasm/run` compiles for WebAssembly.
+//! What must be the same bits on every target: here, and in the program that `crates/erard/tests/wasm/run` compiles for
+//! WebAssembly.
 
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
@@ -16,8 +17,8 @@ pub fn digest(run: &Run) -> u64 {
     let totals = [l.now.total(), l.drive_work, l.pivot_dry, l.pivot_viscous, l.felt_damping, l.coulomb];
     let angles = run.bodies.iter().flat_map(|b| b.angle_rad.iter().chain(&b.rate_rad_per_s));
     let forces = run.zones.iter().flat_map(|z| z.normal_n.iter().chain(&z.tangential_n));
-    // The first row's force is written as the one that begins; the digest goes on telling the mechanics alone, where it is centred on the row's
-    // instant as every other is: half of it, for nobody pushed before.
+    // The first row's force is written as the one that begins; the digest goes on telling the mechanics alone, where it
+    // is centred on the row's instant as every other is: half of it, for nobody pushed before.
     let (first, later) = run.force_n.split_first().expect("rows");
     let first = [0.5 * first];
     let numbers = angles
@@ -66,19 +67,22 @@ pub fn long_hand_run() -> u64 {
     })
 }
 
-/// The digest of [`long_hand_run`]. It changes with every change to the arithmetic of the engine, of hands and of their strokes, and to the rigid grand.
+/// The digest of [`long_hand_run`]. It changes with every change to the arithmetic of the engine, of hands and of their
+/// strokes, and to the rigid grand.
 pub const HANDS: u64 = 0x6022_a360_d3a3_7b85;
 
-/// The digest of [`long_bending_run`]. It changes with every change to the arithmetic of the engine, to the concert grand and to the built-in
-/// strokes.
+/// The digest of [`long_bending_run`]. It changes with every change to the arithmetic of the engine, to the concert
+/// grand and to the built-in strokes.
 pub const BENDING: u64 = 0x9756_0c7b_15c5_659f;
 
-/// The digest of [`long_run`]. It changes with every change to the arithmetic of the engine and to the rigid grand, and with nothing else. When it is meant to change, look at the other tests' numbers first, then put the new
-/// value, which the failing test prints, here.
+/// The digest of [`long_run`]. It changes with every change to the arithmetic of the engine and to the rigid grand, and
+/// with nothing else. When it is meant to change, look at the other tests' numbers first, then put the new value, which
+/// the failing test prints, here.
 pub const GOLDEN: u64 = 0x9761_ed5a_8dd5_8c3c;
 
-/// The digest of all built-in instruments and of the built-in keyboard's keys as loaded: with [`GOLDEN`] it says on which side of the loader a
-/// difference between two targets arises. It changes with every number of these instruments that changes a step.
+/// The digest of all built-in instruments and of the built-in keyboard's keys as loaded: with [`GOLDEN`] it says on
+/// which side of the loader a difference between two targets arises. It changes with every number of these instruments
+/// that changes a step.
 pub const LOADED: u64 = 0xadb1_3a44_1697_5eb5;
 
 /// The digest of everything that is built in, as loaded: of the instruments' own ([`erard::identity`]).

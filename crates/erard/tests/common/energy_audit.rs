@@ -1,5 +1,6 @@
-//! An energy ledger kept from outside: from nothing but the angles and velocities at the ends of steps, the friction that acted, and the
-//! instrument's own numbers. It uses none of the engine's arithmetic; tests compare it with [`moreau::Ledger`].
+//! An energy ledger kept from outside: from nothing but the angles and velocities at the ends of steps, the friction
+//! that acted, and the instrument's own numbers. It uses none of the engine's arithmetic; tests compare it with
+//! [`moreau::Ledger`].
 
 use erard::grand::KEY_DOWN;
 use erard::instrument::{Curve, Felt, Instrument, Vec2};

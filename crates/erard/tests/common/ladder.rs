@@ -1,8 +1,8 @@
 //! Errors of a blow against a run with a much smaller step.
 //!
-//! A felt is touched at some phase between two instants of the grid, and the error of a single run depends on that phase: two
-//! runs with steps of 50 and 49 us have errors that differ by a factor. The root mean square over steps that are nearly the
-//! same, with phases that are not, is what follows a law.
+//! A felt is touched at some phase between two instants of the grid, and the error of a single run depends on that
+//! phase: two runs with steps of 50 and 49 us have errors that differ by a factor. The root mean square over steps that
+//! are nearly the same, with phases that are not, is what follows a law.
 
 use erard::instrument::Instrument;
 use moreau::Settings;

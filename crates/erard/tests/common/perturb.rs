@@ -9,8 +9,8 @@ use moreau::{Ledger, Outcome, Settings};
 
 use super::tremolo;
 
-/// splitmix64: every seed, also 0, 1, 2 ..., begins a sequence of its own. Not a library's, whose sequences change with its versions: a seed
-/// is the name of an instrument, by which it is spoken of and made again.
+/// splitmix64: every seed, also 0, 1, 2 ..., begins a sequence of its own. Not a library's, whose sequences change with
+/// its versions: a seed is the name of an instrument, by which it is spoken of and made again.
 #[derive(Debug, Clone)]
 pub struct Random(u64);
 
@@ -49,9 +49,10 @@ impl Random {
     }
 }
 
-/// Every length +-10 % (each coordinate and radius by itself), masses, friction torques, friction coefficients and springs times or
-/// over 2, felts' stiffness times or over 3, damping times or over 2. An inertia follows its mass and the square of its lengths, so
-/// that it stays that of a possible body. Nothing is regulated again: most of these would not leave the workshop.
+/// Every length +-10 % (each coordinate and radius by itself), masses, friction torques, friction coefficients and
+/// springs times or over 2, felts' stiffness times or over 3, damping times or over 2. An inertia follows its mass and
+/// the square of its lengths, so that it stays that of a possible body. Nothing is regulated again: most of these would
+/// not leave the workshop.
 pub fn perturbed(grand: &Instrument, seed: u64) -> Instrument {
     let mut i = grand.clone();
     let mut r = Random::new(seed);
@@ -111,8 +112,8 @@ pub struct Fate {
     pub newton: u64,
     /// Simulated time that it took to come to rest before the stroke, s.
     pub settling_s: f64,
-    /// Largest |residual| of the energy ledger at any time, over the energy that had been turned over by then (work put in, stored at
-    /// the start, lost).
+    /// Largest |residual| of the energy ledger at any time, over the energy that had been turned over by then (work put
+    /// in, stored at the start, lost).
     pub residual: f64,
     /// Largest gain: stored + lost - start - work, where positive, over the same.
     pub gain: f64,

@@ -1,4 +1,5 @@
-//! Parts that bend: what they are when their bends are locked, and that they play like the rigid ones when the bends are stiff.
+//! Parts that bend: what they are when their bends are locked, and that they play like the rigid ones when the bends
+//! are stiff.
 
 use std::path::Path;
 
@@ -6,7 +7,8 @@ use crate::common::{Play, rigid_grand};
 use erard::instrument::{Instrument, Zone};
 use erard::{Action, Input, Settings};
 
-/// The concert grand with a bending key, or with a bending key and shank: pieces whose masses were worked out by hand from the rigid ones.
+/// The concert grand with a bending key, or with a bending key and shank: pieces whose masses were worked out by hand
+/// from the rigid ones.
 fn bending(bodies: usize) -> Instrument {
     let path = format!("{}/benches/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
     Instrument::load(Path::new(&path)).expect("it reads")
@@ -64,8 +66,8 @@ fn locked_it_is_the_rigid_grand() {
     assert_eq!(locked.screws.len(), rigid.screws.len());
 }
 
-/// Pieces that are frozen onto each other have the kinetic and potential energy of the locked part: with a moving carrier, a turned piece, a
-/// rider on a bent piece.
+/// Pieces that are frozen onto each other have the kinetic and potential energy of the locked part: with a moving
+/// carrier, a turned piece, a rider on a bent piece.
 #[test]
 fn energies_of_frozen_pieces_are_those_of_the_locked_part() {
     let mut bent = bending(8);
@@ -96,7 +98,8 @@ fn speed(instrument: &Instrument, play: &Play) -> f64 {
     play.run(instrument, Settings::new(25e-6), 0.2).events.hammer_speed_m_s().expect("a blow")
 }
 
-/// The stiffer the bends, the nearer the blow is to that of the locked action: a thousandth of the give makes less than a hundredth of the difference.
+/// The stiffer the bends, the nearer the blow is to that of the locked action: a thousandth of the give makes less than
+/// a hundredth of the difference.
 #[test]
 fn stiff_bends_play_like_none() {
     let bent = bending(8);

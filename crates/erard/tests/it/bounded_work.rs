@@ -8,12 +8,12 @@ use moreau_kernels::Lanes;
 
 type GrandGroup = moreau_kernels::Group<6, 14, 10>;
 
-/// With no tolerance at all, an iteration is accepted only when it changes nothing: steps that move run into the bound. Two seconds of blows of 40 N and
-/// releases, with one, two and five iterations allowed.
+/// With no tolerance at all, an iteration is accepted only when it changes nothing: steps that move run into the bound.
+/// Two seconds of blows of 40 N and releases, with one, two and five iterations allowed.
 ///
-/// What is claimed: no step takes more iterations than allowed; every step ends, and says how; the state stays finite; and the energy
-/// stored is never more than what was there and what the drive has put in, to a percent (one iteration alone leaves the felts
-/// linear over a step, which is what the percent is for).
+/// What is claimed: no step takes more iterations than allowed; every step ends, and says how; the state stays finite;
+/// and the energy stored is never more than what was there and what the drive has put in, to a percent (one iteration
+/// alone leaves the felts linear over a step, which is what the percent is for).
 #[test]
 fn the_bound_is_reached_and_nothing_blows_up() {
     let grand = Instrument::builtin("concert-grand").expect("built in");
@@ -44,7 +44,8 @@ fn the_bound_is_reached_and_nothing_blows_up() {
     }
 }
 
-/// The one-step solver's bound likewise: with one sweep of Gauss-Seidel allowed, steps say that they have not converged, and go on.
+/// The one-step solver's bound likewise: with one sweep of Gauss-Seidel allowed, steps say that they have not
+/// converged, and go on.
 #[test]
 fn one_sweep_is_no_disaster() {
     let grand = Instrument::builtin("concert-grand").expect("built in");
@@ -64,8 +65,8 @@ fn one_sweep_is_no_disaster() {
     assert!(m.readout().angles.iter().all(|q| q.abs() < 1.0), "{:?}", m.readout().angles);
 }
 
-/// The same in the lanes of the batch: with no tolerance every moving step runs into its bound; each lane says so for itself, goes on, and
-/// is where it would be alone, its neighbours' work being no concern of it.
+/// The same in the lanes of the batch: with no tolerance every moving step runs into its bound; each lane says so for
+/// itself, goes on, and is where it would be alone, its neighbours' work being no concern of it.
 #[test]
 fn lanes_run_into_the_bound_each_for_itself() {
     let (model, state) = grand();
@@ -81,7 +82,8 @@ fn lanes_run_into_the_bound_each_for_itself() {
             let force = |i: usize| if i > 0 && (n / (1000 * i)).is_multiple_of(2) { 40.0 } else { 0.0 };
             let inputs: Vec<Input<f64>> = (0..count).map(|i| Input::Force(force(i))).collect();
             together.step(&inputs, &mut outcomes);
-            // Without a tolerance rounding decides whether the last iteration changed nothing at all, so that outcomes may differ.
+            // Without a tolerance rounding decides whether the last iteration changed nothing at all, so that outcomes
+            // may differ.
             alone.step(&inputs, &mut unused);
             for (i, outcome) in outcomes.iter().enumerate() {
                 assert_ne!(*outcome, Outcome::NonFinite, "step {n}, lane {i}");

@@ -15,10 +15,11 @@ fn speed(run: &Run) -> f64 {
     run.events.hammer_speed_m_s().expect("the string is struck")
 }
 
-/// The hammer's speed against fixed steps of 0.2 and 0.1 us, extrapolated by their first order (they differ by some 1e-7, so that 1e-6
-/// can be told), over four decades, by force, by motion and with the key's motion imposed; in every run of the tests by force, over three decades,
-/// against steps that are four times as long. The tolerance is that of a step. What is smooth
-/// is extrapolated beyond it; up to the blow some sixteen changes of friction may each err by it, either way, which makes four of it.
+/// The hammer's speed against fixed steps of 0.2 and 0.1 us, extrapolated by their first order (they differ by some
+/// 1e-7, so that 1e-6 can be told), over four decades, by force, by motion and with the key's motion imposed; in every
+/// run of the tests by force, over three decades, against steps that are four times as long. The tolerance is that of a
+/// step. What is smooth is extrapolated beyond it; up to the blow some sixteen changes of friction may each err by it,
+/// either way, which makes four of it.
 #[test]
 fn the_error_follows_the_tolerance() {
     error_follows(MF, 0.4e-6, &[1e-2, 1e-3, 1e-4, 1e-5]);
@@ -48,8 +49,8 @@ fn error_follows(play: Play, fine_s: f64, tolerances: &[f64]) {
     }
 }
 
-/// A tenth of the tolerance takes 10^(1/3) = 2.15 times as many steps, since the estimate grows with the cube of the step, plus what the
-/// events take; nothing ends at the smallest step with too large an error.
+/// A tenth of the tolerance takes 10^(1/3) = 2.15 times as many steps, since the estimate grows with the cube of the
+/// step, plus what the events take; nothing ends at the smallest step with too large an error.
 #[test]
 fn work_grows_with_the_cube_root() {
     let work: Vec<_> = [1e-4, 1e-5, 1e-6, 1e-7]
@@ -69,7 +70,8 @@ fn work_grows_with_the_cube_root() {
     }
 }
 
-/// The energy ledger, booked half by half: what it does not explain follows the tolerance too, and no loss is negative in any half.
+/// The energy ledger, booked half by half: what it does not explain follows the tolerance too, and no loss is negative
+/// in any half.
 #[test]
 fn the_books_close() {
     for (tolerance, most) in [(1e-3, 1e-3), (1e-5, 1e-4), (1e-7, 1e-5)] {

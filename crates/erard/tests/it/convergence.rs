@@ -13,11 +13,11 @@ fn order(rungs: &[Rung], error: fn(&Rung) -> f64) -> f64 {
     (error(&rungs[0]) / error(&rungs[n])).log2() / n as f64
 }
 
-/// A stroke that is smooth in time: every halving of the step halves the error, at least, from 200 us to 3.125 us, in hammer
-/// speed and in the contact instant. The reference is a run with a 64 times smaller step than the smallest.
+/// A stroke that is smooth in time: every halving of the step halves the error, at least, from 200 us to 3.125 us, in
+/// hammer speed and in the contact instant. The reference is a run with a 64 times smaller step than the smallest.
 ///
-/// Errors are root mean squares over 8 phases, which scatter by 1/sqrt(2 x 8), a quarter, and the ratio of two of them by 35 %:
-/// a true 2 may be seen as 1.5. Over the whole ladder the scatter averages out, and the order must be 1.
+/// Errors are root mean squares over 8 phases, which scatter by 1/sqrt(2 x 8), a quarter, and the ratio of two of them
+/// by 35 %: a true 2 may be seen as 1.5. Over the whole ladder the scatter averages out, and the order must be 1.
 #[test]
 fn halving_the_step_halves_the_error() {
     halves_the_error(4);
@@ -39,8 +39,8 @@ fn halves_the_error(steps: i32) {
     assert!(speed > 1.0 && contact > 1.0, "orders {speed:.2}, {contact:.2}");
 }
 
-/// Steps of force, where the drive itself is not smooth: order 1 or better over the ladder for every force, with the scatter
-/// of single rungs as above. 200 us is left out: a blow of 35 N lasts 60 of those steps and a let-off 5.
+/// Steps of force, where the drive itself is not smooth: order 1 or better over the ladder for every force, with the
+/// scatter of single rungs as above. 200 us is left out: a blow of 35 N lasts 60 of those steps and a let-off 5.
 #[test]
 fn order_one_for_a_step_of_force() {
     order_one(&[(20.0, 0.02)]);
@@ -61,8 +61,9 @@ fn order_one(forces: &[(f64, f64)]) {
     }
 }
 
-/// At theta = 1 the scheme is backward Euler, of first order and no more: it is its damping, not the contacts' phases, that
-/// makes the error, so that the ratio of each halving is 2 with little scatter once the step is small against the felts.
+/// At theta = 1 the scheme is backward Euler, of first order and no more: it is its damping, not the contacts' phases,
+/// that makes the error, so that the ratio of each halving is 2 with little scatter once the step is small against the
+/// felts.
 #[test]
 #[ignore = "ci: a convergence study"]
 fn theta_one_is_of_first_order() {
@@ -83,9 +84,9 @@ fn half_a_percent_at_the_usual_step() {
     }
 }
 
-/// The default Newton tolerance does not limit the accuracy: what a far tighter one changes is below a thousandth of the
-/// error that the step itself makes at its worst phase, down to 12.5 us. (The speed as it was once read, off the end of the step in which
-/// the string is met, was wrong by twice as much, and its rms the yardstick.)
+/// The default Newton tolerance does not limit the accuracy: what a far tighter one changes is below a thousandth of
+/// the error that the step itself makes at its worst phase, down to 12.5 us. (The speed as it was once read, off the
+/// end of the step in which the string is met, was wrong by twice as much, and its rms the yardstick.)
 #[test]
 #[ignore = "ci: three convergence studies"]
 fn the_newton_tolerance_is_no_limit() {

@@ -1,4 +1,5 @@
-//! What lies on the strings and where they end: dampers against an independent solution, at rest, under key and pedal; a bridge that moves against its eigenvalues.
+//! What lies on the strings and where they end: dampers against an independent solution, at rest, under key and pedal;
+//! a bridge that moves against its eigenvalues.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -116,8 +117,9 @@ struct Books {
     taken: [f64; 3],
 }
 
-/// The modes' equations with the same felt, and with the bridge's modes where there are any, as ordinary differential equations, by the classical Runge-Kutta method in steps of 1 us, at
-/// some instants, s. What dashpots take are further unknowns. Nothing of the engine is in it.
+/// The modes' equations with the same felt, and with the bridge's modes where there are any, as ordinary differential
+/// equations, by the classical Runge-Kutta method in steps of 1 us, at some instants, s. What dashpots take are further
+/// unknowns. Nothing of the engine is in it.
 fn by_runge_kutta(instrument: &Instrument, speeds_m_s: &[f64], instants_s: &[f64]) -> Vec<Books> {
     const MODES: usize = 53;
     let string = &instrument.strings[0];
@@ -218,7 +220,8 @@ fn by_runge_kutta(instrument: &Instrument, speeds_m_s: &[f64], instants_s: &[f64
     found
 }
 
-/// A string under a damper's felt, softly vibrating and so loudly that it leaves the felt: its energy is that of the independent solution, with an order of two.
+/// A string under a damper's felt, softly vibrating and so loudly that it leaves the felt: its energy is that of the
+/// independent solution, with an order of two.
 #[test]
 fn a_damped_string_is_the_one_of_an_independent_solution() {
     let instrument = damped(1.0);
@@ -250,12 +253,14 @@ fn a_damped_string_is_the_one_of_an_independent_solution() {
     }
 }
 
-/// At rest the damper lies on its strings, exactly: nothing is computed, the forces carry the damper's weight, and each string hangs as its statics say.
+/// At rest the damper lies on its strings, exactly: nothing is computed, the forces carry the damper's weight, and each
+/// string hangs as its statics say.
 #[test]
 fn dampers_lie_at_rest_exactly() {
     let instrument = strung();
     let mut action = Action::new(&instrument).unwrap();
-    // The settling's steps are another scheme's: what rounding leaves of that, 1e-13 of the forces, is put to rest first.
+    // The settling's steps are another scheme's: what rounding leaves of that, 1e-13 of the forces, is put to rest
+    // first.
     for _ in 0..200 {
         action.step(Input::Free);
     }
@@ -270,7 +275,8 @@ fn dampers_lie_at_rest_exactly() {
     for (string, force_n) in forces.iter().enumerate() {
         let one = &instrument.strings[string];
         let x = one.damper.unwrap().middle_m;
-        // Downward: away from the damper, and toward the hammer. A string under tension alone; stiffness takes a hundredth.
+        // Downward: away from the damper, and toward the hammer. A string under tension alone; stiffness takes a
+        // hundredth.
         let hangs = force_n * x * (one.length_m - x) / (one.tension_n * one.length_m);
         let found = strings.shape_m(string, x);
         println!("string {string}: {:.3} um, of tension alone {:.3}", 1e6 * found, 1e6 * hangs);
@@ -308,7 +314,8 @@ fn level_db(action: &mut Action, input: Input) -> f64 {
     10.0 * (sum - mean * mean).log10()
 }
 
-/// A note that is held rings, one that is let go is damped, one that is let go with the pedal down rings on, and with the pedal half down it does something between.
+/// A note that is held rings, one that is let go is damped, one that is let go with the pedal down rings on, and with
+/// the pedal half down it does something between.
 #[test]
 fn key_and_pedal_lift_the_damper() {
     let instrument = strung();
@@ -337,7 +344,8 @@ fn key_and_pedal_lift_the_damper() {
     assert!(halves.iter().any(|half| *half > held + 6.0 && *half < free - 6.0), "{halves:?}");
 }
 
-/// The energy balance of a note that is struck, held, let go and damped, with a pedal that comes and goes meanwhile: what the foot does is booked.
+/// The energy balance of a note that is struck, held, let go and damped, with a pedal that comes and goes meanwhile:
+/// what the foot does is booked.
 #[test]
 fn the_books_close_over_dampers_and_pedal() {
     let instrument = strung();
@@ -359,7 +367,8 @@ fn the_books_close_over_dampers_and_pedal() {
     assert!(matches!(refused, Err(SimulationError::NoPedal)));
 }
 
-/// A hammer that is pressed on a string on which a damper lies, for a second, from the same side and from the other: the two are solved together within a step, so that the energy balance closes.
+/// A hammer that is pressed on a string on which a damper lies, for a second, from the same side and from the other:
+/// the two are solved together within a step, so that the energy balance closes.
 #[test]
 #[ignore = "ci: steps of three lengths, for a second"]
 fn the_books_close_over_hammer_and_damper_on_the_same_string() {
@@ -397,7 +406,8 @@ fn the_books_close_over_hammer_and_damper_on_the_same_string() {
     }
 }
 
-/// A hammer that strikes strings on which the damper lies, with the pedal's rail so high that it lies there with half its weight: the energy balance of the whole action.
+/// A hammer that strikes strings on which the damper lies, with the pedal's rail so high that it lies there with half
+/// its weight: the energy balance of the whole action.
 #[test]
 fn the_books_close_over_a_blow_under_the_damper() {
     let mut instrument = strung();
@@ -418,7 +428,8 @@ fn the_books_close_over_a_blow_under_the_damper() {
     }
 }
 
-/// One string under a damper's felt that rocks, on a bridge that moves: `mass_kg` a mode, less than a soundboard's so that it matters.
+/// One string under a damper's felt that rocks, on a bridge that moves: `mass_kg` a mode, less than a soundboard's so
+/// that it matters.
 fn damped_on_a_bridge(mass_kg: f64) -> Instrument {
     let mut instrument = damped(1.0);
     let mode = |frequency_hz: f64| BridgeMode { name: String::new(), mass_kg, frequency_hz, loss_factor: 0.02 };
@@ -426,7 +437,8 @@ fn damped_on_a_bridge(mass_kg: f64) -> Instrument {
     instrument
 }
 
-/// Dampers that rock on strings whose bridge moves are solved together with it: the energy balance closes as it does over a rigid bridge.
+/// Dampers that rock on strings whose bridge moves are solved together with it: the energy balance closes as it does
+/// over a rigid bridge.
 #[test]
 fn the_books_close_over_rocking_dampers_and_a_bridge_that_moves() {
     for mass_kg in [5.0, 0.2] {
@@ -467,8 +479,9 @@ fn lost(instrument: &Instrument, h: f64, speeds_m_s: &[f64], time_s: f64) -> ([f
     ([found.strings_j, found.bridge_j, found.rocking_j], m.readout().surfaces.unwrap().lost() - before)
 }
 
-/// What is lost is lost where the dashpots are: that of the string, of the bridge and of the felt as it is rocked, each to what an independent solution's dashpots take; where only one of them has
-/// any, it takes all. Together they are what the ledger books.
+/// What is lost is lost where the dashpots are: that of the string, of the bridge and of the felt as it is rocked, each
+/// to what an independent solution's dashpots take; where only one of them has any, it takes all. Together they are
+/// what the ledger books.
 #[test]
 fn each_dashpot_takes_what_it_takes() {
     let speeds = [0.3, 0.0, 0.0, 0.0, 0.0, 0.3];
@@ -548,8 +561,9 @@ fn bridged() -> Instrument {
     instrument
 }
 
-/// Energy, and force on the bridge, after so many s, of three strings whose first partials swing alike at 0.1 m/s: from the matrix exponential of strings and bridge as one
-/// linear system (`book/src/model/strings.md` has the program). Its eigenvalues near 262 Hz decay with 2.553, 0.518 and 0.518 1/s: two stages.
+/// Energy, and force on the bridge, after so many s, of three strings whose first partials swing alike at 0.1 m/s: from
+/// the matrix exponential of strings and bridge as one linear system (`book/src/model/strings.md` has the program). Its
+/// eigenvalues near 262 Hz decay with 2.553, 0.518 and 0.518 1/s: two stages.
 #[test]
 fn strings_on_a_bridge_are_those_of_an_independent_solution() {
     let reference: [(f64, f64, f64); 6] = [
@@ -608,7 +622,8 @@ fn a_bridge_wins_nothing() {
     }
 }
 
-/// The whole action over a bridge that moves: two stages of decay, a closed energy balance; without the option to the bit what it is without its modes.
+/// The whole action over a bridge that moves: two stages of decay, a closed energy balance; without the option to the
+/// bit what it is without its modes.
 #[test]
 fn the_bridge_is_an_option() {
     let mut instrument = strung();

@@ -47,8 +47,9 @@ fn the_same_run_twice_gives_the_same_bits() {
     assert_eq!(first, std::thread::spawn(go).join().unwrap());
 }
 
-/// How much work a mezzo forte press of one second is: 20 000 steps, 20 056 Newton iterations and 20 566 active sets measured. The bounds leave a twentieth, so
-/// that an efficiency lost in silence turns this red. Lower them when the solver gets better.
+/// How much work a mezzo forte press of one second is: 20 000 steps, 20 056 Newton iterations and 20 566 active sets
+/// measured. The bounds leave a twentieth, so that an efficiency lost in silence turns this red. Lower them when the
+/// solver gets better.
 #[test]
 fn a_press_costs_what_it_did() {
     let work = Play::Stroke("mf", Touch::Pressed).run(&grand(), Settings::new(USUAL_STEP_S), 1.0).work;

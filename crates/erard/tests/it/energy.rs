@@ -57,9 +57,10 @@ fn worst(played: &[Played], residual: fn(&Ledger) -> f64) -> f64 {
     played.iter().map(|one| residual(&one.ledger)).fold(0.0, f64::max)
 }
 
-/// theta = 1/2 loses no energy of its own on straight paths; what is left comes from paths that are curved within a step, of order
-/// h^2 per contact. Below 1e-3 of the work is asked for; a tenth of that holds at the usual step, and each quarter of the step leaves
-/// less than a quarter of the residual (a sixteenth in the mean, were it not for the contacts' phases).
+/// theta = 1/2 loses no energy of its own on straight paths; what is left comes from paths that are curved within a
+/// step, of order h^2 per contact. Below 1e-3 of the work is asked for; a tenth of that holds at the usual step, and
+/// each quarter of the step leaves less than a quarter of the residual (a sixteenth in the mean, were it not for the
+/// contacts' phases).
 #[test]
 fn the_books_close_at_theta_one_half() {
     books_close(&SOME[0]);
@@ -83,8 +84,9 @@ fn the_books_close_with_the_square_of_the_step() {
     assert!(residuals[1] < residuals[0] / 4.0 && residuals[2] < residuals[1] / 4.0, "{residuals:?}");
 }
 
-/// theta = 1 is backward Euler: the scheme itself takes energy, of first order in h, and never gives any. Of the work put in,
-/// it takes some 15 % at 50 us (which is why theta = 1/2 is the default); a quarter of the step leaves a third of that or less.
+/// theta = 1 is backward Euler: the scheme itself takes energy, of first order in h, and never gives any. Of the work
+/// put in, it takes some 15 % at 50 us (which is why theta = 1/2 is the default); a quarter of the step leaves a third
+/// of that or less.
 #[test]
 fn the_scheme_itself_only_takes_energy_at_theta_one() {
     takes_only(&SOME[1]);
@@ -105,8 +107,9 @@ fn the_scheme_takes_energy_of_first_order_at_theta_one() {
     assert!(fine < coarse / 3.0, "{coarse} {fine}");
 }
 
-/// Friction only takes, and so does a felt: the smallest dissipation term of all pivots, felts and sliding contacts in all steps of
-/// all runs is not negative, not even by rounding, for every drive and both thetas. No step is left unconverged.
+/// Friction only takes, and so does a felt: the smallest dissipation term of all pivots, felts and sliding contacts in
+/// all steps of all runs is not negative, not even by rounding, for every drive and both thetas. No step is left
+/// unconverged.
 #[test]
 fn no_dissipation_is_negative_in_any_step() {
     only_takes(SOME.iter().flatten());
@@ -129,8 +132,9 @@ fn only_takes<'a>(played: impl Iterator<Item = &'a Played>) {
     }
 }
 
-/// The engine's ledger, against books that are kept from outside and share none of its arithmetic: every drive, and every law of the felts that settles
-/// in a whole action. Pins agree to rounding. Felts and sliding are worked out at other places of a step, and agree to a thousandth of all that was lost.
+/// The engine's ledger, against books that are kept from outside and share none of its arithmetic: every drive, and
+/// every law of the felts that settles in a whole action. Pins agree to rounding. Felts and sliding are worked out at
+/// other places of a step, and agree to a thousandth of all that was lost.
 #[test]
 fn books_kept_from_outside_say_the_same() {
     type Law = fn(&mut Felt);

@@ -1,4 +1,5 @@
-//! Felts with a dry loss, and felts with an internal state, in the whole action: the energy balance closes, rest is rest, solvers agree, states can be saved.
+//! Felts with a dry loss, and felts with an internal state, in the whole action: the energy balance closes, rest is
+//! rest, solvers agree, states can be saved.
 
 use crate::common::perturb::{Random, perturbed, play_on};
 use crate::common::{Play, USUAL_STEP_S, grand};
@@ -28,7 +29,8 @@ fn with(law: Law) -> Instrument {
     instrument
 }
 
-/// Whole notes: every step converges, the energy balance closes as it does with the papers' loss, and no loss is a gain.
+/// Whole notes: every step converges, the energy balance closes as it does with the papers' loss, and no loss is a
+/// gain.
 #[test]
 fn the_books_close() {
     for (name, law) in LAWS {
@@ -47,7 +49,8 @@ fn the_books_close() {
             );
             assert_eq!(run.work.unconverged_steps, 0, "{name}");
             assert!(ledger.residual_relative() < 3e-4, "{name}: {:.1e}", ledger.residual_relative());
-            // An elastoplastic felt's loss is a difference of energies, and rounded as such; Stulov's has a sign to second order in the step only.
+            // An elastoplastic felt's loss is a difference of energies, and rounded as such; Stulov's has a sign to
+            // second order in the step only.
             let least = if name == "hereditary" { -1e-4 * ledger.felt_damping } else { -1e-15 };
             assert!(ledger.smallest_term >= least, "{name}: {:.1e}", ledger.smallest_term);
             assert!(run.events.hammer_speed_m_s().is_some_and(|speed| speed > 1.0), "{name}");
@@ -55,9 +58,10 @@ fn the_books_close() {
     }
 }
 
-/// The set-valued loss locks what the felts hold, and in a whole action more felts than there are freedoms. There the step does not always find
-/// its laws' sides: it says so, the note is played all the same, and the hammer's speed is known to a thousandth. That is one of the reasons for the
-/// elastoplastic law (`book/src/model/felts.md`); a single felt has none of it (problem 23).
+/// The set-valued loss locks what the felts hold, and in a whole action more felts than there are freedoms. There the
+/// step does not always find its laws' sides: it says so, the note is played all the same, and the hammer's speed is
+/// known to a thousandth. That is one of the reasons for the elastoplastic law (`book/src/model/felts.md`); a single
+/// felt has none of it (problem 23).
 #[test]
 fn a_set_valued_loss_plays_but_not_every_step_is_settled() {
     for (name, law) in SET_VALUED {
@@ -104,7 +108,8 @@ fn rest_is_rest() {
     }
 }
 
-/// Two solvers that share no code give one motion. Where felts are locked their forces are not unique, the velocities are.
+/// Two solvers that share no code give one motion. Where felts are locked their forces are not unique, the velocities
+/// are.
 #[test]
 fn solvers_agree_on_the_motion() {
     for (name, law) in LAWS {
@@ -138,7 +143,8 @@ fn a_note_goes_on_from_a_snapshot() {
     }
 }
 
-/// Random instruments, every felt with a loss of its own: nothing breaks, no step is left unconverged, no loss is a gain.
+/// Random instruments, every felt with a loss of its own: nothing breaks, no step is left unconverged, no loss is a
+/// gain.
 #[test]
 fn nothing_breaks_at_random() {
     nothing_breaks(0..12);
@@ -175,7 +181,8 @@ fn nothing_breaks(seeds: std::ops::Range<u64>) {
     assert_eq!(unconverged, 0, "of {steps} steps");
 }
 
-/// Friction that grows at rest: whole notes with it at every pivot and every sliding contact, as hard to move as the estimates say.
+/// Friction that grows at rest: whole notes with it at every pivot and every sliding contact, as hard to move as the
+/// estimates say.
 #[test]
 fn friction_that_grows_at_rest_plays() {
     let mut instrument = grand();

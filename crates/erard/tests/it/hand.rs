@@ -24,7 +24,8 @@ fn a_hand_of_a_gram_is_a_force() {
     assert!((by_hand / by_force - 1.0).abs() < 5e-3, "{by_hand} {by_force}");
 }
 
-/// A heavier hand takes longer, and arrives at the key bottom with a force far above its muscle's; when it leaves, it lifts off.
+/// A heavier hand takes longer, and arrives at the key bottom with a force far above its muscle's; when it leaves, it
+/// lifts off.
 #[test]
 fn its_mass_is_felt_at_the_bottom() {
     let runs = [0.1, 0.2, 0.3].map(|mass_kg| pressed(Hand { mass_kg, ..Hand::default() }, 6.0, 50e-6));
@@ -56,7 +57,8 @@ fn struck(t: f64) -> Input {
 const STRIKES: Hand =
     Hand { mass_kg: 0.2, stiffness_n_per_m: 0.0, damping_n_s_per_m: 0.0, start_m: -1e-3, start_m_s: 0.3 };
 
-/// Adaptive steps carry the hand along: they arrive at the speed of short fixed ones, and a tighter tolerance arrives closer.
+/// Adaptive steps carry the hand along: they arrive at the speed of short fixed ones, and a tighter tolerance arrives
+/// closer.
 #[test]
 fn adaptive_steps_take_a_hand() {
     let speed = |setup: Setup| {
@@ -71,8 +73,8 @@ fn adaptive_steps_take_a_hand() {
     assert!(off[0] < 5e-3 && off[1] < 2e-4, "{off:?}");
 }
 
-/// The balance of the hand closes: what muscle did is what the hand gained, what its fingertip holds and lost, and its work on the key. What is left falls
-/// with the step.
+/// The balance of the hand closes: what muscle did is what the hand gained, what its fingertip holds and lost, and its
+/// work on the key. What is left falls with the step.
 #[test]
 fn its_energy_is_accounted_for() {
     let left = |step_s: f64, tolerance: Option<f64>| {
@@ -102,7 +104,8 @@ fn observers_see_a_hand_press() {
     assert_eq!(run.force_n, erard::press(&grand, &struck, &setup).unwrap().force_n);
 }
 
-/// A saved state holds the hand's place: a restored press goes on with the same bits. In a state without that list the hand is at the world's origin.
+/// A saved state holds the hand's place: a restored press goes on with the same bits. In a state without that list the
+/// hand is at the world's origin.
 #[test]
 fn a_saved_state_has_the_hand() {
     let grand = grand();
@@ -128,8 +131,8 @@ fn a_saved_state_has_the_hand() {
     assert_eq!((other.reading().hand_m + other.rest().site_m, other.reading().hand_m_s), (0.0, 0.0));
 }
 
-/// Ten hands of ten masses play ten keys at once, each as it plays its action alone, to the bit. Held notes fall asleep under them; hands that leave and come
-/// back find their keys again.
+/// Ten hands of ten masses play ten keys at once, each as it plays its action alone, to the bit. Held notes fall asleep
+/// under them; hands that leave and come back find their keys again.
 #[test]
 fn ten_hands_play_a_keyboard() {
     let rigid = Instrument::builtin("concert-grand-rigid").unwrap();

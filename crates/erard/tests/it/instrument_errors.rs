@@ -1,4 +1,5 @@
-//! Every way in which an instrument file can be wrong gives one message with line, key, what was found and what was expected.
+//! Every way in which an instrument file can be wrong gives one message with line, key, what was found and what was
+//! expected.
 
 use erard::instrument::{FileError, Instrument, InstrumentFile, MAX_FILE_BYTES};
 
@@ -624,8 +625,9 @@ fn columns_count_characters_not_bytes() {
     assert!(error.line > 50, "{error}");
 }
 
-/// What is easily overlooked: a dry loss beside a viscous one needs a slip, names are checked to their last sign, a bushing's own name may be taken, a key
-/// that only begins like a known one is not taken for it, a table's header that is no TOML is named.
+/// What is easily overlooked: a dry loss beside a viscous one needs a slip, names are checked to their last sign, a
+/// bushing's own name may be taken, a key that only begins like a known one is not taken for it, a table's header that
+/// is no TOML is named.
 #[test]
 fn slips_that_are_easily_overlooked() {
     check(&[

@@ -1,4 +1,5 @@
-//! The keys of a keyboard, played together: a fortissimo tremolo over all of them, and their sleep, which changes no bit.
+//! The keys of a keyboard, played together: a fortissimo tremolo over all of them, and their sleep, which changes no
+//! bit.
 
 use std::sync::OnceLock;
 
@@ -27,9 +28,10 @@ fn observed(tremolo: &Tremolo) -> (Vec<(usize, u64)>, Vec<u64>) {
     (blows, (1..=KEYS).map(|key| tremolo.keys().string_force(key).to_bits()).collect())
 }
 
-/// Ten fingers play a fortissimo tremolo once over all 88 keys. Every stroke sounds, once, at the speeds of a fortissimo (published: 4.5
-/// to 5 m/s; lighter hammers are faster); every step converges; at most the ten keys that are played and the ten that were left last are
-/// awake, give or take the slowest to settle; and at the end all keys fall asleep.
+/// Ten fingers play a fortissimo tremolo once over all 88 keys. Every stroke sounds, once, at the speeds of a
+/// fortissimo (published: 4.5 to 5 m/s; lighter hammers are faster); every step converges; at most the ten keys that
+/// are played and the ten that were left last are awake, give or take the slowest to settle; and at the end all keys
+/// fall asleep.
 #[test]
 fn ten_fingers_play_all_keys() {
     let mut tremolo = Tremolo::new(keys(), TEN);
@@ -46,8 +48,8 @@ fn ten_fingers_play_all_keys() {
     let all = || speeds.iter().flatten().copied();
     let (slowest, fastest) = (all().fold(f64::MAX, f64::min), all().fold(0.0, f64::max));
     println!("{} blows of {slowest:.2} to {fastest:.2} m/s, at most {most_awake} keys awake", all().count());
-    // Every stroke sounds once. Fingers with a shorter stretch begin anew while the others end; so does every other finger, which is half
-    // a stroke ahead.
+    // Every stroke sounds once. Fingers with a shorter stretch begin anew while the others end; so does every other
+    // finger, which is half a stroke ahead.
     let (first, longest) = (|finger: usize| 1 + KEYS * finger / TEN, KEYS.div_ceil(TEN));
     let mut strokes = vec![0; KEYS + 1];
     for finger in 0..TEN {
@@ -69,8 +71,9 @@ fn ten_fingers_play_all_keys() {
     }
 }
 
-/// A keyboard whose keys sleep and one that is stepped in full go through the same states, bit for bit: blows, forces on the strings
-/// in every tick, and the whole state now and then, while fingers wander, keys fall asleep at rest and under a finger that stays.
+/// A keyboard whose keys sleep and one that is stepped in full go through the same states, bit for bit: blows, forces
+/// on the strings in every tick, and the whole state now and then, while fingers wander, keys fall asleep at rest and
+/// under a finger that stays.
 #[test]
 fn sleep_changes_no_bit() {
     sleeps_as_stepped(3);
@@ -144,12 +147,13 @@ fn a_key_wakes_at_any_change() {
     }
 }
 
-/// Wherever a key is left, it comes to a complete rest and sleeps within a second and a half: let go, held by a constant force of up to
-/// 40 N, or under a soft finger that stays at any depth down to 14 mm (pushing some 80 N at the bottom). Nothing makes it do so but
-/// dry friction, which holds: velocities become exactly zero.
+/// Wherever a key is left, it comes to a complete rest and sleeps within a second and a half: let go, held by a
+/// constant force of up to 40 N, or under a soft finger that stays at any depth down to 14 mm (pushing some 80 N at the
+/// bottom). Nothing makes it do so but dry friction, which holds: velocities become exactly zero.
 ///
-/// Exceptions are allowed, one key in twenty, whose friction holds at its very limit: rounding lets it slip and stick by turns. A bend that is
-/// wound up slowly ends there. Its velocities stay below 1e-12 rad/s, so that no angle changes by a bit.
+/// Exceptions are allowed, one key in twenty, whose friction holds at its very limit: rounding lets it slip and stick
+/// by turns. A bend that is wound up slowly ends there. Its velocities stay below 1e-12 rad/s, so that no angle changes
+/// by a bit.
 #[test]
 fn every_key_comes_to_rest() {
     come_to_rest(2);
@@ -210,7 +214,8 @@ fn a_tick_never_allocates() {
     }
 }
 
-/// Built-in keyboards by their names: each has its own text, key 40 of each is its instrument with nothing added, and a name that nobody knows has none.
+/// Built-in keyboards by their names: each has its own text, key 40 of each is its instrument with nothing added, and a
+/// name that nobody knows has none.
 #[test]
 fn keyboards_by_name() {
     for name in Keyboard::builtin_names() {

@@ -42,11 +42,11 @@ fn slow(instrument: &Instrument, depth: f64) -> [f64; 2] {
     [mean(depth / V), mean(2.0 * turn - depth / V)]
 }
 
-/// The moment alpha and the friction c_d that virtual power gives, against forces measured on the six bodies: the balance force
-/// is the mean of the forces down and up, friction half their difference. The levers' ratio falls over the stroke (by 3 % per
-/// mm), so that the balance forces at 1, 2 and 3 mm are extrapolated to rest; what is left is of second order in the ratio's
-/// change over those 2 mm, (6 %)^2: below 1 %. Friction torques do not follow the weights' ratio; their mean over the same depths
-/// is off by that change at most, 6 %.
+/// The moment alpha and the friction c_d that virtual power gives, against forces measured on the six bodies: the
+/// balance force is the mean of the forces down and up, friction half their difference. The levers' ratio falls over
+/// the stroke (by 3 % per mm), so that the balance forces at 1, 2 and 3 mm are extrapolated to rest; what is left is of
+/// second order in the ratio's change over those 2 mm, (6 %)^2: below 1 %. Friction torques do not follow the weights'
+/// ratio; their mean over the same depths is off by that change at most, 6 %.
 #[test]
 fn moment_and_friction_are_those_of_the_mechanism() {
     let grand = grand();
@@ -65,10 +65,10 @@ fn moment_and_friction_are_those_of_the_mechanism() {
     assert!(((down - up) / 2.0 / dry - 1.0).abs() < 1e-3);
 }
 
-/// J and alpha once more from first principles, body by body, at the rest pose: J = sum (I - m c^2) r^2 + m |v|^2 with v the velocity
-/// of the centre of mass per unit key velocity, and alpha the loss of gravity's and the springs' energy per unit key angle, by
-/// central differences of 1e-4 rad. The engine's mass matrix knows nothing of centres of mass' velocities: agreement is to
-/// rounding for J, to the differences' 1e-8 for alpha.
+/// J and alpha once more from first principles, body by body, at the rest pose: J = sum (I - m c^2) r^2 + m |v|^2 with
+/// v the velocity of the centre of mass per unit key velocity, and alpha the loss of gravity's and the springs' energy
+/// per unit key angle, by central differences of 1e-4 rad. The engine's mass matrix knows nothing of centres of mass'
+/// velocities: agreement is to rounding for J, to the differences' 1e-8 for alpha.
 #[test]
 fn inertia_and_moment_from_first_principles() {
     let grand = rigid_grand();
@@ -96,10 +96,10 @@ fn inertia_and_moment_from_first_principles() {
     assert!((moment / one.moment_n_m - 1.0).abs() < 1e-6, "{moment} {}", one.moment_n_m);
 }
 
-/// In motion: under the softest force the six bodies take as long as the one to 4 mm of depth, where the damper comes in. By what
-/// the reduction leaves out the six are faster: the ratio falls (mean inertia 10 % less, balance force 5 % less, which is 6 %
-/// more of net force), and the key is free of the rest for the first quarter of a millimetre, while the felts close. Together at
-/// most 25 % of the square of the time, which is what inertia over net force decides.
+/// In motion: under the softest force the six bodies take as long as the one to 4 mm of depth, where the damper comes
+/// in. By what the reduction leaves out the six are faster: the ratio falls (mean inertia 10 % less, balance force 5 %
+/// less, which is 6 % more of net force), and the key is free of the rest for the first quarter of a millimetre, while
+/// the felts close. Together at most 25 % of the square of the time, which is what inertia over net force decides.
 #[test]
 fn both_models_take_as_long() {
     let grand = grand();
@@ -113,8 +113,8 @@ fn both_models_take_as_long() {
     assert!((0.75..1.0).contains(&square), "{square}");
 }
 
-/// The reduced instrument goes through the same calls, for every drive: it is pressed, meets key bottom, and, let go, comes home to
-/// within what its friction (91 mN at the front) holds against the back-rail cloth, as in `playing.rs`.
+/// The reduced instrument goes through the same calls, for every drive: it is pressed, meets key bottom, and, let go,
+/// comes home to within what its friction (91 mN at the front) holds against the back-rail cloth, as in `playing.rs`.
 #[test]
 fn the_same_calls_run_the_reduced_model() {
     use erard::stroke::Touch::{Pressed, Struck};

@@ -18,7 +18,8 @@ fn bending(bodies: usize) -> Instrument {
     Instrument::load(std::path::Path::new(&path)).expect("it reads")
 }
 
-/// Stepped from outside, the action is the one that a run plays: key, hammer and blows to the bit, forces to the mean of two steps.
+/// Stepped from outside, the action is the one that a run plays: key, hammer and blows to the bit, forces to the mean
+/// of two steps.
 #[test]
 fn readings_are_a_runs_rows() {
     let run = Play::Stroke("mf", Touch::Pressed).run_every(&grand(), Settings::new(USUAL_STEP_S), 0.2, Some(1));
@@ -40,7 +41,8 @@ fn readings_are_a_runs_rows() {
     assert_eq!(Some(blows[0].hammer_speed_m_s), run.events.hammer_speed_m_s());
 }
 
-/// The speeds of a reading are the derivatives of its places: by central differences of 50 us, whose own error is the third derivative's.
+/// The speeds of a reading are the derivatives of its places: by central differences of 50 us, whose own error is the
+/// third derivative's.
 #[test]
 fn speeds_are_derivatives() {
     let (mut action, force) = (Action::new(&grand()).unwrap(), mf());
@@ -56,7 +58,8 @@ fn speeds_are_derivatives() {
     assert!(readings.iter().any(|r| r.hammer_m_s > 1.0));
 }
 
-/// A snapshot taken one step before a blow, restored in another action: the same blow and, many steps later, the same bits.
+/// A snapshot taken one step before a blow, restored in another action: the same blow and, many steps later, the same
+/// bits.
 #[test]
 fn a_snapshot_goes_on_to_the_bit() {
     goes_on_to_the_bit(100_000);
@@ -121,7 +124,8 @@ fn with_a_number_that_is_not_finite(state: &MechanismState) -> Vec<u8> {
     bytes
 }
 
-/// A snapshot of another instrument, of another version or with a number that is not finite is refused, and nothing changes.
+/// A snapshot of another instrument, of another version or with a number that is not finite is refused, and nothing
+/// changes.
 #[test]
 fn snapshots_that_do_not_fit_are_refused() {
     let (grand, other) = (grand(), Instrument::builtin("heavy-touch").unwrap());

@@ -26,9 +26,9 @@ fn zone<'a>(run: &'a Run, name: &str) -> &'a [f64] {
     &run.zones.iter().find(|z| z.name == name).expect("a zone of this name").normal_n
 }
 
-/// Toe on the button, let-off, free flight, blow. In free flight nothing touches the knuckle, and what is left to the string is
-/// the let-off distance: technicians set 1.5 mm, and it grows a little with softness (the hammer rises more slowly than the
-/// felts part), so that 0.5 to 4 mm are asked for.
+/// Toe on the button, let-off, free flight, blow. In free flight nothing touches the knuckle, and what is left to the
+/// string is the let-off distance: technicians set 1.5 mm, and it grows a little with softness (the hammer rises more
+/// slowly than the felts part), so that 0.5 to 4 mm are asked for.
 #[test]
 fn every_force_lets_off_before_the_string() {
     // Parts that bend are wound up: under 20 N and more the jack still pushes when the hammer is at the string.
@@ -52,8 +52,8 @@ fn every_force_lets_off_before_the_string() {
     }
 }
 
-/// Blows hard enough to be thrown back are caught, 10 to 20 mm below the string (technicians set 12 to 15), and held there
-/// motionless by a check that presses on the tail.
+/// Blows hard enough to be thrown back are caught, 10 to 20 mm below the string (technicians set 12 to 15), and held
+/// there motionless by a check that presses on the tail.
 #[test]
 fn hard_enough_blows_are_checked() {
     let grand = grand();
@@ -66,14 +66,15 @@ fn hard_enough_blows_are_checked() {
         let below = string - run.hammer_head_m[held];
         assert!((10e-3..20e-3).contains(&below), "{force} N: checked {below} m below the string");
         assert!(zone(&run, "check")[held] > 0.5, "{force} N");
-        // Held by the check alone, with its own pin at the limit of its friction, it stands still to rounding: 1e-15 rad/s is a
-        // millionth of a degree in a year.
+        // Held by the check alone, with its own pin at the limit of its friction, it stands still to rounding: 1e-15
+        // rad/s is a millionth of a degree in a year.
         let rate = run.bodies[4].rate_rad_per_s[held];
         assert!(rate.abs() < 1e-15, "{force} N: the hammer stands still, not {rate:e}");
     }
 }
 
-/// The softest blow: published 150 ms from key start to key bottom at 0.8 N, and the hammer about 12 ms before key bottom.
+/// The softest blow: published 150 ms from key start to key bottom at 0.8 N, and the hammer about 12 ms before key
+/// bottom.
 #[test]
 fn the_softest_blow_keeps_its_times() {
     let e = press(&grand(), 0.8).events;
@@ -85,7 +86,8 @@ fn the_softest_blow_keeps_its_times() {
     assert!((0.45..0.65).contains(&e.hammer_speed_m_s().unwrap()), "{e:?}");
 }
 
-/// Softly, the hammer is first; loudly, the key bottoms first (Askenfelt and Jansson's order of events). Speeds rise with force.
+/// Softly, the hammer is first; loudly, the key bottoms first (Askenfelt and Jansson's order of events). Speeds rise
+/// with force.
 #[test]
 fn the_order_of_events_reverses() {
     let grand = grand();
@@ -100,17 +102,17 @@ fn the_order_of_events_reverses() {
     assert!((5.0..8.0).contains(&speed), "35 N: {speed} m/s");
 }
 
-/// Let go, everything falls back and stops: all velocities are exactly zero. Where it stops is a set, not a point, for every
-/// pivot holds what its friction can hold:
-/// - the key within the friction of all pivots it carries (0.0242 N m, 91 mN at its front) over the back-rail cloth's stiffness
-///   (2 sqrt(5e7 x 0.40) = 9.0 kN/m), with the arms' ratio 265/225: 12 um either way;
-/// - the hammer rests on the repetition lever, whose spring carries it almost by itself and whose pivot friction then decides how
-///   high; it can sink until the knuckle sits on the jack's top. That gap, with 40 um of leather for the tenth of a newton that
-///   friction may leave to the jack and 10 um of whippen, times the head's lever arm over the knuckle's (138.6 / 14.4 mm, both
-///   horizontal), is the bound downward. Upward it is what the felt under the lever's tail gives when the pins of lever and
-///   hammer, which pushed one way at first, push the other way: twice their friction more on that felt, at the arms of tail
-///   (20 mm) and knuckle (37 mm); the key's own 24 um at a leverage of 6.5; and a tenth of a millimetre for the felts of knuckle
-///   and capstan.
+/// Let go, everything falls back and stops: all velocities are exactly zero. Where it stops is a set, not a point, for
+/// every pivot holds what its friction can hold:
+/// - the key within the friction of all pivots it carries (0.0242 N m, 91 mN at its front) over the back-rail cloth's
+///   stiffness (2 sqrt(5e7 x 0.40) = 9.0 kN/m), with the arms' ratio 265/225: 12 um either way;
+/// - the hammer rests on the repetition lever, whose spring carries it almost by itself and whose pivot friction then
+///   decides how high; it can sink until the knuckle sits on the jack's top. That gap, with 40 um of leather for the
+///   tenth of a newton that friction may leave to the jack and 10 um of whippen, times the head's lever arm over the
+///   knuckle's (138.6 / 14.4 mm, both horizontal), is the bound downward. Upward it is what the felt under the lever's
+///   tail gives when the pins of lever and hammer, which pushed one way at first, push the other way: twice their
+///   friction more on that felt, at the arms of tail (20 mm) and knuckle (37 mm); the key's own 24 um at a leverage of
+///   6.5; and a tenth of a millimetre for the felts of knuckle and capstan.
 #[test]
 fn let_go_everything_comes_to_rest() {
     let grand = grand();
@@ -152,16 +154,16 @@ fn repeats(play: &Play, frequency: f64, strokes: u32, highest: f64, grand: &Inst
     assert!(top > highest, "{play:?}: the key comes up to {top}");
 }
 
-/// The double escapement: at 8 strokes a second between 3 mm and the full dip every stroke sounds, although the key stays 2.8 mm
-/// from home at least (an action without a repetition lever needs the key all the way up).
+/// The double escapement: at 8 strokes a second between 3 mm and the full dip every stroke sounds, although the key
+/// stays 2.8 mm from home at least (an action without a repetition lever needs the key all the way up).
 #[test]
 fn eight_strokes_a_second_without_coming_home() {
     let play = Play::Tremolo { top: 3e-3, bottom: 9.9e-3, frequency: 8.0 };
     repeats(&play, 8.0, 16, 2.8e-3, &grand());
 }
 
-/// From home, ten strokes a second all sound under the shipped finger, and twelve under a softer one (2 N/mm): a stiff finger
-/// throws the key so that it and the finger meet out of step.
+/// From home, ten strokes a second all sound under the shipped finger, and twelve under a softer one (2 N/mm): a stiff
+/// finger throws the key so that it and the finger meet out of step.
 #[test]
 fn ten_and_twelve_strokes_a_second_from_home() {
     let mut grand = grand();
@@ -177,8 +179,8 @@ fn smooth_step(x: f64) -> [f64; 2] {
     [x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x)]
 }
 
-/// Pressed, held until the hammer is checked, let up half-way (5 of 9.9 mm) and pressed again: it sounds again, whether the
-/// second press comes at once or later.
+/// Pressed, held until the hammer is checked, let up half-way (5 of 9.9 mm) and pressed again: it sounds again, whether
+/// the second press comes at once or later.
 #[test]
 fn a_second_press_from_half_way_sounds() {
     let grand = grand();
@@ -210,8 +212,8 @@ fn a_second_press_from_half_way_sounds() {
     }
 }
 
-/// Where a zone pushes, its place is known: the normal is a unit vector (to single precision), also in the first row of a
-/// contact that began within the step after it.
+/// Where a zone pushes, its place is known: the normal is a unit vector (to single precision), also in the first row of
+/// a contact that began within the step after it.
 #[test]
 fn what_pushes_has_a_place() {
     let run = press(&grand(), 5.0);

@@ -39,8 +39,9 @@ fn pendulum() -> Instrument {
     }
 }
 
-/// At every angle phi below the level, omega^2 = 2 m g l sin(phi) / J and alpha = -m g l cos(phi) / J; so the pin carries, along the pendulum
-/// toward the pin, m g sin(phi) + m l omega^2, and across it m g cos(phi) (1 - m l^2 / J). To 1e-6 of the weight at 50 us.
+/// At every angle phi below the level, omega^2 = 2 m g l sin(phi) / J and alpha = -m g l cos(phi) / J; so the pin
+/// carries, along the pendulum toward the pin, m g sin(phi) + m l omega^2, and across it m g cos(phi) (1 - m l^2 / J).
+/// To 1e-6 of the weight at 50 us.
 #[test]
 fn a_pendulum_hangs_on_its_pin() {
     let pendulum = pendulum();
@@ -144,9 +145,10 @@ impl Observer for Witness {
     }
 }
 
-/// Newton's second law, body by body: all forces, the pins' among them, against mass times the second difference of where the centres of mass
-/// were. Differences over two steps belong to the mean of the forces of both. What is left is of the differences' second order: it falls by more
-/// than a factor of ten from 50 us to 12.5 us (16 where nothing begins or ends between), and is below 1e-4 of the body's largest force.
+/// Newton's second law, body by body: all forces, the pins' among them, against mass times the second difference of
+/// where the centres of mass were. Differences over two steps belong to the mean of the forces of both. What is left is
+/// of the differences' second order: it falls by more than a factor of ten from 50 us to 12.5 us (16 where nothing
+/// begins or ends between), and is below 1e-4 of the body's largest force.
 #[test]
 fn forces_are_mass_times_the_differences_of_positions() {
     let off = [1.0, 0.25].map(|part| {
@@ -180,7 +182,8 @@ fn forces_are_mass_times_the_differences_of_positions() {
     }
 }
 
-/// Momentum: over a stroke, the impulses of weight, finger, ground and pins on each body are what its momentum has changed by, from positions.
+/// Momentum: over a stroke, the impulses of weight, finger, ground and pins on each body are what its momentum has
+/// changed by, from positions.
 #[test]
 fn impulses_are_changes_of_momentum() {
     let w = Witness::of("ff", Settings { tolerance: 1e-13, ..Settings::new(0.25 * USUAL_STEP_S) }, 0.06);
@@ -205,9 +208,10 @@ fn impulses_are_changes_of_momentum() {
     }
 }
 
-/// Euler's law about each pin, which the reactions were not made from. The damper, which carries nothing and rubs on nothing, obeys it to
-/// rounding. The engine takes inertia's couplings and the direction of rubbing at the pose that it predicts for the step, so that on the others
-/// some 1e-5 of moments of several N m is left at 50 us (the whippen under a key that bends has most), and less than a tenth of that at a quarter of the step.
+/// Euler's law about each pin, which the reactions were not made from. The damper, which carries nothing and rubs on
+/// nothing, obeys it to rounding. The engine takes inertia's couplings and the direction of rubbing at the pose that it
+/// predicts for the step, so that on the others some 1e-5 of moments of several N m is left at 50 us (the whippen under
+/// a key that bends has most), and less than a tenth of that at a quarter of the step.
 #[test]
 fn moments_about_the_pins_balance() {
     let left = [1.0, 0.25].map(|part| {
@@ -240,7 +244,8 @@ impl Observer for Books {
     }
 }
 
-/// What all pins and contacts have lost is what the engine's ledger says was lost, kind by kind, to rounding; and no loss is a gain.
+/// What all pins and contacts have lost is what the engine's ledger says was lost, kind by kind, to rounding; and no
+/// loss is a gain.
 #[test]
 fn losses_add_up_to_the_ledger() {
     let grand = grand();
@@ -266,8 +271,9 @@ fn losses_add_up_to_the_ledger() {
     }
 }
 
-/// Where the error is controlled the same holds: losses add up to the ledger, which books the same halves of steps, kind by kind. Steps are of
-/// any length there; what books that are kept from outside say of sliding, with the slip at the ends of steps, agrees the better the smaller the error.
+/// Where the error is controlled the same holds: losses add up to the ledger, which books the same halves of steps,
+/// kind by kind. Steps are of any length there; what books that are kept from outside say of sliding, with the slip at
+/// the ends of steps, agrees the better the smaller the error.
 #[test]
 fn controlled_steps_lose_what_the_ledger_says() {
     let grand = grand();
@@ -299,9 +305,9 @@ fn controlled_steps_lose_what_the_ledger_says() {
     assert!(sliding[0] < 1e-3 && sliding[1] < sliding[0] / 3.0, "{sliding:?}");
 }
 
-/// Pin reactions of a run whose error is controlled, against those of fixed steps, pin by pin and row by row: the two schemes share the
-/// laws and nothing of how long steps are. Fixed steps come nearer to it as they are made shorter (by the root of the mean square, for
-/// where a felt is met one row differs by what the force grows in a step).
+/// Pin reactions of a run whose error is controlled, against those of fixed steps, pin by pin and row by row: the two
+/// schemes share the laws and nothing of how long steps are. Fixed steps come nearer to it as they are made shorter (by
+/// the root of the mean square, for where a felt is met one row differs by what the force grows in a step).
 #[test]
 fn reactions_of_controlled_steps_are_the_limit_of_short_steps() {
     let grand = crate::common::rigid_grand();

@@ -12,7 +12,8 @@ use erard::run::{Setup, SimulationError, simulate};
 use erard::stroke::Touch;
 use moreau::{FrictionLaw, Settings};
 
-/// Widths of the regularised law, rad/s: a tenth of the velocities of a soft blow, and a hundredth and a thousandth of that.
+/// Widths of the regularised law, rad/s: a tenth of the velocities of a soft blow, and a hundredth and a thousandth of
+/// that.
 const WIDTHS: [f64; 3] = [0.1, 0.01, 0.001];
 
 fn settings(theta: f64, friction: FrictionLaw<f64>) -> Settings<f64> {
@@ -25,8 +26,9 @@ fn drifts(run: &Run, since_s: f64) -> Vec<f64> {
     run.bodies.iter().map(|b| largest(b.angle_rad[first..].iter().map(|q| q - b.angle_rad[first]))).collect()
 }
 
-/// A minute of nothing. Every body that friction holds has a velocity of exactly zero, so that nothing moves by even one bit; a
-/// bound of 1e-12 rad would allow 2e-14 rad/s. The pivots' friction torques stay what they are, and are not small.
+/// A minute of nothing. Every body that friction holds has a velocity of exactly zero, so that nothing moves by even
+/// one bit; a bound of 1e-12 rad would allow 2e-14 rad/s. The pivots' friction torques stay what they are, and are not
+/// small.
 #[test]
 fn a_minute_of_rest() {
     for (grand, holding) in [(rigid_grand(), 6), (grand(), 7)] {
@@ -42,7 +44,8 @@ fn a_minute_of_rest() {
     }
 }
 
-/// The same after a note, where every pivot stopped by itself: a second after the key was let go nothing moves any more.
+/// The same after a note, where every pivot stopped by itself: a second after the key was let go nothing moves any
+/// more.
 #[test]
 fn a_minute_of_rest_after_a_note() {
     let run =
@@ -51,8 +54,8 @@ fn a_minute_of_rest_after_a_note() {
     assert!(largest(run.final_pivot_friction_n_m.iter().copied()) > 1e-4);
 }
 
-/// With tanh(u / width) instead, nothing holds: in a minute the mechanism creeps to where it would rest without any friction, by
-/// more than 1e-3 rad at whatever width, and no friction is left.
+/// With tanh(u / width) instead, nothing holds: in a minute the mechanism creeps to where it would rest without any
+/// friction, by more than 1e-3 rad at whatever width, and no friction is left.
 #[test]
 #[ignore = "ci: three minutes of creeping"]
 fn regularised_friction_creeps() {
@@ -80,9 +83,10 @@ fn a_held_note_does_not_drift() {
     }
 }
 
-/// What the papers say of regularised laws: the same note creeps out of the check. At 0.1 rad/s the hammer slips out altogether and
-/// comes up under the string; narrower laws creep more slowly in proportion to their width, and never hold. The rates are those of
-/// the first second after the catch (which is over after 0.15 s), while the hammer is still in the check.
+/// What the papers say of regularised laws: the same note creeps out of the check. At 0.1 rad/s the hammer slips out
+/// altogether and comes up under the string; narrower laws creep more slowly in proportion to their width, and never
+/// hold. The rates are those of the first second after the catch (which is over after 0.15 s), while the hammer is
+/// still in the check.
 #[test]
 fn a_held_note_creeps_when_regularised() {
     let grand = grand();
@@ -110,9 +114,9 @@ fn a_held_note_creeps_when_regularised() {
     );
 }
 
-/// The angle at which the hammer is caught converges with order 2 at theta = 1/2, although a let-off, a blow, a key bottom and a
-/// catch with dry friction lie before it (the felts' forces start as the square of their compression, so that their onsets cost
-/// no order). At theta = 1 it is of order 1.
+/// The angle at which the hammer is caught converges with order 2 at theta = 1/2, although a let-off, a blow, a key
+/// bottom and a catch with dry friction lie before it (the felts' forces start as the square of their compression, so
+/// that their onsets cost no order). At theta = 1 it is of order 1.
 ///
 /// Errors against a step of 3.125/32 us, root mean squares over 8 steps within an eighth of the nominal one (see
 /// `common/ladder.rs`); over four halvings the observed order is 2.0 with a scatter of 0.1.
@@ -182,7 +186,8 @@ fn a_search_for_a_rest_that_does_not_end_well() {
         pedal: erard::strings::Pedal::default(),
         hand: None,
     };
-    // Stiffnesses that no step resolves end the search soon, with strings or without: it asks every 512 steps, 20 s are 400 000.
+    // Stiffnesses that no step resolves end the search soon, with strings or without: it asks every 512 steps, 20 s are
+    // 400 000.
     for name in ["concert-grand", "concert-grand-strings"] {
         let mut explosive = Instrument::builtin(name).unwrap();
         explosive.zones.iter_mut().for_each(|zone| zone.felt.stiffness = 1e300);

@@ -1,4 +1,5 @@
-//! Random instruments under random strokes. `cargo run --release -p erard --example robustness` plays ten thousand of them.
+//! Random instruments under random strokes. `cargo run --release -p erard --example robustness` plays ten thousand of
+//! them.
 
 use crate::common::perturb::{Fate, perturbed, play};
 use crate::common::{USUAL_STEP_S, grand, rigid_grand};
@@ -17,10 +18,11 @@ fn fates(grand: &Instrument, theta: f64, first: u64, count: u64) -> Vec<Fate> {
     })
 }
 
-/// No panic, nothing that is not finite, a rest to start from, and bounded energy: at any time what is stored and lost exceeds what
-/// was there and what was put in by less than 1 % of what has been turned over. (Felts three times as stiff on lighter bodies are at
-/// the resolution of the step: of 10 000 instruments the worst gains 0.3 %, one in a hundred more than 0.03 %, the grand
-/// 0.006 %.) Friction never gives energy. Of the steps fewer than one in 20 000 is not converged (1 in 180 000 of the 10 000).
+/// No panic, nothing that is not finite, a rest to start from, and bounded energy: at any time what is stored and lost
+/// exceeds what was there and what was put in by less than 1 % of what has been turned over. (Felts three times as
+/// stiff on lighter bodies are at the resolution of the step: of 10 000 instruments the worst gains 0.3 %, one in a
+/// hundred more than 0.03 %, the grand 0.006 %.) Friction never gives energy. Of the steps fewer than one in 20 000 is
+/// not converged (1 in 180 000 of the 10 000).
 #[test]
 fn nothing_breaks_at_random() {
     nothing_breaks(30);
@@ -57,7 +59,8 @@ fn nothing_of_much_breaks_at_random_with_theta_one() {
 }
 
 fn nothing_breaks_with_theta_one(count: u64) {
-    // The gain is what these seeds show, and no theorem: turning paths leave terms of h^2 of either sign, and another seed has shown 3.5e-4.
+    // The gain is what these seeds show, and no theorem: turning paths leave terms of h^2 of either sign, and another
+    // seed has shown 3.5e-4.
     for fate in fates(&rigid_grand(), 1.0, 20_000, count) {
         assert!(!fate.not_finite && !fate.restless, "{fate:?}");
         assert!(fate.gain < 1e-6, "{fate:?}");
@@ -65,7 +68,8 @@ fn nothing_breaks_with_theta_one(count: u64) {
     }
 }
 
-/// The random instruments are possible bodies: an inertia about the pivot is never less than that of the mass at its centre.
+/// The random instruments are possible bodies: an inertia about the pivot is never less than that of the mass at its
+/// centre.
 #[test]
 fn random_instruments_are_possible() {
     let grand = grand();

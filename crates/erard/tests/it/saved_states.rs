@@ -259,7 +259,8 @@ fn optional_laws_change_the_identity() {
     assert_eq!(unused.digest(), own.digest(), "what is described and not in force");
 }
 
-/// A state goes on in an instrument whose file has another order: every body where it was, and the same motion to rounding.
+/// A state goes on in an instrument whose file has another order: every body where it was, and the same motion to
+/// rounding.
 #[test]
 fn a_state_goes_on_in_another_order() {
     for (name, rigid_bridge) in

@@ -181,7 +181,8 @@ fn points_land_where_the_start_set_has_them() {
     close(world_mm(&grand, jack_top.curve_body, to_m), [b[0] - 77.9, b[1] + 47.37], 1e-9);
 }
 
-/// The compression of each felt as drawn, worked out by hand from the start set and the five distances moved since (the shank's sine and cosine to 1e-6).
+/// The compression of each felt as drawn, worked out by hand from the start set and the five distances moved since (the
+/// shank's sine and cosine to 1e-6).
 #[test]
 fn compressions_as_drawn_have_the_right_size_and_sign() {
     let grand = rigid();

@@ -8,8 +8,8 @@ use moreau::{Input, Model, Outcome, Scalar, Settings, State, Workspace, step};
 const SETTLE_S: f64 = 1.0;
 const PRESS_S: f64 = 1.0;
 
-/// Largest speed of the hammer's head on its way up under a constant force, m/s, steps that did not converge, and how far the
-/// caught hammer drifts during the last tenth of a second, rad.
+/// Largest speed of the hammer's head on its way up under a constant force, m/s, steps that did not converge, and how
+/// far the caught hammer drifts during the last tenth of a second, rad.
 fn press<T: Scalar>(force_n: f64) -> (f64, u32, f64)
 where
     f64: From<T>,
@@ -40,8 +40,9 @@ where
     (fastest, unconverged, (f64::from(state.angle[hammer]) - caught_at).abs())
 }
 
-/// Hammer speeds agree to 1e-3: an angle of 0.3 rad is known to 3e-8 in single precision, 4 nm at the string, of which a felt
-/// compressed by 0.1 mm makes 1e-4 of its force; some of it is systematic. A caught hammer does not drift there either.
+/// Hammer speeds agree to 1e-3: an angle of 0.3 rad is known to 3e-8 in single precision, 4 nm at the string, of which
+/// a felt compressed by 0.1 mm makes 1e-4 of its force; some of it is systematic. A caught hammer does not drift there
+/// either.
 #[test]
 fn single_precision_plays_the_same_notes() {
     for force_n in [2.0, 8.0, 20.0] {

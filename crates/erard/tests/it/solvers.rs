@@ -1,13 +1,13 @@
-//! Two solvers of the one-step problem that share no code but the problem: the active set on the velocities, and the papers'
-//! projected Gauss-Seidel on the Delassus matrix.
+//! Two solvers of the one-step problem that share no code but the problem: the active set on the velocities, and the
+//! papers' projected Gauss-Seidel on the Delassus matrix.
 
 use crate::common::{Play, USUAL_STEP_S, grand};
 use erard::run::{Events, Run};
 use erard::stroke::Touch;
 use moreau::{Settings, Solver};
 
-/// Both solvers meet 1e-11 rad/s in every one-step problem. From there to 1e-9 of a hammer speed of meters per second is what a
-/// thousand steps of a press may add up to or amplify (1e-6 is asked for).
+/// Both solvers meet 1e-11 rad/s in every one-step problem. From there to 1e-9 of a hammer speed of meters per second
+/// is what a thousand steps of a press may add up to or amplify (1e-6 is asked for).
 const SPEED: f64 = 1e-9;
 
 fn instants(e: &Events) -> [Option<f64>; 6] {
@@ -41,9 +41,10 @@ fn per_step(run: &Run) -> f64 {
     run.work.solver_iterations as f64 / run.work.steps as f64
 }
 
-/// All built-in strokes and steps of force, both thetas. Gauss-Seidel takes twenty sweeps a step at most in the mean (eight bodies, whose stiff bends it has to carry from piece to piece), and ends within its
-/// limit but for a step or two of ten thousand, where a pin and a sliding contact that carry each other stick at once. Those are
-/// counted, and the answers are the same all the same.
+/// All built-in strokes and steps of force, both thetas. Gauss-Seidel takes twenty sweeps a step at most in the mean
+/// (eight bodies, whose stiff bends it has to carry from piece to piece), and ends within its limit but for a step or
+/// two of ten thousand, where a pin and a sliding contact that carry each other stick at once. Those are counted, and
+/// the answers are the same all the same.
 #[test]
 fn the_same_blows_from_both_solvers() {
     same_blows(&[Play::Stroke("mf", Touch::Pressed), Play::Stroke("ff", Touch::Struck), Play::ForceStep(2.0, 0.5)]);
@@ -77,9 +78,10 @@ fn the_same_repetition_from_both_solvers() {
     }
 }
 
-/// An imposed key motion is an equality, and with the key's own friction beside it Gauss-Seidel creeps: each sweep moves the friction
-/// by what the slow key would need, of which a bound is thousands of times as much. Steps that reach the limit of 2000 sweeps are
-/// counted, and the active set (one guess a step) has none; the answers are the same all the same.
+/// An imposed key motion is an equality, and with the key's own friction beside it Gauss-Seidel creeps: each sweep
+/// moves the friction by what the slow key would need, of which a bound is thousands of times as much. Steps that reach
+/// the limit of 2000 sweeps are counted, and the active set (one guess a step) has none; the answers are the same all
+/// the same.
 #[test]
 fn gauss_seidel_is_slow_where_motion_is_imposed() {
     let [a, b] = compare(&Play::Rigid("mf", Touch::Pressed), 0.5);

@@ -1,4 +1,5 @@
-//! Modal strings: a bare hammer head thrown at middle C's, against an independent solution; books, rest, partials, snapshots; the whole action.
+//! Modal strings: a bare hammer head thrown at middle C's, against an independent solution; books, rest, partials,
+//! snapshots; the whole action.
 
 use crate::common::{Play, USUAL_STEP_S, grand};
 use erard::instrument::{Instrument, InstrumentFile};
@@ -13,8 +14,8 @@ fn strung() -> Instrument {
     Instrument::builtin("concert-grand-strings").expect("the built-in grand reads")
 }
 
-/// A head of 8.9 g, three times the hammer of one string, at the end of an arm of a metre, touching the strings of the shipped instrument from below with a felt that loses nothing; alike, so
-/// that they move as one.
+/// A head of 8.9 g, three times the hammer of one string, at the end of an arm of a metre, touching the strings of the
+/// shipped instrument from below with a felt that loses nothing; alike, so that they move as one.
 fn bare(gravity: &str, damping: f64) -> Instrument {
     let text = format!(
         r#"
@@ -78,7 +79,8 @@ struct Blow {
     peak_n: f64,
     /// From the first touch to the last, s.
     until_s: f64,
-    /// How long the force is above a tenth of its peak, from the first time on to the last, between the steps' middles by straight lines, s.
+    /// How long the force is above a tenth of its peak, from the first time on to the last, between the steps' middles
+    /// by straight lines, s.
     contact_s: f64,
     back_m_s: f64,
     pulses: usize,
@@ -112,9 +114,10 @@ fn blow(instrument: &Instrument, h: f64, speed: f64) -> Blow {
     blow
 }
 
-/// Peak, end of the last contact and speed of return from SciPy's DOP853 (relative tolerance 1e-9, steps of at most 20 us): the same mass against the same felt and 53
-/// modes of three equal strings as one system of ordinary differential equations (`book/src/model/strings.md` has the program). 53 modes are those
-/// below 20 kHz, as here; what is beyond is a static compliance here and left out there: with 38 modes the peaks there are half a percent higher.
+/// Peak, end of the last contact and speed of return from SciPy's DOP853 (relative tolerance 1e-9, steps of at most 20
+/// us): the same mass against the same felt and 53 modes of three equal strings as one system of ordinary differential
+/// equations (`book/src/model/strings.md` has the program). 53 modes are those below 20 kHz, as here; what is beyond is
+/// a static compliance here and left out there: with 38 modes the peaks there are half a percent higher.
 #[test]
 fn a_blow_is_the_one_of_an_independent_solution() {
     let reference =
@@ -135,9 +138,10 @@ fn a_blow_is_the_one_of_an_independent_solution() {
     }
 }
 
-/// Before the first reflection comes back, a string under a force moves as an infinite one, u' = F / (2 sqrt(T mu)), whatever the force does; but its stiffness rounds the
-/// kink under the force, over the length l = sqrt(EI/T), so that the point itself lags behind by F l / (2 T). Three strings share the force.
-/// The strike point is 74.4 mm from the near end: waves of 325 m/s are back after 0.46 ms.
+/// Before the first reflection comes back, a string under a force moves as an infinite one, u' = F / (2 sqrt(T mu)),
+/// whatever the force does; but its stiffness rounds the kink under the force, over the length l = sqrt(EI/T), so that
+/// the point itself lags behind by F l / (2 T). Three strings share the force. The strike point is 74.4 mm from the
+/// near end: waves of 325 m/s are back after 0.46 ms.
 #[test]
 fn before_the_first_reflection_the_string_is_infinite() {
     let instrument = bare("0", 0.0);
@@ -158,8 +162,9 @@ fn before_the_first_reflection_the_string_is_infinite() {
     }
 }
 
-/// Second order in the internal step: a quarter of the error at half of it, in the peak, in the contact's duration and in the partials up to 5 kHz; the return is right to 2e-3 at any. The step
-/// also says which modes are stepped and which follow statically, so that this is the convergence of both.
+/// Second order in the internal step: a quarter of the error at half of it, in the peak, in the contact's duration and
+/// in the partials up to 5 kHz; the return is right to 2e-3 at any. The step also says which modes are stepped and
+/// which follow statically, so that this is the convergence of both.
 #[test]
 fn blows_converge_with_the_second_order() {
     let instrument = bare("0", 2e7);
@@ -210,8 +215,8 @@ fn blows_converge_with_the_second_order() {
     }
 }
 
-/// A head that falls on the strings and is held there, pressed by 2 N, for a second. The energy balance includes the strings: their losses never fall,
-/// and all is accounted for.
+/// A head that falls on the strings and is held there, pressed by 2 N, for a second. The energy balance includes the
+/// strings: their losses never fall, and all is accounted for.
 #[test]
 fn nothing_is_won_from_a_hammer_that_stays() {
     for h in [20e-6, 50e-6, 200e-6] {
@@ -241,7 +246,8 @@ fn nothing_is_won_from_a_hammer_that_stays() {
     }
 }
 
-/// What the exact steps of the modes lose is what their dashpots take, integral of 2 m sigma q'^2: by Simpson's rule over small steps.
+/// What the exact steps of the modes lose is what their dashpots take, integral of 2 m sigma q'^2: by Simpson's rule
+/// over small steps.
 #[test]
 fn strings_lose_what_their_dashpots_take() {
     let instrument = bare("0", 0.0);
@@ -281,7 +287,8 @@ fn strings_lose_what_their_dashpots_take() {
     assert!((lost / taken - 1.0).abs() < 1e-6, "{lost} {taken}");
 }
 
-/// Partials of the bridge force after a blow: phase over a second, each within 0.1 cent of n f0 sqrt(1 + B n^2) with the declared f0 and B.
+/// Partials of the bridge force after a blow: phase over a second, each within 0.1 cent of n f0 sqrt(1 + B n^2) with
+/// the declared f0 and B.
 #[test]
 fn partials_are_where_the_formula_has_them() {
     let instrument = bare("0", 0.0);
@@ -316,7 +323,8 @@ fn partials_are_where_the_formula_has_them() {
     }
 }
 
-/// The whole action, softest to loudest: the energy balance closes to 1e-4, no step fails, and the hammer is caught as it is by a rigid string.
+/// The whole action, softest to loudest: the energy balance closes to 1e-4, no step fails, and the hammer is caught as
+/// it is by a rigid string.
 #[test]
 fn the_books_of_a_whole_action_close() {
     for nuance in erard::stroke::NUANCES {
@@ -339,7 +347,8 @@ fn the_books_of_a_whole_action_close() {
     }
 }
 
-/// At rest nothing is computed: the action and its strings rest, keys sleep; and a note that was played comes to rest in the end.
+/// At rest nothing is computed: the action and its strings rest, keys sleep; and a note that was played comes to rest
+/// in the end.
 #[test]
 fn strings_at_rest_cost_nothing() {
     let mut action = Action::new(&strung()).unwrap();
@@ -370,7 +379,8 @@ fn strings_at_rest_cost_nothing() {
     assert!(keys.awake() == 0 && (0.5..10.0).contains(&keys.time_s()));
 }
 
-/// A note that dies away never holds a number that is slow to compute with (a denormal one), down to where it has come to rest.
+/// A note that dies away never holds a number that is slow to compute with (a denormal one), down to where it has come
+/// to rest.
 #[test]
 fn a_tail_has_no_denormal_numbers() {
     let mut action = Action::new(&strung()).unwrap();
@@ -415,7 +425,8 @@ fn keys_and_actions_are_the_same_bits() {
     assert!(action.strings().unwrap().bridge_n() != 0.0);
 }
 
-/// A snapshot in mid blow goes on to the bit, through bytes and through text; without the strings' own numbers they are at rest.
+/// A snapshot in mid blow goes on to the bit, through bytes and through text; without the strings' own numbers they are
+/// at rest.
 #[test]
 fn snapshots_hold_the_strings() {
     let instrument = strung();
@@ -515,8 +526,8 @@ fn wrong_strings_are_told() {
     assert!(message.contains("set-valued loss"), "{message}");
 }
 
-/// The keyboard: one string, two, three; partial 4 of a note with partial 2 of its octave below C5, partial 2 with partial 1 above, to two cents and a half; every key
-/// plays, and wound strings are as heavy as their tension asks.
+/// The keyboard: one string, two, three; partial 4 of a note with partial 2 of its octave below C5, partial 2 with
+/// partial 1 above, to two cents and a half; every key plays, and wound strings are as heavy as their tension asks.
 #[test]
 fn the_keyboard_is_strung_and_tuned() {
     let keyboard = erard::keyboard::Keyboard::builtin("concert-grand-strings").unwrap();

@@ -151,7 +151,8 @@ fn ten_million_rows_are_refused_without_reading_them_all() {
     assert!(start.elapsed() < Duration::from_secs(30), "took {:?}", start.elapsed());
 }
 
-/// Columns in another known unit are converted; without a unit, or in one that is not known, they are refused, and never ignored.
+/// Columns in another known unit are converted; without a unit, or in one that is not known, they are refused, and
+/// never ignored.
 #[test]
 fn columns_in_other_units() {
     let others = |known: &str| {

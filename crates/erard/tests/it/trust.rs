@@ -24,8 +24,9 @@ fn motions() -> impl Iterator<Item = Play> {
     })
 }
 
-/// Every built-in stroke on every built-in instrument, by force and by motion, and steps of force. The only thing that any of them may say is
-/// that the jack or the damper flies further than it can: the model has no stop there, and that is the finding. The default press says nothing.
+/// Every built-in stroke on every built-in instrument, by force and by motion, and steps of force. The only thing that
+/// any of them may say is that the jack or the damper flies further than it can: the model has no stop there, and that
+/// is the finding. The default press says nothing.
 #[test]
 fn the_grand_is_trusted() {
     missing_stops(&["concert-grand"]);
@@ -111,7 +112,8 @@ fn ten_thousand_newtons_are_not_trusted() {
     assert!(crushed.time_s.is_some_and(|t| (0.0..=0.1).contains(&t)), "{crushed:?}");
 }
 
-/// A string ten metres away, the furthest that a file may put it; and on the far side of the hammer, which then begins ten metres within it.
+/// A string ten metres away, the furthest that a file may put it; and on the far side of the hammer, which then begins
+/// ten metres within it.
 #[test]
 fn a_string_far_away_is_not_trusted() {
     for far in ["[251, 10000]", "[251, -10000]"] {
@@ -138,7 +140,8 @@ fn bounds_move_nothing() {
     assert!(without.is_trusted());
 }
 
-/// The furthest turn of every body and the deepest compression of every felt are those of the recorded rows, or more, where they lie between two.
+/// The furthest turn of every body and the deepest compression of every felt are those of the recorded rows, or more,
+/// where they lie between two.
 #[test]
 fn extremes_are_those_of_the_rows() {
     let run = Play::Stroke("ff", Touch::Struck).run(&grand(), settings(), 0.3);

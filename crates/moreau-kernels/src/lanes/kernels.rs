@@ -11,14 +11,16 @@ use super::avx2_single::F32x8;
 use super::avx512::F64x8;
 use super::avx512_single::F32x16;
 
-/// One step of all lanes: writes how each ended, or does nothing and returns false where the inputs are not of one kind.
+/// One step of all lanes: writes how each ended, or does nothing and returns false where the inputs are not of one
+/// kind.
 ///
 /// # Safety
 /// The processor must have the instructions that the kernel is compiled for.
 type Kernel<T, const B: usize, const Z: usize, const N: usize> =
     unsafe fn(&mut Stepped<T, B, Z, N>, &[Input<f64>], &mut [Outcome]) -> bool;
 
-/// What a step reads and writes, in one place: the kernel then finds all of it from one address, and has registers for other things.
+/// What a step reads and writes, in one place: the kernel then finds all of it from one address, and has registers for
+/// other things.
 struct Stepped<T: Real, const B: usize, const Z: usize, const N: usize> {
     model: Model<T, B, Z>,
     state: State<T, B, Z>,
@@ -114,7 +116,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     /// Copies one lane's angles and velocities.
     #[inline]
     pub(crate) fn copy_motion(&self, lane: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
-        // A lane that is known when this is compiled is read from memory where it stands; any other by way of all lanes.
+        // A lane that is known when this is compiled is read from memory where it stands; any other by way of all
+        // lanes.
         macro_rules! copy {
             ($($known:literal)*) => {
                 match lane {

@@ -1,9 +1,10 @@
 //! Several mechanisms at once in the lanes of the processor's vectors.
 //!
-//! The physics is `moreau`'s one generic kernel ([`moreau::step_lanes`]); this module gives it numbers that are four (AVX2) or eight
-//! (AVX-512) wide, compiled for those instructions and chosen when the program runs. Elsewhere the same mechanisms are stepped one
-//! after the other. Either way every mechanism gets the numbers that [`moreau::step()`] gives it alone, to rounding. Twice as many fit
-//! in single precision, for those who can do with it: models and states go in and out in doubles all the same.
+//! The physics is `moreau`'s one generic kernel ([`moreau::step_lanes`]); this module gives it numbers that are four
+//! (AVX2) or eight (AVX-512) wide, compiled for those instructions and chosen when the program runs. Elsewhere the same
+//! mechanisms are stepped one after the other. Either way every mechanism gets the numbers that [`moreau::step()`]
+//! gives it alone, to rounding. Twice as many fit in single precision, for those who can do with it: models and states
+//! go in and out in doubles all the same.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -135,8 +136,8 @@ impl<const B: usize, const Z: usize, const N: usize> OneByOne<B, Z, N> {
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
-    /// Mechanisms where they are now. Where there are as many of them as the processor has `lanes` for, and they differ in their numbers
-    /// only, they are stepped at once; otherwise one by one.
+    /// Mechanisms where they are now. Where there are as many of them as the processor has `lanes` for, and they differ
+    /// in their numbers only, they are stepped at once; otherwise one by one.
     ///
     /// # Panics
     /// If there are not as many states as models, or a model has more than N set-valued laws ([`Model::laws`]).
@@ -167,7 +168,8 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         Group::one_by_one(models, states, settings)
     }
 
-    /// Four at once in doubles, or one by one: no other lanes are compiled for a size of which only such groups are made.
+    /// Four at once in doubles, or one by one: no other lanes are compiled for a size of which only such groups are
+    /// made.
     ///
     /// # Panics
     /// As [`Group::new`].
@@ -182,7 +184,8 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         Group::one_by_one(models, states, settings)
     }
 
-    /// Eight at once in single precision, or one by one: no other lanes are compiled for a size of which only such groups are made.
+    /// Eight at once in single precision, or one by one: no other lanes are compiled for a size of which only such
+    /// groups are made.
     ///
     /// # Panics
     /// As [`Group::new`].
@@ -201,7 +204,8 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         Group::one_by_one(models, states, settings)
     }
 
-    /// The same, stepped one by one whatever the processor has: no lanes are compiled for a size of which only such groups are made.
+    /// The same, stepped one by one whatever the processor has: no lanes are compiled for a size of which only such
+    /// groups are made.
     pub(crate) fn one_by_one(
         models: &[Model<f64, B, Z>],
         states: &[State<f64, B, Z>],
@@ -250,7 +254,8 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         }
     }
 
-    /// The same, but steps that would change nothing are left out: of lanes, where none of them would change. The same bits either way.
+    /// The same, but steps that would change nothing are left out: of lanes, where none of them would change. The same
+    /// bits either way.
     ///
     /// # Panics
     /// As [`Group::step`].

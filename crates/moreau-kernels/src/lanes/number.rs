@@ -1,8 +1,8 @@
 //! What vector numbers have in common, written once for every width and precision.
 //!
-//! A module that uses these macros gives the lane type, the width, and the intrinsics. Its numbers are private to this module and exist
-//! only inside the kernels of `kernels.rs`, which are entered after the processor has been asked for their instructions. That is what
-//! makes the intrinsics sound.
+//! A module that uses these macros gives the lane type, the width, and the intrinsics. Its numbers are private to this
+//! module and exist only inside the kernels of `kernels.rs`, which are entered after the processor has been asked for
+//! their instructions. That is what makes the intrinsics sound.
 
 /// An intrinsic, in code that only a kernel compiled for it reaches.
 macro_rules! simd {
@@ -24,8 +24,8 @@ macro_rules! operator {
     };
 }
 
-/// A number of `$width` lanes of `$lane` in a `$register`, and all of `moreau::Real`. Comparisons are the module's `less` and
-/// `at_most`, choices its `choose` and `kept`, absolute value and sign its `magnitude` and `negated`.
+/// A number of `$width` lanes of `$lane` in a `$register`, and all of `moreau::Real`. Comparisons are the module's
+/// `less` and `at_most`, choices its `choose` and `kept`, absolute value and sign its `magnitude` and `negated`.
 macro_rules! vector_number {
     (
         $number:ident, $mask:ident, $register:ident, $lane:ident, $width:literal,
@@ -152,7 +152,8 @@ macro_rules! vector_number {
             }
             #[inline(always)]
             fn max(self, other: Self) -> Self {
-                // Of two numbers of which one is not a number, the intrinsic takes its second: here as in the scalar's `if self < other`.
+                // Of two numbers of which one is not a number, the intrinsic takes its second: here as in the scalar's
+                // `if self < other`.
                 $number(simd!($max(other.0, self.0)))
             }
             #[inline(always)]
@@ -316,7 +317,8 @@ macro_rules! mask_register {
 
         #[inline(always)]
         fn negated(x: $number) -> $number {
-            // Exact, signed zeros included; a bitwise operation on numbers would ask for more than the foundation instructions.
+            // Exact, signed zeros included; a bitwise operation on numbers would ask for more than the foundation
+            // instructions.
             x * $number::constant(-1.0)
         }
 

@@ -6,7 +6,8 @@ use moreau::{
 };
 use moreau_kernels::{Group, Lanes};
 
-/// A lever on a felt, hit by a second one: two hinges with dry friction, a rubbing contact and a stop. `i` changes the masses.
+/// A lever on a felt, hit by a second one: two hinges with dry friction, a rubbing contact and a stop. `i` changes the
+/// masses.
 fn pair(i: usize) -> Model<f64, 2, 3> {
     let heavier = 1.0 + 0.3 * i as f64;
     let body = |pivot, inertia: f64| Body {
@@ -77,8 +78,8 @@ fn every_width(mut test: impl FnMut(Lanes)) {
     }
 }
 
-/// From wherever the mechanisms are, a step in lanes is a step alone to rounding: velocities of a few rad/s, made of sums that cancel to a
-/// thousandth of their parts, agree to 1e-12.
+/// From wherever the mechanisms are, a step in lanes is a step alone to rounding: velocities of a few rad/s, made of
+/// sums that cancel to a thousandth of their parts, agree to 1e-12.
 #[test]
 fn a_step_in_lanes_is_a_step_alone() {
     every_width(|lanes| {
@@ -102,8 +103,8 @@ fn a_step_in_lanes_is_a_step_alone() {
     });
 }
 
-/// In single precision, too, of whose rounding units of 6e-8 an update of these velocities has some hundred: A is nearly singular to them
-/// where a stiff felt pushes a light lever.
+/// In single precision, too, of whose rounding units of 6e-8 an update of these velocities has some hundred: A is
+/// nearly singular to them where a stiff felt pushes a light lever.
 #[test]
 fn a_single_step_in_lanes_is_a_single_step_alone() {
     for lanes in [Lanes::EightSingle, Lanes::SixteenSingle].into_iter().filter(|lanes| lanes.is_here()) {
@@ -139,8 +140,8 @@ fn a_single_step_in_lanes_is_a_single_step_alone() {
     }
 }
 
-/// Half a second of pushes: impacts multiply rounding, and lanes drift apart from mechanisms alone no more than those do from themselves
-/// when every push is changed by a few units in its last place.
+/// Half a second of pushes: impacts multiply rounding, and lanes drift apart from mechanisms alone no more than those
+/// do from themselves when every push is changed by a few units in its last place.
 #[test]
 fn lanes_move_as_alone() {
     every_width(|lanes| {

@@ -1,7 +1,7 @@
 //! The tests of the kernels: one program, so that it is linked once.
 //!
-//! The unit tests of `src/impact.rs` are compiled here, beside the library: as tests of the library they would have the steps of every size compiled a
-//! second time, which takes minutes.
+//! The unit tests of `src/impact.rs` are compiled here, beside the library: as tests of the library they would have the
+//! steps of every size compiled a second time, which takes minutes.
 
 use std::fs;
 use std::path::Path;

@@ -68,8 +68,8 @@ fn zeno_time(height: f64) -> f64 {
     fall_time(height) * (1.0 + RESTITUTION) / (1.0 - RESTITUTION)
 }
 
-/// Root mean square of the error of the Zeno time over 16 heights that differ by less than a percent: impacts meet the steps at
-/// all phases.
+/// Root mean square of the error of the Zeno time over 16 heights that differ by less than a percent: impacts meet the
+/// steps at all phases.
 fn zeno_error(h: f64) -> f64 {
     let errors = (0..16).map(|k| {
         let height = HEIGHT * (1.0 - f64::from(k) / 2048.0);

@@ -1,4 +1,5 @@
-//! Problem 9: a mass on a belt, held by a spring. Mass, stiffness and kinetic friction limit 1, belt speed 0.2, dimensionless.
+//! Problem 9: a mass on a belt, held by a spring. Mass, stiffness and kinetic friction limit 1, belt speed 0.2,
+//! dimensionless.
 
 use crate::{Body, Contact, Mode, Model, Spring, Surface};
 use moreau::GROUND;
@@ -65,8 +66,8 @@ fn course(limit: f64, h: f64, duration: f64) -> Course {
     course
 }
 
-/// Slipping of the limit cycle with a static limit of 1.5: the mass leaves the belt at x = 1.5 and comes back to its speed after
-/// 2 pi - 2 atan(0.5 / 0.2).
+/// Slipping of the limit cycle with a static limit of 1.5: the mass leaves the belt at x = 1.5 and comes back to its
+/// speed after 2 pi - 2 atan(0.5 / 0.2).
 pub(crate) fn slip_duration() -> f64 {
     2.0 * std::f64::consts::PI - 2.0 * (0.5_f64 / BELT).atan()
 }

@@ -1,4 +1,5 @@
-//! Linkages with textbook solutions, independent of graph, equations and step. The tests of `moreau-linkage` hold its solver against them, too.
+//! Linkages with textbook solutions, independent of graph, equations and step. The tests of `moreau-linkage` hold its
+//! solver against them, too.
 
 /// A four-bar linkage: crank `a` from the origin, coupler `b`, rocker `c` from
 /// `(d, 0)`. Lengths in metres, angles absolute:

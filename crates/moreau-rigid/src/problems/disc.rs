@@ -11,7 +11,8 @@ const MU: f64 = 0.2;
 const RADIUS: f64 = 0.3;
 const MASS: f64 = 2.0;
 
-/// When it rolls, at what speed, how fast its contact point still moves a second later, and the largest rise of the energy in a step.
+/// When it rolls, at what speed, how fast its contact point still moves a second later, and the largest rise of the
+/// energy in a step.
 fn roll(h: f64) -> [f64; 4] {
     let bodies = [Body { mass: MASS, inertia: 0.5 * MASS * RADIUS * RADIUS }];
     let contacts = [Contact {

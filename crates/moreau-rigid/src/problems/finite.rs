@@ -1,4 +1,5 @@
-//! Problem 19: surfaces end. A block aside of a small one falls, one that overhangs tips if its middle does, a bead leaves its plate.
+//! Problem 19: surfaces end. A block aside of a small one falls, one that overhangs tips if its middle does, a bead
+//! leaves its plate.
 
 use crate::{Body, Contact, Model, PolygonContact, Surface};
 use moreau::GROUND;
@@ -10,8 +11,8 @@ const G: f64 = 9.81;
 /// Half width and height of the block, m.
 const HALF: [f64; 2] = [0.1, 0.05];
 
-/// Where a block is, and its velocity, after a time: set down with its middle `over` m to the right of the middle of a pedestal of 0.1 m half
-/// width whose top is at zero.
+/// Where a block is, and its velocity, after a time: set down with its middle `over` m to the right of the middle of a
+/// pedestal of 0.1 m half width whose top is at zero.
 fn block(over: f64, h: f64, time: f64) -> [f64; 6] {
     let [x, y] = HALF;
     let bodies = [Body { mass: 2.0, inertia: 2.0 * (x * x + y * y) / 3.0 }];
@@ -53,8 +54,8 @@ fn bead(h: f64, time: f64) -> [f64; 2] {
     run.state.placement[0].at.map(|x| run.value(x))
 }
 
-/// Angle and rate of a block that tips about the pedestal's edge, its middle `over` m beyond it, by Runge-Kutta of order 4 at 10 us; while
-/// it sticks: (I + m r2) phi'' = m g (over cos phi + y sin phi), clockwise.
+/// Angle and rate of a block that tips about the pedestal's edge, its middle `over` m beyond it, by Runge-Kutta of
+/// order 4 at 10 us; while it sticks: (I + m r2) phi'' = m g (over cos phi + y sin phi), clockwise.
 fn tipped(over: f64, time: f64) -> [f64; 2] {
     let [x, y] = HALF;
     let inertia = (x * x + y * y) / 3.0 + over * over + y * y;

@@ -1,8 +1,9 @@
-//! Problem 18: Kane's paradox. The tip of a double pendulum of two uniform rods meets a rough floor; restitution and friction 0.5.
+//! Problem 18: Kane's paradox. The tip of a double pendulum of two uniform rods meets a rough floor; restitution and
+//! friction 0.5.
 //!
-//! By Newton's law the impact gives energy, with one contact. By Stronge's it takes energy: the slip stops while the contact is still
-//! compressed, and turns round. Both are worked out by hand in the two angles; nothing is shared with the engine, which has two bodies of
-//! three coordinates and two hinges.
+//! By Newton's law the impact gives energy, with one contact. By Stronge's it takes energy: the slip stops while the
+//! contact is still compressed, and turns round. Both are worked out by hand in the two angles; nothing is shared with
+//! the engine, which has two bodies of three coordinates and two hinges.
 
 use crate::{Body, Contact, Energies, ImpactLaw, Joint, JointKind, Model, StepReport, Surface};
 use moreau::GROUND;
@@ -16,7 +17,8 @@ const RATE: [f64; 2] = [-1.3, -1.0];
 const E: f64 = 0.5;
 const MU: f64 = 0.5;
 
-/// The impact in the two angles: the tip's mobilities (normal, mixed, tangential), its velocity before, the kinetic energy before.
+/// The impact in the two angles: the tip's mobilities (normal, mixed, tangential), its velocity before, the kinetic
+/// energy before.
 struct Tip {
     nn: f64,
     nt: f64,
@@ -44,7 +46,8 @@ fn tip() -> Tip {
     }
 }
 
-/// Newton: the tip sticks (checked) and parts with e times its speed. Velocity after, and energy after over energy before.
+/// Newton: the tip sticks (checked) and parts with e times its speed. Velocity after, and energy after over energy
+/// before.
 fn newton(tip: &Tip) -> ([f64; 2], f64) {
     let (a, b) = (-(1.0 + E) * tip.un, -tip.ut);
     let det = tip.nn * tip.tt - tip.nt * tip.nt;
@@ -57,9 +60,9 @@ fn newton(tip: &Tip) -> ([f64; 2], f64) {
     ([-E * tip.un, 0.0], 1.0 + work / tip.energy)
 }
 
-/// Stronge, in the space of the normal impulse P: the tip slips backward first, friction mu P forward, du_n/dP = c1, du_t/dP = k1; the slip
-/// stops at P1, before the compression ends, and begins again forward since sticking would need more than mu: c2, k2. The compression ends
-/// at P2; the work that it took is given back times e2.
+/// Stronge, in the space of the normal impulse P: the tip slips backward first, friction mu P forward, du_n/dP = c1,
+/// du_t/dP = k1; the slip stops at P1, before the compression ends, and begins again forward since sticking would need
+/// more than mu: c2, k2. The compression ends at P2; the work that it took is given back times e2.
 fn stronge(tip: &Tip) -> ([f64; 2], f64) {
     let (c1, k1) = (tip.nn + MU * tip.nt, tip.nt + MU * tip.tt);
     let (c2, k2) = (tip.nn - MU * tip.nt, tip.nt - MU * tip.tt);
@@ -77,7 +80,8 @@ fn stronge(tip: &Tip) -> ([f64; 2], f64) {
     ([parting, slip], 1.0 + (rubbed - taken * (1.0 - E * E)) / tip.energy)
 }
 
-/// One step of the engine: the tip's velocity after, energy after over energy before, the report's work over the energy before.
+/// One step of the engine: the tip's velocity after, energy after over energy before, the report's work over the energy
+/// before.
 fn strike(angle: [f64; 2], rate: [f64; 2], law: ImpactLaw, h: f64) -> ([f64; 2], f64, f64, StepReport<f64>) {
     let rod = Body { mass: 1.0, inertia: 1.0 / 12.0 };
     let bodies = [rod, rod];

@@ -1,4 +1,5 @@
-//! Problem 14: a four-bar and a slider-crank, every joint a pair of equalities, turning for 100 s without friction or weight.
+//! Problem 14: a four-bar and a slider-crank, every joint a pair of equalities, turning for 100 s without friction or
+//! weight.
 
 use crate::{Body, Energies, Joint, JointKind, Model};
 use moreau::GROUND;
@@ -154,8 +155,8 @@ fn slider_crank(h: f64, duration: f64) -> Turned {
     turn(Run::new(model, h, &start(slider_crank_pose)), duration, |run| off(slider_crank_pose, run))
 }
 
-/// Crank angle after a time. The energy, 1/2 I(angle) rate2, is constant, so that t is an integral of sqrt(I) over the angle; it
-/// is solved for the angle by steps of the fourth order (Runge-Kutta), small enough for 1e-12.
+/// Crank angle after a time. The energy, 1/2 I(angle) rate2, is constant, so that t is an integral of sqrt(I) over the
+/// angle; it is solved for the angle by steps of the fourth order (Runge-Kutta), small enough for 1e-12.
 fn crank_angle(bodies: &[Body<f64>; 3], pose: Pose, duration: f64) -> f64 {
     let inertia = |angle: f64| {
         bodies.iter().zip(pose(angle)).fold(0.0, |sum, (body, (_, _, v))| {

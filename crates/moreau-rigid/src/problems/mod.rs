@@ -1,7 +1,7 @@
 //! Textbook problems of rigid bodies, with known answers.
 //!
-//! Every reference is a closed form (or a quadrature) that shares no code with the step. It is given with the problem, with the reason for its
-//! tolerance.
+//! Every reference is a closed form (or a quadrature) that shares no code with the step. It is given with the problem,
+//! with the reason for its tolerance.
 
 mod ball;
 mod belt;

@@ -1,7 +1,8 @@
 //! Problem 17: Housner's rocking block. A slender block rocks on its corners on a floor that is too rough to slip on.
 //!
-//! About a corner I0 theta'' = -m g R sin(alpha - theta) while theta > 0, with R the half diagonal, alpha its angle to the upright and
-//! I0 = 4/3 m R2. When the other corner lands, angular momentum about it is kept: the rate falls by 1 - 3/2 sin2 alpha (Housner 1963).
+//! About a corner I0 theta'' = -m g R sin(alpha - theta) while theta > 0, with R the half diagonal, alpha its angle to
+//! the upright and I0 = 4/3 m R2. When the other corner lands, angular momentum about it is kept: the rate falls by 1 -
+//! 3/2 sin2 alpha (Housner 1963).
 
 use crate::{Body, Model, Outcome, PolygonContact};
 use moreau::GROUND;
@@ -13,7 +14,8 @@ const G: f64 = 9.81;
 /// Half width and height, m.
 const HALF: [f64; 2] = [0.1, 0.4];
 const MASS: f64 = 3.0;
-/// More than (1 + 3 s2) / (3 s c) = 1.67, s and c of alpha: a corner that slid on with a finite force could not stay on the floor.
+/// More than (1 + 3 s2) / (3 s c) = 1.67, s and c of alpha: a corner that slid on with a finite force could not stay on
+/// the floor.
 const MU: f64 = 2.0;
 
 struct Rocked {
@@ -77,8 +79,8 @@ fn geometry() -> (f64, f64, f64) {
     (r, x.atan2(y), 3.0 * G / (4.0 * r))
 }
 
-/// Time from rest at `start` to the upright: the integral of 1/theta' with theta'2 = 2 p2 (cos(alpha - start) - cos(alpha - theta)), by
-/// Simpson's rule in s, theta = start - s2, which takes the root out.
+/// Time from rest at `start` to the upright: the integral of 1/theta' with theta'2 = 2 p2 (cos(alpha - start) -
+/// cos(alpha - theta)), by Simpson's rule in s, theta = start - s2, which takes the root out.
 fn quarter(start: f64) -> f64 {
     let (_, alpha, p2) = geometry();
     let a = alpha - start;

@@ -33,8 +33,8 @@ fn first_step(mu: f64, h: f64) -> (StepReport<f64>, f64) {
     (report, run.state.impulse[model.contact_laws(0)[0]] / (h * MASS))
 }
 
-/// The friction coefficient above which a step reports that no finite force keeps the rod on the floor while it slides, by
-/// bisection.
+/// The friction coefficient above which a step reports that no finite force keeps the rod on the floor while it slides,
+/// by bisection.
 fn critical() -> f64 {
     let (mut finite, mut infinite) = (0.5, 3.0);
     while infinite - finite > 1e-13 {

@@ -54,7 +54,8 @@ fn driven(steps_a_turn: u32, turns: u32, dry: f64) -> Turned {
         run.step();
         let angle = OMEGA * run.time();
         turned.off = turned.off.max((run.state.placement[1].at[0] - R * angle.cos()).abs());
-        // The pin's force is what the yoke's mass asks for in the middle of the step. Row 6: across the slot, (-1, 0) in the world.
+        // The pin's force is what the yoke's mass asks for in the middle of the step. Row 6: across the slot, (-1, 0)
+        // in the world.
         let middle = OMEGA * h * (f64::from(k) + 0.5);
         let force = run.state.impulse[6] / h;
         turned.force = turned.force.max((force.abs() - (YOKE * R * OMEGA * OMEGA * middle.cos()).abs()).abs());
@@ -63,7 +64,8 @@ fn driven(steps_a_turn: u32, turns: u32, dry: f64) -> Turned {
     Turned { off: run.value(turned.off), force: run.value(turned.force), work: run.value(turned.work) }
 }
 
-/// Turns freely: the energy 1/2 (J + m r2 sin2) rate2 is kept; the crank's angle after a time, and the largest relative change of energy.
+/// Turns freely: the energy 1/2 (J + m r2 sin2) rate2 is kept; the crank's angle after a time, and the largest relative
+/// change of energy.
 fn free(h: f64, time: f64) -> [f64; 2] {
     let bodies = [CRANK, Body { mass: YOKE, inertia: 1e-3 }];
     let joints = joints(None, 0.0);

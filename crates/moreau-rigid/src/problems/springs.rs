@@ -1,5 +1,5 @@
-//! Problem 21: torsion springs and stiff springs. The midpoint rule turns an oscillator by 2 atan(omega h / 2) a step, exactly; Newton's method
-//! finds that step however stiff the spring is.
+//! Problem 21: torsion springs and stiff springs. The midpoint rule turns an oscillator by 2 atan(omega h / 2) a step,
+//! exactly; Newton's method finds that step however stiff the spring is.
 
 use crate::{Body, Joint, JointKind, Model, Spring, Torsion};
 use moreau::GROUND;
@@ -41,8 +41,8 @@ fn period(stiffness: f64, h: f64) -> f64 {
     f64::NAN
 }
 
-/// A mass on a straight spring along x, drawn by 1 mm: largest error of x against the rule's closed form over 100 steps, as a part of the 1 mm,
-/// and the most iterations of a step. `stiff` is theta2 h2 k / m.
+/// A mass on a straight spring along x, drawn by 1 mm: largest error of x against the rule's closed form over 100
+/// steps, as a part of the 1 mm, and the most iterations of a step. `stiff` is theta2 h2 k / m.
 fn straight(stiff: f64) -> [f64; 2] {
     let h = 1e-3;
     let stiffness = stiff * BODY.mass * 4.0 / (h * h);

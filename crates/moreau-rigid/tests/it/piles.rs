@@ -109,7 +109,8 @@ fn tumble(seed: u64, law: ImpactLaw) -> [u32; 4] {
         }
         let after = Energies::of(&model, &state).total();
         if law == ImpactLaw::Stronge {
-            // What comes to rest in a step may give m (g h)2/8; what else the step gives is of the order of h times an impact's change.
+            // What comes to rest in a step may give m (g h)2/8; what else the step gives is of the order of h times an
+            // impact's change.
             let bound = 1e-2 * (energy - begin).abs().max(0.1 * begin.abs());
             assert!(after - energy <= bound, "seed {seed}, step {n}: {} J, {report:?}", after - energy);
         }
@@ -132,12 +133,13 @@ fn piles_stay_admissible() {
             *sum += x;
         }
     }
-    // A corner in a corner sticks to the floor and leans on the wall: two laws of nearly one velocity, which sweeps end slowly.
+    // A corner in a corner sticks to the floor and leans on the wall: two laws of nearly one velocity, which sweeps end
+    // slowly.
     assert!(all[0] > 5_700 && all[3] == 0, "{all:?}");
 }
 
-/// A chain of five bars on hinges falls on a rough floor: joints, friction and several contacts at once. Steps are sound with either law,
-/// and by Stronge's no impact gives energy.
+/// A chain of five bars on hinges falls on a rough floor: joints, friction and several contacts at once. Steps are
+/// sound with either law, and by Stronge's no impact gives energy.
 #[test]
 fn a_chain_falls() {
     let (bars, half, mu) = (5, 0.1, 0.5);

@@ -28,8 +28,9 @@ fn floor(body: usize, mu: f64, belt: f64) -> Contact<'static, f64> {
     }
 }
 
-/// Two smooth discs collide off centre: along the line of centres momentum and Newton's restitution decide, across it nothing
-/// changes. The line is that at the instant of the step's middle, off by v h / 2 over the distance of the centres.
+/// Two smooth discs collide off centre: along the line of centres momentum and Newton's restitution decide, across it
+/// nothing changes. The line is that at the instant of the step's middle, off by v h / 2 over the distance of the
+/// centres.
 #[test]
 fn discs_collide() {
     let (m1, m2, e, h) = (0.3, 0.5, 0.7, 1e-6);
@@ -63,8 +64,8 @@ fn discs_collide() {
     }
 }
 
-/// A parallelogram with a third, redundant crank: one equality more than the bodies can tell apart. The loads of the joints are not
-/// determined, the motion is: the coupler keeps its angle, and the energy its value to second order.
+/// A parallelogram with a third, redundant crank: one equality more than the bodies can tell apart. The loads of the
+/// joints are not determined, the motion is: the coupler keeps its angle, and the energy its value to second order.
 #[test]
 fn redundant_closures_are_solved() {
     let bar = Body { mass: 1.0, inertia: 0.02 };
@@ -102,9 +103,9 @@ fn redundant_closures_are_solved() {
     assert!((order - 2.0).abs() < 0.3, "{changes:?}");
 }
 
-/// A slide 60 degrees off the floor's normal, pressed on a belt that drags its foot further down: friction mu > 1/tan 60 degrees
-/// loads the foot more than it can bear, whatever the normal force, and there is no solution. The step says so and leaves the
-/// state alone. The belt turned round, there is one.
+/// A slide 60 degrees off the floor's normal, pressed on a belt that drags its foot further down: friction mu > 1/tan
+/// 60 degrees loads the foot more than it can bear, whatever the normal force, and there is no solution. The step says
+/// so and leaves the state alone. The belt turned round, there is one.
 #[test]
 fn self_locking_has_no_solution() {
     let bodies = [Body { mass: 1.0, inertia: 1.0 }];
@@ -234,8 +235,9 @@ fn bad_models_are_refused() {
     assert_eq!(torsions(torsion), None);
 }
 
-/// Five blocks on lines (each carries a line for the next one's corners), tilted by 0.01 rad, restitution 0.3: ten contacts at once, which were
-/// tried guess by guess. No contact pulls, no friction is beyond its cone, a step is quick, and they come to rest.
+/// Five blocks on lines (each carries a line for the next one's corners), tilted by 0.01 rad, restitution 0.3: ten
+/// contacts at once, which were tried guess by guess. No contact pulls, no friction is beyond its cone, a step is
+/// quick, and they come to rest.
 #[test]
 fn a_tilted_stack_on_lines() {
     let (x, y, mu) = (0.1, 0.05, 0.5);
@@ -320,8 +322,9 @@ fn what_is_not_solved_is_told() {
     assert!(nearly > 0, "guesses alone were enough");
 }
 
-/// A frictionless block falls flat, with spin zero, on two corners: by Stronge's law it leaves flat with e times its speed, whatever its
-/// contacts share; and a ball on the way between two others passes its momentum on. Both without a gain.
+/// A frictionless block falls flat, with spin zero, on two corners: by Stronge's law it leaves flat with e times its
+/// speed, whatever its contacts share; and a ball on the way between two others passes its momentum on. Both without a
+/// gain.
 #[test]
 fn stronges_law_with_several_contacts() {
     let bodies = [Body { mass: 2.0, inertia: 0.01 }];
@@ -338,8 +341,9 @@ fn stronges_law_with_several_contacts() {
     // 1/2 m (e2 - 1) u2.
     assert!((report.impact_energy - (0.36 - 1.0)).abs() < 1e-12, "{report:?}");
 
-    // Springs of one stiffness between three equal balls, the first one struck: momentum and, with e = 1, energy are kept, and the last one
-    // leaves with most of it, but not all (a chain of springs disperses: Newton's cradle needs gaps).
+    // Springs of one stiffness between three equal balls, the first one struck: momentum and, with e = 1, energy are
+    // kept, and the last one leaves with most of it, but not all (a chain of springs disperses: Newton's cradle needs
+    // gaps).
     let balls = [Body { mass: 1.0, inertia: 1.0 }; 3];
     let touch = |first: usize| Contact {
         disc_body: first,
@@ -370,7 +374,8 @@ fn stronges_law_with_several_contacts() {
     }
 }
 
-/// Three balls of mass one, springs of stiffness one that push only: velocities after the first one has come with speed one. Verlet's method.
+/// Three balls of mass one, springs of stiffness one that push only: velocities after the first one has come with speed
+/// one. Verlet's method.
 fn three_balls() -> [f64; 3] {
     let (mut x, mut v, h) = ([0.0; 3], [1.0, 0.0, 0.0], 1e-4);
     for _ in 0..200_000 {
@@ -397,7 +402,8 @@ fn three_balls() -> [f64; 3] {
     v
 }
 
-/// A pin in a slot with a stop: it slides without friction, meets the end and rests there; the slot turns with its body.
+/// A pin in a slot with a stop: it slides without friction, meets the end and rests there; the slot turns with its
+/// body.
 #[test]
 fn a_slot_may_end() {
     let bodies = [Body { mass: 1.0, inertia: 0.1 }];
@@ -425,7 +431,8 @@ fn a_slot_may_end() {
     }
 }
 
-/// Viscous friction and a damper that would brake a body many times over in a step: v1 / v0 = (1 - a) / (1 + a), a = theta h c / m.
+/// Viscous friction and a damper that would brake a body many times over in a step: v1 / v0 = (1 - a) / (1 + a), a =
+/// theta h c / m.
 #[test]
 fn strong_dampers_are_stable() {
     let bodies = [Body { mass: 0.5, inertia: 0.02 }];
@@ -467,7 +474,8 @@ fn torsion_springs_hold_their_energy() {
     assert!((Energies::of(&model, &state).springs - 0.5 * 3.0 * 0.25).abs() < 1e-15);
 }
 
-/// The same source in single precision: a block slides with g (sin 20 - mu cos 20) to seven digits less rounding of 100 steps.
+/// The same source in single precision: a block slides with g (sin 20 - mu cos 20) to seven digits less rounding of 100
+/// steps.
 #[test]
 fn single_precision_works() {
     let bodies = [Body { mass: 0.5_f32, inertia: 0.01 }];
@@ -495,9 +503,10 @@ fn single_precision_works() {
     assert!((speed - 0.589_702_2).abs() < 1e-5, "{speed}");
 }
 
-/// Moving ground: a table on a driven slide, speeding up by 4 m/s2, with a block on it and friction of 0.3. The block slides: it speeds up
-/// by 0.3 g = 2.943 m/s2. When the table keeps its speed from t = 0.5 s on, the block catches up at t = 2 / 2.943 = 0.6796 s and rides
-/// along. Exact in between, rounding of 10 000 steps; the catching up is known to a step.
+/// Moving ground: a table on a driven slide, speeding up by 4 m/s2, with a block on it and friction of 0.3. The block
+/// slides: it speeds up by 0.3 g = 2.943 m/s2. When the table keeps its speed from t = 0.5 s on, the block catches up
+/// at t = 2 / 2.943 = 0.6796 s and rides along. Exact in between, rounding of 10 000 steps; the catching up is known to
+/// a step.
 #[test]
 fn a_table_carries_a_block() {
     let bodies = [Body { mass: 5.0, inertia: 1.0 }, Body { mass: 0.5, inertia: 0.01 }];
@@ -540,7 +549,8 @@ fn a_table_carries_a_block() {
     }
 }
 
-/// Three tilted blocks in single precision, by both laws of impacts: they come to rest, and a step that does not meet its tolerance says so.
+/// Three tilted blocks in single precision, by both laws of impacts: they come to rest, and a step that does not meet
+/// its tolerance says so.
 #[test]
 fn a_stack_in_single_precision() {
     let (x, y) = (0.1_f32, 0.05_f32);

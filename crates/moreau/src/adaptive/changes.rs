@@ -1,20 +1,22 @@
 //! What became of the set-valued laws during a step in two halves, and the error that comes of it.
 //!
-//! Within one inner step a law has one side: that of its velocity at the end. Where it changes within the step, whole and halves may
-//! err alike, so that their difference does not show it. What they hide is told here from the velocities' slopes and the laws' forces.
+//! Within one inner step a law has one side: that of its velocity at the end. Where it changes within the step, whole
+//! and halves may err alike, so that their difference does not show it. What they hide is told here from the
+//! velocities' slopes and the laws' forces.
 
 use super::{Controller, StepDoubling};
 use crate::model::Model;
 use crate::real::Scalar;
 use crate::state::State;
 
-/// The error of a law that lets go is a part of how much the halves' changes of velocity differ. With a load that grows linearly (by j
-/// per second) and exceeds the bound after tau, a half of length k with tau < k/2 slides all along and brings j k (k/2 - tau) instead of
-/// j (k - tau)^2/2: too little by j tau^2/2, at most j k^2/8, where the halves differ by j k^2. With tau > k/2 it sticks all along, and
-/// what it loses, at most j k^2/8 again, is an eighth of the j k^2 of the half after it.
+/// The error of a law that lets go is a part of how much the halves' changes of velocity differ. With a load that grows
+/// linearly (by j per second) and exceeds the bound after tau, a half of length k with tau < k/2 slides all along and
+/// brings j k (k/2 - tau) instead of j (k - tau)^2/2: too little by j tau^2/2, at most j k^2/8, where the halves differ
+/// by j k^2. With tau > k/2 it sticks all along, and what it loses, at most j k^2/8 again, is an eighth of the j k^2 of
+/// the half after it.
 const LETTING_GO: f64 = 0.125;
-/// A step that aims at an instant ends this part earlier: the velocities' paths are not quite straight, and a step that ends too late
-/// has the wrong side.
+/// A step that aims at an instant ends this part earlier: the velocities' paths are not quite straight, and a step that
+/// ends too late has the wrong side.
 const EARLY: f64 = 0.05;
 
 /// Changes of the laws' sides: of a pivot's rotation or a contact's slip, which goes one way, the other, or sticks.
@@ -23,7 +25,8 @@ pub(super) struct Changes<T, const B: usize> {
     pub any: bool,
     /// Error of the velocities that whole and halves may have in common, rad/s.
     pub hidden: [T; B],
-    /// When the first law changes, s after the start, where that can be told: a step that ends before has every law as it is all along.
+    /// When the first law changes, s after the start, where that can be told: a step that ends before has every law as
+    /// it is all along.
     pub instant: Option<T>,
 }
 
@@ -192,8 +195,9 @@ impl<T: Scalar> Found<T> {
             self.aim(law.half, part);
             return T::ZERO;
         }
-        // What comes to stick does so exactly: the impulse is what brings it to rest. But an impulse may also hold for a while what goes
-        // on the other way, as long as its mean is within the bound; over the rest of the half the force was then beyond.
+        // What comes to stick does so exactly: the impulse is what brings it to rest. But an impulse may also hold for
+        // a while what goes on the other way, as long as its mean is within the bound; over the rest of the half the
+        // force was then beyond.
         let part = u0.abs() / law.slope.abs();
         if !goes_on || T::ONE <= part {
             return T::ZERO;
@@ -209,8 +213,8 @@ impl<T: Scalar> Found<T> {
         beyond
     }
 
-    /// A law that sticks in both halves with these forces (their means) and bounds: where they run on in a straight line, it lets go
-    /// before the end. Returns the force that it then holds back, as a mean over the second half.
+    /// A law that sticks in both halves with these forces (their means) and bounds: where they run on in a straight
+    /// line, it lets go before the end. Returns the force that it then holds back, as a mean over the second half.
     fn about_to_let_go(&mut self, force: [T; 2], bound: [T; 2]) -> T {
         let half = T::from_f64(0.5);
         let beyond = [0, 1].map(|k| force[k].abs() - bound[k]);

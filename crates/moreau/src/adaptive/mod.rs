@@ -1,4 +1,5 @@
-//! Steps whose error is controlled: each is taken once whole and once in two halves, and is as long as their difference allows.
+//! Steps whose error is controlled: each is taken once whole and once in two halves, and is as long as their difference
+//! allows.
 //!
 //! A driver around the inner [`step()`](crate::step()); its equations stand in this crate's README, "Error control".
 
@@ -13,11 +14,13 @@ use crate::step::{Outcome, step_out_of_line};
 use crate::workspace::Workspace;
 use changes::Changes;
 
-/// Part of the error allowed that Newton's method may leave in an inner step. More is seen as error and shortens the steps.
+/// Part of the error allowed that Newton's method may leave in an inner step. More is seen as error and shortens the
+/// steps.
 const NEWTON_SHARE: f64 = 0.01;
 /// A step aims at this part of the length that would just be allowed. More: more are rejected. Less: all are shorter.
 const SAFETY: f64 = 0.9;
-/// A step is at most so many times as long as the last one, and an attempt at least this part of the one rejected before it.
+/// A step is at most so many times as long as the last one, and an attempt at least this part of the one rejected
+/// before it.
 const GROWTH: f64 = 4.0;
 const SHRINKAGE: f64 = 0.1;
 /// Most attempts that are rejected in one step; the next one is the smallest step, and is taken.
@@ -28,10 +31,11 @@ const AIMED: u32 = 8;
 /// How accurate steps are to be, and how long.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy<T> {
-    /// Error allowed in a step: in each body's velocity as a part of `velocity` + |its velocity|, in its angle as a part of what
-    /// `velocity` turns it by in the largest step.
+    /// Error allowed in a step: in each body's velocity as a part of `velocity` + |its velocity|, in its angle as a
+    /// part of what `velocity` turns it by in the largest step.
     pub tolerance: T,
-    /// The speed that counts, rad/s: the error of what is slower is measured by it. 1 is usual, as for Newton's tolerance.
+    /// The speed that counts, rad/s: the error of what is slower is measured by it. 1 is usual, as for Newton's
+    /// tolerance.
     pub velocity: T,
     /// Smallest step, s; it is taken whatever its error, and reported.
     pub smallest: T,
@@ -116,15 +120,15 @@ pub struct ControlledStep<T> {
     pub solver: u32,
 }
 
-/// Advances `state` by one step, as long as its error allows, and at most `limit` s. Never allocates, never panics, takes a bounded
-/// number of inner steps.
+/// Advances `state` by one step, as long as its error allows, and at most `limit` s. Never allocates, never panics,
+/// takes a bounded number of inner steps.
 ///
-/// `input(from, h, state)` says what drives an inner step that begins `from` s after this step's start at `state` and lasts `h` s (see
-/// [`Input`] for the instants that its numbers belong to). The controller knows nothing of the drive between these instants, so a step should
-/// end where the drive jumps.
+/// `input(from, h, state)` says what drives an inner step that begins `from` s after this step's start at `state` and
+/// lasts `h` s (see [`Input`] for the instants that its numbers belong to). The controller knows nothing of the drive
+/// between these instants, so a step should end where the drive jumps.
 ///
-/// Of the settings, `step` is not used, and the Newton tolerance is lowered to a hundredth of the accuracy's where that is less. Use
-/// theta = 1/2: at a larger one the scheme is of first order, and steps are shorter.
+/// Of the settings, `step` is not used, and the Newton tolerance is lowered to a hundredth of the accuracy's where that
+/// is less. Use theta = 1/2: at a larger one the scheme is of first order, and steps are shorter.
 #[allow(clippy::too_many_arguments)]
 pub fn controlled_step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -297,18 +301,20 @@ fn second_order<T: Scalar>(settings: &Settings<T>) -> bool {
     settings.theta <= T::from_f64(0.5)
 }
 
-/// The halves' error where all is smooth, over its difference from the whole's, of which it is a quarter (at first order a half).
+/// The halves' error where all is smooth, over its difference from the whole's, of which it is a quarter (at first
+/// order a half).
 fn share<T: Scalar>(settings: &Settings<T>) -> T {
     if second_order(settings) { T::ONE / T::from_f64(3.0) } else { T::ONE }
 }
 
-/// The length's growth with the error allowed: a step's error grows with its cube where all is smooth, with its square where a law
-/// changes or the scheme is of first order.
+/// The length's growth with the error allowed: a step's error grows with its cube where all is smooth, with its square
+/// where a law changes or the scheme is of first order.
 fn exponent<T: Scalar, const B: usize>(settings: &Settings<T>, changes: &Changes<T, B>) -> T {
     if second_order(settings) && !changes.any { T::ONE / T::from_f64(3.0) } else { T::from_f64(0.5) }
 }
 
-/// Richardson's extrapolation of the velocities and angles, and of the hand: a step's error h^3 becomes h^4. Not where it would turn a joint around.
+/// Richardson's extrapolation of the velocities and angles, and of the hand: a step's error h^3 becomes h^4. Not where
+/// it would turn a joint around.
 fn extrapolate<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     halves: &StepDoubling<T, B, Z, N>,

@@ -1,4 +1,5 @@
-//! The papers' law, and beside it one slider in series with a spring, so that a held felt gives to small changes of its load.
+//! The papers' law, and beside it one slider in series with a spring, so that a held felt gives to small changes of its
+//! load.
 //!
 //! A cold path: a mechanism without such felts pays nothing for it.
 
@@ -10,15 +11,16 @@ use super::slider::{Slider, held, sharper, slide};
 use super::spring::Spring;
 use crate::real::Real;
 
-/// F = k g^r + b g^2 dg/dt, and one slider of bound eta k g^r in series with a spring. The memory is the stretch of the slider's spring, m^((r+1)/2).
+/// F = k g^r + b g^2 dg/dt, and one slider of bound eta k g^r in series with a spring. The memory is the stretch of the
+/// slider's spring, m^((r+1)/2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elastoplastic<T> {
     /// b, N s/m3.
     pub damping: T,
     /// eta, 1, below 1: the slider's bound as a part of k g^r.
     pub eta: T,
-    /// The spring's stretch at which the slider gives, as a part of x = g^((r+1)/2); 1, above 0 and below 1. As it goes to 0 the law goes to
-    /// [`SetValued`](super::SetValued).
+    /// The spring's stretch at which the slider gives, as a part of x = g^((r+1)/2); 1, above 0 and below 1. As it goes
+    /// to 0 the law goes to [`SetValued`](super::SetValued).
     pub slip: T,
 }
 

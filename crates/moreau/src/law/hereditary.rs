@@ -1,7 +1,8 @@
-//! Stulov's hereditary felt, F = k/(1 - eps) (u - z) with u = g^r and dz/dt = (eps u - z)/tau, clamped at zero. A. Stulov, *Hysteretic model of the
-//! grand piano hammer felt*, JASA 97 (1995) 2577-2585.
+//! Stulov's hereditary felt, F = k/(1 - eps) (u - z) with u = g^r and dz/dt = (eps u - z)/tau, clamped at zero. A.
+//! Stulov, *Hysteretic model of the grand piano hammer felt*, JASA 97 (1995) 2577-2585.
 //!
-//! A cold path: a mechanism without such felts pays nothing for it. `README.md`, "Felts with an internal state", has the derivation.
+//! A cold path: a mechanism without such felts pays nothing for it. `README.md`, "Felts with an internal state", has
+//! the derivation.
 
 use super::hook::{Law, MEMORY, Memory, Pressing, Recalled};
 use super::number::{LAW_NUMBERS, LawNumber, Range};
@@ -13,8 +14,8 @@ use crate::timing::Timing;
 /// N; a felt whose memory is below this has forgotten, so that it comes to rest to the bit.
 const FORGOTTEN: f64 = 1e-30;
 
-/// F = k/(1 - eps) (u - z), u = g^r, dz/dt = (eps u - z)/tau (A. Stulov, JASA 97 (1995) 2577-2585). The spring's k is the stiffness of a slow compression, k/(1 - eps) that of a quick one. The memory is
-/// Z = k z / (1 - eps), N.
+/// F = k/(1 - eps) (u - z), u = g^r, dz/dt = (eps u - z)/tau (A. Stulov, JASA 97 (1995) 2577-2585). The spring's k is
+/// the stiffness of a slow compression, k/(1 - eps) that of a quick one. The memory is Z = k z / (1 - eps), N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hereditary<T> {
     /// eps, 1, below 1.
@@ -59,8 +60,8 @@ impl<T: Real> Law<T> for Hereditary<T> {
 
     fn held(&self, spring: &Spring<T>, compression: T, memory: &Memory<T>) -> T {
         let (one, r, memory) = (T::ONE, spring.exponent.value(), memory[0]);
-        // The felt's surface is where it pushes with no force, if what pressed it has left it behind. y: the compression with which
-        // the memory would be at rest.
+        // The felt's surface is where it pushes with no force, if what pressed it has left it behind. y: the
+        // compression with which the memory would be at rest.
         let slow = spring.stiffness.max(T::from_f64(TINY));
         let quick = slow / (one - self.relaxed);
         let (root, power) = (one / r, r + one);
@@ -123,8 +124,8 @@ fn forget<T: Real>(memory: T) -> T {
     T::only(T::from_f64(FORGOTTEN).lt(memory), memory)
 }
 
-/// What is left of z' = (eps u - z)/tau after h, where u runs linearly from u0 to u1: z1 = left z0 + eps (first u0 + last u1), and its mean over h
-/// = mean z0 + eps (mean_first u0 + mean_last u1).
+/// What is left of z' = (eps u - z)/tau after h, where u runs linearly from u0 to u1: z1 = left z0 + eps (first u0 +
+/// last u1), and its mean over h = mean z0 + eps (mean_first u0 + mean_last u1).
 #[derive(Clone, Copy)]
 struct Decay<T> {
     left: T,

@@ -1,7 +1,8 @@
-//! What the engine asks of a contact law, and all that it asks: the contract. `../law_contract.rs` holds every law to it.
+//! What the engine asks of a contact law, and all that it asks: the contract. `../law_contract.rs` holds every law to
+//! it.
 //!
-//! A law's force over a step is its rate part ([`RatePart`]: what depends on compression and rate now), or, where it has a memory, what
-//! [`Law::recall`] says in its place. Both are mean forces along the step's straight path in g.
+//! A law's force over a step is its rate part ([`RatePart`]: what depends on compression and rate now), or, where it
+//! has a memory, what [`Law::recall`] says in its place. Both are mean forces along the step's straight path in g.
 
 use super::number::{LAW_NUMBERS, LawNumber};
 use super::rate_part::Form;
@@ -33,8 +34,9 @@ pub(crate) trait Law<T: Real>: Copy {
         Form::Square(T::ZERO)
     }
 
-    /// eta of a loss F_n eta Sign(dg/dt) beside the rate part F_n. A set-valued force is an unknown of the one-step problem, as Coulomb's is, and
-    /// no function of the path: `dry_felts.rs` solves it, and the law's memory is its force.
+    /// eta of a loss F_n eta Sign(dg/dt) beside the rate part F_n. A set-valued force is an unknown of the one-step
+    /// problem, as Coulomb's is, and no function of the path: `dry_felts.rs` solves it, and the law's memory is its
+    /// force.
     fn set_valued(&self) -> Option<T> {
         None
     }
@@ -50,7 +52,8 @@ pub(crate) trait Law<T: Real>: Copy {
         T::ONE
     }
 
-    /// Force, tangent and what the tangent leaves out, and what becomes of the memory. Asked only of laws with a memory.
+    /// Force, tangent and what the tangent leaves out, and what becomes of the memory. Asked only of laws with a
+    /// memory.
     fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Recalled<T> {
         let _ = (spring, pressing, memory);
         Recalled::nothing()

@@ -1,11 +1,13 @@
-//! The papers' law, and beside it sliders in parallel: loading and unloading run along different curves, partial loops run inside, and none of it
-//! depends on the speed. W. D. Iwan, *A distributed-element model for hysteresis and its steady-state dynamic response*, Journal of Applied
-//! Mechanics 33 (1966) 893-900; here the sliders' bounds grow with the felt's own force, for cloth and leather lose a part of it.
+//! The papers' law, and beside it sliders in parallel: loading and unloading run along different curves, partial loops
+//! run inside, and none of it depends on the speed. W. D. Iwan, *A distributed-element model for hysteresis and its
+//! steady-state dynamic response*, Journal of Applied Mechanics 33 (1966) 893-900; here the sliders' bounds grow with
+//! the felt's own force, for cloth and leather lose a part of it.
 //!
-//! Each of the four sliders bears a quarter of the loss, and they give one after the other: at a quarter, a half, three quarters and the whole of
-//! `slip`. Pressed for the first time the felt pushes with (1 + eta) k g^r. In x = g^((r+1)/2), let go from X, a slider i turns round at
-//! X (1 - s_i)/(1 + s_i), and pulls then with eta/4 of k g^r. The loop between two depths closes on itself. A blow loses
-//! 2 eta / (1 + eta) of its energy, times the mean of (1 - s_i)/(1 + s_i).
+//! Each of the four sliders bears a quarter of the loss, and they give one after the other: at a quarter, a half, three
+//! quarters and the whole of `slip`. Pressed for the first time the felt pushes with (1 + eta) k g^r. In x =
+//! g^((r+1)/2), let go from X, a slider i turns round at X (1 - s_i)/(1 + s_i), and pulls then with eta/4 of k g^r. The
+//! loop between two depths closes on itself. A blow loses 2 eta / (1 + eta) of its energy, times the mean of (1 -
+//! s_i)/(1 + s_i).
 
 use super::hook::{Law, MEMORY, Memory, Pressing, Recalled};
 use super::number::{DAMPING, LAW_NUMBERS, LawNumber, Range};
@@ -14,8 +16,8 @@ use super::slider::{Slider, held, sharper, slide};
 use super::spring::Spring;
 use crate::real::Real;
 
-/// F = k g^r + b g^2 dg/dt, and four sliders in parallel, each with a quarter of eta (W. D. Iwan, J. Appl. Mech. 33 (1966) 893-900). The memory is the
-/// stretch of their springs, m^((r+1)/2), that of the slider first that gives first.
+/// F = k g^r + b g^2 dg/dt, and four sliders in parallel, each with a quarter of eta (W. D. Iwan, J. Appl. Mech. 33
+/// (1966) 893-900). The memory is the stretch of their springs, m^((r+1)/2), that of the slider first that gives first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Iwan<T> {
     /// b, N s/m3.
@@ -113,8 +115,8 @@ mod tests {
         LAW.recall(&SPRING, &pressing, memory).pressed.force
     }
 
-    /// Loading for the first time and unloading to where every slider has turned: k g^r (1 +- eta). Between them slider i is stretched by
-    /// s_i X - (X - x).
+    /// Loading for the first time and unloading to where every slider has turned: k g^r (1 +- eta). Between them slider
+    /// i is stretched by s_i X - (X - x).
     #[test]
     fn the_branches_are_the_written_ones() {
         let (deepest, k, m) = (1e-3, 5e7, 1.5);
@@ -150,7 +152,8 @@ mod tests {
             for (e, was) in memory.iter().zip(before) {
                 assert!((e - was).abs() < 1e-12 * was, "{depth}: {memory:?} {before:?}");
             }
-            // Slider i slides from x_i down to x_r with bound eta kappa x, and on the way back from x_u up: (1 +- s) per x.
+            // Slider i slides from x_i down to x_r with bound eta kappa x, and on the way back from x_u up: (1 +- s)
+            // per x.
             let slid: f64 = SLIPS
                 .iter()
                 .map(|s| {

@@ -1,12 +1,14 @@
-//! Contact laws: one file for each, and one line for each below. A law says its numbers in a constant table ([`LawNumber`]) and what it does through one
-//! hook (`hook.rs`), which is dispatched statically. `../law_contract.rs` holds every law in the list to the hook's contract with generated data.
+//! Contact laws: one file for each, and one line for each below. A law says its numbers in a constant table
+//! ([`LawNumber`]) and what it does through one hook (`hook.rs`), which is dispatched statically. `../law_contract.rs`
+//! holds every law in the list to the hook's contract with generated data.
 //!
 //! What looks like a law and is none:
-//! - **The sign of a set-valued felt** is an unknown of the one-step problem (`dry_felts.rs`), as Coulomb's force is: no function of the path gives it.
-//! - **Friction that grows while it sticks** (`dwell.rs`) changes the bound of a friction law, along the surface or in a pivot. A contact law acts along
-//!   the normal.
-//! - **A surface that yields** (`surface.rs`) is what a felt presses on. Any law presses on it: the step solves F = P(rate - A F) for the force,
-//!   P being the law's.
+//! - **The sign of a set-valued felt** is an unknown of the one-step problem (`dry_felts.rs`), as Coulomb's force is:
+//!   no function of the path gives it.
+//! - **Friction that grows while it sticks** (`dwell.rs`) changes the bound of a friction law, along the surface or in
+//!   a pivot. A contact law acts along the normal.
+//! - **A surface that yields** (`surface.rs`) is what a felt presses on. Any law presses on it: the step solves F =
+//!   P(rate - A F) for the force, P being the law's.
 
 mod elastoplastic;
 mod hereditary;
@@ -68,7 +70,8 @@ macro_rules! laws {
                 }
             }
 
-            /// The law at a place of [`LAWS`], with numbers in the order of its table; zeros beyond them. `None` for a place beyond them.
+            /// The law at a place of [`LAWS`], with numbers in the order of its table; zeros beyond them. `None` for a
+            /// place beyond them.
             pub fn with(law: usize, numbers: [T; LAW_NUMBERS]) -> Option<Self> {
                 $(if law == Place::$law as usize {
                     return Some(Loss::$law($law::with(numbers)));

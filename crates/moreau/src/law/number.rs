@@ -1,5 +1,5 @@
-//! One number of a contact law, as its law's constant table says it: from these tables come the engine's checks, and the reader, the schema and the
-//! messages of whoever writes laws into files.
+//! One number of a contact law, as its law's constant table says it: from these tables come the engine's checks, and
+//! the reader, the schema and the messages of whoever writes laws into files.
 
 use crate::fault::Fault;
 use crate::real::Scalar;

@@ -1,4 +1,5 @@
-//! The part of a contact's force that is a function of the compression g and the rate dg/dt now: k g^r and a loss in one of two forms.
+//! The part of a contact's force that is a function of the compression g and the rate dg/dt now: k g^r and a loss in
+//! one of two forms.
 //!
 //! This is the hot part of a law. Laws without memory are nothing else; a law with memory has none of it.
 
@@ -8,8 +9,8 @@ use crate::timing::Timing;
 
 /// m; square roots of compressions are bounded by their tangent here.
 const USUAL_DEPTH: f64 = 1e-3;
-/// m; the quick test bounds Hunt and Crossley's loss up to this compression, several times what the felts of an action are pressed by.
-/// A felt that is pressed deeper is looked at by itself.
+/// m; the quick test bounds Hunt and Crossley's loss up to this compression, several times what the felts of an action
+/// are pressed by. A felt that is pressed deeper is looked at by itself.
 pub(crate) const LARGEST_DEPTH: f64 = 3e-3;
 
 /// The loss's form.
@@ -21,8 +22,9 @@ pub(crate) enum Form<T> {
     Proportional(T),
 }
 
-/// How strongly a felt's force can bend away from its tangent: with depth the largest compression and speed the largest |dg/dt|,
-/// 1/2 |F_gg| <= stiffness + stiffness_by_depth depth + damping speed and |F_gv| <= 2 damping depth, up to the compression `deepest`.
+/// How strongly a felt's force can bend away from its tangent: with depth the largest compression and speed the largest
+/// |dg/dt|, 1/2 |F_gg| <= stiffness + stiffness_by_depth depth + damping speed and |F_gv| <= 2 damping depth, up to the
+/// compression `deepest`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CurvatureBound<T> {
     pub stiffness: T,
@@ -49,7 +51,8 @@ impl<T: Real> CurvatureBound<T> {
             (Form::Square(b), _) => (b, c(FAR)),
             // a k g^2 dg/dt is the papers' law with b = a k.
             (Form::Proportional(a), Exponent::Two) => (a * k, c(FAR)),
-            // 1/2 F_gg = 1/2 r (r - 1) a k g^(r - 2) dg/dt and F_gv = r a k g^(r - 1), and g^(r - 2) <= D^(r - 2) for g <= D and r >= 2.
+            // 1/2 F_gg = 1/2 r (r - 1) a k g^(r - 2) dg/dt and F_gv = r a k g^(r - 1), and g^(r - 2) <= D^(r - 2) for g
+            // <= D and r >= 2.
             (Form::Proportional(a), Exponent::TwoAndHalf) => {
                 (a * k * c(1.875 * libm::sqrt(LARGEST_DEPTH)), c(LARGEST_DEPTH))
             }
@@ -68,8 +71,8 @@ pub(crate) struct RatePart<T> {
     pub form: Form<T>,
     /// b where the form is a square.
     damping: T,
-    /// The rate, m/s, at which a felt opens when it just pushes no more, where that does not depend on the compression: k/b for r = 2,
-    /// 1/a for Hunt and Crossley's.
+    /// The rate, m/s, at which a felt opens when it just pushes no more, where that does not depend on the compression:
+    /// k/b for r = 2, 1/a for Hunt and Crossley's.
     opening: T,
 }
 
@@ -93,8 +96,8 @@ impl<T: Real> RatePart<T> {
         matches!((self.spring.exponent, self.form), (Exponent::Two, Form::Square(_)))
     }
 
-    /// r = 2 and both Gauss points touched: F = (k + b dg/dt) g^2, whose mean over the path is (k + b dg/dt) (g^2 + o^2), o being the
-    /// points' distance from the middle.
+    /// r = 2 and both Gauss points touched: F = (k + b dg/dt) g^2, whose mean over the path is (k + b dg/dt) (g^2 +
+    /// o^2), o being the points' distance from the middle.
     #[inline(always)]
     pub(crate) fn press_square(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask) -> Pressed<T> {
         let (h_theta, node) = (timing.h_theta, timing.node);
@@ -145,9 +148,9 @@ impl<T: Real> RatePart<T> {
             damping_force: half * (a.damping_force + b.damping_force),
             tangent: only_touched((half * h_theta * (a.damping + b.damping + slope)).max(T::ZERO)),
             curvature: Curvature {
-                // A point that the clamp holds at zero counts as flat: should it push after the change, the step does not know. That
-                // costs the one step in which a felt opens faster than its loss allows some of its exactness; to count it would cost
-                // iterations, and move bits that are promised.
+                // A point that the clamp holds at zero counts as flat: should it push after the change, the step does
+                // not know. That costs the one step in which a felt opens faster than its loss allows some of its
+                // exactness; to count it would cost iterations, and move bits that are promised.
                 linear: reach * a.stiffness.abs().max(b.stiffness.abs()) + a.damping.max(b.damping),
                 quadratic: reach * (reach * bend.by_compression + bend.mixed),
                 slack,
@@ -160,9 +163,10 @@ impl<T: Real> RatePart<T> {
         }
     }
 
-    /// Its mean along the step's straight path worked out exactly: with V' = k g^r, (V(b) - V(a))/(b - a) from compression to compression, and (b^3 - a^3)/(3 (b - a)) of
-    /// g^2, also where the path begins or ends apart. Two-point quadrature leaves part of a felt's work unexplained where it is touched in mid step, or where
-    /// r is neither 2 nor 3; a hammer that rattles on a string would win or lose by that.
+    /// Its mean along the step's straight path worked out exactly: with V' = k g^r, (V(b) - V(a))/(b - a) from
+    /// compression to compression, and (b^3 - a^3)/(3 (b - a)) of g^2, also where the path begins or ends apart.
+    /// Two-point quadrature leaves part of a felt's work unexplained where it is touched in mid step, or where r is
+    /// neither 2 nor 3; a hammer that rattles on a string would win or lose by that.
     pub(crate) fn press_exactly(&self, compression: T, rate: T, timing: &Timing<T>, touched: T::Mask) -> Pressed<T> {
         let pressed = self.press_points(compression, rate, timing, touched);
         let half = timing.step - timing.h_theta;
@@ -235,7 +239,8 @@ impl<T: Real> RatePart<T> {
         }
     }
 
-    /// Its second derivatives at most, on a path down to `deepest`, given the larger of the elastic forces, slopes and curvatures there.
+    /// Its second derivatives at most, on a path down to `deepest`, given the larger of the elastic forces, slopes and
+    /// curvatures there.
     #[inline(always)]
     fn bend(&self, elastic: &Elastic<T>, deepest: T, rate: T) -> Bend<T> {
         let (half, two) = (T::from_f64(0.5), T::from_f64(2.0));
@@ -347,8 +352,8 @@ mod tests {
         }
     }
 
-    /// The stored energy is the integral of the force of a felt that moves infinitely slowly: Simpson's rule over 2000 intervals, whose
-    /// own error for g^1.7, the least smooth at zero, is below 1e-6.
+    /// The stored energy is the integral of the force of a felt that moves infinitely slowly: Simpson's rule over 2000
+    /// intervals, whose own error for g^1.7, the least smooth at zero, is below 1e-6.
     #[test]
     fn the_stored_energy_is_the_slow_work() {
         for (form, law) in laws() {
@@ -371,8 +376,9 @@ mod tests {
         }
     }
 
-    /// The curvature bound is one: second derivatives by differences of the first ones, over compressions and rates up to its limit. It is
-    /// met where the law is a square (nothing is lost), and by no more than an order of magnitude anywhere.
+    /// The curvature bound is one: second derivatives by differences of the first ones, over compressions and rates up
+    /// to its limit. It is met where the law is a square (nothing is lost), and by no more than an order of magnitude
+    /// anywhere.
     #[test]
     fn the_curvature_bound_holds() {
         for (form, law) in laws().filter(|(_, law)| !matches!(law.spring.exponent, Exponent::Other(_))) {
@@ -395,7 +401,8 @@ mod tests {
         }
     }
 
-    /// Compressions and rates at which both points of the quadrature are touched, for every law; theta between its ends and at them.
+    /// Compressions and rates at which both points of the quadrature are touched, for every law; theta between its ends
+    /// and at them.
     fn touched() -> impl Iterator<Item = (Form<f64>, RatePart<f64>, f64, f64, Timing<f64>)> {
         let timings = [(50e-6, 0.5), (1e-3, 0.5), (2e-4, 0.7), (50e-6, 1.0)].map(|(h, theta)| Timing::new(h, theta));
         laws().flat_map(move |(form, law)| {
@@ -429,7 +436,8 @@ mod tests {
         }
     }
 
-    /// How much slower the felt may close before its force vanishes is told exactly where the compression plays no part: by 1/a and its rate.
+    /// How much slower the felt may close before its force vanishes is told exactly where the compression plays no
+    /// part: by 1/a and its rate.
     #[test]
     fn the_clamp_is_as_far_as_it_says() {
         let mut met = 0;
@@ -443,8 +451,8 @@ mod tests {
         assert!(met > 0);
     }
 
-    /// The mean force is that of the two points of Gauss, and the tangent its derivative by the rate, the compression going along with it by
-    /// theta h (a central difference, right to 1e-8).
+    /// The mean force is that of the two points of Gauss, and the tangent its derivative by the rate, the compression
+    /// going along with it by theta h (a central difference, right to 1e-8).
     #[test]
     fn the_quadrature_and_its_tangent() {
         for (form, law, compression, rate, timing) in touched() {
@@ -482,7 +490,8 @@ mod tests {
         }
     }
 
-    /// What the step takes for the second derivatives is what they are, where the felt is being compressed: central differences of the first ones.
+    /// What the step takes for the second derivatives is what they are, where the felt is being compressed: central
+    /// differences of the first ones.
     #[test]
     fn second_derivatives() {
         for (form, law) in laws() {

@@ -1,8 +1,10 @@
-//! Sliders: springs in series with dry friction, beside the spring of a felt. What laws with rate-independent loss are made of.
+//! Sliders: springs in series with dry friction, beside the spring of a felt. What laws with rate-independent loss are
+//! made of.
 //!
-//! In x = g^m, m = (r + 1)/2, the felt is a spring of stiffness kappa = k/m; beside it stand springs K = eta kappa / slip, each in series with a slider
-//! of bound eta kappa x: all straight lines. On the step's path, which is monotonous, their work is worked out exactly; the force is that work over
-//! the way, so that no step of any length gives energy. `README.md`, "Felts with an internal state", has the derivation.
+//! In x = g^m, m = (r + 1)/2, the felt is a spring of stiffness kappa = k/m; beside it stand springs K = eta kappa /
+//! slip, each in series with a slider of bound eta kappa x: all straight lines. On the step's path, which is
+//! monotonous, their work is worked out exactly; the force is that work over the way, so that no step of any length
+//! gives energy. `README.md`, "Felts with an internal state", has the derivation.
 
 use super::hook::{MEMORY, Memory, Path, Pressing, Recalled};
 use super::spring::{Curvature, Elastic, Exponent, Pressed, Spring, TINY};
@@ -79,7 +81,8 @@ impl<T: Real> Slide<T> {
         let start = within(memory, x0);
         let ea = within(start + (xa - x0), xa);
         let d = x1 - xa;
-        // The slider's bound along the path, per x; how far x goes until the slider gives; and the part of the way until then.
+        // The slider's bound along the path, per x; how far x goes until the slider gives; and the part of the way
+        // until then.
         let side = T::select(T::ZERO.le(d), slip, -slip);
         let until = (side * xa - ea) / (one - side);
         let holds = d.abs().le(until.abs());
@@ -113,8 +116,8 @@ pub(crate) fn slide<T: Real>(
     let way = (x1 - xa).abs();
     let chord = chord(spring, &path, &before, &after);
     let (elastic, r) = (before.elastic.max(&after.elastic), spring.exponent.value());
-    // The mean force in x and its slope, what is in the springs, and what the tangent leaves out: second derivatives of the felt while slider or
-    // spring hold, and the bend where a slider gives.
+    // The mean force in x and its slope, what is in the springs, and what the tangent leaves out: second derivatives of
+    // the felt while slider or spring hold, and the bend where a slider gives.
     let (mut total, mut slope) = (half * kappa * (xa + x1), half * kappa);
     let (mut gained, mut ratios, mut bounds, mut bends, mut knee) = (T::ZERO, one, one, one, T::ZERO);
     let (mut room, mut mixed) = (T::from_f64(super::spring::FAR), T::Mask::splat(false));
@@ -153,8 +156,8 @@ pub(crate) fn slide<T: Real>(
     let bend = half * reach * (reach * (bend + knee + two * speed) + T::from_f64(4.0) * damping * deepest);
     // How far the clamp is, and the nearest slider's switch.
     let (clamp, switch) = (T::only(pushing, force), half * linear * room);
-    // For theta above 1/2 the memory at the path's beginning goes along with the rate. The tangent does not know that: what it leaves out is of first
-    // order, which a slack of zero says.
+    // For theta above 1/2 the memory at the path's beginning goes along with the rate. The tangent does not know that:
+    // what it leaves out is of first order, which a slack of zero says.
     let late = timing.theta.le(half).not();
     // What the clamp leaves of the loss undoes the stiffness.
     let stored = half * kappa * (xa + x1) * chord.mean;
@@ -246,7 +249,8 @@ struct Chord<T> {
     part_slope: T,
 }
 
-/// The third root of the rounding: a difference over such a part of the numbers is as exact as its replacement by a derivative.
+/// The third root of the rounding: a difference over such a part of the numbers is as exact as its replacement by a
+/// derivative.
 #[inline(always)]
 fn cube_root_of_epsilon<T: Real>() -> T {
     T::EPSILON.powf(T::from_f64(1.0 / 3.0))

@@ -2,9 +2,10 @@
 //! the guess, until it is right. The warm start is right in most steps, and then one factorisation is all; the Delassus
 //! matrix is never formed.
 //!
-//! Sticking pivots stay in the system with a huge inertia. The others then move as if those were not in it. The solver sets the velocities of
-//! sticking pivots to zero exactly, so that a held note does not drift by rounding. Sliding contacts are few: they are condensed onto a system
-//! of their own. Where guesses cycle, the exact dense solver takes over.
+//! Sticking pivots stay in the system with a huge inertia. The others then move as if those were not in it. The solver
+//! sets the velocities of sticking pivots to zero exactly, so that a held note does not drift by rounding. Sliding
+//! contacts are few: they are condensed onto a system of their own. Where guesses cycle, the exact dense solver takes
+//! over.
 
 use super::delassus::Dense;
 use super::relay::{eliminate, is_dependent, solve_dense};
@@ -12,9 +13,11 @@ use super::system::{Guess, Impulses, SlidingLaw, System, lane_by_lane};
 use crate::linear::{back_substitute, product, solve as solve_factored};
 use crate::real::{Mask, Real, Scalar};
 
-/// Guesses that correct every refuted law at once. Usual problems need one or two; a problem that cycles does so from the start.
+/// Guesses that correct every refuted law at once. Usual problems need one or two; a problem that cycles does so from
+/// the start.
 const GUESSES: u32 = 8;
-/// Guesses that then correct only the first refuted law, which ends most cycles, before the exact dense solver takes over.
+/// Guesses that then correct only the first refuted law, which ends most cycles, before the exact dense solver takes
+/// over.
 const SINGLE_GUESSES: u32 = 24;
 
 /// The sliding laws' own system, once the pivots are guessed, and what it is made from: workspace.
@@ -43,8 +46,8 @@ fn sign<T: Real>(x: T) -> T {
     T::select(T::ZERO.lt(x), T::ONE, -T::ONE)
 }
 
-/// Solves to `tolerance` on the laws' velocities, from a guess, which is corrected; `limit` bounds the fallback. `w`: the relative
-/// velocities. Says which lanes converged, after how many guesses.
+/// Solves to `tolerance` on the laws' velocities, from a guess, which is corrected; `limit` bounds the fallback. `w`:
+/// the relative velocities. Says which lanes converged, after how many guesses.
 #[inline(always)]
 pub fn solve<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
@@ -84,8 +87,8 @@ fn fall_back<T: Real, const B: usize, const N: usize>(
     (solved, GUESSES + SINGLE_GUESSES + most)
 }
 
-/// Solves the system that a guess leaves, and corrects the guess where the solution refutes it; `single`: in one place only. Says in
-/// which lanes it did.
+/// Solves the system that a guess leaves, and corrects the guess where the solution refutes it; `single`: in one place
+/// only. Says in which lanes it did.
 #[inline(always)]
 fn try_guess<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
@@ -107,8 +110,8 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
             lacking[i] = lacking[i].sub_product(system.sliding[k].row[i], impulses.sliding[k]);
         }
     }
-    // Usually no sliding pivot has reversed. With several lanes one test for all pivots is cheaper; with one lane, a test per sliding
-    // pivot is.
+    // Usually no sliding pivot has reversed. With several lanes one test for all pivots is cheaper; with one lane, a
+    // test per sliding pivot is.
     let turning = T::LANES > 1 && tolerance.lt(fastest(&guess.pivot, w)).any();
     for i in 0..B {
         let slides = not_zero(guess.pivot[i]);
@@ -116,8 +119,8 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
             let p = if moves { lacking[i] + system.a.row_product(i, w) } else { lacking[i] };
             // A pivot that sticks has no impulse yet.
             impulses.pivot[i] += T::select(slides, T::ZERO, p);
-            // p is a difference of loads, so it is rounded as they are. A pivot that holds just at its limit must not begin to slide
-            // because of that.
+            // p is a difference of loads, so it is rounded as they are. A pivot that holds just at its limit must not
+            // begin to slide because of that.
             let rounding = T::from_f64(8.0) * T::EPSILON * (system.pivot_bound[i] + system.b[i].abs());
             let bound = system.pivot_bound[i] + rounding;
             let exceeded = slides.not().and(bound.lt(p.abs())).and(may_change::<T>(changed, single));
@@ -139,7 +142,8 @@ fn try_guess<T: Real, const B: usize, const N: usize>(
     changed
 }
 
-/// The largest velocity that goes against a pivot's guess: positive where the pivot turns the way that its friction pushes.
+/// The largest velocity that goes against a pivot's guess: positive where the pivot turns the way that its friction
+/// pushes.
 #[inline(always)]
 fn fastest<T: Real, const B: usize>(guess: &[T; B], w: &[T; B]) -> T {
     let mut fastest = T::ZERO;
@@ -155,11 +159,12 @@ fn may_change<T: Real>(changed: T::Mask, single: bool) -> T::Mask {
     if single { changed.not() } else { T::Mask::splat(true) }
 }
 
-/// A joint that sticks is held by so many times its own inertia: its share in the others' velocities is then below any rounding.
+/// A joint that sticks is held by so many times its own inertia: its share in the others' velocities is then below any
+/// rounding.
 const HELD: f64 = 1e20;
 
-/// The velocities of the joints that move (the others stick: exactly zero) and the sliding laws' impulses. Corrects the guesses of the
-/// sliding laws, and says in which lanes; and whether any joint moves in any lane.
+/// The velocities of the joints that move (the others stick: exactly zero) and the sliding laws' impulses. Corrects the
+/// guesses of the sliding laws, and says in which lanes; and whether any joint moves in any lane.
 #[inline(always)]
 fn velocities<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
@@ -235,7 +240,8 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     (correct(guess, 0, found, tolerance, T::Mask::splat(true)), true)
 }
 
-/// What a guess gave a sliding law: its impulse, velocity and bound, and whether the other sticking laws hold it already.
+/// What a guess gave a sliding law: its impulse, velocity and bound, and whether the other sticking laws hold it
+/// already.
 struct Found<T: Real> {
     p: T,
     u: T,
@@ -312,8 +318,8 @@ fn slide<T: Real, const B: usize, const N: usize>(
     changed
 }
 
-/// Sliding laws of a mechanism in which every pivot sticks, in every lane. A law that slides is at its bound; the impulse of one that sticks
-/// is not determined, and keeps its value. Corrects the guesses.
+/// Sliding laws of a mechanism in which every pivot sticks, in every lane. A law that slides is at its bound; the
+/// impulse of one that sticks is not determined, and keeps its value. Corrects the guesses.
 #[inline(always)]
 fn all_stick<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
@@ -334,7 +340,8 @@ fn all_stick<T: Real, const B: usize, const N: usize>(
     changed
 }
 
-/// Corrects where a sliding law stands, as [`correct`] does. A rigid drive that the sticking laws block releases one of them.
+/// Corrects where a sliding law stands, as [`correct`] does. A rigid drive that the sticking laws block releases one of
+/// them.
 #[inline(always)]
 fn correct_law<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
@@ -356,7 +363,8 @@ fn correct_law<T: Real, const B: usize, const N: usize>(
     blocked
 }
 
-/// The mobility that a row would have if nothing stuck. Against it a law that other sticking laws hold already has none.
+/// The mobility that a row would have if nothing stuck. Against it a law that other sticking laws hold already has
+/// none.
 #[inline(always)]
 fn scale_of<T: Real, const B: usize, const N: usize>(system: &System<T, B, N>, row: &[T; B]) -> T {
     let mut scale = T::ZERO;
@@ -366,7 +374,8 @@ fn scale_of<T: Real, const B: usize, const N: usize>(system: &System<T, B, N>, r
     scale
 }
 
-/// Corrects where a sliding contact stands, where a guess is refuted by what it gave and may be changed; says in which lanes.
+/// Corrects where a sliding contact stands, where a guess is refuted by what it gave and may be changed; says in which
+/// lanes.
 #[inline(always)]
 fn correct<T: Real, const B: usize, const N: usize>(
     guess: &mut Guess<T, B, N>,
@@ -392,7 +401,8 @@ fn correct<T: Real, const B: usize, const N: usize>(
     moved
 }
 
-/// The sticking laws do not admit an imposed velocity: the one that blocks it most is released, and slides against the motion.
+/// The sticking laws do not admit an imposed velocity: the one that blocks it most is released, and slides against the
+/// motion.
 #[cold]
 #[inline(never)]
 fn release_blocking_law<T: Scalar, const B: usize, const N: usize>(

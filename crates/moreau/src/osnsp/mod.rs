@@ -1,11 +1,12 @@
 //! The one-step non-smooth problem (OSNSP): velocities and impulses of one linearised step.
 //!
-//! In relative (joint) velocities w the linearised step reads A w = b + p + sum_k row_k p_k, with one dry pivot per joint,
+//! In relative (joint) velocities w the linearised step reads A w = b + p + sum_k row_k p_k, with one dry pivot per
+//! joint,
 //! |p_i| <= bound_i, and sliding laws u_k = row_k . w, |p_k| <= bound_k + slope_k . w (the bound follows the felt's force),
 //! every impulse opposing its own velocity: p = proj_[-bound, bound](p - rho u) for any rho > 0 [T12 eqs 2-4].
 //!
-//! `system.rs` holds the data. Rival solvers are sibling files with one signature; `delassus.rs` is the dense form u = u_free + W p that
-//! some of them use.
+//! `system.rs` holds the data. Rival solvers are sibling files with one signature; `delassus.rs` is the dense form u =
+//! u_free + W p that some of them use.
 
 pub mod active_set;
 pub mod delassus;
@@ -27,8 +28,9 @@ pub enum Solver {
 }
 
 impl Solver {
-    /// Solves the system from its warm start, which is overwritten; `w`: the relative velocities. `tolerance` is on the laws' velocities,
-    /// `limit` the largest number of sweeps or active sets. Says which lanes converged, and after how many sweeps or active sets.
+    /// Solves the system from its warm start, which is overwritten; `w`: the relative velocities. `tolerance` is on the
+    /// laws' velocities, `limit` the largest number of sweeps or active sets. Says which lanes converged, and after how
+    /// many sweeps or active sets.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn solve<T: Real, const B: usize, const N: usize>(

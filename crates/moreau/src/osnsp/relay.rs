@@ -1,5 +1,5 @@
-//! The exact solver of the dense problem: guess which laws stick, solve the linear system that the guess leaves, correct the
-//! guess, until it is right.
+//! The exact solver of the dense problem: guess which laws stick, solve the linear system that the guess leaves,
+//! correct the guess, until it is right.
 //!
 //! Where the guesses cycle (badly conditioned or rank-deficient problems), a primal active-set method for the convex
 //! quadratic programme min 1/2 p.W p + u_free.p over the box takes over: it goes downhill at every step and ends
@@ -56,8 +56,8 @@ pub fn solve_dense<T: Scalar, const N: usize>(
     fallback(problem, p, tolerance, limit)
 }
 
-/// The impulses that make every sticking law's velocity zero and put every sliding law on its bound. Returns the sticking laws
-/// that the others hold already.
+/// The impulses that make every sticking law's velocity zero and put every sliding law on its bound. Returns the
+/// sticking laws that the others hold already.
 #[inline(always)]
 fn impulses_of_guess<T: Scalar, const N: usize>(
     problem: &OneStepProblem<T, N>,
@@ -132,8 +132,9 @@ pub(super) fn is_dependent<T: Real>(pivot: T, scale: T) -> T::Mask {
     pivot.abs().le(scale * T::from_f64(DEPENDENT).max(T::from_f64(16.0) * T::EPSILON))
 }
 
-/// Gaussian elimination in the given order. A law whose pivot vanishes is held by the others: its impulse is not determined,
-/// and keeps the value that `x` came with. Returns which rows those are. `diagonal` is what pivots are compared with.
+/// Gaussian elimination in the given order. A law whose pivot vanishes is held by the others: its impulse is not
+/// determined, and keeps the value that `x` came with. Returns which rows those are. `diagonal` is what pivots are
+/// compared with.
 #[inline(always)]
 pub(super) fn eliminate<T: Real, const N: usize>(
     a: &mut [[T; N]; N],
@@ -224,7 +225,8 @@ fn correct_guess<T: Scalar, const N: usize>(
     changed
 }
 
-/// The sticking laws do not admit an equality: the one that is most strongly coupled to it is released, and slides against the motion.
+/// The sticking laws do not admit an equality: the one that is most strongly coupled to it is released, and slides
+/// against the motion.
 #[cold]
 fn release_blocking_law<T: Scalar, const N: usize>(
     problem: &OneStepProblem<T, N>,

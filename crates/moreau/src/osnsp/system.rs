@@ -154,8 +154,8 @@ impl<T: Scalar, const B: usize, const N: usize> Guess<T, B, N> {
     }
 }
 
-/// Lane after lane, in those that are asked for, by a solver that knows one: its velocities, its impulses, and the guess that follows
-/// from them. Says which lanes did not fail, and the most sweeps or active sets.
+/// Lane after lane, in those that are asked for, by a solver that knows one: its velocities, its impulses, and the
+/// guess that follows from them. Says which lanes did not fail, and the most sweeps or active sets.
 #[inline(always)]
 pub(super) fn lane_by_lane<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,

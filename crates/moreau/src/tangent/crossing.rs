@@ -24,8 +24,8 @@ pub(super) struct Crossing<const B: usize, const Z: usize> {
 }
 
 impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, Z, N, D> {
-    /// The shortest step that is found in which a law switches, so that no other one does. `slips`: after two steps of the length `small` up to here.
-    /// None where no law that slips toward its switch reaches it within `far` s.
+    /// The shortest step that is found in which a law switches, so that no other one does. `slips`: after two steps of
+    /// the length `small` up to here. None where no law that slips toward its switch reaches it within `far` s.
     pub(super) fn cross(
         &mut self,
         settings: &Settings<f64>,
@@ -70,7 +70,8 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         found
     }
 
-    /// Two steps beyond a switch, and how long each is, s: as long as those before it, or so much shorter that no other law switches in them.
+    /// Two steps beyond a switch, and how long each is, s: as long as those before it, or so much shorter that no other
+    /// law switches in them.
     pub(super) fn beyond(
         &mut self,
         settings: &Settings<f64>,

@@ -1,6 +1,8 @@
-//! Derivatives of a motion with switching laws, by forward mode: the equations stand in this crate's README, "Derivatives".
+//! Derivatives of a motion with switching laws, by forward mode: the equations stand in this crate's README,
+//! "Derivatives".
 //!
-//! Steps are taken in [`Dual`] numbers, and end where a law that slips comes to stick or turns round. There the derivatives jump by the saltation matrix.
+//! Steps are taken in [`Dual`] numbers, and end where a law that slips comes to stick or turns round. There the
+//! derivatives jump by the saltation matrix.
 
 mod crossing;
 mod switch;
@@ -18,20 +20,25 @@ use crate::workspace::Workspace;
 use crossing::Crossing;
 use switch::{Before, Change, LetGo, Slips};
 
-/// The instant of a switch is found to this part of the step. Derivatives err by about as much; rounding forbids far less.
+/// The instant of a switch is found to this part of the step. Derivatives err by about as much; rounding forbids far
+/// less.
 const RESOLUTION: f64 = 1e-5;
-/// The shortest bracket of an instant, as a part of the step: what follows another switch so closely is taken as it comes, and counted.
+/// The shortest bracket of an instant, as a part of the step: what follows another switch so closely is taken as it
+/// comes, and counted.
 const SHORTEST: f64 = 1e-8;
 /// Bisections of a step, at most.
 const BISECTIONS: u32 = 60;
-/// A switch is crossed from no farther away than this part of the step: a long step and a few short ones do not put it at quite the same instant.
+/// A switch is crossed from no farther away than this part of the step: a long step and a few short ones do not put it
+/// at quite the same instant.
 const NEAR: f64 = 2e-4;
 /// The part of the way to a switch that a step toward it leaves, and the least that it leaves, as a part of the step.
 const CLOSER: [f64; 2] = [0.02, 4.0 * RESOLUTION];
-/// Newton iterations of a step, at most: the derivatives converge linearly, by the part of the Jacobian that the step leaves out.
+/// Newton iterations of a step, at most: the derivatives converge linearly, by the part of the Jacobian that the step
+/// leaves out.
 const ITERATIONS: u32 = 16;
 
-/// What drives an inner step that begins so many s after the outer step's start and lasts so long, s; the last argument is where the driven point is then.
+/// What drives an inner step that begins so many s after the outer step's start and lasts so long, s; the last argument
+/// is where the driven point is then.
 pub type Driven<'a, const D: usize> = dyn FnMut(f64, f64, Dual<D>) -> Input<Dual<D>> + 'a;
 
 /// What became of a step.
@@ -39,7 +46,8 @@ pub type Driven<'a, const D: usize> = dyn FnMut(f64, f64, Dual<D>) -> Input<Dual
 pub struct TangentReport {
     /// Switches at which the derivatives jumped.
     pub switches: u32,
-    /// Switches that could not be distinguished from the one before: there the derivatives are those of the step across.
+    /// Switches that could not be distinguished from the one before: there the derivatives are those of the step
+    /// across.
     pub unresolved: u32,
     /// Inner steps whose derivatives or velocities did not converge.
     pub unconverged: u32,
@@ -186,7 +194,8 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         }
     }
 
-    /// Advances to the first change within the next `left` s, and across it if it is a switch. Returns how long that took, s.
+    /// Advances to the first change within the next `left` s, and across it if it is a switch. Returns how long that
+    /// took, s.
     fn advance_to_change(
         &mut self,
         settings: &Settings<f64>,
@@ -271,7 +280,8 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         for d in 0..D {
             place.slope[d] += length * velocity.slope[d];
         }
-        // A step across a reversal may end at rest, and only the next one slips again. That is no stick: a dual step from there would ask for du = 0.
+        // A step across a reversal may end at rest, and only the next one slips again. That is no stick: a dual step
+        // from there would ask for du = 0.
         let [rests, goes] = [&after, &second].map(|state| law.side(&self.plain, state));
         let (end, length, last) =
             if rests == 0.0 && goes != 0.0 { (second, length + 2.0 * ahead, ahead) } else { (after, length, length) };

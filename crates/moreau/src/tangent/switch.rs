@@ -1,7 +1,8 @@
 //! Which laws switch: what slips comes to stick, or turns round.
 //!
-//! The derivatives of a motion jump there, for its acceleration does. They do not where a law lets go (its force has just reached its bound), where a felt
-//! begins to push or leaves (so does its force, from zero), or at the clamp of a felt.
+//! The derivatives of a motion jump there, for its acceleration does. They do not where a law lets go (its force has
+//! just reached its bound), where a felt begins to push or leaves (so does its force, from zero), or at the clamp of a
+//! felt.
 
 use crate::dual::Dual;
 use crate::model::Model;
@@ -101,7 +102,8 @@ impl<const B: usize, const Z: usize> Before<B, Z> {
         Before { w: model.tree.relative(&state.velocity), zone }
     }
 
-    /// The laws that slip before a step and stick or slip the other way after it, and those that stick before it and slip after it: [`Change`].
+    /// The laws that slip before a step and stick or slip the other way after it, and those that stick before it and
+    /// slip after it: [`Change`].
     pub(crate) fn changes<'a, const N: usize>(
         &'a self,
         model: &'a Model<f64, B, Z>,

@@ -1,4 +1,5 @@
-//! Steps with controlled error: what holds whatever the tolerance. That errors follow the tolerance is a conformance problem.
+//! Steps with controlled error: what holds whatever the tolerance. That errors follow the tolerance is a conformance
+//! problem.
 
 use moreau::{
     Accuracy, Body, ControlledStep, Controller, Description, Input, Model, Outcome, Settings, Spring, State,
@@ -45,9 +46,9 @@ fn what_sticks_stays() {
     assert_eq!((o.state.angle, o.state.velocity, longest), ([1.0], [0.0], 1.0));
 }
 
-/// The error of a smooth step in closed form, where the velocity's counts and where the angle's does: the midpoint rule turns (angle, velocity) of
-/// the oscillator by 2 atan(h/2), its halves by 4 atan(h/4), and a third of the difference is their error; backward Euler divides them by
-/// 1 + h^2 and turns them, and all of the difference is it.
+/// The error of a smooth step in closed form, where the velocity's counts and where the angle's does: the midpoint rule
+/// turns (angle, velocity) of the oscillator by 2 atan(h/2), its halves by 4 atan(h/4), and a third of the difference
+/// is their error; backward Euler divides them by 1 + h^2 and turns them, and all of the difference is it.
 #[test]
 fn the_error_of_a_smooth_step_is_the_closed_form() {
     let (h, tolerance) = (0.125_f64, 1e-2);
@@ -140,8 +141,8 @@ fn a_state_outlives_an_input_that_is_no_number() {
     assert_eq!((did.outcome, &state), (Outcome::NonFinite, &before));
 }
 
-/// A force that is given as a function of time is asked for at the theta points of whole and halves: one that is linear in time moves the
-/// body as it should, v = f t^2/2 to rounding.
+/// A force that is given as a function of time is asked for at the theta points of whole and halves: one that is linear
+/// in time moves the body as it should, v = f t^2/2 to rounding.
 #[test]
 fn the_drive_is_asked_at_the_right_instants() {
     let site = moreau::Site { body: 0, point: [1.0, 0.0], direction: [0.0, 1.0], stiffness: 1.0, damping: 0.0 };

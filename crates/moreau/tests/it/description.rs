@@ -79,8 +79,8 @@ fn every_fault_names_its_part_and_its_number() {
     assert_eq!(said, "body 1: mass is -1, expected a finite number, at least 0");
 }
 
-/// Two dry pivots, a zone with friction and a site are four set-valued laws. With room for three nothing is left out without a word: the
-/// workspace is refused, and so is a step with one that was made without asking.
+/// Two dry pivots, a zone with friction and a site are four set-valued laws. With room for three nothing is left out
+/// without a word: the workspace is refused, and so is a step with one that was made without asking.
 #[test]
 fn laws_that_have_no_room_are_an_error() {
     let site = Site { body: 0, point: [0.1, 0.0], direction: [0.0, -1.0], stiffness: 1e3, damping: 0.0 };

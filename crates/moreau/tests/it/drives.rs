@@ -6,8 +6,8 @@ use moreau::{Body, Description, GROUND, Input, Model, Outcome, Settings, Site, S
 
 const RATE: f64 = 0.7;
 
-/// Two bodies in a chain at the origin, both stuck by dry friction; the outer one is moved by its tip, 0.2 m out, at `RATE`
-/// times the tip's lever arm.
+/// Two bodies in a chain at the origin, both stuck by dry friction; the outer one is moved by its tip, 0.2 m out, at
+/// `RATE` times the tip's lever arm.
 fn chain() -> Model<f64, 2, 0> {
     let body = |parent, pivot, dry| Body { parent, pivot, mass: 0.01, inertia: 1e-4, dry, ..Body::inert() };
     let bodies = [body(GROUND, [0.0, 0.0], 2e-3), body(0, [0.1, 0.0], 1e-3)];
@@ -15,9 +15,9 @@ fn chain() -> Model<f64, 2, 0> {
     Description { bodies: &bodies, site: Some(site), ..Description::default() }.compile().unwrap()
 }
 
-/// From rest every pivot sticks, so that the warm start's guess admits no motion at all: an imposed velocity must still be
-/// reached, in the very first step, to the solver's tolerance, and friction must oppose it with its whole torque. (Once the
-/// default solver held such a mechanism still and called that converged.)
+/// From rest every pivot sticks, so that the warm start's guess admits no motion at all: an imposed velocity must still
+/// be reached, in the very first step, to the solver's tolerance, and friction must oppose it with its whole torque.
+/// (Once the default solver held such a mechanism still and called that converged.)
 #[test]
 fn a_rigid_drive_moves_what_sticks() {
     let model = chain();
@@ -32,7 +32,8 @@ fn a_rigid_drive_moves_what_sticks() {
             assert_eq!(report.outcome, Outcome::Converged, "step {n}");
             let [a, b] = state.velocity;
             let tip = 0.1 * a * state.angle[0].cos() + 0.1 * b * state.angle[1].cos();
-            // The row is taken half a step before: its cosine is off by angle x rate x h/2, below 1e-6, times 0.1 m x 1.4 rad/s.
+            // The row is taken half a step before: its cosine is off by angle x rate x h/2, below 1e-6, times 0.1 m x
+            // 1.4 rad/s.
             assert!((tip - sign * 0.2 * RATE).abs() < 2e-7, "step {n}: {tip}");
         }
         // The pivot that turns has its whole torque against it.
@@ -49,8 +50,8 @@ fn a_rigid_drive_moves_what_sticks() {
     }
 }
 
-/// The same in dense form: an equality (infinite bound) on a velocity that a stuck law holds. The law slides with its whole
-/// bound, and the equality's impulse makes up for it.
+/// The same in dense form: an equality (infinite bound) on a velocity that a stuck law holds. The law slides with its
+/// whole bound, and the equality's impulse makes up for it.
 #[test]
 fn an_equality_moves_what_sticks() {
     let mut problem = OneStepProblem::<f64, 2>::new();

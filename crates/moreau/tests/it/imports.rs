@@ -1,5 +1,5 @@
-//! Imports go downward, between crates and within them: no circle of folders, and no circle of more than two files, in any crate and in the
-//! Python package. Dependencies of development are counted apart.
+//! Imports go downward, between crates and within them: no circle of folders, and no circle of more than two files, in
+//! any crate and in the Python package. Dependencies of development are counted apart.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -52,7 +52,8 @@ fn dependencies<'a>(manifest: &'a toml::Table, table: &str) -> Vec<&'a str> {
     manifest.get(table).and_then(toml::Value::as_table).into_iter().flat_map(|t| t.keys().map(String::as_str)).collect()
 }
 
-/// Modules by their path, e.g. `osnsp::relay`, with their source. A directory's `mod.rs` is the module itself; `lib.rs` is the empty path.
+/// Modules by their path, e.g. `osnsp::relay`, with their source. A directory's `mod.rs` is the module itself; `lib.rs`
+/// is the empty path.
 fn modules(directory: &Path, path: &str, found: &mut BTreeMap<String, String>) {
     for entry in fs::read_dir(directory).unwrap() {
         let entry = entry.unwrap().path();
@@ -90,7 +91,8 @@ fn uses(source: &str) -> Vec<(bool, String)> {
     found
 }
 
-/// Paths that stand in the code itself, `crate::a::b`; the declarations of `use` are among them once more, but for their braces.
+/// Paths that stand in the code itself, `crate::a::b`; the declarations of `use` are among them once more, but for
+/// their braces.
 fn written_out(source: &str) -> impl Iterator<Item = String> {
     let code = source.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n");
     let public = |before: &str| {

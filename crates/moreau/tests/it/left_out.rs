@@ -1,5 +1,5 @@
-//! What a manifest tells Cargo not to look for is not there: a library with `test = false` has no unit tests, one with `doctest = false` no examples in
-//! its documentation. Each would be compiled once more to find none.
+//! What a manifest tells Cargo not to look for is not there: a library with `test = false` has no unit tests, one with
+//! `doctest = false` no examples in its documentation. Each would be compiled once more to find none.
 
 use std::fs;
 use std::path::Path;

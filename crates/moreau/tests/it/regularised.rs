@@ -2,9 +2,9 @@
 
 use moreau::{Body, Description, FrictionLaw, Input, Outcome, Settings, State, Workspace, step};
 
-/// Kept for comparison, the law is at least solved: every step satisfies J (w1 - w0) = -h c_d tanh(w_theta / width) to the Newton
-/// tolerance of 1e-5 (1 rad/s + |w|), also where the body comes to rest within a step and tanh is at its most curved. (Once a step
-/// was accepted on the felts' curvature alone, of which there is none here.)
+/// Kept for comparison, the law is at least solved: every step satisfies J (w1 - w0) = -h c_d tanh(w_theta / width) to
+/// the Newton tolerance of 1e-5 (1 rad/s + |w|), also where the body comes to rest within a step and tanh is at its
+/// most curved. (Once a step was accepted on the felts' curvature alone, of which there is none here.)
 #[test]
 fn a_regularised_pivot_is_solved() {
     let body = Body { dry: 1.0, inertia: 1.0, ..Body::inert() };

@@ -1,4 +1,5 @@
-//! Derivatives of motions with dry friction against what is worked out by hand: where sliding turns round, comes to stick, and sets off something else.
+//! Derivatives of motions with dry friction against what is worked out by hand: where sliding turns round, comes to
+//! stick, and sets off something else.
 
 use moreau::{
     Body, Curve, Description, Dual, Exponent, Felt, GROUND, Input, Loss, Model, Real, Scalar, Settings, Spring, State,
@@ -65,8 +66,9 @@ fn run<const B: usize, const N: usize>(
     (tangent.state, all)
 }
 
-/// A mass is thrown against a steady force F, with dry friction c. It stops after v0/(F + c) and comes back with (F - c) t. So dv/dv0 = (F - c)/(F + c): 0.92
-/// with c = F/24. A fixed step in dual numbers gives 1, whatever its length, for each of its steps has one side: this test shows that, too.
+/// A mass is thrown against a steady force F, with dry friction c. It stops after v0/(F + c) and comes back with (F -
+/// c) t. So dv/dv0 = (F - c)/(F + c): 0.92 with c = F/24. A fixed step in dual numbers gives 1, whatever its length,
+/// for each of its steps has one side: this test shows that, too.
 #[test]
 fn a_reversal_changes_the_derivative() {
     let (force, dry, v0) = (24.0, 1.0, 1.0);
@@ -108,7 +110,8 @@ fn dual(settings: &Settings<f64>) -> Settings<D2> {
     Settings { step, theta, tolerance, solver_tolerance, newton_limit, solver_limit, solver, ..Settings::new(step) }
 }
 
-/// Less force than friction: it comes to rest after v0/(F + c), for good. Its place depends on how fast it was thrown, its speed on nothing.
+/// Less force than friction: it comes to rest after v0/(F + c), for good. Its place depends on how fast it was thrown,
+/// its speed on nothing.
 #[test]
 fn what_comes_to_rest_keeps_its_place() {
     let (force, dry, v0) = (1.0, 4.0, 0.3);
@@ -124,14 +127,17 @@ fn what_comes_to_rest_keeps_its_place() {
     }
 }
 
-/// A body on a body: the outer pivot comes to rest on the inner body, which stuck to the ground until then, and its friction, which turns from pushing back to
-/// carrying the load, sets the inner one off at that very instant. The derivatives follow from the two motions, pieced together by hand.
+/// A body on a body: the outer pivot comes to rest on the inner body, which stuck to the ground until then, and its
+/// friction, which turns from pushing back to carrying the load, sets the inner one off at that very instant. The
+/// derivatives follow from the two motions, pieced together by hand.
 #[test]
 fn one_that_sticks_may_set_off_another() {
-    // Inner: inertia i, bound a, torque s. Outer: inertia j, relative speed w0, bound c, torque -t (its reaction on the inner one: t).
+    // Inner: inertia i, bound a, torque s. Outer: inertia j, relative speed w0, bound c, torque -t (its reaction on the
+    // inner one: t).
     let (i, j, a, c) = (2.0, 1.0, 3.0, 1.5);
     let (s, t, w0) = (3.5, 0.9, 0.4);
-    // While the outer slips forward, friction on it is -c and its springs give -t: on the inner one they act with c + t... and -s.
+    // While the outer slips forward, friction on it is -c and its springs give -t: on the inner one they act with c +
+    // t... and -s.
     let held = c + t - s;
     assert!(f64::abs(held) < a, "{held}");
     // Then both go as one, with the torque -s alone: |s| > a.
@@ -159,7 +165,8 @@ fn one_that_sticks_may_set_off_another() {
     }
 }
 
-/// Two masses that know nothing of each other turn round 3e-9 s apart, which is less than the steps that look for either: both derivatives jump.
+/// Two masses that know nothing of each other turn round 3e-9 s apart, which is less than the steps that look for
+/// either: both derivatives jump.
 #[test]
 fn two_that_turn_round_together_both_jump() {
     let (force, dry, v0) = (24.0, 1.0, 1.0);
@@ -181,8 +188,9 @@ fn two_that_turn_round_together_both_jump() {
 /// Of two bodies that touch.
 type Touching<T> = ([Body<T>; 2], [Spring<T>; 2], [Zone<T>; 1]);
 
-/// A hanging table under a felted arm that presses on it: where the table is thrown against a steady torque, and slides back under the arm. The contact turns
-/// with both, and the arm still swings on its felt, so that the row of the slip is never the same for two steps.
+/// A hanging table under a felted arm that presses on it: where the table is thrown against a steady torque, and slides
+/// back under the arm. The contact turns with both, and the arm still swings on its felt, so that the row of the slip
+/// is never the same for two steps.
 fn table<T: Scalar>(friction: T) -> Touching<T> {
     let t = T::from_f64;
     let table = Body { inertia: t(1.0), ..Body::inert() };
@@ -202,8 +210,8 @@ fn table<T: Scalar>(friction: T) -> Touching<T> {
     ([Body { parent: GROUND, ..table }, Body { parent: GROUND, ..arm }], [steady(0, 3.0), steady(1, -2.0)], [zone])
 }
 
-/// The derivative is that of wide differences, and the same for every length of step: a step across the reversal that ends at rest, as four of five do here,
-/// is no stick.
+/// The derivative is that of wide differences, and the same for every length of step: a step across the reversal that
+/// ends at rest, as four of five do here, is no stick.
 #[test]
 fn a_reversal_in_a_contact_that_turns_is_no_stick() {
     const END: f64 = 0.4;

@@ -4,8 +4,8 @@ use moreau::{
     Body, Curve, Description, Exponent, Felt, GROUND, Input, Loss, Model, Settings, Site, State, Workspace, Zone, step,
 };
 
-/// Three levers that swing down onto felts with friction, the first one driven at its tip: hinged on the ground each, in a chain of two,
-/// or in a chain of three.
+/// Three levers that swing down onto felts with friction, the first one driven at its tip: hinged on the ground each,
+/// in a chain of two, or in a chain of three.
 fn levers(parents: [usize; 3]) -> Model<f64, 3, 3> {
     let body = |i: usize| Body {
         parent: parents[i],
@@ -49,8 +49,8 @@ fn levers(parents: [usize; 3]) -> Model<f64, 3, 3> {
     .unwrap()
 }
 
-/// Mechanisms of different trees, stepped in turn with one working memory, do to the bit what each does with its own; so do the contacts
-/// that are read from it.
+/// Mechanisms of different trees, stepped in turn with one working memory, do to the bit what each does with its own;
+/// so do the contacts that are read from it.
 #[test]
 fn mechanisms_may_share_working_memory() {
     let settings = Settings::new(1e-4);

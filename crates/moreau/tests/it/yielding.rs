@@ -53,8 +53,9 @@ fn against_a_dashpot(h: f64, at: f64) -> f64 {
     seen
 }
 
-/// With g the felt's compression, m (g' + F/R)' = -F and F = k g: g'' + 2 s g' + (k/m) g = 0 with 2 s = k/R, g(0) = 0, g'(0) = v. Here s^2 > k/m: the
-/// string is so light that the mass only creeps to rest. Order: a quarter of the error at half the step.
+/// With g the felt's compression, m (g' + F/R)' = -F and F = k g: g'' + 2 s g' + (k/m) g = 0 with 2 s = k/R, g(0) = 0,
+/// g'(0) = v. Here s^2 > k/m: the string is so light that the mass only creeps to rest. Order: a quarter of the error
+/// at half the step.
 #[test]
 fn a_mass_on_an_infinite_string() {
     let (s, square) = (0.5 * STIFF / DAMPER, STIFF / MASS);
@@ -73,7 +74,8 @@ fn a_mass_on_an_infinite_string() {
     }
 }
 
-/// What yields by nothing is a curve that stands still, whatever the felt: the same motion, but for the quadrature of the felt's mean there, which is exact here.
+/// What yields by nothing is a curve that stands still, whatever the felt: the same motion, but for the quadrature of
+/// the felt's mean there, which is exact here.
 #[test]
 fn what_does_not_yield_stands_still() {
     for loss in
@@ -92,8 +94,9 @@ fn what_does_not_yield_stands_still() {
     }
 }
 
-/// A mass that falls upward on a surface, bounces and comes to lie on it, for a second: the energy balance closes at every length of step, and no felt gives energy.
-/// The surface is one undamped mode, stepped exactly; its energy is added by hand.
+/// A mass that falls upward on a surface, bounces and comes to lie on it, for a second: the energy balance closes at
+/// every length of step, and no felt gives energy. The surface is one undamped mode, stepped exactly; its energy is
+/// added by hand.
 #[test]
 fn nothing_is_won_between_felt_and_surface() {
     for h in [20e-6, 50e-6, 200e-6] {
@@ -146,8 +149,8 @@ fn two_thrown(masses: [f64; 2], speeds: [f64; 2], felt: Felt<f64>, gravity: f64)
     (model, state, Workspace::new())
 }
 
-/// Two alike masses strike one thing at once: each finds what one mass finds on a surface with the compliance of both, a + b, or, struck from the
-/// two sides, a - b.
+/// Two alike masses strike one thing at once: each finds what one mass finds on a surface with the compliance of both,
+/// a + b, or, struck from the two sides, a - b.
 #[test]
 fn two_that_strike_together_are_one_on_what_yields_to_both() {
     let felt = Felt { stiffness: 1e10, exponent: Exponent::TwoAndHalf, loss: Loss::quadratic(1e6) };

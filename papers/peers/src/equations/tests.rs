@@ -97,7 +97,8 @@ fn power(mechanism: &Mechanism, y: &[f64; S], force: f64) -> f64 {
     energy(mechanism, &std::array::from_fn(|i| Dual { value: y[i], slope: rates[i] })).slope
 }
 
-/// Without losses nothing changes the energy but the finger, whose power is force times velocity. Rounding of terms of order 10.
+/// Without losses nothing changes the energy but the finger, whose power is force times velocity. Rounding of terms of
+/// order 10.
 #[test]
 fn power_is_what_the_finger_gives() {
     let mut mechanism = mechanism();
@@ -116,7 +117,8 @@ fn power_is_what_the_finger_gives() {
     }
 }
 
-/// Every kind of loss takes energy and none gives any. (A felt's damping is left out: unclamped it gives back when it opens.)
+/// Every kind of loss takes energy and none gives any. (A felt's damping is left out: unclamped it gives back when it
+/// opens.)
 #[test]
 fn friction_takes_energy() {
     for (dry, viscous, sliding) in [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)] {
@@ -164,7 +166,8 @@ fn force_pieces() {
     assert_eq!((blow.force(-1.0), blow.force(9.0)), (1.0, 0.0));
 }
 
-/// The strike point's speed and its coordinate toward the string agree: what one gains per second is the other's part in that direction.
+/// The strike point's speed and its coordinate toward the string agree: what one gains per second is the other's part
+/// in that direction.
 #[test]
 fn the_strike_point_moves_as_its_speed_says() {
     let mut mechanism = mechanism();

@@ -1,7 +1,7 @@
 //! Runs that the subjects have in common: a stroke or a force step, and the blow that comes of it.
 //!
-//! A felt is touched at some phase between two instants of the grid, and the error of a single run depends on that phase. The
-//! root mean square over steps that are nearly the same, with phases that are not, is what follows a law.
+//! A felt is touched at some phase between two instants of the grid, and the error of a single run depends on that
+//! phase. The root mean square over steps that are nearly the same, with phases that are not, is what follows a law.
 
 use moreau::{FrictionLaw, Settings};
 
@@ -180,7 +180,8 @@ pub(crate) fn ladder(
     Ok(steps.iter().zip(blows).zip(errors).filter_map(rung).collect())
 }
 
-/// Errors at several steps, each the root mean square over steps that are nearly the same. `errors`: at a step near one of these, which is named by its place.
+/// Errors at several steps, each the root mean square over steps that are nearly the same. `errors`: at a step near one
+/// of these, which is named by its place.
 pub(crate) fn neighbouring<const N: usize>(
     steps: &[f64],
     errors: &mut dyn FnMut(usize, f64) -> Result<[f64; N], ReproduceError>,

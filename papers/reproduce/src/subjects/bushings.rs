@@ -6,7 +6,8 @@ use super::blow::{Play, tell};
 use super::{Claim, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 
-/// N/m. Wool cloth of 0.6 mm under interference, 2 to 10 MPa on 1.3 x 6.4 mm: 0.5e5 to 3e5 N/m, both sides together. An estimate; none is published.
+/// N/m. Wool cloth of 0.6 mm under interference, 2 to 10 MPa on 1.3 x 6.4 mm: 0.5e5 to 3e5 N/m, both sides together. An
+/// estimate; none is published.
 const STIFFNESSES: [f64; 4] = [1e6, 3e5, 1e5, 3e4];
 /// Damping ratio of 10 g on the bushing.
 const RATIO: f64 = 0.1;

@@ -18,8 +18,8 @@ const STEPS: (f64, i32) = (800e-6, 12);
 const TOLERANCES: [f64; 8] = [3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 /// The press lasts until the hammer rests in its check, s.
 const UNTIL_S: f64 = 0.12;
-/// Each run begins at another instant before the stroke, s, so that contacts meet its steps in other phases. No step of the ladder is a
-/// multiple of it.
+/// Each run begins at another instant before the stroke, s, so that contacts meet its steps in other phases. No step of
+/// the ladder is a multiple of it.
 const PHASE_S: f64 = 8.563e-6;
 const PHASES: u32 = 8;
 /// Rows that are compared, s.
@@ -184,8 +184,8 @@ fn rung(
     Ok(rung)
 }
 
-/// Work at which an error has come down to a wanted one for good, between two rungs by a straight line in logarithms; `None` if the last
-/// one is above.
+/// Work at which an error has come down to a wanted one for good, between two rungs by a straight line in logarithms;
+/// `None` if the last one is above.
 fn price(rungs: &[Rung], wanted: f64, error: usize, work: fn(&Rung) -> f64) -> Option<f64> {
     let above = rungs.iter().rposition(|r| r.errors[error] > wanted);
     let Some(i) = above else { return rungs.first().map(work) };

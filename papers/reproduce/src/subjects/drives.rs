@@ -17,7 +17,8 @@ use erard_workshop::compare::{Errors, RATE_HZ};
 const REFERENCE_STEP_S: f64 = 6.25e-6;
 /// Sampling of the reference series, s.
 const SAMPLE_S: f64 = 0.5e-3;
-/// Sensor noise added to them, uniform with this root mean square: a load cell's, N, and a laser vibrometer's, m. Both assumed.
+/// Sensor noise added to them, uniform with this root mean square: a load cell's, N, and a laser vibrometer's, m. Both
+/// assumed.
 const FORCE_NOISE_N: f64 = 0.01;
 const POSITION_NOISE_M: f64 = 0.02e-6;
 /// s.
@@ -36,7 +37,8 @@ impl Noise {
 const STEP_S: f64 = 50e-6;
 const ROW_STEPS: u64 = (1.0 / (RATE_HZ * STEP_S)) as u64;
 
-/// A soft finger's stroke as sensors between finger and key would have seen it on the six-body model, run with a finer step.
+/// A soft finger's stroke as sensors between finger and key would have seen it on the six-body model, run with a finer
+/// step.
 struct Reference {
     nuance: &'static str,
     force: ForceSeries,
@@ -70,7 +72,8 @@ impl Reference {
         Ok(Reference { nuance, force, position, time_s, force_n, key_m, way_down })
     }
 
-    /// What comes out of a model: the key's position (m) if the force drives it, the force (N) if the key's motion does.
+    /// What comes out of a model: the key's position (m) if the force drives it, the force (N) if the key's motion
+    /// does.
     fn outcome(&self, model: &Instrument, by_force: bool) -> Result<Vec<f64>, ReproduceError> {
         let (force, position) = (self.force.drive(), self.position.drive());
         let drive: &Drive<'_> = if by_force { &player::force(&force) } else { &player::rigid(&position) };
@@ -107,8 +110,9 @@ struct Compared {
     mark: Dash,
 }
 
-/// The one-degree-of-freedom model with inertia and viscous friction fitted to the force-driven positions of all references:
-/// the least sum of squared errors, each relative to its variance, found along one parameter after the other.
+/// The one-degree-of-freedom model with inertia and viscous friction fitted to the force-driven positions of all
+/// references: the least sum of squared errors, each relative to its variance, found along one parameter after the
+/// other.
 fn fitted(derived: &Instrument, references: &[Reference]) -> Result<Instrument, ReproduceError> {
     let with = |x: [f64; 2]| {
         let mut model = derived.clone();

@@ -1,4 +1,5 @@
-//! From gentle to loud in thirty steps: every touch is one blow that is checked, and what is measured of it changes smoothly.
+//! From gentle to loud in thirty steps: every touch is one blow that is checked, and what is measured of it changes
+//! smoothly.
 
 use moreau::Settings;
 
@@ -17,12 +18,13 @@ const HELD_S: f64 = 0.7;
 const HOLD_N: f64 = 3.0;
 /// Steps from gentle to loud.
 const STEPS: usize = 30;
-/// The gentlest and the loudest: for a hand that is led, in so many s; for a force that rises, N/s; for a finger that arrives, m/s.
+/// The gentlest and the loudest: for a hand that is led, in so many s; for a force that rises, N/s; for a finger that
+/// arrives, m/s.
 const LED_S: [f64; 2] = [0.25, 0.08];
 const RISES_N_S: [f64; 2] = [40.0, 1500.0];
 const ARRIVES_M_S: [f64; 2] = [0.12, 1.6];
-/// What two neighbouring steps may differ by more than the mean of their own neighbours' differences, for a curve that is called smooth: a tenth of its
-/// whole range.
+/// What two neighbouring steps may differ by more than the mean of their own neighbours' differences, for a curve that
+/// is called smooth: a tenth of its whole range.
 const SMOOTH: f64 = 0.1;
 
 /// A hammer that flies for so long was thrown, ms: let off at a millimetre or two it takes a few.

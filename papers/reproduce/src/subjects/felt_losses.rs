@@ -1,7 +1,8 @@
 //! Which loss the felts of an action should have: an experiment with the four laws that are at hand.
 //!
-//! The felts of the instrument, the hammer's on the string excepted, are given another loss in place of b g^2 dg/dt or beside it. What is asked: does a
-//! slow contact lose energy, does a held action go on vibrating, what becomes of a blow and of the released key, how much work is it.
+//! The felts of the instrument, the hammer's on the string excepted, are given another loss in place of b g^2 dg/dt or
+//! beside it. What is asked: does a slow contact lose energy, does a held action go on vibrating, what becomes of a
+//! blow and of the released key, how much work is it.
 
 use moreau::{Elastoplastic, Loss, SetValued, Settings};
 use moreau_conformance::thrown_back;
@@ -48,8 +49,9 @@ fn with(instrument: &Instrument, law: &Law) -> Instrument {
     other
 }
 
-/// How the hammer rocks on the felts that hold it up at rest, after a push so small that it moves by micrometres: frequency, Hz, and the part of its
-/// swing that is left after a quarter of a second. The pivots' dry friction would stop it, whatever the felts do, and is taken away for this.
+/// How the hammer rocks on the felts that hold it up at rest, after a push so small that it moves by micrometres:
+/// frequency, Hz, and the part of its swing that is left after a quarter of a second. The pivots' dry friction would
+/// stop it, whatever the felts do, and is taken away for this.
 fn rocking(instrument: &Instrument) -> Result<Option<[f64; 2]>, ReproduceError> {
     let mut free = instrument.clone();
     for body in &mut free.bodies {

@@ -1,11 +1,11 @@
 //! The papers' figures and claims, computed anew: numbers and verdicts, no pictures.
 //!
-//! \[T12\] Thorin, Boutillon, Lozada, Merlhiot, *Simulation of a non-smooth dynamical model of the piano key*;
-//! \[T13\] Thorin, Boutillon, Merlhiot, Lozada, *A non-smooth simulation of the dynamics of the grand piano action*, Waves 2013;
-//! \[H\] Hirschkorn, Birkett, McPhee, *Kinematic model of a piano action mechanism*.
+//! \[T12\] Thorin, Boutillon, Lozada, Merlhiot, *Simulation of a non-smooth dynamical model of the piano key*; \[T13\]
+//! Thorin, Boutillon, Merlhiot, Lozada, *A non-smooth simulation of the dynamics of the grand piano action*, Waves
+//! 2013; \[H\] Hirschkorn, Birkett, McPhee, *Kinematic model of a piano action mechanism*.
 //!
-//! [`subjects`] lists what can be reproduced; each is computed by itself, from nothing, and gives a [`Section`]. All numbers are
-//! the same every time, but for times on the clock, which stand in tables that say so and in no figure.
+//! [`subjects`] lists what can be reproduced; each is computed by itself, from nothing, and gives a [`Section`]. All
+//! numbers are the same every time, but for times on the clock, which stand in tables that say so and in no figure.
 
 mod blow;
 mod bushings;

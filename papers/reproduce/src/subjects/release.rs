@@ -1,5 +1,6 @@
-//! The released key comes up and rebounds from its back-rail cloth. How much of that is the finger's way of leaving, the cloth, the key that is
-//! heavier in front while the hammer still falls, and the key's front that swings on when its back has stopped?
+//! The released key comes up and rebounds from its back-rail cloth. How much of that is the finger's way of leaving,
+//! the cloth, the key that is heavier in front while the hammer still falls, and the key's front that swings on when
+//! its back has stopped?
 
 use moreau::Settings;
 
@@ -19,7 +20,8 @@ const LET_GO_S: f64 = 0.4;
 const END_S: f64 = 0.9;
 /// A key this near to its rest is up, m, and one that comes down by more than that rebounds.
 const UP_M: f64 = 0.1e-3;
-/// Losses of the cloth, compared with b, eta and s of the elastoplastic felt: those of `felt-losses`, and one that gives little back.
+/// Losses of the cloth, compared with b, eta and s of the elastoplastic felt: those of `felt-losses`, and one that
+/// gives little back.
 const LOSSES: [[f64; 2]; 2] = [[ETA, SLIP], [0.9, 0.02]];
 
 /// One way of letting a key go.

@@ -1,16 +1,20 @@
-//! What a finger could feel of the mechanism, and how well it controls the blow: the papers' two remarks on touch, as numbers.
+//! What a finger could feel of the mechanism, and how well it controls the blow: the papers' two remarks on touch, as
+//! numbers.
 //!
-//! **The fine structure of the force.** The whole action and one degree of freedom are led through the same motion of the key; the difference of the
-//! forces that this takes is what the mechanism adds to the touch beyond inertia and weight. Its spectrum is compared with what fingers feel:
+//! **The fine structure of the force.** The whole action and one degree of freedom are led through the same motion of
+//! the key; the difference of the forces that this takes is what the mechanism adds to the touch beyond inertia and
+//! weight. Its spectrum is compared with what fingers feel:
 //!
-//! - a steady force is told from another when they differ by about 7 % (Pang, Tan and Durlach, Manual discrimination of force using active finger
-//!   motion, Percept. Psychophys. 49 (1991) 531, its abstract: 2.5 to 10 N);
-//! - a steady vibration is felt from about 0.1 um on at 250 Hz, four times as much for every octave below, down to 40 Hz, and less below than that
-//!   slope says (Verrillo, J. Acoust. Soc. Am. 77 (1985) 225, a large contactor; from memory). Through the fingertip's own stiffness that is a force.
-//!   Active pressing lowers these thresholds (Papetti, Järveläinen, Giordano, Schiesser, Fröhlich, IEEE Trans. Haptics 10 (2017) 113, its abstract), a
-//!   transient of some tens of milliseconds raises them: an estimate.
+//! - a steady force is told from another when they differ by about 7 % (Pang, Tan and Durlach, Manual discrimination of
+//!   force using active finger motion, Percept. Psychophys. 49 (1991) 531, its abstract: 2.5 to 10 N);
+//! - a steady vibration is felt from about 0.1 um on at 250 Hz, four times as much for every octave below, down to 40
+//!   Hz, and less below than that slope says (Verrillo, J. Acoust. Soc. Am. 77 (1985) 225, a large contactor; from
+//!   memory). Through the fingertip's own stiffness that is a force. Active pressing lowers these thresholds (Papetti,
+//!   Järveläinen, Giordano, Schiesser, Fröhlich, IEEE Trans. Haptics 10 (2017) 113, its abstract), a transient of some
+//!   tens of milliseconds raises them: an estimate.
 //!
-//! **The scatter of the blow.** A touch is never twice the same. How much of its scatter comes out as scatter of the hammer's speed and instant?
+//! **The scatter of the blow.** A touch is never twice the same. How much of its scatter comes out as scatter of the
+//! hammer's speed and instant?
 
 use std::f64::consts::PI;
 
@@ -33,7 +37,8 @@ use erard::stroke::PositionSeries;
 const STEP_S: f64 = 50e-6;
 /// A force that is told from another, as a share (Pang, Tan and Durlach 1991).
 const FORCE_JND: f64 = 0.07;
-/// The smallest vibration that is felt, m root mean square, at the frequency where the skin is most sensitive, Hz (Verrillo 1985, from memory).
+/// The smallest vibration that is felt, m root mean square, at the frequency where the skin is most sensitive, Hz
+/// (Verrillo 1985, from memory).
 const FELT_M: f64 = 0.1e-6;
 const MOST_SENSITIVE_HZ: f64 = 250.0;
 /// Below, the slope ends.
@@ -57,7 +62,8 @@ struct FineStructure {
     one_n: Vec<f64>,
     /// Rows of the way down: from where the key moves to where it lands.
     down: std::ops::Range<usize>,
-    /// The row in which the key meets the damper, the lever its drop screw, or the jack's toe its button: the first of them.
+    /// The row in which the key meets the damper, the lever its drop screw, or the jack's toe its button: the first of
+    /// them.
     met: usize,
 }
 
@@ -101,8 +107,8 @@ impl FineStructure {
         self.down.clone().map(|row| self.whole_n[row] - self.one_n[row]).collect()
     }
 
-    /// Root mean square of the difference over the way down in each band, N. The slow part, a cosine over the whole way, is taken out before a Hann window,
-    /// whose loss of power is made good.
+    /// Root mean square of the difference over the way down in each band, N. The slow part, a cosine over the whole
+    /// way, is taken out before a Hann window, whose loss of power is made good.
     fn bands(&self) -> Vec<(f64, f64)> {
         let difference = self.difference();
         let count = difference.len();

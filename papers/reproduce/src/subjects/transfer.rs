@@ -1,7 +1,8 @@
 //! The mechanism as a filter: from force to displacement and back, identified from a broad-band tremble of the finger.
 //!
-//! The finger presses slowly, so that pivots and contacts slide one way, and trembles a little on top. The difference to the same
-//! press without trembling is the response: at every frequency, H = sum conj(dF) dy / sum |dF|^2 over several trembles.
+//! The finger presses slowly, so that pivots and contacts slide one way, and trembles a little on top. The difference
+//! to the same press without trembling is the response: at every frequency, H = sum conj(dF) dy / sum |dF|^2 over
+//! several trembles.
 
 use std::f64::consts::{PI, TAU};
 
@@ -172,7 +173,8 @@ impl Response {
         1.0 / ((TAU * self.frequency[n]).powi(2) * self.admittance[n].norm())
     }
 
-    /// Frequencies at which two responses differ by more than 3 dB: the lowest, the highest, and their share of the band.
+    /// Frequencies at which two responses differ by more than 3 dB: the lowest, the highest, and their share of the
+    /// band.
     fn parts_from(&self, other: &Response) -> Option<(f64, f64, f64)> {
         let apart: Vec<f64> = self
             .frequency

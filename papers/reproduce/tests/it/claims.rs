@@ -46,8 +46,8 @@ fn hold(names: &[&str]) {
     }
 }
 
-/// Adaptive steps cost less at 1e-6, for the hammer's speed and for the trajectory, and keep to their tolerance. (At 1e-3 they do
-/// not pay, or hardly; the report says.)
+/// Adaptive steps cost less at 1e-6, for the hammer's speed and for the trajectory, and keep to their tolerance. (At
+/// 1e-3 they do not pay, or hardly; the report says.)
 #[test]
 #[ignore = "ci: a convergence study"]
 fn controlled_steps_pay_at_high_precision() {
@@ -59,8 +59,8 @@ fn controlled_steps_pay_at_high_precision() {
     }
 }
 
-/// [T12] figure 3, right: motion-driven, one degree of freedom misses what the whole mechanism has, derived or fitted. (How closely
-/// it follows when force-driven depends on the instrument's numbers; the report says.)
+/// [T12] figure 3, right: motion-driven, one degree of freedom misses what the whole mechanism has, derived or fitted.
+/// (How closely it follows when force-driven depends on the instrument's numbers; the report says.)
 #[test]
 fn motion_driven_reveals() {
     let claims = section("paper1-drives").claims;

@@ -39,8 +39,8 @@ fn report(folder: &Folder, out: &str) -> String {
     folder.report(out)
 }
 
-/// One subject alone: its figures, its claims with verdicts, the command that makes it again; the same bytes twice, and nothing
-/// fetched from anywhere.
+/// One subject alone: its figures, its claims with verdicts, the command that makes it again; the same bytes twice, and
+/// nothing fetched from anywhere.
 #[test]
 fn one_subject() {
     let folder = folder("one");
@@ -94,7 +94,8 @@ fn the_list() {
     assert!(text.contains("conformance ") && text.contains("scheme-order"));
 }
 
-/// Exit code 0 where every claim holds although misses were to fail; `erard reproduce` says where the program went, with code 2.
+/// Exit code 0 where every claim holds although misses were to fail; `erard reproduce` says where the program went,
+/// with code 2.
 #[test]
 fn misses_fail_when_asked_to() {
     let folder = Folder::new("misses");
@@ -102,7 +103,8 @@ fn misses_fail_when_asked_to() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// The answer with `--json` has what its schema requires, of the types that it says, and names the program's own command.
+/// The answer with `--json` has what its schema requires, of the types that it says, and names the program's own
+/// command.
 #[test]
 fn answers_have_their_schemas() {
     let folder = Folder::new("json");

@@ -32,7 +32,8 @@ pub enum Kind {
     Find(String),
     /// `toml,replace=NAME`: what the reader puts where the last `find` was.
     Replace(String),
-    /// No fence but a comment, `<!-- holds: A < B -->`: a claim of the text beside it, about numbers that commands wrote.
+    /// No fence but a comment, `<!-- holds: A < B -->`: a claim of the text beside it, about numbers that commands
+    /// wrote.
     Claim,
 }
 

@@ -1,7 +1,8 @@
-//! The book under `book/`: its commands run, its files are valid, its links lead somewhere, its pictures were drawn by its
-//! own commands, and its command-line reference is the program's.
+//! The book under `book/`: its commands run, its files are valid, its links lead somewhere, its pictures were drawn by
+//! its own commands, and its command-line reference is the program's.
 //!
-//! `ERARD_BOOK=write cargo test --release -p erard-cli --test it book::commands -- --ignored` draws the pictures and prints the outputs anew.
+//! `ERARD_BOOK=write cargo test --release -p erard-cli --test it book::commands -- --ignored` draws the pictures and
+//! prints the outputs anew.
 
 mod blocks;
 #[path = "../../../examples/cli_reference/page.rs"]

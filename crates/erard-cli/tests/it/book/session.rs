@@ -135,8 +135,9 @@ impl Session {
         Ok(())
     }
 
-    /// Holds a claim: `A < B`, `A > B`, `A = B`, `A != B`, or `A ~ B` (to a millionth). A and B are numbers, places in JSON
-    /// files (`run/summary.json#/steps`) or in tables (`run/run.csv#key_m@0.5`: the column's first row from 0.5 s on).
+    /// Holds a claim: `A < B`, `A > B`, `A = B`, `A != B`, or `A ~ B` (to a millionth). A and B are numbers, places in
+    /// JSON files (`run/summary.json#/steps`) or in tables (`run/run.csv#key_m@0.5`: the column's first row from 0.5 s
+    /// on).
     fn claim(&self, text: &str) -> Result<(), String> {
         let [a, sign, b] = text.split_whitespace().collect::<Vec<_>>()[..] else {
             return Err(format!("`{text}` is no claim"));
@@ -179,8 +180,8 @@ impl Session {
         fs::copy(drawn, kept).map(|_| ()).map_err(|e| e.to_string())
     }
 
-    /// Whether a picture was drawn by the commands and still has the same words: an instrument may have changed a little
-    /// since, the program not.
+    /// Whether a picture was drawn by the commands and still has the same words: an instrument may have changed a
+    /// little since, the program not.
     pub fn compare(&self, picture: &str, source: &Path) -> Result<(), String> {
         let (drawn, kept) = self.paths(picture, source)?;
         let read = |path: &Path| fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()));

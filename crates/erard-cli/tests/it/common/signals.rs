@@ -8,9 +8,10 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU};
 
 /// Gives every signal that the tests send its default disposition in the commands that they start.
 ///
-/// A process inherits which signals are ignored: a shell ignores Control-C in what it runs in the background, and `nohup` ignores hang-ups. A
-/// signal that has a handler here has its default disposition in a child instead. The handlers do nothing, so that this process goes on
-/// ignoring what it ignored. Linux reports which signals are ignored; elsewhere nothing changes.
+/// A process inherits which signals are ignored: a shell ignores Control-C in what it runs in the background, and
+/// `nohup` ignores hang-ups. A signal that has a handler here has its default disposition in a child instead. The
+/// handlers do nothing, so that this process goes on ignoring what it ignored. Linux reports which signals are ignored;
+/// elsewhere nothing changes.
 pub fn as_at_a_terminal() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {

@@ -1,5 +1,5 @@
-//! From a component's outline to pieces that bodies carry. A component that bends is a chain of bodies: its outline is cut where they are
-//! hinged, so that it is drawn bent.
+//! From a component's outline to pieces that bodies carry. A component that bends is a chain of bodies: its outline is
+//! cut where they are hinged, so that it is drawn bent.
 
 use super::parts::{Component, Parts};
 use crate::drawing::material::Finish;
@@ -65,7 +65,8 @@ struct Bend {
     is_child_after: bool,
 }
 
-/// The hinges at which a component bends. A body on which nothing is (a device of the mechanics) is no piece of the wood.
+/// The hinges at which a component bends. A body on which nothing is (a device of the mechanics) is no piece of the
+/// wood.
 fn bends(instrument: &Instrument, bodies: &[usize], frame: &Placement, drawn: &[Placement]) -> Vec<Bend> {
     let x_of = |world: Vec2| 1e3 * frame.from_world(world)[0];
     bodies

@@ -33,7 +33,8 @@ const SHANK_G: f64 = 1.7;
 /// The head that the outlines show, g.
 const HEAD_G: f64 = 7.0;
 
-/// The head's size against the one that the outlines show. Heads are as thick from bass to treble, so that their area goes with their mass.
+/// The head's size against the one that the outlines show. Heads are as thick from bass to treble, so that their area
+/// goes with their mass.
 pub(super) fn head_scale(instrument: &Instrument, parts: &Parts) -> f64 {
     let hammers = &parts.hammer;
     let strike_g = if let [hammer] = hammers[..] {
@@ -99,7 +100,8 @@ const SHARP: [Vec2; 10] = [
 /// Mass of a lead, g, and how far two neighbours stand apart, mm.
 const LEAD_G: f64 = 14.0;
 const LEAD_SPACING: f64 = 17.0;
-/// A key without leads: its mass, g, and its moment about the balance pin, g mm, for a key as long as the outlines show.
+/// A key without leads: its mass, g, and its moment about the balance pin, g mm, for a key as long as the outlines
+/// show.
 const BARE_G: f64 = 112.0;
 const BARE_G_MM: f64 = -1449.0;
 const BARE_LENGTH: f64 = 490.0;
@@ -178,7 +180,8 @@ pub(super) fn tail(scene: &Scene<'_>) -> Vec<Piece> {
     scene.round("hammer moulding, tail", Component::Hammer, Finish::Wood, center, radius.max(0.8))
 }
 
-/// From the underlever's block to the damper's head: the wire, guided by its rail, and the head with its felt on the string.
+/// From the underlever's block to the damper's head: the wire, guided by its rail, and the head with its felt on the
+/// string.
 pub(super) fn damper_head(scene: &Scene<'_>) -> Vec<Piece> {
     /// Where the wire is held, in the damper's frame, mm.
     const HELD: Vec2 = [-22.0, 12.0];

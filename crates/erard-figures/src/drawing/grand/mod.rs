@@ -1,9 +1,10 @@
-//! A grand action drawn from its own geometry: every outline hangs on the pivots, felts and screws that it depicts, so that what is moved in
-//! the file, by a screw or by a keyboard's grading moves in the picture.
+//! A grand action drawn from its own geometry: every outline hangs on the pivots, felts and screws that it depicts, so
+//! that what is moved in the file, by a screw or by a keyboard's grading moves in the picture.
 //!
-//! `assets/grand-outlines.toml`, read by `outlines`, is the drawing: for every outline its corners as offsets from places of the geometry. `places` finds those places in an
-//! instrument. `made` draws what is round or varies in number. The offsets are a concert grand's, drawn by hand in the style of an action
-//! of the early twentieth century, to no particular maker's drawing; they give the wood its looks, and what touches its exact place comes from the
+//! `assets/grand-outlines.toml`, read by `outlines`, is the drawing: for every outline its corners as offsets from
+//! places of the geometry. `places` finds those places in an instrument. `made` draws what is round or varies in
+//! number. The offsets are a concert grand's, drawn by hand in the style of an action of the early twentieth century,
+//! to no particular maker's drawing; they give the wood its looks, and what touches its exact place comes from the
 //! instrument.
 
 mod chain;
@@ -64,7 +65,8 @@ pub(super) fn draw(instrument: &Instrument) -> Option<Drawing> {
             }),
         }
     }
-    // What this drawing knows nothing of is shown by its contact curves. Every string has a zone of its own with the one damper that is drawn.
+    // What this drawing knows nothing of is shown by its contact curves. Every string has a zone of its own with the
+    // one damper that is drawn.
     for (index, zone) in instrument.zones.iter().enumerate() {
         let is_seen = |body: Option<usize>| body.is_none_or(|body| !parts.unseen.contains(&body));
         let is_shown = parts.shown_zones().contains(&Some(index)) || is_on_a_string(instrument, index);

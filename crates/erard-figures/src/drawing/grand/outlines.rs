@@ -27,7 +27,8 @@ pub(super) struct Outline {
     pub name: String,
     pub on: Component,
     pub finish: Finish,
-    /// Whether corners are left as they are. Otherwise they are rounded off, but for those that are written twice; long edges stay straight.
+    /// Whether corners are left as they are. Otherwise they are rounded off, but for those that are written twice; long
+    /// edges stay straight.
     #[serde(default)]
     pub sharp: bool,
     /// Corners one after the other.

@@ -81,7 +81,8 @@ impl Parts {
         if key.contains(&whippen) || hammer.contains(&whippen) || key.iter().any(|body| hammer.contains(body)) {
             return None;
         }
-        // The zones whose disc is on one of the bodies `a` and whose curve is on one of `b`; none of them is the ground.
+        // The zones whose disc is on one of the bodies `a` and whose curve is on one of `b`; none of them is the
+        // ground.
         let between = |a: &[usize], b: &[usize]| {
             let on = |body: Option<usize>, of: &[usize]| body.map_or(of.is_empty(), |body| of.contains(&body));
             let is_it = |zone: &Zone| on(zone.disc_body, a) && on(zone.curve_body, b);
@@ -217,7 +218,8 @@ impl Parts {
     }
 }
 
-/// The pin that the key turns about: of the pivots of its bodies between its front and the capstan the one nearest to the capstan.
+/// The pin that the key turns about: of the pivots of its bodies between its front and the capstan the one nearest to
+/// the capstan.
 fn key_pin(instrument: &Instrument, key: &[usize], punching: usize, capstan: usize, drawn: &[Placement]) -> usize {
     let front = drawn_disc(&instrument.zones[punching], drawn)[0];
     let capstan = drawn_disc(&instrument.zones[capstan], drawn)[0];

@@ -228,8 +228,8 @@ impl<'i> Places<'i> {
         Some(Located { at, turn: normal[1].atan2(normal[0]) - level, scale: 1.0 })
     }
 
-    /// As [`Self::line`], moved along the line as far as it takes to lie within `reach` mm of where the disc meets it as drawn: a line is
-    /// endless in the mechanics, a felt is not.
+    /// As [`Self::line`], moved along the line as far as it takes to lie within `reach` mm of where the disc meets it
+    /// as drawn: a line is endless in the mechanics, a felt is not.
     fn face(&self, zone: usize, component: Component, reach: f64, level: f64) -> Option<Located> {
         let mut found = self.line(zone, component, level)?;
         let zone = &self.instrument.zones[zone];
@@ -246,7 +246,8 @@ impl<'i> Places<'i> {
         Some(found)
     }
 
-    /// A line of the ground above what rides on the whippen, moved along to within `reach` mm of where the risen whippen takes the disc to it.
+    /// A line of the ground above what rides on the whippen, moved along to within `reach` mm of where the risen
+    /// whippen takes the disc to it.
     fn met(&self, zone: usize, reach: f64) -> Option<Located> {
         let mut found = self.line(zone, Component::Ground, -FRAC_PI_2)?;
         let zone = &self.instrument.zones[zone];
@@ -279,7 +280,8 @@ impl<'i> Places<'i> {
         Some(found)
     }
 
-    /// The check's face on the key, moved along to within `reach` mm of where it catches the tail: key down, hammer falling from the string.
+    /// The check's face on the key, moved along to within `reach` mm of where it catches the tail: key down, hammer
+    /// falling from the string.
     fn caught(&self, zone: usize, reach: f64) -> Option<Located> {
         let mut found = self.line(zone, Component::Key, 160_f64.to_radians())?;
         let (at, normal) = self.line_of(&self.instrument.zones[zone], Component::Key)?;

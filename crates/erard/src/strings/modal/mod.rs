@@ -1,4 +1,5 @@
-//! The strings of a note in their modes, and their step. What the engine asks of them is in `surfaces.rs`, what can be read of them in `reading.rs`.
+//! The strings of a note in their modes, and their step. What the engine asks of them is in `surfaces.rs`, what can be
+//! read of them in `reading.rs`.
 
 mod reading;
 mod surfaces;
@@ -14,8 +15,8 @@ use super::rows::{Block, Row, WIDE, added, transition};
 use crate::instrument::REACH_HZ;
 use crate::instrument::{Instrument, MAX_STRINGS, PianoString};
 
-/// J; strings whose vibration holds less than this are still. A pianissimo puts 1e-3 J into them: 150 dB less. Decaying for ever, they would end in
-/// numbers that are slow to compute with (denormal ones).
+/// J; strings whose vibration holds less than this are still. A pianissimo puts 1e-3 J into them: 150 dB less. Decaying
+/// for ever, they would end in numbers that are slow to compute with (denormal ones).
 const STILL_J: f64 = 1e-18;
 /// J; likewise for a single mode among others.
 const MODE_STILL_J: f64 = 1e-30;
@@ -51,7 +52,8 @@ pub struct Strings {
     felts: Vec<Felt>,
     /// What these do beside their forces in the next step.
     rocks: [Rocks; MAX_STRINGS],
-    /// Where the bridge moves: how these hang together, and its mean displacement in the next step if nothing presses the strings, m.
+    /// Where the bridge moves: how these hang together, and its mean displacement in the next step if nothing presses
+    /// the strings, m.
     coupling: BridgeCoupling,
     drifts_m: f64,
     rail: Option<Rail>,
@@ -59,7 +61,8 @@ pub struct Strings {
     bridge: Option<Bridge>,
     /// T/L of all strings, N/m.
     hold_n_m: f64,
-    /// Between the places, m/N: the static compliance of the modes that are not stepped, of all modes together, and A of the step.
+    /// Between the places, m/N: the static compliance of the modes that are not stepped, of all modes together, and A
+    /// of the step.
     beyond_m_n: Between,
     static_m_n: Between,
     compliance_m_n: Between,
@@ -67,7 +70,8 @@ pub struct Strings {
     sounds: [f64; POINTS],
     /// See [`Surfaces::follow`].
     statically: bool,
-    /// What follows from the state: the hammer felt's displacement now and, undisturbed, a step later, m; S, the force on a bridge that stands still, N.
+    /// What follows from the state: the hammer felt's displacement now and, undisturbed, a step later, m; S, the force
+    /// on a bridge that stands still, N.
     now_m: f64,
     free_m: f64,
     sum_n: f64,
@@ -318,7 +322,8 @@ impl Strings {
         }
     }
 
-    /// The same step with a bridge that moves: its mean displacement and the forces of rocked felts are linear in the forces, which are all known now.
+    /// The same step with a bridge that moves: its mean displacement and the forces of rocked felts are linear in the
+    /// forces, which are all known now.
     fn step_with_bridge(&mut self) {
         let s_before_n = self.sum_n;
         let mut rocking_n = [0.0; MAX_STRINGS];
@@ -380,7 +385,8 @@ impl Strings {
         }
     }
 
-    /// How much smaller the compliance of two places is in a step because felts are rocked by it, m/N; with a bridge that moves.
+    /// How much smaller the compliance of two places is in a step because felts are rocked by it, m/N; with a bridge
+    /// that moves.
     fn held_m_n(&self, a: usize, b: usize) -> f64 {
         let of = |k: usize| -> f64 { self.rocking().map(|(l, _)| self.coupling[k][l] * self.rocked_by(l, b)).sum() };
         self.rocking().map(|(k, _)| self.rocked_by(k, a) * of(k)).sum()
@@ -422,7 +428,8 @@ impl Strings {
         self.update_surfaces();
     }
 
-    /// Whether what vibrates about the rest under the present forces is too little to count; single modes that do not are put to rest.
+    /// Whether what vibrates about the rest under the present forces is too little to count; single modes that do not
+    /// are put to rest.
     #[cold]
     fn settle(&mut self) {
         let [bridge_m, bridge_n] = self.bridge_stands();

@@ -25,8 +25,8 @@ impl Strings {
         self.now_m
     }
 
-    /// Force of all strings on the bridge now, N, in the direction in which the hammer pushes them; of the modes that are stepped. What lies on the strings is
-    /// part of it.
+    /// Force of all strings on the bridge now, N, in the direction in which the hammer pushes them; of the modes that
+    /// are stepped. What lies on the strings is part of it.
     #[must_use]
     pub fn bridge_n(&self) -> f64 {
         self.bridge.as_ref().map_or(self.sum_n, |bridge| bridge.force_n(self.sum_n))
@@ -38,7 +38,8 @@ impl Strings {
         self.bridge.as_ref().map_or(0.0, Bridge::displacement_m)
     }
 
-    /// Forces of the dampers' felts on their strings in the last step, N, in the strings' order; of strings that a damper lies on.
+    /// Forces of the dampers' felts on their strings in the last step, N, in the strings' order; of strings that a
+    /// damper lies on.
     pub fn damper_n(&self) -> impl Iterator<Item = f64> + '_ {
         self.forces_n[1..=self.felts.len()].iter().copied()
     }
@@ -55,14 +56,16 @@ impl Strings {
         self.rail.map(|rail| rail.aim_m)
     }
 
-    /// Sends the pedal's rail to a lift, m, from 0 (up) to [`crate::strings::PEDAL_MOST_M`]; it goes there at [`crate::strings::PEDAL_M_S`] at most. What is no number changes nothing.
+    /// Sends the pedal's rail to a lift, m, from 0 (up) to [`crate::strings::PEDAL_MOST_M`]; it goes there at
+    /// [`crate::strings::PEDAL_M_S`] at most. What is no number changes nothing.
     pub fn set_pedal(&mut self, lift_m: f64) {
         if let Some(rail) = &mut self.rail {
             rail.aim(lift_m);
         }
     }
 
-    /// A string's displacement at a place now, m, of the modes that are stepped; `place_m` from the end that the strike is counted from.
+    /// A string's displacement at a place now, m, of the modes that are stepped; `place_m` from the end that the strike
+    /// is counted from.
     ///
     /// # Panics
     /// If there is no such string.

@@ -19,14 +19,16 @@ const USUAL_STEP_S: f64 = 50e-6;
 /// Speed of the head, m/s, and force on the key, N: mf.
 const SPEED_M_S: f64 = 2.0;
 const FORCE_N: f64 = 4.0;
-/// When the partials are taken, s: the head has left; the key of the action is at its bottom and the hammer in the check.
+/// When the partials are taken, s: the head has left; the key of the action is at its bottom and the hammer in the
+/// check.
 const HEAD_S: f64 = 8e-3;
 const ACTION_S: f64 = 0.1;
 /// Partials up to this are looked at, Hz.
 const UP_TO_HZ: f64 = 5e3;
 /// A contact lasts while the force is above this share of its peak.
 const LEVEL: f64 = 0.1;
-/// Orders of at least this are a second and a first one: errors hang on how contacts lie between the steps, and each is the sum of several.
+/// Orders of at least this are a second and a first one: errors hang on how contacts lie between the steps, and each is
+/// the sum of several.
 const SECOND_ORDER: f64 = 1.6;
 const FIRST_ORDER: f64 = 0.7;
 
@@ -46,8 +48,8 @@ struct Blow {
 }
 
 impl Blow {
-    /// From the force of every step, and the speed upward at the end of every step. Times lie between the steps' middles by straight lines, the peak on a parabola through
-    /// three, so that nothing hangs on where the grid lies.
+    /// From the force of every step, and the speed upward at the end of every step. Times lie between the steps'
+    /// middles by straight lines, the peak on a parabola through three, so that nothing hangs on where the grid lies.
     fn of(forces_n: &[f64], speeds_m_s: &[f64], step_s: f64, partials: Vec<f64>) -> Option<Blow> {
         let top = (1..forces_n.len() - 1).max_by(|&a, &b| forces_n[a].total_cmp(&forces_n[b]))?;
         let [a, b, c] = [forces_n[top - 1], forces_n[top], forces_n[top + 1]];
@@ -79,7 +81,8 @@ impl Blow {
     }
 }
 
-/// Amplitudes of all strings' partials up to 5 kHz, m/s, brought to an instant that is `late_s` before now: they decay meanwhile.
+/// Amplitudes of all strings' partials up to 5 kHz, m/s, brought to an instant that is `late_s` before now: they decay
+/// meanwhile.
 fn amplitudes(strings: &Strings, late_s: f64) -> Vec<f64> {
     let mut found = Vec::new();
     for (index, string) in strings.strings().iter().enumerate() {
@@ -119,7 +122,8 @@ fn whole_action(grand: &Instrument, step_s: f64) -> Result<Option<Blow>, Reprodu
     Ok(partials.and_then(|partials| Blow::of(&forces_n, &speeds_m_s, step_s, partials)))
 }
 
-/// Errors of what is compared at every step of the ladder, each the root mean square over eight steps that are nearly the same.
+/// Errors of what is compared at every step of the ladder, each the root mean square over eight steps that are nearly
+/// the same.
 fn climb(
     play: &dyn Fn(f64) -> Result<Option<Blow>, ReproduceError>,
     progress: &mut Progress,

@@ -6,7 +6,8 @@ use moreau::Settings;
 
 use super::super::ReproduceError;
 
-/// At the end of an arm of a metre, touching the strings from below: three times the hammer of 2.97 g that strikes one string in A. Chaigne and A. Askenfelt's C4.
+/// At the end of an arm of a metre, touching the strings from below: three times the hammer of 2.97 g that strikes one
+/// string in A. Chaigne and A. Askenfelt's C4.
 const FILE: &str = r#"
 format = "erard-instrument/1"
 name = "A head of 8.9 g"

@@ -1,4 +1,5 @@
-//! Strings that throw the hammer back, over the compass and the loudness; a note under its damper; two stages of decay over a bridge that moves; how an impact converges, and what its energy balance lacks.
+//! Strings that throw the hammer back, over the compass and the loudness; a note under its damper; two stages of decay
+//! over a bridge that moves; how an impact converges, and what its energy balance lacks.
 
 mod books;
 mod convergence;
@@ -17,8 +18,9 @@ const NAME: &str = "concert-grand-strings";
 const KEYS: [usize; 5] = [1, 16, 40, 64, 88];
 /// Constant forces on the key, N: pp to ff.
 const FORCES: [(&str, f64); 5] = [("pp", 0.8), ("p", 2.0), ("mf", 4.0), ("f", 8.0), ("ff", 18.0)];
-/// What was published of contact at mf, ms: key, words, range (a third about a single number, or what the source says), source. For contact at other marks, for the largest force and for the return over
-/// the compass no number was found (`validate` has the same rows).
+/// What was published of contact at mf, ms: key, words, range (a third about a single number, or what the source says),
+/// source. For contact at other marks, for the largest force and for the return over the compass no number was found
+/// (`validate` has the same rows).
 const PUBLISHED: [(usize, &str, [f64; 2], &str); 3] = [
     (1, "about 3.7, bass 4 to 5", [3.0, 5.0], "KTH lectures; A. Chaigne's measurements"),
     (40, "about 2", [1.33, 2.67], "KTH lectures"),
@@ -122,7 +124,8 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
     Ok(section)
 }
 
-/// Young's measurements of six pianos, from the abstract: 1.2 cents in the second partial of middle C, twice that for every eight semitones above it.
+/// Young's measurements of six pianos, from the abstract: 1.2 cents in the second partial of middle C, twice that for
+/// every eight semitones above it.
 fn inharmonicity(keyboard: &Keyboard, section: &mut Section) -> Result<(), ReproduceError> {
     // Cents are 1200/ln 2 times B n^2/2.
     let per_b = 1200.0 / std::f64::consts::LN_2 * 0.5 * 4.0;
