@@ -482,10 +482,11 @@ ErardStatus erard_reset(struct ErardAction *action);
 
 /**
  * Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says
- * how many bytes there are, and is told how many it takes: some 2.8 kB, the same for every action of one library whose
- * string is rigid; modal strings take 16 bytes more for each of their modes, and the size then belongs to the action.
- * The state is lists of numbers with names: what a later library adds, an earlier one passes over, and the other way
- * round it is absent. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
+ * how many bytes there are, and receives how many it takes: some 2.8 kB, the same for every action of one library
+ * whose string is rigid; modal strings take 16 bytes more for each of their modes, and the size then belongs to the
+ * action. The state is lists of numbers with names: what a later library adds, an earlier one passes over, and the
+ * other way round it is absent. With `bytes` NULL it is only reported. The bytes are the same on every machine. Real
+ * time: yes.
  */
 ErardStatus erard_save(const struct ErardAction *action, uint8_t *bytes, size_t *size);
 
@@ -592,8 +593,8 @@ ErardStatus erard_keyboard_place_hand(struct ErardKeyboard *keyboard,
 
 /**
  * So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their
- * order, as many as `capacity` says; `count` (which may be NULL) is told how many there were: those beyond are lost. A
- * key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real time:
+ * order, as many as `capacity` says; `count` (which may be NULL) receives how many there were: those beyond are lost.
+ * A key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real time:
  * yes.
  */
 ErardStatus erard_keyboard_step(struct ErardKeyboard *keyboard,

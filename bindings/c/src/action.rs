@@ -234,10 +234,11 @@ pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
 }
 
 /// Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says
-/// how many bytes there are, and is told how many it takes: some 2.8 kB, the same for every action of one library whose
-/// string is rigid; modal strings take 16 bytes more for each of their modes, and the size then belongs to the action.
-/// The state is lists of numbers with names: what a later library adds, an earlier one passes over, and the other way
-/// round it is absent. With `bytes` NULL it is told only. The bytes are the same on every machine. Real time: yes.
+/// how many bytes there are, and receives how many it takes: some 2.8 kB, the same for every action of one library
+/// whose string is rigid; modal strings take 16 bytes more for each of their modes, and the size then belongs to the
+/// action. The state is lists of numbers with names: what a later library adds, an earlier one passes over, and the
+/// other way round it is absent. With `bytes` NULL it is only reported. The bytes are the same on every machine. Real
+/// time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, size: *mut usize) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action and a place for a size.

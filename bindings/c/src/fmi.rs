@@ -60,7 +60,7 @@ const INPUTS: &str = "fmu_inputs";
 
 type Done = Result<c_int, String>;
 
-/// Does what the standard asks for; what goes wrong is told to the logger.
+/// Does what the standard asks for; errors go to the logger.
 unsafe fn done(component: *mut Component, work: impl FnOnce(&mut Component) -> Done) -> c_int {
     // SAFETY: the importer's promise: an instance, or NULL.
     let Some(component) = (unsafe { component.as_mut() }) else { return ERROR };
@@ -473,8 +473,8 @@ unsafe extern "C" fn fmi2DoStep(
             let until = until.round() as u64;
             let mut worst = OK;
             while *steps < until {
-                // A finger that moves goes on moving within the communication step; the step is told where it is in its
-                // middle.
+                // A finger that moves goes on moving within the communication step; the step receives where it is in
+                // its middle.
                 let later_s = (*start_s + (*steps as f64 + 0.5) * step_s - now_s).max(0.0);
                 let position_m = input.position_m + input.velocity_m_s * later_s;
                 let step = ErardInput { position_m, ..input }.checked();

@@ -142,8 +142,8 @@ pub unsafe extern "C" fn erard_keyboard_place_hand(
 }
 
 /// So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their
-/// order, as many as `capacity` says; `count` (which may be NULL) is told how many there were: those beyond are lost. A
-/// key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real time:
+/// order, as many as `capacity` says; `count` (which may be NULL) receives how many there were: those beyond are lost.
+/// A key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real time:
 /// yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_step(

@@ -15,7 +15,7 @@ struct Finding<'a> {
     unit: &'static str,
     /// Factor to the unit that is shown, and that unit.
     shown: (f64, &'static str),
-    /// Errors are told up to here, Hz.
+    /// Errors are reported up to here, Hz.
     told_to_hz: f64,
     measured: bool,
     errors: Option<&'a Errors>,

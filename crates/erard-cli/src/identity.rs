@@ -17,7 +17,7 @@ static SOURCES: Mutex<Vec<Source>> = Mutex::new(Vec::new());
 /// The command line, and all options.
 static COMMAND: Mutex<(String, BTreeMap<String, Vec<String>>)> = Mutex::new((String::new(), BTreeMap::new()));
 
-/// Options that say where results go and how they are told, not what they are; with a value, or without.
+/// Options that say where results go and how they are reported, not what they are; with a value, or without.
 const ELSEWHERE: [(&str, bool); 4] = [("out", true), ("force", false), ("quiet", false), ("json", false)];
 
 /// Remembers the command that this process was asked for.

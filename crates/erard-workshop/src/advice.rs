@@ -65,8 +65,8 @@ const GOALS: [(&str, Goal, f64); 7] = [
 ];
 
 /// Finds out what to do about a sheet's flags. What a screw sets is tried: the screws of an instrument's copy are
-/// turned until what is out of the norm is at the trade's number, and what is within it is where it was. `progress` is
-/// told how far the work is, and ends it by returning false.
+/// turned until what is out of the norm is at the trade's number, and what is within it is where it was. `progress`
+/// receives the share that is done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`AdviceError`].

@@ -7,7 +7,7 @@ use std::time::Duration;
 use erard::Progress;
 use erard::run::SimulationError;
 
-/// How often the caller is told, and asked whether to go on.
+/// How often progress is reported to the caller, who may end the work.
 const TELL_EVERY: Duration = Duration::from_millis(20);
 
 /// One piece of work; it keeps its own result.
@@ -29,7 +29,7 @@ pub fn count() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Why work ends; an interruption is told from what failed.
+/// Why work ends; an interruption is distinguished from a failure.
 pub trait Ending: From<SimulationError> + Send {
     /// Whether the caller asked to stop.
     fn is_interruption(&self) -> bool;
@@ -42,7 +42,7 @@ impl Ending for SimulationError {
 }
 
 /// Does all jobs on so many threads; with one, on the caller's own, so that it also works where there are no threads.
-/// `progress` is told the share that is done and ends the work by returning false. The results do not depend on the
+/// `progress` receives the share that is done and ends the work by returning false. The results do not depend on the
 /// number of threads: no job sees another's.
 ///
 /// # Errors

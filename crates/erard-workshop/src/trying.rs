@@ -1,4 +1,4 @@
-//! Does an instrument play? Each is pressed once, and what speaks against the run is told.
+//! Does an instrument play? Each is pressed once, and warnings about the run are reported.
 
 use crate::cores;
 use crate::measure::MeasureError;
@@ -46,7 +46,7 @@ pub fn try_once(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<
     }
 }
 
-/// The same for many, on all cores. `progress` is told the share that is done, and ends the work by returning false.
+/// The same for many, on all cores. `progress` receives the share that is done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`try_once`].

@@ -28,7 +28,7 @@ pub struct WeighedKey {
     pub tried: Tried,
 }
 
-/// Weighs keys, each given with its number. `progress` is told the share that is done, and ends the work by returning
+/// Weighs keys, each given with its number. `progress` receives the share that is done, and ends the work by returning
 /// false.
 ///
 /// # Errors

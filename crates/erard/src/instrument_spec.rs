@@ -163,7 +163,7 @@ impl<'a> InstrumentSpec<'a> {
 mod tests {
     use super::*;
 
-    /// A sample stands before or behind a key; what is none is told.
+    /// A sample stands before or behind a key; anything else is an error.
     #[test]
     fn samples_are_split_off() {
         let split = |asked: &str| split_sample(asked).map_err(|error| error.to_string());

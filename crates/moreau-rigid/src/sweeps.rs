@@ -1,8 +1,8 @@
 //! Projected Gauss-Seidel on the friction cone: contact by contact, each solved exactly while the others keep their
 //! impulses.
 //!
-//! Joints are eliminated first, so that sweeps pass over contacts and dry joints only. Every iterate is admissible, p_n
-//! >= 0 and |p_t| <= mu p_n, and redundant contacts do not disturb. Now and then what the sweeps found serves as a
+//! Joints are eliminated first, so that sweeps pass over contacts and dry joints only. Every iterate is admissible,
+//! p_n >= 0 and |p_t| <= mu p_n, and redundant contacts do not disturb. Now and then what the sweeps found serves as a
 //! guess for the exact solver.
 
 use super::eliminate::DEPENDENT;

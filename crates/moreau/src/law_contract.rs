@@ -254,7 +254,8 @@ fn tangents_are_derivatives() {
     }
 }
 
-/// The curvature is a bound: the force after a change of the rate is no farther from its tangent than the step is told.
+/// The curvature is a bound: the force after a change of the rate is no farther from its tangent than is reported to
+/// the step.
 #[test]
 fn no_force_bends_more_than_it_says() {
     for law in 0..LAWS.len() {

@@ -43,7 +43,8 @@ export interface Grasp {
   choose(at: { action: number; part: string } | null): void;
   /** Which way a part is turned by dragging it, of the screen; null where it is not. */
   way(action: number, part: string): "ns" | "ew" | null;
-  /** A part that can be turned by hand is taken: what is told where the hand is, mm to the right and up from there. */
+  /** A part that can be turned by hand is taken: the function that receives where the hand is, mm to the right and up
+   * from there. */
   take(action: number, part: string): ((x_mm: number, y_mm: number) => void) | null;
 }
 

@@ -335,7 +335,7 @@ fn a_keyboard_plays() {
         assert_eq!(found.len(), expected.len());
         for (a, b) in found.iter().zip(expected) {
             assert_eq!(a.key, b.key);
-            // Its place in the flight is told from instants that were moved: rounding of the clock.
+            // Its place in the flight is computed from instants that were moved: rounding of the clock.
             assert!(
                 (a.time_s - b.time_s).abs() < 1e-11 && (a.speed_m_s / b.speed_m_s - 1.0).abs() < 1e-9,
                 "{a:?} {b:?}"

@@ -3,7 +3,7 @@
 //! ```text
 //! device   m x'' = f_hand - b x' - c sign(x') - f_motor         a key with a motor: mass m, damping b, dry friction c
 //! motor    tau f_motor' = f_told - f_motor,  |f_told| <= limit  its current follows with a lag
-//! loop     every T: x is sampled in quanta, its speed estimated over a window; the action takes T, and what its fingertip gave is told a period later
+//! loop     every T: x is sampled in quanta, its speed estimated over a window; the action takes T, and what its fingertip gave is applied a period later
 //! hand     a constant force, or Hand's mass on muscle
 //! ```
 //!

@@ -379,7 +379,8 @@ fn recordings_are_made_ready() {
     assert_eq!(status, ErardStatus::Null);
 }
 
-/// Who reads a table of another kind is told which of its columns are read, in the words of the reader of text.
+/// A caller that reads a table of another kind learns which of its columns are read, in the words of the reader of
+/// text.
 #[test]
 fn columns_are_found() {
     let mut status = ErardStatus::Internal;

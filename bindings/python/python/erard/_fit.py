@@ -205,7 +205,7 @@ class _Problem:
         self.weights: Array | float = 1.0
         #: Columns that drive and of whose noise nothing is known.
         self.silent: list[str] = []
-        #: Is told how many strokes were played.
+        #: Receives how many strokes were played.
         self.tell: Callable[[int], None] | None = None
 
     def until_the_blow(self, point: Array) -> Array:

@@ -34,7 +34,7 @@ QUANTITIES = (
 )
 #: Columns that have derivatives.
 COLUMNS = ("key_m", "hammer_head_m", "force_N")
-#: The step of the second press, by which errors are told, as a share of the first one's.
+#: The step of the second press, by which errors are estimated, as a share of the first one's.
 SHORTER = 0.8
 #: Half the way over which the map from a number of the file to the mechanism's numbers is differenced, as a share of
 #: it, and at least.

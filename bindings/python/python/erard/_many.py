@@ -472,7 +472,7 @@ def _measured(
             return [math.nan] * len(keys)
         return [math.nan if sheet[key] is None else float(sheet[key]) for key in keys]
 
-    # Wrong keys are told at once, not as missing numbers.
+    # Wrong keys are errors at once, not missing numbers.
     if unknown := [key for key in keys if key not in {line[0] for line in _erard.measure_lines()}]:
         instrument.measure(only=unknown, progress=False)
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:

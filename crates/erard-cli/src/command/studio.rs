@@ -40,7 +40,7 @@ pub(crate) struct Studio {
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Longest request line and headers that are read, bytes.
 const LONGEST: u64 = 16 * 1024;
-/// What the page may do, as it says itself; its workers are told so here.
+/// What the page may do, as it says itself; its workers get the same here.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'; style-src 'self'; \
      img-src 'self' data: blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 

@@ -230,7 +230,7 @@ impl Study {
         check(&setup)?;
         let files = ["sensitivities.csv", "sensitivities.json", "sensitivities.svg", "sensitivities.png"];
         let mut output = self.out.prepare("study", &files)?;
-        // Once, so that what is wrong with it is told before any work.
+        // Once, so that its errors are reported before any work.
         drop(stroke.inputs(&instrument.finger)?);
         let finger = instrument.finger;
         let inputs = || stroke.inputs(&finger).unwrap_or_else(|_| Box::new(|_| Input::Free));

@@ -219,6 +219,6 @@ fn the_answer_is_the_file() {
     let folder = Folder::new("json-file");
     let said = folder.good(&["press", "--duration", "0.05", "--json"]);
     assert_eq!(said, folder.read("erard-out/summary.json"));
-    // A failure is told in words, and nothing stands on standard output.
+    // A failure is reported in words, and standard output is empty.
     assert!(folder.bad(&["press", "--dt", "7", "--json"]).contains("--dt"));
 }

@@ -209,7 +209,7 @@ fn unreachable() {
     assert!((summary(&out)["cases"][0]["stopped_at_key_mm"].as_f64().unwrap() - 41.636).abs() < 1e-3);
     fs::remove_dir_all(&out).unwrap();
 
-    // A case that cannot even rest is told, and the others are kept.
+    // A case that cannot even rest is reported, and the others are kept.
     let output = folder.erard(&["c7f-like", "--move", "jack-height=150mm", "--move", "knuckle=-3mm"]);
     let told = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2));

@@ -160,7 +160,7 @@ fn keyboards_with_an_instrument_elsewhere_are_checked() {
     assert!(folder.good(&["check", "keys/out.toml"]).contains("88"));
 }
 
-/// Numbers below zero are told as numbers of their option.
+/// Numbers below zero are reported as numbers of their option.
 #[test]
 fn negative_numbers() {
     let folder = Folder::new("limits-negative");

@@ -97,7 +97,7 @@ fn a_laboratory_s_recording_in_one_command() {
         let share = explained(&found, drive, "action", quantity).unwrap();
         assert!(share > 0.99 && share <= 1.0, "{drive}: {share}\n{said}");
     }
-    // No share is told of what lies beyond, nor printed.
+    // No share of what lies beyond is computed or printed.
     let told_to = found["findings"][0]["told_to_Hz"].as_f64().unwrap();
     for finding in found["findings"].as_array().unwrap() {
         for band in finding["errors"]["bands"].as_array().unwrap() {

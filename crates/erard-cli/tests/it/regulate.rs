@@ -67,7 +67,7 @@ fn a_mis_set_file_is_put_right() {
     assert!(table.contains("front_punching") && table.contains("(down)") && table.contains("simulations"), "{table}");
 }
 
-/// A repetition spring that throws the hammer back against the string is told, though every goal is met.
+/// A repetition spring that throws the hammer back against the string is reported, though every goal is met.
 #[test]
 fn soft_notes_that_strike_twice_are_told() {
     let folder = folder("twice");

@@ -1,4 +1,4 @@
-//! `erard study` as a user runs it: what it writes is what `press` computes, and what is wrong is told.
+//! `erard study` as a user runs it: what it writes is what `press` computes, and errors are reported.
 
 use crate::common::Folder;
 use erard_workshop::study::Lanes;

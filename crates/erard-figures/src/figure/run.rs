@@ -93,7 +93,8 @@ pub(crate) fn windows(run: &Run) -> Vec<Window> {
 }
 
 /// Angles against the start, of the bodies that the other panels do not show: neither the first (the key) nor the
-/// hammer. Without roles in a [`Run`], the bodies are told by name; a mechanism without these names shows them all.
+/// hammer. Without roles in a [`Run`], the bodies are identified by name; a mechanism without these names shows them
+/// all.
 fn angles(run: &Run) -> Vec<(&str, Cow<'_, [f64]>)> {
     run.bodies
         .iter()

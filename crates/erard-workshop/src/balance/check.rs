@@ -24,7 +24,7 @@ pub struct Checked {
 
 /// Makes each key's remedies (leads, strike weight, capstan) in its model, brought to the weights that were measured,
 /// one by one, and weighs it before and after in a slow loop with the damper lifted. The equation uses the model's own
-/// ratio, for what is checked is the equation, not whether the model's levers are the piano's. `progress` is told the
+/// ratio, for what is checked is the equation, not whether the model's levers are the piano's. `progress` receives the
 /// share that is done, and ends the work by returning false.
 ///
 /// # Errors

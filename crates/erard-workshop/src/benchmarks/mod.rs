@@ -51,7 +51,7 @@ impl Effort {
 }
 
 /// Measures everything, as one flat JSON object: wall-clock times of this machine while it did whatever else it was
-/// doing; `None` where `progress` ended the work: it is told, beside the share done, what is going on.
+/// doing; `None` where `progress` ended the work: it receives the share done and what is going on.
 pub fn measure(effort: &Effort, progress: &mut dyn FnMut(&str, f64) -> bool) -> Option<Value> {
     // From where to where each part goes: shares of the whole, as they last on a machine of two cores.
     let mut part = |what: &'static str, from: f64, to: f64, share: f64| progress(what, from + (to - from) * share);

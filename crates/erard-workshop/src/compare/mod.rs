@@ -6,8 +6,8 @@
 //! to be the fingertip's ([`Choice::position_of`]); where force was recorded too, each gives the other
 //! ([`Series::position_of`]).
 //!
-//! What is noise in a recording no model explains. Errors are told up to the frequency up to which both the series that
-//! drives and the series that is compared are more than noise ([`Choice::tells_to_hz`]), and not beyond.
+//! What is noise in a recording no model explains. Errors are reported up to the frequency up to which both the series
+//! that drives and the series that is compared are more than noise ([`Choice::tells_to_hz`]), and not beyond.
 
 mod errors;
 
@@ -120,7 +120,7 @@ impl Choice {
     }
 }
 
-/// Share of the frequency where noise or a low-pass begins up to which errors are told: there itself half of an
+/// Share of the frequency where noise or a low-pass begins up to which errors are reported: there itself half of an
 /// amplitude may be filtered away, and at this share of it, by the default filter, six in a hundred.
 const WELL_WITHIN: f64 = 0.7;
 /// A band that ends below this, Hz, shows nothing: a key is down in a twentieth of a second.
@@ -137,14 +137,14 @@ pub struct Trial {
     pub key_m: Vec<f64>,
     /// Finger force, N.
     pub force_n: Vec<f64>,
-    /// Errors are told up to here, Hz; infinite where nothing limits them.
+    /// Errors are reported up to here, Hz; infinite where nothing limits them.
     pub told_to_hz: f64,
-    /// What came out against what was measured (position in m, force in N), as far as it is told; `None` where the file
-    /// holds no such series, or nothing but noise.
+    /// What came out against what was measured (position in m, force in N), as far as it is reported; `None` where the
+    /// file holds no such series, or nothing but noise.
     pub errors: Option<Errors>,
     /// Rise of the hammer's strike point, m; empty for a model without a hammer.
     pub hammer_m: Vec<f64>,
-    /// Errors of the hammer are told up to here, Hz.
+    /// Errors of the hammer are reported up to here, Hz.
     pub hammer_told_to_hz: f64,
     /// The same against what was measured, where both exist.
     pub hammer_errors: Option<Errors>,
@@ -223,7 +223,7 @@ pub fn compare(
 
 /// Runs the models under the drives, and measures what they miss.
 ///
-/// `setup`'s start and duration are replaced by the series'. `progress` is told the share done, and ends the work by
+/// `setup`'s start and duration are replaced by the series'. `progress` receives the share done, and ends the work by
 /// returning false.
 ///
 /// # Errors
@@ -358,7 +358,7 @@ fn errors_within(measured: &[f64], simulated: &[f64], told_to_hz: f64) -> Option
     }
     let low_pass = Butterworth::low_pass(4, told_to_hz, RATE_HZ)?;
     let [m, s] = [measured, simulated].map(|x| low_pass.forth_and_back(x));
-    // By frequency it is the series themselves that are told of, each band as far as it is.
+    // By frequency the series themselves are reported, each band as far as it goes.
     Some(Errors { bands: errors::bands(measured, simulated), ..Errors::new(&m, &s) })
 }
 

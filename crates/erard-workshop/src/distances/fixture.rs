@@ -141,7 +141,7 @@ impl<'i> Fixture<'i> {
         Ok(false)
     }
 
-    /// Stops the finger and holds it for a time; `seen` is told every step, and ends the time.
+    /// Stops the finger and holds it for a time; `seen` is called at every step, and ends the time.
     pub(crate) fn hold(
         &mut self,
         for_s: f64,
@@ -159,7 +159,7 @@ impl<'i> Fixture<'i> {
         Ok(())
     }
 
-    /// Presses with a constant force, N, for a time; `seen` is told every step, and ends the time.
+    /// Presses with a constant force, N, for a time; `seen` is called at every step, and ends the time.
     pub(crate) fn press(
         &mut self,
         force_n: f64,

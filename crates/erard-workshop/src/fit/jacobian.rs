@@ -85,7 +85,7 @@ impl Problem {
         }
         let mut played: Vec<Vec<Sampled>> = Vec::new();
         for one in &self.data {
-            // Once, so that what is wrong with it is told before any work.
+            // Once, so that its errors are reported before any work.
             drop(one.stroke.inputs(&instrument.finger)?);
             let stroke = || -> Stroke<'_> {
                 one.stroke.inputs(&instrument.finger).unwrap_or_else(|_| Box::new(|_| Input::Free))

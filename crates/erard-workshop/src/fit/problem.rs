@@ -18,7 +18,7 @@ const LONGEST_DELAY_MS: f64 = 20.0;
 /// What the model does: by recording, by point, by column, samples.
 pub(crate) type Curves = Vec<Vec<Vec<Vec<f64>>>>;
 
-/// Is told how many strokes were played, at least every 20 ms while some are; false ends the work.
+/// Receives how many strokes were played, at least every 20 ms while some are; false ends the work.
 pub(crate) type Proceed = Box<dyn FnMut(u64) -> bool + Send>;
 
 /// Residuals of recordings, in units of their noise.

@@ -78,7 +78,7 @@ pub struct Channel {
 const UNSEEN: f64 = 1e-9;
 /// Beyond this the Jacobian hangs on the length of its steps.
 const DOUBTFUL: f64 = 0.1;
-/// Correlations beyond this are told.
+/// Correlations beyond this are reported.
 const CORRELATED: f64 = 0.5;
 /// Most parameters of a direction that are named, and how large a part of the largest share they have at least.
 const NAMED: (usize, f64) = (4, 0.3);

@@ -80,7 +80,7 @@ pub(crate) fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
     falling_moment_n_m(instrument, hammer) / body.inertia_kg_m2 * along.hypot(above)
 }
 
-/// Hammer speed at each of [`FORCES_N`]; `each` is told how many are done.
+/// Hammer speed at each of [`FORCES_N`]; `each` receives how many are done.
 ///
 /// # Errors
 /// See [`MeasureError`].

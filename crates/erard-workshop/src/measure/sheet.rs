@@ -274,8 +274,8 @@ struct Results {
     scale: Option<(PartWeights, StrikeRatio)>,
 }
 
-/// Measures an action from end to end, and holds it against the norms of middle C. `progress` is told the share that is
-/// done, and ends the work by returning false.
+/// Measures an action from end to end, and holds it against the norms of middle C. `progress` receives the share that
+/// is done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].

@@ -118,7 +118,7 @@ struct Task {
     nearest: Option<f64>,
 }
 
-/// Regulates a copy of an instrument. `progress` is told now and then how far the work is, and ends it by returning
+/// Regulates a copy of an instrument. `progress` receives now and then the share that is done, and ends it by returning
 /// false.
 ///
 /// Goals are worked on in the order of [`Goal::ALL`], whatever the order of the specification; of a goal that is named

@@ -1,10 +1,10 @@
 //! Which parameters of an instrument matter, and how much: the derivatives of a stroke's outcome by them.
 //!
 //! Speeds and instants are differentiated in one pass each ([`erard::gradient`]): exact to first order, errors of the
-//! steps' length apart. It is done with three steps, `SHARES` of the stroke's: the middle result is told, half of their
-//! range is its error. Beside it stand differences over a window that is wide against anything that one step resolves:
-//! where they say something else, or something else to either side, the solution jumps nearby, and the row is marked.
-//! Touch weights are the largest and the smallest force of a slow loop, and have differences alone.
+//! steps' length apart. It is done with three steps, `SHARES` of the stroke's: the middle result is reported, half of
+//! their range is its error. Beside it stand differences over a window that is wide against anything that one step
+//! resolves: where they say something else, or something else to either side, the solution jumps nearby, and the row is
+//! marked. Touch weights are the largest and the smallest force of a slow loop, and have differences alone.
 
 mod differences;
 mod error;
@@ -60,7 +60,7 @@ impl Method {
     }
 }
 
-/// What is told of an instrument, unless something else is asked for.
+/// The results that are computed by default.
 pub const USUAL: [&str; 5] =
     ["hammer_speed_m_per_s", "let_off_s", "key_bottom_after_blow_s", "down_weight_g", "balance_weight_g"];
 
@@ -170,7 +170,7 @@ const PARTS: [f64; 3] = [1.0, 1.0, 20.0];
 
 /// The derivatives of a stroke's outcome by an instrument's numbers.
 ///
-/// `stroke` makes what drives the key. `progress` is told the share done and ends the work by returning false.
+/// `stroke` makes what drives the key. `progress` receives the share done and ends the work by returning false.
 ///
 /// # Errors
 /// What cannot be differentiated or played as it stands; a number that cannot be changed has a mark.

@@ -46,7 +46,7 @@ pub struct Sampled {
 /// Plays a press with its derivatives by an instrument's numbers: of its instants and speeds, and of key travel, rise
 /// of the hammer's head and finger's force after every so many steps, if asked for.
 ///
-/// `stroke` makes what drives the key. `progress` is told the share done and ends the work by returning false.
+/// `stroke` makes what drives the key. `progress` receives the share done and ends the work by returning false.
 ///
 /// # Errors
 /// What cannot be differentiated or played.

@@ -18,7 +18,7 @@ const HALF_TURN: f64 = 1e-5;
 pub struct Variable {
     /// As `study --vary` calls it.
     pub name: String,
-    /// The unit that derivatives are told for: `mm`, `degrees` or `N mm` of a screw, `%` of a parameter, the file's own
+    /// The unit of the derivatives: `mm`, `degrees` or `N mm` of a screw, `%` of a parameter, the file's own
     /// unit of a number of the file, `N` of the force.
     pub per: &'static str,
     /// Its value in that unit, where it has one: a parameter is 100 %.

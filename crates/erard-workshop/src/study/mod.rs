@@ -110,7 +110,7 @@ pub const OUTCOMES: [(&str, Outcome); 10] = [
 pub type JobResult = Result<Played, SimulationError>;
 
 /// Plays all jobs; results stand in the order of the jobs. `setup` holds for all of them (nothing is recorded).
-/// `progress` is told the share done and ends the work by returning false.
+/// `progress` receives the share done and ends the work by returning false.
 ///
 /// # Errors
 /// A setup out of range, or [`SimulationError::Interrupted`]; what goes wrong in one job is that job's result.

@@ -114,7 +114,7 @@ const TOUCHES: f64 = 0.05;
 const KEYS: f64 = 0.05;
 
 /// Simulates everything that the table asks about. `keyboard`: whose middle C the instrument is, for the rows that are
-/// about other keys. `progress` is told the share that is done and ends the work by returning false.
+/// about other keys. `progress` receives the share that is done and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`]: the instrument is no piano action, or a run failed. A value that does not come about is no

@@ -131,7 +131,7 @@ fn whose_position_it_is() {
     assert!(misread < 0.9, "{misread}");
 }
 
-/// Nothing is told of what lies beyond a limit, and nothing at all where the limit leaves nothing.
+/// Nothing beyond a limit is reported, and nothing at all where the limit leaves nothing.
 #[test]
 fn limits_of_what_is_told() {
     let grand = Instrument::builtin("concert-grand").unwrap();

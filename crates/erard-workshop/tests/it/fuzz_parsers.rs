@@ -397,7 +397,7 @@ fn the_corpus_reads_or_is_refused_with_a_reason() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let (corpus, instruments) = (here.join("../../fuzz/seeds"), here.join("../erard/tests/instruments"));
     let linkage = LinkageFile::builtin_text("c7f-like").expect("a text");
-    // What is told of an input; `read` where it reads.
+    // The report on an input; `read` where it reads.
     let told = |target: &str, bytes: &[u8]| -> String {
         let of = |error: Box<FileError>| {
             assert_helpful(&error);

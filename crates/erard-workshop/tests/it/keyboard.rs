@@ -230,7 +230,7 @@ fn all_keys_have_one_topology() {
     assert!(instruments.iter().all(|i| shape(i) == shape(&instruments[0])));
 }
 
-/// What is wrong with a keyboard file is told with file, line, key, what was found and what was expected.
+/// Errors of a keyboard file are reported with file, line, key, what was found and what was expected.
 #[test]
 fn wrong_files_are_told() {
     let text = include_str!("../../../erard/keyboards/concert-grand.toml");

@@ -456,7 +456,7 @@ fn an_action_without_a_damper_has_a_sheet() {
     assert_eq!(json, serde_json::to_value(&again).unwrap());
 }
 
-/// What is no action is told so, and work that is to end ends.
+/// An instrument that is no action is refused, and work that is to end ends.
 #[test]
 fn what_cannot_be_measured_is_said() {
     let mut no_hammer = rigid_grand();

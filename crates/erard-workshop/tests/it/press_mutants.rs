@@ -42,7 +42,7 @@ enum Fate {
     Restless,
     /// Accepted; its error control asked for more steps than there was time for.
     Long,
-    /// Accepted; a number became infinite, which is told.
+    /// Accepted; a number became infinite, which is reported.
     Infinite,
     /// Pressed, and not to be trusted.
     Doubtful,

@@ -207,7 +207,7 @@ impl<'a> SeqAccess<'a> for Items<'a> {
     }
 }
 
-/// Keys and values, and where the key stands: of a table, or those by which `serde` is told where a value stands.
+/// Keys and values, and where the key stands: of a table, or those that report to `serde` where a value stands.
 struct Pairs<'a> {
     table: Option<toml::map::Iter<'a, Spanned<Cow<'a, str>>, Spanned<DeValue<'a>>>>,
     more: [Option<(&'a str, Node<'a>)>; 3],

@@ -86,14 +86,14 @@ pub enum HandError {
         /// The largest.
         to: f64,
     },
-    /// What the muscle is told is neither a force nor a motion.
+    /// The input of the muscle is neither a force nor a motion.
     #[error("a hand follows a force or a motion; found a motion imposed on the key")]
     Stroke,
 }
 
 /// What a hand is and what its muscle does in one step. Positions in m below the key front's rest; forces and
 /// velocities positive downward. The numbers of the muscle belong to the step's theta point. [`Hand::input`] makes it
-/// of a hand and what its muscle is told.
+/// of a hand and the input of its muscle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HandInput {
     /// Effective mass at the fingertip, kg; above zero.

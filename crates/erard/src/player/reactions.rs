@@ -16,7 +16,7 @@ use crate::mechanism::Mechanism;
 
 /// An observer of a running action: told where it begins, then of every step.
 ///
-/// Where the error is controlled it is told of both halves of every step. The second half arrives at velocities that
+/// With adaptive steps it observes both halves of every step. The second half arrives at velocities that
 /// were combined with those of the whole step to a higher order: they differ from what its forces alone made of them by
 /// no more than the tolerance, which is within the error of the accelerations that follow from them
 /// ([`Reactions::moment_n_m`] shows how much).

@@ -164,7 +164,7 @@ impl Samples {
         (steps[steps.len() / 2], steps[steps.len() - 1])
     }
 
-    /// Everything that is to be done; instants, values and what is told of it.
+    /// Everything that is to be done; instants, values and the report on it.
     fn ready(&self, preparation: &Preparation) -> Result<(Vec<f64>, Vec<f64>, ChannelReport), PrepareError> {
         let (usual_s, longest_s) = self.steps_s();
         let shortest_s = self.times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);

@@ -22,7 +22,7 @@ pub struct Noise {
     pub whence: Whence,
 }
 
-/// Fewest samples of which noise is told.
+/// Fewest samples from which noise is estimated.
 const FEWEST: usize = 64;
 /// Below this share of the range noise is the rounding of whoever wrote the numbers.
 const ROUNDING: f64 = 1e-5;

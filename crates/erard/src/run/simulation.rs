@@ -15,7 +15,7 @@ pub fn press(instrument: &Instrument, drive: &Drive<'_>, setup: &Setup) -> Resul
     simulate(instrument, drive, setup, &mut |_| true)
 }
 
-/// Simulates one press. `progress` is told the share done now and then, and ends the run by returning false.
+/// Simulates one press. `progress` receives the share done now and then, and ends the run by returning false.
 ///
 /// The mechanism starts in equilibrium, friction included: undriven for a force or under a hand ([`Setup::hand`]),
 /// under the finger's first position for a motion.

@@ -158,7 +158,7 @@ impl Header {
                 rows.separator = Some(separator);
                 return Ok(Header { layout, width, place, skipped, first_row });
             }
-            // What is missing is told of the first row.
+            // The fault of the first such row is reported.
             if first_fault.is_none() {
                 first_fault = Layout::find(&titles, columns, &place).err();
             }

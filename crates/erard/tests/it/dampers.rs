@@ -518,7 +518,7 @@ fn each_dashpot_takes_what_it_takes() {
     assert!((string[0] - 1.0).abs() < 1e-10 && string[1].abs() < 1e-10 && string[2] == 0.0);
 }
 
-/// Where nothing damps its keys, the keyboard has no dampers; a bridge and dampers that lie nowhere are told.
+/// Where nothing damps its keys, the keyboard has no dampers; a bridge and dampers that lie nowhere are errors.
 #[test]
 fn wrong_dampers_are_told() {
     let good = Instrument::builtin_text("concert-grand-strings").unwrap();

@@ -481,7 +481,7 @@ fn one_word_makes_the_string_rigid() {
     assert!(!grand().has_yielding_strings());
 }
 
-/// Every wrong string is told with its line and key, and what was expected.
+/// Every wrong string is reported with its line and key, and what was expected.
 #[test]
 fn wrong_strings_are_told() {
     let good = Instrument::builtin_text("concert-grand-strings").unwrap();

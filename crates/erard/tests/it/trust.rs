@@ -163,7 +163,7 @@ fn extremes_are_those_of_the_rows() {
     assert!((5e-4..2e-3).contains(&deepest.value) && (0.0..2e-3).contains(&(deepest.time_s - contact)), "{deepest:?}");
 }
 
-/// A body held far from how it is drawn is told, with the part, the angle and the instant.
+/// A body held far from how it is drawn is reported, with the part, the angle and the instant.
 #[test]
 fn a_body_beyond_its_stops_is_told() {
     let mut instrument = grand();
@@ -190,7 +190,7 @@ fn no_rest_is_a_warning_of_its_own() {
     assert_eq!((warning.kind, warning.part.is_some()), (Kind::NoRest, true), "{warning:?}");
 }
 
-/// A blow that is faster than any hammer is told, and the fastest of several.
+/// A blow that is faster than any hammer is reported, and the fastest of several.
 #[test]
 fn a_blow_faster_than_any_is_told() {
     let events = |speed_m_s: f64| erard::Events {

@@ -436,7 +436,7 @@ mod tests {
         }
     }
 
-    /// How much slower the felt may close before its force vanishes is told exactly where the compression plays no
+    /// How much slower the felt may close before its force vanishes is exact where the compression plays no
     /// part: by 1/a and its rate.
     #[test]
     fn the_clamp_is_as_far_as_it_says() {

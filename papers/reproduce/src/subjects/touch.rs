@@ -5,8 +5,9 @@
 //! the key; the difference of the forces that this takes is what the mechanism adds to the touch beyond inertia and
 //! weight. Its spectrum is compared with what fingers feel:
 //!
-//! - a steady force is told from another when they differ by about 7 % (Pang, Tan and Durlach, Manual discrimination of
-//!   force using active finger motion, Percept. Psychophys. 49 (1991) 531, its abstract: 2.5 to 10 N);
+//! - a steady force is distinguished from another when they differ by about 7 % (Pang, Tan and Durlach, Manual
+//!   discrimination of force using active finger motion, Percept. Psychophys. 49 (1991) 531, its abstract: 2.5 to 10
+//!   N);
 //! - a steady vibration is felt from about 0.1 um on at 250 Hz, four times as much for every octave below, down to 40
 //!   Hz, and less below than that slope says (Verrillo, J. Acoust. Soc. Am. 77 (1985) 225, a large contactor; from
 //!   memory). Through the fingertip's own stiffness that is a force. Active pressing lowers these thresholds (Papetti,
@@ -35,7 +36,7 @@ use erard::stroke::PositionSeries;
 
 /// s.
 const STEP_S: f64 = 50e-6;
-/// A force that is told from another, as a share (Pang, Tan and Durlach 1991).
+/// The smallest distinguishable difference of a force, as a share (Pang, Tan and Durlach 1991).
 const FORCE_JND: f64 = 0.07;
 /// The smallest vibration that is felt, m root mean square, at the frequency where the skin is most sensitive, Hz
 /// (Verrillo 1985, from memory).

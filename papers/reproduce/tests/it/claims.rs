@@ -71,7 +71,7 @@ fn motion_driven_reveals() {
     }
 }
 
-/// Every subject ends when it is told to, with the error that becomes exit code 130.
+/// Every subject ends on request, with the error that becomes exit code 130.
 #[test]
 fn work_can_be_ended() {
     for subject in subjects() {

@@ -17,7 +17,7 @@ pub(super) enum Component {
     Damper,
 }
 
-/// Which body and which zone is which. Zones are told by who touches whom.
+/// Which body and which zone is which. Zones are identified by the bodies that touch.
 #[derive(Debug)]
 pub(super) struct Parts {
     pub(super) key: Vec<usize>,

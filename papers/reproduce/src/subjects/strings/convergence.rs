@@ -14,7 +14,7 @@ const LADDER: (f64, i32) = (100e-6, 6);
 const REFERENCE: f64 = 4.0;
 /// Of these steps so many from the largest on tell one order, and the others, with the last of these, another.
 const COARSE: usize = 4;
-/// The step that errors are told of.
+/// The step for which errors are reported.
 const USUAL_STEP_S: f64 = 50e-6;
 /// Speed of the head, m/s, and force on the key, N: mf.
 const SPEED_M_S: f64 = 2.0;
