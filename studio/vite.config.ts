@@ -12,8 +12,8 @@ export const POLICY = [
 
 const built = (name: string) => readFileSync(new URL(`./built/${name}`, import.meta.url));
 
-/** The policy, the first picture, the engine, and a service worker that keeps all of it for when there is no network.
- * */
+/** The policy, the first picture, the engine, and a service worker that keeps all of it for when there is no
+ * network. */
 const studio = (): Plugin => ({
   name: "studio",
   transformIndexHtml: {

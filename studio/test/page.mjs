@@ -6,8 +6,8 @@ import { assert, onKey, struck, until } from "./help.mjs";
 
 const TABS = ["play", "screws", "file", "compare", "keyboard", "learn"];
 /** Budgets, bytes as they travel. What the first picture needs takes a tenth of a second at 1 MB/s; all that playing
- * needs, the engine included, less than one
- * and a half; what is loaded when it is asked for (the reader of Parquet) counts apart. */
+ * needs, the engine included, less than one and a half; what is loaded when it is asked for (the reader of Parquet)
+ * counts apart. */
 const FIRST = 100_000, PLAYING = 1_450_000, LATER = 40_000;
 
 export const size = async () => {

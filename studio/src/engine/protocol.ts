@@ -55,8 +55,8 @@ export interface Blow {
   speed_m_s: number;
 }
 
-/** What presses the key: the fingertip somewhere (null: lifted), or a force that grows and fades within milliseconds.
- * */
+/** What presses the key: the fingertip somewhere (null: lifted), or a force that grows and fades within
+ * milliseconds. */
 export type Touch = { kind: "finger"; position_m: number | null } | { kind: "force"; force_n: number };
 
 /** A stroke that is built in, or a recording: a table's text, and the name of its file, with `rows` where lines of the
@@ -137,8 +137,7 @@ export type FromWorkshop =
   | { kind: "failed"; id: number; message: string; fault: boolean };
 
 /** How keys of the keyboard are pressed: key, from 1, and force, N, 0 lets go; and of the key that is shown, where the
- * far end of a fingertip on it is, m
- * (null: lifted). */
+ * far end of a fingertip on it is, m (null: lifted). */
 export type ToKeys =
   | { kind: "open"; module: WebAssembly.Module }
   | { kind: "show"; key: number }

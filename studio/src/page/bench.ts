@@ -18,8 +18,8 @@ class Hand {
   private now: Waiting | null = null;
   private id = 0;
 
-  /** @param early whether it starts at once, and not with its first task: the page's beginning waits for one hand only.
-   * */
+  /** @param early whether it starts at once, and not with its first task: the page's beginning waits for one hand
+   * only. */
   constructor(private readonly module: WebAssembly.Module, private readonly next: () => Waiting | undefined, early: boolean) {
     if (early) this.start();
   }

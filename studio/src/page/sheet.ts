@@ -5,8 +5,8 @@ import type { App } from "./app";
 import { Dropped } from "./bench";
 import { fixed, h, later } from "./dom";
 
-/** Lines that are measured together, the cheap ones first: each costs what the others of its group have paid already.
- * */
+/** Lines that are measured together, the cheap ones first: each costs what the others of its group have paid
+ * already. */
 const PARTS = [
   ["dip_mm", "blow_mm", "let_off_mm", "drop_mm", "aftertouch_mm", "check_mm"],
   ["repetition_rate_hz"],

@@ -165,9 +165,8 @@ export const layNames = (inside, [left, top, right, bottom], pixel) => {
 };
 
 /** An outline of the picture: what it is made of (how soft: 0 is the softest, -1 is hard), its path as drawn, its
- * points once they are asked for (mm
- * of its frame, y up; `corners` are those that a straight line does not pass), and the body that carries it (null: the
- * ground).
+ * points once they are asked for (mm of its frame, y up; `corners` are those that a straight line does not pass), and
+ * the body that carries it (null: the ground).
  * @typedef {{ element: SVGGeometryElement, moving: Moving | undefined, body: number | null, soft: number, drawn: string, points: number[][] | null, corners: number[][], dented: boolean }} Outline */
 /** The bodies on the two sides of a contact (null: the ground).
  * @typedef {{ disc: number | null, curve: number | null }} Sides */
