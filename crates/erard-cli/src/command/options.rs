@@ -123,16 +123,7 @@ impl InstrumentsOption {
 
 /// An instrument by file or by name; after either, `:key=N` is key N of a keyboard.
 pub fn load_instrument(asked: &str) -> Result<Instrument, Failure> {
-    if let Some(text) = sampled(asked)? {
-        return Ok(text.0);
-    }
-    if let Some(one) = KeyboardKey::asked(asked)? {
-        return one.instrument();
-    }
-    match instrument_path(asked) {
-        Some(path) => Ok(load_file(path)?.0.instrument),
-        None => Ok(builtin_instrument(asked)?.0),
-    }
+    Ok(load_instrument_and_text(asked)?.0)
 }
 
 /// An instrument file and its text.
@@ -149,26 +140,17 @@ fn load_file(path: &Path) -> Result<(InstrumentFile, String), Failure> {
 
 /// The same, with the text it was read from.
 pub(crate) fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Failure> {
-    if let Some(sample) = sampled(asked)? {
-        return Ok(sample);
+    if let Some(text) = sample_text(asked)? {
+        let instrument = Instrument::parse(&text, asked)?;
+        identity::used("instrument", &instrument.name, None, text.as_bytes());
+        return Ok((instrument, text));
     }
     if let Some(one) = KeyboardKey::asked(asked)? {
-        return Ok((one.instrument()?, one.text()?));
+        return one.instrument();
     }
-    let Some(path) = instrument_path(asked) else {
-        let (instrument, text) = builtin_instrument(asked)?;
-        return Ok((instrument, text.to_owned()));
-    };
+    let Some(path) = instrument_path(asked) else { return builtin_instrument(asked) };
     let (file, text) = load_file(path)?;
     Ok((file.instrument, text))
-}
-
-/// A sample of an instrument, with its text; `None` where no sample was asked for.
-fn sampled(asked: &str) -> Result<Option<(Instrument, String)>, Failure> {
-    let Some(text) = sample_text(asked)? else { return Ok(None) };
-    let instrument = Instrument::parse(&text, asked)?;
-    identity::used("instrument", &instrument.name, None, text.as_bytes());
-    Ok(Some((instrument, text)))
 }
 
 /// The path of an instrument file; `None` where a name is meant.
@@ -179,13 +161,17 @@ pub(crate) fn instrument_path(asked: &str) -> Option<&Path> {
     }
 }
 
-fn builtin_instrument(name: &str) -> Result<(Instrument, &'static str), Failure> {
-    let found = Instrument::builtin(name).ok().zip(Instrument::builtin_text(name)).ok_or_else(|| {
-        let names: Vec<&str> = Instrument::builtin_names().collect();
-        Failure::Usage(format!("there is no file and no built-in instrument `{name}` (built in: {})", names.join(", ")))
-    })?;
-    identity::used("instrument", &found.0.name, None, found.1.as_bytes());
-    Ok(found)
+fn builtin_instrument(name: &str) -> Result<(Instrument, String), Failure> {
+    let found = Instrument::builtin(name).ok().zip(Instrument::builtin_text(name));
+    let (instrument, text) = found.ok_or_else(|| not_found("instrument", name, Instrument::builtin_names()))?;
+    identity::used("instrument", &instrument.name, None, text.as_bytes());
+    Ok((instrument, text.to_owned()))
+}
+
+/// What was asked for by a name that nothing has.
+pub(crate) fn not_found<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str>) -> Failure {
+    let known: Vec<&str> = known.collect();
+    Failure::Usage(format!("there is no file and no built-in {what} `{name}` (built in: {})", known.join(", ")))
 }
 
 /// A key of a keyboard.
@@ -206,12 +192,12 @@ impl KeyboardKey {
         }
     }
 
-    /// Its instrument.
-    fn instrument(&self) -> Result<Instrument, Failure> {
+    /// Its instrument, and the text of it.
+    fn instrument(&self) -> Result<(Instrument, String), Failure> {
         let instrument = self.keyboard.key(self.key)?;
         let text = self.keyboard.key_text(self.key);
         identity::used("instrument", &format!("{}, key {}", instrument.name, self.key), None, text.as_bytes());
-        Ok(instrument)
+        Ok((instrument, text))
     }
 
     /// The text of its instrument file, which is sound.
@@ -271,17 +257,9 @@ pub(crate) fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
         identity::used("keyboard", &keyboard.name, Some(&name), &bytes);
         return Ok(keyboard);
     }
-    let keyboard = Keyboard::builtin(file_or_name).ok_or_else(|| {
-        let names: Vec<&str> = Keyboard::builtin_names().collect();
-        let names = names.join(", ");
-        Failure::Usage(format!("there is no file and no built-in keyboard `{file_or_name}` (built in: {names})"))
-    })?;
-    identity::used(
-        "keyboard",
-        &keyboard.name,
-        None,
-        Keyboard::builtin_text(file_or_name).unwrap_or_default().as_bytes(),
-    );
+    let found = Keyboard::builtin(file_or_name).zip(Keyboard::builtin_text(file_or_name));
+    let (keyboard, text) = found.ok_or_else(|| not_found("keyboard", file_or_name, Keyboard::builtin_names()))?;
+    identity::used("keyboard", &keyboard.name, None, text.as_bytes());
     Ok(keyboard)
 }
 
