@@ -27,7 +27,7 @@ pub struct ErardStroke {
 impl ErardStroke {
     fn new(stroke: Stroke, told: String, instrument: &ErardInstrument) -> Result<Self, Fault> {
         let (start_s, duration_s) = (stroke.start_s, stroke.duration_s);
-        let drive = stroke.into_inputs(&instrument.instrument().finger).map_err(|error| undriven(&error))?;
+        let drive = stroke.inputs(&instrument.instrument().finger).map_err(|error| undriven(&error))?;
         Ok(ErardStroke { drive, start_s, duration_s, steps: 0, told })
     }
 }

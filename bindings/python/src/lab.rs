@@ -1,7 +1,8 @@
 //! What holds the model against measurements: recordings, and published numbers.
 
 use erard::run::Setup;
-use erard_workshop::compare::{Choice, CompareError, Driven, Which, compare_chosen};
+use erard::stroke::Prescribed;
+use erard_workshop::compare::{Choice, CompareError, Which, compare_chosen, outcome};
 use erard_workshop::validate::{Published, Verdict, validate as hold};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -57,7 +58,7 @@ pub fn compare<'py>(
     let mut rows = Vec::new();
     for trial in &comparison.trials {
         let stem = format!("{}_{}", trial.driven.name(), trial.which.name().replace('-', "_"));
-        let quantity = if trial.driven == Driven::ByForce { "position" } else { "force" };
+        let quantity = outcome(trial.driven);
         for (quantity, errors, up_to) in
             [(quantity, &trial.errors, trial.told_to_hz), ("hammer", &trial.hammer_errors, trial.hammer_told_to_hz)]
         {
@@ -97,8 +98,8 @@ pub fn compare<'py>(
     Ok((all, rows, verdicts))
 }
 
-fn driven(name: &str) -> PyResult<Driven> {
-    let known = [Driven::ByForce, Driven::ByMotion, Driven::Rigidly];
+fn driven(name: &str) -> PyResult<Prescribed> {
+    let known = [Prescribed::Force, Prescribed::Motion, Prescribed::Rigid];
     let one = known.into_iter().find(|one| one.name() == name);
     one.ok_or_else(|| wrong_argument("drives", format!("found `{name}`, expected force, motion or rigid")))
 }

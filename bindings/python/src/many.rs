@@ -10,7 +10,7 @@ use erard::run::{Setup, SimulationError};
 use erard::stroke::{PositionOf, Prescribed, Stroke as InnerStroke};
 use erard::trust::{Warning, worst_of_each};
 use erard_workshop::cores;
-use erard_workshop::study::{Job, JobResult, OUTCOMES, Parameter, Sampling, Workers, play_all as play, sample_all};
+use erard_workshop::study::{Job, JobResult, OUTCOMES, Parameter, Sampling, Workers, sample_all};
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -84,10 +84,7 @@ impl Plan {
             });
             places.push(place);
         }
-        let results = match sampling {
-            Some(sampling) => sample_all(&self.instruments, jobs, setup, sampling, workers, going)?,
-            None => play(&self.instruments, jobs, setup, workers, going)?,
-        };
+        let results = sample_all(&self.instruments, jobs, setup, sampling, workers, going)?;
         let mut results: Vec<Option<JobResult>> = results.into_iter().map(Some).collect();
         Ok(places
             .into_iter()

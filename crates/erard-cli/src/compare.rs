@@ -1,7 +1,7 @@
 //! A comparison in numbers: printed, and as `compare.json`.
 
 use erard::recording::{ChannelReport, Report, Whence};
-use erard_workshop::compare::{Band, Comparison, Driven, Errors, RATE_HZ, Trial, share};
+use erard_workshop::compare::{Band, Comparison, Errors, RATE_HZ, Trial, outcome, share};
 use serde_json::{Value, json};
 
 use crate::say;
@@ -26,14 +26,9 @@ fn findings(c: &Comparison) -> Vec<Finding<'_>> {
     let mut findings = Vec::new();
     for trial in &c.trials {
         let length = ("m", (1e3, "mm"));
-        let (quantity, (unit, shown)) = match trial.driven {
-            Driven::ByForce => ("position", length),
-            Driven::ByMotion | Driven::Rigidly => ("force", ("N", (1.0, "N"))),
-        };
-        let measured = match trial.driven {
-            Driven::ByForce => c.measured_position_m.is_some(),
-            Driven::ByMotion | Driven::Rigidly => c.measured_force_n.is_some(),
-        };
+        let quantity = outcome(trial.driven);
+        let (unit, shown) = if quantity == "position" { length } else { ("N", (1.0, "N")) };
+        let measured = c.measured(trial.driven).is_some();
         let (told_to_hz, errors) = (trial.told_to_hz, trial.errors.as_ref());
         findings.push(Finding { trial, quantity, unit, shown, told_to_hz, measured, errors });
         if c.measured_hammer_m.is_some() && !trial.hammer_m.is_empty() {

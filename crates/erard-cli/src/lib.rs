@@ -22,6 +22,7 @@ mod inside;
 mod keyboard;
 mod kinematics;
 mod measure;
+mod names;
 mod output;
 mod paper;
 pub mod progress;

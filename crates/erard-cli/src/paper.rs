@@ -2,29 +2,13 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// Sizes of paper.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Paper {
-    /// 210 mm x 297 mm
-    #[default]
-    A4,
-    /// 8.5 in x 11 in
-    Letter,
-}
+use crate::names::{Name, one_of};
 
-impl Paper {
-    /// The size as style sheets name it.
-    #[must_use]
-    pub(crate) fn css(self) -> &'static str {
-        match self {
-            Paper::A4 => "A4",
-            Paper::Letter => "letter",
-        }
-    }
-}
+/// Sizes of paper by their names on the command line, as style sheets name them.
+const PAPERS: [Name<&str>; 2] = [("a4", "210 mm x 297 mm", "A4"), ("letter", "8.5 in x 11 in", "letter")];
 
 /// What stands at the head of a printed page. A page names no day by itself: the same work makes the same page.
 #[derive(Debug, Clone, Default, Args)]
@@ -39,8 +23,8 @@ pub(crate) struct Headed {
     #[arg(long, value_name = "TEXT", value_parser = words)]
     pub note: Option<String>,
     /// Paper of the printed page
-    #[arg(long, value_enum, default_value_t = Paper::A4)]
-    pub paper: Paper,
+    #[arg(long, value_parser = one_of(&PAPERS), default_value = "a4")]
+    pub paper: &'static str,
 }
 
 /// Longest text, characters: the page has room for no more.

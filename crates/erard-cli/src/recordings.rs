@@ -5,7 +5,7 @@ use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::Arc;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgAction, Args};
 use erard::recording::{LowPass, Preparation, Prepared, prepare};
 use erard::stroke::{Columns, Layout, MAX_BYTES, MAX_ROWS, PositionOf, ROLES, Recording, Role, StrokeError};
 use parquet::basic::Type as Physical;
@@ -17,6 +17,7 @@ use sha2::{Digest, Sha256};
 use crate::failure::Failure;
 use crate::identity;
 use crate::inputs::{self, shown};
+use crate::names::{Name, one_of};
 use crate::zstandard::column_reader;
 
 /// How a recording is understood and prepared.
@@ -28,14 +29,13 @@ pub(crate) struct RecordingOptions {
     /// column `x` in mm, `none` no column
     #[arg(long, value_name = "NAME=TITLE,..")]
     columns: Option<Columns>,
-    /// Whose position was recorded: the key's, or the fingertip's on the driver's side of its softness. Where force was
-    /// recorded too, one gives the other: fingertip = key + F/k, the finger's damper included [default: the key's,
-    /// unless the column's title says otherwise]
-    #[arg(long, value_name = "WHOSE", value_enum)]
-    position: Option<PositionName>,
+    /// Whose position was recorded: the key's, or the fingertip's on the driver's side of its softness. Where force was recorded too, one
+    /// gives the other: fingertip = key + F/k, the finger's damper included [default: the key's, unless the column's title says otherwise]
+    #[arg(long, value_name = "WHOSE", value_parser = one_of(&POSITIONS))]
+    position: Option<PositionOf>,
     /// Take the zero from the rest before the touch, or leave every number as it is
-    #[arg(long, value_enum, default_value_t = ZeroName::Rest)]
-    zero: ZeroName,
+    #[arg(long, action = ArgAction::Set, value_parser = one_of(&ZEROS), default_value = "rest")]
+    zero: bool,
     /// Channels whose sign is to be turned: force, position, hammer
     #[arg(long, value_name = "CHANNELS", value_delimiter = ',', value_parser = channel)]
     invert: Vec<Role>,
@@ -58,23 +58,14 @@ impl RecordingOptions {
     }
 }
 
-/// Whose position.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum PositionName {
-    /// The key's front
-    Key,
-    /// The fingertip
-    Fingertip,
-}
+const POSITIONS: [Name<PositionOf>; 2] =
+    [("key", "The key's front", PositionOf::Key), ("fingertip", "The fingertip", PositionOf::Fingertip)];
 
-/// Which zero.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum ZeroName {
-    /// The mean of the rest before the touch, where there is one
-    Rest,
-    /// As it stands in the file
-    Off,
-}
+/// Whether the zero is taken from the rest.
+const ZEROS: [Name<bool>; 2] = [
+    ("rest", "The mean of the rest before the touch, where there is one", true),
+    ("off", "As it stands in the file", false),
+];
 
 fn channel(text: &str) -> Result<Role, String> {
     let role = ROLES.into_iter().find(|role| *role != Role::Time && role.name() == text.trim());
@@ -133,7 +124,7 @@ impl RecordingOptions {
     pub(crate) fn are_given(&self) -> bool {
         self.columns.is_some()
             || self.position.is_some()
-            || self.zero != ZeroName::Rest
+            || !self.zero
             || !self.invert.is_empty()
             || !self.delay.is_empty()
             || self.low_pass != LowPass::Own
@@ -145,7 +136,7 @@ impl RecordingOptions {
         RecordingOptions {
             columns: None,
             position: None,
-            zero: ZeroName::Rest,
+            zero: true,
             invert: Vec::new(),
             delay: Vec::new(),
             low_pass: LowPass::Own,
@@ -156,7 +147,7 @@ impl RecordingOptions {
     /// What is done to a recording.
     pub(crate) fn preparation(&self) -> Preparation {
         Preparation {
-            zero: self.zero == ZeroName::Rest,
+            zero: self.zero,
             inverted: self.invert.clone(),
             late_s: self.delay.clone(),
             low_pass: self.low_pass,
@@ -197,11 +188,7 @@ impl RecordingOptions {
                 return Err(Failure::Usage(format!("{option} {}: {name} has no such channel", role.name())));
             }
         }
-        Ok(match self.position {
-            None => recording.position_of,
-            Some(PositionName::Key) => PositionOf::Key,
-            Some(PositionName::Fingertip) => PositionOf::Fingertip,
-        })
+        Ok(self.position.unwrap_or(recording.position_of))
     }
 
     fn prepared(&self, name: String, recording: Recording, position_of: PositionOf) -> Result<Ready, Failure> {

@@ -44,39 +44,17 @@ struct ZstandardPages {
 }
 
 impl ZstandardPages {
-    fn decompressed(&self, page: Page) -> Result<Page> {
-        Ok(match page {
-            Page::DataPage { buf, num_values, encoding, def_level_encoding, rep_level_encoding, statistics } => {
-                let buf = self.bytes(&buf, 0)?;
-                Page::DataPage { buf, num_values, encoding, def_level_encoding, rep_level_encoding, statistics }
-            }
-            Page::DictionaryPage { buf, num_values, encoding, is_sorted } => {
-                Page::DictionaryPage { buf: self.bytes(&buf, 0)?, num_values, encoding, is_sorted }
-            }
+    fn decompressed(&self, mut page: Page) -> Result<Page> {
+        match &mut page {
+            Page::DataPage { buf, .. } | Page::DictionaryPage { buf, .. } => *buf = self.bytes(buf, 0)?,
             // Levels stand before the values, and are not compressed.
-            Page::DataPageV2 {
-                buf,
-                num_values,
-                encoding,
-                num_nulls,
-                num_rows,
-                def_levels_byte_len,
-                rep_levels_byte_len,
-                is_compressed: true,
-                statistics,
-            } => Page::DataPageV2 {
-                buf: self.bytes(&buf, def_levels_byte_len as usize + rep_levels_byte_len as usize)?,
-                num_values,
-                encoding,
-                num_nulls,
-                num_rows,
-                def_levels_byte_len,
-                rep_levels_byte_len,
-                is_compressed: false,
-                statistics,
-            },
-            page @ Page::DataPageV2 { .. } => page,
-        })
+            Page::DataPageV2 { buf, def_levels_byte_len, rep_levels_byte_len, is_compressed, .. } if *is_compressed => {
+                *buf = self.bytes(buf, *def_levels_byte_len as usize + *rep_levels_byte_len as usize)?;
+                *is_compressed = false;
+            }
+            Page::DataPageV2 { .. } => {}
+        }
+        Ok(page)
     }
 
     /// Bytes that are decompressed but for the first ones.

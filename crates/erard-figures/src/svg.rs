@@ -42,6 +42,18 @@ pub(crate) fn number(value: f64) -> String {
     text
 }
 
+/// Words at a place; `more` are further attributes, each after a space.
+pub(crate) fn text(out: &mut String, class: &str, [x, y]: [f64; 2], more: &str, words: &str) {
+    let (x, y, words) = (number(x), number(y), escape(words));
+    let _ = write!(out, "<text class=\"{class}\" x=\"{x}\" y=\"{y}\"{more}>{words}</text>");
+}
+
+/// The attributes of a box: left, top, width and height.
+pub(crate) fn sides(sides: [f64; 4]) -> String {
+    let [left, top, width, height] = sides.map(number);
+    format!(" x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\"")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

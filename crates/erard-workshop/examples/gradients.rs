@@ -5,9 +5,8 @@
 
 use erard::stroke::{NUANCES, Stroke, Touch};
 use erard::{Instrument, Settings, Setup};
-use erard_workshop::sensitivities::{
-    Mark, Method, Sensitivities, Sensitivity, Variable, quantities, sensitivities, threads,
-};
+use erard_workshop::cores;
+use erard_workshop::sensitivities::{Mark, Method, Sensitivities, Sensitivity, Variable, quantities, sensitivities};
 
 /// Steps of the press, s.
 const STEPS_S: [f64; 2] = [50e-6, 25e-6];
@@ -38,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let finger = instrument.finger;
                 let inputs = || stroke.inputs(&finger).unwrap_or_else(|_| Box::new(|_| erard::Input::Free));
                 let by = Variable::all(&instrument);
-                match sensitivities(&instrument, by, of, &inputs, &setup, threads(), &mut |_| true) {
+                match sensitivities(&instrument, by, of, &inputs, &setup, cores::count(), &mut |_| true) {
                     Ok(all) => {
                         let counts = tell(name, &stroke.title, step, &all);
                         total = core::array::from_fn(|k| total[k] + counts[k]);

@@ -2,7 +2,7 @@
 
 use crate::cores;
 use crate::measure::MeasureError;
-use crate::measure::weights::{Touch, by_loop, free_way, on_the_scale};
+use crate::measure::weights::{LoopWeights, Touch, by_loop, free_way, on_the_scale};
 use crate::trying::{Tried, try_once};
 use erard::Progress;
 use erard::grand::{Parts, pedal_down};
@@ -37,12 +37,22 @@ pub fn weigh(keys: &[(usize, Instrument)], progress: &mut Progress<'_>) -> Resul
     cores::map(keys, cores::count(), progress, |(key, instrument), progress| weigh_key(*key, instrument, progress))
 }
 
-fn weigh_key(key: usize, instrument: &Instrument, progress: &mut Progress<'_>) -> Result<WeighedKey, MeasureError> {
+/// A key's weights from a slow loop, dampers lifted, and its free way, m.
+fn loop_weights(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<(LoopWeights, f64), MeasureError> {
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts);
     let way = free_way(&lifted, &parts, progress)?;
-    let weights = by_loop(&lifted, way.end_m, progress)?;
-    let (scale, _) = on_the_scale(instrument, way.end_m, weights.decided_m)?;
+    Ok((by_loop(&lifted, way.end_m, progress)?, way.end_m))
+}
+
+/// Down-weight and up-weight from a slow loop, dampers lifted.
+pub(crate) fn touch(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Touch, MeasureError> {
+    Ok(loop_weights(instrument, progress)?.0.touch)
+}
+
+fn weigh_key(key: usize, instrument: &Instrument, progress: &mut Progress<'_>) -> Result<WeighedKey, MeasureError> {
+    let (weights, way_m) = loop_weights(instrument, progress)?;
+    let (scale, _) = on_the_scale(instrument, way_m, weights.decided_m)?;
     let rigid = instrument.locked();
     Ok(WeighedKey {
         tried: try_once(instrument, progress)?,

@@ -2,19 +2,7 @@
 
 use std::ops::{Add, Neg};
 
-use crate::linkage::Constant;
-
-/// A constant angle of a linkage, in the order of declaration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct AngleId(pub(crate) usize);
-
-impl AngleId {
-    /// Place in [`crate::Linkage::angles`].
-    #[must_use]
-    pub fn index(self) -> usize {
-        self.0
-    }
-}
+use crate::linkage::{AngleId, Constant};
 
 /// A constant direction in a body's frame, as an angle counter-clockwise from its
 /// x axis: a number of quarter turns plus a sum of named constant angles.

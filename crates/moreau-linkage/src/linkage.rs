@@ -2,54 +2,38 @@
 
 use std::ops::Neg;
 
-use crate::direction::{AngleId, Direction};
+use crate::direction::Direction;
 
-/// A body of a [`Linkage`]. Body 0 is the ground.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct BodyId(pub(crate) usize);
+/// What stands in a list, by its place.
+macro_rules! ids {
+    ($($(#[$what:meta])* $name:ident in $list:literal;)*) => {$(
+        $(#[$what])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(pub(crate) usize);
 
-/// A point fixed on a body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct PointId(pub(crate) usize);
-
-/// A joint between two points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct JointId(pub(crate) usize);
-
-/// A constant length, in the order of declaration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct LengthId(pub(crate) usize);
-
-impl BodyId {
-    /// Place in [`Linkage::bodies`].
-    #[must_use]
-    pub fn index(self) -> usize {
-        self.0
-    }
+        impl $name {
+            #[doc = concat!("Place in ", $list, ".")]
+            #[must_use]
+            pub fn index(self) -> usize {
+                self.0
+            }
+        }
+    )*};
 }
 
-impl PointId {
-    /// Place in [`Linkage::points`].
-    #[must_use]
-    pub fn index(self) -> usize {
-        self.0
-    }
-}
-
-impl JointId {
-    /// Place in [`Linkage::joints`].
-    #[must_use]
-    pub fn index(self) -> usize {
-        self.0
-    }
-}
-
-impl LengthId {
-    /// Place in [`Linkage::lengths`].
-    #[must_use]
-    pub fn index(self) -> usize {
-        self.0
-    }
+ids! {
+    /// A body of a [`Linkage`]. Body 0 is the ground.
+    BodyId in "[`Linkage::bodies`]";
+    /// A point fixed on a body.
+    PointId in "[`Linkage::points`]";
+    /// A joint between two points.
+    JointId in "[`Linkage::joints`]";
+    /// A constant length, in the order of declaration.
+    LengthId in "[`Linkage::lengths`]";
+    /// A constant angle of a linkage, in the order of declaration.
+    AngleId in "[`Linkage::angles`]";
+    /// A coordinate of a [`Mechanism`](crate::Mechanism): an index into its poses.
+    CoordinateId in "[`Mechanism::coordinates`](crate::Mechanism::coordinates), in a pose's values and in rates";
 }
 
 /// A signed coordinate of a point: nothing, a constant length, or minus one.

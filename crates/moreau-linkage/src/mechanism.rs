@@ -3,20 +3,8 @@
 use crate::closure::{Closure, Orientations, Term, closures, terms_along};
 use crate::equation::{Equation, Symbols, equations};
 use crate::graph::LinearGraph;
-use crate::linkage::{BodyId, JointId, JointKind, Linkage, PointId, Prescribed};
+use crate::linkage::{BodyId, CoordinateId, JointId, JointKind, Linkage, PointId, Prescribed};
 use crate::vectors::{Places, VectorSums};
-
-/// A coordinate of a [`Mechanism`]: an index into its poses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct CoordinateId(pub(crate) usize);
-
-impl CoordinateId {
-    /// Place in [`Mechanism::coordinates`], in a pose's values and in rates.
-    #[must_use]
-    pub fn index(self) -> usize {
-        self.0
-    }
-}
 
 /// What a coordinate measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

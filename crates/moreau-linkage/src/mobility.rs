@@ -4,7 +4,8 @@
 use std::fmt;
 
 use crate::equation::Axis;
-use crate::mechanism::{CoordinateId, Mechanism, Pose};
+use crate::linkage::CoordinateId;
+use crate::mechanism::{Mechanism, Pose};
 
 /// Vectors whose part outside the others is shorter than this (relative to the
 /// longest) count as dependent. Poses are solved to 1e-14, and a pose within

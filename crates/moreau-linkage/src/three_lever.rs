@@ -30,7 +30,7 @@ pub use stroke::{Stroke, StrokeStop};
 pub use train::{LeverTrain, Levers};
 
 use crate::direction::Direction;
-use crate::linkage::{Length, Linkage};
+use crate::linkage::{BodyId, Length, Linkage};
 use crate::mechanism::AssembleError;
 use crate::walk::{StartError, Stop};
 
@@ -164,16 +164,7 @@ impl ThreeLever {
             number += 1;
             m.length(&format!("L{number}"), metres)
         });
-        let key = m.body("key", "k");
-        let whippen = m.body("whippen", "w");
-        let hammer = m.body("hammer", "h");
-
-        let a = m.origin(m.ground());
-        let b = m.point_from(a, "B", l1, l5);
-        let c = m.point_from(b, "C", -l6, l10);
-        m.revolute("key pivot", a, m.origin(key));
-        m.revolute("whippen pivot", b, m.origin(whippen));
-        m.revolute("hammer pivot", c, m.origin(hammer));
+        let [key, whippen, hammer] = on_pivots(&mut m, [l1, l5], [l6, l10], drive);
 
         let key_line = m.point(key, "capstan line", l2, Length::Zero);
         let heel = m.point(whippen, "heel contact", l3, -l4);
@@ -182,11 +173,6 @@ impl ThreeLever {
         let jack_top = m.point(whippen, "jack top", Length::Zero, -l7);
         let knuckle = m.point(hammer, "knuckle contact", l8, -l9);
         m.contact("knuckle", "S2", jack_top, Direction::MINUS_X, knuckle);
-
-        m.prescribe_angle(match drive {
-            Drive::Key => key,
-            Drive::Hammer => hammer,
-        });
         m
     }
 
@@ -206,14 +192,31 @@ impl ThreeLever {
             ("the hammer head's position along the shank", self.head[0]),
             ("the hammer head's height above the shank", self.head[1]),
         ]);
-        for (name, value) in named {
-            if !value.is_finite() {
-                return Err(ThreeLeverError::NotFinite(name));
-            }
-        }
-        if self.key_front <= 0.0 {
-            return Err(ThreeLeverError::NoKeyFront(self.key_front));
-        }
-        Ok(())
+        checked(named, self.key_front)
     }
+}
+
+/// Checks the named dimensions, and the key's front arm.
+fn checked(named: impl IntoIterator<Item = (&'static str, f64)>, key_front: f64) -> Result<(), ThreeLeverError> {
+    if let Some((name, _)) = named.into_iter().find(|(_, value)| !value.is_finite()) {
+        return Err(ThreeLeverError::NotFinite(name));
+    }
+    if key_front <= 0.0 {
+        return Err(ThreeLeverError::NoKeyFront(key_front));
+    }
+    Ok(())
+}
+
+/// Key, whippen and hammer on their pivots, one of them driven. B is seen from A, and C from B.
+fn on_pivots(m: &mut Linkage, [l1, l5]: [Length; 2], [l6, l10]: [Length; 2], drive: Drive) -> [BodyId; 3] {
+    let [key, whippen, hammer] =
+        [("key", "k"), ("whippen", "w"), ("hammer", "h")].map(|(name, symbol)| m.body(name, symbol));
+    let a = m.origin(m.ground());
+    let b = m.point_from(a, "B", l1, l5);
+    let c = m.point_from(b, "C", -l6, l10);
+    m.revolute("key pivot", a, m.origin(key));
+    m.revolute("whippen pivot", b, m.origin(whippen));
+    m.revolute("hammer pivot", c, m.origin(hammer));
+    m.prescribe_angle(if drive == Drive::Key { key } else { hammer });
+    [key, whippen, hammer]
 }

@@ -3,7 +3,8 @@
 use std::fmt;
 
 use crate::elimination::Elimination;
-use crate::mechanism::{CoordinateId, Mechanism, Pose};
+use crate::linkage::CoordinateId;
+use crate::mechanism::{Mechanism, Pose};
 use crate::mobility::{Mobility, Verdict};
 use crate::newton::{Guess, NewtonReport, Scratch};
 

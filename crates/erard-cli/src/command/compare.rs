@@ -6,13 +6,14 @@ use std::path::PathBuf;
 use clap::Args;
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Series};
-use erard_workshop::compare::{Choice, Comparison, DRIVES, Driven, LONGEST_S, Trial, Which, compare_chosen};
+use erard_workshop::compare::{Choice, Comparison, DRIVES, LONGEST_S, Which, compare_chosen};
 
-use super::options::{DriveName, Model, StepOptions, check, load_instrument};
+use super::options::{self, MODELS, StepOptions, check, load_instrument};
 use super::out::OutOptions;
 use crate::compare::{print_table, report};
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::names::one_of;
 use crate::progress::Progress;
 use crate::recordings::{Ready, RecordingOptions};
 use crate::say;
@@ -30,11 +31,11 @@ pub(crate) struct Compare {
     #[command(flatten)]
     recording: RecordingOptions,
     /// Drives to try [default: all that the recording has]
-    #[arg(long, value_enum, value_name = "DRIVES", value_delimiter = ',')]
-    drive: Vec<DriveName>,
+    #[arg(long, value_parser = one_of(&options::DRIVES), value_name = "DRIVES", value_delimiter = ',')]
+    drive: Vec<Prescribed>,
     /// Models to run [default: both]
-    #[arg(long, value_enum, value_name = "MODELS", value_delimiter = ',')]
-    model: Vec<Model>,
+    #[arg(long, value_parser = one_of(&MODELS), value_name = "MODELS", value_delimiter = ',')]
+    model: Vec<Which>,
     /// Write the numbers only, no figure
     #[arg(long)]
     no_pictures: bool,
@@ -99,13 +100,10 @@ impl Compare {
     fn choice(&self) -> Choice {
         let mut choice = Choice::default();
         if !self.drive.is_empty() {
-            let asked =
-                |driven: &Driven| self.drive.iter().any(|drive| Prescribed::from(*drive).name() == driven.name());
-            choice.drives.retain(asked);
+            choice.drives.retain(|driven| self.drive.contains(driven));
         }
         if !self.model.is_empty() {
-            let asked = |which: &Which| self.model.iter().any(|model| model.name() == which.name());
-            choice.models.retain(asked);
+            choice.models.retain(|which| self.model.contains(which));
         }
         choice
     }
@@ -172,21 +170,15 @@ fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
             continue;
         }
         let (quantity, unit) = match driven {
-            Driven::ByForce => ("position, force driven", "mm"),
-            Driven::ByMotion => ("force, motion driven", "N"),
-            Driven::Rigidly => ("force, rigidly driven", "N"),
+            Prescribed::Force => ("position, force driven", "mm"),
+            Prescribed::Motion => ("force, motion driven", "N"),
+            Prescribed::Rigid => ("force, rigidly driven", "N"),
         };
-        let shown = |t: &'a Trial| match driven {
-            Driven::ByForce => in_mm(&t.key_m),
-            Driven::ByMotion | Driven::Rigidly => Cow::Borrowed(&t.force_n[..]),
-        };
-        let measured = match driven {
-            Driven::ByForce => c.measured_position_m.as_ref().map(|m| in_mm(m)),
-            Driven::ByMotion | Driven::Rigidly => c.measured_force_n.as_ref().map(|m| Cow::Borrowed(&m[..])),
-        };
+        let shown = |y: &'a [f64]| if driven == Prescribed::Force { in_mm(y) } else { Cow::Borrowed(y) };
+        let measured = c.measured(driven).map(|y| shown(y));
         let measured = measured.map(|measured| curve("measured", measured, 6, Dash::Dotted));
-        let action = action.map(|trial| curve("action", shown(trial), 1, Dash::Solid));
-        let one_dof = one_dof.map(|trial| curve("one degree of freedom", shown(trial), 0, Dash::Dashed));
+        let action = action.map(|trial| curve("action", shown(trial.simulated()), 1, Dash::Solid));
+        let one_dof = one_dof.map(|trial| curve("one degree of freedom", shown(trial.simulated()), 0, Dash::Dashed));
         // Where the simple model is far off it may leave the frame, so that the others can be read.
         let near: Vec<Trace> = action.iter().chain(&measured).cloned().collect();
         let curves = one_dof.into_iter().chain(action).chain(measured).collect();
@@ -198,7 +190,7 @@ fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
     if let Some(measured) = &c.measured_hammer_m {
         let mut curves = Vec::new();
         for (n, trial) in c.trials.iter().filter(|t| !t.hammer_m.is_empty()).enumerate() {
-            let how = if trial.driven == Driven::Rigidly { "rigidly" } else { trial.driven.name() };
+            let how = if trial.driven == Prescribed::Rigid { "rigidly" } else { trial.driven.name() };
             curves.push(curve(&format!("action, {how} driven"), in_mm(&trial.hammer_m), 1 + n, Dash::Solid));
         }
         curves.push(curve("measured", in_mm(measured), 6, Dash::Dotted));

@@ -1,6 +1,6 @@
 //! `erard draw`.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use erard::player::{Inside, ReactionRecorder};
 use erard::run::Setup;
 use erard::run::{Events, Run};
@@ -39,43 +39,25 @@ pub(crate) struct Draw {
 }
 
 /// Which instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 enum At {
     /// ms after the stroke's start.
     Ms(f64),
     /// When this happens.
-    Event(EventName),
+    Event(Event),
 }
 
-/// An event of a key press.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum EventName {
-    KeyStart,
-    ToeContact,
-    LetOff,
-    HammerContact,
-    KeyBottom,
-    Check,
-}
+/// An event of a key press: its name on the command line and in captions, and when it happened in a run, s.
+type Event = (&'static str, fn(&Events) -> Option<f64>);
 
-impl EventName {
-    /// When it happened in a run, s.
-    fn time_s(self, events: &Events) -> Option<f64> {
-        match self {
-            EventName::KeyStart => events.key_start_s,
-            EventName::ToeContact => events.toe_contact_s,
-            EventName::LetOff => events.let_off_s,
-            EventName::HammerContact => events.hammer_contact_s(),
-            EventName::KeyBottom => events.key_bottom_s,
-            EventName::Check => events.check_s,
-        }
-    }
-
-    /// Its name on the command line and in captions.
-    fn name(self) -> String {
-        self.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned())
-    }
-}
+const EVENTS: [Event; 6] = [
+    ("key-start", |events| events.key_start_s),
+    ("toe-contact", |events| events.toe_contact_s),
+    ("let-off", |events| events.let_off_s),
+    ("hammer-contact", Events::hammer_contact_s),
+    ("key-bottom", |events| events.key_bottom_s),
+    ("check", |events| events.check_s),
+];
 
 fn parse_at(text: &str) -> Result<At, String> {
     if let Ok(ms) = text.parse() {
@@ -85,8 +67,8 @@ fn parse_at(text: &str) -> Result<At, String> {
             Err(format!("expected 0 to {LATEST_MS} ms"))
         };
     }
-    EventName::from_str(text, false).map(At::Event).map_err(|_| {
-        let names: Vec<String> = EventName::value_variants().iter().map(|e| e.name()).collect();
+    EVENTS.into_iter().find(|(name, _)| *name == text).map(At::Event).ok_or_else(|| {
+        let names = EVENTS.map(|(name, _)| name);
         format!("expected a number of milliseconds, or one of {}", names.join(", "))
     })
 }
@@ -133,7 +115,7 @@ impl Draw {
                 let ms = (run.time_s[row] - stroke.start_s) * 1e3;
                 let event = match self.at {
                     At::Ms(_) => String::new(),
-                    At::Event(event) => format!(", {}", event.name().replace('-', " ")),
+                    At::Event((event, _)) => format!(", {}", event.replace('-', " ")),
                 };
                 format!("{}, {}, {ms:.1} ms{event}", run.instrument, stroke.title)
             }),
@@ -151,9 +133,8 @@ impl Draw {
     fn row(&self, run: &Run) -> Result<usize, Failure> {
         match self.at {
             At::Ms(ms) => Ok(if ms > 0.0 { run.time_s.len() - 1 } else { 0 }),
-            At::Event(event) => {
-                let name = event.name();
-                let time_s = event.time_s(&run.events).ok_or_else(|| {
+            At::Event((name, time_s)) => {
+                let time_s = time_s(&run.events).ok_or_else(|| {
                     Failure::Usage(format!("--at {name}: there is no {} in this stroke", name.replace('-', " ")))
                 })?;
                 // The first row that is not before it.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::recording::{LowPass, Preparation};
 use erard::run::Setup;
@@ -11,10 +11,11 @@ use erard_figures::figure::figure_svg;
 use erard_workshop::cores;
 use erard_workshop::fit::{Asked, Data, FitError, Jacobian, Loss, Plan, Problem, free};
 
-use super::options::{DriveName, StepOptions, check, load_instrument_and_text};
+use super::options::{DRIVES, StepOptions, check, load_instrument_and_text};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::fit::{column, figure, lines, report, table, value, warnings};
+use crate::names::{Name, one_of};
 use crate::progress::Progress;
 use crate::recordings::RecordingOptions;
 use crate::{say, tell};
@@ -43,10 +44,9 @@ pub(crate) struct Fit {
     /// Where the fit begins, as in `body.hammer.mass=1.1`; may be repeated [default: the instrument as it is]
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
     start: Vec<String>,
-    /// What of the recordings drives the model [default: force where there is one, else the motion of whatever was
-    /// recorded]
-    #[arg(long, value_enum)]
-    drive: Option<DriveName>,
+    /// What of the recordings drives the model [default: force where there is one, else the motion of whatever was recorded]
+    #[arg(long, value_parser = one_of(&DRIVES))]
+    drive: Option<Prescribed>,
     /// What is compared, of force, position, hammer [default: all but what drives]
     #[arg(long, value_name = "CHANNEL,..", value_delimiter = ',', value_parser = channel)]
     compare: Vec<Role>,
@@ -57,13 +57,12 @@ pub(crate) struct Fit {
     /// Estimate for every channel how much later it was written down than what drives
     #[arg(long)]
     delays: bool,
-    /// Loss function of the residuals: all but `linear` give outliers less weight
-    #[arg(long, value_enum, default_value_t = LossName::Linear)]
-    loss: LossName,
-    /// Where the derivatives of the last steps and of the errors come from: differences, or the model's own
-    /// derivatives, which need no step and take longer
-    #[arg(long, value_enum, default_value_t = JacobianName::Differences)]
-    jacobian: JacobianName,
+    /// What is made of squares: all but `linear` heed outliers less
+    #[arg(long, value_parser = one_of(&LOSSES), default_value = "linear")]
+    loss: Loss,
+    /// Where the derivatives of the last steps and of the errors come from: differences, or the model's own derivatives, which need no step and take longer
+    #[arg(long, value_parser = one_of(&JACOBIANS), default_value = "differences")]
+    jacobian: Jacobian,
     /// How often the fit may begin again elsewhere
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(0..=1000))]
     restarts: u16,
@@ -85,39 +84,17 @@ pub(crate) struct Fit {
     out: OutOptions,
 }
 
-/// What is made of squares.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum LossName {
-    /// The square itself
-    Linear,
-    /// 2 (sqrt(1 + z) - 1) of a square z
-    #[value(name = "soft_l1")]
-    SoftL1,
-    /// The square up to the noise, the distance beyond
-    Huber,
-    /// ln(1 + z) of a square z
-    Cauchy,
-}
+const LOSSES: [Name<Loss>; 4] = [
+    ("linear", "The square itself", Loss::Linear),
+    ("soft_l1", "2 (sqrt(1 + z) - 1) of a square z", Loss::SoftL1),
+    ("huber", "The square up to the noise, the distance beyond", Loss::Huber),
+    ("cauchy", "ln(1 + z) of a square z", Loss::Cauchy),
+];
 
-impl From<LossName> for Loss {
-    fn from(name: LossName) -> Self {
-        match name {
-            LossName::Linear => Loss::Linear,
-            LossName::SoftL1 => Loss::SoftL1,
-            LossName::Huber => Loss::Huber,
-            LossName::Cauchy => Loss::Cauchy,
-        }
-    }
-}
-
-/// Where derivatives come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum JacobianName {
-    /// Central differences
-    Differences,
-    /// The model's own derivatives
-    Gradient,
-}
+const JACOBIANS: [Name<Jacobian>; 2] = [
+    ("differences", "Central differences", Jacobian::Differences),
+    ("gradient", "The model's own derivatives", Jacobian::Gradient),
+];
 
 fn channel(text: &str) -> Result<Role, String> {
     let known = [Role::Force, Role::Position, Role::HammerHead];
@@ -166,11 +143,8 @@ impl Fit {
             Problem::new(&instrument, free, data, self.delays, &sigma, cores::count()).map_err(failure)?;
         let plan = Plan {
             start,
-            loss: self.loss.into(),
-            jacobian: match self.jacobian {
-                JacobianName::Differences => Jacobian::Differences,
-                JacobianName::Gradient => Jacobian::Gradient,
-            },
+            loss: self.loss,
+            jacobian: self.jacobian,
             restarts: self.restarts.into(),
             most: self.most.into(),
         };
@@ -214,7 +188,7 @@ impl Fit {
         let compared = Preparation { low_pass: LowPass::Off, ..driving.clone() };
         let columns: Vec<String> = self.compare.iter().map(|role| column(*role).to_owned()).collect();
         let columns = (!columns.is_empty()).then_some(columns);
-        let drive = self.drive.map(Prescribed::from);
+        let drive = self.drive;
         let mut all = Vec::new();
         for path in &self.recordings {
             let (name, mut recording, position_of) = self.recording.read(path)?;

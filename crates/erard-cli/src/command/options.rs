@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile, utf8};
 use erard::instrument_spec::{InstrumentSpec, KEY, SAMPLE, split_sample};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
@@ -10,6 +10,7 @@ use erard::one_dof;
 use erard::run::{Setup, SimulationError};
 pub(crate) use erard::stroke::Stroke;
 use erard::stroke::{Columns, DrivingError, Prescribed, Series, Touch};
+use erard_workshop::compare::Which;
 use erard_workshop::measure::norms::{Line, lines};
 use moreau::{FrictionLaw, Settings, Solver};
 
@@ -17,6 +18,7 @@ use super::samples::sample_text;
 use crate::failure::Failure;
 use crate::identity;
 use crate::inputs;
+use crate::names::{Name, one_of};
 use crate::recordings::{Ready, RecordingOptions};
 use crate::tell;
 use erard_figures::drawing::ChangedNote;
@@ -29,37 +31,26 @@ pub(crate) struct InstrumentOption {
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
     /// Which model of it
-    #[arg(long, value_enum, default_value_t = Model::Action)]
-    pub model: Model,
+    #[arg(long, value_parser = one_of(&MODELS), default_value = "action")]
+    pub model: Which,
 }
 
-/// Which model of an instrument.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Model {
-    /// All bodies and zones of the file
-    Action,
-    /// One degree of freedom: the whole action as inertia and constant moment on the key
-    OneDof,
-}
+/// The models of an instrument.
+pub(crate) const MODELS: [Name<Which>; 2] = [
+    (Which::Action.name(), "All bodies and zones of the file", Which::Action),
+    (
+        Which::OneDof.name(),
+        "One degree of freedom: the whole action as inertia and constant moment on the key",
+        Which::OneDof,
+    ),
+];
 
-impl Model {
-    /// Its name in files and on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Model::Action => "action",
-            Model::OneDof => "one-dof",
-        }
-    }
-}
-
-impl Model {
-    /// This model of a full instrument.
-    pub(crate) fn reduce(self, full: Instrument) -> Result<Instrument, Failure> {
-        Ok(match self {
-            Model::Action => full,
-            Model::OneDof => one_dof::reduce(&full)?.instrument,
-        })
-    }
+/// A model of a full instrument.
+pub(crate) fn reduced(model: Which, full: Instrument) -> Result<Instrument, Failure> {
+    Ok(match model {
+        Which::Action => full,
+        Which::OneDof => one_dof::reduce(&full)?.instrument,
+    })
 }
 
 impl InstrumentOption {
@@ -86,7 +77,7 @@ impl InstrumentOption {
 
     /// A full instrument, reduced to the model that was asked for.
     pub(crate) fn reduced(&self, full: Instrument) -> Result<Instrument, Failure> {
-        self.model.reduce(full)
+        reduced(self.model, full)
     }
 }
 
@@ -108,8 +99,8 @@ pub(crate) struct InstrumentsOption {
     #[arg(long = "instrument", value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instruments: Vec<String>,
     /// Which model of it
-    #[arg(long, value_enum, default_value_t = Model::Action)]
-    pub model: Model,
+    #[arg(long, value_parser = one_of(&MODELS), default_value = "action")]
+    pub model: Which,
 }
 
 impl InstrumentsOption {
@@ -133,16 +124,7 @@ impl InstrumentsOption {
 
 /// An instrument by file or by name; after either, `:key=N` is key N of a keyboard.
 pub fn load_instrument(asked: &str) -> Result<Instrument, Failure> {
-    if let Some(text) = sampled(asked)? {
-        return Ok(text.0);
-    }
-    if let Some(one) = KeyboardKey::asked(asked)? {
-        return one.instrument();
-    }
-    match instrument_path(asked) {
-        Some(path) => Ok(load_file(path)?.0.instrument),
-        None => Ok(builtin_instrument(asked)?.0),
-    }
+    Ok(load_instrument_and_text(asked)?.0)
 }
 
 /// An instrument file and its text.
@@ -159,26 +141,17 @@ fn load_file(path: &Path) -> Result<(InstrumentFile, String), Failure> {
 
 /// The same, with the text it was read from.
 pub(crate) fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Failure> {
-    if let Some(sample) = sampled(asked)? {
-        return Ok(sample);
+    if let Some(text) = sample_text(asked)? {
+        let instrument = Instrument::parse(&text, asked)?;
+        identity::used("instrument", &instrument.name, None, text.as_bytes());
+        return Ok((instrument, text));
     }
     if let Some(one) = KeyboardKey::asked(asked)? {
-        return Ok((one.instrument()?, one.text()?));
+        return one.instrument();
     }
-    let Some(path) = instrument_path(asked) else {
-        let (instrument, text) = builtin_instrument(asked)?;
-        return Ok((instrument, text.to_owned()));
-    };
+    let Some(path) = instrument_path(asked) else { return builtin_instrument(asked) };
     let (file, text) = load_file(path)?;
     Ok((file.instrument, text))
-}
-
-/// A sample of an instrument, with its text; `None` where no sample was asked for.
-fn sampled(asked: &str) -> Result<Option<(Instrument, String)>, Failure> {
-    let Some(text) = sample_text(asked)? else { return Ok(None) };
-    let instrument = Instrument::parse(&text, asked)?;
-    identity::used("instrument", &instrument.name, None, text.as_bytes());
-    Ok(Some((instrument, text)))
 }
 
 /// The path of an instrument file; `None` where a name is meant.
@@ -189,13 +162,17 @@ pub(crate) fn instrument_path(asked: &str) -> Option<&Path> {
     }
 }
 
-fn builtin_instrument(name: &str) -> Result<(Instrument, &'static str), Failure> {
-    let found = Instrument::builtin(name).ok().zip(Instrument::builtin_text(name)).ok_or_else(|| {
-        let names: Vec<&str> = Instrument::builtin_names().collect();
-        Failure::Usage(format!("there is no file and no built-in instrument `{name}` (built in: {})", names.join(", ")))
-    })?;
-    identity::used("instrument", &found.0.name, None, found.1.as_bytes());
-    Ok(found)
+fn builtin_instrument(name: &str) -> Result<(Instrument, String), Failure> {
+    let found = Instrument::builtin(name).ok().zip(Instrument::builtin_text(name));
+    let (instrument, text) = found.ok_or_else(|| not_found("instrument", name, Instrument::builtin_names()))?;
+    identity::used("instrument", &instrument.name, None, text.as_bytes());
+    Ok((instrument, text.to_owned()))
+}
+
+/// What was asked for by a name that nothing has.
+pub(crate) fn not_found<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str>) -> Failure {
+    let known: Vec<&str> = known.collect();
+    Failure::Usage(format!("there is no file and no built-in {what} `{name}` (built in: {})", known.join(", ")))
 }
 
 /// A key of a keyboard.
@@ -217,12 +194,12 @@ impl KeyboardKey {
         }
     }
 
-    /// Its instrument.
-    fn instrument(&self) -> Result<Instrument, Failure> {
+    /// Its instrument, and the text of it.
+    fn instrument(&self) -> Result<(Instrument, String), Failure> {
         let instrument = self.keyboard.key(self.key)?;
         let text = self.keyboard.key_text(self.key);
         identity::used("instrument", &format!("{}, key {}", instrument.name, self.key), None, text.as_bytes());
-        Ok(instrument)
+        Ok((instrument, text))
     }
 
     /// The text of its instrument file, which is sound.
@@ -283,17 +260,9 @@ pub(crate) fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
         identity::used("keyboard", &keyboard.name, Some(&name), &bytes);
         return Ok(keyboard);
     }
-    let keyboard = Keyboard::builtin(file_or_name).ok_or_else(|| {
-        let names: Vec<&str> = Keyboard::builtin_names().collect();
-        let names = names.join(", ");
-        Failure::Usage(format!("there is no file and no built-in keyboard `{file_or_name}` (built in: {names})"))
-    })?;
-    identity::used(
-        "keyboard",
-        &keyboard.name,
-        None,
-        Keyboard::builtin_text(file_or_name).unwrap_or_default().as_bytes(),
-    );
+    let found = Keyboard::builtin(file_or_name).zip(Keyboard::builtin_text(file_or_name));
+    let (keyboard, text) = found.ok_or_else(|| not_found("keyboard", file_or_name, Keyboard::builtin_names()))?;
+    identity::used("keyboard", &keyboard.name, None, text.as_bytes());
     Ok(keyboard)
 }
 
@@ -308,49 +277,31 @@ pub(crate) struct StrokeOptions {
     #[arg(long, value_name = "pp|p|mf|f|ff", value_parser = ["pp", "p", "mf", "f", "ff"], conflicts_with = "force_step")]
     stroke: Option<String>,
     /// How the finger meets the key in a built-in stroke
-    #[arg(long, value_enum, default_value_t = TouchName::Pressed)]
-    touch: TouchName,
+    #[arg(long, value_parser = one_of(&TOUCHES), default_value = "pressed")]
+    touch: Touch,
     /// A constant force from the start on, N
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     force_step: Option<f64>,
-    /// What is prescribed: the finger's force, the motion of a soft finger, or the key's own motion. Default: force
-    /// where the stroke has one, else the motion of whatever was recorded (see --position): rigid for a key's, motion
-    /// for a fingertip's
-    #[arg(long, value_enum)]
-    drive: Option<DriveName>,
+    /// What is prescribed: the finger's force, the motion of a soft finger, or the key's own motion. Default: force where
+    /// the stroke has one, else the motion of whatever was recorded (see --position): rigid for a key's, motion for a fingertip's
+    #[arg(long, value_parser = one_of(&DRIVES))]
+    drive: Option<Prescribed>,
     #[command(flatten)]
     recording: RecordingOptions,
 }
 
 /// How the finger meets the key.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum TouchName {
-    /// The finger rests on the key and presses
-    Pressed,
-    /// The finger falls onto the key
-    Struck,
-}
+const TOUCHES: [Name<Touch>; 2] = [
+    ("pressed", "The finger rests on the key and presses", Touch::Pressed),
+    ("struck", "The finger falls onto the key", Touch::Struck),
+];
 
 /// What is prescribed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum DriveName {
-    /// The force on the key
-    Force,
-    /// The motion of a soft finger that can only push
-    Motion,
-    /// The motion of the key itself
-    Rigid,
-}
-
-impl From<DriveName> for Prescribed {
-    fn from(name: DriveName) -> Self {
-        match name {
-            DriveName::Force => Prescribed::Force,
-            DriveName::Motion => Prescribed::Motion,
-            DriveName::Rigid => Prescribed::Rigid,
-        }
-    }
-}
+pub(crate) const DRIVES: [Name<Prescribed>; 3] = [
+    (Prescribed::Force.name(), "The force on the key", Prescribed::Force),
+    (Prescribed::Motion.name(), "The motion of a soft finger that can only push", Prescribed::Motion),
+    (Prescribed::Rigid.name(), "The motion of the key itself", Prescribed::Rigid),
+];
 
 impl StrokeOptions {
     /// The same touch and drive with another stroke: `pp` to `ff`, a constant force such as `3N`, or a file.
@@ -385,7 +336,7 @@ impl StrokeOptions {
 
     /// A constant force, and nothing else.
     pub(crate) fn load_constant(&self) -> Result<Stroke, Failure> {
-        if self.file.is_some() || self.stroke.is_some() || self.drive.is_some_and(|d| d != DriveName::Force) {
+        if self.file.is_some() || self.stroke.is_some() || self.drive.is_some_and(|d| d != Prescribed::Force) {
             return Err(Failure::Usage("--vary force plays constant forces; it goes with no other stroke".into()));
         }
         Ok(Stroke::constant("constant forces".into(), 0.0))
@@ -402,7 +353,7 @@ impl StrokeOptions {
                 )));
             }
             identity::used_without_file("stroke", &format!("a constant force of {force_n} N"));
-            if self.drive.is_some_and(|d| d != DriveName::Force) {
+            if self.drive.is_some_and(|d| d != Prescribed::Force) {
                 return Err(Failure::Usage("--force-step prescribes a force; it has no motion to drive with".into()));
             }
             return Ok(Stroke::constant(format!("{force_n} N"), force_n));
@@ -413,24 +364,20 @@ impl StrokeOptions {
                     .into(),
             ));
         }
-        let drive = self.drive.map(Prescribed::from);
         // What was done and noticed, told when nothing is wrong.
         let mut notes = Vec::new();
         let (stroke, note) = match &self.file {
             Some(path) => {
                 let Ready { name, prepared, position_of, .. } = self.recording.load(path)?;
                 notes = prepared.report.told();
-                Stroke::recorded(name, prepared.series, position_of, drive)
+                Stroke::recorded(name, prepared.series, position_of, self.drive)
             }
             None => {
                 let nuance = self.stroke.as_deref().unwrap_or("mf");
-                let touch = match self.touch {
-                    TouchName::Pressed => Touch::Pressed,
-                    TouchName::Struck => Touch::Struck,
-                };
+                let touch = self.touch;
                 let (text, name) = (Series::builtin_text(nuance, touch).unwrap_or_default(), touch.name());
                 identity::used("stroke", &format!("{nuance}, {name}"), None, text.as_bytes());
-                Stroke::builtin(nuance, touch, drive)
+                Stroke::builtin(nuance, touch, self.drive)
                     .ok_or_else(|| Failure::Internal(format!("the built-in stroke {nuance} {name} cannot be read")))?
             }
         }?;
@@ -465,31 +412,31 @@ pub(crate) struct StepOptions {
     #[arg(long, value_name = "T", default_value_t = 0.5, allow_negative_numbers = true)]
     theta: f64,
     /// Solver of the one-step problem
-    #[arg(long, value_enum, default_value_t = SolverName::ActiveSet)]
-    solver: SolverName,
+    #[arg(long, value_parser = one_of(&SOLVERS), default_value = "active-set")]
+    solver: Solver,
     /// Friction law: the true one, or the regularised one that is kept for comparison
-    #[arg(long, value_enum, default_value_t = FrictionName::SetValued)]
-    friction: FrictionName,
+    #[arg(long, value_parser = one_of(&FRICTIONS), default_value = "set-valued")]
+    friction: Friction,
     /// Width of the regularised law at the pivots, rad/s (at sliding contacts a tenth of it, m/s)
     #[arg(long, value_name = "RAD/S", default_value_t = 0.1, allow_negative_numbers = true)]
     friction_width: f64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SolverName {
-    /// Active set on the velocities
-    ActiveSet,
-    /// The papers' projected Gauss-Seidel
-    ProjectedGaussSeidel,
-}
+const SOLVERS: [Name<Solver>; 2] = [
+    ("active-set", "Active set on the velocities", Solver::ActiveSet),
+    ("projected-gauss-seidel", "The papers' projected Gauss-Seidel", Solver::ProjectedGaussSeidel),
+];
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum FrictionName {
-    /// Set-valued: holds at rest
-    SetValued,
-    /// Regularised by tanh: creeps
-    Tanh,
-}
+/// A law of friction, of the regularised one's width at the pivots, rad/s.
+type Friction = fn(f64) -> FrictionLaw<f64>;
+
+const FRICTIONS: [Name<Friction>; 2] = [
+    ("set-valued", "Set-valued: holds at rest", |_| FrictionLaw::SetValued),
+    ("tanh", "Regularised by tanh: creeps", |width| FrictionLaw::Regularised {
+        pivot_width: width,
+        sliding_width: 0.1 * width,
+    }),
+];
 
 /// Checks a setup whose numbers came from the command line, so that an error names the option.
 pub(crate) fn check(setup: &Setup) -> Result<(), Failure> {
@@ -514,23 +461,14 @@ impl StepOptions {
         }
         Ok(Settings {
             theta: self.theta,
-            solver: match self.solver {
-                SolverName::ActiveSet => Solver::ActiveSet,
-                SolverName::ProjectedGaussSeidel => Solver::ProjectedGaussSeidel,
-            },
-            friction: match self.friction {
-                FrictionName::SetValued => FrictionLaw::SetValued,
-                FrictionName::Tanh => FrictionLaw::Regularised { pivot_width: width, sliding_width: 0.1 * width },
-            },
+            solver: self.solver,
+            friction: (self.friction)(width),
             ..Settings::new(self.dt)
         })
     }
 
     /// The solver's name in files and on the command line.
     pub(crate) fn solver_name(&self) -> &'static str {
-        match self.solver {
-            SolverName::ActiveSet => "active-set",
-            SolverName::ProjectedGaussSeidel => "projected-gauss-seidel",
-        }
+        SOLVERS.iter().find(|(_, _, solver)| *solver == self.solver).expect("one of them was taken").0
     }
 }

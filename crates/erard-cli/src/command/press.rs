@@ -13,7 +13,7 @@ use erard::stroke::Columns;
 
 use super::bands::{self, BandOptions, BandRow};
 use super::hand::HandOptions;
-use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check};
+use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check, reduced};
 use super::out::OutOptions;
 use super::press_pair::{self, Played};
 use crate::failure::Failure;
@@ -210,7 +210,7 @@ impl Press {
         let model = self.instrument.model;
         bands::bands(self.instrument.first(), count, &names, &values(own), None, |instrument, _, progress| {
             let none = || vec![None; MEASURES.len()];
-            let Ok(instrument) = model.reduce(instrument.clone()) else { return Ok(none()) };
+            let Ok(instrument) = reduced(model, instrument.clone()) else { return Ok(none()) };
             let Ok(inputs) = stroke.inputs(&instrument.finger) else { return Ok(none()) };
             let run = simulate_observed(&instrument, inputs.as_ref(), setup, &mut Inside::default(), progress);
             let run = bands::unless_interrupted(run)?;

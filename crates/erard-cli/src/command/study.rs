@@ -4,6 +4,7 @@ use clap::Args;
 use erard::instrument::Instrument;
 use erard::player::Input;
 use erard::run::Setup;
+use erard_workshop::compare::Which;
 use erard_workshop::cores;
 use erard_workshop::measure::measure_some;
 use erard_workshop::measure::norms::Line;
@@ -13,8 +14,8 @@ use erard_workshop::study::{Job, JobResult, Played, Stroke as JobStroke, Workers
 use super::bands::{self, BandOptions, BandRow};
 use super::hand::HandOptions;
 use super::options::{
-    InstrumentOption, KeyboardKey, Model, StepOptions, Stroke, StrokeOptions, check, load_instrument_and_text,
-    load_keyboard, measured_lines,
+    InstrumentOption, KeyboardKey, StepOptions, Stroke, StrokeOptions, check, load_instrument_and_text, load_keyboard,
+    measured_lines, reduced,
 };
 use super::out::OutOptions;
 use crate::failure::Failure;
@@ -200,7 +201,7 @@ impl Study {
         }
         let model = self.instrument.model;
         bands::bands(self.instrument.asked(), count, &names, &flat(columns), None, |instrument, text, progress| {
-            let Ok(instrument) = model.reduce(instrument.clone()) else { return Ok(vec![None; names.len()]) };
+            let Ok(instrument) = reduced(model, instrument.clone()) else { return Ok(vec![None; names.len()]) };
             let source = Source::Text(text.to_owned());
             let own = Varied { instrument: &instrument, source: &source, model, axes };
             match play_all_rows(&own, measures, stroke, setup, Workers::one(), progress) {
@@ -303,7 +304,7 @@ impl Study {
 struct Varied<'a> {
     instrument: &'a Instrument,
     source: &'a Source,
-    model: Model,
+    model: Which,
     axes: &'a [Axis],
 }
 
@@ -477,7 +478,7 @@ fn variant(varied: &Varied<'_>, plain: &Instrument, indices: &[usize]) -> Result
     let mut instrument = match varied.source.instrument(varied.axes, indices) {
         None => plain.clone(),
         Some(read) => {
-            let read = varied.model.reduce(read?).map_err(|error| error.to_string())?;
+            let read = reduced(varied.model, read?).map_err(|error| error.to_string())?;
             Instrument { parts: Vec::new(), ..read }
         }
     };

@@ -64,7 +64,7 @@ fn on_every_page(title: &str, headed: &Headed) -> String {
             quoted += &format!("\\{:06x} ", u32::from(c));
         }
     }
-    format!("@page{{size:{};margin-top:18mm;@top-left{{content:\"{quoted}\";font-size:9pt}}}}", headed.paper.css())
+    format!("@page{{size:{};margin-top:18mm;@top-left{{content:\"{quoted}\";font-size:9pt}}}}", headed.paper)
 }
 
 fn flags(one: &Measured, named: bool) -> Markup {

@@ -48,7 +48,7 @@ const PLAYING: [Value; 3] = [
 /// A page for every action.
 pub(crate) fn html(all: &[Advised<'_>]) -> String {
     let names: Vec<&str> = all.iter().map(|one| one.measured.label.as_str()).collect();
-    let paper = all.first().map_or("A4", |one| one.headed.paper.css());
+    let paper = all.first().map_or("A4", |one| one.headed.paper);
     let title = format!("{}: technician's sheet", names.join(", "));
     let style = format!("{STYLE}@page{{size:{paper}}}section+section{{break-before:page}}");
     page(&title, &style, &html! { @for one in all { (sheet(one)) } })

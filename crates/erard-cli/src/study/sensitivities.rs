@@ -3,9 +3,10 @@
 use erard::instrument::Instrument;
 use erard::run::Setup;
 use erard_figures::figure::{Bar, Tornado, TornadoPanel, tornado_svg};
+use erard_workshop::cores;
 use erard_workshop::sensitivities::{
     Mark, Quantity, Sensitivities, Sensitivity, SensitivityError, USUAL, Variable, VariableError, quantities,
-    sensitivities, threads,
+    sensitivities,
 };
 use serde_json::{Value, json};
 
@@ -77,14 +78,14 @@ pub(crate) fn find<'a>(
     setup: &Setup,
 ) -> Result<Sensitivities, Failure> {
     let mut progress = Progress::new("differentiating");
-    sensitivities(instrument, by, of, stroke, setup, threads(), &mut |share| progress.tell(share)).map_err(|error| {
-        match error {
+    sensitivities(instrument, by, of, stroke, setup, cores::count(), &mut |share| progress.tell(share)).map_err(
+        |error| match error {
             SensitivityError::Simulation(error) => Failure::Simulation(error),
             SensitivityError::Measure(error) => Failure::Measure { label: instrument.name.clone(), error },
             SensitivityError::Gradient(erard::gradient::GradientError::Simulation(error)) => Failure::Simulation(error),
             error => Failure::Usage(error.to_string()),
-        }
-    })
+        },
+    )
 }
 
 /// A row of sensitivities.csv.

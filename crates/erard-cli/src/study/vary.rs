@@ -1,10 +1,10 @@
 //! `--vary let_off=-1mm..1mm:41`: what is varied, from where to where, in how many steps.
 
-use erard::instrument::{Instrument, numbers_at, with_numbers};
+use erard::instrument::{Instrument, with_numbers};
 use erard::keyboard::{Between, Graded, KEYS, Keyboard};
 use erard::stroke::MAX_FORCE_N;
 use erard_workshop::regulate::screw_unit;
-use erard_workshop::study::Parameter;
+use erard_workshop::study::{Parameter, number_of};
 
 /// What a value is given to.
 #[derive(Debug, Clone, PartialEq)]
@@ -139,8 +139,8 @@ impl Axis {
         } else if let Some(grading) = name.strip_prefix(GRADING) {
             let (target, unit) = grading_of(grading, source)?;
             (target, 1.0, unit, if unit == "g" { &["g"] } else { &["mm"] })
-        } else if let Some(number) = number_of(name, source) {
-            (number, 1.0, "", &[])
+        } else if let Some((path, which, _)) = number_of(&source.text(None), name) {
+            (Target::Number(path, which), 1.0, "", &[])
         } else {
             let all = Parameter::all(instrument);
             let Some((_, parameter)) = all.iter().find(|(known, _)| known == name) else {
@@ -313,18 +313,6 @@ fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), Str
         Graded::Shift { .. } => "mm",
     };
     Ok((Target::Grading(index, Some(at)), unit))
-}
-
-/// A number of the file by its path; of two (a point), by `.x` or `.y` behind it.
-fn number_of(name: &str, source: &Source) -> Option<Target> {
-    let text = source.text(None);
-    if numbers_at(&text, name).is_some_and(|numbers| numbers.len() == 1) {
-        return Some(Target::Number(name.to_owned(), 0));
-    }
-    let (path, axis) = name.rsplit_once('.')?;
-    let which = ["x", "y"].iter().position(|known| *known == axis)?;
-    numbers_at(&text, path).filter(|numbers| numbers.len() == 2)?;
-    Some(Target::Number(path.to_owned(), which))
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ pub(crate) fn html(work: &Work<'_>, figure: &str) -> String {
     let headed = work.headed;
     let title = format!("{}: work list", work.name);
     let leads = "td:nth-child(13){font-weight:600;white-space:nowrap}td:nth-child(12){white-space:nowrap}";
-    let style = format!("{STYLE}{leads}@page{{size:{}}}", headed.paper.css());
+    let style = format!("{STYLE}{leads}@page{{size:{}}}", headed.paper);
     let body = html! {
         header {
             h1 { "Work list: " (work.name) }

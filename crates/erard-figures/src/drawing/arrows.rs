@@ -2,7 +2,7 @@
 
 use super::force::{ARROW, force_label};
 use super::outline::MM;
-use crate::svg::number;
+use crate::svg::{number, text};
 use erard::instrument::Vec2;
 use std::fmt::Write;
 
@@ -84,13 +84,9 @@ pub fn arrows(arrows: &[Arrow]) -> String {
         let size = [label.chars().count() as f64 * LETTER, HEIGHT];
         let place = free_place(arrow, size, &shafts, &taken);
         taken.push(place);
-        let _ = write!(
-            numbers,
-            "<text class=\"newton {}\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{label}</text>",
-            arrow.kind.class(),
-            number(0.5 * (place[0] + place[2])),
-            number(place[3] - 0.8),
-        );
+        let middle = [0.5 * (place[0] + place[2]), place[3] - 0.8];
+        let class = format!("newton {}", arrow.kind.class());
+        text(&mut numbers, &class, middle, " text-anchor=\"middle\"", &label);
     }
     // numbers after all arrows, so that none is struck through
     out.push_str(&numbers);

@@ -3,7 +3,7 @@
 use super::anchor::visible_point;
 use super::outline::MM;
 use super::piece::Piece;
-use crate::svg::{escape, number};
+use crate::svg::{number, text};
 use erard::instrument::{Instrument, Placement, Vec2};
 use std::fmt::Write;
 
@@ -65,23 +65,17 @@ pub(crate) fn labels(pieces: &[Piece], placed: &[Placement], bounds: [f64; 4]) -
         spread(side, left, right);
         for label in side.iter() {
             let y = edge + outward * (5.0 + ROW * label.row as f64);
-            let [ax, ay] = label.anchor;
+            let [ax, ay] = label.anchor.map(number);
             let _ = write!(
                 out,
-                "<path class=\"leader\" d=\"M{} {}V{}L{} {}\"/><circle class=\"leader-end\" cx=\"{}\" cy=\"{}\" r=\"0.9\"/>\
-                 <text class=\"label\" x=\"{}\" y=\"{}\" font-size=\"{}\" text-anchor=\"middle\">{}</text>",
+                "<path class=\"leader\" d=\"M{} {}V{}L{ax} {ay}\"/><circle class=\"leader-end\" cx=\"{ax}\" cy=\"{ay}\" r=\"0.9\"/>",
                 number(label.x),
                 number(y - outward * 1.0),
                 number(edge + outward * 4.0),
-                number(ax),
-                number(ay),
-                number(ax),
-                number(ay),
-                number(label.x),
-                number(if outward < 0.0 { y - 1.0 } else { y + SIZE * 0.8 }),
-                number(SIZE),
-                escape(&label.text)
             );
+            let place = [label.x, if outward < 0.0 { y - 1.0 } else { y + SIZE * 0.8 }];
+            let more = format!(" font-size=\"{}\" text-anchor=\"middle\"", number(SIZE));
+            text(&mut out, "label", place, &more, &label.text);
         }
     }
     out.push_str("</g>");

@@ -66,47 +66,36 @@ impl From<Material> for Finish {
     }
 }
 
-/// All finishes, in the order their gradients are written.
-pub(crate) const ALL: [Finish; 13] = [
-    Finish::Wood,
-    Finish::DarkWood,
-    Finish::Felt,
-    Finish::Cloth,
-    Finish::Leather,
-    Finish::Metal,
-    Finish::Lead,
-    Finish::Ivory,
-    Finish::String,
-    Finish::Ebony,
-    Finish::Skin,
-    Finish::Nail,
-    Finish::Symbol,
+/// The looks of all finishes, in their order.
+const PAINTS: [Paint; 13] = [
+    look("wood", "#ecd3a8", "#d3ac77", "#8a683c"),
+    look("dark-wood", "#8f6a4b", "#6c4a31", "#452d1b"),
+    look("felt", "#f6f0e2", "#ded3bc", "#a3967b"),
+    look("cloth", "#b8414a", "#922c35", "#611a21"),
+    look("leather", "#b3aca2", "#8d867d", "#5a554e"),
+    look("metal", "#d3d9de", "#929ba3", "#555e66"),
+    look("lead", "#868c92", "#62686e", "#3c4146"),
+    look("ivory", "#fdfbf4", "#ece4d0", "#8d8266"),
+    look("string", "#b9a778", "#857346", "#5b4d2b"),
+    look("ebony", "#4a4642", "#2b2825", "#171513"),
+    look("skin", "#f3d2bc", "#e2ae92", "#a4755c"),
+    look("nail", "#fbe9e2", "#f0cfc3", "#b58a78"),
+    look("symbol", "#cfdbe6", "#a3b7c9", "#5f7589"),
 ];
+
+const fn look(id: &'static str, light: &'static str, shade: &'static str, edge: &'static str) -> Paint {
+    Paint { id, light, shade, edge }
+}
 
 /// The look of a finish.
 pub(crate) const fn paint(finish: Finish) -> Paint {
-    let (id, light, shade, edge) = match finish {
-        Finish::Wood => ("wood", "#ecd3a8", "#d3ac77", "#8a683c"),
-        Finish::DarkWood => ("dark-wood", "#8f6a4b", "#6c4a31", "#452d1b"),
-        Finish::Felt => ("felt", "#f6f0e2", "#ded3bc", "#a3967b"),
-        Finish::Cloth => ("cloth", "#b8414a", "#922c35", "#611a21"),
-        Finish::Leather => ("leather", "#b3aca2", "#8d867d", "#5a554e"),
-        Finish::Metal => ("metal", "#d3d9de", "#929ba3", "#555e66"),
-        Finish::Lead => ("lead", "#868c92", "#62686e", "#3c4146"),
-        Finish::Ivory => ("ivory", "#fdfbf4", "#ece4d0", "#8d8266"),
-        Finish::String => ("string", "#b9a778", "#857346", "#5b4d2b"),
-        Finish::Ebony => ("ebony", "#4a4642", "#2b2825", "#171513"),
-        Finish::Skin => ("skin", "#f3d2bc", "#e2ae92", "#a4755c"),
-        Finish::Nail => ("nail", "#fbe9e2", "#f0cfc3", "#b58a78"),
-        Finish::Symbol => ("symbol", "#cfdbe6", "#a3b7c9", "#5f7589"),
-    };
-    Paint { id, light, shade, edge }
+    PAINTS[finish as usize]
 }
 
 /// The gradients of all finishes, for a document's `<defs>`.
 pub(crate) fn gradients() -> String {
     let mut out = String::new();
-    for paint in ALL.map(paint) {
+    for paint in PAINTS {
         let _ = write!(
             out,
             "<linearGradient id=\"{id}\" x1=\"0\" y1=\"0\" x2=\"0\" y2=\"1\"><stop offset=\"0\" stop-color=\"{}\"/>\

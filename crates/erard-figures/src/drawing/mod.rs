@@ -30,7 +30,7 @@ pub(crate) use material::{gradients, paint};
 pub(crate) use outline::{path, transform};
 pub(crate) use piece::{Carrier, Piece};
 
-use crate::svg::{escape, number};
+use crate::svg::{escape, number, sides, text};
 use erard::instrument::{Instrument, Placement};
 pub(crate) use outline::MM;
 use std::fmt::Write;
@@ -124,7 +124,7 @@ pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptio
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"{} {} {} {}\" \
          font-family=\"{FONTS}\" role=\"img\"><title>{}</title><style>{STYLE}</style><defs>{}</defs>\
-         <rect class=\"paper\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
+         <rect class=\"paper\"{}/>",
         number((pixels * width).round()),
         number((pixels * height).round()),
         number(left),
@@ -133,10 +133,7 @@ pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptio
         number(height),
         escape(&instrument.name),
         gradients(),
-        number(left),
-        number(top),
-        number(width),
-        number(height),
+        sides([left, top, width, height]),
     );
     out.push_str(&shapes(&drawing, &placed));
     out.push_str(&changed_marks(instrument, &options.changed, &placed));
@@ -145,22 +142,10 @@ pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptio
         out.push_str(&labels::labels(&drawing.pieces, &placed, bounds));
     }
     if let Some(caption) = &options.caption {
-        let _ = write!(
-            out,
-            "<text class=\"caption\" x=\"{}\" y=\"{}\">{}</text>",
-            number(left + 6.0),
-            number(caption_y),
-            escape(caption)
-        );
+        text(&mut out, "caption", [left + 6.0, caption_y], "", caption);
     }
     for (index, line) in told.iter().enumerate() {
-        let _ = write!(
-            out,
-            "<text class=\"changed-note\" x=\"{}\" y=\"{}\">{}</text>",
-            number(left + 6.0),
-            number(told_y + changed::LINE * index as f64),
-            escape(line)
-        );
+        text(&mut out, "changed-note", [left + 6.0, told_y + changed::LINE * index as f64], "", line);
     }
     out.push_str("</svg>\n");
     out

@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, Scale};
 use super::{Area, Dash, Figure, LEFT, Layout, Panel, Trace, Window, decimate};
-use crate::svg::{escape, number};
+use crate::svg::{number, text};
 use std::borrow::Cow;
 use std::fmt::Write;
 
@@ -14,12 +14,7 @@ pub(super) fn abscissa(out: &mut String, figure: &Figure, window: &Window, area:
         line(out, "grid", [x, area.top], [x, area.bottom()]);
         if numbers {
             line(out, "tick", [x, area.bottom()], [x, area.bottom() + 4.0]);
-            let _ = write!(
-                out,
-                "<text class=\"ink\" x=\"{}\" y=\"{}\" text-anchor=\"middle\" font-size=\"11\">{label}</text>",
-                number(x),
-                number(area.bottom() + 16.0),
-            );
+            text(out, "ink", [x, area.bottom() + 16.0], " text-anchor=\"middle\" font-size=\"11\"", &label);
         }
     }
 }
@@ -53,12 +48,7 @@ pub(super) fn together(
         line(out, "grid", [area.left, y], [area.right(), y]);
         if numbers {
             line(out, "tick", [area.left - 4.0, y], [area.left, y]);
-            let _ = write!(
-                out,
-                "<text class=\"ink\" x=\"{}\" y=\"{}\" text-anchor=\"end\" font-size=\"11\">{label}</text>",
-                number(area.left - 7.0),
-                number(y + 4.0),
-            );
+            text(out, "ink", [area.left - 7.0, y + 4.0], " text-anchor=\"end\" font-size=\"11\"", &label);
         }
     }
     let _ = write!(out, "<g clip-path=\"url(#{clip})\">");
@@ -194,13 +184,8 @@ pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
         [] => panel.quantity.clone(),
         _ => format!("{} ({})", panel.quantity, details.join(", ")),
     };
-    let _ = write!(
-        out,
-        "<text class=\"ink\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" transform=\"rotate(-90 {x} {y})\">{}</text>",
-        escape(&name),
-        x = number(x),
-        y = number(y),
-    );
+    let turned = format!(" text-anchor=\"middle\" transform=\"rotate(-90 {} {})\"", number(x), number(y));
+    text(out, "ink", [x, y], &turned, &name);
 }
 
 /// Names of the curves beside the panel.
@@ -210,17 +195,14 @@ pub(super) fn legend(out: &mut String, panel: &Panel, left: f64, top: f64) {
         let y = top + 12.0 + 17.0 * index as f64;
         let _ = write!(
             out,
-            "<line x1=\"{}\" y1=\"{y}\" x2=\"{}\" y2=\"{y}\" stroke=\"{}\" stroke-width=\"2\"{}/>\
-             <text class=\"ink\" x=\"{}\" y=\"{}\">{}</text>",
+            "<line x1=\"{}\" y1=\"{y}\" x2=\"{}\" y2=\"{y}\" stroke=\"{}\" stroke-width=\"2\"{}/>",
             number(left),
             number(left + 22.0),
             curve.colour,
             dashes(curve.dash),
-            number(left + 28.0),
-            number(y + 4.0),
-            escape(&curve.label),
             y = number(y),
         );
+        text(out, "ink", [left + 28.0, y + 4.0], "", &curve.label);
         if curve.dash == Dash::Points {
             point(out, index, left + 11.0, y, curve.colour);
         }

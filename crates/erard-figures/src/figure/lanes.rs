@@ -2,7 +2,7 @@
 
 use super::axes::{line, short, thinned};
 use super::{Area, Figure, Layout, Panel, Window};
-use crate::svg::{escape, number};
+use crate::svg::{sides, text};
 use std::fmt::Write;
 
 /// Empty strip at the top of a lane, px, so that neighbours do not touch.
@@ -36,12 +36,8 @@ pub(super) fn lanes(
             let y = y_of(decade);
             line(out, "grid", [area.left, y], [area.right(), y]);
             if numbers && is_numbered(decade) {
-                let _ = write!(
-                    out,
-                    "<text class=\"soft\" x=\"{}\" y=\"{}\" text-anchor=\"end\" font-size=\"8.5\">{decade}</text>",
-                    number(area.left - 5.0),
-                    number(y + 3.0),
-                );
+                let more = " text-anchor=\"end\" font-size=\"8.5\"";
+                text(out, "soft", [area.left - 5.0, y + 3.0], more, &decade.to_string());
             }
         }
         let _ = write!(out, "<g clip-path=\"url(#{clip})\">");
@@ -80,21 +76,11 @@ pub(super) fn names(out: &mut String, panel: &Panel, left: f64, top: f64) {
     for (index, curve) in panel.curves.iter().enumerate() {
         let y = top + tall * (index as f64 + 0.5);
         let peak = curve.y.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max);
-        let _ = write!(
-            out,
-            "<rect x=\"{}\" y=\"{}\" width=\"5\" height=\"{}\" fill=\"{}\"/>\
-             <text class=\"ink\" x=\"{x}\" y=\"{}\" font-size=\"11\">{}</text>\
-             <text class=\"soft\" x=\"{x}\" y=\"{}\" font-size=\"9.5\">peak {}</text>",
-            number(left - 4.0),
-            number(y - 0.5 * tall + HEADROOM),
-            number(tall - HEADROOM),
-            curve.colour,
-            number(y + 0.5),
-            escape(&curve.label),
-            number(y + 12.0),
-            crate::drawing::force_label(peak),
-            x = number(left + 8.0),
-        );
+        let bar = sides([left - 4.0, y - 0.5 * tall + HEADROOM, 5.0, tall - HEADROOM]);
+        let _ = write!(out, "<rect{bar} fill=\"{}\"/>", curve.colour);
+        text(out, "ink", [left + 8.0, y + 0.5], " font-size=\"11\"", &curve.label);
+        let peak = format!("peak {}", crate::drawing::force_label(peak));
+        text(out, "soft", [left + 8.0, y + 12.0], " font-size=\"9.5\"", &peak);
     }
 }
 

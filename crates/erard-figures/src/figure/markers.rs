@@ -2,7 +2,7 @@
 
 use super::axes::line;
 use super::{Area, Figure, Marker, Window};
-use crate::svg::{escape, number};
+use crate::svg::{number, text};
 use std::fmt::Write;
 
 /// Height of the strip with the names, px.
@@ -44,18 +44,15 @@ pub(super) fn names(out: &mut String, figure: &Figure, window: &Window, strip: A
         let x = at(marker.x, window, strip);
         let _ = write!(
             out,
-            "<path class=\"lead\" d=\"M{} {}L{} {}L{} {}\"/>\
-             <text class=\"ink\" x=\"{}\" y=\"{}\" text-anchor=\"middle\" font-size=\"{SIZE}\">{}</text>",
-            number(*place),
+            "<path class=\"lead\" d=\"M{place} {}L{place} {}L{} {}\"/>",
             number(baseline + 3.0),
-            number(*place),
             number(strip.top + 29.0),
             number(x),
             number(strip.bottom()),
-            number(*place),
-            number(baseline),
-            escape(&marker.label)
+            place = number(*place),
         );
+        let more = format!(" text-anchor=\"middle\" font-size=\"{SIZE}\"");
+        text(out, "ink", [*place, baseline], &more, &marker.label);
     }
 }
 

@@ -32,7 +32,7 @@ pub use ticks::range as padded_range;
 pub use tornado::{Bar, Tornado, TornadoPanel, tornado_svg};
 
 use crate::drawing::FONTS;
-use crate::svg::{escape, number};
+use crate::svg::{escape, number, sides, text};
 use std::borrow::Cow;
 use std::fmt::Write;
 
@@ -270,28 +270,14 @@ pub(crate) fn figure_svg_named(figure: &Figure, name: &str) -> String {
     let heights: f64 = figure.panels.iter().map(|panel| panel.height_px).sum();
     let gaps = PANEL_GAP * figure.panels.len().saturating_sub(1) as f64;
     let (width, height) = (figure.width_px, top + marks + heights + gaps + BOTTOM);
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
-         font-family=\"{FONTS}\" font-size=\"12\" role=\"img\"><title>{title}</title><style>{STYLE}</style>\
-         <rect class=\"sheet\" width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\
-         <text class=\"ink\" x=\"{LEFT}\" y=\"22\" font-size=\"16\">{title}</text>",
-        w = number(width),
-        h = number(height),
-        title = escape(&figure.title),
-    );
+    let mut out = sheet(&figure.title, [width, height], 12, "", [LEFT, 22.0]);
     if !figure.subtitle.is_empty() {
-        let _ = write!(out, "<text class=\"soft\" x=\"{LEFT}\" y=\"41\">{}</text>", escape(&figure.subtitle));
+        text(&mut out, "soft", [LEFT, 41.0], "", &figure.subtitle);
     }
     let columns = columns(figure, width);
     for (window, (left, wide)) in figure.windows.iter().zip(&columns) {
         if !window.heading.is_empty() {
-            let _ = write!(
-                out,
-                "<text class=\"soft\" x=\"{}\" y=\"{}\">{}</text>",
-                number(*left),
-                number(top - 5.0),
-                escape(&window.heading)
-            );
+            text(&mut out, "soft", [*left, top - 5.0], "", &window.heading);
         }
         if window.names_markers {
             let strip = Area { left: *left, top, width: *wide, height: marks };
@@ -304,14 +290,8 @@ pub(crate) fn figure_svg_named(figure: &Figure, name: &str) -> String {
         for (column, (window, (left, wide))) in figure.windows.iter().zip(&columns).enumerate() {
             let area = Area { left: *left, top: y, width: *wide, height: panel.height_px };
             let clip = format!("{name}-{index}-{column}");
-            let _ = write!(
-                out,
-                "<clipPath id=\"{clip}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>",
-                number(area.left),
-                number(area.top),
-                number(area.width),
-                number(area.height)
-            );
+            let place = sides([area.left, area.top, area.width, area.height]);
+            let _ = write!(out, "<clipPath id=\"{clip}\"><rect{place}/></clipPath>");
             axes::abscissa(&mut out, figure, window, area, is_last);
             match panel.layout {
                 Layout::Together | Layout::Logarithmic | Layout::Stacked => {
@@ -320,14 +300,7 @@ pub(crate) fn figure_svg_named(figure: &Figure, name: &str) -> String {
                 Layout::Lanes { .. } => lanes::lanes(&mut out, figure, panel, window, area, column == 0, &clip),
             }
             markers::lines(&mut out, figure, window, area);
-            let _ = write!(
-                out,
-                "<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
-                number(area.left),
-                number(area.top),
-                number(area.width),
-                number(area.height)
-            );
+            let _ = write!(out, "<rect class=\"frame\"{place}/>");
         }
         axes::panel_name(&mut out, panel, y);
         match panel.layout {
@@ -339,15 +312,23 @@ pub(crate) fn figure_svg_named(figure: &Figure, name: &str) -> String {
         y += panel.height_px + PANEL_GAP;
     }
     if let (Some((first, _)), Some((last, wide))) = (columns.first(), columns.last()) {
-        let _ = write!(
-            out,
-            "<text class=\"ink\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-            number(0.5 * (first + last + wide)),
-            number(height - 12.0),
-            escape(&figure.x_label)
-        );
+        let middle = [0.5 * (first + last + wide), height - 12.0];
+        text(&mut out, "ink", middle, " text-anchor=\"middle\"", &figure.x_label);
     }
     out.push_str("</svg>\n");
+    out
+}
+
+/// The head of a figure's document: its sheet, and its headline at a place. `style` comes after that of all figures.
+pub(crate) fn sheet(title: &str, size: [f64; 2], font_size: u8, style: &str, headline: [f64; 2]) -> String {
+    let [w, h] = size.map(number);
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
+         font-family=\"{FONTS}\" font-size=\"{font_size}\" role=\"img\"><title>{}</title><style>{STYLE}{style}</style>\
+         <rect class=\"sheet\" width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>",
+        escape(title),
+    );
+    text(&mut out, "ink", headline, " font-size=\"16\"", title);
     out
 }
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::{FONTS, STYLE};
-use crate::svg::{escape, number};
+use super::sheet;
+use crate::svg::{number, sides, text};
 
 /// Width of a panel's names and of its bars, and of the room for the numbers beside them, px.
 const NAMES: f64 = 210.0;
@@ -16,6 +16,7 @@ const GAP: f64 = 26.0;
 /// Panels beside each other.
 const BESIDE: usize = 2;
 const TOP: f64 = 62.0;
+const SIDES: &str = ".up{fill:#0072b2;stroke:#0072b2}.down{fill:#d55e00;stroke:#d55e00}.hollow{fill:#fff}";
 
 /// One bar.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,18 +63,8 @@ pub fn tornado_svg(figure: &Tornado) -> String {
     let rows: Vec<&[TornadoPanel]> = figure.panels.chunks(BESIDE).collect();
     let columns = figure.panels.len().clamp(1, BESIDE) as f64;
     let (width, height) = (wide * columns + GAP, TOP + rows.iter().map(|row| tall(row)).sum::<f64>());
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
-         font-family=\"{FONTS}\" font-size=\"11\" role=\"img\"><title>{title}</title><style>{STYLE}\
-         .up{{fill:#0072b2;stroke:#0072b2}}.down{{fill:#d55e00;stroke:#d55e00}}.hollow{{fill:#fff}}</style>\
-         <rect class=\"sheet\" width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\
-         <text class=\"ink\" x=\"{GAP}\" y=\"24\" font-size=\"16\">{title}</text>\
-         <text class=\"soft\" x=\"{GAP}\" y=\"43\">{subtitle}</text>",
-        w = number(width),
-        h = number(height),
-        title = escape(&figure.title),
-        subtitle = escape(&figure.subtitle),
-    );
+    let mut out = sheet(&figure.title, [width, height], 11, SIDES, [GAP, 24.0]);
+    text(&mut out, "soft", [GAP, 43.0], "", &figure.subtitle);
     let mut y = TOP;
     for row in rows {
         for (column, panel) in row.iter().enumerate() {
@@ -91,48 +82,25 @@ fn draw(out: &mut String, panel: &TornadoPanel, left: f64, top: f64) {
     let scale = if largest > 0.0 { 0.5 * BARS / largest } else { 0.0 };
     let zero = left + NAMES + 0.5 * BARS;
     let (first, last) = (top + 20.0, top + 20.0 + LINE * panel.bars.len() as f64);
-    let _ = write!(
-        out,
-        "<text class=\"ink\" x=\"{}\" y=\"{}\" font-size=\"13\">{}</text>\
-         <path class=\"tick\" d=\"M{z} {}L{z} {}\"/>",
-        number(left),
-        number(top + 12.0),
-        escape(&panel.title),
-        number(first),
-        number(last),
-        z = number(zero),
-    );
+    text(out, "ink", [left, top + 12.0], " font-size=\"13\"", &panel.title);
+    let [z, from, to] = [zero, first, last].map(number);
+    let _ = write!(out, "<path class=\"tick\" d=\"M{z} {from}L{z} {to}\"/>");
     for (k, bar) in panel.bars.iter().enumerate() {
         let y = first + LINE * k as f64;
         let long = if bar.effect.is_finite() { bar.effect * scale } else { 0.0 };
         let (x, width) = if long < 0.0 { (zero + long, -long) } else { (zero, long) };
         let side = if long < 0.0 { "down" } else { "up" };
         let hollow = if bar.marked { " hollow" } else { "" };
-        let _ = write!(
-            out,
-            "<text class=\"ink\" x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>\
-             <rect class=\"{side}{hollow}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
-            number(left + NAMES - 8.0),
-            number(y + 12.0),
-            escape(&bar.label),
-            number(x),
-            number(y + 3.0),
-            number(width),
-            number(LINE - 6.0),
-        );
+        text(out, "ink", [left + NAMES - 8.0, y + 12.0], " text-anchor=\"end\"", &bar.label);
+        let place = sides([x, y + 3.0, width, LINE - 6.0]);
+        let _ = write!(out, "<rect class=\"{side}{hollow}\"{place}/>");
         if bar.error > 0.0 && bar.error.is_finite() {
             let [a, b] = [bar.effect - bar.error, bar.effect + bar.error].map(|e| number(zero + scale * e));
             let middle = number(y + 0.5 * LINE);
             let _ = write!(out, "<path class=\"tick\" d=\"M{a} {middle}L{b} {middle}\"/>");
         }
-        let _ = write!(
-            out,
-            "<text class=\"soft\" x=\"{}\" y=\"{}\">{} {}</text>",
-            number(left + NAMES + BARS + 8.0),
-            number(y + 12.0),
-            signed(bar.effect),
-            escape(&panel.unit),
-        );
+        let effect = format!("{} {}", signed(bar.effect), panel.unit);
+        text(out, "soft", [left + NAMES + BARS + 8.0, y + 12.0], "", &effect);
     }
 }
 

@@ -4,9 +4,9 @@ use super::model::add_mass;
 use super::plan::{BalancedKey, Remedy};
 use crate::cores;
 use crate::measure::MeasureError;
-use crate::measure::weights::{by_loop, free_way};
+use crate::weighing::touch;
 use erard::Progress;
-use erard::grand::{Parts, pedal_down, strike_weight_g};
+use erard::grand::{Parts, strike_weight_g};
 use erard::instrument::Instrument;
 
 /// What a remedy does to the balance weight, g: by the equation of balance, and in the dynamic model.
@@ -62,8 +62,7 @@ fn check_key(
         let at_mm = 0.6 * model.key_front_mm;
         front(&mut as_weighed, (front_g - model.front_weight_g) * model.key_front_mm / at_mm, at_mm);
     }
-    let before = balance(&as_weighed, &parts, progress)?;
-    let Some(before_g) = before else { return Ok(Vec::new()) };
+    let Some(before_g) = touch(&as_weighed, progress)?.balance_weight_g() else { return Ok(Vec::new()) };
     let (strike_g, front_g) =
         (strike_weight_g(&as_weighed, &parts), erard::grand::front_weight_g(&as_weighed, &parts, front_m));
     let whippen_g = model.key_ratio * model.whippen_weight_g;
@@ -93,7 +92,7 @@ fn check_key(
         remedies.push((Remedy::Capstan(by_mm), by_g, after));
     }
     for (remedy, by_equation_g, after) in remedies {
-        let after_g = balance(&after, &parts, progress)?;
+        let after_g = touch(&after, progress)?.balance_weight_g();
         checked.push(Checked {
             key: key.measured.key,
             remedy,
@@ -102,12 +101,4 @@ fn check_key(
         });
     }
     Ok(checked)
-}
-
-/// The balance weight from a slow loop with the damper lifted, g.
-fn balance(instrument: &Instrument, parts: &Parts, progress: &mut Progress<'_>) -> Result<Option<f64>, MeasureError> {
-    let lifted = pedal_down(instrument, parts);
-    let way = free_way(&lifted, parts, progress)?;
-    let weights = by_loop(&lifted, way.end_m, progress)?;
-    Ok(weights.touch.balance_weight_g())
 }

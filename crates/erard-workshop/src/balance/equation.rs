@@ -25,18 +25,6 @@ impl Parts {
     pub fn balance_weight_g(&self, ratio: f64) -> f64 {
         self.key_ratio * self.whippen_weight_g + ratio * self.strike_weight_g - self.front_weight_g
     }
-
-    /// The front weight that gives a balance weight.
-    #[must_use]
-    pub fn front_weight_for(&self, ratio: f64, balance_weight_g: f64) -> f64 {
-        self.key_ratio * self.whippen_weight_g + ratio * self.strike_weight_g - balance_weight_g
-    }
-
-    /// The strike weight that gives a balance weight.
-    #[must_use]
-    pub fn strike_weight_for(&self, ratio: f64, balance_weight_g: f64) -> f64 {
-        (balance_weight_g + self.front_weight_g - self.key_ratio * self.whippen_weight_g) / ratio
-    }
 }
 
 /// What the hand weighs on a key.
@@ -83,8 +71,8 @@ mod tests {
         let parts = Parts { front_weight_g: 26.0, strike_weight_g: 10.0, whippen_weight_g: 18.0, key_ratio: 0.5 };
         assert_eq!(parts.balance_weight_g(5.5), 38.0);
         assert_eq!(parts.ratio(38.0), 5.5);
-        assert_eq!(parts.front_weight_for(5.5, 38.0), 26.0);
-        assert_eq!(parts.strike_weight_for(5.5, 38.0), 10.0);
+        assert_eq!(Parts { strike_weight_g: 20.0, ..parts }.ratio(38.0), 2.75);
+        assert_eq!(Parts { strike_weight_g: 20.0, ..parts }.balance_weight_g(2.75), 38.0);
         assert_eq!(Parts { front_weight_g: 27.0, ..parts }.balance_weight_g(5.5), 37.0);
     }
 }

@@ -63,46 +63,32 @@ struct Column {
     also: &'static [&'static str],
     limits: [f64; 2],
     unit: &'static str,
-    put: fn(&mut MeasuredKey, f64),
+    cell: fn(&mut MeasuredKey) -> &mut Option<f64>,
+}
+
+const fn column(
+    name: &'static str,
+    also: &'static [&'static str],
+    limits: [f64; 2],
+    unit: &'static str,
+    cell: fn(&mut MeasuredKey) -> &mut Option<f64>,
+) -> Column {
+    Column { name, also, limits, unit, cell }
 }
 
 const COLUMNS: [Column; 6] = [
-    Column {
-        name: "strike_weight_g",
-        also: &["strike_weight", "sw", "sw_g"],
-        limits: [1.0, 30.0],
-        unit: "g",
-        put: |key, x| key.strike_weight_g = Some(x),
-    },
-    Column {
-        name: "front_weight_g",
-        also: &["front_weight", "fw", "fw_g"],
-        limits: [-60.0, 100.0],
-        unit: "g",
-        put: |key, x| key.front_weight_g = Some(x),
-    },
-    Column {
-        name: "down_weight_g",
-        also: &["down_weight", "dw", "dw_g", "d"],
-        limits: [0.0, 200.0],
-        unit: "g",
-        put: |key, x| key.down_weight_g = Some(x),
-    },
-    Column {
-        name: "up_weight_g",
-        also: &["up_weight", "uw", "uw_g", "u"],
-        limits: [-50.0, 150.0],
-        unit: "g",
-        put: |key, x| key.up_weight_g = Some(x),
-    },
-    Column {
-        name: "whippen_weight_g",
-        also: &["whippen_weight", "wippen_weight_g", "wippen_weight", "ww", "ww_g"],
-        limits: [5.0, 50.0],
-        unit: "g",
-        put: |key, x| key.whippen_weight_g = Some(x),
-    },
-    Column { name: "key_ratio", also: &["kr"], limits: [0.3, 0.8], unit: "", put: |key, x| key.key_ratio = Some(x) },
+    column("strike_weight_g", &["strike_weight", "sw", "sw_g"], [1.0, 30.0], "g", |key| &mut key.strike_weight_g),
+    column("front_weight_g", &["front_weight", "fw", "fw_g"], [-60.0, 100.0], "g", |key| &mut key.front_weight_g),
+    column("down_weight_g", &["down_weight", "dw", "dw_g", "d"], [0.0, 200.0], "g", |key| &mut key.down_weight_g),
+    column("up_weight_g", &["up_weight", "uw", "uw_g", "u"], [-50.0, 150.0], "g", |key| &mut key.up_weight_g),
+    column(
+        "whippen_weight_g",
+        &["whippen_weight", "wippen_weight_g", "wippen_weight", "ww", "ww_g"],
+        [5.0, 50.0],
+        "g",
+        |key| &mut key.whippen_weight_g,
+    ),
+    column("key_ratio", &["kr"], [0.3, 0.8], "", |key| &mut key.key_ratio),
 ];
 
 /// Reads a table: a header that names `key` (1 to 88) or `note` (A0 to C8), and any of `strike_weight_g`,
@@ -197,7 +183,7 @@ pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
                 let expected = format!("a number from {least} to {most} {}", column.unit);
                 fault(line, &names[index], format!("`{text}`"), expected.trim_end().to_owned())
             })?;
-            (column.put)(&mut measured, value);
+            *(column.cell)(&mut measured) = Some(value);
         }
         if let (Some(down), Some(up)) = (measured.down_weight_g, measured.up_weight_g)
             && up > down

@@ -227,7 +227,8 @@ fn balanced(
     }
 }
 
-fn median(values: &[f64]) -> Option<f64> {
+/// The middle one, or half-way between the middle two.
+pub(crate) fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let middle = sorted.len() / 2;

@@ -19,26 +19,23 @@ use erard::Progress;
 use erard::instrument::Instrument;
 use erard::one_dof::{OneDofError, reduce};
 use erard::player::{self, Drive};
-use erard::recording::{Butterworth, Report};
+use erard::recording::{Butterworth, Report, interpolated};
 use erard::run::{MOST_ROWS_ASKED, Setup, SimulationError, simulate};
-use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Role, SampleError, Series};
+use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Prescribed, Role, SampleError, Series};
 
 /// Rate of the common time axis, Hz: twice what the highest band needs.
 pub const RATE_HZ: f64 = 4000.0;
 
-/// What drives a comparison's run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Driven {
-    /// The measured force; the key's position comes out.
-    ByForce,
-    /// The measured position, through the soft finger; the force comes out.
-    ByMotion,
-    /// The measured position, imposed on the key; the force comes out.
-    Rigidly,
-}
-
 /// All drives, in the order in which they are tried and shown.
-pub const DRIVES: [Driven; 3] = [Driven::ByForce, Driven::ByMotion, Driven::Rigidly];
+pub const DRIVES: [Prescribed; 3] = [Prescribed::Force, Prescribed::Motion, Prescribed::Rigid];
+
+/// What comes out where this drives.
+pub fn outcome(driven: Prescribed) -> &'static str {
+    match driven {
+        Prescribed::Force => "position",
+        Prescribed::Motion | Prescribed::Rigid => "force",
+    }
+}
 
 /// Which model ran.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,20 +46,9 @@ pub enum Which {
     OneDof,
 }
 
-impl Driven {
-    /// Its name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Driven::ByForce => "force",
-            Driven::ByMotion => "motion",
-            Driven::Rigidly => "rigid",
-        }
-    }
-}
-
 impl Which {
     /// Its name in files.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Which::Action => "action",
             Which::OneDof => "one-dof",
@@ -85,7 +71,7 @@ pub(crate) const MODELS: [Which; 2] = [Which::Action, Which::OneDof];
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
     /// Drives to try, of those that the series has.
-    pub drives: Vec<Driven>,
+    pub drives: Vec<Prescribed>,
     /// Models to run.
     pub models: Vec<Which>,
     /// Whose position was recorded.
@@ -130,7 +116,7 @@ const LOWEST_LIMIT_HZ: f64 = 10.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
     /// What drove it.
-    pub driven: Driven,
+    pub driven: Prescribed,
     /// Which model.
     pub which: Which,
     /// Travel of the key front, m, down positive.
@@ -148,6 +134,16 @@ pub struct Trial {
     pub hammer_told_to_hz: f64,
     /// The same against what was measured, where both exist.
     pub hammer_errors: Option<Errors>,
+}
+
+impl Trial {
+    /// What came out: the key's travel, m, or the finger's force, N.
+    pub fn simulated(&self) -> &[f64] {
+        match self.driven {
+            Prescribed::Force => &self.key_m,
+            Prescribed::Motion | Prescribed::Rigid => &self.force_n,
+        }
+    }
 }
 
 /// A measured stroke and the runs beside it.
@@ -285,9 +281,9 @@ pub fn compare_chosen(
     let mut plan = Vec::new();
     for driven in DRIVES.into_iter().filter(|driven| choice.drives.contains(driven)) {
         let has = match driven {
-            Driven::ByForce => series.force.is_some(),
-            Driven::ByMotion => fingertip.is_some(),
-            Driven::Rigidly => key.is_some(),
+            Prescribed::Force => series.force.is_some(),
+            Prescribed::Motion => fingertip.is_some(),
+            Prescribed::Rigid => key.is_some(),
         };
         if has {
             plan.extend(MODELS.into_iter().filter(|which| choice.models.contains(which)).map(|which| (driven, which)));
@@ -301,29 +297,28 @@ pub fn compare_chosen(
     let mut trials = Vec::new();
     for (done, &(driven, which)) in plan.iter().enumerate() {
         let drive: &Drive<'_> = match driven {
-            Driven::ByForce => &player::force(&force),
-            Driven::ByMotion => &player::motion(&tip_position),
-            Driven::Rigidly => &player::rigid(&key_position),
+            Prescribed::Force => &player::force(&force),
+            Prescribed::Motion => &player::motion(&tip_position),
+            Prescribed::Rigid => &player::rigid(&key_position),
         };
         let model = if which == Which::Action { instrument } else { &reduced };
         let count = plan.len() as f64;
         let run = simulate(model, drive, &setup, &mut |share| progress((done as f64 + share) / count))?;
-        let key_m = sample(&run.time_s, &run.key_m, &time_s);
-        let force_n = sample(&run.time_s, &run.force_n, &time_s);
-        // A force-driven run of a file without position shows the hammer alone, and the other way round.
+        let key_m = interpolated(&run.time_s, &run.key_m, &time_s);
+        let force_n = interpolated(&run.time_s, &run.force_n, &time_s);
+        // A force-driven run of a file without position tells of the hammer alone, and the other way round.
         let drive_hz = match driven {
-            Driven::ByForce => force_hz,
-            Driven::ByMotion | Driven::Rigidly if fingertip == key => position_hz,
-            Driven::ByMotion | Driven::Rigidly => position_hz.min(force_hz),
+            Prescribed::Force => force_hz,
+            Prescribed::Motion | Prescribed::Rigid if fingertip == key => position_hz,
+            Prescribed::Motion | Prescribed::Rigid => position_hz.min(force_hz),
         };
-        let errors = match driven {
-            Driven::ByForce => measured_position_m.as_ref().and_then(|m| errors_within(m, &key_m, told_to_hz)),
-            Driven::ByMotion | Driven::Rigidly => {
-                measured_force_n.as_ref().and_then(|m| errors_within(m, &force_n, told_to_hz))
-            }
+        let (measured, simulated) = match driven {
+            Prescribed::Force => (&measured_position_m, &key_m),
+            Prescribed::Motion | Prescribed::Rigid => (&measured_force_n, &force_n),
         };
+        let errors = measured.as_ref().and_then(|m| errors_within(m, simulated, told_to_hz));
         let hammer_m = match model.roles.hammer {
-            Some(_) => sample(&run.time_s, &run.hammer_head_m, &time_s),
+            Some(_) => interpolated(&run.time_s, &run.hammer_head_m, &time_s),
             None => Vec::new(),
         };
         let hammer_told_to_hz = hammer_hz.min(drive_hz);
@@ -364,24 +359,30 @@ fn errors_within(measured: &[f64], simulated: &[f64], told_to_hz: f64) -> Option
 
 impl Comparison {
     /// The trial of a drive and a model.
-    pub fn trial(&self, driven: Driven, which: Which) -> Option<&Trial> {
+    pub fn trial(&self, driven: Prescribed, which: Which) -> Option<&Trial> {
         self.trials.iter().find(|t| t.driven == driven && t.which == which)
+    }
+
+    /// What was measured of what comes out where this drives.
+    pub fn measured(&self, driven: Prescribed) -> Option<&Vec<f64>> {
+        match driven {
+            Prescribed::Force => self.measured_position_m.as_ref(),
+            Prescribed::Motion | Prescribed::Rigid => self.measured_force_n.as_ref(),
+        }
     }
 
     /// In words: for every drive, how much each model explains, and which is nearer.
     pub fn verdicts(&self) -> Vec<String> {
         let mut verdicts = Vec::new();
         for driven in DRIVES {
-            let (what, missing, measured) = match driven {
-                Driven::ByForce => ("position", "position_m", &self.measured_position_m),
-                Driven::ByMotion | Driven::Rigidly => ("force", "force_N", &self.measured_force_n),
-            };
+            let what = outcome(driven);
+            let missing = if driven == Prescribed::Force { "position_m" } else { "force_N" };
             let name = driven.name();
             let trials: Vec<&Trial> = MODELS.iter().filter_map(|which| self.trial(driven, *which)).collect();
             let Some(first) = trials.first() else { continue };
             let told: Vec<(&Trial, &Errors)> =
                 trials.iter().filter_map(|trial| Some((*trial, trial.errors.as_ref()?))).collect();
-            if measured.is_none() {
+            if self.measured(driven).is_none() {
                 verdicts.push(format!(
                     "{name} driven: the file has no column `{missing}`, so that the {what} that comes out stands alone"
                 ));
@@ -430,16 +431,12 @@ impl Comparison {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         for (what, unit, driven) in [
-            ("position", ("mm", 1e3), &[Driven::ByForce][..]),
-            ("force", ("N", 1.0), &[Driven::Rigidly, Driven::ByMotion]),
+            ("position", ("mm", 1e3), &[Prescribed::Force][..]),
+            ("force", ("N", 1.0), &[Prescribed::Rigid, Prescribed::Motion]),
         ] {
             let Some(trial) = driven.iter().find_map(|driven| self.trial(*driven, Which::Action)) else { continue };
             let Some(errors) = &trial.errors else { continue };
-            let (simulated, measured) = match trial.driven {
-                Driven::ByForce => (&trial.key_m, &self.measured_position_m),
-                Driven::ByMotion | Driven::Rigidly => (&trial.force_n, &self.measured_force_n),
-            };
-            let Some(measured) = measured else { continue };
+            let (simulated, Some(measured)) = (trial.simulated(), self.measured(trial.driven)) else { continue };
             if errors.correlation < -0.5 {
                 warnings.push(format!(
                     "the measured {what} moves against the simulated one (correlation {:.2}): one of the traces looks inverted",
@@ -482,18 +479,4 @@ pub fn share(explained: f64, decimals: usize) -> String {
 /// ` up to 120 Hz`, where there is a limit.
 fn up_to(hz: f64) -> String {
     if hz < 0.5 * RATE_HZ { format!(" up to {hz:.0} Hz") } else { String::new() }
-}
-
-/// A series at other instants, linearly interpolated; both axes ascend.
-fn sample(time: &[f64], values: &[f64], at: &[f64]) -> Vec<f64> {
-    let mut i = 0;
-    at.iter()
-        .map(|&t| {
-            while i + 2 < time.len() && time[i + 1] <= t {
-                i += 1;
-            }
-            let share = ((t - time[i]) / (time[i + 1] - time[i])).clamp(0.0, 1.0);
-            values[i] + share * (values[i + 1] - values[i])
-        })
-        .collect()
 }

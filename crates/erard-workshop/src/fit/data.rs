@@ -8,6 +8,7 @@ use fastrand::Rng;
 use moreau::Settings;
 
 use super::FitError;
+use crate::balance::median;
 use erard::recording::{Butterworth, Preparation, Prepared, prepare};
 
 /// What can be fitted of a recording, and the noise that is taken where nothing tells it, N and m.
@@ -204,10 +205,8 @@ fn at(series: &Series, column: &str, times: &[f64]) -> Vec<f64> {
 
 /// The usual time between two samples, s.
 fn median_step(times: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_unstable_by(f64::total_cmp);
-    let middle = steps.len() / 2;
-    if steps.len() % 2 == 1 { steps[middle] } else { 0.5 * (steps[middle - 1] + steps[middle]) }
+    let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    median(&steps).expect("a recording has two rows")
 }
 
 /// A normal number, mean 0 and variance 1 (Box and Muller).

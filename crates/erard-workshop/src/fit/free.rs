@@ -1,6 +1,6 @@
 //! What is free, between which bounds, and how it is counted.
 
-use crate::study::{Parameter, Quantity, quantities};
+use crate::study::{Parameter, Quantity, nearest, quantities};
 use erard::instrument::{Instrument, InstrumentFile};
 
 use super::FitError;
@@ -134,10 +134,6 @@ fn one(own: &Quantity, bounds: &Asked<[f64; 2]>) -> Result<Free, FitError> {
 }
 
 fn unknown(name: &str, known: &[Quantity]) -> FitError {
-    let mut near: Vec<(f64, &str)> =
-        known.iter().map(|one| (strsim::jaro_winkler(name, &one.name), one.name.as_str())).collect();
-    near.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let names: Vec<String> = near.iter().take(3).map(|(_, name)| format!("`{name}`")).collect();
     let is_number = known.iter().any(|one| one.path == name);
     let what = if is_number {
         "is a number of the file; expected a screw or a parameter"
@@ -147,7 +143,7 @@ fn unknown(name: &str, known: &[Quantity]) -> FitError {
     let message = format!(
         "`{name}` {what}{}, nearest {}",
         if is_number { String::new() } else { format!(" {} names", known.len()) },
-        names.join(", ")
+        nearest(name, known.iter().map(|one| &one.name))
     );
     FitError::asked("vary", message)
 }

@@ -353,7 +353,7 @@ pub(super) fn sampled(
         .map_err(|error| FitError::Recording { recording: one.name.clone(), message: error.to_string() })?;
     let count = jobs.len() as f64;
     let mut tell = |share: f64| watch(before + (share * count) as u64);
-    let results = sample_all(instruments, jobs, &one.setup(), &sampling, workers, &mut tell)?;
+    let results = sample_all(instruments, jobs, &one.setup(), Some(&sampling), workers, &mut tell)?;
     let of = |result: Result<crate::study::Played, SimulationError>| {
         let mut samples = result.ok()?.samples;
         samples.resize(one.columns.len(), Vec::new());

@@ -2,8 +2,10 @@
 
 use crate::distances::{Distances, Trial};
 
-/// A distance that can be asked for. The order is the trade's order of work: the jack and the lever under the knuckle,
-/// the hammer line, the key's dip, let-off, drop, checking, the repetition spring, the damper.
+use Kind::{Length, Share, Speed};
+
+/// A distance that can be asked for. The order is the trade's order of work: the jack and the lever under the knuckle, the
+/// hammer line, the key's dip, let-off, drop, checking, the repetition spring, the damper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Goal {
     /// [`Distances::jack_position_m`].
@@ -39,6 +41,39 @@ pub enum Kind {
     Share,
 }
 
+/// What the bench knows of a goal.
+struct Known {
+    name: &'static str,
+    kind: Kind,
+    norm: Option<f64>,
+    limits: [f64; 2],
+    of: fn(&Distances) -> Option<f64>,
+}
+
+const fn known(
+    name: &'static str,
+    kind: Kind,
+    norm: Option<f64>,
+    limits: [f64; 2],
+    of: fn(&Distances) -> Option<f64>,
+) -> Known {
+    Known { name, kind, norm, limits, of }
+}
+
+/// One row a goal, in the order of [`Goal::ALL`].
+const KNOWN: [Known; 10] = [
+    known("jack position", Length, Some(1.5e-3), [-2e-3, 6e-3], |d| d.jack_position_m),
+    known("lever height", Length, Some(0.1e-3), [-1e-3, 2e-3], |d| d.lever_height_m),
+    known("blow", Length, Some(46e-3), [20e-3, 80e-3], |d| d.blow_m),
+    known("dip", Length, Some(10e-3), [3e-3, 14e-3], |d| d.dip_m),
+    known("let-off", Length, Some(1.5e-3), [0.1e-3, 20e-3], |d| d.let_off_m),
+    known("drop", Length, Some(1.5e-3), [0.2e-3, 20e-3], |d| d.drop_m),
+    known("check", Length, Some(15e-3), [2e-3, 40e-3], |d| d.check_m),
+    known("repetition rise", Length, None, [0.5e-3, 40e-3], |d| d.repetition_rise_m),
+    known("spring", Speed, Some(0.25), [0.02, 2.0], |d| d.spring_m_s),
+    known("damper", Share, Some(0.5), [0.05, 0.95], |d| d.damper_start),
+];
+
 /// What is asked for: goals with their values in m, m/s, or shares.
 pub type Specification = Vec<(Goal, f64)>;
 
@@ -57,29 +92,19 @@ impl Goal {
         Goal::Damper,
     ];
 
+    /// Its row.
+    fn known(self) -> &'static Known {
+        &KNOWN[self as usize]
+    }
+
     /// What technicians call it.
     pub fn name(self) -> &'static str {
-        match self {
-            Goal::JackPosition => "jack position",
-            Goal::LeverHeight => "lever height",
-            Goal::Blow => "blow",
-            Goal::LetOff => "let-off",
-            Goal::Drop => "drop",
-            Goal::Dip => "dip",
-            Goal::Check => "check",
-            Goal::RepetitionRise => "repetition rise",
-            Goal::Spring => "spring",
-            Goal::Damper => "damper",
-        }
+        self.known().name
     }
 
     /// What kind of number it is.
     pub fn kind(self) -> Kind {
-        match self {
-            Goal::Spring => Kind::Speed,
-            Goal::Damper => Kind::Share,
-            _ => Kind::Length,
-        }
+        self.known().kind
     }
 
     /// What the trade asks for where nothing else is said, in m, m/s, or shares; `None` where it has no norm.
@@ -92,17 +117,7 @@ impl Goal {
     /// string, and at 0.3 m/s the concert grand's soft notes strike twice, the second time at 0.24 m/s (`erard regulate
     /// --spring 300mm/s`).
     pub(crate) fn norm(self) -> Option<f64> {
-        match self {
-            Goal::JackPosition => Some(1.5e-3),
-            Goal::LeverHeight => Some(0.1e-3),
-            Goal::Blow => Some(46e-3),
-            Goal::LetOff | Goal::Drop => Some(1.5e-3),
-            Goal::Dip => Some(10e-3),
-            Goal::Check => Some(15e-3),
-            Goal::RepetitionRise => None,
-            Goal::Spring => Some(0.25),
-            Goal::Damper => Some(0.5),
-        }
+        self.known().norm
     }
 
     /// The whole specification of the trade.
@@ -112,18 +127,7 @@ impl Goal {
 
     /// The least and the most that make sense, in m, m/s, or shares.
     pub(crate) fn limits(self) -> [f64; 2] {
-        match self {
-            Goal::JackPosition => [-2e-3, 6e-3],
-            Goal::LeverHeight => [-1e-3, 2e-3],
-            Goal::Blow => [20e-3, 80e-3],
-            Goal::LetOff => [0.1e-3, 20e-3],
-            Goal::Drop => [0.2e-3, 20e-3],
-            Goal::Dip => [3e-3, 14e-3],
-            Goal::Check => [2e-3, 40e-3],
-            Goal::RepetitionRise => [0.5e-3, 40e-3],
-            Goal::Spring => [0.02, 2.0],
-            Goal::Damper => [0.05, 0.95],
-        }
+        self.known().limits
     }
 
     /// How far from `target` still counts as met: 0.05 mm, 2 % of a speed, 1 % of the dip; lever height, which is a
@@ -139,18 +143,7 @@ impl Goal {
 
     /// What is measured of it; `None` where it does not happen.
     pub fn of(self, distances: &Distances) -> Option<f64> {
-        match self {
-            Goal::JackPosition => distances.jack_position_m,
-            Goal::LeverHeight => distances.lever_height_m,
-            Goal::Blow => distances.blow_m,
-            Goal::LetOff => distances.let_off_m,
-            Goal::Drop => distances.drop_m,
-            Goal::Dip => distances.dip_m,
-            Goal::Check => distances.check_m,
-            Goal::RepetitionRise => distances.repetition_rise_m,
-            Goal::Spring => distances.spring_m_s,
-            Goal::Damper => distances.damper_start,
-        }
+        (self.known().of)(distances)
     }
 
     /// The trial that measures it.

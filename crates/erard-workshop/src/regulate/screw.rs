@@ -55,64 +55,23 @@ const TO_THE_PLAYER: Vec2 = [-1.0, 0.0];
 
 /// All of them.
 pub(crate) const KNOWN_SCREWS: [KnownScrew; 12] = [
-    KnownScrew {
-        name: "jack_position",
-        reference: TO_THE_BACK,
-        range: Range::Length(-2e-3, 2e-3),
-        work: Handwork::Thread(SMALL_THREAD_M),
-    },
-    KnownScrew {
-        name: "lever_height",
-        reference: DOWN,
-        range: Range::Length(-1e-3, 1e-3),
-        work: Handwork::Thread(SMALL_THREAD_M),
-    },
-    KnownScrew {
-        name: "capstan_height",
-        reference: UP,
-        range: Range::Length(-4e-3, 4e-3),
-        work: Handwork::Thread(CAPSTAN_THREAD_M),
-    },
-    KnownScrew { name: "string_height", reference: UP, range: Range::Length(-5e-3, 5e-3), work: Handwork::Stack },
-    KnownScrew {
-        name: "let_off",
-        reference: UP,
-        range: Range::Length(-4e-3, 4e-3),
-        work: Handwork::Thread(CAPSTAN_THREAD_M),
-    },
-    KnownScrew {
-        name: "drop",
-        reference: DOWN,
-        range: Range::Length(-4e-3, 4e-3),
-        work: Handwork::Thread(SMALL_THREAD_M),
-    },
-    KnownScrew { name: "front_punching", reference: UP, range: Range::Length(-3e-3, 3e-3), work: Handwork::Layers },
-    KnownScrew { name: "back_rail_cloth", reference: UP, range: Range::Length(-2e-3, 2e-3), work: Handwork::Layers },
-    KnownScrew {
-        name: "back_check",
-        reference: TO_THE_PLAYER,
-        range: Range::Length(-6e-3, 6e-3),
-        work: Handwork::Bent,
-    },
-    KnownScrew {
-        name: "back_check_angle",
-        reference: [0.0; 2],
-        range: Range::Angle(-0.14, 0.14),
-        work: Handwork::Bent,
-    },
-    KnownScrew {
-        name: "repetition_spring",
-        reference: [0.0; 2],
-        range: Range::Torque(-0.8, 1.0),
-        work: Handwork::Bent,
-    },
-    KnownScrew {
-        name: "damper_timing",
-        reference: UP,
-        range: Range::Length(-4e-3, 4e-3),
-        work: Handwork::Thread(CAPSTAN_THREAD_M),
-    },
+    known("jack_position", TO_THE_BACK, Range::Length(-2e-3, 2e-3), Handwork::Thread(SMALL_THREAD_M)),
+    known("lever_height", DOWN, Range::Length(-1e-3, 1e-3), Handwork::Thread(SMALL_THREAD_M)),
+    known("capstan_height", UP, Range::Length(-4e-3, 4e-3), Handwork::Thread(CAPSTAN_THREAD_M)),
+    known("string_height", UP, Range::Length(-5e-3, 5e-3), Handwork::Stack),
+    known("let_off", UP, Range::Length(-4e-3, 4e-3), Handwork::Thread(CAPSTAN_THREAD_M)),
+    known("drop", DOWN, Range::Length(-4e-3, 4e-3), Handwork::Thread(SMALL_THREAD_M)),
+    known("front_punching", UP, Range::Length(-3e-3, 3e-3), Handwork::Layers),
+    known("back_rail_cloth", UP, Range::Length(-2e-3, 2e-3), Handwork::Layers),
+    known("back_check", TO_THE_PLAYER, Range::Length(-6e-3, 6e-3), Handwork::Bent),
+    known("back_check_angle", [0.0; 2], Range::Angle(-0.14, 0.14), Handwork::Bent),
+    known("repetition_spring", [0.0; 2], Range::Torque(-0.8, 1.0), Handwork::Bent),
+    known("damper_timing", UP, Range::Length(-4e-3, 4e-3), Handwork::Thread(CAPSTAN_THREAD_M)),
 ];
+
+const fn known(name: &'static str, reference: Vec2, range: Range, work: Handwork) -> KnownScrew {
+    KnownScrew { name, reference, range, work }
+}
 
 /// The screw of a name.
 pub fn known_screw(name: &str) -> Option<&'static KnownScrew> {

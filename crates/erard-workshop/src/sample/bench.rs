@@ -1,14 +1,14 @@
 //! A sample on the bench: regulated to the distances of the instrument that it is a sample of, its friction and its
 //! leads put right.
 
-use super::draw::ten_digits;
 use crate::distances::{self, Distances, Protocol};
 use crate::measure::MeasureError;
 use crate::measure::usual::usual;
-use crate::measure::weights::{Touch, by_loop, free_way};
 use crate::regulate::{Goal, RegulateError, Specification, Status, regulate};
+use crate::study::ten_digits;
+use crate::weighing::touch;
 use erard::Progress;
-use erard::grand::{Parts, pedal_down};
+use erard::grand::Parts;
 use erard::instrument::{Instrument, InstrumentFile, with_numbers};
 
 const MM_PER_M: f64 = 1e3;
@@ -195,14 +195,6 @@ fn regulated(text: &str, goals: &Specification, progress: &mut Progress<'_>) -> 
     let found = regulate(&parsed(text)?, goals, &Protocol::default(), &mut going)?;
     let text = found.instrument.rewrite(text, "Screws of a sample", "put right in this sample");
     Ok((text.map_err(|_| Unfit::Implausible)?, found.after))
-}
-
-/// Down-weight and up-weight from a slow loop, dampers lifted.
-fn touch(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Touch, MeasureError> {
-    let parts = Parts::of(instrument)?;
-    let lifted = pedal_down(instrument, &parts);
-    let way = free_way(&lifted, &parts, progress)?;
-    Ok(by_loop(&lifted, way.end_m, progress)?.touch)
 }
 
 fn parsed(text: &str) -> Result<Instrument, Unfit> {

@@ -1,6 +1,7 @@
 //! The numbers of a sample: each that has a spread deviates from its file's.
 
 use super::random::deviation;
+use crate::study::ten_digits;
 use erard::instrument::{CitedNumber, InstrumentFile, Spread, with_numbers};
 
 /// A felt's stiffness was sized by the force at this share of its thickness; where the exponent deviates, that force is
@@ -61,9 +62,4 @@ fn keep_the_sizing<'a>(numbers: &'a [CitedNumber], changes: &mut Vec<(&'a str, u
             changes.push((&number.key, 0, number.values[0] * factor));
         }
     }
-}
-
-/// Rounded, so that a number reads as people write one.
-pub(super) fn ten_digits(x: f64) -> f64 {
-    format!("{x:.9e}").parse().unwrap_or(x)
 }

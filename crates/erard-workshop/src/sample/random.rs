@@ -1,14 +1,16 @@
 //! Deviations that depend on a sample's number and a name, and on nothing else: a number more in a file changes no
 //! other's.
 
-/// Nine tenths of all sums of four uniform numbers lie so near to two: the root of d^4 - 4 (d - 1)^4 = 1.2, less from
-/// 2.
+use erard::saved::{FNV1A, fnv1a};
+
+/// Nine tenths of all sums of four uniform numbers lie so near to two: the root of d^4 - 4 (d - 1)^4 = 1.2, less from 2.
 const NINE_TENTHS: f64 = 0.9534;
 
 /// A deviation, bell-shaped, nine tenths of the time within -1 and 1, never beyond 2.1. Integers, sums and one
 /// division: the same bits everywhere.
 pub(super) fn deviation(sample: u32, attempt: u32, name: &str, component: usize) -> f64 {
-    let mut state = mixed(named(name) ^ mixed(u64::from(sample) << 32 | u64::from(attempt)) ^ component as u64);
+    let mut state =
+        mixed(fnv1a(FNV1A, name.bytes()) ^ mixed(u64::from(sample) << 32 | u64::from(attempt)) ^ component as u64);
     let mut sum = 0.0;
     for _ in 0..4 {
         state = state.wrapping_add(GOLDEN_GAMMA);
@@ -24,11 +26,6 @@ fn mixed(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
-}
-
-/// FNV-1a.
-fn named(name: &str) -> u64 {
-    name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 //! touch weights have instead.
 
 use erard::Progress;
-use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
 use erard::player::Input;
 use erard::run::Events;
@@ -11,8 +10,9 @@ use erard::run::{Setup, SimulationError};
 use super::Variable;
 use super::error::SensitivityError;
 use crate::cores;
-use crate::measure::weights::{Touch, by_loop, free_way};
-use crate::study::{Job, JobResult, Played, Stroke, Workers, play_all};
+use crate::measure::weights::Touch;
+use crate::study::{Job, JobResult, OUTCOMES, Played, Stroke, Workers, play_all};
+use crate::weighing::touch;
 
 /// Where the quantity is looked at: so many windows from where the number stands.
 const PLACES: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
@@ -147,13 +147,6 @@ impl<'a> Window<'a> {
     }
 }
 
-fn touch(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Touch, crate::measure::MeasureError> {
-    let parts = Parts::of(instrument)?;
-    let lifted = pedal_down(instrument, &parts);
-    let way = free_way(&lifted, &parts, progress)?;
-    Ok(by_loop(&lifted, way.end_m, progress)?.touch)
-}
-
 /// A weight by its key, g.
 pub(super) fn weight(touch: &Touch, key: &str) -> Option<f64> {
     match key {
@@ -167,15 +160,9 @@ pub(super) fn weight(touch: &Touch, key: &str) -> Option<f64> {
 fn event(played: &Played, key: &str) -> Option<f64> {
     let events: &Events = &played.events;
     match key {
-        "hammer_speed_m_per_s" => events.hammer_speed_m_s(),
-        "let_off_s" => events.let_off_s,
-        "hammer_contact_s" => events.hammer_contact_s(),
-        "key_bottom_s" => events.key_bottom_s,
         "key_bottom_after_blow_s" => events.key_bottom_after_blow_s(),
         "free_flight_s" => events.free_flight_s(),
-        "key_start_s" => events.key_start_s,
-        "toe_contact_s" => events.toe_contact_s,
         "key_start_to_hammer_s" => Some(events.hammer_contact_s()? - events.key_start_s?),
-        _ => None,
+        _ => OUTCOMES.iter().find(|(name, _)| *name == key).and_then(|(_, of)| of(played)),
     }
 }

@@ -21,7 +21,6 @@ use erard::gradient::{DIRECTIONS, Number, QUANTITIES};
 use erard::instrument::Instrument;
 use erard::run::Setup;
 
-use crate::cores;
 use crate::study::Stroke;
 use differences::{Differences, Window};
 use passes::{Passes, passes};
@@ -274,8 +273,3 @@ const SAME: f64 = 0.1;
 
 /// Steps of the press that is differentiated, as shares of the stroke's own.
 pub(crate) const SHARES: [f64; 3] = [0.5, 0.4, 0.25];
-
-/// Threads, unless told otherwise.
-pub fn threads() -> usize {
-    cores::count()
-}

@@ -1,11 +1,11 @@
 //! A number of an instrument that something is differentiated by.
 
 use erard::gradient::{Direction, GradientError};
-use erard::instrument::{Instrument, ScrewAction, numbers_at, with_numbers};
+use erard::instrument::{Instrument, ScrewAction, with_numbers};
 use thiserror::Error;
 
 use crate::regulate::screw_unit;
-use crate::study::Parameter;
+use crate::study::{Parameter, number_of};
 
 /// Half the way, in the units that [`Parameter::vary`] takes, over which the map from a number to the mechanism's
 /// numbers is differenced. It is smooth, and mostly linear.
@@ -159,15 +159,7 @@ impl Variable {
     }
 
     fn number(text: &str, name: &str) -> Option<Result<Self, VariableError>> {
-        let (path, which, value) = match numbers_at(text, name).as_deref() {
-            Some([value]) => (name.to_owned(), 0, *value),
-            _ => {
-                let (path, axis) = name.rsplit_once('.')?;
-                let which = ["x", "y"].iter().position(|known| *known == axis)?;
-                let values = numbers_at(text, path).filter(|values| values.len() == 2)?;
-                (path.to_owned(), which, values[which])
-            }
-        };
+        let (path, which, value) = number_of(text, name)?;
         let per = unit_of(name);
         let length = per == "mm" || per == "deg";
         let half = if length { 1e-3 } else { 1e-4 * value.abs().max(1e-12) };

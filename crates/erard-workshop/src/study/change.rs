@@ -238,7 +238,7 @@ pub fn varied(text: &str, file_name: &str, changes: &[(String, Change)]) -> Resu
 }
 
 /// A number of the file by its path; of two (a point), by `.x` or `.y` behind it: path, which, and its value.
-fn number_of(text: &str, name: &str) -> Option<(String, usize, f64)> {
+pub fn number_of(text: &str, name: &str) -> Option<(String, usize, f64)> {
     if let Some([value]) = numbers_at(text, name).as_deref() {
         return Some((name.to_owned(), 0, *value));
     }
@@ -323,14 +323,18 @@ fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, change: 
 }
 
 fn unknown(name: &str, all: &[(String, Parameter)]) -> ChangeError {
-    let mut near: Vec<(f64, &str)> =
-        all.iter().map(|(known, _)| (strsim::jaro_winkler(name, known), known.as_str())).collect();
-    near.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let names: Vec<String> = near.iter().take(3).map(|(_, name)| format!("`{name}`")).collect();
+    let nearest = nearest(name, all.iter().map(|(known, _)| known));
     ChangeError::Unknown {
         name: name.to_owned(),
-        nearest: format!("expected one of {} names, nearest {}", all.len(), names.join(", ")),
+        nearest: format!("expected one of {} names, nearest {nearest}", all.len()),
     }
+}
+
+/// The three names that are most like one.
+pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a String>) -> String {
+    let mut near: Vec<(f64, &String)> = known.map(|known| (strsim::jaro_winkler(name, known), known)).collect();
+    near.sort_by(|a, b| b.0.total_cmp(&a.0));
+    near.iter().take(3).map(|(_, name)| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -13,10 +13,11 @@ mod parameter;
 mod sampling;
 mod topology;
 
-pub use change::{Change, ChangeError, quantities, varied};
+pub use change::{Change, ChangeError, number_of, quantities, varied};
 
-pub(crate) use change::Quantity;
+pub(crate) use change::{Quantity, nearest};
 pub use parameter::Parameter;
+pub(crate) use parameter::ten_digits;
 pub use sampling::{Sampling, SamplingError};
 
 pub use moreau_kernels::Lanes;
@@ -124,10 +125,10 @@ pub fn play_all(
     workers: Workers,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<JobResult>, SimulationError> {
-    do_jobs(instruments, jobs, setup, workers, None, progress)
+    sample_all(instruments, jobs, setup, None, workers, progress)
 }
 
-/// [`play_all`], and samples of every stroke along its way ([`Played::samples`]).
+/// [`play_all`], and samples of every stroke along its way where they are asked for ([`Played::samples`]).
 ///
 /// # Errors
 /// As [`play_all`].
@@ -138,19 +139,8 @@ pub fn sample_all(
     instruments: &[Instrument],
     jobs: Vec<Job<'_>>,
     setup: &Setup,
-    sampling: &Sampling,
-    workers: Workers,
-    progress: &mut Progress<'_>,
-) -> Result<Vec<JobResult>, SimulationError> {
-    do_jobs(instruments, jobs, setup, workers, Some(sampling), progress)
-}
-
-fn do_jobs(
-    instruments: &[Instrument],
-    jobs: Vec<Job<'_>>,
-    setup: &Setup,
-    workers: Workers,
     sampling: Option<&Sampling>,
+    workers: Workers,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<JobResult>, SimulationError> {
     setup.check()?;

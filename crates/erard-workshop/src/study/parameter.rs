@@ -194,7 +194,7 @@ impl Parameter {
 }
 
 /// Rounded, so that products read as people write them.
-fn ten_digits(x: f64) -> f64 {
+pub(crate) fn ten_digits(x: f64) -> f64 {
     format!("{x:.9e}").parse().unwrap_or(x)
 }
 

@@ -3,8 +3,8 @@
 use erard::instrument::Instrument;
 use erard::player;
 use erard::run::{Setup, simulate};
-use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Series};
-use erard_workshop::compare::{Choice, CompareError, Driven, Which, compare, compare_chosen};
+use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Prescribed, Series};
+use erard_workshop::compare::{Choice, CompareError, Which, compare, compare_chosen};
 use moreau::Settings;
 
 const FORCE_N: f64 = 5.0;
@@ -66,27 +66,25 @@ fn setup() -> Setup {
 fn known_errors_are_found() {
     let grand = Instrument::builtin("concert-grand").unwrap();
     let noisy = compare(&grand, &measured(&grand, 0.15, NOISE_M), &setup(), &mut |_| true).unwrap();
-    let action = noisy.trial(Driven::ByForce, Which::Action).unwrap().errors.as_ref().unwrap();
+    let action = noisy.trial(Prescribed::Force, Which::Action).unwrap().errors.as_ref().unwrap();
     let sigma = NOISE_M / 3.0_f64.sqrt();
     assert!((action.rms / sigma - 1.0).abs() < 0.15, "rms {} sigma {sigma}", action.rms);
     assert!(action.explained > 0.9999 && action.delay_s.abs() < 1e-4, "{action:?}");
 
-    let hammer = noisy.trial(Driven::ByForce, Which::Action).unwrap().hammer_errors.as_ref().unwrap();
+    let hammer = noisy.trial(Prescribed::Force, Which::Action).unwrap().hammer_errors.as_ref().unwrap();
     assert!(hammer.explained > 0.9999, "the hammer has no noise: {hammer:?}");
-    assert!(noisy.trial(Driven::ByForce, Which::OneDof).unwrap().hammer_errors.is_none(), "it has no hammer");
+    assert!(noisy.trial(Prescribed::Force, Which::OneDof).unwrap().hammer_errors.is_none(), "it has no hammer");
 
     let errors = |duration_s, driven, which| {
         let c = compare(&grand, &measured(&grand, duration_s, 0.0), &setup(), &mut |_| true).unwrap();
         c.trial(driven, which).unwrap().errors.clone().unwrap()
     };
-    let one_dof = errors(BEFORE_THE_STOPS_S, Driven::ByForce, Which::OneDof);
+    let one_dof = errors(BEFORE_THE_STOPS_S, Prescribed::Force, Which::OneDof);
     assert!(one_dof.explained > 0.8, "force driven, one degree of freedom: {one_dof:?}");
-    // A series that ends in motion would end with a jerk (a position is held where its series ends): wait until the key
-    // rests.
-    let action = errors(0.4, Driven::Rigidly, Which::Action);
-    let one_dof = errors(0.4, Driven::Rigidly, Which::OneDof);
-    // Samples at 2 kHz and a spline between them carry the motion well below 200 Hz, and the impacts' content beyond it
-    // not.
+    // A series that ends in motion would end with a jerk (a position is held where its series ends): wait until the key rests.
+    let action = errors(0.4, Prescribed::Rigid, Which::Action);
+    let one_dof = errors(0.4, Prescribed::Rigid, Which::OneDof);
+    // Samples at 2 kHz and a spline between them carry the motion well below 200 Hz, and the impacts' content beyond it not.
     for band in &action.bands[..3] {
         assert!(band.error_rms < 0.1 * band.measured_rms, "rigid, action: {band:?}");
     }
@@ -104,7 +102,7 @@ fn half_a_file_is_enough() {
     let force_only = Series { position: None, ..both.clone() };
     let c = compare(&grand, &force_only, &setup(), &mut |_| true).unwrap();
     assert_eq!(c.trials.len(), 2);
-    assert!(c.trials.iter().all(|t| t.driven == Driven::ByForce && t.errors.is_none()));
+    assert!(c.trials.iter().all(|t| t.driven == Prescribed::Force && t.errors.is_none()));
     assert!(c.verdicts()[0].contains("position_m"));
     let position_only = Series { force: None, ..both };
     let c = compare(&grand, &position_only, &setup(), &mut |_| true).unwrap();
@@ -124,10 +122,10 @@ fn whose_position_it_is() {
         assert_eq!(c.trials.len(), 1);
         c.trials[0].errors.as_ref().unwrap().explained
     };
-    let [motion, rigid] = [Driven::ByMotion, Driven::Rigidly].map(|driven| explained(PositionOf::Key, driven));
+    let [motion, rigid] = [Prescribed::Motion, Prescribed::Rigid].map(|driven| explained(PositionOf::Key, driven));
     // Sampled at 2 kHz, what is imposed on the key lacks what is above.
     assert!(motion > 0.99 && rigid > 0.98, "{motion} {rigid}");
-    let misread = explained(PositionOf::Fingertip, Driven::ByMotion);
+    let misread = explained(PositionOf::Fingertip, Prescribed::Motion);
     assert!(misread < 0.9, "{misread}");
 }
 
@@ -142,7 +140,7 @@ fn limits_of_what_is_told() {
     };
     // Of the noise, white up to 1 kHz, a low-pass at 70 Hz leaves about sqrt(70/1000): the errors are those below it.
     let c = told(70.0);
-    let trial = c.trial(Driven::ByForce, Which::Action).unwrap();
+    let trial = c.trial(Prescribed::Force, Which::Action).unwrap();
     assert!((trial.told_to_hz - 70.0).abs() < 1e-9);
     let sigma = NOISE_M / 3.0_f64.sqrt() * (70.0_f64 / 1000.0).sqrt();
     let rms = trial.errors.as_ref().unwrap().rms;
@@ -151,7 +149,7 @@ fn limits_of_what_is_told() {
     let c = told(5.0);
     assert!(c.trials.iter().all(|trial| trial.errors.is_none()));
     assert!(c.verdicts()[0].contains("noise"), "{:?}", c.verdicts());
-    let choice = Choice { drives: vec![Driven::ByForce], ..Choice::default() };
+    let choice = Choice { drives: vec![Prescribed::Force], ..Choice::default() };
     let position_only = Series { force: None, ..series.clone() };
     let none = compare_chosen(&grand, &position_only, &choice, &setup(), &mut |_| true);
     assert!(matches!(none, Err(CompareError::NoDrive)));

@@ -6,8 +6,8 @@ use std::path::Path;
 use erard::instrument::Instrument;
 use erard::recording::{LowPass, Preparation, prepare};
 use erard::run::Setup;
-use erard::stroke::Recording;
-use erard_workshop::compare::{Choice, Comparison, Driven, Which, compare_chosen};
+use erard::stroke::{Prescribed, Recording};
+use erard_workshop::compare::{Choice, Comparison, Which, compare_chosen};
 use erard_workshop::distances::Protocol;
 use erard_workshop::regulate::{Goal, regulate};
 use erard_workshop::validate::Published;
@@ -38,13 +38,13 @@ fn led(instrument: &Instrument, stroke: &str, low_pass_hz: f64) -> Comparison {
         pedal: erard::strings::Pedal::default(),
         hand: None,
     };
-    let choice = Choice { drives: vec![Driven::Rigidly], models: vec![Which::Action], ..Choice::default() };
+    let choice = Choice { drives: vec![Prescribed::Rigid], models: vec![Which::Action], ..Choice::default() };
     compare_chosen(instrument, &series, &choice, &setup, &mut |_| true).unwrap()
 }
 
 /// Measured and simulated rise of the hammer, mm.
 fn hammers(comparison: &Comparison) -> [Vec<f64>; 2] {
-    let trial = comparison.trial(Driven::Rigidly, Which::Action).unwrap();
+    let trial = comparison.trial(Prescribed::Rigid, Which::Action).unwrap();
     let measured = comparison.measured_hammer_m.as_ref().unwrap();
     [measured, &trial.hammer_m].map(|metres| metres.iter().map(|rise| 1e3 * rise).collect())
 }
@@ -86,7 +86,7 @@ fn medium_and_fast_strokes_throw_the_hammer() {
     for (stroke, early_ms, faster) in [("medium", 4.0, 1.2), ("fast", 5.0, 1.4)] {
         let comparison = led(&instrument, stroke, 250.0);
         let explained =
-            comparison.trial(Driven::Rigidly, Which::Action).unwrap().hammer_errors.as_ref().unwrap().explained;
+            comparison.trial(Prescribed::Rigid, Which::Action).unwrap().hammer_errors.as_ref().unwrap().explained;
         let [measured, simulated] = hammers(&comparison);
         let [from, to] = [10.0, 45.0].map(|mm| [&measured, &simulated].map(|hammer| reaches(&comparison, hammer, mm)));
         let speeds = [0, 1].map(|which| 35.0 / (to[which] - from[which]));

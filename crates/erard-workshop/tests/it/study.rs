@@ -289,7 +289,7 @@ fn samples_are_the_rows_of_the_run() {
         let instruments = [grand(), Instrument::builtin("steinway-o").expect("built in")];
         let plan = [(0, kind, 5.0), (1, kind, 6.0), (0, kind, 4.0)];
         let sampling = Sampling::of(&instruments[0], columns, every).expect("they are there");
-        let sampled = sample_all(&instruments, jobs(&plan), &SETUP(), &sampling, threads(2), &mut |_| true)
+        let sampled = sample_all(&instruments, jobs(&plan), &SETUP(), Some(&sampling), threads(2), &mut |_| true)
             .expect("no interrupt");
         let plain = play_all(&instruments, jobs(&plan), &SETUP(), threads(1), &mut |_| true).expect("no interrupt");
         for (job, (played, plain)) in plan.iter().zip(sampled.into_iter().zip(plain)) {

@@ -199,7 +199,7 @@ impl Samples {
         let even = if is_even && count as usize == values.len() {
             values.clone()
         } else {
-            at(&self.times, &values, &even_times)
+            interpolated(&self.times, &values, &even_times)
         };
         if may_be_even {
             report.noise = noise::noise(&even, rate_hz, self.rest);
@@ -226,7 +226,7 @@ impl Samples {
 }
 
 /// A series at other instants, linearly interpolated; both axes ascend.
-fn at(times: &[f64], values: &[f64], wanted: &[f64]) -> Vec<f64> {
+pub fn interpolated(times: &[f64], values: &[f64], wanted: &[f64]) -> Vec<f64> {
     let mut i = 0;
     wanted
         .iter()

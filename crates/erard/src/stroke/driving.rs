@@ -1,9 +1,8 @@
 //! A stroke, ready to drive: what it prescribes, from when on and for how long.
 
-use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{Cursor, ForceSeries, NUANCES, PositionOf, PositionSeries, SampleError, Series, Touch};
+use super::{ForceSeries, NUANCES, PositionOf, PositionSeries, SampleError, Series, Touch};
 use crate::instrument::Finger;
 use crate::player::{self, Input};
 
@@ -27,7 +26,7 @@ pub enum Prescribed {
 
 impl Prescribed {
     /// Its name in files and on the command line.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Prescribed::Force => "force",
             Prescribed::Motion => "motion",
@@ -85,6 +84,8 @@ pub struct Stroke {
     /// Duration to run unless told otherwise, s.
     pub duration_s: f64,
     series: Option<Series>,
+    /// The series' force, which its drives share.
+    force: Option<Arc<ForceSeries>>,
     position_of: PositionOf,
     /// The position that drives a key under this finger.
     worked_out: Mutex<Option<(Finger, Arc<PositionSeries>)>>,
@@ -103,6 +104,7 @@ impl Stroke {
             start_s: 0.0,
             duration_s: CONSTANT_DURATION_S,
             series: None,
+            force: None,
             position_of: PositionOf::Key,
             worked_out: Mutex::default(),
             force_n,
@@ -169,9 +171,16 @@ impl Stroke {
             _ => None,
         };
         let (start_s, duration_s) = (series.start_s(), series.end_s() - series.start_s() + after_s);
-        let worked_out = Mutex::default();
         Ok((
-            Stroke { title, drive, start_s, duration_s, series: Some(series), position_of, worked_out, force_n: 0.0 },
+            Stroke {
+                drive,
+                start_s,
+                duration_s,
+                force: series.force.clone().map(Arc::new),
+                series: Some(series),
+                position_of,
+                ..Stroke::constant(title, 0.0)
+            },
             note,
         ))
     }
@@ -181,48 +190,26 @@ impl Stroke {
     ///
     /// # Errors
     /// See [`DrivingError`].
-    pub fn inputs(&self, finger: &Finger) -> Result<Box<dyn Fn(f64) -> Input + Send + '_>, DrivingError> {
+    pub fn inputs(&self, finger: &Finger) -> Result<Box<dyn Fn(f64) -> Input + Send>, DrivingError> {
         let wanted = match self.drive {
             Prescribed::Force => {
-                let force = self.series.as_ref().and_then(|s| s.force.as_ref()).map(ForceSeries::drive);
-                return Ok(Box::new(move |t| Input::Force(force.as_ref().map_or(self.force_n, |force| force(t)))));
+                let constant = self.force_n;
+                return Ok(match self.force.clone() {
+                    Some(force) => Box::new(player::force(ForceSeries::driven(force))),
+                    None => Box::new(move |_| Input::Force(constant)),
+                });
             }
             Prescribed::Motion => PositionOf::Fingertip,
             Prescribed::Rigid => PositionOf::Key,
         };
-        let position = self.position(wanted, finger)?.shared_drive();
+        let position = PositionSeries::driven(self.position(wanted, finger)?);
         Ok(match self.drive {
             Prescribed::Motion => Box::new(player::motion(position)),
             _ => Box::new(player::rigid(position)),
         })
     }
 
-    /// The same, owned.
-    ///
-    /// # Errors
-    /// See [`DrivingError`].
-    pub fn into_inputs(self, finger: &Finger) -> Result<Box<dyn Fn(f64) -> Input + Send>, DrivingError> {
-        let (wanted, rigid) = match self.drive {
-            Prescribed::Force => {
-                let (force, constant) = (self.series.and_then(|series| series.force), self.force_n);
-                let Some(force) = force else { return Ok(Box::new(move |_| Input::Force(constant))) };
-                let cursor = Cell::new(Cursor::default());
-                return Ok(Box::new(move |t| {
-                    let mut at = cursor.get();
-                    let force_n = force.at(t, &mut at);
-                    cursor.set(at);
-                    Input::Force(force_n)
-                }));
-            }
-            Prescribed::Motion => (PositionOf::Fingertip, false),
-            Prescribed::Rigid => (PositionOf::Key, true),
-        };
-        let position = self.position(wanted, finger)?.shared_drive();
-        Ok(if rigid { Box::new(player::rigid(position)) } else { Box::new(player::motion(position)) })
-    }
-
-    /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where
-    /// the other is not known.
+    /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where the other is not known.
     fn position(&self, wanted: PositionOf, finger: &Finger) -> Result<Arc<PositionSeries>, DrivingError> {
         let mut worked_out = self.worked_out.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, position)) = worked_out.as_ref().filter(|(of, _)| of == finger) {

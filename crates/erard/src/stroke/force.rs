@@ -1,5 +1,6 @@
 //! Force between samples: a piecewise cubic without overshoot.
 
+use std::borrow::Borrow;
 use std::cell::Cell;
 
 use super::{Cursor, SampleError, check_samples};
@@ -30,10 +31,15 @@ impl ForceSeries {
 
     /// The force as a run asks for it, at instants that move on: time in s to force in N.
     pub fn drive(&self) -> impl Fn(f64) -> f64 {
+        Self::driven(self)
+    }
+
+    /// The same of a series that is borrowed or shared.
+    pub(super) fn driven(series: impl Borrow<Self>) -> impl Fn(f64) -> f64 {
         let last = Cell::new(Cursor::default());
         move |t_s| {
             let mut cursor = last.get();
-            let force = self.at(t_s, &mut cursor);
+            let force = series.borrow().at(t_s, &mut cursor);
             last.set(cursor);
             force
         }

@@ -1,7 +1,7 @@
 //! Position between samples: a cubic spline that starts and ends at rest.
 
+use std::borrow::Borrow;
 use std::cell::Cell;
-use std::sync::Arc;
 
 use super::{Cursor, SampleError, check_samples};
 
@@ -29,21 +29,15 @@ impl PositionSeries {
 
     /// The motion as a run asks for it, at instants that move on: time in s to position in m and velocity in m/s.
     pub fn drive(&self) -> impl Fn(f64) -> [f64; 2] {
-        let last = Cell::new(Cursor::default());
-        move |t_s| {
-            let mut cursor = last.get();
-            let (position, velocity, _) = self.at(t_s, &mut cursor);
-            last.set(cursor);
-            [position, velocity]
-        }
+        Self::driven(self)
     }
 
-    /// The same for whoever shares the series.
-    pub(crate) fn shared_drive(self: Arc<Self>) -> impl Fn(f64) -> [f64; 2] + Send {
+    /// The same of a series that is borrowed or shared.
+    pub(super) fn driven(series: impl Borrow<Self>) -> impl Fn(f64) -> [f64; 2] {
         let last = Cell::new(Cursor::default());
         move |t_s| {
             let mut cursor = last.get();
-            let (position, velocity, _) = self.at(t_s, &mut cursor);
+            let (position, velocity, _) = series.borrow().at(t_s, &mut cursor);
             last.set(cursor);
             [position, velocity]
         }

@@ -10,7 +10,7 @@
 //! `k` demands; whippen and hammer have any frame whose angle is `w` or `h`.
 
 use super::exact::{Exact, nearest, rotate};
-use super::{Drive, LeverArms, LeverTrain, Levers, Move, Regulation, StrokePose, ThreeLeverError};
+use super::{Drive, LeverArms, LeverTrain, Levers, Move, Regulation, StrokePose, ThreeLeverError, checked, on_pivots};
 use crate::closed_form::{cosine_equation, wrap};
 use crate::direction::Direction;
 use crate::linkage::{BodyId, Length, Linkage, PointId};
@@ -153,21 +153,9 @@ impl DiscLevers {
         let [cx, cy] = sub(self.hammer_pivot, self.whippen_pivot);
         let (l1, l5) = (length(&mut m, "L1", bx), length(&mut m, "L5", by));
         let (l6, l10) = (length(&mut m, "L6", -cx), length(&mut m, "L10", cy));
-        let key = m.body("key", "k");
-        let whippen = m.body("whippen", "w");
-        let hammer = m.body("hammer", "h");
-        let a = m.origin(m.ground());
-        let b = m.point_from(a, "B", l1, l5);
-        let c = m.point_from(b, "C", -l6, l10);
-        m.revolute("key pivot", a, m.origin(key));
-        m.revolute("whippen pivot", b, m.origin(whippen));
-        m.revolute("hammer pivot", c, m.origin(hammer));
+        let [key, whippen, hammer] = on_pivots(&mut m, [l1, l5], [l6, l10], drive);
         contact(&mut m, "capstan", "S1", &self.capstan, [(key, "C1", "C2", "c"), (whippen, "E1", "E2", "e")]);
         contact(&mut m, "knuckle", "S2", &self.knuckle, [(hammer, "L8", "L9", "n"), (whippen, "J1", "J2", "j")]);
-        m.prescribe_angle(match drive {
-            Drive::Key => key,
-            Drive::Hammer => hammer,
-        });
         m
     }
 
@@ -317,15 +305,7 @@ impl DiscLevers {
             ("the key's front arm", vec![self.key_front]),
             ("the key's rest angle", vec![self.key_rest]),
         ];
-        for (name, values) in named {
-            if values.iter().any(|value| !value.is_finite()) {
-                return Err(ThreeLeverError::NotFinite(name));
-            }
-        }
-        if self.key_front <= 0.0 {
-            return Err(ThreeLeverError::NoKeyFront(self.key_front));
-        }
-        Ok(())
+        checked(named.into_iter().flat_map(|(name, values)| values.into_iter().map(move |x| (name, x))), self.key_front)
     }
 }
 

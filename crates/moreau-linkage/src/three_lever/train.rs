@@ -2,8 +2,8 @@
 
 use super::exact::Exact;
 use super::{DiscLevers, Drive, LeverArms, Move, Regulation, StrokePose, ThreeLever, ThreeLeverError};
-use crate::linkage::Linkage;
-use crate::mechanism::{CoordinateId, Mechanism, Pose};
+use crate::linkage::{CoordinateId, Linkage};
+use crate::mechanism::{Mechanism, Pose};
 
 /// Three levers: by the papers' lengths, or by the discs and lines of an instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,14 +26,21 @@ impl From<DiscLevers> for Levers {
     }
 }
 
+/// The same of levers of either kind.
+macro_rules! either {
+    ($of:expr, $levers:ident => $what:expr) => {
+        match $of {
+            Levers::Lengths($levers) => $what,
+            Levers::Discs($levers) => $what,
+        }
+    };
+}
+
 impl Levers {
     /// The levers as a linkage; its equations follow from the graph.
     #[must_use]
     pub fn linkage(&self, drive: Drive) -> Linkage {
-        match self {
-            Levers::Lengths(levers) => levers.linkage(drive),
-            Levers::Discs(levers) => levers.linkage(drive),
-        }
+        either!(self, levers => levers.linkage(drive))
     }
 
     /// Puts the levers together at rest.
@@ -49,37 +56,25 @@ impl Levers {
     /// # Errors
     /// If the levers do not reach each other, before the moves or after.
     pub fn moved(&self, moves: &[Move], regulation: Regulation) -> Result<Levers, ThreeLeverError> {
-        Ok(match self {
-            Levers::Lengths(levers) => levers.moved(moves, regulation)?.into(),
-            Levers::Discs(levers) => levers.moved(moves, regulation)?.into(),
-        })
+        Ok(either!(self, levers => levers.moved(moves, regulation)?.into()))
     }
 
     /// Radius from the key's pivot to where the finger presses (m).
     #[must_use]
     pub fn key_front(&self) -> f64 {
-        match self {
-            Levers::Lengths(levers) => levers.key_front,
-            Levers::Discs(levers) => levers.key_front,
-        }
+        either!(self, levers => levers.key_front)
     }
 
     /// `k` at rest (rad).
     #[must_use]
     pub fn key_rest(&self) -> f64 {
-        match self {
-            Levers::Lengths(levers) => levers.key_rest,
-            Levers::Discs(levers) => levers.key_rest,
-        }
+        either!(self, levers => levers.key_rest)
     }
 
     /// Strike point in the hammer's frame (m).
     #[must_use]
     pub fn head(&self) -> [f64; 2] {
-        match self {
-            Levers::Lengths(levers) => levers.head,
-            Levers::Discs(levers) => levers.head,
-        }
+        either!(self, levers => levers.head)
     }
 
     /// The hammer's pivot C, seen from the key's pivot A (m).
@@ -94,24 +89,15 @@ impl Levers {
     /// The six lever arms at a pose.
     #[must_use]
     pub fn lever_arms(&self, pose: &StrokePose) -> LeverArms {
-        match self {
-            Levers::Lengths(levers) => levers.lever_arms(pose),
-            Levers::Discs(levers) => levers.lever_arms(pose),
-        }
+        either!(self, levers => levers.lever_arms(pose))
     }
 
     fn check(&self) -> Result<(), ThreeLeverError> {
-        match self {
-            Levers::Lengths(levers) => levers.check(),
-            Levers::Discs(levers) => levers.check(),
-        }
+        either!(self, levers => levers.check())
     }
 
     fn exact(&self, k: f64) -> Result<Exact, ThreeLeverError> {
-        match self {
-            Levers::Lengths(levers) => levers.exact(k),
-            Levers::Discs(levers) => levers.exact(k),
-        }
+        either!(self, levers => levers.exact(k))
     }
 }
 

@@ -54,49 +54,6 @@ pub(super) fn head_scale(instrument: &Instrument, parts: &Parts) -> f64 {
     ((strike_g - SHANK_G).max(0.0) / HEAD_G).sqrt().clamp(0.45, 1.5)
 }
 
-/// The key's covering: ivory on a natural, a block of ebony on a sharp.
-pub(super) fn key_top(scene: &Scene<'_>) -> Vec<Piece> {
-    let Some(top) = scene.places.find(Place::KeyTop) else { return Vec::new() };
-    let (name, finish, offsets): (&str, Finish, &[Vec2]) = if scene.instrument.roles.is_sharp {
-        ("sharp", Finish::Ebony, &SHARP)
-    } else {
-        ("key, top", Finish::Ivory, &NATURAL)
-    };
-    let corners: Vec<Vec2> = offsets.iter().map(|offset| top.offset(*offset)).collect();
-    scene.piece(name, Component::Key, finish, true, &corners)
-}
-
-const NATURAL: [Vec2; 16] = [
-    [-7.5, -2.0],
-    [-7.5, 0.0],
-    [-5.5, 0.0],
-    [135.8, 0.0],
-    [137.0, 0.0],
-    [137.0, -1.1],
-    [137.0, -2.2],
-    [137.0, -2.2],
-    [-5.0, -2.2],
-    [-5.0, -2.2],
-    [-5.0, -18.0],
-    [-5.0, -19.0],
-    [-6.0, -19.0],
-    [-6.5, -19.0],
-    [-7.5, -19.0],
-    [-7.5, -18.0],
-];
-const SHARP: [Vec2; 10] = [
-    [-8.0, -12.0],
-    [-8.0, -12.0],
-    [-5.5, -3.0],
-    [-3.5, 0.0],
-    [1.0, 0.0],
-    [84.0, 0.0],
-    [87.0, 0.0],
-    [88.0, -2.0],
-    [90.0, -12.0],
-    [90.0, -12.0],
-];
-
 /// Mass of a lead, g, and how far two neighbours stand apart, mm.
 const LEAD_G: f64 = 14.0;
 const LEAD_SPACING: f64 = 17.0;

@@ -28,8 +28,7 @@ fn is_on_a_string(instrument: &Instrument, zone: usize) -> bool {
 
 /// Whether the drawing of a grand action has an outline of this name, in whatever instrument.
 pub(super) fn draws(name: &str) -> bool {
-    const MADE: [&str; 8] =
-        ["capstan", "key, top", "key lead", "knuckle", "knuckle, core", "damper lever, wire", "damper", "sharp"];
+    const MADE: [&str; 6] = ["capstan", "key lead", "knuckle", "knuckle, core", "damper lever, wire", "damper"];
     let is_outline = |entry: &Entry| matches!(entry, Entry::Outline(outline) if outline.name == name);
     MADE.contains(&name) || drawing().iter().any(is_outline)
 }
@@ -43,6 +42,7 @@ pub(super) fn draw(instrument: &Instrument) -> Option<Drawing> {
     let mut pieces = Vec::new();
     for entry in drawing() {
         match entry {
+            Entry::Outline(shape) if shape.of_sharps.is_some_and(|it| it != instrument.roles.is_sharp) => {}
             Entry::Outline(shape) => {
                 let corners: Option<Vec<Vec2>> = shape
                     .corners
@@ -58,7 +58,6 @@ pub(super) fn draw(instrument: &Instrument) -> Option<Drawing> {
             Entry::Made { made } => pieces.extend(match made {
                 Made::Capstan => made::capstan(&scene),
                 Made::DamperHead => made::damper_head(&scene),
-                Made::KeyTop => made::key_top(&scene),
                 Made::Knuckle => made::knuckle(&scene),
                 Made::Leads => made::leads(&scene),
                 Made::Tail => made::tail(&scene),

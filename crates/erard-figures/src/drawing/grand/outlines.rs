@@ -27,8 +27,9 @@ pub(super) struct Outline {
     pub name: String,
     pub on: Component,
     pub finish: Finish,
-    /// Whether corners are left as they are. Otherwise they are rounded off, but for those that are written twice; long
-    /// edges stay straight.
+    /// Whether sharps alone have it, or naturals alone; both where nothing is said.
+    pub of_sharps: Option<bool>,
+    /// Whether corners are left as they are. Otherwise they are rounded off, but for those that are written twice; long edges stay straight.
     #[serde(default)]
     pub sharp: bool,
     /// Corners one after the other.
@@ -49,7 +50,6 @@ pub(super) struct Corners {
 pub(super) enum Made {
     Capstan,
     DamperHead,
-    KeyTop,
     Knuckle,
     Leads,
     Tail,
