@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-/// A name on the command line, what the help says of it, and what it stands for.
+/// A name on the command line, what the help says of it, and the value it represents.
 pub(crate) type Name<T> = (&'static str, &'static str, T);
 
 /// Takes one of a few names.

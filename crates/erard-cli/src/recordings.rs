@@ -29,8 +29,9 @@ pub(crate) struct RecordingOptions {
     /// column `x` in mm, `none` no column
     #[arg(long, value_name = "NAME=TITLE,..")]
     columns: Option<Columns>,
-    /// Whose position was recorded: the key's, or the fingertip's on the driver's side of its softness. Where force was recorded too, one
-    /// gives the other: fingertip = key + F/k, the finger's damper included [default: the key's, unless the column's title says otherwise]
+    /// Whose position was recorded: the key's, or the fingertip's on the driver's side of its softness. Where force was
+    /// recorded too, one gives the other: fingertip = key + F/k, the finger's damper included [default: the key's,
+    /// unless the column's title says otherwise]
     #[arg(long, value_name = "WHOSE", value_parser = one_of(&POSITIONS))]
     position: Option<PositionOf>,
     /// Take the zero from the rest before the touch, or leave every number as it is

@@ -197,7 +197,6 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             );
         }
         let pressed = zone.felt.press(ahead_compression, rate, timing, touched, &self.memory);
-        let recalled = zone.felt.recall(ahead_compression, rate, timing, touched, &self.memory);
         Contact {
             compression: ahead_compression,
             rate,
@@ -205,7 +204,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             point,
             force: pressed.force,
             damping_force: pressed.damping_force,
-            gained: recalled.map_or(T::ZERO, |recalled| T::only(touched, recalled.gained)),
+            gained: zone.felt.gained(ahead_compression, rate, timing, touched, &self.memory),
         }
     }
 
@@ -225,7 +224,6 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         let (before, carried) = (compression - surface.offset, Carried { memory: &self.memory, surface });
         let pressed = zone.felt.press_yielding(before, rate, timing, touched, carried);
         let (after, rate) = zone.felt.give_way(before, rate, timing, touched, carried);
-        let recalled = zone.felt.recall(after, rate, timing, touched, &self.memory);
         Contact {
             compression: after,
             rate,
@@ -233,7 +231,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             point: sub(point, scale(normal, compression - after)),
             force: pressed.force,
             damping_force: pressed.damping_force,
-            gained: recalled.map_or(T::ZERO, |recalled| T::only(touched, recalled.gained)),
+            gained: zone.felt.gained(after, rate, timing, touched, &self.memory),
         }
     }
 
@@ -247,9 +245,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         touched: T::Mask,
         surface: &Yielding<T>,
     ) -> Memory<T> {
-        let alone = zone.felt.left_alone(timing, &self.memory).0;
         if !touched.any() {
-            return alone;
+            return zone.felt.left_alone(timing, &self.memory).0;
         }
         let ahead = timing.theta * support.product(&self.row, change);
         let (rate, compression) = (self.rate + ahead, self.compression + timing.h_theta * ahead);
@@ -259,8 +256,12 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             (compression, rate)
         };
         match zone.felt.recall(compression, rate, timing, touched, &self.memory) {
-            Some(recalled) => core::array::from_fn(|k| T::select(touched, recalled.memory[k], alone[k])),
-            None => alone,
+            Some(memory) if touched.all() => memory,
+            recalled => {
+                let alone = zone.felt.left_alone(timing, &self.memory).0;
+                let memory = recalled.unwrap_or(alone);
+                core::array::from_fn(|k| T::select(touched, memory[k], alone[k]))
+            }
         }
     }
 
@@ -280,7 +281,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         if const { T::LANES == 1 } && zone.felt.yields() {
             return self.remainder_on(zone, rate, timing, active, surface);
         }
-        let bend = zone.felt.press(self.compression, self.rate, timing, active, &self.memory).curvature;
+        let bend = zone.felt.bend(self.compression, self.rate, timing, active, &self.memory);
         self.bent(zone, &bend, rate, timing, active)
     }
 
@@ -299,7 +300,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             return T::from_f64(FAR_OFF);
         }
         let carried = Carried { memory: &self.memory, surface };
-        let bend = zone.felt.press_yielding(self.compression, self.rate, timing, active, carried).curvature;
+        let bend = zone.felt.bend_yielding(self.compression, self.rate, timing, active, carried);
         self.bent(zone, &bend, rate, timing, active)
     }
 
@@ -419,8 +420,7 @@ mod tests {
                 );
                 for change in [1e-3, -0.2, 3.0] {
                     let rate = theta * (contact.row[0] * change).abs();
-                    let bend =
-                        compiled.felt.press(contact.compression, contact.rate, &timing, true, &[0.0; MEMORY]).curvature;
+                    let bend = compiled.felt.bend(contact.compression, contact.rate, &timing, true, &[0.0; MEMORY]);
                     let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
                     let bent = if linear < bend.slack { quadratic } else { linear.max(quadratic) };
                     let reach = timing.h_theta + timing.node;

@@ -2,7 +2,8 @@
 //!
 //! | who asks | what |
 //! |---|---|
-//! | the step (`contact.rs`) | [`FeltLaw::press`]: mean force over the step, its tangent, and what the tangent leaves out; [`FeltLaw::recall`] |
+//! | the step (`contact.rs`) | [`FeltLaw::press`]: mean force over the step and its tangent; [`FeltLaw::recall`]: the memory after it |
+//! | the exact test (`acceptance.rs`) | [`FeltLaw::bend`]: what the tangent leaves out |
 //! | the broad phase (`broad_phase.rs`) | [`ONSET`]: the compression at which a felt begins to push |
 //! | the quick test (`curvature.rs`) | [`Felt::curvature_bound`]: how strongly the force can bend; [`Pressed::opening`]: how far the clamp is |
 //! | the lanes (`lanes.rs`) | [`Felt::kind`], [`Felt::of_lanes`] |
@@ -10,7 +11,7 @@
 //! | the description (`description.rs`) | [`Felt::fault`] |
 
 use crate::fault::Fault;
-use crate::law::{CurvatureBound, Exponent, Loss, Memory, Pressed, Pressing, RatePart, Recalled, Spring};
+use crate::law::{CurvatureBound, Exponent, Loss, MEMORY, Memory, Pressed, Pressing, RatePart, Spring};
 use crate::real::{Mask, Real, Scalar, join};
 use crate::surface::{Yielding, solve};
 use crate::timing::Timing;
@@ -171,15 +172,37 @@ impl<T: Real> FeltLaw<T> {
     ) -> Pressed<T> {
         if !self.square {
             if self.remembers {
-                return self.remembered(compression, rate, timing, touched, memory).pressed;
+                return self.press_remembering(compression, rate, timing, touched, memory);
             }
-            return self.rate_part.press_points(compression, rate, timing, touched);
+            return self.rate_part.press_points(compression, rate, timing, touched).0;
         }
-        let whole = self.rate_part.press_square(compression, rate, timing, touched);
+        let whole = self.rate_part.press_square(compression, rate, timing, touched).0;
         let partly = touched.and(compression.le((timing.node * rate).abs()));
         if partly.any() {
             // Each lane by the formula that it would take alone.
-            whole.or(partly, self.rate_part.press_points(compression, rate, timing, touched))
+            whole.or(partly, self.rate_part.press_points(compression, rate, timing, touched).0)
+        } else {
+            whole
+        }
+    }
+
+    /// How the force of [`FeltLaw::press`] bends away from its tangent.
+    #[inline(always)]
+    pub(crate) fn bend(
+        &self,
+        compression: T,
+        rate: T,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        memory: &Memory<T>,
+    ) -> Curvature<T> {
+        if !self.square {
+            return self.bend_exactly(compression, rate, timing, touched, memory);
+        }
+        let whole = self.rate_part.press_square(compression, rate, timing, touched).1;
+        let partly = touched.and(compression.le((timing.node * rate).abs()));
+        if partly.any() {
+            whole.or(partly, self.rate_part.press_points(compression, rate, timing, touched).1)
         } else {
             whole
         }
@@ -188,15 +211,28 @@ impl<T: Real> FeltLaw<T> {
     /// A law with memory. Out of line, and its arguments by value: a mechanism without such laws pays nothing for them.
     #[cold]
     #[inline(never)]
-    fn remembered(
+    fn press_remembering(
         &self,
         compression: T,
         rate: T,
         timing: &Timing<T>,
         touched: T::Mask,
         memory: &Memory<T>,
-    ) -> Recalled<T> {
-        self.loss.recall(&self.rate_part.spring, &Pressing { compression, rate, timing, touched }, memory)
+    ) -> Pressed<T> {
+        self.loss.press(&self.rate_part.spring, &Pressing { compression, rate, timing, touched }, memory)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn bend_remembering(
+        &self,
+        compression: T,
+        rate: T,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        memory: &Memory<T>,
+    ) -> Curvature<T> {
+        self.loss.bend(&self.rate_part.spring, &Pressing { compression, rate, timing, touched }, memory)
     }
 
     /// Any law with its exact mean: one with memory has no other.
@@ -209,17 +245,31 @@ impl<T: Real> FeltLaw<T> {
         memory: &Memory<T>,
     ) -> Pressed<T> {
         if self.remembers {
-            return self.remembered(compression, rate, timing, touched, memory).pressed;
+            return self.press_remembering(compression, rate, timing, touched, memory);
         }
         self.rate_part.press_exactly(compression, rate, timing, touched)
     }
 
+    /// How the force of [`FeltLaw::press_exactly`] bends away from its tangent.
+    #[inline(always)]
+    fn bend_exactly(
+        &self,
+        compression: T,
+        rate: T,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        memory: &Memory<T>,
+    ) -> Curvature<T> {
+        if self.remembers {
+            return self.bend_remembering(compression, rate, timing, touched, memory);
+        }
+        self.rate_part.press_points(compression, rate, timing, touched).1
+    }
+
     /// Any law on a surface that yields, at the compression and the rate that there would be if it were not pressed.
     ///
-    /// With P the law's mean force and P' its slope with the rate, F = P(rate - a F) has the slope P'/(1 + a P'). It
-    /// bends less than the law itself, F'' = P''/(1 + a P')^3, at a compression that is no deeper, so that the law's
-    /// curvature there is a bound. The quick test knows nothing of that: a margin of zero leaves such a zone to the
-    /// exact one.
+    /// With P the law's mean force and P' its slope with the rate, F = P(rate - a F) has the slope P'/(1 + a P'). The
+    /// quick test knows nothing of how it bends: a margin of zero leaves such a zone to the exact one.
     pub(crate) fn press_yielding(
         &self,
         compression: T,
@@ -234,8 +284,22 @@ impl<T: Real> FeltLaw<T> {
         Pressed { tangent: pressed.tangent / slope, opening: T::ZERO, ..pressed }
     }
 
-    /// The compression and its rate at the theta point, with the displacement of a compliant surface under the felt's
-    /// force: from those that there would be if it were not pressed.
+    /// How the force of [`FeltLaw::press_yielding`] bends away from its tangent: less than the law itself, F'' =
+    /// P''/(1 + a P')^3, at a compression that is no deeper, so that the law's curvature there is a bound.
+    pub(crate) fn bend_yielding(
+        &self,
+        compression: T,
+        rate: T,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        carried: Carried<'_, T>,
+    ) -> Curvature<T> {
+        let (compression, rate) = self.give_way(compression, rate, timing, touched, carried);
+        self.bend_exactly(compression, rate, timing, touched, carried.memory)
+    }
+
+    /// The compression and its rate at the theta point, with what a surface that yields yields under the felt's force:
+    /// from those that there would be if it were not pressed.
     pub(crate) fn give_way(
         &self,
         compression: T,
@@ -263,12 +327,32 @@ impl<T: Real> FeltLaw<T> {
         timing: &Timing<T>,
         touched: T::Mask,
         memory: &Memory<T>,
-    ) -> Option<Recalled<T>> {
-        self.remembers.then(|| self.remembered(compression, rate, timing, touched, memory))
+    ) -> Option<Memory<T>> {
+        let pressing = Pressing { compression, rate, timing, touched };
+        self.remembers.then(|| self.loss.recall(&self.rate_part.spring, &pressing, memory))
     }
 
-    /// The memory after a step in which it was not touched, and by how much the energy that it holds has grown, J.
+    /// By how much the energy that its memory holds has grown, J; what the damping force did beyond that is lost.
+    pub(crate) fn gained(
+        &self,
+        compression: T,
+        rate: T,
+        timing: &Timing<T>,
+        touched: T::Mask,
+        memory: &Memory<T>,
+    ) -> T {
+        let Some(after) = self.recall(compression, rate, timing, touched, memory) else { return T::ZERO };
+        let path = Pressing { compression, rate, timing, touched }.path();
+        let held = |compression: T, memory: &Memory<T>| self.loss.held(&self.rate_part.spring, compression, memory);
+        T::only(touched, held(path.to, &after) - held(path.start, memory))
+    }
+
+    /// The memory after a step in which it was not touched, and by how much the energy that it holds has grown, J:
+    /// nothing where it holds none.
     pub(crate) fn left_alone(&self, timing: &Timing<T>, memory: &Memory<T>) -> (Memory<T>, T) {
+        if memory.iter().all(|x| !T::ZERO.lt(x.abs()).any()) {
+            return ([T::ZERO; MEMORY], T::ZERO);
+        }
         let after = self.loss.left_alone(timing, memory);
         let held = |memory| self.loss.held(&self.rate_part.spring, T::ZERO, memory);
         (after, held(&after) - held(memory))

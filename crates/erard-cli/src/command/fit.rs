@@ -44,7 +44,8 @@ pub(crate) struct Fit {
     /// Where the fit begins, as in `body.hammer.mass=1.1`; may be repeated [default: the instrument as it is]
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
     start: Vec<String>,
-    /// What of the recordings drives the model [default: force where there is one, else the motion of whatever was recorded]
+    /// What of the recordings drives the model [default: force where there is one, else the motion of whatever was
+    /// recorded]
     #[arg(long, value_parser = one_of(&DRIVES))]
     drive: Option<Prescribed>,
     /// What is compared, of force, position, hammer [default: all but what drives]
@@ -60,7 +61,8 @@ pub(crate) struct Fit {
     /// What is made of squares: all but `linear` heed outliers less
     #[arg(long, value_parser = one_of(&LOSSES), default_value = "linear")]
     loss: Loss,
-    /// Where the derivatives of the last steps and of the errors come from: differences, or the model's own derivatives, which need no step and take longer
+    /// Where the derivatives of the last steps and of the errors come from: differences, or the model's own
+    /// derivatives, which need no step and take longer
     #[arg(long, value_parser = one_of(&JACOBIANS), default_value = "differences")]
     jacobian: Jacobian,
     /// How often the fit may begin again elsewhere

@@ -282,8 +282,9 @@ pub(crate) struct StrokeOptions {
     /// A constant force from the start on, N
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     force_step: Option<f64>,
-    /// What is prescribed: the finger's force, the motion of a soft finger, or the key's own motion. Default: force where
-    /// the stroke has one, else the motion of whatever was recorded (see --position): rigid for a key's, motion for a fingertip's
+    /// What is prescribed: the finger's force, the motion of a soft finger, or the key's own motion. Default: force
+    /// where the stroke has one, else the motion of whatever was recorded (see --position): rigid for a key's, motion
+    /// for a fingertip's
     #[arg(long, value_parser = one_of(&DRIVES))]
     drive: Option<Prescribed>,
     #[command(flatten)]

@@ -306,7 +306,7 @@ pub fn compare_chosen(
         let run = simulate(model, drive, &setup, &mut |share| progress((done as f64 + share) / count))?;
         let key_m = interpolated(&run.time_s, &run.key_m, &time_s);
         let force_n = interpolated(&run.time_s, &run.force_n, &time_s);
-        // A force-driven run of a file without position tells of the hammer alone, and the other way round.
+        // A force-driven run of a file without position shows the hammer alone, and the other way round.
         let drive_hz = match driven {
             Prescribed::Force => force_hz,
             Prescribed::Motion | Prescribed::Rigid if fingertip == key => position_hz,

@@ -3,7 +3,8 @@
 
 use erard::saved::{FNV1A, fnv1a};
 
-/// Nine tenths of all sums of four uniform numbers lie so near to two: the root of d^4 - 4 (d - 1)^4 = 1.2, less from 2.
+/// Nine tenths of all sums of four uniform numbers lie so near to two: the root of d^4 - 4 (d - 1)^4 = 1.2, less from
+/// 2.
 const NINE_TENTHS: f64 = 0.9534;
 
 /// A deviation, bell-shaped, nine tenths of the time within -1 and 1, never beyond 2.1. Integers, sums and one

@@ -81,10 +81,12 @@ fn known_errors_are_found() {
     };
     let one_dof = errors(BEFORE_THE_STOPS_S, Prescribed::Force, Which::OneDof);
     assert!(one_dof.explained > 0.8, "force driven, one degree of freedom: {one_dof:?}");
-    // A series that ends in motion would end with a jerk (a position is held where its series ends): wait until the key rests.
+    // A series that ends in motion would end with a jerk (a position is held where its series ends): wait until the key
+    // rests.
     let action = errors(0.4, Prescribed::Rigid, Which::Action);
     let one_dof = errors(0.4, Prescribed::Rigid, Which::OneDof);
-    // Samples at 2 kHz and a spline between them carry the motion well below 200 Hz, and the impacts' content beyond it not.
+    // Samples at 2 kHz and a spline between them carry the motion well below 200 Hz, and the impacts' content beyond it
+    // not.
     for band in &action.bands[..3] {
         assert!(band.error_rms < 0.1 * band.measured_rms, "rigid, action: {band:?}");
     }

@@ -256,10 +256,10 @@ impl Action {
             if steps.is_multiple_of(ASK_EVERY) && !progress(0.0) {
                 return Err(PlayError::Interrupted);
             }
-            let before_s = self.time_s();
             let report = self.mechanism.step(&input).report;
             if report.outcome == Outcome::NonFinite {
-                return Err(PlayError::NonFinite { time_s: before_s });
+                // It is where it was, and when.
+                return Err(PlayError::NonFinite { time_s: self.time_s() });
             }
             last = Some(report);
             steps += 1;

@@ -20,7 +20,11 @@ impl LedgerBook {
 
     /// After every step.
     pub fn observe(&mut self, mechanism: &dyn Mechanism) {
-        let rests = mechanism.readout().rests;
+        self.observe_at_rest(mechanism.readout().rests, mechanism);
+    }
+
+    /// The same for a caller that knows whether the step changed nothing.
+    pub(crate) fn observe_at_rest(&mut self, rests: bool, mechanism: &dyn Mechanism) {
         // A step that was left out has nothing to book, nor has one that changed nothing after another.
         if !(self.rested && rests) {
             mechanism.book(&mut self.ledger);

@@ -3,7 +3,7 @@
 use moreau::Contact;
 
 use crate::instrument::Instrument;
-use crate::mechanism::{Mechanism, Stepping};
+use crate::mechanism::{Mechanism, Readout, Stepping};
 use crate::strings::{ShapeProbe, Strings};
 
 /// What modal strings do.
@@ -126,9 +126,8 @@ impl Recorder {
     }
 
     /// After every step, before [`Recorder::row`]: centres the last row's forces on its instant.
-    pub(crate) fn step(&mut self, m: &dyn Mechanism) {
+    pub(crate) fn step(&mut self, now: &Readout<'_>) {
         let Some(before) = self.pending.take() else { return };
-        let now = m.readout();
         // Forces belong to the middles of their steps: the mean, where the steps are equal.
         let share = before / (before + now.last_step_s);
         let mean = |last: &mut f64, next: f64| *last = (1.0 - share) * *last + share * next;
@@ -176,7 +175,11 @@ impl Recorder {
     /// # Panics
     /// If there are more than was said at first.
     pub fn row(&mut self, time_s: f64, key_m: f64, hammer_m: f64, m: &dyn Mechanism) {
-        let now = m.readout();
+        self.row_of(time_s, key_m, hammer_m, &m.readout());
+    }
+
+    /// The same from what is read of the mechanism.
+    pub(crate) fn row_of(&mut self, time_s: f64, key_m: f64, hammer_m: f64, now: &Readout<'_>) {
         self.pending = Some(now.last_step_s);
         let row = self.rows;
         self.rows += 1;
@@ -187,7 +190,7 @@ impl Recorder {
         if self.has_hammer {
             to.hammer_head_m[row] = hammer_m;
         }
-        if let (Some(series), Some(strings)) = (&mut to.strings, Strings::under(m)) {
+        if let (Some(series), Some(strings)) = (&mut to.strings, Strings::read(now)) {
             series.displacement_m[row] = strings.displacement_m();
             series.bridge_n[row] = strings.bridge_n();
             if let (Some(lift), Some(lift_m)) = (series.pedal_m.get_mut(row), strings.pedal_m()) {

@@ -5,7 +5,7 @@ use moreau::{Accuracy, Outcome, Settings, StepReport};
 
 use crate::events::EventDetector;
 use crate::instrument::Instrument;
-use crate::mechanism::{LARGEST_STEP_S, Mechanism, StepOutput};
+use crate::mechanism::{LARGEST_STEP_S, Mechanism, Readout, StepOutput};
 use crate::player::rest::{RIGID_CORRECTION_S, Rest};
 use crate::player::{Action, ControlWork, Drive, LedgerBook, Observer, Recorded, Recorder, Work};
 use crate::progress::Progress;
@@ -64,7 +64,7 @@ impl<'a> RunLoop<'a> {
         let mut observers =
             Observers { detector, recorder, ledger, extremes, peak_force_n: 0.0, rested: false, further };
         let rest = action.rest();
-        observers.observe(&rest, setup.start_s, true, action.output(), action.mechanism());
+        observers.observe(&rest, setup.start_s, true, action.mechanism(), &action.mechanism().readout());
         let work = Work {
             steps: 0,
             unconverged_steps: 0,
@@ -95,14 +95,16 @@ impl<'a> RunLoop<'a> {
                 work.count(report, 1);
                 let row = n == due || n == steps;
                 due += if n == due { every } else { 0 };
-                observers.step(&rest, t, row, action.output(), action.mechanism());
+                observers.step(&rest, t, row, action.mechanism());
             }
             taken.set(n);
             if n == steps {
                 return None;
             }
             n += 1;
-            action.set_pedal(setup.pedal.lift_m(t + h));
+            if setup.pedal.is_used() {
+                action.set_pedal(setup.pedal.lift_m(t + h));
+            }
             Some(rest.input(drive, t, h, theta, h, &|| action.mechanism().site_position()))
         });
         played.map_err(SimulationError::from)
@@ -130,9 +132,8 @@ impl<'a> RunLoop<'a> {
                 };
                 let ends = |after_s: f64| if after_s >= limit { row_s } else { t0 + after_s };
                 let mut observe = |m: &dyn Mechanism| {
-                    let now = m.readout();
-                    let now_s = now.now_s;
-                    observers.step(&rest, now_s, now_s == row_s, now.output, m);
+                    let now_s = m.readout().now_s;
+                    observers.step(&rest, now_s, now_s == row_s, m);
                 };
                 let mechanism = self.action.mechanism_mut();
                 let report = mechanism.controlled_step(&accuracy, limit, &ends, &mut input, &mut observe);
@@ -180,30 +181,33 @@ impl<'a> RunLoop<'a> {
 
 impl Observers<'_> {
     /// After a step.
-    fn step(&mut self, rest: &Rest, time_s: f64, row: bool, output: &StepOutput, m: &dyn Mechanism) {
-        self.peak_force_n = self.peak_force_n.max(output.drive_n);
+    fn step(&mut self, rest: &Rest, time_s: f64, row: bool, m: &dyn Mechanism) {
+        // Once for all that observe: it is put together anew each time.
+        let now = m.readout();
+        self.peak_force_n = self.peak_force_n.max(now.output.drive_n);
         if let Some(ledger) = &mut self.ledger {
-            ledger.observe(m);
+            ledger.observe_at_rest(now.rests, m);
         }
         if let Some(further) = &mut self.further {
             further.step(time_s, row, m);
         }
-        self.observe(rest, time_s, row, output, m);
+        self.observe(rest, time_s, row, m, &now);
     }
 
-    fn observe(&mut self, rest: &Rest, time_s: f64, row: bool, output: &StepOutput, m: &dyn Mechanism) {
-        let rested = std::mem::replace(&mut self.rested, m.readout().rests);
-        let (key_m, hammer_m) = (output.site_m - rest.site_m, output.point_m[1] - rest.head_m);
+    fn observe(&mut self, rest: &Rest, time_s: f64, row: bool, m: &dyn Mechanism, now: &Readout<'_>) {
+        let rested = std::mem::replace(&mut self.rested, now.rests);
+        let StepOutput { site_m, point_m, impact, .. } = *now.output;
+        let (key_m, hammer_m) = (site_m - rest.site_m, point_m[1] - rest.head_m);
         if rested && self.rested {
             self.detector.stood(time_s);
             self.recorder.stood();
         } else {
-            self.extremes.observe(time_s, m);
-            self.detector.observe(time_s, key_m, hammer_m, output.impact, m);
-            self.recorder.step(m);
+            self.extremes.note(time_s, now);
+            self.detector.observe(time_s, key_m, hammer_m, impact, m);
+            self.recorder.step(now);
         }
         if row {
-            self.recorder.row(time_s, key_m, hammer_m, m);
+            self.recorder.row_of(time_s, key_m, hammer_m, now);
         }
     }
 }

@@ -209,7 +209,8 @@ impl Stroke {
         })
     }
 
-    /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where the other is not known.
+    /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where
+    /// the other is not known.
     fn position(&self, wanted: PositionOf, finger: &Finger) -> Result<Arc<PositionSeries>, DrivingError> {
         let mut worked_out = self.worked_out.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, position)) = worked_out.as_ref().filter(|(of, _)| of == finger) {

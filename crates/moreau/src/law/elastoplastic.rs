@@ -3,12 +3,12 @@
 //!
 //! A cold path: a mechanism without such felts pays nothing for it.
 
-use super::hook::{Law, Memory, Pressing, Recalled};
+use super::hook::{Law, Memory, Pressing};
 use super::number::{DAMPING, LAW_NUMBERS, LawNumber, Range};
 use super::rate_part::Form;
 use super::set_valued::ETA;
-use super::slider::{Slider, held, sharper, slide};
-use super::spring::Spring;
+use super::slider::{Slider, bend, held, press, recall, sharper};
+use super::spring::{Curvature, Pressed, Spring};
 use crate::real::Real;
 
 /// F = k g^r + b g^2 dg/dt, and one slider of bound eta k g^r in series with a spring. The memory is the stretch of the
@@ -27,7 +27,7 @@ pub struct Elastoplastic<T> {
 impl<T: Real> Elastoplastic<T> {
     #[inline(always)]
     fn sliders(&self) -> [Slider<T>; 1] {
-        [Slider { eta: self.eta, slip: self.slip }]
+        [Slider { ratio: self.eta / self.slip, slip: self.slip }]
     }
 }
 
@@ -62,8 +62,16 @@ impl<T: Real> Law<T> for Elastoplastic<T> {
         sharper(&self.sliders(), exponent)
     }
 
-    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Recalled<T> {
-        slide(&self.sliders(), self.damping, spring, pressing, memory)
+    fn press(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Pressed<T> {
+        press(&self.sliders(), self.damping, spring, pressing, memory)
+    }
+
+    fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
+        bend(&self.sliders(), self.damping, spring, pressing, memory)
+    }
+
+    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
+        recall(&self.sliders(), spring, pressing, memory)
     }
 
     fn held(&self, spring: &Spring<T>, _: T, memory: &Memory<T>) -> T {

@@ -4,7 +4,7 @@
 //! A cold path: a mechanism without such felts pays nothing for it. `README.md`, "Felts with an internal state", has
 //! the derivation.
 
-use super::hook::{Law, MEMORY, Memory, Pressing, Recalled};
+use super::hook::{Law, MEMORY, Memory, Path, Pressing};
 use super::number::{LAW_NUMBERS, LawNumber, Range};
 use super::rate_part::{Form, RatePart};
 use super::spring::{Curvature, Pressed, Spring, TINY};
@@ -71,12 +71,42 @@ impl<T: Real> Law<T> for Hereditary<T> {
         total - spring.stiffness * compression.max(T::ZERO).powf(power) / power
     }
 
+    fn press(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Pressed<T> {
+        self.relaxing(spring, pressing, memory).0
+    }
+
+    fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
+        self.relaxing(spring, pressing, memory).1
+    }
+
+    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
+        let fade = decay(pressing.timing.step / self.time);
+        let mut after = [T::ZERO; MEMORY];
+        after[0] = forget(self.after(&fade, spring, &pressing.path(), memory[0]));
+        after
+    }
+}
+
+impl<T: Real> Hereditary<T> {
+    /// The memory after a step in which u = g^r runs linearly.
+    #[inline(always)]
+    fn after(&self, fade: &Decay<T>, spring: &Spring<T>, path: &Path<T>, memory: T) -> T {
+        let quick = T::ONE / (T::ONE - self.relaxed);
+        let [start, end] = [path.start, path.to].map(|g| quick * spring.at(g.max(T::ZERO)).force);
+        fade.left * memory + self.relaxed * (start * fade.first + end * fade.last)
+    }
+
     /// Exact where u = g^r runs linearly.
     #[inline(always)]
-    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Recalled<T> {
+    fn relaxing(
+        &self,
+        spring: &Spring<T>,
+        pressing: &Pressing<'_, T>,
+        memory: &Memory<T>,
+    ) -> (Pressed<T>, Curvature<T>) {
         let Pressing { compression, rate, timing, touched } = *pressing;
-        let (path, remembered) = (pressing.path(), memory);
-        let (relaxed, time, memory) = (self.relaxed, self.time, remembered[0]);
+        let (path, memory) = (pressing.path(), memory[0]);
+        let (relaxed, time) = (self.relaxed, self.time);
         let (half, one, two, tiny) = (T::from_f64(0.5), T::ONE, T::from_f64(2.0), T::from_f64(TINY));
         let quick = one / (one - relaxed);
         let elastic = |g: T| spring.at(g.max(T::ZERO));
@@ -86,7 +116,7 @@ impl<T: Real> Law<T> for Hereditary<T> {
         let slow = RatePart::of(*spring, Form::Square(T::ZERO)).press_exactly(compression, rate, timing, touched);
         let (start, end) = (quick * elastic(path.start).force, elastic(path.to));
         let fade = decay(timing.step / time);
-        let after = fade.left * memory + relaxed * (start * fade.first + quick * end.force * fade.last);
+        let after = self.after(&fade, spring, &path, memory);
         let mean = fade.mean * memory + relaxed * (start * fade.mean_first + quick * end.force * fade.mean_last);
         // For theta > 1/2 the force is that of the step's later part.
         let late = two * timing.theta - one;
@@ -99,23 +129,18 @@ impl<T: Real> Law<T> for Hereditary<T> {
         let slope = quick * (slow.tangent / h_theta) - timing.step * quick * by_end * end.slope;
         let steep = a.max(&b).max(&end);
         let linear = (reach + timing.step) * quick * steep.slope;
-        let mut memory_after = [T::ZERO; MEMORY];
-        memory_after[0] = forget(after);
-        Recalled {
-            pressed: Pressed {
-                force: only(force),
-                damping_force: T::only(touched, T::select(pushing, force, T::ZERO) - slow.force),
-                tangent: only(h_theta * slope.max(T::ZERO)),
-                curvature: Curvature {
-                    linear,
-                    quadratic: half * quick * (reach * reach + timing.step * timing.step) * steep.curvature,
-                    slack: only(force),
-                },
-                opening: only(force) / linear.max(tiny),
-            },
-            memory: memory_after,
-            gained: self.held(spring, path.to, &memory_after) - self.held(spring, path.start, remembered),
-        }
+        let pressed = Pressed {
+            force: only(force),
+            damping_force: T::only(touched, T::select(pushing, force, T::ZERO) - slow.force),
+            tangent: only(h_theta * slope.max(T::ZERO)),
+            opening: only(force) / linear.max(tiny),
+        };
+        let curvature = Curvature {
+            linear,
+            quadratic: half * quick * (reach * reach + timing.step * timing.step) * steep.curvature,
+            slack: only(force),
+        };
+        (pressed, curvature)
     }
 }
 

@@ -2,11 +2,12 @@
 //! it.
 //!
 //! A law's force over a step is its rate part ([`RatePart`]: what depends on compression and rate now), or, where it
-//! has a memory, what [`Law::recall`] says in its place. Both are mean forces along the step's straight path in g.
+//! has a memory, what [`Law::press`] says in its place. Both are mean forces along the step's straight path in g. Every
+//! iteration asks for the force, a step's end for the memory, and the exact acceptance test alone for the curvature.
 
 use super::number::{LAW_NUMBERS, LawNumber};
 use super::rate_part::Form;
-use super::spring::{Pressed, Spring};
+use super::spring::{Curvature, Pressed, Spring};
 use crate::real::Real;
 use crate::timing::Timing;
 
@@ -52,11 +53,22 @@ pub(crate) trait Law<T: Real>: Copy {
         T::ONE
     }
 
-    /// Force, tangent and what the tangent leaves out, and what becomes of the memory. Asked only of laws with a
-    /// memory.
-    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Recalled<T> {
+    /// Force and tangent. This, [`Law::bend`] and [`Law::recall`] are asked only of laws with a memory.
+    fn press(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Pressed<T> {
         let _ = (spring, pressing, memory);
-        Recalled::nothing()
+        Pressed::nothing()
+    }
+
+    /// How the force of [`Law::press`] bends away from its tangent.
+    fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
+        let _ = (spring, pressing, memory);
+        Curvature::nothing()
+    }
+
+    /// The memory at the step's end.
+    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
+        let _ = (spring, pressing, memory);
+        [T::ZERO; MEMORY]
     }
 
     /// The memory after a step in which the felt was not touched.
@@ -80,21 +92,6 @@ pub(crate) struct Pressing<'a, T: Real> {
     pub timing: &'a Timing<T>,
     /// The lanes in which it is touched during the step.
     pub touched: T::Mask,
-}
-
-/// What a law with memory does during a step.
-pub(crate) struct Recalled<T> {
-    pub pressed: Pressed<T>,
-    /// The memory at the step's end.
-    pub memory: Memory<T>,
-    /// By how much the energy that the memory holds has grown, J: what the damping force did beyond that is lost.
-    pub gained: T,
-}
-
-impl<T: Real> Recalled<T> {
-    fn nothing() -> Self {
-        Recalled { pressed: Pressed::nothing(), memory: [T::ZERO; MEMORY], gained: T::ZERO }
-    }
 }
 
 /// The compression's straight path in a step, m.

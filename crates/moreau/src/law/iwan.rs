@@ -9,11 +9,11 @@
 //! loop between two depths closes on itself. A blow loses 2 eta / (1 + eta) of its energy, times the mean of (1 -
 //! s_i)/(1 + s_i).
 
-use super::hook::{Law, MEMORY, Memory, Pressing, Recalled};
+use super::hook::{Law, MEMORY, Memory, Pressing};
 use super::number::{DAMPING, LAW_NUMBERS, LawNumber, Range};
 use super::rate_part::Form;
-use super::slider::{Slider, held, sharper, slide};
-use super::spring::Spring;
+use super::slider::{Slider, bend, held, press, recall, sharper};
+use super::spring::{Curvature, Pressed, Spring};
 use crate::real::Real;
 
 /// F = k g^r + b g^2 dg/dt, and four sliders in parallel, each with a quarter of eta (W. D. Iwan, J. Appl. Mech. 33
@@ -29,11 +29,12 @@ pub struct Iwan<T> {
 }
 
 impl<T: Real> Iwan<T> {
+    #[inline(always)]
     fn sliders(&self) -> [Slider<T>; MEMORY] {
-        let share = 1.0 / MEMORY as f64;
-        core::array::from_fn(|i| Slider {
-            eta: T::from_f64(share) * self.eta,
-            slip: T::from_f64(share * (i + 1) as f64) * self.slip,
+        let first = self.eta / self.slip;
+        core::array::from_fn(|i| {
+            let place = (i + 1) as f64;
+            Slider { ratio: T::from_f64(1.0 / place) * first, slip: T::from_f64(place / MEMORY as f64) * self.slip }
         })
     }
 }
@@ -72,8 +73,16 @@ impl<T: Real> Law<T> for Iwan<T> {
         sharper(&self.sliders(), exponent)
     }
 
-    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Recalled<T> {
-        slide(&self.sliders(), self.damping, spring, pressing, memory)
+    fn press(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Pressed<T> {
+        press(&self.sliders(), self.damping, spring, pressing, memory)
+    }
+
+    fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
+        bend(&self.sliders(), self.damping, spring, pressing, memory)
+    }
+
+    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
+        recall(&self.sliders(), spring, pressing, memory)
     }
 
     fn held(&self, spring: &Spring<T>, _: T, memory: &Memory<T>) -> T {
@@ -100,9 +109,8 @@ mod tests {
             let at = |k: i32| from + (to - from) * f64::from(k) / f64::from(steps);
             let (compression, rate) = (0.5 * (at(k) + at(k + 1)), (at(k + 1) - at(k)) / 50e-6);
             let pressing = Pressing { compression, rate, timing: &timing, touched: true };
-            let recalled = LAW.recall(&SPRING, &pressing, memory);
-            work += recalled.pressed.force * (at(k + 1) - at(k));
-            *memory = recalled.memory;
+            work += LAW.press(&SPRING, &pressing, memory).force * (at(k + 1) - at(k));
+            *memory = LAW.recall(&SPRING, &pressing, memory);
         }
         work
     }
@@ -112,7 +120,7 @@ mod tests {
         let timing = Timing::new(50e-6, 0.5);
         let rate = if back { -2e-8 } else { 2e-8 };
         let pressing = Pressing { compression: compression + 25e-6 * rate, rate, timing: &timing, touched: true };
-        LAW.recall(&SPRING, &pressing, memory).pressed.force
+        LAW.press(&SPRING, &pressing, memory).force
     }
 
     /// Loading for the first time and unloading to where every slider has turned: k g^r (1 +- eta). Between them slider

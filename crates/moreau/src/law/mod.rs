@@ -35,7 +35,7 @@ pub use spring::Exponent;
 use crate::real::{Mask, Real, Scalar, join};
 use crate::timing::Timing;
 use hook::Law;
-pub(crate) use hook::{Memory, Pressing, Recalled};
+pub(crate) use hook::{Memory, Pressing};
 pub(crate) use rate_part::{CurvatureBound, Form, RatePart};
 pub(crate) use spring::{Curvature, FAR, ONSET, Pressed, Spring, TINY};
 
@@ -117,7 +117,19 @@ macro_rules! laws {
                 }
             }
 
-            pub(crate) fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Recalled<T> {
+            pub(crate) fn press(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Pressed<T> {
+                match self {
+                    $(Loss::$law(law) => law.press(spring, pressing, memory),)*
+                }
+            }
+
+            pub(crate) fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
+                match self {
+                    $(Loss::$law(law) => law.bend(spring, pressing, memory),)*
+                }
+            }
+
+            pub(crate) fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
                 match self {
                     $(Loss::$law(law) => law.recall(spring, pressing, memory),)*
                 }

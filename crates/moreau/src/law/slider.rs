@@ -6,30 +6,48 @@
 //! monotonous, their work is worked out exactly; the force is that work over the way, so that no step of any length
 //! gives energy. `README.md`, "Felts with an internal state", has the derivation.
 
-use super::hook::{MEMORY, Memory, Path, Pressing, Recalled};
-use super::spring::{Curvature, Elastic, Exponent, Pressed, Spring, TINY};
+use super::hook::{MEMORY, Memory, Path, Pressing};
+use super::spring::{Curvature, Exponent, FAR, Pressed, Spring, TINY};
 use crate::real::{Mask, Real};
+
+/// A slider that gives early on the step's path bends the force by less than the quick test allows it, if the square of
+/// the part of the way on which it held, times x over the way, is below this.
+const EARLY: f64 = 0.0625;
 
 /// A spring in series with a slider. Its memory is the spring's stretch e, m^((r+1)/2).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slider<T> {
-    /// The slider's bound as a part of k g^r.
-    pub eta: T,
+    /// K over kappa.
+    pub ratio: T,
     /// The spring's stretch at which the slider gives, as a part of x.
     pub slip: T,
 }
 
 impl<T: Real> Slider<T> {
-    /// K over kappa.
+    /// The slider's bound as a part of k g^r.
     #[inline(always)]
-    fn ratio(&self) -> T {
-        self.eta / self.slip
+    fn eta(&self) -> T {
+        self.ratio * self.slip
     }
 
     /// A factor in the bound of its bend (README, "Felts with an internal state").
     #[inline(always)]
     fn stretch(&self) -> T {
         (T::ONE + self.slip) * (T::ONE + self.slip) / (T::ONE - self.slip)
+    }
+
+    /// A stretch within its bounds at x.
+    #[inline(always)]
+    fn within(&self, e: T, x: T) -> T {
+        let bound = self.slip * x;
+        e.max(-bound).min(bound)
+    }
+
+    /// The stretch where the path begins over which the force is a mean.
+    #[inline(always)]
+    fn start(&self, memory: T, way: &Way<T>) -> T {
+        let start = self.within(memory, way.start);
+        if way.late { self.within(start + (way.from.x - way.start), way.from.x) } else { start }
     }
 }
 
@@ -38,19 +56,219 @@ pub(crate) fn sharper<T: Real>(sliders: &[Slider<T>], r: T) -> T {
     let (one, c) = (T::ONE, T::from_f64);
     let mut sum = one;
     for slider in sliders {
-        sum += slider.ratio() * (one + c(0.25) * (r - c(3.0)).abs() * slider.stretch() / r);
+        sum += slider.ratio * (one + c(0.25) * (r - c(3.0)).abs() * slider.stretch() / r);
     }
     sum
 }
 
 /// The energy in the sliders' springs, J.
+#[inline(always)]
 pub(crate) fn held<T: Real>(sliders: &[Slider<T>], spring: &Spring<T>, memory: &Memory<T>) -> T {
-    let kappa = spring.stiffness / half_power(spring);
     let mut sum = T::ZERO;
     for (slider, e) in sliders.iter().zip(memory) {
-        sum += T::from_f64(0.5) * (slider.ratio() * kappa) * *e * *e;
+        sum = sum.add_product(slider.ratio, *e * *e);
     }
-    sum
+    T::from_f64(0.5) * (spring.stiffness * inverse_power(spring)) * sum
+}
+
+/// The memory at the step's end, from the memory at its start.
+#[inline(always)]
+pub(crate) fn recall<T: Real>(
+    sliders: &[Slider<T>],
+    spring: &Spring<T>,
+    pressing: &Pressing<'_, T>,
+    memory: &Memory<T>,
+) -> Memory<T> {
+    let way = Way::of(spring, pressing);
+    let mut after = [T::ZERO; MEMORY];
+    for ((slider, &e), after) in sliders.iter().zip(memory).zip(&mut after) {
+        *after = T::only(pressing.touched, slider.within(slider.start(e, &way) + way.length, way.to.x));
+    }
+    after
+}
+
+/// Force and tangent of a felt with sliders and b beside its spring, from the memory at the step's start.
+#[inline(always)]
+pub(crate) fn press<T: Real>(
+    sliders: &[Slider<T>],
+    damping: T,
+    spring: &Spring<T>,
+    pressing: &Pressing<'_, T>,
+    memory: &Memory<T>,
+) -> Pressed<T> {
+    Pushed::of(sliders, damping, spring, pressing, memory).pressed
+}
+
+/// How that force bends away from its tangent.
+#[inline(always)]
+pub(crate) fn bend<T: Real>(
+    sliders: &[Slider<T>],
+    damping: T,
+    spring: &Spring<T>,
+    pressing: &Pressing<'_, T>,
+    memory: &Memory<T>,
+) -> Curvature<T> {
+    let (half, one, two, tiny) = (T::from_f64(0.5), T::ONE, T::from_f64(2.0), T::from_f64(TINY));
+    let Pushed { way, pressed, linear, room } = Pushed::of(sliders, damping, spring, pressing, memory);
+    let Pressing { rate, timing, .. } = *pressing;
+    let (r, m) = (spring.exponent.value(), half_power(spring));
+    // Second derivatives of the felt while slider or spring hold, and the bend where a slider gives.
+    let (mut bends, mut knee) = (one, T::ZERO);
+    for (slider, &e) in sliders.iter().zip(memory) {
+        let slid = Slide::of(slider, e, &way);
+        bends += slider.ratio * (one + half * (m - two).abs() * slider.stretch() / r);
+        knee += T::only(slid.holds.not(), slider.ratio * slid.held * slid.held * (one + slider.slip));
+    }
+    let reach = two * timing.h_theta;
+    let curvature = spring.at(way.from.g).curvature.max(spring.at(way.to.g).curvature);
+    let knee = way.kappa * knee * way.chord.mean * way.to.slope * way.to.slope / way.length.abs().max(tiny);
+    let deepest = way.from.g.max(way.to.g);
+    let speed = damping * rate.abs();
+    let quadratic =
+        half * reach * (reach * (curvature * bends + knee + two * speed) + T::from_f64(4.0) * damping * deepest);
+    // How far the clamp is, and the nearest slider's switch. For theta above 1/2 the tangent leaves out what is of
+    // first order (`Pushed::of`), which a slack of zero says.
+    let slack = (half * linear * room).min(pressed.force);
+    Curvature { linear, quadratic, slack: T::select(timing.theta.le(half), slack, T::ZERO) }
+}
+
+/// Force and tangent, and what its bend is worked out from.
+struct Pushed<T> {
+    way: Way<T>,
+    pressed: Pressed<T>,
+    /// The largest change of the force with the rate.
+    linear: T,
+    /// By how much the rate may change, m/s, until a slider begins to give, or the way turns round.
+    room: T,
+}
+
+impl<T: Real> Pushed<T> {
+    #[inline(always)]
+    fn of(
+        sliders: &[Slider<T>],
+        damping: T,
+        spring: &Spring<T>,
+        pressing: &Pressing<'_, T>,
+        memory: &Memory<T>,
+    ) -> Self {
+        let (half, one, two, tiny) = (T::from_f64(0.5), T::ONE, T::from_f64(2.0), T::from_f64(TINY));
+        let Pressing { rate, timing, touched, .. } = *pressing;
+        let way = Way::of(spring, pressing);
+        let (from, to, chord) = (&way.from, &way.to, &way.chord);
+        // The mean force in x and its slope, over kappa. For theta above 1/2 the stretch at the path's beginning goes
+        // along with the rate, which the slope does not know: such a felt is always near a switch.
+        let elastic = half * (from.x + to.x);
+        let (mut total, mut slope, mut ratios, mut bounds) = (elastic, half, one, one);
+        let (mut room, mut near) = (T::from_f64(FAR), timing.theta.le(half).not());
+        for (slider, &e) in sliders.iter().zip(memory) {
+            let slid = Slide::of(slider, e, &way);
+            total = total.add_product(slider.ratio, slid.mean);
+            slope = slope.add_product(slider.ratio, slid.mean_slope);
+            ratios += slider.ratio;
+            bounds += slider.eta();
+            room = room.min(slid.room);
+            near = near.or(slid.near);
+        }
+        let slope = way.kappa * (chord.mean * to.slope * slope).add_product(total, chord.slope);
+        let reach = two * timing.h_theta;
+        // The papers' b, with the mean of g^2 over the path.
+        let third = T::from_f64(1.0 / 3.0);
+        let square = third * (from.g * from.g + from.g * to.g + to.g * to.g);
+        let viscous = damping * square * chord.part;
+        let by_depth =
+            damping * rate * (third * (from.g + two * to.g) * chord.part).add_product(square, chord.part_slope);
+        let slope = (reach * (slope + by_depth) + viscous).max(T::ZERO);
+        let force = (way.kappa * total * chord.mean).add_product(viscous, rate);
+        let pushing = touched.and(T::ZERO.lt(force));
+        let force = T::only(pushing, force);
+        let (steepest, deepest) = (from.slope.max(to.slope), from.g.max(to.g));
+        let m = half_power(spring);
+        let steep = way.kappa * steepest * steepest * ratios.add_product((m - one) * inverse_power(spring), bounds);
+        let lossy = damping * deepest;
+        let linear = (lossy * deepest).add_product(reach, steep.add_product(two * rate.abs(), lossy));
+        let room = room / (reach * steepest).max(tiny);
+        let pressed = Pressed {
+            force,
+            // What the clamp leaves of the loss undoes the stiffness.
+            damping_force: T::only(touched, force - way.kappa * elastic * chord.mean),
+            tangent: T::only(pushing, timing.h_theta * slope),
+            opening: T::select(near, T::ZERO, room.min(force / linear.max(tiny))),
+        };
+        Pushed { way, pressed, linear, room }
+    }
+}
+
+/// What one slider does on the path in x.
+struct Slide<T: Real> {
+    /// Its spring's mean stretch over the path, with its derivative by the path's end.
+    mean: T,
+    mean_slope: T,
+    /// Where it holds all the way, and else the part of the way on which it does.
+    holds: T::Mask,
+    held: T,
+    /// It gives so far on the way that its switch counts as near.
+    near: T::Mask,
+    /// How far its switch is in x, at least.
+    room: T,
+}
+
+impl<T: Real> Slide<T> {
+    #[inline(always)]
+    fn of(slider: &Slider<T>, memory: T, way: &Way<T>) -> Self {
+        let (half, one) = (T::from_f64(0.5), T::ONE);
+        let Way { from, to, length: d, .. } = way;
+        let (e, slip) = (slider.start(memory, way), slider.slip);
+        let (onward, bound) = (e + *d, slip * to.x);
+        let (up, down) = (bound - onward, bound + onward);
+        let holds = T::ZERO.le(up).and(T::ZERO.le(down));
+        // One of them would be longer by 1/(1 - slip), the other shorter by 1/(1 + slip).
+        let room = up.min(down * (one - slip));
+        if holds.all() {
+            let none = T::Mask::splat(false);
+            return Slide { mean: e.add_product(half, *d), mean_slope: half, holds, held: one, near: none, room };
+        }
+        // The slider's bound along the path, per x, and the part of the way until it gives.
+        let side = T::select(T::ZERO.le(*d), slip, -slip);
+        let held = T::select(holds, one, (side * from.x - e) / T::select(holds, one, (one - side) * *d));
+        let gives = one - held;
+        let way = d.abs();
+        Slide {
+            mean: e.add_product(*d, half * held * held + gives * (held + half * side * gives)),
+            mean_slope: half * (held * held + side * (one - held * held)),
+            holds,
+            held,
+            near: holds.not().and((T::from_f64(EARLY) * way).le(held * held * from.x.max(to.x))),
+            room: T::select(holds, room, way * gives),
+        }
+    }
+}
+
+/// The step's path in x, with what is measured of it.
+struct Way<T> {
+    kappa: T,
+    /// x where the step starts.
+    start: T,
+    /// Where the part begins over which the force is a mean, and where it ends.
+    from: Measure<T>,
+    to: Measure<T>,
+    /// How long that part is; negative where the felt opens.
+    length: T,
+    chord: Chord<T>,
+    /// The mean is taken over the step's last part only: theta > 1/2.
+    late: bool,
+}
+
+impl<T: Real> Way<T> {
+    #[inline(always)]
+    fn of(spring: &Spring<T>, pressing: &Pressing<'_, T>) -> Self {
+        let (path, theta) = (pressing.path(), pressing.timing.theta);
+        let late = !theta.le(T::from_f64(0.5)).all();
+        let (from, to) = (Measure::of(spring, path.from), Measure::of(spring, path.to));
+        let start = if late { Measure::of(spring, path.start).x } else { from.x };
+        let chord = Chord::of(spring, &path, &from, &to);
+        let kappa = spring.stiffness * inverse_power(spring);
+        Way { kappa, start, length: to.x - from.x, from, to, chord, late }
+    }
 }
 
 /// m = (r + 1)/2.
@@ -59,175 +277,15 @@ fn half_power<T: Real>(spring: &Spring<T>) -> T {
     T::from_f64(0.5) * (spring.exponent.value() + T::ONE)
 }
 
-/// What one slider does on the path in x.
-struct Slide<T: Real> {
-    /// The spring's stretch at the path's end and its mean over the path, with its derivative by the path's end.
-    end: T,
-    mean: T,
-    mean_slope: T,
-    /// The part of the way on which the slider holds, where it holds at first and gives then.
-    held: T,
-    mixed: T::Mask,
-    /// How far in x its switch is.
-    room: T,
-}
-
-impl<T: Real> Slide<T> {
-    /// From a stretch at x0, where the step starts, over the path from xa to x1.
-    #[inline(always)]
-    fn of(slip: T, memory: T, [x0, xa, x1]: [T; 3]) -> Self {
-        let (half, one) = (T::from_f64(0.5), T::ONE);
-        let within = |e: T, x: T| e.max(-(slip * x)).min(slip * x);
-        let start = within(memory, x0);
-        let ea = within(start + (xa - x0), xa);
-        let d = x1 - xa;
-        // The slider's bound along the path, per x; how far x goes until the slider gives; and the part of the way
-        // until then.
-        let side = T::select(T::ZERO.le(d), slip, -slip);
-        let until = (side * xa - ea) / (one - side);
-        let holds = d.abs().le(until.abs());
-        let held = T::select(holds, one, until / T::select(holds, one, d));
-        let gives = one - held;
-        let mean = ea.add_product(d, half * held * held + gives * (held + half * side * gives));
-        let mean_slope = half * (held * held + side * (one - held * held));
-        let up = (slip * xa - ea) / (one - slip) - d;
-        let down = d + (slip * xa + ea) / (one + slip);
-        let room = T::select(holds, up.min(down), d.abs() - until.abs());
-        Slide { end: within(ea + d, x1), mean, mean_slope, held, mixed: holds.not().and(T::ZERO.lt(held)), room }
-    }
-}
-
-/// A felt with sliders and b beside its spring, from the memory at the step's start.
-pub(crate) fn slide<T: Real>(
-    sliders: &[Slider<T>],
-    damping: T,
-    spring: &Spring<T>,
-    pressing: &Pressing<'_, T>,
-    memory: &Memory<T>,
-) -> Recalled<T> {
-    let (half, one, two, tiny) = (T::from_f64(0.5), T::ONE, T::from_f64(2.0), T::from_f64(TINY));
-    let Pressing { rate, timing, touched, .. } = *pressing;
-    let path = pressing.path();
-    let m = half_power(spring);
-    let kappa = spring.stiffness / m;
-    let x0 = measure(spring, path.start).x;
-    let (before, after) = (measure(spring, path.from), measure(spring, path.to));
-    let (xa, x1) = (before.x, after.x);
-    let way = (x1 - xa).abs();
-    let chord = chord(spring, &path, &before, &after);
-    let (elastic, r) = (before.elastic.max(&after.elastic), spring.exponent.value());
-    // The mean force in x and its slope, what is in the springs, and what the tangent leaves out: second derivatives of
-    // the felt while slider or spring hold, and the bend where a slider gives.
-    let (mut total, mut slope) = (half * kappa * (xa + x1), half * kappa);
-    let (mut gained, mut ratios, mut bounds, mut bends, mut knee) = (T::ZERO, one, one, one, T::ZERO);
-    let (mut room, mut mixed) = (T::from_f64(super::spring::FAR), T::Mask::splat(false));
-    let mut kept = [T::ZERO; MEMORY];
-    for ((slider, &e), kept) in sliders.iter().zip(memory).zip(&mut kept) {
-        let stiffness = slider.ratio() * kappa;
-        let slid = Slide::of(slider.slip, e, [x0, xa, x1]);
-        total = total.add_product(stiffness, slid.mean);
-        slope = slope.add_product(stiffness, slid.mean_slope);
-        *kept = T::only(touched, slid.end);
-        gained += half * stiffness * (*kept * *kept - e * e);
-        ratios += slider.ratio();
-        bounds += slider.eta;
-        bends += slider.ratio() * (one + half * (m - two).abs() * slider.stretch() / r);
-        knee += T::only(slid.mixed, stiffness * slid.held * slid.held * (one + slider.slip));
-        room = room.min(slid.room);
-        mixed = mixed.or(slid.mixed);
-    }
-    let slope = (chord.mean * after.slope * slope).add_product(total, chord.slope);
-    let reach = two * timing.h_theta;
-    // The papers' b, with the mean of g^2 over the path.
-    let (ga, g1, third) = (before.g, after.g, T::from_f64(1.0 / 3.0));
-    let square = third * (ga * ga + ga * g1 + g1 * g1);
-    let viscous = damping * square * chord.part;
-    let by_depth = damping * rate * (third * (ga + two * g1) * chord.part).add_product(square, chord.part_slope);
-    let slope = (reach * (slope + by_depth) + viscous).max(T::ZERO);
-    let force = (total * chord.mean).add_product(viscous, rate);
-    let pushing = touched.and(T::ZERO.lt(force));
-    let steepest = elastic.slope / r * (m * ratios + (m - one) * bounds);
-    let bend = elastic.curvature * bends;
-    let knee = T::only(mixed, chord.mean * after.slope * after.slope * knee / way.max(tiny));
-    let room = room / (reach * before.slope.max(after.slope)).max(tiny);
-    let deepest = ga.max(g1);
-    let speed = damping * rate.abs();
-    let linear = reach * (steepest + two * speed * deepest) + damping * deepest * deepest;
-    let bend = half * reach * (reach * (bend + knee + two * speed) + T::from_f64(4.0) * damping * deepest);
-    // How far the clamp is, and the nearest slider's switch.
-    let (clamp, switch) = (T::only(pushing, force), half * linear * room);
-    // For theta above 1/2 the memory at the path's beginning goes along with the rate. The tangent does not know that:
-    // what it leaves out is of first order, which a slack of zero says.
-    let late = timing.theta.le(half).not();
-    // What the clamp leaves of the loss undoes the stiffness.
-    let stored = half * kappa * (xa + x1) * chord.mean;
-    Recalled {
-        pressed: Pressed {
-            force: clamp,
-            damping_force: T::only(touched, clamp - stored),
-            tangent: T::only(pushing, timing.h_theta * slope),
-            curvature: Curvature { linear, quadratic: bend, slack: T::select(late, T::ZERO, switch.min(clamp)) },
-            opening: T::select(mixed, T::ZERO, room.min(clamp / linear.max(tiny))),
-        },
-        memory: kept,
-        gained,
-    }
-}
-
-/// x = g^m with its derivative, and the elastic force there.
+/// 1/m.
 #[inline(always)]
-fn measure<T: Real>(spring: &Spring<T>, compression: T) -> Measure<T> {
-    let g = compression.max(T::ZERO);
-    let elastic = spring.at(g);
-    let m = half_power(spring);
-    let (x, slope, root) = match spring.exponent {
-        Exponent::Two => {
-            let root = g.sqrt();
-            (g * root, m * root, root)
-        }
-        Exponent::TwoAndHalf => {
-            let root = g.sqrt();
-            let lower = root * root.sqrt();
-            (g * lower, m * lower, root)
-        }
-        Exponent::Three => (g * g, m * g, g),
-        Exponent::Other(_) => {
-            let lower = g.powf(m - T::ONE);
-            (g * lower, m * lower, g)
-        }
-    };
-    Measure { g, x, slope, root, elastic }
-}
-
-/// See [`Chord`], without a difference of nearly equal numbers.
-#[inline(always)]
-fn chord<T: Real>(spring: &Spring<T>, path: &Path<T>, before: &Measure<T>, after: &Measure<T>) -> Chord<T> {
-    let (one, half, tiny) = (T::ONE, T::from_f64(0.5), T::from_f64(TINY));
-    let (a, b) = (after.root, before.root);
-    let (mean, slope) = match spring.exponent {
-        Exponent::Two => {
-            let sum = (a + b).max(tiny);
-            ((a * a + a * b + b * b) / sum, (a + b + b) / (sum * sum) * half)
-        }
-        Exponent::Three => (after.g + before.g, one),
-        Exponent::TwoAndHalf | Exponent::Other(_) => {
-            let (way, sum) = (after.g - before.g, (after.g + before.g).max(tiny));
-            let far = (cube_root_of_epsilon::<T>() * sum).lt(way.abs());
-            let divisor = T::select(far, way, one);
-            let middle = measure(spring, half * sum);
-            let m = half_power(spring);
-            let bend = (m - one) * middle.slope / middle.g.max(tiny);
-            let mean = T::select(far, (after.x - before.x) / divisor, middle.slope);
-            (mean, T::select(far, (after.slope - mean) / divisor, half * bend))
-        }
-    };
-    // Where the path begins or ends apart, only a part of it counts.
-    let whole = T::ZERO.le(path.from).and(T::ZERO.le(path.to));
-    let way = path.to - path.from;
-    let way = T::select(whole.or(T::ZERO.lt(way.abs()).not()), one, way);
-    let part = T::select(whole, one, (after.g - before.g) / way);
-    let part_slope = T::select(whole, T::ZERO, path.from.abs() / (way * way));
-    Chord { mean: mean * part, slope: (slope * part).add_product(mean, part_slope), part, part_slope }
+fn inverse_power<T: Real>(spring: &Spring<T>) -> T {
+    match spring.exponent {
+        Exponent::Two => T::from_f64(1.0 / 1.5),
+        Exponent::TwoAndHalf => T::from_f64(1.0 / 1.75),
+        Exponent::Three => T::from_f64(0.5),
+        Exponent::Other(_) => T::ONE / half_power(spring),
+    }
 }
 
 /// x = g^m at a compression.
@@ -235,10 +293,32 @@ struct Measure<T> {
     /// The compression, not negative.
     g: T,
     x: T,
+    /// dx/dg.
     slope: T,
-    /// Its square root where r = 2, else of no use.
+    /// Its square root where r = 2, its fourth root where r = 2.5, else of no use.
     root: T,
-    elastic: Elastic<T>,
+}
+
+impl<T: Real> Measure<T> {
+    #[inline(always)]
+    fn of(spring: &Spring<T>, compression: T) -> Self {
+        let g = compression.max(T::ZERO);
+        let m = half_power(spring);
+        let (lower, root) = match spring.exponent {
+            Exponent::Two => {
+                let root = g.sqrt();
+                (root, root)
+            }
+            Exponent::TwoAndHalf => {
+                let square = g.sqrt();
+                let root = square.sqrt();
+                (square * root, root)
+            }
+            Exponent::Three => (g, g),
+            Exponent::Other(_) => (g.powf(m - T::ONE), g),
+        };
+        Measure { g, x: g * lower, slope: m * lower, root }
+    }
 }
 
 /// The mean of dx/dg over a path, and the part of the path that is touched, each with its derivative by the path's end.
@@ -247,6 +327,51 @@ struct Chord<T> {
     slope: T,
     part: T,
     part_slope: T,
+}
+
+impl<T: Real> Chord<T> {
+    /// Without a difference of nearly equal numbers: with roots a and b of the compressions, g = a^n and x = a^p, the
+    /// mean is N/D, where N and D are a^p - b^p and a^n - b^n divided by a - b, and its derivative is what is left of
+    /// dx/dg D - N when it is divided by a - b, over D^2.
+    #[inline(always)]
+    fn of(spring: &Spring<T>, path: &Path<T>, before: &Measure<T>, after: &Measure<T>) -> Self {
+        let (one, half, c, tiny) = (T::ONE, T::from_f64(0.5), T::from_f64, T::from_f64(TINY));
+        let (a, b) = (after.root, before.root);
+        let (mean, slope) = match spring.exponent {
+            Exponent::Two => {
+                let inverse = one / (a + b).max(tiny);
+                ((a * a + a * b + b * b) * inverse, half.add_product(half * b, inverse) * inverse)
+            }
+            Exponent::TwoAndHalf => {
+                let (aa, ab, bb) = (a * a, a * b, b * b);
+                let (aaa, bbb, squares) = (aa * a, bb * b, aa + bb);
+                let inverse = one / ((a + b) * squares).max(tiny);
+                let mean = (aa * aa + bb * bb) * squares + ab * (aa * squares + bb * bb);
+                let rest = aaa * (c(0.75) * aa + c(1.5) * ab + c(2.25) * bb) + bbb * (c(3.0) * aa + c(2.0) * ab + bb);
+                (mean * inverse, rest * inverse * inverse)
+            }
+            Exponent::Three => (after.g + before.g, one),
+            Exponent::Other(_) => {
+                let (way, sum) = (after.g - before.g, (after.g + before.g).max(tiny));
+                let far = (cube_root_of_epsilon::<T>() * sum).lt(way.abs());
+                let divisor = T::select(far, way, one);
+                let middle = Measure::of(spring, half * sum);
+                let bend = (half_power(spring) - one) * middle.slope / middle.g.max(tiny);
+                let mean = T::select(far, (after.x - before.x) / divisor, middle.slope);
+                (mean, T::select(far, (after.slope - mean) / divisor, half * bend))
+            }
+        };
+        // Where the path begins or ends apart, only a part of it counts.
+        let whole = T::ZERO.le(path.from).and(T::ZERO.le(path.to));
+        if whole.all() {
+            return Chord { mean, slope, part: one, part_slope: T::ZERO };
+        }
+        let way = path.to - path.from;
+        let way = T::select(whole.or(T::ZERO.lt(way.abs()).not()), one, way);
+        let part = T::select(whole, one, (after.g - before.g) / way);
+        let part_slope = T::select(whole, T::ZERO, path.from.abs() / (way * way));
+        Chord { mean: mean * part, slope: (slope * part).add_product(mean, part_slope), part, part_slope }
+    }
 }
 
 /// The third root of the rounding: a difference over such a part of the numbers is as exact as its replacement by a

@@ -139,7 +139,6 @@ pub(crate) struct Pressed<T> {
     pub damping_force: T,
     /// theta h dF/d(rate), never negative: h dF/dv1 along the row, for the rate's own change is theta times that of v1.
     pub tangent: T,
-    pub curvature: Curvature<T>,
     /// The rate, m/s, by which it would have to open faster before it pushes no more.
     pub opening: T,
 }
@@ -158,8 +157,7 @@ impl<T: Real> Pressed<T> {
     /// No force.
     pub(crate) fn nothing() -> Self {
         let z = T::ZERO;
-        let curvature = Curvature { linear: z, quadratic: z, slack: z };
-        Pressed { force: z, damping_force: z, tangent: z, curvature, opening: z }
+        Pressed { force: z, damping_force: z, tangent: z, opening: z }
     }
 
     /// The other in some lanes.
@@ -170,12 +168,25 @@ impl<T: Real> Pressed<T> {
             force: choose(self.force, other.force),
             damping_force: choose(self.damping_force, other.damping_force),
             tangent: choose(self.tangent, other.tangent),
-            curvature: Curvature {
-                linear: choose(self.curvature.linear, other.curvature.linear),
-                quadratic: choose(self.curvature.quadratic, other.curvature.quadratic),
-                slack: choose(self.curvature.slack, other.curvature.slack),
-            },
             opening: choose(self.opening, other.opening),
+        }
+    }
+}
+
+impl<T: Real> Curvature<T> {
+    /// That of no force.
+    pub(crate) fn nothing() -> Self {
+        Curvature { linear: T::ZERO, quadratic: T::ZERO, slack: T::ZERO }
+    }
+
+    /// The other in some lanes.
+    #[inline(always)]
+    pub(crate) fn or(self, lanes: T::Mask, other: Self) -> Self {
+        let choose = |a: T, b: T| T::select(lanes, b, a);
+        Curvature {
+            linear: choose(self.linear, other.linear),
+            quadratic: choose(self.quadratic, other.quadratic),
+            slack: choose(self.slack, other.slack),
         }
     }
 }

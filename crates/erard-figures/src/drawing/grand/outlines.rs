@@ -29,7 +29,8 @@ pub(super) struct Outline {
     pub finish: Finish,
     /// Whether sharps alone have it, or naturals alone; both where nothing is said.
     pub of_sharps: Option<bool>,
-    /// Whether corners are left as they are. Otherwise they are rounded off, but for those that are written twice; long edges stay straight.
+    /// Whether corners are left as they are. Otherwise they are rounded off, but for those that are written twice; long
+    /// edges stay straight.
     #[serde(default)]
     pub sharp: bool,
     /// Corners one after the other.

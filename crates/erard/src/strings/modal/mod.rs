@@ -6,7 +6,7 @@ mod surfaces;
 
 use core::f64::consts::PI;
 
-use moreau_kernels::Mechanism;
+use moreau_kernels::{Mechanism, Readout};
 
 use super::bridge::Bridge;
 use super::damping::{self, BridgeCoupling, Felt, Rocks, bridge_coupling};
@@ -136,7 +136,12 @@ impl Strings {
     /// Those of a mechanism.
     #[must_use]
     pub fn under(mechanism: &dyn Mechanism) -> Option<&Self> {
-        mechanism.readout().surfaces.and_then(|surfaces| surfaces.as_any().downcast_ref())
+        Strings::read(&mechanism.readout())
+    }
+
+    /// The same from what is read of the mechanism.
+    pub(crate) fn read<'a>(now: &Readout<'a>) -> Option<&'a Self> {
+        now.surfaces.and_then(|surfaces| surfaces.as_any().downcast_ref())
     }
 
     /// Everything still, as it stands under what lies on it when the action rests.
