@@ -5,7 +5,7 @@ use erard::instrument::Instrument;
 use erard_workshop::sample::{Band, SampleError, band};
 use serde::Serialize;
 
-use super::samples::Samples;
+use super::samples::{Samples, not_one_sample};
 use crate::cache;
 use crate::failure::Failure;
 use crate::output::Output;
@@ -27,6 +27,13 @@ pub(crate) struct BandOptions {
         value_parser = clap::value_parser!(u32).range(2..=10_000)
     )]
     pub bands: Option<u32>,
+}
+
+impl BandOptions {
+    /// Refuses bands of one sample before that sample is drawn, which takes seconds.
+    pub(crate) fn check(self, asked: &str) -> Result<(), Failure> {
+        self.bands.map_or(Ok(()), |_| not_one_sample(asked))
+    }
 }
 
 /// A value of the instrument itself, and its band.

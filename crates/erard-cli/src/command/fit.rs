@@ -58,7 +58,7 @@ pub(crate) struct Fit {
     /// Estimate for every channel how much later it was written down than what drives
     #[arg(long)]
     delays: bool,
-    /// What is made of squares: all but `linear` heed outliers less
+    /// Loss function of the residuals: all but `linear` give outliers less weight
     #[arg(long, value_parser = one_of(&LOSSES), default_value = "linear")]
     loss: Loss,
     /// Where the derivatives of the last steps and of the errors come from: differences, or the model's own

@@ -99,6 +99,7 @@ impl Press {
         let settings = self.step.settings()?;
         let against = self.against.as_ref().map(|other| self.stroke.with(other, self.against_columns.as_ref()));
         let stroke = against.as_ref().map_or_else(|| self.stroke.load(), |other| self.stroke.beside(other).load())?;
+        self.bands.check(self.instrument.first())?;
         let instruments = self.instrument.load()?;
         let hand = self.hand.hand()?;
         let setup = |stroke: &Stroke| Setup {

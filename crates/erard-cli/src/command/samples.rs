@@ -32,11 +32,7 @@ enum Source {
 impl Samples {
     /// Samples of what the user asked for: an instrument, or a key of a keyboard.
     pub(crate) fn of(asked: &str) -> Result<Self, Failure> {
-        if split_sample(asked).map_err(usage)?.1.is_some() {
-            return Err(Failure::Usage(format!(
-                "{asked} is one sample already; a band is of many: leave `{SAMPLE}N` out"
-            )));
-        }
+        not_one_sample(asked)?;
         let source = match KeyboardKey::asked(asked)? {
             Some(key) => Source::Key(key),
             None => Source::Text(load_instrument_and_text(asked)?.1),
@@ -92,6 +88,14 @@ impl Samples {
     fn failed(&self, error: SampleError) -> Failure {
         failed(&self.asked, error)
     }
+}
+
+/// Refuses one sample where many are drawn.
+pub(crate) fn not_one_sample(asked: &str) -> Result<(), Failure> {
+    if split_sample(asked).map_err(usage)?.1.is_some() {
+        return Err(Failure::Usage(format!("{asked} is one sample already; a band is of many: leave `{SAMPLE}N` out")));
+    }
+    Ok(())
 }
 
 /// A sample that was asked for in the place of an instrument: its text; `None` where none was.

@@ -106,6 +106,7 @@ impl Study {
         if self.sensitivities {
             return self.tell_what_matters();
         }
+        self.bands.check(self.instrument.asked())?;
         let settings = self.step.settings()?;
         let measures = measured_lines("--measure", &self.measure)?;
         let (instrument, source) = self.source()?;

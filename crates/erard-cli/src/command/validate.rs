@@ -36,6 +36,7 @@ pub(crate) struct Validate {
 impl Validate {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        self.bands.check(&self.instrument)?;
         let (instrument, text) = load_instrument_and_text(&self.instrument)?;
         let (of, sample) = split_sample(&self.instrument).map_err(|error| Failure::Usage(error.to_string()))?;
         let keyboard = match KeyboardKey::asked(&of)? {

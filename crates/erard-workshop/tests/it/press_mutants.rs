@@ -390,7 +390,7 @@ fn names_its_mutant(seeds: std::ops::Range<u64>) {
 /// step. Books that are kept from outside, in other arithmetic, say the same. Bounds are far apart from where runs lie.
 #[test]
 fn a_study_distrusts_what_a_press_does() {
-    distrusts_alike(40);
+    distrusts_alike(16);
 }
 
 #[test]
