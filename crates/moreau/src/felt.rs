@@ -298,8 +298,8 @@ impl<T: Real> FeltLaw<T> {
         self.bend_exactly(compression, rate, timing, touched, carried.memory)
     }
 
-    /// The compression and its rate at the theta point, with what a surface that yields yields under the felt's force:
-    /// from those that there would be if it were not pressed.
+    /// Compression and its rate at the theta point, less the displacement of a compliant surface under the felt's
+    /// force. The arguments are those of the surface without load.
     pub(crate) fn give_way(
         &self,
         compression: T,
