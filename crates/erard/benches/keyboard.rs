@@ -4,13 +4,20 @@
 //! `cargo bench -p erard --bench keyboard`, `-- --ticks N` for another number of ticks per line. The budget of a tick
 //! is the time that it simulates. Times include the clock's own reading (printed); the slowest ticks by the clock are
 //! those that the operating system interrupts, the largest number of keys awake is printed too, because that repeats.
+//! Beside them, a key awake over its bare step ([`erard_workshop::benchmarks::OverBare`]), as a ratio of medians in turn
+//! within the run; and a recorded press with its energy balance over the bare steps of the same note.
+//!
 //! Lanes of four neighbours would have to be worth it: beside the times stands how many of four are awake where one is.
 //! Below 4/3 even lanes that are three times as fast gain nothing.
 
+use erard::Instrument;
 use erard::keyboard::KEYS;
 use erard::keyboard::tremolo::TEN;
 use erard_workshop::benchmarks::latency::clock_ns;
-use erard_workshop::benchmarks::{Effort, STEP_S, Ticks, keyboard};
+use erard_workshop::benchmarks::{Effort, OverBare, STEP_S, STEPS, Ticks, keyboard};
+
+/// Ticks of a stroke of the tremolo, seven of which are played in a second.
+const STROKE_TICKS: usize = STEPS as usize / 7;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
@@ -38,5 +45,24 @@ fn main() {
         println!("{name}_real_time_factor_mean {:.1}", measured.real_time_factor());
         println!("{name}_ticks_over_budget {}", measured.over_budget);
         println!("{name}_steps_not_converged {}", times.unconverged_steps);
+    }
+    let effort = Effort::USUAL;
+    let grand = Instrument::builtin("concert-grand").expect("built in");
+    let press = OverBare::of_recorded_press(&grand, STEPS, effort.rounds, &mut |_| true);
+    let [every, moving] = press.expect("nobody interrupts");
+    let keys = |fingers| OverBare::of_keys(&instruments, fingers, effort.rounds, STROKE_TICKS, &mut |_| true);
+    let [ten, all] = [TEN, KEYS].map(|fingers| keys(fingers).expect("nobody interrupts"));
+    for (name, measured) in [
+        ("recorded_press", every),
+        ("recorded_press_not_left_out", moving),
+        ("tremolo_key", ten),
+        ("all_keys_key", all),
+    ] {
+        println!("{name}_steps_a_round {:.0}", measured.steps);
+        for (what, times) in [("bare_step", measured.bare), ("step", measured.whole)] {
+            let [low, high] = [times.lower_quartile, times.upper_quartile];
+            println!("{name}_{what}_ns {:.0} (quartiles {low:.0} {high:.0})", times.median);
+        }
+        println!("{name}_over_bare_step {:.2}", measured.ratio());
     }
 }

@@ -77,9 +77,13 @@ fn print(report: &Value) {
         timed("press", "press_ms", real_time("press_real_time_factor")),
         timed("kinematics, a pose", "kinematics_pose_ns", String::new()),
     ];
+    let bare = |key: &str| format!("{:.2} x its bare steps", number(key));
     let keyboard = [
         ratio("keyboard, ten-finger tremolo".to_owned(), real_time("keyboard_real_time_factor")),
         ratio("keyboard, all 88 keys at once".to_owned(), real_time("keyboard_all_keys_real_time_factor")),
+        ratio("a recorded press, energy balance kept".to_owned(), bare("press_over_bare_steps")),
+        ratio("a key awake, ten fingers".to_owned(), bare("keyboard_key_over_bare_step")),
+        ratio("a key awake, all 88 keys".to_owned(), bare("keyboard_all_keys_over_bare_step")),
     ];
     let sets = report["instruction_sets"].as_array().into_iter().flatten().filter_map(Value::as_str);
     say!("The concert grand on this machine: {} cores, {}", report["cores"], sets.collect::<Vec<_>>().join(", "));

@@ -4,7 +4,7 @@ use crate::common::Folder;
 use serde_json::Value;
 
 /// What a reader of the JSON may rely on.
-const NUMBERS: [&str; 42] = [
+const NUMBERS: [&str; 48] = [
     "step_ns_median",
     "step_ns_spread",
     "real_time_factor",
@@ -47,6 +47,12 @@ const NUMBERS: [&str; 42] = [
     "keyboard_awake_max",
     "keyboard_all_keys_real_time_factor",
     "keyboard_asleep_tick_ns_p50",
+    "press_bare_step_ns_median",
+    "press_over_bare_steps",
+    "press_over_bare_steps_not_left_out",
+    "keyboard_key_step_ns_median",
+    "keyboard_key_over_bare_step",
+    "keyboard_all_keys_over_bare_step",
 ];
 
 /// The JSON is alone on standard output, has every key, and every number is finite and positive (a spread may be zero).
@@ -85,6 +91,7 @@ fn the_table_names_what_was_timed() {
         "keyboard",
         "single steps",
         "x real time",
+        "x its bare steps",
         "99.99 %",
     ] {
         assert!(table.contains(part), "{part}: {table}");

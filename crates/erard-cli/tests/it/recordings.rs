@@ -174,6 +174,28 @@ fn traces_that_are_wrong_are_noticed() {
     assert!(folder.bad(&["press", "--zero", "off"]).contains("belong to a stroke file"));
 }
 
+/// With `--zero off` every number of a recording stays as it is; otherwise the mean of the rest before the touch is
+/// taken away.
+#[test]
+fn the_zero_is_left_where_it_is_not_wanted() {
+    let folder = Folder::new("recordings-zero");
+    let force = |t: f64| FORCE_OFFSET_N + 5.0 * ((t - REST_S) / 0.03).clamp(0.0, 1.0);
+    let rows = (0..500).map(|n| f64::from(n) * 1e-3).map(|t| format!("{t},{}\n", force(t)));
+    folder.file("lab.csv", &format!("time_s,force_N\n{}", rows.collect::<String>()));
+    let first = |arguments: &[&str]| {
+        let common = ["press", "lab.csv", "--low-pass", "off", "--duration", "0.05"];
+        folder.good(&[&common, arguments].concat());
+        let table = folder.read("erard-out/run.csv");
+        let title = table.lines().next().unwrap().split(',').position(|title| title == "force_N").unwrap();
+        table.lines().nth(1).unwrap().split(',').nth(title).unwrap().parse::<f64>().unwrap()
+    };
+    assert!(first(&[]).abs() < 1e-12);
+    assert!(first(&["--zero", "rest"]).abs() < 1e-12);
+    assert!((first(&["--zero", "off"]) - FORCE_OFFSET_N).abs() < 1e-12);
+    let said = folder.bad(&["press", "lab.csv", "--zero", "on"]);
+    assert!(said.contains("--zero") && said.contains("rest") && said.contains("off"), "{said}");
+}
+
 /// A run's own tables are strokes, the same ones; a key's trace gives the fingertip's where force was recorded too.
 #[test]
 #[ignore = "ci: runs compared with themselves, driven in every way"]

@@ -4,6 +4,7 @@
 //! medians over rounds in which everything that is compared has its turn, and come with their quartiles; ratios are
 //! ratios of medians of one run.
 
+mod bare;
 pub mod callgrind;
 mod grand;
 mod keys;
@@ -13,6 +14,7 @@ mod many;
 mod sampling;
 mod single;
 
+pub use bare::OverBare;
 pub use grand::{GrandWorkspace, MF_N, STEP_S, STEPS, at_rest, described, grand, group, instrument, note, press};
 
 pub use keys::{Ticks, keyboard};
@@ -57,13 +59,14 @@ pub fn measure(effort: &Effort, progress: &mut dyn FnMut(&str, f64) -> bool) -> 
     let mut part = |what: &'static str, from: f64, to: f64, share: f64| progress(what, from + (to - from) * share);
     let single = single::measure(effort, &mut |share| part("step, press and pose", 0.0, 0.2, share))?;
     let many = many::measure(effort, &mut |share| part("many at once", 0.2, 0.6, share))?;
-    let keyboard = keys::measure(effort.ticks, &mut |share| part("keyboard", 0.6, 0.75, share))?;
+    let keyboard = keys::measure(effort.ticks, &mut |share| part("keyboard", 0.6, 0.7, share))?;
+    let over_bare = bare::measure(effort, &mut |share| part("beside bare steps", 0.7, 0.75, share))?;
     let of_one = of_steps(effort.single_steps, &mut |share| part("single steps", 0.75, 0.9, share))?;
     let lanes = Lanes::most();
     let group_steps = effort.single_steps / lanes.count() as u64;
     let of_group = of_group_steps(group_steps, lanes, &mut |share| part("group steps", 0.9, 1.0, share))?;
-    let parts =
-        [json!({"instruction_sets": instruction_sets()}), single, many, keyboard, latency::report(&of_one, &of_group)];
+    let sets = json!({"instruction_sets": instruction_sets()});
+    let parts = [sets, single, many, keyboard, over_bare, latency::report(&of_one, &of_group)];
     Some(parts.into_iter().filter_map(|part| part.as_object().cloned()).flatten().collect())
 }
 

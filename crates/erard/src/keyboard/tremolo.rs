@@ -74,16 +74,24 @@ impl Tremolo {
 
     /// One step of the fingers and of all keys that are awake. Never allocates.
     pub fn tick(&mut self) -> Tick {
+        self.drive(&mut |_, _| {});
+        self.keys.step()
+    }
+
+    /// The fingers' part of a tick, before the keys' step: `pressed` gets each key that is played, from 1, and its
+    /// force, N.
+    pub fn drive(&mut self, pressed: &mut dyn FnMut(usize, f64)) {
         for finger in &mut self.fingers {
             if finger.playing {
-                self.keys.drive(finger.key, Input::Force(self.force_n[finger.tick]));
+                let force_n = self.force_n[finger.tick];
+                self.keys.drive(finger.key, Input::Force(force_n));
+                pressed(finger.key, force_n);
             }
             finger.tick += 1;
             if finger.tick == self.force_n.len() {
                 finger.next_stroke();
             }
         }
-        self.keys.step()
     }
 
     /// The keys, to be looked at.
