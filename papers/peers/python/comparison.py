@@ -31,6 +31,8 @@ def setting(row):
     parts = []
     if "step_s" in row:
         parts.append(f"step {row['step_s'] * 1e6:g} us")
+    if "newton_tolerance" in row:
+        parts.append(f"Newton {row['newton_tolerance']:g}")
     if "tolerance" in row:
         parts.append(f"tolerance {row['tolerance']:g}")
     if "width_rad_per_s" in row:

@@ -154,6 +154,7 @@ def everything(comparison):
 COLUMNS = [
     "name",
     "step_s",
+    "newton_tolerance",
     "tolerance",
     "width_rad_per_s",
     "error",

@@ -1,13 +1,15 @@
 //! Erard's side of the comparison in `papers/peers/`: the mechanism as JSON for programs that are not this one, and the
 //! engine's own rows.
 //!
-//! `cargo run --release -p erard --example peers -- export|blow|batch|hold [--quick] [NAME or FILE.toml]`; the rigid
+//! `cargo run --release -p erard --example peers -- export|blow|batch|hold|steps [--quick] [NAME or FILE.toml]`; the rigid
 //! concert grand unless another instrument is named. `export` prints the mechanism (its format stands in `export.rs`),
-//! the others one JSON object a line and setting.
+//! `steps` a
+//! table of where long steps lose accuracy and time, the others one JSON object a line and setting.
 
 mod export;
 mod play;
 mod rows;
+mod steps;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -31,7 +33,7 @@ fn main() -> ExitCode {
 fn run(arguments: Vec<String>) -> Result<(), Box<dyn std::error::Error>> {
     let quick = arguments.iter().any(|a| a == "--quick");
     let mut words = arguments.iter().filter(|a| *a != "--quick");
-    let command = words.next().ok_or("expected export, blow, batch or hold")?;
+    let command = words.next().ok_or("expected export, blow, batch, hold or steps")?;
     let instrument = match words.next() {
         Some(name) if Path::new(name).extension().is_none() => Instrument::builtin(name)?,
         Some(file) => Instrument::load(Path::new(file))?,
@@ -60,7 +62,8 @@ fn play<const B: usize, const Z: usize, const N: usize>(
         "blow" => rows::blows(&action, quick),
         "batch" => rows::batches(&action, quick),
         "hold" => rows::holds(&action, quick),
-        other => return Err(format!("unknown command {other}; expected export, blow, batch or hold").into()),
+        "steps" => steps::where_errors_arise(&action),
+        other => return Err(format!("unknown command {other}; expected export, blow, batch, hold or steps").into()),
     }
     Ok(())
 }

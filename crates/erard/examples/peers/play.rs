@@ -88,15 +88,40 @@ pub struct Played {
     pub steps: u64,
 }
 
+/// A blow in steps of any lengths.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Walked {
+    /// Speed of the strike point at the string, m/s, and the instant, s.
+    pub strike: Option<[f64; 2]>,
+    pub seconds: f64,
+    pub steps: u64,
+    /// Newton iterations and active sets of all steps.
+    pub newton: u64,
+    pub sets: u64,
+}
+
 /// How long steps are.
 #[derive(Debug, Clone, Copy)]
 pub enum Steps {
     /// All as long, s.
     Fixed(f64),
+    /// The same, with Newton's tolerance loosened to [`LOOSE`].
+    Loose(f64),
     /// The same, but for those that would change no bit.
     FixedOrRest(f64),
     /// As long as an error allows.
     Controlled(f64),
+}
+
+/// A tolerance of Newton's method that moves the errors of long steps by less than a twentieth (`steps` shows it), and
+/// saves them a quarter of their iterations. The engine's usual one is 1e-5.
+pub const LOOSE: f64 = 1e-2;
+
+impl Steps {
+    /// Newton's tolerance.
+    pub fn newton(&self) -> f64 {
+        if matches!(self, Steps::Loose(_)) { LOOSE } else { Settings::<f64>::new(LARGEST_STEP_S).tolerance }
+    }
 }
 
 /// Limits of adaptive steps and their first attempt, s.
@@ -175,9 +200,10 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
         let mut watch = Watch::new(self.strike, &self.links, &state.angle, instants);
         let mut taken = 0;
         match steps {
-            Steps::Fixed(h) | Steps::FixedOrRest(h) => {
+            Steps::Fixed(h) | Steps::FixedOrRest(h) | Steps::Loose(h) => {
                 let rests = matches!(steps, Steps::FixedOrRest(_));
-                let (settings, mut workspace) = (Settings::new(h), Workspace::<f64, B, Z, N>::new());
+                let settings = Settings { tolerance: steps.newton(), ..Settings::new(h) };
+                let mut workspace = Workspace::<f64, B, Z, N>::new();
                 let mut repose = Sleep::awake();
                 for n in 0..(end / h).ceil() as u64 {
                     let t = n as f64 * h;
@@ -225,16 +251,52 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
         Played { strike: found, angles_rad, seconds: start.elapsed().as_secs_f64(), steps: taken }
     }
 
+    /// Plays a blow in steps whose lengths `length` gives, from the instant of each, the length of the one before, s, and
+    /// how far its velocities were from their prediction: the largest difference, as a part of 1 rad/s + |velocity|.
+    pub fn play_in(
+        &self,
+        settings: &Settings<f64>,
+        scale: f64,
+        length: &mut dyn FnMut(f64, f64, f64) -> f64,
+    ) -> Walked {
+        let force = self.force(scale);
+        let start = Instant::now();
+        let mut state = State::at_rest(std::array::from_fn(|i| self.rest[i]));
+        let mut watch = Watch::new(self.strike, &self.links, &state.angle, &[]);
+        let mut workspace = Workspace::<f64, B, Z, N>::new();
+        let (mut walked, mut t, mut before, mut missed) = (Walked::default(), 0.0, 0.0, 0.0);
+        while t < self.blow_s {
+            let h = length(t, before, missed).min(self.blow_s - t).max(SMALLEST_STEP_S);
+            if before > 0.0 && before != h {
+                state.increment.iter_mut().for_each(|increment| *increment *= h / before);
+            }
+            let settings = Settings { step: h, ..*settings };
+            let predicted = state.increment;
+            let input = Input::Force(force(t + settings.theta * h));
+            let did = step(&self.model, &settings, &input, &mut state, &mut workspace);
+            assert_ne!(did.outcome, Outcome::NonFinite, "at {t} s");
+            watch.look(t, h, &state.angle, &state.velocity);
+            missed = (0..B)
+                .map(|i| (state.increment[i] - predicted[i]).abs() / (1.0 + state.velocity[i].abs()))
+                .fold(0.0, f64::max);
+            (t, before) = (t + h, h);
+            walked.steps += 1;
+            walked.newton += u64::from(did.newton);
+            walked.sets += u64::from(did.solver);
+        }
+        Walked { strike: watch.found, seconds: start.elapsed().as_secs_f64(), ..walked }
+    }
+
     /// The widest lanes up to these that this size has.
     pub fn lanes(&self, wanted: Lanes) -> Lanes {
         Size::of(&self.description).lanes(wanted)
     }
 
-    /// As many instruments side by side as there are lanes, ready to be played in steps of h.
-    pub fn together(&self, h: f64, lanes: Lanes) -> Together {
+    /// As many instruments side by side as there are lanes, ready to be played.
+    pub fn together(&self, settings: &Settings<f64>, lanes: Lanes) -> Together {
         let state = State::<f64, B, Z>::at_rest(std::array::from_fn(|i| self.rest[i])).save().sized();
         let count = lanes.count();
-        side_by_side(&vec![&self.description; count], &vec![state; count], &Settings::new(h), lanes)
+        side_by_side(&vec![&self.description; count], &vec![state; count], settings, lanes)
             .expect("the model was assembled before")
     }
 

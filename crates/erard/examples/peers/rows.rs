@@ -2,10 +2,11 @@
 
 use std::time::Instant;
 
+use moreau::Settings;
 use moreau_kernels::Lanes;
 use serde_json::{Value, json};
 
-use super::play::{Action, HOLD_N, HOLD_S, SCALES, Steps};
+use super::play::{Action, HOLD_N, HOLD_S, LOOSE, SCALES, Steps};
 
 /// Steps of the rows, s.
 const STEPS_S: [f64; 14] =
@@ -28,6 +29,7 @@ pub fn blows<const B: usize, const Z: usize, const N: usize>(action: &Action<B, 
     let (steps, repetitions) = if quick { (&STEPS_S[..QUICK_STEPS], 3) } else { (&STEPS_S[..], 9) };
     for &step in steps {
         row(action, "blow", Steps::Fixed(step), repetitions);
+        row(action, "blow", Steps::Loose(step), repetitions);
     }
     for &tolerance in if quick { &TOLERANCES[..5] } else { &TOLERANCES[..] } {
         row(action, "blow", Steps::Controlled(tolerance), repetitions);
@@ -40,6 +42,10 @@ fn named(task: &str, steps: Steps) -> serde_json::Map<String, Value> {
         Steps::Fixed(step_s) | Steps::FixedOrRest(step_s) => {
             eprintln!("erard: {task}, step {:.3} us", step_s * 1e6);
             json!({ "task": task, "peer": "Erard", "step_s": step_s })
+        }
+        Steps::Loose(step_s) => {
+            eprintln!("erard: {task}, step {:.3} us, Newton's tolerance loosened", step_s * 1e6);
+            json!({ "task": task, "peer": "Erard", "step_s": step_s, "newton_tolerance": steps.newton() })
         }
         Steps::Controlled(tolerance) => {
             eprintln!("erard: {task}, tolerance {tolerance:e}");
@@ -87,7 +93,8 @@ pub fn batches<const B: usize, const Z: usize, const N: usize>(action: &Action<B
     let (steps, repetitions) = if quick { (&STEPS_S[..QUICK_STEPS], 3) } else { (&STEPS_S[..], 15) };
     for lanes in [Lanes::most(), Lanes::most_single()].map(|lanes| action.lanes(lanes)) {
         for &step_s in steps {
-            batch(action, lanes, step_s, repetitions);
+            batch(action, lanes, step_s, None, repetitions);
+            batch(action, lanes, step_s, Some(LOOSE), repetitions);
         }
     }
 }
@@ -96,8 +103,11 @@ fn batch<const B: usize, const Z: usize, const N: usize>(
     action: &Action<B, Z, N>,
     lanes: Lanes,
     step_s: f64,
+    newton: Option<f64>,
     repetitions: usize,
 ) {
+    let settings = Settings::new(step_s);
+    let settings = Settings { tolerance: newton.unwrap_or(settings.tolerance), ..settings };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let precision = if lanes.is_single() { "single" } else { "double" };
     eprintln!(
@@ -115,7 +125,7 @@ fn batch<const B: usize, const Z: usize, const N: usize>(
         let played: Vec<_> = std::thread::scope(|scope| {
             let play = || {
                 let groups = groups.iter().flat_map(|scales| scales.chunks(lanes.count()));
-                let assembled: Vec<_> = groups.map(|scales| (action.together(step_s, lanes), scales)).collect();
+                let assembled: Vec<_> = groups.map(|scales| (action.together(&settings, lanes), scales)).collect();
                 ready.wait();
                 let start = Instant::now();
                 let play = |(group, scales)| action.play_together(group, step_s, scales);
@@ -137,13 +147,14 @@ fn batch<const B: usize, const Z: usize, const N: usize>(
         .zip(strikes.chunks(MOST_LANES))
         .map(|(&scale, group)| blow(scale, group[0], best_s, (action.blow_s / step_s).ceil() as u64))
         .collect();
-    println!(
-        "{}",
-        json!({
-            "task": "blow", "peer": "Erard", "batch_cores": cores, "lanes": lanes.count(), "precision": precision,
-            "step_s": step_s, "blows": blows,
-        })
-    );
+    let mut row = json!({
+        "task": "blow", "peer": "Erard", "batch_cores": cores, "lanes": lanes.count(), "precision": precision,
+        "step_s": step_s, "blows": blows,
+    });
+    if let Some(newton) = newton {
+        row["newton_tolerance"] = json!(newton);
+    }
+    println!("{row}");
 }
 
 /// Prints the held note's row for every step.
