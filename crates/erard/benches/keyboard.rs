@@ -4,8 +4,8 @@
 //! `cargo bench -p erard --bench keyboard`, `-- --ticks N` for another number of ticks per line. The budget of a tick
 //! is the time that it simulates. Times include the clock's own reading (printed); the slowest ticks by the clock are
 //! those that the operating system interrupts, the largest number of keys awake is printed too, because that repeats.
-//! Beside them, a key awake over its bare step ([`erard_workshop::benchmarks::OverBare`]), as a ratio of medians in turn
-//! within the run; and a recorded press with its energy balance over the bare steps of the same note.
+//! Beside them, a key awake over its bare step ([`erard_workshop::benchmarks::OverBare`]), as a ratio of medians in
+//! turn within the run; and a recorded press with its energy balance over the bare steps of the same note.
 //!
 //! Lanes of four neighbours would have to be worth it: beside the times stands how many of four are awake where one is.
 //! Below 4/3 even lanes that are three times as fast gain nothing.

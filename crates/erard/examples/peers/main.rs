@@ -1,10 +1,10 @@
 //! Erard's side of the comparison in `papers/peers/`: the mechanism as JSON for programs that are not this one, and the
 //! engine's own rows.
 //!
-//! `cargo run --release -p erard --example peers -- export|blow|batch|hold|steps [--quick] [NAME or FILE.toml]`; the rigid
-//! concert grand unless another instrument is named. `export` prints the mechanism (its format stands in `export.rs`),
-//! `steps` a
-//! table of where long steps lose accuracy and time, the others one JSON object a line and setting.
+//! `cargo run --release -p erard --example peers -- export|blow|batch|hold|steps [--quick] [NAME or FILE.toml]`; the
+//! rigid concert grand unless another instrument is named. `export` prints the mechanism (its format stands in
+//! `export.rs`), `steps` a table of where long steps lose accuracy and time, the others one JSON object a line and
+//! setting.
 
 mod export;
 mod play;

@@ -251,8 +251,9 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
         Played { strike: found, angles_rad, seconds: start.elapsed().as_secs_f64(), steps: taken }
     }
 
-    /// Plays a blow in steps whose lengths `length` gives, from the instant of each, the length of the one before, s, and
-    /// how far its velocities were from their prediction: the largest difference, as a part of 1 rad/s + |velocity|.
+    /// Plays a blow in steps whose lengths `length` gives, from the instant of each, the length of the one before, s,
+    /// and how far its velocities were from their prediction: the largest difference, as a part of 1 rad/s +
+    /// |velocity|.
     pub fn play_in(
         &self,
         settings: &Settings<f64>,
