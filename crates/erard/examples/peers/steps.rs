@@ -15,6 +15,9 @@ const FINER: f64 = 64.0;
 /// Length of a window, s.
 const WINDOW_S: f64 = 5e-3;
 
+/// Plays all blows in steps whose lengths are a function of the instant.
+type PlayAll<'a> = &'a dyn Fn(&Settings<f64>, &dyn Fn(f64) -> f64) -> Vec<Walked>;
+
 /// Errors of all blows: relative, of the hammer speed, and of the impact's instant, s.
 #[derive(Default)]
 struct Errors {
@@ -111,7 +114,7 @@ pub fn where_errors_arise<const B: usize, const Z: usize, const N: usize>(action
 /// tolerance loosened.
 fn adaptive<const B: usize, const Z: usize, const N: usize>(
     action: &Action<B, Z, N>,
-    all: &dyn Fn(&Settings<f64>, &dyn Fn(f64) -> f64) -> Vec<Walked>,
+    all: PlayAll<'_>,
     reference: &[Walked],
     impact_s: f64,
 ) {
