@@ -14,10 +14,7 @@ use erard::Instrument;
 use erard::keyboard::KEYS;
 use erard::keyboard::tremolo::TEN;
 use erard_workshop::benchmarks::latency::clock_ns;
-use erard_workshop::benchmarks::{Effort, OverBare, STEP_S, STEPS, Ticks, keyboard};
-
-/// Ticks of a stroke of the tremolo, seven of which are played in a second.
-const STROKE_TICKS: usize = STEPS as usize / 7;
+use erard_workshop::benchmarks::{Effort, OverBare, STEP_S, Ticks, keyboard};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
@@ -46,11 +43,10 @@ fn main() {
         println!("{name}_ticks_over_budget {}", measured.over_budget);
         println!("{name}_steps_not_converged {}", times.unconverged_steps);
     }
-    let effort = Effort::USUAL;
     let grand = Instrument::builtin("concert-grand").expect("built in");
-    let press = OverBare::of_recorded_press(&grand, STEPS, effort.rounds, &mut |_| true);
+    let press = OverBare::of_recorded_press(&grand, &Effort::USUAL, &mut |_| true);
     let [every, moving] = press.expect("nobody interrupts");
-    let keys = |fingers| OverBare::of_keys(&instruments, fingers, effort.rounds, STROKE_TICKS, &mut |_| true);
+    let keys = |fingers| OverBare::of_keys(&instruments, fingers, &Effort::USUAL, &mut |_| true);
     let [ten, all] = [TEN, KEYS].map(|fingers| keys(fingers).expect("nobody interrupts"));
     for (name, measured) in [
         ("recorded_press", every),

@@ -17,12 +17,9 @@ use super::grand::{MF_N, STEP_S, STEPS, described, group, note};
 use super::{Effort, Timed, Times, in_turn};
 use erard::Progress;
 use erard::instrument::Instrument;
-use erard::keyboard::tremolo::{TEN, Tremolo};
+use erard::keyboard::tremolo::{STROKES_PER_S, TEN, Tremolo};
 use erard::keyboard::{KEYS, Keys};
 use erard::run::{Setup, press};
-
-/// Strokes of a finger in a second of the tremolo: a round of the keyboard is one.
-const STROKES: u64 = 7;
 
 /// Times of something and of its bare steps, in turn within one run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,10 +47,10 @@ impl OverBare {
     /// If the instrument cannot be played.
     pub fn of_recorded_press(
         instrument: &Instrument,
-        steps: u64,
-        rounds: usize,
+        effort: &Effort,
         progress: &mut Progress<'_>,
     ) -> Option<[Self; 2]> {
+        let steps = effort.steps;
         let rest = described(instrument).expect("it comes to rest");
         let setup = Setup { settings: Settings::new(STEP_S), ledger: true, ..Setup::new(steps as f64 * STEP_S) };
         let released_s = STEPS as f64 * 0.5 * STEP_S;
@@ -73,23 +70,23 @@ impl OverBare {
                 }),
             },
         ];
-        let times = in_turn(rounds, &mut subjects, progress)?;
+        let times = in_turn(effort.rounds, &mut subjects, progress)?;
         let [every, moving, whole] = times[..] else { return None };
         Some([every, moving].map(|bare| OverBare { bare, whole, steps: steps as f64 }))
     }
 
-    /// The keys of a keyboard that are awake in a tremolo of so many fingers, and their bare steps. A round is a stroke
-    /// of the fingers. `None` where `progress` ended the work.
+    /// The keys of a keyboard that are awake in a tremolo of so many fingers, and their bare steps. Where a note lasts
+    /// a second, a round is a stroke of the fingers. `None` where `progress` ended the work.
     ///
     /// # Panics
     /// If a key does not come to rest.
     pub fn of_keys(
         instruments: &[Instrument],
         fingers: usize,
-        rounds: usize,
-        ticks: usize,
+        effort: &Effort,
         progress: &mut Progress<'_>,
     ) -> Option<Self> {
+        let (rounds, ticks) = (effort.rounds, (effort.steps as f64 / STROKES_PER_S) as usize);
         let settings = Settings::new(STEP_S);
         let tremolo = || Tremolo::new(Keys::at_rest(instruments, settings).expect("keys come to rest"), fingers);
         // One is only asked which keys are awake, and plays ahead of the one that is timed.
@@ -138,14 +135,11 @@ impl OverBare {
 ///
 /// # Panics
 /// If what is built in cannot be played.
-pub(crate) fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Value> {
+pub(crate) fn measure(keys: &[Instrument], effort: &Effort, progress: &mut Progress<'_>) -> Option<Value> {
     let grand = Instrument::builtin("concert-grand").expect("built in");
-    let keys = super::keyboard();
-    let [press, moving] =
-        OverBare::of_recorded_press(&grand, effort.steps, effort.rounds, &mut |share| progress(0.2 * share))?;
-    let ticks = (effort.steps / STROKES) as usize;
-    let ten = OverBare::of_keys(&keys, TEN, effort.rounds, ticks, &mut |share| progress(0.2 + 0.3 * share))?;
-    let all = OverBare::of_keys(&keys, KEYS, effort.rounds, ticks, &mut |share| progress(0.5 + 0.5 * share))?;
+    let [press, moving] = OverBare::of_recorded_press(&grand, effort, &mut |share| progress(0.2 * share))?;
+    let ten = OverBare::of_keys(keys, TEN, effort, &mut |share| progress(0.2 + 0.3 * share))?;
+    let all = OverBare::of_keys(keys, KEYS, effort, &mut |share| progress(0.5 + 0.5 * share))?;
     Some(json!({
         "press_bare_step_ns_median": press.bare.median,
         "press_over_bare_steps": press.ratio(),

@@ -93,12 +93,11 @@ impl Ticks {
 }
 
 /// Measures; `None` where `progress` ended the work.
-pub(crate) fn measure(ticks: usize, progress: &mut Progress<'_>) -> Option<Value> {
-    let instruments = keyboard();
-    let tremolo = Ticks::measure(&instruments, TEN, ticks, &mut |share| progress(0.5 * share))?;
-    let asleep = Ticks::measure(&instruments, 0, ticks, &mut |share| progress(0.5 + 0.1 * share))?;
+pub(crate) fn measure(instruments: &[Instrument], ticks: usize, progress: &mut Progress<'_>) -> Option<Value> {
+    let tremolo = Ticks::measure(instruments, TEN, ticks, &mut |share| progress(0.5 * share))?;
+    let asleep = Ticks::measure(instruments, 0, ticks, &mut |share| progress(0.5 + 0.1 * share))?;
     // With all keys awake a tick takes several times as long.
-    let all = Ticks::measure(&instruments, KEYS, ticks / 5, &mut |share| progress(0.6 + 0.4 * share))?;
+    let all = Ticks::measure(instruments, KEYS, ticks / 5, &mut |share| progress(0.6 + 0.4 * share))?;
     Some(json!({
         "keyboard_real_time_factor": tremolo.real_time_factor(),
         "keyboard_ticks_timed": tremolo.times.steps,

@@ -59,8 +59,9 @@ pub fn measure(effort: &Effort, progress: &mut dyn FnMut(&str, f64) -> bool) -> 
     let mut part = |what: &'static str, from: f64, to: f64, share: f64| progress(what, from + (to - from) * share);
     let single = single::measure(effort, &mut |share| part("step, press and pose", 0.0, 0.2, share))?;
     let many = many::measure(effort, &mut |share| part("many at once", 0.2, 0.6, share))?;
-    let keyboard = keys::measure(effort.ticks, &mut |share| part("keyboard", 0.6, 0.7, share))?;
-    let over_bare = bare::measure(effort, &mut |share| part("beside bare steps", 0.7, 0.75, share))?;
+    let instruments = keyboard();
+    let keyboard = keys::measure(&instruments, effort.ticks, &mut |share| part("keyboard", 0.6, 0.7, share))?;
+    let over_bare = bare::measure(&instruments, effort, &mut |share| part("beside bare steps", 0.7, 0.75, share))?;
     let of_one = of_steps(effort.single_steps, &mut |share| part("single steps", 0.75, 0.9, share))?;
     let lanes = Lanes::most();
     let group_steps = effort.single_steps / lanes.count() as u64;

@@ -117,11 +117,9 @@ pub enum Steps {
 /// saves them a quarter of their iterations. The engine's usual one is 1e-5.
 pub const LOOSE: f64 = 1e-2;
 
-impl Steps {
-    /// Newton's tolerance.
-    pub fn newton(&self) -> f64 {
-        if matches!(self, Steps::Loose(_)) { LOOSE } else { Settings::<f64>::new(LARGEST_STEP_S).tolerance }
-    }
+/// Settings of steps of h seconds with that tolerance.
+pub fn loose(h: f64) -> Settings<f64> {
+    Settings { tolerance: LOOSE, ..Settings::new(h) }
 }
 
 /// Limits of adaptive steps and their first attempt, s.
@@ -202,7 +200,7 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
         match steps {
             Steps::Fixed(h) | Steps::FixedOrRest(h) | Steps::Loose(h) => {
                 let rests = matches!(steps, Steps::FixedOrRest(_));
-                let settings = Settings { tolerance: steps.newton(), ..Settings::new(h) };
+                let settings = if matches!(steps, Steps::Loose(_)) { loose(h) } else { Settings::new(h) };
                 let mut workspace = Workspace::<f64, B, Z, N>::new();
                 let mut repose = Sleep::awake();
                 for n in 0..(end / h).ceil() as u64 {

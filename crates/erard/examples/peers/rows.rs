@@ -6,7 +6,7 @@ use moreau::Settings;
 use moreau_kernels::Lanes;
 use serde_json::{Value, json};
 
-use super::play::{Action, HOLD_N, HOLD_S, LOOSE, SCALES, Steps};
+use super::play::{Action, HOLD_N, HOLD_S, LOOSE, SCALES, Steps, loose};
 
 /// Steps of the rows, s.
 const STEPS_S: [f64; 14] =
@@ -45,7 +45,7 @@ fn named(task: &str, steps: Steps) -> serde_json::Map<String, Value> {
         }
         Steps::Loose(step_s) => {
             eprintln!("erard: {task}, step {:.3} us, Newton's tolerance loosened", step_s * 1e6);
-            json!({ "task": task, "peer": "Erard", "step_s": step_s, "newton_tolerance": steps.newton() })
+            json!({ "task": task, "peer": "Erard", "step_s": step_s, "newton_tolerance": LOOSE })
         }
         Steps::Controlled(tolerance) => {
             eprintln!("erard: {task}, tolerance {tolerance:e}");
@@ -93,8 +93,8 @@ pub fn batches<const B: usize, const Z: usize, const N: usize>(action: &Action<B
     let (steps, repetitions) = if quick { (&STEPS_S[..QUICK_STEPS], 3) } else { (&STEPS_S[..], 15) };
     for lanes in [Lanes::most(), Lanes::most_single()].map(|lanes| action.lanes(lanes)) {
         for &step_s in steps {
-            batch(action, lanes, step_s, None, repetitions);
-            batch(action, lanes, step_s, Some(LOOSE), repetitions);
+            batch(action, lanes, &Settings::new(step_s), repetitions);
+            batch(action, lanes, &loose(step_s), repetitions);
         }
     }
 }
@@ -102,12 +102,10 @@ pub fn batches<const B: usize, const Z: usize, const N: usize>(action: &Action<B
 fn batch<const B: usize, const Z: usize, const N: usize>(
     action: &Action<B, Z, N>,
     lanes: Lanes,
-    step_s: f64,
-    newton: Option<f64>,
+    settings: &Settings<f64>,
     repetitions: usize,
 ) {
-    let settings = Settings::new(step_s);
-    let settings = Settings { tolerance: newton.unwrap_or(settings.tolerance), ..settings };
+    let step_s = settings.step;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let precision = if lanes.is_single() { "single" } else { "double" };
     eprintln!(
@@ -125,7 +123,7 @@ fn batch<const B: usize, const Z: usize, const N: usize>(
         let played: Vec<_> = std::thread::scope(|scope| {
             let play = || {
                 let groups = groups.iter().flat_map(|scales| scales.chunks(lanes.count()));
-                let assembled: Vec<_> = groups.map(|scales| (action.together(&settings, lanes), scales)).collect();
+                let assembled: Vec<_> = groups.map(|scales| (action.together(settings, lanes), scales)).collect();
                 ready.wait();
                 let start = Instant::now();
                 let play = |(group, scales)| action.play_together(group, step_s, scales);
@@ -151,8 +149,8 @@ fn batch<const B: usize, const Z: usize, const N: usize>(
         "task": "blow", "peer": "Erard", "batch_cores": cores, "lanes": lanes.count(), "precision": precision,
         "step_s": step_s, "blows": blows,
     });
-    if let Some(newton) = newton {
-        row["newton_tolerance"] = json!(newton);
+    if settings.tolerance == LOOSE {
+        row["newton_tolerance"] = json!(LOOSE);
     }
     println!("{row}");
 }

@@ -3,7 +3,7 @@
 
 use moreau::Settings;
 
-use super::play::{Action, LOOSE, SCALES, Walked};
+use super::play::{Action, LOOSE, SCALES, Walked, loose};
 
 /// Step of the reference, s.
 const FINEST_S: f64 = 0.1e-6;
@@ -36,6 +36,12 @@ impl Errors {
         }
         errors
     }
+
+    /// Of the hammer speed, rms and mean; of the instant, the mean in us.
+    fn columns(&self) -> String {
+        let Errors { speed, instant_s } = self;
+        format!("{:>9.2e} {:>9.2e} {:>8.2}", rms(speed), mean(speed), mean(instant_s) * 1e6)
+    }
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -67,11 +73,9 @@ pub fn where_errors_arise<const B: usize, const Z: usize, const N: usize>(action
                 blows.iter().map(count).sum::<u64>() as f64 / blows.iter().map(|b| b.steps).sum::<u64>() as f64
             };
             println!(
-                "{:>8.0} {tolerance:>9.0e} {:>9.2e} {:>9.2e} {:>8.2} {:>7} {:>8.2} {:>8.2}",
+                "{:>8.0} {tolerance:>9.0e} {} {:>7} {:>8.2} {:>8.2}",
                 h * 1e6,
-                rms(&errors.speed),
-                mean(&errors.speed),
-                mean(&errors.instant_s) * 1e6,
+                errors.columns(),
                 blows[4].steps,
                 per(|b| b.newton),
                 per(|b| b.sets),
@@ -81,29 +85,14 @@ pub fn where_errors_arise<const B: usize, const Z: usize, const N: usize>(action
     for h in COARSE_S {
         println!("\nsteps of {:.0} us, in one window {FINER} times finer: window (ms), rms, mean, us", h * 1e6);
         let coarse = Errors::of(&all(&Settings::new(h), &|_| h), &reference);
-        println!(
-            "{:>7} {:>7} {:>9.2e} {:>9.2e} {:>8.2}",
-            "-",
-            "-",
-            rms(&coarse.speed),
-            mean(&coarse.speed),
-            mean(&coarse.instant_s) * 1e6
-        );
+        println!("{:>7} {:>7} {}", "-", "-", coarse.columns());
         for n in 0..(action.blow_s / WINDOW_S).round() as u32 {
             let [from, until] = [n, n + 1].map(|n| f64::from(n) * WINDOW_S);
             if from > impact_s + 2.0 * WINDOW_S {
                 break;
             }
             let blows = all(&Settings::new(h), &|t| if t + 1e-9 >= from && t + 1e-9 < until { h / FINER } else { h });
-            let errors = Errors::of(&blows, &reference);
-            println!(
-                "{:>7.0} {:>7.0} {:>9.2e} {:>9.2e} {:>8.2}",
-                from * 1e3,
-                until * 1e3,
-                rms(&errors.speed),
-                mean(&errors.speed),
-                mean(&errors.instant_s) * 1e6
-            );
+            println!("{:>7.0} {:>7.0} {}", from * 1e3, until * 1e3, Errors::of(&blows, &reference).columns());
         }
     }
     adaptive(action, &all, &reference, impact_s);
@@ -119,7 +108,6 @@ fn adaptive<const B: usize, const Z: usize, const N: usize>(
     impact_s: f64,
 ) {
     println!("\nwork of a blow: error of the hammer speed (rms), steps, Newton iterations, active sets, us");
-    let loose = |h: f64| Settings { tolerance: LOOSE, ..Settings::new(h) };
     let show = |name: String, blows: &[Walked]| {
         let errors = Errors::of(blows, reference);
         let mut seconds: Vec<f64> = blows.iter().map(|blow| blow.seconds).collect();
