@@ -18,7 +18,7 @@ pub struct Events {
     pub key_start_s: Option<f64>,
     /// The jack's toe meets the let-off button.
     pub toe_contact_s: Option<f64>,
-    /// The knuckle is pushed for the last time before the string.
+    /// The last force on the knuckle before the string ends. A felt that is slow to recover may touch for longer.
     pub let_off_s: Option<f64>,
     /// The key meets its front punching.
     pub key_bottom_s: Option<f64>,
@@ -62,6 +62,8 @@ pub struct EventDetector {
     roles: Roles,
     events: Events,
     previous: Option<Sample>,
+    /// The last two steps' pushes on the knuckle, the older one first.
+    pushes: [Push; 2],
     /// Last instant at which a push on the knuckle ended, if none has begun since.
     released_s: Option<f64>,
     highest_m: f64,
@@ -76,8 +78,26 @@ struct Sample {
     hammer_m: f64,
     key_bottom: f64,
     toe: f64,
-    knuckle: f64,
+    /// Force on the knuckle in the step that ends here, N.
+    knuckle_n: f64,
     check: f64,
+}
+
+/// Mean force on the knuckle over a step, and the step's middle.
+#[derive(Debug, Clone, Copy, Default)]
+struct Push {
+    time_s: f64,
+    force_n: f64,
+}
+
+impl Push {
+    /// When the last of two pushes ends, the older one first: straight on from both, at the latest at `until`, the
+    /// middle of a step without one.
+    fn end_of([older, last]: [Push; 2], until: f64) -> f64 {
+        let falls_by = older.force_n - last.force_n;
+        let end = last.time_s + (last.time_s - older.time_s) * last.force_n / falls_by;
+        if falls_by > 0.0 { end.min(until) } else { until }
+    }
 }
 
 impl EventDetector {
@@ -87,6 +107,7 @@ impl EventDetector {
             roles: instrument.roles.clone(),
             events: Events::default(),
             previous: None,
+            pushes: [Push::default(); 2],
             released_s: None,
             highest_m: f64::NEG_INFINITY,
             released_at_apex_s: None,
@@ -125,9 +146,9 @@ impl EventDetector {
             hammer_m,
             key_bottom: once(events.key_bottom_s, roles.key_bottom),
             toe: once(events.toe_contact_s, roles.let_off),
-            knuckle: match struck {
-                false => roles.knuckle.iter().map(|&z| mechanism.compression(z)).fold(f64::NEG_INFINITY, f64::max),
-                true => f64::NEG_INFINITY,
+            knuckle_n: match struck {
+                false => roles.knuckle.iter().map(|&z| mechanism.normal_force(z)).sum(),
+                true => 0.0,
             },
             // Only after the blow does a check count; the sample before it is the first that is needed.
             check: if struck || compression(roles.string) > -NEAR_M {
@@ -159,11 +180,13 @@ impl EventDetector {
             first(&mut events.toe_contact_s, rising(before.toe, now.toe));
         }
 
-        if before.knuckle > 0.0 && now.knuckle <= 0.0 {
-            self.released_s = Some(before.at_zero(before.knuckle, now.knuckle, now));
-        } else if now.knuckle > 0.0 {
+        let push = Push { time_s: 0.5 * (before.time_s + now.time_s), force_n: now.knuckle_n };
+        if push.force_n > 0.0 {
             self.released_s = None;
+        } else if self.pushes[1].force_n > 0.0 {
+            self.released_s = Some(Push::end_of(self.pushes, push.time_s));
         }
+        self.pushes = [self.pushes[1], push];
         if now.hammer_m > self.highest_m {
             self.highest_m = now.hammer_m;
             self.released_at_apex_s = self.released_s;
@@ -189,6 +212,11 @@ impl EventDetector {
             && over(events.toe_contact_s, roles.let_off)
             && over(events.key_bottom_s, roles.key_bottom)
             && over(events.check_s, roles.check)
+    }
+
+    /// Whether the force on the knuckle is still of interest: until the first impact.
+    pub fn awaits_let_off(&self) -> bool {
+        self.events.impacts.is_empty() && !self.roles.knuckle.is_empty()
     }
 
     /// The events found. Where the hammer never reached the string, let-off is the last push before its highest point.

@@ -422,11 +422,6 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         self.update_output(report);
     }
 
-    fn normal_force(&self, zone: usize) -> f64 {
-        let (settings, workspace) = self.last();
-        workspace.normal_force(&self.core.model, settings, zone)
-    }
-
     fn energies_at(&self, velocities: &[f64]) -> Energies {
         let mut state = self.core.state.clone();
         state.velocity[..self.core.bodies].copy_from_slice(velocities);
@@ -483,6 +478,11 @@ impl<const B: usize, const Z: usize, const N: usize> Observation for Engine<B, Z
 
     fn compression(&self, zone: usize) -> f64 {
         self.pose().compression(&self.core.model, zone)
+    }
+
+    fn normal_force(&self, zone: usize) -> f64 {
+        let (settings, workspace) = self.last();
+        workspace.normal_force(&self.core.model, settings, zone)
     }
 
     fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {

@@ -123,8 +123,6 @@ pub trait Mechanism: Observation + Send {
     fn configure(&mut self, stepping: Stepping);
     /// Sets a part of the state from outside, for the next step on.
     fn set(&mut self, part: Part);
-    /// Normal force of a zone in the last step, N.
-    fn normal_force(&self, zone: usize) -> f64;
     /// Stored energies if the mechanism moved at the given velocities from where it is, J.
     fn energies_at(&self, velocities: &[f64]) -> Energies;
     /// Books the last step in a ledger ([`open_ledger`]).

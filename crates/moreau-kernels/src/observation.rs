@@ -17,6 +17,8 @@ pub trait Observation {
     fn site_position(&self) -> f64;
     /// Compression of a zone, m; negative where it is open.
     fn compression(&self, zone: usize) -> f64;
+    /// Normal force of a zone in the last step, N; 0 before the first. In lanes: in the step that was retraced last.
+    fn normal_force(&self, zone: usize) -> f64;
     /// A point of a body (`None`: of the ground) in the world, m.
     fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2];
     /// Rate of a zone's compression per unit angular velocity of every body, m. Allocates.
@@ -37,9 +39,10 @@ pub trait LaneObserver: Observation + Send {
     fn impact(&self) -> Option<Impact>;
     /// Stored energies of a state, J.
     fn energies(&self, state: &AnyState) -> Energies;
-    /// Books a step from one state to another in a ledger. Its forces are worked out again from the two
-    /// ([`Workspace::retrace`]).
-    fn book(&mut self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]);
+    /// Works out the forces of a step from the states at its ends ([`Workspace::retrace`]).
+    fn retrace(&mut self, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]);
+    /// Books the step that was retraced last in a ledger.
+    fn book(&self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]);
 }
 
 /// An observer of a mechanism that is stepped in lanes.
@@ -57,7 +60,7 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
     let model: Model<f64, B, Z> = description.model()?;
     let (predictor, angle) = (ImpactPredictor::new(&model, probes), description.first_angles());
     let bodies = description.bodies.len();
-    Ok(Box::new(Observed { model, predictor, bodies, angle, pose: OnceCell::new(), workspace: None }))
+    Ok(Box::new(Observed { model, predictor, bodies, angle, pose: OnceCell::new(), last: None }))
 }
 
 struct Observed<const B: usize, const Z: usize> {
@@ -67,8 +70,9 @@ struct Observed<const B: usize, const Z: usize> {
     angle: [f64; B],
     /// Computed when it is asked for.
     pose: OnceCell<Pose<f64, B>>,
-    /// What acted in the step that was booked last; nothing is solved, so that it has no room for laws.
-    workspace: Option<Box<Workspace<f64, B, Z, 0>>>,
+    /// What acted in the step that was retraced last, and how it was taken; nothing is solved, so that it has no room
+    /// for laws.
+    last: Option<Box<(Settings<f64>, Workspace<f64, B, Z, 0>)>>,
 }
 
 impl<const B: usize, const Z: usize> LaneObserver for Observed<B, Z> {
@@ -93,10 +97,16 @@ impl<const B: usize, const Z: usize> LaneObserver for Observed<B, Z> {
         Energies::of(&self.model, &State::from(state.sized()))
     }
 
-    fn book(&mut self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]) {
+    fn retrace(&mut self, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]) {
         let [before, after] = ends.map(|state| State::from(state.sized()));
-        let workspace = self.workspace.get_or_insert_default();
-        workspace.retrace(&self.model, settings, input, &before, &after);
+        let last = self.last.get_or_insert_with(|| Box::new((*settings, Workspace::new())));
+        last.0 = *settings;
+        last.1.retrace(&self.model, settings, input, &before, &after);
+    }
+
+    fn book(&self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]) {
+        let Some((_, workspace)) = self.last.as_deref() else { return };
+        let [before, after] = ends.map(|state| State::from(state.sized()));
         ledger.record(&self.model, settings, &before, &after, workspace);
         if let Input::Hand(hand) = input {
             ledger.hand.record(&self.model, settings, hand, &before.hand, &before.velocity, &after, workspace);
@@ -117,6 +127,10 @@ impl<const B: usize, const Z: usize> Observation for Observed<B, Z> {
 
     fn compression(&self, zone: usize) -> f64 {
         self.pose().compression(&self.model, zone)
+    }
+
+    fn normal_force(&self, zone: usize) -> f64 {
+        self.last.as_deref().map_or(0.0, |(settings, workspace)| workspace.normal_force(&self.model, settings, zone))
     }
 
     fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {

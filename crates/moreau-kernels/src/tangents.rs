@@ -26,6 +26,8 @@ pub trait Tangents: Send {
     fn push(&self, position: Number, velocity: Number) -> Number;
     /// Compression of a zone, m; negative apart.
     fn compression(&self, zone: usize) -> Number;
+    /// Normal force of a zone during the last inner step, N, and that step's length, s.
+    fn normal_force(&self, settings: &Settings<f64>, zone: usize) -> (Number, f64);
     /// A point of a body, m, in the world, and its velocity, m/s.
     fn motion(&self, body: usize, point: [Number; 2]) -> [[Number; 2]; 2];
     /// Absolute angles, rad.
@@ -97,6 +99,10 @@ impl<const B: usize, const Z: usize, const N: usize> Tangents for Differentiated
 
     fn compression(&self, zone: usize) -> Number {
         Pose::of(&self.tangent.model, &self.tangent.state.angle).compression(&self.tangent.model, zone)
+    }
+
+    fn normal_force(&self, settings: &Settings<f64>, zone: usize) -> (Number, f64) {
+        (self.tangent.normal_force(settings, zone), self.tangent.last_step_s())
     }
 
     fn motion(&self, body: usize, point: [Number; 2]) -> [[Number; 2]; 2] {

@@ -91,7 +91,7 @@ fn real_time_functions_reach_nothing_else() {
     let is_play = |name: &&String| name.contains("4play4Play") && PLAY.iter().any(|end| name.contains(end));
     let is_engine = |name: &&String| {
         name.contains("moreau_kernels..engine..Engine")
-            && name.contains("Mechanism")
+            && any(name, &["Mechanism", "Observation"])
             && ENGINE.iter().any(|end| name.contains(end))
     };
     let (play, engine) = (calls.keys().filter(is_play).count(), calls.keys().filter(is_engine).count());

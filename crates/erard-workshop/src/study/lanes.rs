@@ -201,8 +201,9 @@ struct Lane<'a> {
     highest_m: f64,
     unconverged_steps: u64,
     steps: u64,
-    /// The energy ledger, and the state up to which it is booked.
-    ledger: Option<(Ledger, State)>,
+    ledger: Option<Ledger>,
+    /// Where the last step ended.
+    state: State,
     extremes: Extremes,
     sampled: Option<Sampled<'a>>,
     failed: Option<SimulationError>,
@@ -229,6 +230,7 @@ impl<'a> Lane<'a> {
             unconverged_steps: 0,
             steps: 0,
             ledger: None,
+            state: at_rest.state,
             extremes: Extremes::new(player.instrument),
             sampled: sampling.map(|sampling| Sampled::new(sampling, player.instrument)),
             failed: None,
@@ -283,29 +285,34 @@ impl<'a> Lane<'a> {
         }
     }
 
-    /// Opens the energy ledger at a state.
-    fn open_ledger(&mut self, state: State) {
-        self.ledger = Some((Ledger::open_at(self.observer.energies(&state), 0.0, 0.0), state));
+    /// Begins at a state, with the energy ledger open if it is to be kept.
+    fn begin(&mut self, state: State, keeps_ledger: bool) {
+        self.ledger = keeps_ledger.then(|| Ledger::open_at(self.observer.energies(&state), 0.0, 0.0));
+        self.state = state;
     }
 
-    /// Books a step's energy, and notes how far bodies turned and felts were pressed.
-    fn audit(
-        &mut self,
-        time_s: f64,
-        input: &Input<f64>,
-        settings: &Settings<f64>,
-        angles: &[f64],
-        state: impl FnOnce() -> State,
-    ) {
-        self.extremes.note_angles(time_s, angles);
-        let Some((ledger, before)) = &mut self.ledger else { return };
-        let after = state();
+    /// Works out the step's forces and books its energy. To be called before the step's end is observed. Returns
+    /// whether the step changed anything.
+    fn retrace(&mut self, input: &Input<f64>, settings: &Settings<f64>, after: State) -> bool {
+        let before = core::mem::replace(&mut self.state, after);
+        let changed = before != after;
         // A step that changed nothing has nothing to book.
-        if after == *before {
+        if !changed || self.ledger.is_none() && !self.detector.awaits_let_off() {
+            return changed;
+        }
+        self.observer.retrace(settings, input, [&before, &after]);
+        if let Some(ledger) = &mut self.ledger {
+            self.observer.book(ledger, settings, input, [&before, &after]);
+        }
+        true
+    }
+
+    /// Notes how far bodies turned and felts were pressed.
+    fn note_extremes(&mut self, time_s: f64, angles: &[f64], changed: bool) {
+        self.extremes.note_angles(time_s, angles);
+        if self.ledger.is_none() || !changed {
             return;
         }
-        self.observer.book(ledger, settings, input, [before, &after]);
-        *before = after;
         for zone in 0..self.player.instrument.zones.len() {
             self.extremes.note_compression(time_s, zone, self.observer.compression(zone));
         }
@@ -315,8 +322,8 @@ impl<'a> Lane<'a> {
         if let Some(error) = self.failed {
             return Err(error);
         }
-        let energy_residual = self.ledger.map(|(mut ledger, state)| {
-            ledger.now = self.observer.energies(&state);
+        let energy_residual = self.ledger.map(|mut ledger| {
+            ledger.now = self.observer.energies(&self.state);
             trust::energy_residual(&ledger)
         });
         let mut warnings: Vec<_> = energy_residual.and_then(trust::of_energy).into_iter().collect();
@@ -372,11 +379,9 @@ fn step_all(
     let h = setup.settings.step;
     for (i, lane) in own.iter_mut().enumerate() {
         group.motion(i, &mut angles, &mut velocities);
+        lane.begin(group.state(i), setup.ledger);
         lane.observe(setup.start_s, &angles, &velocities);
         lane.sample(setup.start_s, &angles, &velocities);
-        if setup.ledger {
-            lane.open_ledger(group.state(i));
-        }
     }
     for n in 0..steps {
         if n.is_multiple_of(ASK_EVERY) {
@@ -401,12 +406,13 @@ fn step_all(
             }
             group.motion(i, &mut angles, &mut velocities);
             let now_s = setup.start_s + (n + 1) as f64 * h;
+            let changed = lane.retrace(&inputs[i], &setup.settings, group.state(i));
             lane.observe(now_s, &angles, &velocities);
             if lane.sampled.as_ref().is_some_and(|sampled| sampled.is_row(n + 1)) {
                 lane.sample(now_s, &angles, &velocities);
             }
             lane.steps = n + 1;
-            lane.audit(now_s, &inputs[i], &setup.settings, &angles, || group.state(i));
+            lane.note_extremes(now_s, &angles, changed);
         }
     }
     Ok(())

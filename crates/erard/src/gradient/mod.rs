@@ -202,7 +202,7 @@ pub fn follow(
     let settings = Settings { tolerance: setup.settings.tolerance.min(TOLERANCE), ..setup.settings };
     let h = settings.step;
     let mut watch = DualEventDetector::new(instrument, &rest, mechanism.as_ref());
-    watch.observe(setup.start_s, mechanism.as_ref());
+    watch.observe(setup.start_s, &setup.settings, mechanism.as_ref());
     let sample = |watch: &DualEventDetector, mechanism: &dyn Tangents, time_s: f64| {
         let [key_m, hammer_m] = watch.travels(mechanism);
         [key_m, hammer_m, rest.force(drive, time_s, mechanism)]
@@ -221,7 +221,7 @@ pub fn follow(
             return Err(SimulationError::NonFinite { time_s: t0 }.into());
         }
         let now = setup.start_s + (n + 1) as f64 * h;
-        watch.observe(now, mechanism.as_ref());
+        watch.observe(now, &setup.settings, mechanism.as_ref());
         match sample_every {
             Some(every) if (n + 1).is_multiple_of(every) => samples.push(sample(&watch, mechanism.as_ref(), now)),
             None if watch.has_seen_all() => break,

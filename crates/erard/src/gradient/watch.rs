@@ -1,6 +1,6 @@
 //! The instants of a press in dual numbers: [`crate::events::EventDetector`] with derivatives.
 
-use moreau::Real;
+use moreau::{Real, Settings};
 use moreau_kernels::{Number, Tangents, impact_in_flight};
 
 use super::Places;
@@ -14,7 +14,7 @@ pub struct Instants {
     pub key_start_s: Option<Number>,
     /// The jack's toe meets the let-off button.
     pub toe_contact_s: Option<Number>,
-    /// The knuckle is pushed for the last time before the string.
+    /// The last force on the knuckle before the string ends.
     pub let_off_s: Option<Number>,
     /// The hammer meets the string.
     pub hammer_contact_s: Option<Number>,
@@ -50,6 +50,8 @@ pub(super) struct DualEventDetector {
     before: Option<Sample>,
     /// Instant, compression of the string, speed of the strike point.
     flight: [Option<[Number; 3]>; 2],
+    /// The last two steps' pushes on the knuckle, the older one first: the middle of a step, s, and the mean force, N.
+    pushes: [(f64, Number); 2],
     released_s: Option<Number>,
     highest_m: f64,
     released_at_apex_s: Option<Number>,
@@ -61,7 +63,8 @@ struct Sample {
     key_m: Number,
     key_bottom: Option<Number>,
     toe: Option<Number>,
-    knuckle: Option<Number>,
+    /// The push on the knuckle in the last step.
+    push: (f64, Number),
 }
 
 impl Sample {
@@ -77,6 +80,14 @@ impl Sample {
     }
 }
 
+/// As [`crate::events::EventDetector`] has it.
+fn end_of_push(older: (f64, Number), last: (f64, Number), until: f64) -> Number {
+    let t = Number::constant;
+    let falls_by = older.1 - last.1;
+    let end = t(last.0) + t(last.0 - older.0) * (last.1 / falls_by);
+    if falls_by.value > 0.0 && end.value < until { end } else { t(until) }
+}
+
 impl DualEventDetector {
     /// Of a mechanism that stands at rest.
     pub(crate) fn new(instrument: &Instrument, places: &Places, m: &dyn Tangents) -> Self {
@@ -90,6 +101,7 @@ impl DualEventDetector {
             instants: Instants::default(),
             before: None,
             flight: [None; 2],
+            pushes: [(0.0, Number::ZERO); 2],
             released_s: None,
             highest_m: f64::NEG_INFINITY,
             released_at_apex_s: None,
@@ -103,16 +115,20 @@ impl DualEventDetector {
     }
 
     /// After every step, and before the first.
-    pub(crate) fn observe(&mut self, time_s: f64, m: &dyn Tangents) {
+    pub(crate) fn observe(&mut self, time_s: f64, settings: &Settings<f64>, m: &dyn Tangents) {
         let roles = &self.roles;
         let compression = |zone: Option<usize>| zone.map(|z| m.compression(z));
-        let knuckle = roles.knuckle.iter().map(|&z| m.compression(z));
+        let mut push = (time_s, Number::ZERO);
+        for &zone in &roles.knuckle {
+            let (force, step_s) = m.normal_force(settings, zone);
+            push = (time_s - 0.5 * step_s, push.1 + force);
+        }
         let now = Sample {
             time_s,
             key_m: m.site_position() - self.site_m - Number::constant(KEY_START_M),
             key_bottom: compression(roles.key_bottom),
             toe: compression(roles.let_off),
-            knuckle: knuckle.reduce(|a, b| if b.value > a.value { b } else { a }),
+            push,
         };
         let mut impact = None;
         if let Some(hammer) = roles.hammer {
@@ -152,13 +168,13 @@ impl DualEventDetector {
         if instants.key_start_s.is_some() {
             first(&mut instants.toe_contact_s, before.rising(before.toe, now.toe, now));
         }
-        if let (Some(a), Some(b)) = (before.knuckle, now.knuckle) {
-            if a.value > 0.0 && b.value <= 0.0 {
-                self.released_s = Some(before.at_zero(a, b, now));
-            } else if b.value > 0.0 {
-                self.released_s = None;
-            }
+        let [older, last] = self.pushes;
+        if now.push.1.value > 0.0 {
+            self.released_s = None;
+        } else if last.1.value > 0.0 {
+            self.released_s = Some(end_of_push(older, last, now.push.0));
         }
+        self.pushes = [last, now.push];
         if hammer_m > self.highest_m {
             self.highest_m = hammer_m;
             self.released_at_apex_s = self.released_s;

@@ -148,6 +148,17 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         all.and(TangentReport { unresolved: 1, ..self.go(settings, left, &drive) })
     }
 
+    /// Normal force of a zone during the last inner step, N.
+    pub fn normal_force(&self, settings: &Settings<f64>, zone: usize) -> Dual<D> {
+        let settings = dual_settings(&Settings { step: self.last, ..*settings });
+        self.workspace.normal_force(&self.model, &settings, zone)
+    }
+
+    /// Length of the last inner step, s; 0 before the first.
+    pub fn last_step_s(&self) -> f64 {
+        self.last
+    }
+
     /// Position of the driven point along the drive's direction, m.
     pub fn site(&self) -> Dual<D> {
         self.model.site_position(&self.state.angle)
