@@ -62,21 +62,20 @@ impl Keys {
     /// [`KeysError`]: a key cannot be assembled, or finds no rest.
     pub fn at_rest(instruments: &[Instrument], settings: Settings<f64>) -> Result<Self, KeysError> {
         let (mut descriptions, mut all_probes, mut own) = (Vec::new(), Vec::new(), Vec::new());
-        let mut strings = Vec::new();
+        let mut rests = Vec::new();
         for (i, instrument) in instruments.iter().enumerate() {
             let wrong = |error| KeysError { key: i + 1, error };
             let action = Action::with(instrument, settings).map_err(wrong)?;
-            let mut description = describe(instrument);
-            description.angles = action.angles().to_vec();
-            descriptions.push(description);
+            descriptions.push(describe(instrument));
             all_probes.push(probes(instrument));
             own.push(Own { rest: action.rest(), identity: *action.identity() });
-            // As they stand under what lies on them.
-            strings.push(action.strings().cloned());
+            // Strings as they stand under what lies on them, and what felts remember.
+            rests.push((action.mechanism().save(), action.strings().cloned()));
         }
         let mut bank = bank(&descriptions, &all_probes, settings)
             .map_err(|(index, error)| KeysError { key: index + 1, error: error.into() })?;
-        for (index, strings) in strings.into_iter().enumerate() {
+        for (index, (saved, strings)) in rests.into_iter().enumerate() {
+            bank.restore(index, &saved);
             if let Some(strings) = strings {
                 bank.set_surfaces(index, Box::new(strings));
             }
