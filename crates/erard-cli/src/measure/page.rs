@@ -44,6 +44,7 @@ pub(crate) fn html(
             @for drawn in figures { (captioned(drawn, Some("plot"), &drawn.svg)) }
             (table(measured, lengths))
             @for one in measured { (timing(one, measured.len() > 1)) }
+            @for one in measured { (bench(one, measured.len() > 1)) }
         }
     };
     page(&format!("{title}: protocol sheet"), &format!("{STYLE}{}", on_every_page(&title, headed)), &body)
@@ -132,6 +133,19 @@ fn timing(one: &Measured, named: bool) -> Markup {
         p.soft { "Milliseconds after key start; built-in strokes, force driven. " (MIDI_MAP) }
         div.wide tabindex="0" role="region" aria-label={ "Timing sheet, " (one.label) } { table {
             (super::table::timing(one).html())
+        } }
+    }
+}
+
+fn bench(one: &Measured, named: bool) -> Markup {
+    html! {
+        h2 { "At the bench" @if named { ": " (one.label) } }
+        p.soft {
+            "The hammer is blocked half-way to the string and weights are laid on the key. Travel from the first weight \
+             on: of the key's front down, of the capstan up."
+        }
+        div.wide tabindex="0" role="region" aria-label={ "At the bench, " (one.label) } { table {
+            (super::table::bench(one).html())
         } }
     }
 }

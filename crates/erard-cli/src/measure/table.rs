@@ -79,3 +79,13 @@ pub(crate) fn timing(one: &Measured) -> Table<'static> {
     });
     Table::of(heads, rows)
 }
+
+/// The bench test of one, weight by weight.
+pub(crate) fn bench(one: &Measured) -> Table<'static> {
+    let rows = one
+        .sheet
+        .blocked
+        .iter()
+        .map(|row| [format!("{:.0}", row.weight_g), decimal(Some(row.front_mm), 2), decimal(row.back_mm, 2)]);
+    Table::of(["weight (g)", "key front (mm)", "capstan (mm)"], rows)
+}

@@ -7,6 +7,7 @@
 //! Grams are forces here, as in the trade: a force over the instrument's gravity. Key travel is that of the key front
 //! from its rest, down positive.
 
+pub mod blocked;
 pub mod flex;
 pub mod inertia;
 pub mod norms;

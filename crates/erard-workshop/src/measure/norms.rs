@@ -67,7 +67,7 @@ pub struct Group {
 type Value = (&'static str, fn(&Sheet) -> Option<f64>);
 
 /// Where in a sheet the value of each line is.
-const VALUES: [Value; 42] = [
+const VALUES: [Value; 44] = [
     ("down_weight_g", |s| s.down_weight_g),
     ("up_weight_g", |s| s.up_weight_g),
     ("balance_weight_g", |s| s.balance_weight_g),
@@ -104,6 +104,8 @@ const VALUES: [Value; 42] = [
     ("effective_inertia_hammer_kg", |s| Some(s.effective_inertia_hammer_kg)),
     ("let_off_resistance_N", |s| s.let_off_resistance_N),
     ("loop_loss_mJ", |s| Some(s.loop_loss_mJ)),
+    ("blocked_front_mm", |s| s.blocked_front_mm),
+    ("blocked_back_mm", |s| s.blocked_back_mm),
     ("softest_force_N", |s| s.softest_force_N),
     ("softest_let_off_speed_m_s", |s| s.softest_let_off_speed_m_s),
     ("softest_fall_speed_m_s", |s| s.softest_fall_speed_m_s),

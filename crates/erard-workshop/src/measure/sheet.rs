@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::blocked::{BlockedRow, blocked};
 use super::inertia::{InertiaCurve, inertia};
 use super::norms::{Flag, Line, MIDDLE_C, flags};
 use super::range::{Loudness, Softest, double_strike, midi_velocity, softest, speed_against_force};
@@ -117,6 +118,12 @@ pub struct Sheet {
     pub let_off_resistance_N: Option<f64>,
     /// Work that a slow way to the bottom and back takes, pedal down, mJ.
     pub loop_loss_mJ: f64,
+    /// The hammer blocked half-way: travel of the key's front from the first weight to the last, mm.
+    pub blocked_front_mm: Option<f64>,
+    /// And of the capstan, mm.
+    pub blocked_back_mm: Option<f64>,
+    /// The same weight by weight.
+    pub blocked: Vec<BlockedRow>,
     /// Hammer speed against constant force.
     pub dynamic_range: Vec<Loudness>,
     /// How speeds become MIDI velocities.
@@ -272,6 +279,7 @@ struct Results {
     hysteresis: Option<SlowLoop>,
     hysteresis_damped: Option<SlowLoop>,
     scale: Option<(PartWeights, StrikeRatio)>,
+    blocked: Option<Vec<BlockedRow>>,
 }
 
 /// Measures an action from end to end, and holds it against the norms of middle C. `progress` receives the share that
@@ -315,6 +323,7 @@ pub fn measure_key(instrument: &Instrument, key: usize, progress: &mut Progress<
         job(&mut r.half, |progress| repetition(instrument, 0.5 * dip, progress)),
         job(&mut r.timing, |progress| timing(instrument, progress)),
         job(&mut r.inertia, |progress| inertia(instrument, way.end_m, progress)),
+        job(&mut r.blocked, |progress| blocked(&lifted, progress)),
     ];
     if parts.damper.is_some() {
         jobs.insert(1, job(&mut r.damped, |progress| on_the_key(instrument, way.end_m, progress)));
@@ -345,6 +354,7 @@ enum Need {
     Softest,
     DoubleStrike,
     Hysteresis,
+    Blocked,
 }
 
 impl Need {
@@ -356,6 +366,7 @@ impl Need {
             "let_off_begins_mm" => &[Need::Way],
             "let_off_resistance_N" => &[Need::Way, Need::Distances, Need::Hysteresis],
             "loop_loss_mJ" => &[Need::Hysteresis],
+            key if key.starts_with("blocked_") => &[Need::Blocked],
             "repetition_rate_hz" => &[Need::Full],
             "repetition_rate_half_hz" => &[Need::Half],
             key if key.starts_with("dampers_down.") => &[Need::Damped],
@@ -419,6 +430,9 @@ pub fn measure_some(
     if needs(Need::Softest) {
         r.softest = Some(softest(instrument, progress)?);
     }
+    if needs(Need::Blocked) {
+        r.blocked = Some(blocked(&lifted, progress)?);
+    }
     if needs(Need::DoubleStrike) {
         r.double_strike = Some(double_strike(instrument, progress)?);
     }
@@ -429,9 +443,15 @@ pub fn measure_some(
 impl Results {
     /// Whether nothing is missing that every action has.
     fn is_whole(&self) -> bool {
-        let Results { touch, inertia, full, half, softest, loudness, timing, hysteresis, .. } = self;
+        let Results { touch, inertia, full, half, softest, loudness, timing, hysteresis, blocked, .. } = self;
         let weighed = touch.is_some() && inertia.is_some() && hysteresis.is_some();
-        weighed && full.is_some() && half.is_some() && softest.is_some() && loudness.is_some() && timing.is_some()
+        weighed
+            && full.is_some()
+            && half.is_some()
+            && softest.is_some()
+            && loudness.is_some()
+            && timing.is_some()
+            && blocked.is_some()
     }
 
     /// The sheet, without its flags. What was not measured is not a number, or missing.
@@ -503,6 +523,9 @@ impl Results {
             double_strike_m_s: self.double_strike,
             let_off_resistance_N: resistance,
             loop_loss_mJ: self.hysteresis.as_ref().map_or(NONE, |slow| slow.lost_j() * 1e3),
+            blocked_front_mm: self.blocked.as_ref().and_then(|rows| Some(rows.last()?.front_mm)),
+            blocked_back_mm: self.blocked.as_ref().and_then(|rows| rows.last()?.back_mm),
+            blocked: self.blocked.unwrap_or_default(),
             dynamic_range: self.loudness.unwrap_or_default(),
             midi_map: range::MIDI_MAP,
             timing: self.timing.iter().flatten().map(TimingRow::from).collect(),
