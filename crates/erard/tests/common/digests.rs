@@ -73,7 +73,7 @@ pub const HANDS: u64 = 0x6022_a360_d3a3_7b85;
 
 /// The digest of [`long_bending_run`]. It changes with every change to the arithmetic of the engine, to the concert
 /// grand and to the built-in strokes.
-pub const BENDING: u64 = 0x9756_0c7b_15c5_659f;
+pub const BENDING: u64 = 0x756f_76b3_67bd_b518;
 
 /// The digest of [`long_run`]. It changes with every change to the arithmetic of the engine and to the rigid grand, and
 /// with nothing else. When it is meant to change, look at the other tests' numbers first, then put the new value, which
@@ -83,7 +83,7 @@ pub const GOLDEN: u64 = 0x9761_ed5a_8dd5_8c3c;
 /// The digest of all built-in instruments and of the built-in keyboard's keys as loaded: with [`GOLDEN`] it says on
 /// which side of the loader a difference between two targets arises. It changes with every number of these instruments
 /// that changes a step.
-pub const LOADED: u64 = 0xadb1_3a44_1697_5eb5;
+pub const LOADED: u64 = 0xc777_af88_3e29_6361;
 
 /// The digest of everything that is built in, as loaded: of the instruments' own ([`erard::identity`]).
 pub fn loaded() -> u64 {
