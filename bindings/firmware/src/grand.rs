@@ -1,6 +1,6 @@
 //! The built-in instrument `concert-grand`. Made by `cargo run --release -p erard --example firmware`: do not edit.
 
-use moreau::{Body, Curve, Exponent, Felt, GROUND, Loss, Scalar, Site, Spring, Zone};
+use moreau::{Body, Curve, Exponent, Felt, GROUND, Iwan, Loss, Scalar, Site, Spring, Zone};
 
 pub const BODIES: usize = 8;
 pub const SPRINGS: usize = 4;
@@ -9,7 +9,7 @@ pub const ZONES: usize = 16;
 pub const LAWS: usize = 12;
 pub const GRAVITY: f64 = 9.81;
 /// Where it rests, friction included, rad.
-pub const REST: [f64; BODIES] = [2.2416822736933733e-5, 0.0001542005822491171, 0.0018636960723412857, 0.00044909492258812973, -0.0004402642543328773, -0.35423939942501287, -0.35463088723565817, 0.0026703940096790154];
+pub const REST: [f64; BODIES] = [5.735467284728282e-6, 0.00013704375925987548, 0.0015699274201893382, 0.000531231431379199, -0.000907045409491228, -0.3541561938289256, -0.3545366226020138, 0.002670394010193593];
 /// The body that strikes.
 pub const HAMMER: usize = 6;
 
@@ -34,7 +34,7 @@ pub fn springs<T: Scalar>() -> [Spring<T>; SPRINGS] {
     [
         Spring { body: 1, torque: t(0.0), stiffness: t(1000.0), reference: t(0.0) },
         Spring { body: 6, torque: t(0.0), stiffness: t(14.06), reference: t(0.0) },
-        Spring { body: 4, torque: t(-0.0295), stiffness: t(0.08), reference: t(0.0) },
+        Spring { body: 4, torque: t(-0.029761999999999997), stiffness: t(0.08), reference: t(0.0) },
         Spring { body: 3, torque: t(-0.0045), stiffness: t(0.01), reference: t(0.0) },
     ]
 }
@@ -43,22 +43,22 @@ pub fn springs<T: Scalar>() -> [Spring<T>; SPRINGS] {
 pub fn zones<T: Scalar>() -> [Zone<T>; ZONES] {
     let t = T::from_f64;
     [
-        Zone { disc_body: 1, center: [t(-0.265), t(0.0)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(-0.265), t(-0.009340499999999998)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(3000000000.0), exponent: Exponent::TwoAndHalf, loss: Loss::quadratic(t(130000000.0)) }, friction: None },
-        Zone { disc_body: 0, center: [t(0.225), t(-0.005)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(0.225), t(-0.004900000000000001)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(50000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(100000000.0)) }, friction: None },
-        Zone { disc_body: 0, center: [t(0.14223), t(0.0183528)], radius: t(0.01), curve_body: 2, curve: Curve::Line { point: [t(-0.063), t(-0.01618)], normal: [t(0.0), t(-1.0)] }, felt: Felt { stiffness: t(51000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(220000000.0)) }, friction: None },
-        Zone { disc_body: 5, center: [t(0.017), t(-0.0048)], radius: t(0.005), curve_body: 3, curve: Curve::Segment { from: [t(0.0), t(0.04537)], direction: [t(1.0), t(0.0)], length: t(0.0070999999999999995), rounding: t(0.001) }, felt: Felt { stiffness: t(70000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(140000000.0)) }, friction: Some(t(0.25)) },
-        Zone { disc_body: 5, center: [t(0.017), t(-0.0048)], radius: t(0.005), curve_body: 4, curve: Curve::Line { point: [t(-0.037), t(0.01837)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(70000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(140000000.0)) }, friction: None },
-        Zone { disc_body: 3, center: [t(-0.024), t(0.004)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(0.09623000000000001), t(0.0556786)], normal: [t(0.0), t(-1.0)] }, felt: Felt { stiffness: t(100000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(200000000.0)) }, friction: Some(t(0.3)) },
-        Zone { disc_body: 3, center: [t(0.005), t(0.028)], radius: t(0.0), curve_body: 2, curve: Curve::Line { point: [t(-0.08), t(0.03)], normal: [t(-1.0), t(0.0)] }, felt: Felt { stiffness: t(100000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(200000000.0)) }, friction: None },
-        Zone { disc_body: 4, center: [t(0.02), t(-0.003)], radius: t(0.0), curve_body: 2, curve: Curve::Line { point: [t(-0.022), t(0.026949999999999998)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(100000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(200000000.0)) }, friction: None },
-        Zone { disc_body: 4, center: [t(-0.054), t(0.022)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(0.10923000000000001), t(0.1023628)], normal: [t(0.0), t(-1.0)] }, felt: Felt { stiffness: t(100000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(200000000.0)) }, friction: None },
+        Zone { disc_body: 1, center: [t(-0.265), t(0.0)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(-0.265), t(-0.009340499999999998)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(2000000000.0), exponent: Exponent::TwoAndHalf, loss: Loss::Iwan(Iwan { damping: t(260000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
+        Zone { disc_body: 0, center: [t(0.225), t(-0.005)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(0.225), t(-0.004900000000000001)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(33300000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(100000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
+        Zone { disc_body: 0, center: [t(0.14223), t(0.0184136)], radius: t(0.01), curve_body: 2, curve: Curve::Line { point: [t(-0.063), t(-0.01618)], normal: [t(0.0), t(-1.0)] }, felt: Felt { stiffness: t(22100000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(220000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
+        Zone { disc_body: 5, center: [t(0.017), t(-0.0048)], radius: t(0.005), curve_body: 3, curve: Curve::Segment { from: [t(0.0), t(0.04537)], direction: [t(1.0), t(0.0)], length: t(0.0070999999999999995), rounding: t(0.001) }, felt: Felt { stiffness: t(30300000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(140000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: Some(t(0.25)) },
+        Zone { disc_body: 5, center: [t(0.017), t(-0.0048)], radius: t(0.005), curve_body: 4, curve: Curve::Line { point: [t(-0.037), t(0.01837)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(30300000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(140000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
+        Zone { disc_body: 3, center: [t(-0.024), t(0.004)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(0.09623000000000001), t(0.055696800000000005)], normal: [t(0.0), t(-1.0)] }, felt: Felt { stiffness: t(66700000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(200000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: Some(t(0.3)) },
+        Zone { disc_body: 3, center: [t(0.005), t(0.028)], radius: t(0.0), curve_body: 2, curve: Curve::Line { point: [t(-0.0800213), t(0.03)], normal: [t(-1.0), t(0.0)] }, felt: Felt { stiffness: t(66700000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(200000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
+        Zone { disc_body: 4, center: [t(0.02), t(-0.003)], radius: t(0.0), curve_body: 2, curve: Curve::Line { point: [t(-0.022), t(0.0269907)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(66700000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(200000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
+        Zone { disc_body: 4, center: [t(-0.054), t(0.022)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(0.10923000000000001), t(0.1024118)], normal: [t(0.0), t(-1.0)] }, felt: Felt { stiffness: t(66700000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(200000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
         Zone { disc_body: 6, center: [t(0.07), t(0.048)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(0.251), t(0.1555)], normal: [t(0.0), t(-1.0)] }, felt: Felt { stiffness: t(1500000000.0), exponent: Exponent::TwoAndHalf, loss: Loss::quadratic(t(50000000.0)) }, friction: None },
-        Zone { disc_body: 6, center: [t(0.073), t(-0.015)], radius: t(0.004), curve_body: 0, curve: Curve::Line { point: [t(0.24905299999999997), t(0.0686)], normal: [t(-0.939699957713503), t(0.34199998461000114)] }, felt: Felt { stiffness: t(50000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(200000000.0)) }, friction: Some(t(0.5)) },
-        Zone { disc_body: 6, center: [t(0.03), t(-0.003)], radius: t(0.0), curve_body: 2, curve: Curve::Line { point: [t(-0.00893), t(0.02682)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(100000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(200000000.0)) }, friction: None },
-        Zone { disc_body: 7, center: [t(-0.065), t(-0.018)], radius: t(0.0), curve_body: 0, curve: Curve::Line { point: [t(0.235), t(0.0176)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(50000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(100000000.0)) }, friction: None },
+        Zone { disc_body: 6, center: [t(0.073), t(-0.015)], radius: t(0.004), curve_body: 0, curve: Curve::Line { point: [t(0.24911549999999996), t(0.0686)], normal: [t(-0.939699957713503), t(0.34199998461000114)] }, felt: Felt { stiffness: t(33300000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(200000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: Some(t(0.5)) },
+        Zone { disc_body: 6, center: [t(0.03), t(-0.003)], radius: t(0.0), curve_body: 2, curve: Curve::Line { point: [t(-0.00893), t(0.02682)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(66700000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(200000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
+        Zone { disc_body: 7, center: [t(-0.065), t(-0.018)], radius: t(0.0), curve_body: 0, curve: Curve::Line { point: [t(0.235), t(0.0176)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(33300000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(100000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
         Zone { disc_body: 7, center: [t(-0.045), t(0.0)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(0.255), t(0.04)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(20000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(80000000.0)) }, friction: None },
-        Zone { disc_body: 7, center: [t(-0.045), t(0.007)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(0.255), t(0.0519)], normal: [t(0.0), t(-1.0)] }, felt: Felt { stiffness: t(50000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(300000000.0)) }, friction: None },
-        Zone { disc_body: 3, center: [t(-0.005), t(0.028)], radius: t(0.0), curve_body: 2, curve: Curve::Line { point: [t(-0.09570999999999999), t(0.02835)], normal: [t(0.9781480483031462), t(0.2079095851584186)] }, felt: Felt { stiffness: t(100000000.0), exponent: Exponent::Two, loss: Loss::quadratic(t(400000000.0)) }, friction: None },
+        Zone { disc_body: 7, center: [t(-0.045), t(0.007)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(0.255), t(0.0519)], normal: [t(0.0), t(-1.0)] }, felt: Felt { stiffness: t(33300000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(300000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
+        Zone { disc_body: 3, center: [t(-0.005), t(0.028)], radius: t(0.0), curve_body: 2, curve: Curve::Line { point: [t(-0.09570999999999999), t(0.02835)], normal: [t(0.9781480483031462), t(0.2079095851584186)] }, felt: Felt { stiffness: t(66700000.0), exponent: Exponent::Two, loss: Loss::Iwan(Iwan { damping: t(400000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
     ]
 }
 

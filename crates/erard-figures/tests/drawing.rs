@@ -277,7 +277,7 @@ fn what_touches_is_drawn_touching() {
             turned.screws[screw].action,
             erard::instrument::ScrewAction::Disc { .. } | erard::instrument::ScrewAction::Curve { .. }
         ) {
-            1e-3
+            0.5e-3
         } else {
             0.02
         };

@@ -30,7 +30,7 @@ fn a_validated_grand() {
             "damper_start",
             "struck_force_p",
             "struck_force_ff",
-            "hammer_ahead_ff",
+            "hammer_ahead_softest",
             "release_rebound",
         ]
     );

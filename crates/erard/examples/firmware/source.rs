@@ -17,7 +17,7 @@ fn source(name: &str, instrument: &Instrument) -> String {
     let rest = Action::new(instrument).expect("it comes to rest");
     let mut out = format!(
         "//! The built-in instrument `{name}`. Made by `cargo run --release -p erard --example firmware`: do not edit.\n\n\
-         use moreau::{{Body, Curve, Exponent, Felt, GROUND, Loss, Scalar, Site, Spring, Zone}};\n\n\
+         use moreau::{{Body, Curve, Exponent, Felt, GROUND, Iwan, Loss, Scalar, Site, Spring, Zone}};\n\n\
          pub const BODIES: usize = {};\npub const SPRINGS: usize = {};\npub const ZONES: usize = {};\n\
          /// Room for the set-valued laws.\npub const LAWS: usize = {};\n\
          pub const GRAVITY: f64 = {:?};\n/// Where it rests, friction included, rad.\npub const REST: [f64; BODIES] = {:?};\n\
@@ -127,6 +127,10 @@ fn felt(f: &Felt<f64>) -> String {
     let loss = match loss {
         Loss::Quadratic(law) => format!("Loss::quadratic({})", t(law.damping)),
         Loss::HuntCrossley(law) => format!("Loss::hunt_crossley({})", t(law.rate)),
+        Loss::Iwan(law) => {
+            let [damping, eta, slip] = [law.damping, law.eta, law.slip].map(t);
+            format!("Loss::Iwan(Iwan {{ damping: {damping}, eta: {eta}, slip: {slip} }})")
+        }
         other => panic!("no source is written for this loss yet: {other:?}"),
     };
     format!("Felt {{ stiffness: {}, exponent: {exponent}, loss: {loss} }}", t(stiffness))

@@ -8,7 +8,7 @@ use erard::mechanism::Mechanism;
 use erard::player::rest::Rest;
 use erard::player::{Drive, Observer};
 use erard::trust::LEAST_TURNOVER_J;
-use moreau::{Elastoplastic, Hereditary, Input, Loss, MEMORY, SavedState};
+use moreau::{Hereditary, Input, Loss, MEMORY, SavedState};
 
 /// A state of any size.
 type State = SavedState<f64, 12, 32>;
@@ -166,7 +166,7 @@ impl<'a> EnergyAudit<'a> {
         }
         for (z, zone) in self.instrument.zones.iter().enumerate() {
             let ([compression_before, slip_before], [compression, slip]) = (self.before.zones[z], self.now.zones[z]);
-            let memory = [self.before.memory[z][0], self.now.memory[z][0]];
+            let memory = [&self.before.memory[z], &self.now.memory[z]];
             self.zones_j[z][0] += lost_with_memory_j(&zone.felt, [compression_before, compression], memory);
             if compression_before.max(compression) > 0.0 && zone.felt.loss.viscous(1.0, 1.0) > 0.0 {
                 let rate = (compression - compression_before) / h;
@@ -174,7 +174,7 @@ impl<'a> EnergyAudit<'a> {
                 for share in GAUSS {
                     let deep = compression_before + share * (compression - compression_before);
                     if deep > 0.0 {
-                        let dry = dry_n(&zone.felt, deep, 0.5 * (memory[0] + memory[1]));
+                        let dry = 0.5 * memory.map(|memory| dry_n(&zone.felt, deep, memory)).iter().sum::<f64>();
                         self.zones_j[z][0] += 0.5 * loss_n(&zone.felt, deep, rate, dry) * rate * h;
                     }
                 }
@@ -244,7 +244,7 @@ impl<'a> EnergyAudit<'a> {
             energy += 0.5 * spring.stiffness_n_m_per_rad * turned * turned - spring.torque_n_m * turned;
         }
         for ((zone, [compression, _]), memory) in instrument.zones.iter().zip(&now.zones).zip(&now.memory) {
-            energy += held_j(&zone.felt, *compression, memory[0]);
+            energy += held_j(&zone.felt, *compression, memory);
             if *compression > 0.0 {
                 let power = zone.felt.exponent + 1.0;
                 energy += zone.felt.stiffness * libm::pow(*compression, power) / power;
@@ -285,22 +285,32 @@ fn loss_n(felt: &Felt, compression: f64, rate: f64, dry: f64) -> f64 {
         Loss::HuntCrossley(law) => elastic * law.rate,
         Loss::Quadratic(law) => law.damping * compression * compression,
         Loss::Elastoplastic(law) => law.damping * compression * compression,
+        Loss::Iwan(law) => law.damping * compression * compression,
         _ => 0.0,
     };
     (loss * rate).max(-elastic - dry)
 }
 
-/// x = g^m, m = (r + 1)/2, and the constant of the spring in series with a slider, per x^2.
-fn slider(felt: &Felt, law: &Elastoplastic<f64>) -> (f64, impl Fn(f64) -> f64) {
-    let m = 0.5 * (felt.exponent + 1.0);
-    (law.eta * felt.stiffness / (m * law.slip), move |compression: f64| libm::pow(compression.max(0.0), m))
+/// x = g^m, m = (r + 1)/2.
+fn x(felt: &Felt, compression: f64) -> f64 {
+    libm::pow(compression.max(0.0), 0.5 * (felt.exponent + 1.0))
 }
 
-/// The force of the slider's spring, N.
-fn dry_n(felt: &Felt, compression: f64, memory: f64) -> f64 {
-    let Loss::Elastoplastic(law) = &felt.loss else { return 0.0 };
+/// The constants of the springs in series with sliders, per x^2, and the stretch at which each gives, as a part of x.
+fn sliders(felt: &Felt) -> Vec<[f64; 2]> {
+    let spring = |eta: f64, slip: f64| [eta * felt.stiffness / (0.5 * (felt.exponent + 1.0) * slip), slip];
+    match &felt.loss {
+        Loss::Elastoplastic(law) => vec![spring(law.eta, law.slip)],
+        Loss::Iwan(law) => [0.25, 0.5, 0.75, 1.0].map(|part| spring(0.25 * law.eta, part * law.slip)).to_vec(),
+        _ => Vec::new(),
+    }
+}
+
+/// The force of the sliders' springs, N.
+fn dry_n(felt: &Felt, compression: f64, memory: &[f64; MEMORY]) -> f64 {
     let m = 0.5 * (felt.exponent + 1.0);
-    slider(felt, law).0 * memory * m * libm::pow(compression, m - 1.0)
+    let pull: f64 = sliders(felt).iter().zip(memory).map(|([spring, _], stretch)| spring * stretch).sum();
+    pull * m * libm::pow(compression, m - 1.0)
 }
 
 /// Where a hereditary felt's own surface is, and the compression with which its memory would be at rest.
@@ -310,10 +320,13 @@ fn surface_and_rest(felt: &Felt, law: &Hereditary<f64>, memory: f64) -> [f64; 2]
 }
 
 /// The energy that a felt's memory holds, J.
-fn held_j(felt: &Felt, compression: f64, memory: f64) -> f64 {
+fn held_j(felt: &Felt, compression: f64, memory: &[f64; MEMORY]) -> f64 {
     match &felt.loss {
-        Loss::Elastoplastic(law) => 0.5 * slider(felt, law).0 * memory * memory,
+        Loss::Elastoplastic(_) | Loss::Iwan(_) => {
+            sliders(felt).iter().zip(memory).map(|([spring, _], stretch)| 0.5 * spring * stretch * stretch).sum()
+        }
         Loss::Hereditary(law) if felt.stiffness > 0.0 => {
+            let memory = memory[0];
             let (quick, power) = (felt.stiffness / (1.0 - law.relaxed), felt.exponent + 1.0);
             let [surface, rest] = surface_and_rest(felt, law, memory);
             let g = compression.max(surface);
@@ -326,15 +339,24 @@ fn held_j(felt: &Felt, compression: f64, memory: f64) -> f64 {
 }
 
 /// What a felt with memory has lost in a step, J, given compressions and memories before and after.
-fn lost_with_memory_j(felt: &Felt, [compression_before, compression]: [f64; 2], [before, after]: [f64; 2]) -> f64 {
+fn lost_with_memory_j(
+    felt: &Felt,
+    [compression_before, compression]: [f64; 2],
+    [all_before, all_after]: [&[f64; MEMORY]; 2],
+) -> f64 {
+    let (before, after) = (all_before[0], all_after[0]);
     match &felt.loss {
-        Loss::Elastoplastic(law) => {
-            let (spring, x) = slider(felt, law);
-            // How far the slider went, and the mean of its force, which follows its bound.
-            let slid = x(compression) - x(compression_before) - (after - before);
-            let along = law.slip * slid.signum();
-            let mean = after - 0.5 * along * slid / (1.0 - along);
-            spring * mean.abs() * slid.abs()
+        Loss::Elastoplastic(_) | Loss::Iwan(_) => {
+            let way = x(felt, compression) - x(felt, compression_before);
+            let each = sliders(felt).into_iter().zip(all_before.iter().zip(all_after));
+            each.map(|([spring, slip], (before, after))| {
+                // How far the slider went, and the mean of its force, which follows its bound.
+                let slid = way - (after - before);
+                let along = slip * slid.signum();
+                let mean = after - 0.5 * along * slid / (1.0 - along);
+                spring * mean.abs() * slid.abs()
+            })
+            .sum()
         }
         Loss::SetValued(_) => after * (compression.max(0.0) - compression_before.max(0.0)),
         // The force that relaxes times the way that the felt is behind.

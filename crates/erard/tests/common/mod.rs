@@ -13,7 +13,7 @@ use erard::player::{self, Drive};
 use erard::run::Run;
 use erard::run::{Setup, simulate};
 use erard::stroke::{PositionSeries, Series, Touch};
-use moreau::{FrictionLaw, Settings};
+use moreau::{FrictionLaw, Loss, Settings};
 
 /// The usual step, s.
 pub const USUAL_STEP_S: f64 = 50e-6;
@@ -36,6 +36,19 @@ pub fn frozen(nuance: &str, touch: Touch) -> Series {
 /// Index of a body.
 pub fn body(instrument: &Instrument, name: &str) -> usize {
     instrument.bodies.iter().position(|b| b.name == name).expect("a body of this name")
+}
+
+/// How far from its rest a key that was let go may stand, m at its front. The key presses its back-rail cloth with 0.40
+/// N, and holds 91 mN at its front by the friction of all pivots it carries (0.0242 N m); the arms' ratio is 265/225.
+/// Cloth that has been pressed deeper pushes by 1 - eta of k g^2, cloth that is pressed further by 1 + eta: it rests
+/// anywhere between.
+pub fn key_rests_within_m(grand: &Instrument) -> f64 {
+    let felt = &grand.zones.iter().find(|zone| zone.name == "key_back_rail").expect("a cloth").felt;
+    let eta = if let Loss::Iwan(law) = felt.loss { law.eta } else { 0.0 };
+    let (arms, weight_n) = (265.0 / 225.0, 0.40);
+    let friction_n = 91e-3 * arms;
+    let pressed = |force_n: f64, part: f64| (force_n / (part * felt.stiffness)).sqrt();
+    arms * (pressed(weight_n + friction_n, 1.0 - eta) - pressed(weight_n - friction_n, 1.0 + eta))
 }
 
 /// tanh-regularised friction of a width in rad/s, a tenth of it in m/s at sliding contacts.

@@ -153,7 +153,9 @@ fn books_kept_from_outside_say_the_same() {
         instrument.zones.iter_mut().for_each(|zone| law(&mut zone.felt));
         for play in &usual[..if k == 0 { usual.len() } else { 1 }] {
             play.with_drive(|drive| {
-                let setup = Setup::new(0.5);
+                // A relaxing felt's loss is a trapezium from outside, and asks for shorter steps.
+                let part = if name == "hereditary" { 0.5 } else { 1.0 };
+                let setup = Setup { settings: Settings::new(part * USUAL_STEP_S), ..Setup::new(0.5) };
                 let mut audit = EnergyAudit::new(&instrument, drive);
                 let run = simulate_observed(&instrument, drive, &setup, &mut audit, &mut |_| true).unwrap();
                 let mut lost = Lost(None, &instrument);

@@ -7,7 +7,7 @@ use erard::mechanism::Mechanism;
 use erard::player::{Action, Input, Losses, Observer, ReactionRecorder, Reactions};
 use erard::run::{Setup, simulate_observed};
 use erard::stroke::{Series, Touch};
-use moreau::Settings;
+use moreau::{Loss, Settings};
 
 /// A physical pendulum that is let go level: one body on the ground, without friction.
 fn pendulum() -> Instrument {
@@ -87,21 +87,20 @@ struct Witness {
 }
 
 impl Witness {
-    fn of(stroke: &str, settings: Settings<f64>, duration_s: f64) -> Self {
-        let grand = grand();
+    fn of(grand: &Instrument, stroke: &str, settings: Settings<f64>, duration_s: f64) -> Self {
         let series = Series::builtin(stroke, Touch::Pressed).unwrap();
         let force = series.force.as_ref().unwrap().drive();
         let start_s = series.start_s();
         let setup = Setup { settings, start_s, ledger: false, ..Setup::new(duration_s) };
         let mut witness = Witness {
-            reactions: Reactions::open(&grand, Action::as_drawn(&grand, settings).unwrap().mechanism()),
+            reactions: Reactions::open(grand, Action::as_drawn(grand, settings).unwrap().mechanism()),
             instrument: grand.clone(),
             force: Vec::new(),
             center: Vec::new(),
             moment: Vec::new(),
             step_s: settings.step,
         };
-        simulate_observed(&grand, &move |t| Input::Force(force(t)), &setup, &mut witness, &mut |_| true).unwrap();
+        simulate_observed(grand, &move |t| Input::Force(force(t)), &setup, &mut witness, &mut |_| true).unwrap();
         witness
     }
 
@@ -152,7 +151,7 @@ impl Observer for Witness {
 #[test]
 fn forces_are_mass_times_the_differences_of_positions() {
     let off = [1.0, 0.25].map(|part| {
-        let w = Witness::of("f", Settings { tolerance: 1e-13, ..Settings::new(part * USUAL_STEP_S) }, 0.08);
+        let w = Witness::of(&grand(), "f", Settings { tolerance: 1e-13, ..Settings::new(part * USUAL_STEP_S) }, 0.08);
         let h = w.step_s;
         let mut worst = Vec::new();
         for (i, body) in w.instrument.bodies.iter().enumerate() {
@@ -186,7 +185,7 @@ fn forces_are_mass_times_the_differences_of_positions() {
 /// changed by, from positions.
 #[test]
 fn impulses_are_changes_of_momentum() {
-    let w = Witness::of("ff", Settings { tolerance: 1e-13, ..Settings::new(0.25 * USUAL_STEP_S) }, 0.06);
+    let w = Witness::of(&grand(), "ff", Settings { tolerance: 1e-13, ..Settings::new(0.25 * USUAL_STEP_S) }, 0.06);
     let h = w.step_s;
     let steps = w.force.len();
     for (i, body) in w.instrument.bodies.iter().enumerate() {
@@ -211,18 +210,28 @@ fn impulses_are_changes_of_momentum() {
 /// Euler's law about each pin, which the reactions were not made from. The damper, which carries nothing and rubs on
 /// nothing, obeys it to rounding. The engine takes inertia's couplings and the direction of rubbing at the pose that it
 /// predicts for the step, so that on the others some 1e-5 of moments of several N m is left at 50 us (the whippen under
-/// a key that bends has most), and less than a tenth of that at a quarter of the step.
+/// a key that bends has most), and less than a tenth of that at a quarter of the step. In felts with sliders, which
+/// give at instants inside a step, it falls more slowly than with the square of the step: to less than a quarter.
 #[test]
 fn moments_about_the_pins_balance() {
+    let mut smooth = grand();
+    for zone in &mut smooth.zones {
+        zone.felt.loss = Loss::quadratic(zone.felt.loss.viscous(1.0, 0.0));
+    }
+    moments_balance(&smooth, 10.0);
+    moments_balance(&grand(), 4.0);
+}
+
+fn moments_balance(instrument: &Instrument, falls: f64) {
     let left = [1.0, 0.25].map(|part| {
-        let w = Witness::of("f", Settings { tolerance: 1e-13, ..Settings::new(part * USUAL_STEP_S) }, 0.08);
+        let w = Witness::of(instrument, "f", Settings { tolerance: 1e-13, ..Settings::new(part * USUAL_STEP_S) }, 0.08);
         (0..w.instrument.bodies.len())
             .map(|i| w.moment.iter().fold(0.0_f64, |worst, step| worst.max(step[i].abs())))
             .collect::<Vec<f64>>()
     });
     println!("largest moment left over, N m, body by body, at 50 and 12.5 us: {:?} {:?}", left[0], left[1]);
     for (coarse, fine) in left[0].iter().zip(&left[1]) {
-        assert!(*coarse < 1e-4 && (*fine < coarse / 10.0 || *fine < 1e-12), "{left:?}");
+        assert!(*coarse < 1e-4 && (*fine < coarse / falls || *fine < 1e-12), "{left:?}");
     }
     let damper = crate::common::body(&grand(), "damper");
     assert!(left.iter().all(|left| left[damper] < 1e-12), "{left:?}");
