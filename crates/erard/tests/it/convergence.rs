@@ -100,13 +100,14 @@ fn the_newton_tolerance_is_no_limit() {
             assert_eq!((usual.unconverged, tight.unconverged), (0, 0));
         }
     }
-    // A key that trembles at 120 Hz passes on more of what is left: a hundredth.
+    // A key that trembles at 120 Hz, on felts whose slope jumps where they turn, passes on more of what is left: a
+    // fiftieth.
     let grand = crate::common::grand();
     let play = Play::Frozen("mf", Touch::Pressed);
     for rung in ladder(&grand, &play, 0.5, &halvings(50e-6, 3), 64.0, 0.06) {
         let usual = blow(&grand, &play, Settings::new(rung.step), 0.06);
         let tight = blow(&grand, &play, Settings { tolerance: 1e-12, ..Settings::new(rung.step) }, 0.06);
         let change = (usual.speed / tight.speed - 1.0).abs();
-        assert!(change < 1e-2 * rung.speed_worst, "bending, {}: {change:.1e}, {:.1e}", rung.step, rung.speed_worst);
+        assert!(change < 2e-2 * rung.speed_worst, "bending, {}: {change:.1e}, {:.1e}", rung.step, rung.speed_worst);
     }
 }
