@@ -44,6 +44,7 @@ pub(crate) fn html(
             @for drawn in figures { (captioned(drawn, Some("plot"), &drawn.svg)) }
             (table(measured, lengths))
             @for one in measured { (timing(one, measured.len() > 1)) }
+            @for one in measured { (flight(one, measured.len() > 1)) }
             @for one in measured { (bench(one, measured.len() > 1)) }
         }
     };
@@ -146,6 +147,19 @@ fn bench(one: &Measured, named: bool) -> Markup {
         }
         div.wide tabindex="0" role="region" aria-label={ "At the bench, " (one.label) } { table {
             (super::table::bench(one).html())
+        } }
+    }
+}
+
+fn flight(one: &Measured, named: bool) -> Markup {
+    html! {
+        h2 { "Free flight" @if named { ": " (one.label) } }
+        p.soft {
+            "From the last push on the knuckle, and from the head's largest speed, to the string, along the string's \
+             normal. Behind each time: what the way would take at the speed with which the head meets the string."
+        }
+        div.wide tabindex="0" role="region" aria-label={ "Free flight, " (one.label) } { table {
+            (super::table::flight(one).html())
         } }
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use erard_workshop::measure::Sheet;
+use erard_workshop::measure::flight::Flight;
 use erard_workshop::measure::norms::{GROUPS, Line};
 
 use super::Measured;
@@ -47,6 +48,10 @@ pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
             writeln!(out, "\n  Timing{whose} (ms after key start; built-in strokes, force driven)\n{}", timing(one));
     }
     for one in measured {
+        let whose = if measured.len() > 1 { format!(", {}", one.label) } else { String::new() };
+        let _ = writeln!(out, "\n  Free flight{whose} (along the string's normal)\n{}", flight(one));
+    }
+    for one in measured {
         let whose = if measured.len() > 1 { format!(" ({})", one.label) } else { String::new() };
         let _ = writeln!(out);
         if one.sheet.flags.is_empty() {
@@ -88,4 +93,20 @@ pub(crate) fn bench(one: &Measured) -> Table<'static> {
         .iter()
         .map(|row| [format!("{:.0}", row.weight_g), decimal(Some(row.front_mm), 2), decimal(row.back_mm, 2)]);
     Table::of(["weight (g)", "key front (mm)", "capstan (mm)"], rows)
+}
+
+/// The free flights of one, in mm and ms.
+pub(crate) fn flight(one: &Measured) -> Table<'static> {
+    let heads = ["", "speed (m/s)", "last push: mm", "ms", "at speed", "largest speed: mm", "ms", "at speed"];
+    let rows = one.sheet.timing.iter().map(|row| {
+        let of = |flight: Option<Flight>| {
+            let number = |of: fn(&Flight) -> f64| decimal(flight.as_ref().map(of), 2);
+            [number(|f| f.way_mm), number(|f| f.time_ms), number(|f| f.at_constant_speed_ms)]
+        };
+        let flights = row.flights;
+        let name = [format!("{} {}", row.nuance, row.touch), decimal(flights.map(|f| f.speed_m_per_s), 2)];
+        let (push, largest) = (flights.and_then(|f| f.from_last_push), flights.map(|f| f.from_largest_speed));
+        name.into_iter().chain(of(push)).chain(of(largest)).collect::<Vec<_>>()
+    });
+    Table::of(heads, rows)
 }

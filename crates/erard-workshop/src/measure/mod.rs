@@ -9,6 +9,7 @@
 
 pub mod blocked;
 pub mod flex;
+pub mod flight;
 pub mod inertia;
 pub mod norms;
 pub mod range;

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::blocked::{BlockedRow, blocked};
+use super::flight::Flights;
 use super::inertia::{InertiaCurve, inertia};
 use super::norms::{Flag, Line, MIDDLE_C, flags};
 use super::range::{Loudness, Softest, double_strike, midi_velocity, softest, speed_against_force};
@@ -233,8 +234,10 @@ pub struct TimingRow {
     pub hammer_contact_ms: Option<f64>,
     /// The key meets its punching.
     pub key_bottom_ms: Option<f64>,
-    /// From let-off to the string, ms.
+    /// From the last push on the knuckle to the string, ms.
     pub free_flight_ms: Option<f64>,
+    /// The hammer's flight, from the last push and from its largest speed.
+    pub flights: Option<Flights>,
     /// Hammer contact before key bottom, ms; negative: after it.
     pub hammer_before_bottom_ms: Option<f64>,
     /// m/s.
@@ -257,6 +260,7 @@ impl From<&Timing> for TimingRow {
             hammer_contact_ms: since(e.hammer_contact_s()),
             key_bottom_ms: since(e.key_bottom_s),
             free_flight_ms: ms(e.free_flight_s()),
+            flights: t.flights,
             hammer_before_bottom_ms: ms(t.hammer_before_bottom_s()),
             hammer_speed_m_s: e.hammer_speed_m_s(),
             midi_velocity: e.hammer_speed_m_s().and_then(midi_velocity),

@@ -3,6 +3,7 @@
 use moreau::Settings;
 
 use super::MeasureError;
+use super::flight::{Flights, flights};
 use erard::Progress;
 use erard::instrument::Instrument;
 use erard::player;
@@ -25,6 +26,8 @@ pub(crate) struct Timing {
     pub peak_force_n: f64,
     /// What happened when.
     pub events: Events,
+    /// How the hammer flew.
+    pub flights: Option<Flights>,
     /// Why the run is not to be trusted.
     pub warnings: Vec<Warning>,
 }
@@ -66,7 +69,7 @@ pub(crate) fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
             let setup = Setup {
                 settings: Settings::new(STEP_S),
                 start_s: series.start_s(),
-                record_every: Some(100),
+                record_every: Some(1),
                 ..Setup::new(series.end_s() - series.start_s())
             };
             let run = simulate(instrument, &player::force(force.drive()), &setup, &mut |_| progress(0.0))?;
@@ -74,6 +77,7 @@ pub(crate) fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
                 nuance,
                 touch,
                 peak_force_n: run.peak_force_n,
+                flights: flights(&run.time_s, &run.hammer_head_m, &run.events),
                 events: run.events,
                 warnings: run.warnings,
             });

@@ -1,0 +1,85 @@
+//! The hammer's free flight, counted twice: from the last push on the knuckle, and from the head's largest speed, which
+//! is what papers with an accelerometer on the head call escapement.
+//!
+//! Way and speed are along the string's normal, upward. A head that flew at the speed with which it reaches the string
+//! would take way / speed; gravity and the shank, which still swings, make the difference.
+
+use erard::run::Events;
+use serde::Serialize;
+
+/// A flight from one instant to the string.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Flight {
+    /// How far the head was from the string, mm.
+    pub way_mm: f64,
+    /// How long it took from there, ms.
+    pub time_ms: f64,
+    /// How long it would have taken at the speed with which it met the string, ms.
+    pub at_constant_speed_ms: f64,
+}
+
+/// The flight of one stroke; `None` where the hammer did not reach the string or nothing pushed it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Flights {
+    /// Speed of the head along the string's normal as it meets the string, m/s.
+    pub speed_m_per_s: f64,
+    /// Its largest speed before, m/s.
+    pub largest_speed_m_per_s: f64,
+    /// From the last push on the knuckle; `None` where jack and lever pushed until the blow.
+    pub from_last_push: Option<Flight>,
+    /// From the largest speed.
+    pub from_largest_speed: Flight,
+}
+
+/// The flights of a run: its times t, s, and the head's rises y, m, of every step.
+pub(crate) fn flights(t: &[f64], y: &[f64], events: &Events) -> Option<Flights> {
+    let contact_s = events.hammer_contact_s()?;
+    let last = t.partition_point(|&t| t <= contact_s).min(y.len()).checked_sub(1)?;
+    let speed = |i: usize| (y[i] - y[i - 1]) / (t[i] - t[i - 1]);
+    let largest = (1..=last).max_by(|&a, &b| speed(a).total_cmp(&speed(b)))?;
+    // The row before the blow and the one before that: free of the string.
+    let speed_m_per_s = speed(last);
+    let string_m = y[last] + speed_m_per_s * (contact_s - t[last]);
+    let from = |at_s: f64| {
+        let row = t.partition_point(|&t| t <= at_s).clamp(1, last);
+        let way_m = string_m - (y[row] + speed(row) * (at_s - t[row]));
+        Flight {
+            way_mm: way_m * 1e3,
+            time_ms: (contact_s - at_s) * 1e3,
+            at_constant_speed_ms: way_m / speed_m_per_s * 1e3,
+        }
+    };
+    let from_last_push = events.let_off_s.filter(|&at_s| at_s < contact_s).map(from);
+    Some(Flights {
+        speed_m_per_s,
+        largest_speed_m_per_s: speed(largest),
+        from_last_push,
+        from_largest_speed: from(0.5 * (t[largest] + t[largest - 1])),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use erard::Impact;
+
+    /// A head that is thrown up: uniform speed to 30 ms, then gravity alone.
+    #[test]
+    fn a_throw_is_what_the_closed_form_says() {
+        let (v, g, off, blow) = (1.0, 9.81, 0.030, 0.032);
+        let height = |t: f64| if t < off { v * t } else { v * t - 0.5 * g * (t - off) * (t - off) };
+        let time_s: Vec<f64> = (0..=700).map(|i| f64::from(i) * 50e-6).collect();
+        let head_m: Vec<f64> = time_s.iter().map(|&t| height(t)).collect();
+        let impacts = vec![Impact { time_s: blow, hammer_speed_m_s: 1.0 }];
+        let events = Events { let_off_s: Some(off), impacts, ..Events::default() };
+        let found = flights(&time_s, &head_m, &events).unwrap();
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-3, "{found} {expected}");
+        near(found.speed_m_per_s, v - g * (blow - off));
+        near(found.largest_speed_m_per_s, v);
+        let flight = found.from_last_push.unwrap();
+        near(flight.time_ms, 2.0);
+        near(flight.way_mm, (height(blow) - height(off)) * 1e3);
+        near(flight.at_constant_speed_ms, flight.way_mm / (v - g * (blow - off)));
+        assert!(found.from_largest_speed.time_ms >= 2.0 - 0.05);
+    }
+}
