@@ -96,8 +96,11 @@ pub(super) fn noise(x: &[f64], rate_hz: f64, rest: usize) -> Option<Noise> {
     let [lower, upper] = [LOWER, UPPER].map(|[from, to]| spectrum.level(from * half, to * half));
     if lower < FLAT * upper && upper < FLAT * lower {
         let rms = (upper * half).sqrt();
-        // A rest in which one and the same number is rounded off every time has none, and the motion after it has.
-        if found.is_none_or(|noise| noise.rms < rms) {
+        // A rest in which one and the same number is rounded off every time has none, and the motion after it has. The
+        // median of n values of a spectrum scatters by 1 / (ln 2 sqrt(n)) in power, half of that in amplitude; within
+        // three times that the rest, which has more samples, is right.
+        let values = spectrum.between(UPPER[0] * half, UPPER[1] * half).len() as f64;
+        if found.is_none_or(|noise| noise.rms < rms * (1.0 - 1.5 / (LN_2 * values.sqrt()))) {
             found = Some(Noise { rms, whence: Whence::Spectrum });
         }
     }

@@ -119,7 +119,8 @@ pub struct Fate {
     pub gain: f64,
     /// Smallest dissipation term, J.
     pub smallest_term: f64,
-    /// No rest was found to start from; it was played from where it was then.
+    /// No rest was found to start from although no felt was pressed to half its thickness; it was played from where it
+    /// was then.
     pub restless: bool,
     /// A number became infinite or not a number.
     pub not_finite: bool,
@@ -172,7 +173,14 @@ pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, dura
     let mut action = Action::as_drawn(instrument, settings).expect("a valid instrument assembles");
     match action.settle(instrument, Input::Free, &mut |_| true) {
         Ok(time) => fate.settling_s = time,
-        Err(EquilibriumError::NoRest { .. } | EquilibriumError::Unsolved { .. }) => fate.restless = true,
+        Err(EquilibriumError::NoRest { .. } | EquilibriumError::Unsolved { .. }) => {
+            // A hammer wedged in its check by hundreds of newtons, a jack between its stops: felts of so much loss
+            // creep on by 1e-6 to 1e-9 rad/s, slower by half every second.
+            let is_wedged = instrument.zones.iter().enumerate().any(|(z, zone)| {
+                zone.felt.thickness_m.is_some_and(|thick| action.mechanism().compression(z) > 0.5 * thick)
+            });
+            fate.restless = !is_wedged;
+        }
         Err(_) => {
             fate.not_finite = true;
             return fate;

@@ -177,8 +177,7 @@ fn nothing_breaks(seeds: std::ops::Range<u64>) {
             felt.loss = Elastoplastic { damping, eta: r.between(0.05, 0.6), slip: r.between(0.05, 0.5) }.into();
         }
         let fate = play_on(&instrument, seed, settings, 0.4);
-        // Seed 79 is a hammer that creeps out of its check too slowly (see `robustness`).
-        assert!(!fate.not_finite && (!fate.restless || seed == 79), "{seed}: {fate:?}");
+        assert!(!fate.not_finite && !fate.restless, "{seed}: {fate:?}");
         assert!(fate.gain < 1e-2 && fate.residual < 1e-2, "{seed}: {fate:?}");
         // A difference of energies is rounded: some of these felts hold a joule.
         assert!(fate.smallest_term >= -1e-13, "{seed}: {fate:?}");

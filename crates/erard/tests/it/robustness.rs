@@ -37,14 +37,10 @@ fn nothing_of_much_breaks_at_random() {
 fn nothing_breaks(count: u64) {
     let fates = [fates(&rigid_grand(), 0.5, 0, count), fates(&grand(), 0.5, 0, count)].concat();
     for fate in &fates {
-        assert!(!fate.not_finite, "{fate:?}");
+        assert!(!fate.not_finite && !fate.restless, "{fate:?}");
         assert!(fate.gain < 1e-2 && fate.residual < 1e-2, "{fate:?}");
         assert!(fate.smallest_term >= 0.0, "{fate:?}");
     }
-    // Seed 79 of those that bend has its hammer wedged in the check by 370 N. It creeps out with a time constant of
-    // 1.5 s, and the search for rest ends after 20 s.
-    let restless = fates.iter().filter(|fate| fate.restless).count();
-    assert!(400 * restless <= fates.len(), "{restless} of {}", fates.len());
     let (steps, unconverged) = fates.iter().fold((0, 0), |(a, b), f| (a + f.steps, b + f.unconverged));
     println!("{unconverged} of {steps} steps unconverged");
     assert!(unconverged * 20_000 < steps, "{unconverged} of {steps}");
