@@ -22,6 +22,13 @@ pub(crate) enum Form<T> {
     Proportional(T),
 }
 
+/// The shortest way, as a part of the compressions at its ends, on which the mean of a force is a difference of
+/// potentials. The tangent loses the square of it to rounding; the quadrature loses its fourth power.
+fn shortest_way<T: Real>() -> T {
+    let single = size_of::<T::Lane>() < size_of::<f64>();
+    T::from_f64(if single { 0.05 } else { 1e-3 })
+}
+
 /// How strongly a felt's force can bend away from its tangent: with depth the largest compression and speed the largest
 /// |dg/dt|, 1/2 |F_gg| <= stiffness + stiffness_by_depth depth + damping speed and |F_gv| <= 2 damping depth, up to the
 /// compression `deepest`.
@@ -186,7 +193,7 @@ impl<T: Real> RatePart<T> {
         let (whole, way) = (half + half, (half + half) * rate);
         let (a, b) = ((compression - half * rate).max(T::ZERO), (compression + half * rate).max(T::ZERO));
         // On a short way the difference of potentials is rounded, and the quadrature is exact to rounding.
-        let long = (T::from_f64(1e-3) * (a + b)).lt(way.abs());
+        let long = (shortest_way::<T>() * (a + b)).lt(way.abs());
         if !long.any() {
             return pressed;
         }

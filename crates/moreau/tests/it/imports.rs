@@ -70,9 +70,32 @@ fn modules(directory: &Path, path: &str, found: &mut BTreeMap<String, String>) {
     }
 }
 
-/// The paths of `use` declarations, braces resolved, without those of test modules, which stand at a file's end.
+/// A source without the items that are compiled for its tests only, wherever they stand.
+fn without_tests(source: &str) -> String {
+    let (mut kept, mut lines) = (String::new(), source.lines());
+    while let Some(line) = lines.next() {
+        if line.trim() != "#[cfg(test)]" {
+            kept.push_str(line);
+            kept.push('\n');
+            continue;
+        }
+        // As rustfmt writes it, an item ends with its first line that ends a statement or closes a brace at its own
+        // depth.
+        let depth = line.len() - line.trim_start().len();
+        for item in lines.by_ref() {
+            let own = item.len() - item.trim_start().len() == depth;
+            if own && (item.ends_with(';') || item.ends_with('}')) {
+                break;
+            }
+        }
+    }
+    kept
+}
+
+/// The paths of `use` declarations, braces resolved, without those of tests.
 fn uses(source: &str) -> Vec<(bool, String)> {
-    let source = source.split("#[cfg(test)]").next().unwrap();
+    let source = without_tests(source);
+    let source = source.as_str();
     let mut found = Vec::new();
     let mut rest = source;
     while let Some(at) = rest.find("use ") {
@@ -232,14 +255,20 @@ fn circles(graph: &BTreeMap<String, BTreeSet<String>>) -> Vec<BTreeSet<&str>> {
     circles
 }
 
-/// The graph of folders and files at the top of a crate: from each to those that it imports from.
-fn of_modules(graph: &BTreeMap<String, BTreeSet<String>>) -> BTreeMap<String, BTreeSet<String>> {
-    let top = |file: &str| file.split("::").next().unwrap().to_owned();
+/// The graph of the folders and files in a folder (the crate's own: ""): from each to those beside it that it imports
+/// from.
+fn of_modules(graph: &BTreeMap<String, BTreeSet<String>>, folder: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let inside = |file: &str| {
+        let inner = if folder.is_empty() { file } else { file.strip_prefix(folder)?.strip_prefix("::")? };
+        inner.split("::").next().filter(|top| !top.is_empty()).map(str::to_owned)
+    };
     let mut modules: BTreeMap<String, BTreeSet<String>> =
-        graph.keys().map(|file| (top(file), BTreeSet::new())).collect();
-    for (file, imports) in graph.iter().filter(|(file, _)| !file.is_empty()) {
-        let others = imports.iter().map(|import| top(import)).filter(|other| *other != top(file) && !other.is_empty());
-        modules.entry(top(file)).or_default().extend(others);
+        graph.keys().filter_map(|file| inside(file)).map(|top| (top, BTreeSet::new())).collect();
+    for (file, imports) in graph {
+        let Some(top) = inside(file) else { continue };
+        let others = imports.iter().filter_map(|import| inside(import)).filter(|other| *other != top);
+        let others: Vec<String> = others.collect();
+        modules.entry(top).or_default().extend(others);
     }
     modules
 }
@@ -248,10 +277,17 @@ fn of_modules(graph: &BTreeMap<String, BTreeSet<String>>) -> BTreeMap<String, BT
 fn faults(graph: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
     let mut faults: Vec<String> =
         circles(graph).iter().filter(|circle| circle.len() > 2).map(|circle| format!("files {circle:?}")).collect();
-    let modules = of_modules(graph);
     let is_folder = |module: &str| graph.keys().any(|file| file.starts_with(&format!("{module}::")));
-    let bad = |circle: &BTreeSet<&str>| circle.iter().any(|module| is_folder(module));
-    faults.extend(circles(&modules).iter().filter(|circle| bad(circle)).map(|circle| format!("modules {circle:?}")));
+    for folder in graph.keys().filter(|file| file.is_empty() || is_folder(file)) {
+        let modules = of_modules(graph, folder);
+        let within = |module: &str| if folder.is_empty() { module.to_owned() } else { format!("{folder}::{module}") };
+        let bad = |circle: &BTreeSet<&str>| circle.iter().any(|module| is_folder(&within(module)));
+        let circles = circles(&modules);
+        faults.extend(circles.iter().filter(|circle| bad(circle)).map(|circle| match folder.as_str() {
+            "" => format!("modules {circle:?}"),
+            folder => format!("modules of {folder} {circle:?}"),
+        }));
+    }
     faults
 }
 
@@ -350,8 +386,9 @@ fn a_circle_is_found() {
     let files = [
         ("a", source("use crate::b::{self, Thing};\n")),
         ("b", source("use crate::{One, d::{Two, Three as Third}};\n")),
-        ("c", source("use super::a::Other;\n")),
-        ("d", source("// use crate::a::Not;\nuse core::fmt;\n")),
+        // What follows an item for tests counts.
+        ("c", source("#[cfg(test)]\nuse crate::d::Not;\nuse super::a::Other;\n")),
+        ("d", source("// use crate::a::Not;\nuse core::fmt;\n#[cfg(test)]\nmod tests {\n    use crate::a;\n}\n")),
         ("", source("mod c;\npub use c::One;\n")),
     ];
     let files = files.map(|(name, source)| (name.to_owned(), source)).into();
@@ -373,4 +410,14 @@ fn a_circle_of_folders_is_found() {
     ];
     let graph = graph(&files.map(|(name, source)| (name.to_owned(), source.to_owned())).into());
     assert_eq!(faults(&graph), [r#"modules {"high", "low"}"#]);
+
+    let within = [
+        ("room", "mod low; mod high;\n"),
+        ("room::low::inner", "fn f() { crate::room::high::g() }\n"),
+        ("room::low::plain", "\n"),
+        ("room::high", "use super::low::plain::Plain;\n"),
+        ("", "mod room;\n"),
+    ];
+    let graph = self::graph(&within.map(|(name, source)| (name.to_owned(), source.to_owned())).into());
+    assert_eq!(faults(&graph), [r#"modules of room {"high", "low"}"#]);
 }

@@ -1,6 +1,7 @@
 //! The tests of the engine: one program, so that it is linked once.
 
 mod adaptive;
+mod architecture;
 mod description;
 mod drives;
 mod imports;

@@ -1,0 +1,87 @@
+//! What ARCHITECTURE.md says is there: the files it names, and the functions on the way of a press.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Most files that a press may pass through, and most methods of `Mechanism`.
+const MOST_FILES: usize = 18;
+const MOST_METHODS: usize = 12;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// What stands between backquotes.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+/// The cells of the rows of the table that begins after a heading.
+fn table<'a>(page: &'a str, heading: &str) -> Vec<Vec<&'a str>> {
+    let (_, after) = page.split_once(heading).unwrap_or_else(|| panic!("ARCHITECTURE has no `{heading}`"));
+    let rows = after.lines().skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|'));
+    rows.skip(2).map(|row| row.trim_matches('|').split('|').map(str::trim).collect()).collect()
+}
+
+fn page() -> String {
+    fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap()
+}
+
+/// Each row of the way of a press is a file, and its functions are in it.
+#[test]
+fn the_way_of_a_press_is_as_it_says() {
+    let page = page();
+    let rows = table(&page, "## The way of a press");
+    assert!(!rows.is_empty() && rows.len() <= MOST_FILES, "{} files", rows.len());
+    for row in rows {
+        let file = quoted(row[1]).next().unwrap();
+        let (folder, inner) = file.split_once('/').unwrap();
+        let source = fs::read_to_string(root().join("crates").join(folder).join(inner))
+            .unwrap_or_else(|error| panic!("{file}: {error}"));
+        for function in quoted(row[2]) {
+            let (owner, name) = function.rsplit_once("::").unwrap_or(("", function));
+            let declared = |(at, _): (usize, &str)| {
+                !source[at..].starts_with(|c: char| c.is_alphanumeric() || c == '_')
+                    && source[..at].ends_with(&format!("fn {name}"))
+            };
+            let found = source.match_indices(['(', '<']).any(declared);
+            // A type is only named.
+            let is_type = name.starts_with(char::is_uppercase);
+            assert!((found || is_type) && source.contains(owner), "{file} has no {function}");
+        }
+    }
+}
+
+#[test]
+fn mechanism_has_no_more_methods_than_it_says() {
+    let source = fs::read_to_string(root().join("crates/moreau-kernels/src/mechanism.rs")).unwrap();
+    let (_, after) = source.split_once("pub trait Mechanism").unwrap();
+    let methods = after.split("\n}").next().unwrap().matches("    fn ").count();
+    assert!(methods > 0 && methods <= MOST_METHODS, "{methods}");
+    assert!(page().contains(&format!("`Mechanism` ({methods} methods)")), "{methods}");
+}
+
+/// Files of the table of changes, and folders of the rooms.
+#[test]
+fn the_files_it_names_are_there() {
+    let page = page();
+    let mut missing = Vec::new();
+    for row in table(&page, "## Where to change what") {
+        // A path without its crate is in the folder of the one before it.
+        let mut before = PathBuf::new();
+        for path in
+            quoted(row[1]).filter(|path| path.ends_with(".rs") || path.ends_with('/') || path.ends_with(".toml"))
+        {
+            let folders = before.ancestors().map(|folder| folder.join(path));
+            let places = [root().join("crates").join(path), root().join(path)].into_iter().chain(folders);
+            match places.into_iter().find(|place| place.exists()) {
+                Some(found) => before = found,
+                None => missing.push(path),
+            }
+        }
+    }
+    for row in table(&page, "papers/`.\n") {
+        missing.extend(quoted(row[0]).filter(|path| !root().join(path).exists()));
+    }
+    assert!(missing.is_empty(), "{missing:?}");
+}
