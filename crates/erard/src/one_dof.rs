@@ -10,10 +10,10 @@
 //!
 //! Bodies that those contacts do not reach (the damper, which the key picks up later) stay out of it.
 
-use moreau::Settings;
+use moreau::{Settings, gauss_jordan_pivoting};
 use thiserror::Error;
 
-use crate::instrument::{Body, Instrument, Part, Roles, Screw, Spring, Zone};
+use crate::instrument::{Body, Instrument, MAX_BODIES, Part, Roles, Screw, Spring, Zone};
 use crate::player::equilibrium;
 use crate::player::{Action, ActionError};
 
@@ -146,32 +146,26 @@ fn reached(rows: &[Vec<f64>], key: usize, count: usize) -> Vec<usize> {
 /// Solves G r = 0 with r_key = 1 and zero for bodies that no row touches; `None` unless the solution is unique.
 fn ratios(rows: &[Vec<f64>], key: usize, count: usize) -> Option<Vec<f64>> {
     let unknown = reached(rows, key, count);
-    let n = unknown.len();
-    if rows.len() != n {
+    if rows.len() != unknown.len() {
         return None;
     }
-    let mut a: Vec<Vec<f64>> = rows.iter().map(|r| unknown.iter().map(|&b| r[b]).chain([-r[key]]).collect()).collect();
-    for k in 0..n {
-        let pivot = (k..n).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))?;
-        a.swap(k, pivot);
-        // Rows are lever arms in metres; a micrometre of arm is no transmission.
-        if a[k][k].abs() < 1e-6 {
-            return None;
+    // Bodies that no row touches have the identity's rows.
+    let mut a: [[f64; MAX_BODIES]; MAX_BODIES] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j)));
+    let mut right = [[0.0]; MAX_BODIES];
+    for (k, row) in rows.iter().enumerate() {
+        for (j, &body) in unknown.iter().enumerate() {
+            a[k][j] = row[body];
         }
-        let pivot_row = a[k].clone();
-        for (i, row) in a.iter_mut().enumerate() {
-            if i != k {
-                let factor = row[k] / pivot_row[k];
-                for (x, p) in row.iter_mut().zip(&pivot_row) {
-                    *x -= factor * p;
-                }
-            }
-        }
+        right[k] = [-row[key]];
+    }
+    // Rows are lever arms in metres; a micrometre of arm is no transmission.
+    if !gauss_jordan_pivoting(&mut a, &mut right, 1e-6) {
+        return None;
     }
     let mut r = vec![0.0; count];
     r[key] = 1.0;
-    for (k, &b) in unknown.iter().enumerate() {
-        r[b] = a[k][n] / a[k][k];
+    for (&[ratio], &body) in right.iter().zip(&unknown) {
+        r[body] = ratio;
     }
     Some(r)
 }

@@ -102,7 +102,7 @@ pub use law::{
     Range, SetValued,
 };
 pub use ledger::{Energies, Ledger, LossIn, each_loss};
-pub use linear::gauss_jordan;
+pub use linear::{gauss_jordan, gauss_jordan_pivoting};
 pub use model::Model;
 pub use osnsp::Solver;
 pub use pose::Pose;

@@ -127,19 +127,52 @@ pub(crate) fn solve<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B]
 
 /// Solves `matrix` x = `right` for all columns of `right`, in place, by Gauss and Jordan's elimination. Pivots are not
 /// sought: none may vanish, as with a positive definite matrix times a positive diagonal one.
-pub fn gauss_jordan<T: Real, const K: usize>(matrix: &mut [[T; K]; K], right: &mut [[T; K]; K]) {
+pub fn gauss_jordan<T: Real, const K: usize, const C: usize>(matrix: &mut [[T; K]; K], right: &mut [[T; C]; K]) {
     for pivot in 0..K {
-        let by = T::ONE / matrix[pivot][pivot];
-        for k in 0..K {
-            matrix[pivot][k] = by * matrix[pivot][k];
-            right[pivot][k] = by * right[pivot][k];
-        }
-        for i in (0..K).filter(|i| *i != pivot) {
-            let factor = matrix[i][pivot];
-            for k in 0..K {
-                matrix[i][k] = matrix[i][k].sub_product(factor, matrix[pivot][k]);
-                right[i][k] = right[i][k].sub_product(factor, right[pivot][k]);
+        eliminate(matrix, right, pivot);
+    }
+}
+
+/// [`gauss_jordan`] with the largest pivot of each column; false, and no solution, if one is below `smallest`.
+pub fn gauss_jordan_pivoting<const K: usize, const C: usize>(
+    matrix: &mut [[f64; K]; K],
+    right: &mut [[f64; C]; K],
+    smallest: f64,
+) -> bool {
+    for pivot in 0..K {
+        let mut largest = pivot;
+        for i in pivot + 1..K {
+            if matrix[i][pivot].abs() > matrix[largest][pivot].abs() {
+                largest = i;
             }
+        }
+        matrix.swap(pivot, largest);
+        right.swap(pivot, largest);
+        if matrix[pivot][pivot].abs() < smallest {
+            return false;
+        }
+        eliminate(matrix, right, pivot);
+    }
+    true
+}
+
+/// One column of the elimination.
+#[inline(always)]
+fn eliminate<T: Real, const K: usize, const C: usize>(matrix: &mut [[T; K]; K], right: &mut [[T; C]; K], pivot: usize) {
+    let by = T::ONE / matrix[pivot][pivot];
+    for k in 0..K {
+        matrix[pivot][k] = by * matrix[pivot][k];
+    }
+    for k in 0..C {
+        right[pivot][k] = by * right[pivot][k];
+    }
+    for i in (0..K).filter(|i| *i != pivot) {
+        let factor = matrix[i][pivot];
+        for k in 0..K {
+            matrix[i][k] = matrix[i][k].sub_product(factor, matrix[pivot][k]);
+        }
+        for k in 0..C {
+            right[i][k] = right[i][k].sub_product(factor, right[pivot][k]);
         }
     }
 }

@@ -41,6 +41,27 @@ fn reactions_are_columns_and_curves() {
     assert!(svg.contains("pin, up (N)") && svg.contains("acceleration") && !svg.contains("NaN"));
 }
 
+/// A hand goes with adaptive steps, reactions, losses and sound: all of them in one press each with a rigid string and
+/// with strings, which take fixed steps. The losses add up with the hand's own.
+#[test]
+fn a_hand_goes_with_all_that_looks_inside() {
+    let folder = Folder::new("inside-hand");
+    let press = ["press", "--hand=200", "--stroke", "mf", "--duration", "0.1", "--reactions", "--losses", "--out"];
+    for (out, more) in
+        [("rigid", &["--tolerance", "1e-3"][..]), ("strings", &["--instrument", "concert-grand-strings", "--wav"])]
+    {
+        let said = folder.good(&[&press[..], &[out], more].concat());
+        assert!(said.contains("hand driven") && said.contains("where the energy goes"), "{said}");
+        let table = folder.read(&format!("{out}/run.csv"));
+        for name in ["hammer_pin_y_N", "force_N"] {
+            let forces = column(&table, name);
+            assert!(forces.iter().all(|x| x.is_finite()) && forces.iter().any(|x| *x != 0.0), "{out}: {name}");
+        }
+        adds_up(&folder, out);
+    }
+    assert!(folder.0.join("strings/note.wav").metadata().unwrap().len() > 1000);
+}
+
 /// The table of losses adds up to the summary's, part by part; where the error is controlled, too.
 #[test]
 #[ignore = "ci: losses of several runs"]
@@ -52,7 +73,7 @@ fn losses_add_up() {
         assert!(said.contains("where the energy goes"), "{said}");
         let table = folder.read("press/run.csv");
         assert!(column(&table, "hammer_pin_y_N").iter().all(|force| force.is_finite()), "{controlled:?}");
-        adds_up(&folder);
+        adds_up(&folder, "press");
     }
     // With strings their own losses and those of each damper's felt stand among the others.
     folder.good(&[
@@ -66,7 +87,7 @@ fn losses_add_up() {
         "press",
         "--force",
     ]);
-    adds_up(&folder);
+    adds_up(&folder, "press");
     let losses: Value = serde_json::from_str(&folder.read("press/losses.json")).unwrap();
     let parts = losses["losses"].as_array().unwrap();
     let of = |name: &str| parts.iter().find(|one| one["name"] == name).unwrap()["loss_J"].as_f64().unwrap();
@@ -79,7 +100,7 @@ fn losses_add_up() {
         .replace("rigid_bridge = true", "rigid_bridge = false");
     std::fs::write(folder.0.join("moves.toml"), moves).unwrap();
     folder.good(&["press", "--stroke", "mf", "--losses", "--instrument", "moves.toml", "--out", "press", "--force"]);
-    adds_up(&folder);
+    adds_up(&folder, "press");
     let losses: Value = serde_json::from_str(&folder.read("press/losses.json")).unwrap();
     let parts = losses["losses"].as_array().unwrap();
     let of = |name: &str| parts.iter().find(|one| one["name"] == name).unwrap()["loss_J"].as_f64().unwrap();
@@ -87,9 +108,9 @@ fn losses_add_up() {
     assert!(of("bridge") > 0.1 * of("strings") && of("rocking") > 0.0);
 }
 
-fn adds_up(folder: &Folder) {
-    let losses: Value = serde_json::from_str(&folder.read("press/losses.json")).unwrap();
-    let summary: Value = serde_json::from_str(&folder.read("press/summary.json")).unwrap();
+fn adds_up(folder: &Folder, out: &str) {
+    let losses: Value = serde_json::from_str(&folder.read(&format!("{out}/losses.json"))).unwrap();
+    let summary: Value = serde_json::from_str(&folder.read(&format!("{out}/summary.json"))).unwrap();
     let parts = losses["losses"].as_array().unwrap();
     let sum = |kind: &str, part: &str| -> f64 {
         parts.iter().filter(|one| one["kind"] == kind).map(|one| one[part].as_f64().unwrap()).sum()
@@ -106,7 +127,7 @@ fn adds_up(folder: &Folder) {
     }
     let shares: f64 = parts.iter().map(|one| one["share"].as_f64().unwrap()).sum();
     assert!((shares - 1.0).abs() < 1e-9);
-    let svg = folder.read("press/losses.svg");
+    let svg = folder.read(&format!("{out}/losses.svg"));
     assert!(svg.contains("lost so far (mJ)"), "areas stand on a linear axis");
     assert!(svg.contains("<polygon") && svg.contains("all others") && !svg.contains("NaN"));
 }

@@ -2,7 +2,7 @@
 //! problem.
 
 use moreau::{
-    Accuracy, Body, ControlledStep, Controller, Description, Input, Model, Outcome, Settings, Spring, State,
+    Accuracy, Body, ControlledStep, Controller, Description, Hand, Input, Model, Outcome, Settings, Spring, State,
     StepDoubling, controlled_step,
 };
 
@@ -139,6 +139,33 @@ fn a_state_outlives_an_input_that_is_no_number() {
     let no_number = |_: f64, _: f64, _: &State<f64, 1, 0>| Input::Force(f64::NAN);
     let did = controlled_step(&model, &settings, &accuracy, &mut controller, 1e-3, no_number, &mut state, &mut halves);
     assert_eq!((did.outcome, &state), (Outcome::NonFinite, &before));
+}
+
+/// An attempt that is rejected leaves the hand where it was: the step that follows it has the bits of one that was
+/// taken at once in that length.
+#[test]
+fn a_rejected_step_leaves_the_hand_where_it_was() {
+    let site = moreau::Site { body: 0, point: [0.1, 0.0], direction: [0.0, 1.0], stiffness: 1e3, damping: 1.0 };
+    let model =
+        Description { bodies: &[Body { inertia: 1e-2, ..Body::inert() }], site: Some(site), ..Description::default() }
+            .compile::<1, 0>()
+            .expect("sound");
+    let (settings, accuracy) = (Settings::new(1e-3), Accuracy::new(1e-4, 1e-9, 1.0));
+    let hand = Hand { mass: 0.2, force: 3.0, stiffness: 0.0, damping: 0.0, position: 0.0, velocity: 0.0 };
+    let go = |first: f64| {
+        let mut state = State::at_rest([0.0]);
+        state.hand = [0.0, 0.5];
+        let mut halves = StepDoubling::<f64, 1, 0, 2>::new(&settings);
+        let mut controller = Controller::new(first);
+        let drive = |_: f64, _: f64, _: &State<f64, 1, 0>| Input::Hand(hand);
+        let did = controlled_step(&model, &settings, &accuracy, &mut controller, 1.0, drive, &mut state, &mut halves);
+        (did, state)
+    };
+    let (long, after_rejections) = go(0.1);
+    let (short, at_once) = go(long.step);
+    assert!(long.rejected > 0 && short.rejected == 0, "{long:?} {short:?}");
+    assert_eq!((long.step, after_rejections), (short.step, at_once.clone()));
+    assert!(at_once.hand[0] > 0.0);
 }
 
 /// A force that is given as a function of time is asked for at the theta points of whole and halves: one that is linear
