@@ -47,6 +47,13 @@ pub struct Loudness {
 pub struct Softest {
     /// The constant force, N.
     pub force_n: f64,
+    /// How the hammer flew; `None` where jack and lever pushed until the blow.
+    pub flight: Option<SoftFlight>,
+}
+
+/// The flight of the softest blow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SoftFlight {
     /// Speed of the strike point when it was pushed for the last time, m/s.
     pub let_off_speed_m_s: f64,
     /// How far it then had to fly, m.
@@ -135,7 +142,9 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
             low = middle;
         }
     }
-    let (Some(off), Some(contact)) = (blow.events.let_off_s, blow.events.hammer_contact_s()) else { return Ok(None) };
+    let (Some(off), Some(contact)) = (blow.events.let_off_s, blow.events.hammer_contact_s()) else {
+        return Ok(Some(Softest { force_n: high, flight: None }));
+    };
     let row = |t: f64| blow.time_s.partition_point(|&time| time < t).min(blow.time_s.len() - 1);
     let rigid = instrument.locked();
     let rigid_hammer = Parts::of(&rigid)?.hammer;
@@ -144,13 +153,13 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
     // The head moves along its part's arc about the centre pin; what it rocks on a bending shank does not belong to its
     // flight.
     let rate = blow.bodies[instrument.first_piece(parts.hammer)].rate_rad_per_s[row(off)];
-    Ok(Some(Softest {
-        force_n: high,
+    let flight = SoftFlight {
         let_off_speed_m_s: rate.abs() * along.hypot(above),
         flight_m,
         flight_s: contact - off,
         fall_speed_m_s: (2.0 * fall_m_s2(&rigid, rigid_hammer) * flight_m.max(0.0)).sqrt(),
-    }))
+    };
+    Ok(Some(Softest { force_n: high, flight: Some(flight) }))
 }
 
 fn press(

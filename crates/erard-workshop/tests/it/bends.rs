@@ -61,5 +61,6 @@ fn distances_are_found_in_what_bends() {
     near(found.dip_m.unwrap(), 9.6e-3, 5e-5, "dip");
     near(found.blow_m.unwrap(), 47.5e-3, 1e-4, "blow");
     let soft = softest(&bent, &mut |_| true).unwrap().unwrap();
+    let soft = soft.flight.unwrap();
     near(soft.let_off_speed_m_s, soft.fall_speed_m_s, 0.02, "what the flight takes");
 }

@@ -12,7 +12,7 @@ use erard::player::{self, Action};
 use erard::run::{Setup, simulate};
 use erard_workshop::measure::inertia::inertia;
 use erard_workshop::measure::norms::lines;
-use erard_workshop::measure::range::{Softest, softest};
+use erard_workshop::measure::range::{SoftFlight, softest};
 use erard_workshop::measure::repetition::repetition;
 use erard_workshop::measure::weights::{HOME_M, Weights, weigh};
 use erard_workshop::measure::{measure, slow_loop};
@@ -402,9 +402,9 @@ fn twice_the_let_off_needs_a_faster_hammer() {
         by *= distance / (reached - distance);
     }
     near("let-off distance", reached, 2.0 * distance, 0.1 * distance);
-    let [a, b] = [&near_string, &far].map(|instrument| softest(instrument, &mut go).unwrap().unwrap());
+    let [a, b] = [&near_string, &far].map(|instrument| softest(instrument, &mut go).unwrap().unwrap().flight.unwrap());
     println!("let-off {:.2} mm: {a:?}\nlet-off {:.2} mm: {b:?}", distance * 1e3, reached * 1e3);
-    for Softest { let_off_speed_m_s, fall_speed_m_s, .. } in [a, b] {
+    for SoftFlight { let_off_speed_m_s, fall_speed_m_s, .. } in [a, b] {
         near("speed at let-off", let_off_speed_m_s, fall_speed_m_s, 0.05 * fall_speed_m_s);
     }
     assert!(b.flight_s > a.flight_s && b.flight_m > a.flight_m && b.let_off_speed_m_s > a.let_off_speed_m_s);
