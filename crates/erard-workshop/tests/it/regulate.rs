@@ -109,7 +109,7 @@ fn one_goal_turns_one_screw() {
 #[test]
 #[ignore = "ci: another regulation"]
 fn a_file_may_count_the_other_way() {
-    let text = Instrument::builtin_text("concert-grand").unwrap();
+    let text = Instrument::builtin_text("concert-grand-rigid").unwrap();
     let lowers = text.replace("direction = { value = [0, -1],", "direction = { value = [0, 1],");
     assert_ne!(text, lowers);
     let other = Instrument::parse(&lowers, "other.toml").unwrap();
