@@ -9,6 +9,7 @@ use super::shown;
 use super::table::usual_of;
 use super::{Measured, doubts};
 use crate::paper::{Headed, page, picture};
+use crate::table::Table;
 use crate::units::Lengths;
 use maud::{Markup, html};
 
@@ -128,38 +129,32 @@ fn captioned(drawn: &Drawn, class: Option<&str>, svg: &str) -> Markup {
     html! { figure class=[class] { (picture(&drawn.alt, svg)) figcaption { (drawn.alt) } } }
 }
 
-fn timing(one: &Measured, named: bool) -> Markup {
+/// A heading, what the numbers are, and a table of one action.
+fn section(heading: &str, note: &Markup, table: &Table<'_>, one: &Measured, named: bool) -> Markup {
     html! {
-        h2 { "Timing sheet" @if named { ": " (one.label) } }
-        p.soft { "Milliseconds after key start; built-in strokes, force driven. " (MIDI_MAP) }
-        div.wide tabindex="0" role="region" aria-label={ "Timing sheet, " (one.label) } { table {
-            (super::table::timing(one).html())
-        } }
+        h2 { (heading) @if named { ": " (one.label) } }
+        p.soft { (note) }
+        div.wide tabindex="0" role="region" aria-label={ (heading) ", " (one.label) } { table { (table.html()) } }
     }
 }
 
-fn bench(one: &Measured, named: bool) -> Markup {
-    html! {
-        h2 { "At the bench" @if named { ": " (one.label) } }
-        p.soft {
-            "The hammer is blocked half-way to the string and weights are laid on the key. Travel from the first weight \
-             on: of the key's front down, of the capstan up."
-        }
-        div.wide tabindex="0" role="region" aria-label={ "At the bench, " (one.label) } { table {
-            (super::table::bench(one).html())
-        } }
-    }
+fn timing(one: &Measured, named: bool) -> Markup {
+    let note = html! { "Milliseconds after key start; built-in strokes, force driven. " (MIDI_MAP) };
+    section("Timing sheet", &note, &super::table::timing(one), one, named)
 }
 
 fn flight(one: &Measured, named: bool) -> Markup {
-    html! {
-        h2 { "Free flight" @if named { ": " (one.label) } }
-        p.soft {
-            "From the last push on the knuckle, and from the head's largest speed, to the string, along the string's \
-             normal. Behind each time: what the way would take at the speed with which the head meets the string."
-        }
-        div.wide tabindex="0" role="region" aria-label={ "Free flight, " (one.label) } { table {
-            (super::table::flight(one).html())
-        } }
-    }
+    let note = html! {
+        "From the last push on the knuckle, and from the head's largest speed, to the string, along the string's \
+         normal. Behind each time: what the way would take at the speed with which the head meets the string."
+    };
+    section("Free flight", &note, &super::table::flight(one), one, named)
+}
+
+fn bench(one: &Measured, named: bool) -> Markup {
+    let note = html! {
+        "The hammer is blocked half-way to the string and weights are laid on the key. Travel from the first weight \
+         on: of the key's front down, of the capstan up."
+    };
+    section("At the bench", &note, &super::table::bench(one), one, named)
 }

@@ -42,14 +42,13 @@ pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
         }
     }
     let mut out = Table::of([""].into_iter().chain(heads).chain(["usual"]), rows).to_string();
+    let whose = |one: &Measured| if measured.len() > 1 { format!(", {}", one.label) } else { String::new() };
     for one in measured {
-        let whose = if measured.len() > 1 { format!(", {}", one.label) } else { String::new() };
-        let _ =
-            writeln!(out, "\n  Timing{whose} (ms after key start; built-in strokes, force driven)\n{}", timing(one));
+        let heading = format!("Timing{} (ms after key start; built-in strokes, force driven)", whose(one));
+        let _ = writeln!(out, "\n  {heading}\n{}", timing(one));
     }
     for one in measured {
-        let whose = if measured.len() > 1 { format!(", {}", one.label) } else { String::new() };
-        let _ = writeln!(out, "\n  Free flight{whose} (along the string's normal)\n{}", flight(one));
+        let _ = writeln!(out, "\n  Free flight{} (along the string's normal)\n{}", whose(one), flight(one));
     }
     for one in measured {
         let whose = if measured.len() > 1 { format!(" ({})", one.label) } else { String::new() };

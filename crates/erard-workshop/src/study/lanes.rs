@@ -292,13 +292,17 @@ impl<'a> Lane<'a> {
     }
 
     /// Works out the step's forces and books its energy. To be called before the step's end is observed. Returns
-    /// whether the step changed anything.
-    fn retrace(&mut self, input: &Input<f64>, settings: &Settings<f64>, after: State) -> bool {
+    /// whether the step changed anything that is looked at.
+    fn retrace(&mut self, input: &Input<f64>, settings: &Settings<f64>, state: impl FnOnce() -> State) -> bool {
+        // Without a ledger nobody asks for forces, nor for states, once the string is struck.
+        if self.ledger.is_none() && !self.detector.awaits_let_off() {
+            return false;
+        }
+        let after = state();
         let before = core::mem::replace(&mut self.state, after);
-        let changed = before != after;
         // A step that changed nothing has nothing to book.
-        if !changed || self.ledger.is_none() && !self.detector.awaits_let_off() {
-            return changed;
+        if before == after {
+            return false;
         }
         self.observer.retrace(settings, input, [&before, &after]);
         if let Some(ledger) = &mut self.ledger {
@@ -406,7 +410,7 @@ fn step_all(
             }
             group.motion(i, &mut angles, &mut velocities);
             let now_s = setup.start_s + (n + 1) as f64 * h;
-            let changed = lane.retrace(&inputs[i], &setup.settings, group.state(i));
+            let changed = lane.retrace(&inputs[i], &setup.settings, || group.state(i));
             lane.observe(now_s, &angles, &velocities);
             if lane.sampled.as_ref().is_some_and(|sampled| sampled.is_row(n + 1)) {
                 lane.sample(now_s, &angles, &velocities);

@@ -100,8 +100,8 @@ fn the_newton_tolerance_is_no_limit() {
             assert_eq!((usual.unconverged, tight.unconverged), (0, 0));
         }
     }
-    // A key that trembles at 120 Hz, on felts whose slope jumps where they turn, passes on more of what is left: a
-    // fiftieth.
+    // This key trembles at 120 Hz, and its felts have sliders, whose stiffness jumps at a reversal. Newton's iteration
+    // leaves more there: a fiftieth.
     let grand = crate::common::grand();
     let play = Play::Frozen("mf", Touch::Pressed);
     for rung in ladder(&grand, &play, 0.5, &halvings(50e-6, 3), 64.0, 0.06) {
