@@ -48,18 +48,18 @@ for name, low_pass in (("slow", 20.0), ("medium", 250.0), ("fast", 250.0)):
     print(f"{name}: {100 * found.explained:.1f} % of the hammer's variance, {1e3 * found.rms:.2f} mm rms, {1e3 * found.delay_s:+.1f} ms")
     assert found.explained > 0.97
 
-# %% [markdown] Good, but not perfect: the model's hammer comes a little early. A fit of the fast stroke will turn
-# whatever it is given. Here that is let-off and the hammer's mass, and the mass comes out nearly doubled. Believe what
-# the fit says of itself before what it says of the piano: the misfit is several times what noise explains, so that the
-# model is wrong somewhere else (the sensor sits at the key's back and sees nothing of how it bends; that action's
-# masses are not known), and the errors are too small.
+# %% [markdown] Good, but not perfect. A fit of the fast stroke will turn whatever it is given. Here that is let-off
+# and the hammer's mass. The mass stays what the model has, within twice its error; heel and knuckle felts were chosen
+# by this stroke among others. Let-off ends at its bound, and the misfit is several times what noise explains: the
+# model is wrong somewhere else (that action stood in a frame of its own, its masses are not known), and the errors
+# are too small.
 
 # %%
 fast = strokes["fast"]
 rise = fast[(fast.time_s > 0.2) & (fast.time_s < 0.34)].assign(time_s=lambda rows: rows.time_s - 0.2)
 fit = erard.fit(like, rise, vary=["let_off", "body.hammer.mass"], restarts=1)
 print(f"misfit {fit.chi2_reduced:.1f}, explained by noise {fit.chi2_expected:.1f}")
-assert fit.chi2_reduced > 3 * fit.chi2_expected and fit.x["body.hammer.mass"] > 1.4
+assert fit.chi2_reduced > 3 * fit.chi2_expected and abs(fit.x["body.hammer.mass"] - 1.0) < 0.15
 fit
 
 # %%
