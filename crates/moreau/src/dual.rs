@@ -29,8 +29,9 @@ impl<const D: usize> Dual<D> {
         Dual { value, slope: [0.0; D] }
     }
 
-    /// A smooth function of it: its value, and its derivative.
-    #[inline(always)]
+    /// A smooth function of it: its value, and its derivative. Compiled once: copied to every place where a step
+    /// multiplies, it was half of what is compiled for derivatives.
+    #[inline(never)]
     fn through(self, value: f64, derivative: f64) -> Self {
         let mut slope = self.slope;
         for x in &mut slope {
@@ -39,8 +40,8 @@ impl<const D: usize> Dual<D> {
         Dual { value, slope }
     }
 
-    /// A smooth function of two numbers: its value, and its derivatives by both.
-    #[inline(always)]
+    /// A smooth function of two numbers: its value, and its derivatives by both. Compiled once, as [`Self::through`].
+    #[inline(never)]
     fn both(self, other: Self, value: f64, own: f64, others: f64) -> Self {
         let mut slope = [0.0; D];
         for k in 0..D {
