@@ -87,7 +87,7 @@ pub fn gradient<'py>(
     Ok(all)
 }
 
-fn told(error: &SensitivityError) -> PyErr {
+pub fn told(error: &SensitivityError) -> PyErr {
     match error {
         SensitivityError::Simulation(error) | SensitivityError::Gradient(GradientError::Simulation(error)) => {
             fault::simulation(error)

@@ -99,12 +99,7 @@ impl Instrument {
 
     /// Everything that has a name of its own to be varied by.
     fn quantities<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let file = InstrumentFile {
-            instrument: (*self.inner).clone(),
-            description: String::new(),
-            provenance: self.provenance.clone(),
-        };
-        quantities(&file)
+        quantities(&self.file())
             .into_iter()
             .map(|quantity| {
                 let row = PyDict::new(py);
@@ -150,6 +145,15 @@ impl Instrument {
 }
 
 impl Instrument {
+    /// The instrument with the sources of its numbers.
+    pub fn file(&self) -> InstrumentFile {
+        InstrumentFile {
+            instrument: (*self.inner).clone(),
+            description: String::new(),
+            provenance: self.provenance.clone(),
+        }
+    }
+
     fn made(text: Arc<str>, file_name: Arc<str>, changes: Vec<(String, Value)>) -> PyResult<Self> {
         let asked: Vec<(String, Change)> =
             changes.iter().map(|(name, value)| (name.clone(), value.clone().into())).collect();

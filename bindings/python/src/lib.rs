@@ -6,6 +6,7 @@
 mod action;
 mod bench;
 mod fault;
+mod fit;
 mod gradient;
 mod instrument;
 mod lab;
@@ -24,6 +25,8 @@ mod _erard {
     use super::action::{Action, Reading};
     #[pymodule_export]
     use super::bench::{draw, keyboard, kinematics, measure, measure_lines, regulate};
+    #[pymodule_export]
+    use super::fit::Problem;
     #[pymodule_export]
     use super::gradient::gradient;
     #[pymodule_export]

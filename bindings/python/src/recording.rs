@@ -14,7 +14,9 @@ use crate::fault::{self, wrong, wrong_argument};
 #[pyclass(frozen, module = "erard._erard")]
 pub struct Recording {
     name: String,
-    inner: Inner,
+    pub inner: Inner,
+    /// How it was prepared.
+    pub preparation: Preparation,
     pub prepared: Prepared,
     pub position_of: PositionOf,
 }
@@ -56,7 +58,7 @@ impl Recording {
     }
 
     #[getter]
-    fn name(&self) -> &str {
+    pub fn name(&self) -> &str {
         &self.name
     }
 
@@ -158,7 +160,7 @@ impl Recording {
         let late_s = late.iter().map(|(name, s)| Ok((role(name)?, *s))).collect::<PyResult<_>>()?;
         let preparation = Preparation { zero, low_pass, inverted, late_s, ..Preparation::default() };
         let prepared = prepare(&inner, &preparation).map_err(|error| wrong(format!("{name}: {error}")))?;
-        Ok(Recording { name, inner, prepared, position_of })
+        Ok(Recording { name, inner, preparation, prepared, position_of })
     }
 
     /// What can drive a key.

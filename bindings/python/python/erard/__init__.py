@@ -7,7 +7,7 @@
 (True, True)
 
 SI units everywhere: s, N, m, rad; forces and positions of key and finger are positive downward (pushing), the hammer's upward. A column's name ends
-with its unit. `erard.fit`, `erard.dataset` and `erard.distributed` need what `pip install erard[fit]` and `erard[distributed]` bring along.
+with its unit. Figures need what `pip install erard[plot]` brings along, `erard.sample` `erard[bayes]`, `erard.distributed` `erard[distributed]`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ from ._version import __version__
 if TYPE_CHECKING:
     from . import dataset as dataset
     from . import distributed as distributed
-    from ._fit import Fit, Posterior, fit, sample
+    from ._fit import Fit, fit
+    from ._posterior import Posterior, sample
 
 __all__ = [
     "Action",
@@ -85,8 +86,8 @@ __all__ = [
     "vary",
 ]
 
-#: What is imported when it is asked for first: SciPy takes longer to import than an action to strike.
-_LATER = {"fit": "_fit", "Fit": "_fit", "sample": "_fit", "Posterior": "_fit"}
+#: What is imported when it is asked for first.
+_LATER = {"fit": "_fit", "Fit": "_fit", "sample": "_posterior", "Posterior": "_posterior"}
 
 
 def __getattr__(name: str) -> Any:

@@ -1,12 +1,14 @@
 """The extension in Rust: conversion, and nothing else. Use `erard` itself."""
 
+from collections.abc import Callable
 from typing import Any, final
 
-from ._types import Change, Floats, Progress, Ready, Steps, Work
+from ._types import Change, Fitted, Floats, Progress, Ready, Steps, Work
 
 __all__ = [
     "Action",
     "Instrument",
+    "Problem",
     "Reading",
     "Recording",
     "Stroke",
@@ -96,6 +98,35 @@ class Recording:
     def columns(self) -> dict[str, Floats]: ...
     def at(self, name: str, times: Floats) -> Floats | None: ...
     def noise(self, name: str) -> float | None: ...
+
+@final
+class Problem:
+    def __new__(
+        cls,
+        instrument: Instrument,
+        vary: list[str],
+        bounds: list[tuple[str, tuple[float, float]]],
+        recordings: list[Recording],
+        drive: str | None,
+        columns: list[str] | None,
+        delay: bool,
+        sigma: list[tuple[str, float]],
+        steps: Steps,
+        threads: int | None,
+    ) -> Problem: ...
+    def fit(
+        self,
+        asked: tuple[list[tuple[str, float]], str, str, int, int],
+        solver: Callable[..., tuple[list[float], list[float], str]] | None,
+        progress: Callable[[int], None] | None,
+    ) -> Fitted: ...
+    def curves(self, point: list[float]) -> list[tuple[str, int, str, Floats, Floats, Floats, float, float]]: ...
+    def residuals(self, points: Floats, progress: Callable[[int], None] | None = None) -> Floats: ...
+    def jacobian(self, point: list[float], exact: bool) -> Floats: ...
+    def bounds(self) -> tuple[list[float], list[float]]: ...
+    def outer(self, points: Floats) -> Floats: ...
+    def sigma(self) -> list[float]: ...
+    def set_sigma(self, sigma: list[float]) -> None: ...
 
 @final
 class Reading:

@@ -29,6 +29,36 @@ class Steps(TypedDict):
     hand: tuple[float, float, float, float, float] | None
 
 
+class Fitted(TypedDict):
+    """What a fit found."""
+
+    #: Name, unit, whether it is a factor, bounds, and whether it ended at one.
+    free: list[tuple[str, str, bool, float, float, bool]]
+    point: Floats
+    message: str
+    x: list[float]
+    std: list[float]
+    #: SI value and standard deviation.
+    values: list[tuple[float, float]]
+    cov: Floats
+    inner_cov: Floats
+    sensors_cov: Floats
+    residuals: Floats
+    degrees_of_freedom: int
+    chi2_reduced: float
+    chi2_expected: float
+    singular_values: Floats
+    unseen: list[str]
+    jacobian_agreement: float
+    #: Title, noise, whether it is known, root mean square misfit at the start and at the end, delay.
+    channels: list[tuple[str, float, bool, float, float, float | None]]
+    #: Two parameters by their places, and their correlation.
+    correlated: list[tuple[int, int, float]]
+    evaluations: int
+    differentiated: int
+    warnings: list[str]
+
+
 class Work(TypedDict):
     """Who plays many strokes, and what is kept."""
 

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
-use erard::recording::{LowPass, Preparation};
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::figure_svg;
@@ -158,7 +157,7 @@ impl Fit {
         let mut progress = Progress::counting("fitting");
         problem.watch = Box::new(move |strokes| progress.counted(|| format!("fitting: {strokes} strokes")));
         let found = erard_workshop::fit::fit(&mut problem, &plan).map_err(failure)?;
-        let channels = found.curves(&mut problem).map_err(failure)?;
+        let channels = problem.curves(&found.point).map_err(failure)?;
         // The bar goes with it.
         problem.watch = Box::new(|_| true);
 
@@ -186,8 +185,8 @@ impl Fit {
 
     /// What was recorded, ready to be fitted.
     fn data(&self, settings: moreau::Settings<f64>) -> Result<Vec<Data>, Failure> {
-        let driving = self.recording.preparation();
-        let compared = Preparation { low_pass: LowPass::Off, ..driving.clone() };
+        let preparation = self.recording.preparation();
+        let how = Setup { settings, ..Setup::new(1.0) };
         let columns: Vec<String> = self.compare.iter().map(|role| column(*role).to_owned()).collect();
         let columns = (!columns.is_empty()).then_some(columns);
         let drive = self.drive;
@@ -195,8 +194,7 @@ impl Fit {
         for path in &self.recordings {
             let (name, mut recording, position_of) = self.recording.read(path)?;
             self.begun(&mut recording)?;
-            let data =
-                Data::new(&name, &recording, position_of, [&driving, &compared], drive, columns.as_deref(), settings);
+            let data = Data::new(&name, &recording, position_of, &preparation, drive, columns.as_deref(), &how);
             let data = data.map_err(failure)?;
             if let Some(why) = data.cannot_begin() {
                 return Err(Failure::Usage(format!("{name}: {why}")));

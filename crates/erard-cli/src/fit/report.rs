@@ -55,8 +55,8 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
             "column": column,
             "noise": problem.sigma[k],
             "noise_is_estimated": problem.told[k].is_none(),
-            "delay_s": found.channels[k].2,
-            "delay_std_s": found.delay_std.get(k),
+            "delay_s": found.channels[k].delay_s.map(|(s, _)| s),
+            "delay_std_s": found.channels[k].delay_s.map(|(_, std)| std),
         })
     });
     json!({

@@ -55,12 +55,9 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
     for (k, (recording, column)) in problem.channels().enumerate() {
         let (by, unit) = if column == "force_N" { (1e3, "mN") } else { (1e6, "um") };
         let whence = if problem.told[k].is_none() { ", estimated from what is left over" } else { "" };
-        let late = match (found.channels[k].2, found.delay_std.get(k)) {
-            (Some(delay), Some(std)) => {
-                format!("; written down {:.3} +- {:.3} ms later than what drives", delay * 1e3, std * 1e3)
-            }
-            _ => String::new(),
-        };
+        let late = found.channels[k].delay_s.map_or_else(String::new, |(delay, std)| {
+            format!("; written down {:.3} +- {:.3} ms later than what drives", delay * 1e3, std * 1e3)
+        });
         lines.push(format!(
             "  {} of {}: noise {:.3} {unit}{whence}{late}",
             column,

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use erard::player::Hand;
 use erard::run::Setup;
 use erard::stroke::{Cursor, ForceSeries, PositionOf, PositionSeries, Prescribed, Recording, Role, Series, Stroke};
 use fastrand::Rng;
@@ -9,7 +10,7 @@ use moreau::Settings;
 
 use super::FitError;
 use crate::balance::median;
-use erard::recording::{Butterworth, Preparation, Prepared, prepare};
+use erard::recording::{Butterworth, LowPass, Preparation, Prepared, prepare};
 
 /// What can be fitted of a recording, and the noise that is taken where nothing tells it, N and m.
 pub const COLUMNS: [(&str, Role, f64); 3] =
@@ -45,14 +46,16 @@ pub struct Data {
     pub prepared: Prepared,
     pub(super) settings: Settings<f64>,
     pub(super) every: u64,
+    hand: Option<Hand>,
     position_of: PositionOf,
     drive: Option<Prescribed>,
 }
 
 impl Data {
-    /// Of a recording: prepared in one way for driving, and in another (or the same) for being compared. `columns` are
-    /// compared; without them all that were recorded and do not drive. Steps divide the time from sample to sample, and
-    /// are as long as `settings` says at most.
+    /// Of a recording. What drives is prepared as `preparation` says. What is compared is not filtered, for a filter
+    /// makes noise look smaller than it is. `columns` are compared; without them all that were recorded and do not
+    /// drive. Steps divide the time from sample to sample, and are as long as those of `how` at most; its hand is
+    /// between stroke and key, and its duration is the recording's.
     ///
     /// # Errors
     /// Where it cannot drive so, or nothing is left to be compared.
@@ -60,17 +63,19 @@ impl Data {
         name: &str,
         recording: &Recording,
         position_of: PositionOf,
-        [driving, compared]: [&Preparation; 2],
+        preparation: &Preparation,
         drive: Option<Prescribed>,
         columns: Option<&[String]>,
-        settings: Settings<f64>,
+        how: &Setup,
     ) -> Result<Self, FitError> {
+        let settings = how.settings;
         let wrong = |message: String| FitError::Recording { recording: name.to_owned(), message };
-        let driven = prepare(recording, driving).map_err(|error| wrong(error.to_string()))?;
-        let prepared = if driving == compared {
+        let driven = prepare(recording, preparation).map_err(|error| wrong(error.to_string()))?;
+        let prepared = if preparation.low_pass == LowPass::Off {
             driven.clone()
         } else {
-            prepare(recording, compared).map_err(|error| wrong(error.to_string()))?
+            let unfiltered = Preparation { low_pass: LowPass::Off, ..preparation.clone() };
+            prepare(recording, &unfiltered).map_err(|error| wrong(error.to_string()))?
         };
         let (stroke, note) = Stroke::recorded(name.to_owned(), driven.series.clone(), position_of, drive)?;
         let driving = if stroke.drive == Prescribed::Force { "force_N" } else { "key_m" };
@@ -123,6 +128,7 @@ impl Data {
             prepared,
             settings,
             every: every as u64,
+            hand: how.hand,
             position_of,
             drive,
         };
@@ -138,7 +144,8 @@ impl Data {
     /// How a run over it is made.
     pub(super) fn setup(&self) -> Setup {
         let duration_s = self.time_s[self.time_s.len() - 1] - self.time_s[0];
-        Setup { settings: self.settings, start_s: self.stroke.start_s, ledger: false, ..Setup::new(duration_s) }
+        let (settings, hand, start_s) = (self.settings, self.hand, self.stroke.start_s);
+        Setup { settings, hand, start_s, ledger: false, ..Setup::new(duration_s) }
     }
 
     /// Samples that are compared, of one column.
@@ -224,7 +231,7 @@ mod tests {
 
     fn data(text: &str, drive: Option<Prescribed>, columns: Option<&[String]>) -> Result<Data, FitError> {
         let none = Preparation::none();
-        Data::new("test", &read(text), PositionOf::Key, [&none, &none], drive, columns, Settings::new(50e-6))
+        Data::new("test", &read(text), PositionOf::Key, &none, drive, columns, &Setup::new(1.0))
     }
 
     fn table(rows: usize, dt_s: f64) -> String {
@@ -271,8 +278,7 @@ mod tests {
     fn disturbances_are_as_large_as_the_noise() {
         let recording = read(&table(4001, 2.5e-4));
         let rms = |driving: &Preparation| {
-            let own = Data::new("x", &recording, PositionOf::Key, [driving, driving], None, None, Settings::new(50e-6))
-                .unwrap();
+            let own = Data::new("x", &recording, PositionOf::Key, driving, None, None, &Setup::new(1.0)).unwrap();
             let noisy = own.disturbed(0.1, &mut Rng::with_seed(1)).unwrap();
             let force = |stroke: &Stroke| {
                 let inputs = stroke.inputs(&erard::instrument::Finger::default()).unwrap();

@@ -64,7 +64,7 @@ impl Problem {
             });
             columns.push(slopes(&before, &after, 2.0 * DELAY_STEP_MS));
         }
-        let middle = self.left(point, &played, 2 * count);
+        let middle = self.unweighted(point, &played, 2 * count);
         // What cannot be played keeps what is said of it by `residuals`.
         if middle.iter().all(|x| x.is_finite()) {
             self.kept = Some((point.to_vec(), middle));

@@ -6,8 +6,10 @@
 //! finely, and from elsewhere again until two have ended alike. [`FitResult`] says what came of it: covariance (noise
 //! of sensors and of what drives, misfit beyond both), and which directions nobody sees.
 //!
-//! `erard.fit` in Python goes through the same stages with SciPy's solver. All else is the same code.
+//! The command `erard fit` and `erard.fit` in Python are both this code. A [`Solver`] minimises; Python can put SciPy's
+//! in place of [`TrustRegion`].
 
+mod candidate;
 mod data;
 mod drive_noise;
 mod free;
@@ -19,14 +21,14 @@ mod solver;
 mod svd;
 mod written;
 
-pub use plan::{Plan, Solution, fit};
+pub use plan::{Plan, Solution, Solver, TrustRegion, fit, fit_by};
 
 pub use data::{COLUMNS, Data};
 pub use free::{Asked, Free, free};
 pub use jacobian::{DIFFERENCES, Jacobian};
-pub use problem::Problem;
-pub use result::{Channel, FitResult};
-pub use solver::Loss;
+pub use problem::{Channel, Problem};
+pub use result::{FitResult, FittedChannel};
+pub use solver::{LeastSquares, Loss};
 pub use svd::Columns;
 pub use written::WriteError;
 

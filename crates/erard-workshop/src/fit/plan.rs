@@ -3,7 +3,7 @@
 
 use fastrand::Rng;
 
-use super::drive_noise::Disturbed;
+use super::candidate::Candidate;
 use super::jacobian::DIFFERENCES;
 use super::solver::{self, LeastSquares};
 use super::svd::Columns;
@@ -20,6 +20,8 @@ const AGREED: f64 = 1.005;
 /// How far away the next one begins, as it is counted, and as a share of narrower bounds. From farther away in wide
 /// bounds few come back.
 const FAR: f64 = 0.2;
+/// A point is better than where the solver ended if its log-likelihood is higher by so much.
+const BETTER: f64 = 1e-3;
 /// Rounds in which noise and parameters are estimated by turns.
 const ROUNDS: usize = 3;
 
@@ -70,16 +72,60 @@ impl LeastSquares for Shared<'_> {
     }
 }
 
-/// Solves a problem within its bounds, from a point, with differences of this step, and so many evaluations at most.
-fn solve(problem: &mut Problem, from: &[f64], share: f64, loss: Loss, most: usize) -> Result<Solution, FitError> {
-    let (low, high) = problem.bounds();
-    let found = solver::solve(&mut Shared(problem, share), from, (&low, &high), loss, most)?;
-    let misfit = mean_square(&found.residuals);
-    Ok(Solution { point: found.x, misfit, message: found.ended.words().to_owned() })
+/// Minimises sums of squares between bounds.
+pub trait Solver {
+    /// From a point within the bounds, with so many evaluations of the residuals at most.
+    ///
+    /// # Errors
+    /// Those of the problem; an interruption.
+    fn solve(
+        &mut self,
+        problem: &mut dyn LeastSquares<Error = FitError>,
+        from: &[f64],
+        bounds: (&[f64], &[f64]),
+        loss: Loss,
+        most: usize,
+    ) -> Result<Solution, FitError>;
 }
 
-fn mean_square(residuals: &[f64]) -> f64 {
-    residuals.iter().map(|x| x * x).sum::<f64>() / residuals.len() as f64
+/// The solver of this crate: a reflective trust region.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct TrustRegion;
+
+impl Solver for TrustRegion {
+    fn solve(
+        &mut self,
+        problem: &mut dyn LeastSquares<Error = FitError>,
+        from: &[f64],
+        bounds: (&[f64], &[f64]),
+        loss: Loss,
+        most: usize,
+    ) -> Result<Solution, FitError> {
+        let found = solver::solve(problem, from, bounds, loss, most)?;
+        Ok(Solution::new(found.x, &found.residuals, found.ended.words().to_owned()))
+    }
+}
+
+impl Solution {
+    /// Of a point, the residuals there, and why the solver ended.
+    pub fn new(point: Vec<f64>, residuals: &[f64], message: String) -> Self {
+        let misfit = residuals.iter().map(|x| x * x).sum::<f64>() / residuals.len() as f64;
+        Solution { point, misfit, message }
+    }
+}
+
+/// A problem and who solves it.
+struct Course<'a> {
+    problem: &'a mut Problem,
+    solver: &'a mut dyn Solver,
+}
+
+impl Course<'_> {
+    /// Solves within the bounds, from a point, with differences of this step, and so many evaluations at most.
+    fn solve(&mut self, from: &[f64], share: f64, loss: Loss, most: usize) -> Result<Solution, FitError> {
+        let (low, high) = self.problem.bounds();
+        self.solver.solve(&mut Shared(self.problem, share), from, (&low, &high), loss, most)
+    }
 }
 
 /// Fits: the best point, and what speaks for it.
@@ -87,53 +133,102 @@ fn mean_square(residuals: &[f64]) -> f64 {
 /// # Errors
 /// A start that is none, what cannot be played there, an interruption.
 pub fn fit(problem: &mut Problem, plan: &Plan) -> Result<FitResult, FitError> {
+    fit_by(problem, plan, &mut TrustRegion)
+}
+
+/// [`fit()`] by a solver of the caller's.
+///
+/// # Errors
+/// As of [`fit()`].
+pub fn fit_by(problem: &mut Problem, plan: &Plan, solver: &mut dyn Solver) -> Result<FitResult, FitError> {
+    problem.begin(plan.loss);
     let begin = start(problem, plan)?;
-    let (low, high) = problem.bounds();
-    let silent = problem.told.iter().any(Option::is_none);
-    let count = problem.free.len();
+    problem.begun(&begin)?;
+    let mut course = Course { problem, solver };
     let mut rng = Rng::with_seed(0);
-    let mut ends: Vec<f64> = Vec::new();
-    let mut best: Option<(Solution, Disturbed)> = None;
+    let mut ends: Vec<Candidate> = Vec::new();
+    let mut message = String::new();
     for attempt in 0..=plan.restarts {
-        let mut from = begin.clone();
-        if let (true, Some((found, _))) = (attempt > 0, &best) {
-            from = found.point.clone();
-            for k in 0..count {
-                from[k] += FAR * (high[k] - low[k]).min(1.0) * (2.0 * rng.f64() - 1.0);
-            }
-            problem.keep_inside(&mut from);
+        let from = if attempt == 0 { begin.clone() } else { elsewhere(course.problem, &ends, &mut rng) };
+        let (found, end) = course.attempt(&from, plan)?;
+        if ends.iter().all(|other| end.score < other.score) {
+            message = found.message;
         }
-        // First what leads to the blow, which is smooth; then all of it, in steps that look past what jumps.
-        problem.weights = Some(problem.until_the_blow(&from)?);
-        problem.forget();
-        let found = solve(problem, &from, COARSE, Loss::SoftL1, COARSE_MOST[0])?;
-        problem.weights = None;
-        problem.forget();
-        let found = solve(problem, &found.point, COARSE, Loss::SoftL1, COARSE_MOST[1])?;
-        let mut found = solve(problem, &found.point, DIFFERENCES[1], plan.loss, plan.most)?;
-        if silent {
-            // The noise that nothing tells is estimated with the parameters held and the other way round, until neither
-            // moves.
-            for _ in 0..ROUNDS {
-                if problem.estimate_noise(&found.point)? {
-                    break;
-                }
-                found = solve(problem, &found.point, DIFFERENCES[1], plan.loss, plan.most)?;
-            }
-        }
-        ends.push(found.misfit);
-        if best.as_ref().is_none_or(|(best, _)| found.misfit < best.misfit) {
-            let disturbed = problem.drive_noise(&found.point)?;
-            best = Some((found, disturbed));
-        }
+        ends.push(end);
         // Two that end alike, and leave no more than the sensors' noise, have found the place.
-        let least = best.as_ref().map_or(f64::INFINITY, |(best, _)| best.misfit);
-        if ends.iter().filter(|end| **end < AGREED * least).count() >= 2 && least <= MISFIT {
+        let best = best_of(&ends);
+        if alike(&ends, best).count() >= 2 && best.misfit <= MISFIT {
             break;
         }
     }
-    let (found, disturbed) = best.ok_or(FitError::Unplayable)?;
-    conclude(problem, found, &disturbed)
+    if let Some(found) = course.polish(&ends, plan)? {
+        message = found.message;
+    }
+    conclude(course.problem, message, ends)
+}
+
+/// The end with the lowest score.
+fn best_of(ends: &[Candidate]) -> &Candidate {
+    ends.iter().min_by(|a, b| a.score.total_cmp(&b.score)).expect("there is one attempt at least")
+}
+
+/// The ends that leave as much as the best one.
+pub(super) fn alike<'a>(ends: &'a [Candidate], best: &'a Candidate) -> impl Iterator<Item = &'a Candidate> {
+    ends.iter().filter(|end| end.is_as_good_as(best, AGREED))
+}
+
+/// Not far from the best end: from elsewhere in wide bounds few come back.
+fn elsewhere(problem: &Problem, ends: &[Candidate], rng: &mut Rng) -> Vec<f64> {
+    let (low, high) = problem.bounds();
+    let mut from = best_of(ends).point.clone();
+    for k in 0..problem.free.len() {
+        from[k] += FAR * (high[k] - low[k]).min(1.0) * (2.0 * rng.f64() - 1.0);
+    }
+    problem.keep_inside(&mut from);
+    from
+}
+
+impl Course<'_> {
+    /// All stages from a point.
+    fn attempt(&mut self, from: &[f64], plan: &Plan) -> Result<(Solution, Candidate), FitError> {
+        // First what leads to the blow, which is smooth; then all of it, in steps that look past what jumps.
+        self.problem.weights = Some(self.problem.until_the_blow(from)?);
+        self.problem.forget();
+        let found = self.solve(from, COARSE, Loss::SoftL1, COARSE_MOST[0])?;
+        self.problem.weights = None;
+        self.problem.forget();
+        let found = self.solve(&found.point, COARSE, Loss::SoftL1, COARSE_MOST[1])?;
+        let mut found = self.solve(&found.point, DIFFERENCES[1], plan.loss, plan.most)?;
+        if self.problem.told.iter().any(Option::is_none) {
+            // The noise that nothing tells is estimated with the parameters held and the other way round, until neither
+            // moves.
+            for _ in 0..ROUNDS {
+                if self.problem.estimate_noise(&found.point)? {
+                    break;
+                }
+                found = self.solve(&found.point, DIFFERENCES[1], plan.loss, plan.most)?;
+            }
+        }
+        let end = self.problem.candidate(&found.point)?;
+        Ok((found, end))
+    }
+
+    /// Solves again from the best point that was ever played, as long as that is better than where the solver ended.
+    fn polish(&mut self, ends: &[Candidate], plan: &Plan) -> Result<Option<Solution>, FitError> {
+        let mut last = None;
+        let mut ended = best_of(ends).score;
+        for _ in 0..ROUNDS {
+            let from = self.problem.best()?.clone();
+            self.problem.estimate_noise(&from.point)?;
+            if from.score > ended - BETTER {
+                break;
+            }
+            let found = self.solve(&from.point, DIFFERENCES[1], plan.loss, plan.most)?;
+            ended = self.problem.candidate(&found.point)?.score;
+            last = Some(found);
+        }
+        Ok(last)
+    }
 }
 
 /// Where a fit begins, as parameters are counted: within the bounds, where the instrument can be played.
@@ -161,14 +256,29 @@ fn start(problem: &mut Problem, plan: &Plan) -> Result<Vec<f64>, FitError> {
     Ok(begin)
 }
 
-/// The Jacobian where it ended, how far that depends on its steps, and all that follows.
-fn conclude(problem: &mut Problem, found: Solution, disturbed: &Disturbed) -> Result<FitResult, FitError> {
+/// The Jacobian at the best point that was ever played, how far that depends on its steps, and all that follows.
+fn conclude(problem: &mut Problem, message: String, ends: Vec<Candidate>) -> Result<FitResult, FitError> {
+    let point = problem.best()?.point.clone();
+    problem.estimate_noise(&point)?;
+    let disturbed = problem.drive_noise(&point)?;
     problem.forget();
-    let jacobian = problem.jacobian(&found.point, DIFFERENCES[1])?;
-    let wide = problem.by_differences(&found.point, DIFFERENCES[0])?;
-    let other = if problem.exact { jacobian.clone() } else { problem.by_differences(&found.point, DIFFERENCES[2])? };
-    let residuals = problem.residuals(&found.point)?;
-    Ok(FitResult::new(problem, found, residuals, &jacobian, agreement(&wide, &other), disturbed))
+    let jacobian = problem.jacobian(&point, DIFFERENCES[1])?;
+    let wide = problem.by_differences(&point, DIFFERENCES[0])?;
+    let other = if problem.exact { jacobian.clone() } else { problem.by_differences(&point, DIFFERENCES[2])? };
+    let residuals = problem.residuals(&point)?;
+    let found = Found { point, message, residuals, agreement: agreement(&wide, &other), ends };
+    Ok(FitResult::new(problem, found, &jacobian, &disturbed))
+}
+
+/// Where a fit ended, and how it came there.
+pub(super) struct Found {
+    pub point: Vec<f64>,
+    pub message: String,
+    pub residuals: Vec<f64>,
+    /// How far the Jacobian depends on the length of its steps.
+    pub agreement: f64,
+    /// Where every attempt ended.
+    pub ends: Vec<Candidate>,
 }
 
 /// The largest relative difference between columns of two Jacobians.

@@ -4,9 +4,10 @@ use crate::study::{Job, Sampling, Workers, play_all, sample_all};
 use erard::instrument::Instrument;
 use erard::run::SimulationError;
 
+use super::candidate::Candidate;
 use super::data::{COLUMNS, Data};
 use super::free::varied;
-use super::{FitError, Free};
+use super::{FitError, Free, Loss};
 
 /// How long after the blow the first look lasts, s: what comes later is moved far by a little more or less of anything.
 const AFTER_THE_BLOW_S: f64 = 2e-3;
@@ -14,6 +15,27 @@ const AFTER_THE_BLOW_S: f64 = 2e-3;
 const WORST: f64 = 1e6;
 /// How far a delay may go either way, ms.
 const LONGEST_DELAY_MS: f64 = 20.0;
+
+/// One measured quantity of one recording beside what was fitted to it; SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// What it is called: its column, and which recording where there are several.
+    pub title: String,
+    /// Of which recording.
+    pub recording: usize,
+    /// Its column.
+    pub column: &'static str,
+    /// Instants, s.
+    pub time_s: Vec<f64>,
+    /// What was measured there.
+    pub measured: Vec<f64>,
+    /// What was fitted to it.
+    pub fitted: Vec<f64>,
+    /// Noise.
+    pub sigma: f64,
+    /// How much later than the drive it was written down, s.
+    pub delay_s: f64,
+}
 
 /// What the model does: by recording, by point, by column, samples.
 pub(crate) type Curves = Vec<Vec<Vec<Vec<f64>>>>;
@@ -50,6 +72,12 @@ pub struct Problem {
     /// Progress, and whether to go on.
     pub watch: Proceed,
     pub(super) kept: Option<(Vec<f64>, Vec<f64>)>,
+    /// What is made of squares where points are compared.
+    pub(super) loss: Loss,
+    /// The best point that was played.
+    pub(super) best: Option<Candidate>,
+    /// Root mean square of what was left over of every channel where the fit began, N or m.
+    pub(super) rms_at_start: Vec<f64>,
 }
 
 impl Problem {
@@ -85,6 +113,9 @@ impl Problem {
             differentiated: 0,
             watch: Box::new(|_| true),
             kept: None,
+            loss: Loss::Linear,
+            best: None,
+            rms_at_start: Vec::new(),
         };
         let channels: Vec<(usize, &str)> = problem.channels().collect();
         for (column, sigma) in sigma {
@@ -156,7 +187,7 @@ impl Problem {
     }
 
     /// Lower and upper bounds of the inner parameters.
-    pub(crate) fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
+    pub fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
         let delays = std::iter::repeat_n([-LONGEST_DELAY_MS, LONGEST_DELAY_MS], self.delays());
         self.free.iter().map(Free::bounds).chain(delays).map(|[low, high]| (low, high)).unzip()
     }
@@ -171,7 +202,7 @@ impl Problem {
     }
 
     /// Outer values of a point's parameters.
-    pub(crate) fn outer(&self, point: &[f64]) -> Vec<f64> {
+    pub fn outer(&self, point: &[f64]) -> Vec<f64> {
         self.free.iter().zip(point).map(|(one, p)| one.outer(*p)).collect()
     }
 
@@ -238,15 +269,23 @@ impl Problem {
             .collect()
     }
 
-    /// Residuals, weighted, at a point that was played as this row; not finite where it could not be played.
-    pub(crate) fn left(&self, point: &[f64], played: &Curves, row: usize) -> Vec<f64> {
+    /// Residuals, weighted, at a point that was played as this row; not finite where it could not be played. The point
+    /// becomes a candidate.
+    pub(crate) fn left(&mut self, point: &[f64], played: &Curves, row: usize) -> Vec<f64> {
+        let mut left = self.unweighted(point, played, row);
+        self.consider(point, &left);
+        self.weigh(&mut left);
+        left
+    }
+
+    /// The same, all rows alike.
+    pub(super) fn unweighted(&self, point: &[f64], played: &Curves, row: usize) -> Vec<f64> {
         let mut left = Vec::with_capacity(self.rows());
         for (channel, curve) in self.fitted(point, played, row).iter().enumerate() {
             let (i, column) = self.place(channel);
             let measured = &self.data[i].measured[column];
             left.extend(curve.iter().zip(measured).map(|(fitted, measured)| (fitted - measured) / self.sigma[channel]));
         }
-        self.weigh(&mut left);
         left
     }
 
@@ -264,20 +303,67 @@ impl Problem {
         if let Some((of, left)) = &self.kept
             && of == point
         {
-            return Ok(left.clone());
+            let mut left = left.clone();
+            self.weigh(&mut left);
+            return Ok(left);
         }
         let played = self.simulate(&[point.to_vec()])?;
-        let mut left = self.left(point, &played, 0);
+        let mut left = self.unweighted(point, &played, 0);
+        self.consider(point, &left);
         if left.iter().any(|x| !x.is_finite()) {
             left.fill(WORST);
         }
         self.kept = Some((point.to_vec(), left.clone()));
+        self.weigh(&mut left);
         Ok(left)
+    }
+
+    /// Residuals at many points, played side by side; not finite where one cannot be played.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn residuals_at(&mut self, points: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, FitError> {
+        let played = self.simulate(points)?;
+        Ok(points.iter().enumerate().map(|(row, point)| self.left(point, &played, row)).collect())
     }
 
     /// Whether residuals are those of what cannot be played.
     pub(crate) fn is_unplayable(residuals: &[f64]) -> bool {
-        residuals.iter().all(|x| *x == WORST)
+        !residuals.is_empty() && residuals.iter().all(|x| *x == WORST)
+    }
+
+    /// Takes the noise of every channel as another fit estimated it, N or m.
+    ///
+    /// # Panics
+    /// If there are not as many as channels.
+    pub fn take_noise(&mut self, sigma: Vec<f64>) {
+        assert_eq!(sigma.len(), self.sigma.len(), "one for every channel");
+        self.sigma = sigma;
+        self.forget();
+    }
+
+    /// Every measured quantity beside what the model makes of it at a point.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn curves(&mut self, point: &[f64]) -> Result<Vec<Channel>, FitError> {
+        let played = self.simulate(&[point.to_vec()])?;
+        let fitted = self.fitted(point, &played, 0);
+        let of = |(k, fitted): (usize, Vec<f64>)| {
+            let (recording, column) = self.place(k);
+            let one = &self.data[recording];
+            Channel {
+                title: self.title(k),
+                recording,
+                column: one.columns[column],
+                time_s: one.time_s[one.compared.clone()].to_vec(),
+                measured: one.measured[column].clone(),
+                fitted,
+                sigma: self.sigma[k],
+                delay_s: self.delay_s(point, k),
+            }
+        };
+        Ok(fitted.into_iter().enumerate().map(of).collect())
     }
 
     /// Forgets what was worked out last: noise or weights have changed.
@@ -320,6 +406,9 @@ impl Problem {
     /// # Errors
     /// An interruption.
     pub(crate) fn estimate_noise(&mut self, point: &[f64]) -> Result<bool, FitError> {
+        if self.told.iter().all(Option::is_some) {
+            return Ok(true);
+        }
         let left = self.residuals(point)?;
         let share = 1.0 - point.len() as f64 / left.len() as f64;
         let before = self.sigma.clone();

@@ -1,10 +1,11 @@
 //! What a fit found: values, covariance, and what nobody sees, in words.
 
+use super::Free;
+use super::candidate::Candidate;
 use super::drive_noise::{DISTURBED, Disturbed};
-use super::plan::Solution;
+use super::plan::{Found, alike};
 use super::problem::Problem;
 use super::svd::{Columns, dot, svd, times};
-use super::{FitError, Free};
 
 /// A matrix, row by row.
 type Rows = Vec<Vec<f64>>;
@@ -44,11 +45,12 @@ pub struct FitResult {
     pub inner_cov: Rows,
     /// The same of the sensors' noise alone.
     pub sensors_cov: Rows,
-    /// Every channel's name, the root mean square of its noise (N or m), and how much later than the drive it was
-    /// written down (s), where that was estimated.
-    pub channels: Vec<(String, f64, Option<f64>)>,
-    /// Deviations of these delays, s.
-    pub delay_std: Vec<f64>,
+    /// What became of every channel, in the order of the residuals.
+    pub channels: Vec<FittedChannel>,
+    /// Attempts from different starts, and how many of them left as little as the best one.
+    pub attempts: [usize; 2],
+    /// How far apart the places are where these ended: the largest distance of a parameter, in its standard deviations.
+    pub apart: f64,
     /// Columns that drive and of whose noise nothing is known.
     pub silent: Vec<&'static str>,
     /// Strokes that were played, and of these with derivatives.
@@ -57,21 +59,21 @@ pub struct FitResult {
     pub differentiated: u64,
 }
 
-/// One measured quantity of one recording beside what was fitted to it; SI units.
+/// What became of one channel: of one measured quantity of one recording.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Channel {
-    /// Of which recording.
-    pub recording: usize,
-    /// Its column.
-    pub column: &'static str,
-    /// Instants, s.
-    pub time_s: Vec<f64>,
-    /// What was measured there.
-    pub measured: Vec<f64>,
-    /// What was fitted to it.
-    pub fitted: Vec<f64>,
-    /// Noise.
-    pub sigma: f64,
+pub struct FittedChannel {
+    /// What it is called: its column, and which recording where there are several.
+    pub title: String,
+    /// Root mean square of its noise, N or m: as given, as read from the recording, or what is left over.
+    pub noise: f64,
+    /// Whether the noise was given or read from the recording, so that misfit can be told from it.
+    pub noise_is_known: bool,
+    /// Root mean square of fitted less measured where the fit began, N or m.
+    pub rms_at_start: f64,
+    /// Root mean square of fitted less measured at the result, N or m.
+    pub rms: f64,
+    /// How much later than the drive it was written down, s, and the standard deviation, where that was estimated.
+    pub delay_s: Option<(f64, f64)>,
 }
 
 /// A singular value below so large a part of the largest is one that no sample sees: its error is large, not infinite.
@@ -85,15 +87,9 @@ const NAMED: (usize, f64) = (4, 0.3);
 
 impl FitResult {
     /// Of where a solver ended.
-    pub(super) fn new(
-        problem: &Problem,
-        solution: Solution,
-        residuals: Vec<f64>,
-        jacobian: &[Vec<f64>],
-        jacobian_agreement: f64,
-        disturbed: &Disturbed,
-    ) -> Self {
-        let (free, point) = (problem.free.clone(), solution.point);
+    pub(super) fn new(problem: &Problem, found: Found, jacobian: &[Vec<f64>], disturbed: &Disturbed) -> Self {
+        let Found { point, message, residuals, agreement, ends } = found;
+        let free = problem.free.clone();
         let (count, all) = (free.len(), point.len());
         let degrees_of_freedom = residuals.len().saturating_sub(all).max(1);
         let chi2_reduced = dot(&residuals, &residuals) / degrees_of_freedom as f64;
@@ -129,7 +125,26 @@ impl FitResult {
         let slopes: Vec<f64> = free.iter().zip(&point).map(|(one, p)| one.slope(*p)).collect();
         let cov: Rows =
             (0..count).map(|i| (0..count).map(|j| inner_cov[i][j] * slopes[i] * slopes[j]).collect()).collect();
-        let delay = |channel: usize| problem.delay.then(|| problem.delay_s(&point, channel));
+        let delay_s = |channel: usize| {
+            let std_s = || 1e-3 * inner_cov[count + channel][count + channel].sqrt();
+            problem.delay.then(|| (problem.delay_s(&point, channel), std_s()))
+        };
+        let mut first = 0;
+        let channel = |k: usize| {
+            let rows = problem.data[problem.place(k).0].rows();
+            let own = &residuals[first..first + rows];
+            first += rows;
+            FittedChannel {
+                title: problem.title(k),
+                noise: problem.sigma[k],
+                noise_is_known: problem.told[k].is_some(),
+                rms_at_start: problem.rms_at_start.get(k).copied().unwrap_or(f64::NAN),
+                rms: problem.sigma[k] * (dot(own, own) / rows as f64).sqrt(),
+                delay_s: delay_s(k),
+            }
+        };
+        let channels = (0..problem.sigma.len()).map(channel).collect();
+        let [good, apart] = spread(&ends, &point, &inner_cov[..count]);
         FitResult {
             x: problem.outer(&point),
             std: (0..count).map(|i| cov[i][i].sqrt()).collect(),
@@ -139,15 +154,16 @@ impl FitResult {
             chi2_expected,
             singular_values: factors.values,
             directions: factors.directions,
-            jacobian_agreement,
-            delay_std: (count..all).map(|k| 1e-3 * inner_cov[k][k].sqrt()).collect(),
+            jacobian_agreement: agreement,
+            attempts: [ends.len(), good as usize],
+            apart,
+            channels,
             inner_cov,
             sensors_cov,
-            channels: (0..problem.sigma.len()).map(|k| (problem.title(k), problem.sigma[k], delay(k))).collect(),
             silent: problem.silent(),
             evaluations: problem.evaluations,
             differentiated: problem.differentiated,
-            message: solution.message,
+            message,
             residuals,
             point,
             free,
@@ -180,12 +196,12 @@ impl FitResult {
 
     /// Directions that the data tell no better than the bounds, in words.
     pub fn unseen(&self) -> Vec<String> {
-        let delays = self.channels.iter().filter(|(.., delay)| delay.is_some());
+        let delays = self.channels.iter().filter(|channel| channel.delay_s.is_some());
         let names: Vec<String> = self
             .free
             .iter()
             .map(|one| one.name.clone())
-            .chain(delays.map(|(title, ..)| format!("delay of {title}")))
+            .chain(delays.map(|channel| format!("delay of {}", channel.title)))
             .collect();
         let told = |(value, direction): (&f64, &Vec<f64>)| {
             let mut large: Vec<usize> = (0..direction.len()).collect();
@@ -228,28 +244,19 @@ impl FitResult {
         }
         warnings
     }
+}
 
-    /// Every measured quantity beside what was fitted to it.
-    ///
-    /// # Errors
-    /// An interruption.
-    pub fn curves(&self, problem: &mut Problem) -> Result<Vec<Channel>, FitError> {
-        let played = problem.simulate(std::slice::from_ref(&self.point))?;
-        let fitted = problem.fitted(&self.point, &played, 0);
-        let of = |(k, fitted): (usize, Vec<f64>)| {
-            let (recording, column) = problem.place(k);
-            let one = &problem.data[recording];
-            Channel {
-                recording,
-                column: one.columns[column],
-                time_s: one.time_s[one.compared.clone()].to_vec(),
-                measured: one.measured[column].clone(),
-                fitted,
-                sigma: problem.sigma[k],
-            }
-        };
-        Ok(fitted.into_iter().enumerate().map(of).collect())
+/// How many attempts left as little as the best one, and how far apart they ended, in standard deviations.
+fn spread(ends: &[Candidate], point: &[f64], cov: &[Vec<f64>]) -> [f64; 2] {
+    let Some(best) = ends.iter().min_by(|a, b| a.score.total_cmp(&b.score)) else { return [0.0, 0.0] };
+    let (mut good, mut apart) = (0.0, 0.0_f64);
+    for end in alike(ends, best) {
+        good += 1.0;
+        for (k, row) in cov.iter().enumerate() {
+            apart = apart.max((end.point[k] - point[k]).abs() / row[k].sqrt().max(f64::MIN_POSITIVE));
+        }
     }
+    [good, apart]
 }
 
 /// Two digits that count, as people read them.

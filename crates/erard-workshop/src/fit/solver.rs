@@ -3,9 +3,9 @@
 //!
 //! Branch, Coleman and Li, "A subspace, interior, and conjugate gradient method for large-scale bound-constrained
 //! minimization problems", SIAM J. Sci. Comput. 21 (1999), and as SciPy chooses its steps, its scales and its ends
-//! (`least_squares(method="trf", x_scale="jac")`), so that it and the fit in Python, which has SciPy for its solver,
-//! come out alike. The trust region's own problem is More's (1978). Losses that give outliers less weight are weighted
-//! as there: Triggs and others, "Bundle adjustment: a modern synthesis" (1999).
+//! (`least_squares(method="trf", x_scale="jac")`), so that both come out alike. The trust region's own problem is
+//! More's (1978). Losses that give outliers less weight are weighted as there: Triggs and others, "Bundle adjustment: a
+//! modern synthesis" (1999).
 
 use super::svd::{Columns, Svd, dot, norm, svd, times};
 
@@ -41,7 +41,7 @@ impl Loss {
         }
     }
 
-    fn cost(self, residuals: &[f64]) -> f64 {
+    pub(super) fn cost(self, residuals: &[f64]) -> f64 {
         0.5 * residuals.iter().map(|f| self.of(f * f)[0]).sum::<f64>()
     }
 
@@ -62,7 +62,7 @@ impl Loss {
 }
 
 /// What is solved.
-pub(crate) trait LeastSquares {
+pub trait LeastSquares {
     /// Why it ends before its time.
     type Error;
 

@@ -83,9 +83,10 @@ fn problem_in_steps(recordings: &[Recording], asks: &Asks<'_>, step_s: f64) -> R
     let names: Vec<String> = asks.vary.iter().map(|name| (*name).to_owned()).collect();
     let free: Vec<Free> = free(&file(), &names, &asks.bounds)?;
     let none = Preparation::none();
+    let how = Setup { settings: Settings::new(step_s), ..Setup::new(1.0) };
     let data = recordings.iter().map(|recording| {
         let columns = asks.columns.as_deref();
-        Data::new("synthetic", recording, PositionOf::Key, [&none, &none], asks.drive, columns, Settings::new(step_s))
+        Data::new("synthetic", recording, PositionOf::Key, &none, asks.drive, columns, &how)
     });
     let data = data.collect::<Result<Vec<_>, _>>()?;
     Problem::new(&file().instrument, free, data, asks.delay, &asks.sigma, erard_workshop::cores::count())
@@ -135,8 +136,8 @@ fn the_truth_is_found_within_its_errors() {
     assert!((found.chi2_reduced - 1.0).abs() < 0.05, "{}", found.chi2_reduced);
     assert_eq!(found.chi2_expected, 1.0);
     assert!(found.unseen().is_empty());
-    assert_eq!(found.channels.iter().map(|(_, sigma, _)| *sigma).collect::<Vec<_>>(), [1e-5, 5e-5, 1e-5, 5e-5]);
-    assert_eq!(found.channels[2].0, "key_m of recording 1");
+    assert_eq!(found.channels.iter().map(|channel| channel.noise).collect::<Vec<_>>(), [1e-5, 5e-5, 1e-5, 5e-5]);
+    assert_eq!(found.channels[2].title, "key_m of recording 1");
     let (hammer, value, error) = found.values().next().unwrap();
     assert!((value - hammer.value * found.x[0]).abs() < 1e-12 && (error - hammer.value * found.std[0]).abs() < 1e-12);
 
@@ -179,7 +180,6 @@ fn derivatives_find_the_truth_too() {
 #[test]
 #[ignore = "ci: a fit of four parameters to recordings with noise on the force"]
 fn the_recordings_tell_the_grand_that_made_them() {
-    let none = Preparation { low_pass: erard::recording::LowPass::Off, ..Preparation::default() };
     let grand = InstrumentFile::builtin("concert-grand").unwrap();
     let names: Vec<String> = recordings::TRUE.iter().map(|(name, _)| (*name).to_owned()).collect();
     let bounds = vec![("let_off".to_owned(), [-1e-3, 1e-3]), ("body.hammer.mass".to_owned(), [0.5, 2.0])];
@@ -188,15 +188,7 @@ fn the_recordings_tell_the_grand_that_made_them() {
         let text = std::fs::read_to_string(path).unwrap();
         assert_eq!(text, recordings::recording(&recordings::recorded(), nuance, seed as u64 + 1), "{nuance}");
         let recording = Recording::read(text.as_bytes(), nuance, &Columns::default()).unwrap();
-        Data::new(
-            nuance,
-            &recording,
-            PositionOf::Key,
-            [&Preparation::default(), &none],
-            None,
-            None,
-            Settings::new(50e-6),
-        )
+        Data::new(nuance, &recording, PositionOf::Key, &Preparation::default(), None, None, &Setup::new(1.0))
     });
     let data = data.collect::<Result<Vec<_>, _>>().unwrap();
     let free = free(&grand, &names, &bounds).unwrap();
@@ -284,8 +276,8 @@ fn reads_noise(restarts: usize) {
     mass.plan.restarts = restarts;
     mass.sigma.clear();
     let read = fit(&data, &mass).unwrap();
-    for ((title, sigma, _), put_in) in read.channels.iter().zip(&NOISE[1..]) {
-        assert!((sigma / put_in - 1.0).abs() < 0.3, "{title}: {sigma}");
+    for (channel, put_in) in read.channels.iter().zip(&NOISE[1..]) {
+        assert!((channel.noise / put_in - 1.0).abs() < 0.3, "{channel:?}");
     }
 }
 
@@ -341,9 +333,9 @@ fn errors_are_true_with_a_noisy_drive() {
 fn delays_are_estimated() {
     let late = [recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, NOISE, 0.4e-3)];
     let found = fit(&late, &Asks { delay: true, ..asks(&["body.hammer.mass"]) }).unwrap();
-    for ((title, _, delay), std) in found.channels.iter().zip(&found.delay_std) {
-        let delay = delay.unwrap();
-        assert!((delay - 0.4e-3).abs() < 0.05e-3 && *std < 0.05e-3, "{title}: {delay} +- {std}");
+    for channel in &found.channels {
+        let (delay, std) = channel.delay_s.unwrap();
+        assert!((delay - 0.4e-3).abs() < 0.05e-3 && std < 0.05e-3, "{}: {delay} +- {std}", channel.title);
     }
     assert!((found.x[0] - 1.05).abs() < 5.0 * found.std[0]);
 }

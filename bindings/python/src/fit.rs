@@ -1,0 +1,421 @@
+//! Fits: the problem (residuals and their Jacobian), what solves it, and what was found.
+
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::time::{Duration, Instant};
+
+use erard::run::SimulationError;
+use erard_workshop::cores;
+use erard_workshop::fit::{
+    DIFFERENCES, Data, FitError, FitResult, Jacobian, LeastSquares, Loss, Plan, Problem as Inner, Solution, Solver,
+    TrustRegion, fit_by, free,
+};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::fault::{self, failed, wrong, wrong_argument};
+use crate::instrument::Instrument;
+use crate::recording::Recording;
+use crate::setup::Steps;
+use crate::stroke::prescribed;
+
+/// How often Python is asked for signals: often enough that Control-C ends the work within 0.2 s.
+const EVERY: Duration = Duration::from_millis(50);
+
+/// Residuals of recordings over the parameters of an instrument. Points are inner ones: logarithms of factors, turns of
+/// screws over half their bounds, then delays in ms.
+#[pyclass(frozen, module = "erard._erard")]
+pub struct Problem {
+    inner: Mutex<Inner>,
+}
+
+/// What was asked of the fit, besides the problem: where it begins, the loss, the Jacobian, restarts, most evaluations.
+type Asked = (Vec<(String, f64)>, String, String, usize, usize);
+
+/// Title, recording, column, instants, measured, fitted, noise, delay.
+type Curve<'py> = (
+    String,
+    usize,
+    &'static str,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    f64,
+    f64,
+);
+
+#[pymethods]
+impl Problem {
+    #[new]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        instrument: &Instrument,
+        vary: Vec<String>,
+        bounds: Vec<(String, (f64, f64))>,
+        recordings: Vec<Bound<'_, Recording>>,
+        drive: Option<&str>,
+        columns: Option<Vec<String>>,
+        delay: bool,
+        sigma: Vec<(String, f64)>,
+        steps: Steps,
+        threads: Option<usize>,
+    ) -> PyResult<Self> {
+        let drive = drive.map(prescribed).transpose()?;
+        let how = steps.setup(0.0, 1.0)?;
+        how.check().map_err(|error| fault::simulation(&error))?;
+        let bounds = bounds.into_iter().map(|(name, (low, high))| (name, [low, high])).collect();
+        let free = free(&instrument.file(), &vary, &bounds).map_err(told)?;
+        let data = recordings.iter().map(|recording| {
+            let own = recording.get();
+            let (recorded, preparation) = (&own.inner, &own.preparation);
+            Data::new(own.name(), recorded, own.position_of, preparation, drive, columns.as_deref(), &how).map_err(told)
+        });
+        let data = data.collect::<PyResult<Vec<_>>>()?;
+        let threads = match threads {
+            Some(0) => return Err(wrong_argument("threads", "found 0, expected a number of threads, from 1")),
+            Some(threads) => threads,
+            None => cores::count(),
+        };
+        let inner = Inner::new(&instrument.inner, free, data, delay, &sigma, threads).map_err(told)?;
+        Ok(Problem { inner: Mutex::new(inner) })
+    }
+
+    /// Fits, by the solver of this library or by one in Python, which is called with two functions (residuals, Jacobian),
+    /// the start, the lower and the upper bounds, the loss and the most evaluations, and returns a point, its residuals
+    /// and why it ended.
+    fn fit<'py>(
+        &self,
+        py: Python<'py>,
+        asked: Asked,
+        solver: Option<Py<PyAny>>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (start, loss, jacobian, restarts, most) = asked;
+        let plan = Plan { start, loss: loss_of(&loss)?, jacobian: jacobian_of(&jacobian)?, restarts, most };
+        let found = self.watched(py, progress, |problem, raised| match solver {
+            None => fit_by(problem, &plan, &mut TrustRegion),
+            Some(call) => fit_by(problem, &plan, &mut Foreign { call, raised }),
+        })?;
+        result(py, &found)
+    }
+
+    /// Every measured quantity beside what the model makes of it at a point.
+    fn curves<'py>(&self, py: Python<'py>, point: Vec<f64>) -> PyResult<Vec<Curve<'py>>> {
+        let point = self.point(point)?;
+        let curves = self.watched(py, None, |problem, _| problem.curves(&point))?;
+        let array = |values: &[f64]| values.to_pyarray(py);
+        let of = |one: &erard_workshop::fit::Channel| {
+            let [times, measured, fitted] = [&one.time_s, &one.measured, &one.fitted].map(|values| array(values));
+            (one.title.clone(), one.recording, one.column, times, measured, fitted, one.sigma, one.delay_s)
+        };
+        Ok(curves.iter().map(of).collect())
+    }
+
+    /// Residuals (fitted less measured, over the noise) of points, row by row; nan where one cannot be played.
+    #[pyo3(signature = (points, progress = None))]
+    fn residuals<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let points = self.points(&points)?;
+        let mut left = self.watched(py, progress, |problem, _| problem.residuals_at(&points))?;
+        for row in &mut left {
+            if row.iter().any(|x| !x.is_finite()) {
+                row.fill(f64::NAN);
+            }
+        }
+        PyArray2::from_vec2(py, &left).map_err(failed)
+    }
+
+    /// Derivatives of the residuals at a point, row by row, by differences or by the model's own derivatives.
+    fn jacobian<'py>(&self, py: Python<'py>, point: Vec<f64>, exact: bool) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let point = self.point(point)?;
+        let columns = self.watched(py, None, |problem, _| {
+            if exact { problem.by_gradient(&point) } else { problem.by_differences(&point, DIFFERENCES[1]) }
+        })?;
+        rows_of(py, &columns)
+    }
+
+    /// Lower and upper bounds of inner parameters.
+    fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
+        self.lock().bounds()
+    }
+
+    /// Points as `vary` takes them, delays apart, row by row.
+    fn outer<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let points = self.points(&points)?;
+        let problem = self.lock();
+        let outer: Vec<Vec<f64>> = points.iter().map(|point| problem.outer(point)).collect();
+        PyArray2::from_vec2(py, &outer).map_err(failed)
+    }
+
+    /// The noise of every channel, N or m.
+    fn sigma(&self) -> Vec<f64> {
+        self.lock().sigma.clone()
+    }
+
+    /// Takes the noise of every channel as another fit estimated it.
+    fn set_sigma(&self, sigma: Vec<f64>) -> PyResult<()> {
+        let mut problem = self.lock();
+        if sigma.len() != problem.sigma.len() || sigma.iter().any(|sigma| sigma.is_nan() || *sigma <= 0.0) {
+            return Err(wrong_argument("sigma", "expected a positive number for every channel"));
+        }
+        problem.take_noise(sigma);
+        Ok(())
+    }
+}
+
+impl Problem {
+    fn lock(&self) -> std::sync::MutexGuard<'_, Inner> {
+        // Whoever panicked with it left a problem that is whole: it is asked for residuals anew.
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn point(&self, point: Vec<f64>) -> PyResult<Vec<f64>> {
+        let count = self.lock().bounds().0.len();
+        if point.len() != count {
+            return Err(wrong_argument("point", format!("found {} numbers, expected {count}", point.len())));
+        }
+        Ok(point)
+    }
+
+    fn points(&self, points: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Vec<f64>>> {
+        points.as_array().rows().into_iter().map(|row| self.point(row.to_vec())).collect()
+    }
+
+    /// Works on the problem without Python's lock. Signals are looked for, and `progress` is called with how many more
+    /// strokes were played, every 50 ms; what is raised there ends the work.
+    fn watched<T: Send>(
+        &self,
+        py: Python<'_>,
+        progress: Option<Py<PyAny>>,
+        work: impl FnOnce(&mut Inner, Raised) -> Result<T, FitError> + Send,
+    ) -> PyResult<T> {
+        let raised = Raised::default();
+        let own = raised.clone();
+        let done = py.detach(|| {
+            let mut problem = self.lock();
+            let mut before = problem.evaluations;
+            let (mut last, seen) = (Instant::now(), raised.clone());
+            problem.watch = Box::new(move |strokes| {
+                if seen.is_set() {
+                    return false;
+                }
+                if last.elapsed() < EVERY {
+                    return true;
+                }
+                last = Instant::now();
+                let more = strokes.saturating_sub(before);
+                before = before.max(strokes);
+                let asked = Python::attach(|py| {
+                    py.check_signals()?;
+                    match &progress {
+                        Some(progress) if more > 0 => progress.call1(py, (more,)).map(|_| ()),
+                        _ => Ok(()),
+                    }
+                });
+                asked.map_err(|error| seen.set(error)).is_ok()
+            });
+            let done = work(&mut problem, own);
+            problem.watch = Box::new(|_| true);
+            done
+        });
+        match raised.take() {
+            Some(error) => Err(error),
+            None => done.map_err(told),
+        }
+    }
+}
+
+/// What Python raised while a fit ran.
+#[derive(Clone, Default)]
+struct Raised(Arc<Mutex<Option<PyErr>>>);
+
+impl Raised {
+    fn is_set(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    fn set(&self, error: PyErr) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+
+    fn take(&self) -> Option<PyErr> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+/// A solver in Python. It runs in a thread of its own and asks for residuals and Jacobians.
+struct Foreign {
+    call: Py<PyAny>,
+    raised: Raised,
+}
+
+/// What the solver's thread asks for.
+enum Question {
+    Residuals(Vec<f64>, mpsc::Sender<Vec<f64>>),
+    Jacobian(Vec<f64>, mpsc::Sender<Vec<Vec<f64>>>),
+    /// It has ended: a point, its residuals, and why.
+    Ended(PyResult<(Vec<f64>, Vec<f64>, String)>),
+}
+
+/// What the solver in Python calls.
+#[pyclass(frozen)]
+struct Questions(Mutex<mpsc::Sender<Question>>);
+
+impl Questions {
+    fn ask<T: Send>(&self, py: Python<'_>, question: impl FnOnce(mpsc::Sender<T>) -> Question + Send) -> PyResult<T> {
+        let ended = || PyRuntimeError::new_err("the fit has ended");
+        py.detach(|| {
+            let (answer, answered) = mpsc::channel();
+            self.0.lock().ok()?.send(question(answer)).ok()?;
+            answered.recv().ok()
+        })
+        .ok_or_else(ended)
+    }
+}
+
+#[pymethods]
+impl Questions {
+    fn residuals<'py>(
+        &self,
+        py: Python<'py>,
+        point: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let point = point.to_vec().map_err(wrong)?;
+        Ok(self.ask(py, |answer| Question::Residuals(point, answer))?.to_pyarray(py))
+    }
+
+    fn jacobian<'py>(&self, py: Python<'py>, point: PyReadonlyArray1<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let point = point.to_vec().map_err(wrong)?;
+        rows_of(py, &self.ask(py, |answer| Question::Jacobian(point, answer))?)
+    }
+}
+
+impl Solver for Foreign {
+    fn solve(
+        &mut self,
+        problem: &mut dyn LeastSquares<Error = FitError>,
+        from: &[f64],
+        (low, high): (&[f64], &[f64]),
+        loss: Loss,
+        most: usize,
+    ) -> Result<Solution, FitError> {
+        let (ask, asked) = mpsc::channel();
+        let call = &self.call;
+        let solved = std::thread::scope(|scope| {
+            scope.spawn(move || {
+                let found = Python::attach(|py| {
+                    let questions = Bound::new(py, Questions(Mutex::new(ask.clone())))?;
+                    let (residuals, jacobian) = (questions.getattr("residuals")?, questions.getattr("jacobian")?);
+                    let [from, low, high] = [from, low, high].map(|values| values.to_pyarray(py));
+                    call.bind(py).call1((residuals, jacobian, from, low, high, name_of(loss), most))?.extract()
+                });
+                // Where nobody listens any more, the fit has ended.
+                let _ = ask.send(Question::Ended(found));
+            });
+            answer(problem, &asked)
+        })?;
+        match solved {
+            Ok((point, residuals, message)) => Ok(Solution::new(point, &residuals, message)),
+            Err(error) => {
+                self.raised.set(error);
+                Err(SimulationError::Interrupted.into())
+            }
+        }
+    }
+}
+
+/// Answers the solver until it has ended, or until the problem has.
+#[allow(clippy::type_complexity)]
+fn answer(
+    problem: &mut dyn LeastSquares<Error = FitError>,
+    asked: &mpsc::Receiver<Question>,
+) -> Result<PyResult<(Vec<f64>, Vec<f64>, String)>, FitError> {
+    loop {
+        match asked.recv() {
+            // A solver that has gone away does not wait for its answers.
+            Ok(Question::Residuals(point, to)) => drop(to.send(problem.residuals(&point)?)),
+            Ok(Question::Jacobian(point, to)) => drop(to.send(problem.jacobian(&point)?)),
+            Ok(Question::Ended(found)) => return Ok(found),
+            Err(_) => return Err(SimulationError::Interrupted.into()),
+        }
+    }
+}
+
+const LOSSES: [(&str, Loss); 4] =
+    [("linear", Loss::Linear), ("soft_l1", Loss::SoftL1), ("huber", Loss::Huber), ("cauchy", Loss::Cauchy)];
+
+fn loss_of(name: &str) -> PyResult<Loss> {
+    let found = LOSSES.iter().find(|(known, _)| *known == name).map(|(_, loss)| *loss);
+    found.ok_or_else(|| {
+        let known = LOSSES.map(|(name, _)| name).join(", ");
+        wrong_argument("loss", format!("found `{name}`, expected {known}"))
+    })
+}
+
+fn name_of(loss: Loss) -> &'static str {
+    LOSSES.iter().find(|(_, known)| *known == loss).map_or("linear", |(name, _)| name)
+}
+
+fn jacobian_of(name: &str) -> PyResult<Jacobian> {
+    match name {
+        "differences" => Ok(Jacobian::Differences),
+        "gradient" => Ok(Jacobian::Gradient),
+        found => Err(wrong_argument("jacobian", format!("found `{found}`, expected differences or gradient"))),
+    }
+}
+
+/// A matrix that is given by its columns.
+fn rows_of<'py>(py: Python<'py>, columns: &[Vec<f64>]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let count = columns.first().map_or(0, Vec::len);
+    let rows: Vec<Vec<f64>> = (0..count).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
+    PyArray2::from_vec2(py, &rows).map_err(failed)
+}
+
+/// What was found, by the names of `Fit`'s attributes.
+fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict>> {
+    let all = PyDict::new(py);
+    let matrix = |rows: &Vec<Vec<f64>>| PyArray2::from_vec2(py, rows).map_err(failed);
+    let free = found.free.iter().zip(&found.x).map(|(one, x)| {
+        (one.name.clone(), one.unit, one.parameter.is_factor(), one.low, one.high, one.is_at_a_bound(*x))
+    });
+    all.set_item("free", free.collect::<Vec<_>>())?;
+    all.set_item("point", found.point.to_pyarray(py))?;
+    all.set_item("message", &found.message)?;
+    all.set_item("x", &found.x)?;
+    all.set_item("std", &found.std)?;
+    all.set_item("values", found.values().map(|(_, value, error)| (value, error)).collect::<Vec<_>>())?;
+    all.set_item("cov", matrix(&found.cov)?)?;
+    all.set_item("inner_cov", matrix(&found.inner_cov)?)?;
+    all.set_item("sensors_cov", matrix(&found.sensors_cov)?)?;
+    all.set_item("residuals", found.residuals.to_pyarray(py))?;
+    all.set_item("degrees_of_freedom", found.degrees_of_freedom)?;
+    all.set_item("chi2_reduced", found.chi2_reduced)?;
+    all.set_item("chi2_expected", found.chi2_expected)?;
+    all.set_item("singular_values", found.singular_values.to_pyarray(py))?;
+    all.set_item("unseen", found.unseen())?;
+    all.set_item("jacobian_agreement", found.jacobian_agreement)?;
+    let channels = found.channels.iter().map(|one| {
+        (one.title.clone(), one.noise, one.noise_is_known, one.rms_at_start, one.rms, one.delay_s.map(|(s, _)| s))
+    });
+    all.set_item("channels", channels.collect::<Vec<_>>())?;
+    all.set_item("correlated", found.correlated())?;
+    all.set_item("evaluations", found.evaluations)?;
+    all.set_item("differentiated", found.differentiated)?;
+    all.set_item("warnings", found.warnings())?;
+    Ok(all)
+}
+
+fn told(error: FitError) -> PyErr {
+    match error {
+        FitError::Asked { argument, message } => wrong_argument(argument, message),
+        FitError::Simulation(error) => fault::simulation(&error),
+        FitError::Sensitivity(error) => crate::gradient::told(&error),
+        error @ FitError::Unplayable => failed(error),
+        error => wrong(error),
+    }
+}
