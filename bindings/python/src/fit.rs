@@ -81,9 +81,9 @@ impl Problem {
         Ok(Problem { inner: Mutex::new(inner) })
     }
 
-    /// Fits, by the solver of this library or by one in Python, which is called with two functions (residuals, Jacobian),
-    /// the start, the lower and the upper bounds, the loss and the most evaluations, and returns a point, its residuals
-    /// and why it ended.
+    /// Fits, by the solver of this library or by one in Python. That is called with two functions (residuals,
+    /// Jacobian), the start, the lower and the upper bounds, the loss and the most evaluations, and returns a point,
+    /// its residuals and why it ended.
     fn fit<'py>(
         &self,
         py: Python<'py>,
