@@ -53,7 +53,7 @@ pub(crate) struct Measure {
     /// sheet.json)
     #[arg(long)]
     sheet: bool,
-    /// With --sheet: what stays where dip and aftertouch cannot both come right; the other gives way within its range,
+    /// With --sheet: what stays where dip and aftertouch cannot both come right; the other changes within its range,
     /// then the blow
     #[arg(long, value_name = "WHAT", value_enum, default_value = "aftertouch", requires = "sheet")]
     priority: Stays,
@@ -81,9 +81,9 @@ pub(crate) struct Measure {
 /// What stays where two lines cannot both come right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Stays {
-    /// The dip; the blow gives way.
+    /// The dip; the blow changes.
     Dip,
-    /// The aftertouch; the dip gives way within its range, then the blow.
+    /// The aftertouch; the dip changes within its range, then the blow.
     Aftertouch,
 }
 

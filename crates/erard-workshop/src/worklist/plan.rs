@@ -71,7 +71,7 @@ pub enum Why {
 /// A line that the list leaves out of its range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Left {
-    /// Which.
+    /// The line.
     pub quantity: Quantity,
     /// Why.
     pub why: Why,
