@@ -10,11 +10,13 @@ use erard_workshop::balance::Lead;
 use erard_workshop::cores::{self, Ending};
 use erard_workshop::measure::norms::{MIDDLE_C, lines as all_lines};
 use erard_workshop::measure::{MeasureError, Sheet, measure_key, measure_some};
-use erard_workshop::worklist::{Priority, Readings, worklist};
+use erard_workshop::worklist::{Readings, worklist};
 use moreau::Settings;
 
 use super::bands::{self, BandOptions};
-use super::options::{instrument_path, key_number, keys_of, load_instrument, load_instrument_and_text, measured_lines};
+use super::options::{
+    Stays, instrument_path, key_number, keys_of, load_instrument, load_instrument_and_text, measured_lines,
+};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
@@ -76,24 +78,6 @@ pub(crate) struct Measure {
     headed: Headed,
     #[command(flatten)]
     out: OutOptions,
-}
-
-/// What stays where two lines cannot both come right.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Stays {
-    /// The dip; the blow changes.
-    Dip,
-    /// The aftertouch; the dip changes within its range, then the blow.
-    Aftertouch,
-}
-
-impl From<Stays> for Priority {
-    fn from(stays: Stays) -> Self {
-        match stays {
-            Stays::Dip => Priority::Dip,
-            Stays::Aftertouch => Priority::Aftertouch,
-        }
-    }
 }
 
 /// Most instruments side by side: more columns than a page is wide.

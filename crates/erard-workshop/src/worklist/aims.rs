@@ -14,7 +14,7 @@ pub(super) const REGULATION: [Quantity; 9] =
 /// The lines that decide the aftertouch.
 const DECIDE: [Quantity; 6] = [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop];
 /// How far the key goes for each millimetre of the hammer, where a blow is to change the aftertouch.
-const KEY_PER_HAMMER: f64 = 0.19;
+pub(super) const KEY_PER_HAMMER: f64 = 0.19;
 /// Times that dip and blow are tried on the copy and found anew.
 const TRIALS: u32 = 2;
 /// The least changes that are asked for, mm: a paper, and what can be seen of a blow.

@@ -2,10 +2,14 @@
 
 mod proof;
 
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use erard::instrument::{Instrument, InstrumentFile};
 use erard_workshop::sample::Sampled;
 use erard_workshop::worklist::{Left, Priority, Quantity, Readings, Work, Worklist, worklist};
-use proof::{KEY, Tally, course, is_healthy};
+use proof::{Course, KEY, Tally, course, is_healthy};
 
 fn list_of(instrument: &Instrument) -> Worklist {
     let go_on = &mut |_: f64| true;
@@ -53,32 +57,60 @@ fn heavy_touch_is_put_right() {
     }
 }
 
-/// Pianos that the program does not know, from so many samples on: those that are healthy are put out of order, and
-/// worked on twice.
-fn tally(samples: impl Iterator<Item = u32>) -> Tally {
+/// Pianos that the program does not know: the first so many samples that are healthy are put out of order, and worked
+/// on twice. All cores work; the tally does not depend on how many there are.
+fn tally(pianos: usize) -> Tally {
     const GRAND: &str = "concert-grand";
     let go_on = &mut |_: f64| true;
     let text = Instrument::builtin_text(GRAND).unwrap();
     let model = Instrument::builtin(GRAND).unwrap();
     let sampled = Sampled::of_file(text, GRAND, go_on).unwrap();
-    let mut tally = Tally::default();
-    for number in samples {
-        let healthy = InstrumentFile::parse(&sampled.text(number, go_on).unwrap(), GRAND).unwrap().instrument;
-        if is_healthy(&Readings::of(&healthy, go_on).unwrap()) {
-            tally.add(number, &course(&healthy, &model, u64::from(number)));
+    let (next, courses) = (AtomicU32::new(1), Mutex::new(BTreeMap::new()));
+    let of_first = |courses: &BTreeMap<u32, Course>| {
+        let mut tally = Tally::default();
+        courses.iter().take(pianos).for_each(|(number, course)| tally.add(*number, course));
+        tally
+    };
+    let work = || {
+        let go_on = &mut |_: f64| true;
+        while courses.lock().unwrap().len() < pianos {
+            let number = next.fetch_add(1, Ordering::SeqCst);
+            let text = sampled.text(number, go_on).unwrap();
+            let healthy = InstrumentFile::parse(&text, GRAND).unwrap().instrument;
+            if is_healthy(&Readings::of(&healthy, go_on).unwrap()) {
+                let course = course(&healthy, &model, u64::from(number));
+                let mut courses = courses.lock().unwrap();
+                courses.insert(number, course);
+                println!("{}", of_first(&courses).counts());
+            }
         }
-    }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(work);
+        }
+    });
+    let tally = of_first(&courses.lock().unwrap());
     println!("{}", tally.report());
     tally
 }
 
+/// One piano, on both passes.
+#[test]
+#[ignore = "ci: a drawn piano, regulated some forty times"]
+fn a_piano_that_is_not_known_is_put_right() {
+    let tally = tally(1);
+    let [before, one, two] = tally.inside;
+    assert!(tally.pianos == 1 && before < one && one <= two, "{}", tally.report());
+}
+
 mod nightly {
-    /// 60 samples: what is inside their ranges grows from pass to pass.
+    /// 200 pianos: what is inside their ranges grows from pass to pass.
     #[test]
-    #[ignore = "nightly: 60 drawn pianos, each regulated some forty times"]
+    #[ignore = "nightly: 200 drawn pianos, each regulated some forty times"]
     fn pianos_that_are_not_known_are_put_right() {
-        let tally = super::tally(1..=60);
+        let tally = super::tally(200);
         let [before, one, two] = tally.inside;
-        assert!(tally.pianos > 20 && before < one && one <= two, "{}", tally.report());
+        assert!(tally.pianos == 200 && before < one && one <= two, "{}", tally.report());
     }
 }

@@ -246,20 +246,27 @@ impl Tally {
         }
     }
 
-    pub fn report(&self) -> String {
+    /// The figures.
+    pub fn counts(&self) -> String {
         let share = |count: usize| 100.0 * count as f64 / self.lines.max(1) as f64;
         let [before, one, two] = self.inside;
         format!(
-            "{} pianos, {} lines: inside before {before} ({:.1} %), after one pass {one} ({:.1} %), after two {two} ({:.1} %); outside \
-             then with a reason {}, without {:?}; made worse {:?}",
+            "{} pianos, {} lines: inside before {before} ({:.1} %), after one pass {one} ({:.1} %), after two {two} \
+             ({:.1} %); outside then with a reason {}, without {}; made worse {}",
             self.pianos,
             self.lines,
             share(before),
             share(one),
             share(two),
             self.with_reason,
-            self.without_reason,
-            self.made_worse
+            self.without_reason.len(),
+            self.made_worse.len()
         )
+    }
+
+    /// The figures, and what went wrong.
+    pub fn report(&self) -> String {
+        let wrong = self.without_reason.iter().chain(&self.made_worse);
+        wrong.fold(self.counts(), |report, line| format!("{report}\n  {line}"))
     }
 }
