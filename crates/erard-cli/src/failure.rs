@@ -10,11 +10,11 @@ use erard::instrument::FileError;
 use erard::one_dof::OneDofError;
 use erard::run::SimulationError;
 use erard::stroke::StrokeError;
-use erard_workshop::advice::AdviceError;
 use erard_workshop::compare::CompareError;
 use erard_workshop::kinematics::DeriveError;
 use erard_workshop::measure::MeasureError;
 use erard_workshop::regulate::RegulateError;
+use erard_workshop::worklist::WorklistError;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -48,9 +48,9 @@ pub enum Failure {
     /// An action cannot be regulated.
     #[error(transparent)]
     Regulate(#[from] RegulateError),
-    /// No advice can be given.
+    /// No list of work can be worked out.
     #[error(transparent)]
-    Advice(#[from] AdviceError),
+    Worklist(#[from] WorklistError),
     /// Goals that cannot be met; the nearest that can be has been written.
     #[error("{0}")]
     Unmet(String),

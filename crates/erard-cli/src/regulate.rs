@@ -7,6 +7,7 @@ use erard_workshop::distances::Distances;
 use erard_workshop::regulate::{
     Achieved, Goal, Handwork, Kind, Regulated, Turned, known_screw, screw_unit, turns_text, unit,
 };
+use erard_workshop::worklist::{GaveUp, Settled, usual_aftertouch_m};
 use serde_json::{Value, json};
 
 use crate::table::Table;
@@ -102,6 +103,43 @@ pub(crate) fn report(
         own.extend(more);
     }
     report
+}
+
+/// What changed for the aftertouch, a line each, and an empty one.
+pub(crate) fn settled_text(settled: &Settled, lengths: Lengths) -> Vec<String> {
+    let line = |gave_up: &GaveUp| {
+        let [asked, instead] = [gave_up.asked_m, gave_up.instead_m].map(|m| shown_value(gave_up.goal, m, lengths));
+        format!("{} changed for the aftertouch: {instead} instead of {asked}.", gave_up.goal.name())
+    };
+    let mut lines: Vec<String> = settled.gave_up.iter().map(line).collect();
+    if !lines.is_empty() {
+        lines.push(String::new());
+    }
+    lines
+}
+
+/// Where the aftertouch is out of its usual range: that it is.
+pub(crate) fn aftertouch_text(regulated: &Regulated, lengths: Lengths) -> String {
+    let [low, high] = usual_aftertouch_m().map(|m| lengths.text(m * 1e3, 1));
+    match regulated.after.aftertouch_m {
+        Some(m) => {
+            format!("aftertouch {} is out of its usual range, {low} to {high}", lengths.text(m * 1e3, 1))
+        }
+        None => format!("there is no aftertouch; {low} to {high} is usual"),
+    }
+}
+
+/// What changed for the aftertouch, in the report.
+pub(crate) fn aftertouch_report(settled: &Settled) -> Value {
+    let gave_up = settled.gave_up.iter().map(|gave_up| {
+        json!({"goal": gave_up.goal.name(), "unit": "mm", "asked": gave_up.asked_m * 1e3, "instead": gave_up.instead_m * 1e3})
+    });
+    json!({
+        "mm": settled.regulated.after.aftertouch_m.map(|m| m * 1e3),
+        "usual_mm": usual_aftertouch_m().map(|m| m * 1e3),
+        "met": settled.is_settled,
+        "gave_up": gave_up.collect::<Value>(),
+    })
 }
 
 /// What could not be met, a line each.

@@ -3,7 +3,6 @@
 //!
 //! An instrument comes from [`erard`]; what is measured, regulated or studied here is simulated by it.
 
-pub mod advice;
 pub mod balance;
 pub mod benchmarks;
 pub mod compare;
@@ -21,3 +20,4 @@ pub mod study;
 pub mod trying;
 pub mod validate;
 pub mod weighing;
+pub mod worklist;

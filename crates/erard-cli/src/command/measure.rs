@@ -6,15 +6,17 @@ use clap::Args;
 use erard::instrument::Instrument;
 use erard::player;
 use erard::run::{Setup, SimulationError, simulate};
-use erard_workshop::advice::advise;
+use erard_workshop::balance::Lead;
 use erard_workshop::cores::{self, Ending};
 use erard_workshop::measure::norms::{MIDDLE_C, lines as all_lines};
 use erard_workshop::measure::{MeasureError, Sheet, measure_key, measure_some};
-use erard_workshop::regulate::Status;
+use erard_workshop::worklist::{Readings, worklist};
 use moreau::Settings;
 
 use super::bands::{self, BandOptions};
-use super::options::{instrument_path, key_number, keys_of, load_instrument, measured_lines};
+use super::options::{
+    Stays, instrument_path, key_number, keys_of, load_instrument, load_instrument_and_text, measured_lines,
+};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
@@ -24,7 +26,7 @@ use crate::measure::{Measured, doubts, page, table};
 use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
-use crate::sheet::{self, Advised, tasks};
+use crate::sheet::{self, Advised, before_and_after, left, tasks};
 use crate::tell;
 use crate::units::Lengths;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
@@ -53,6 +55,17 @@ pub(crate) struct Measure {
     /// sheet.json)
     #[arg(long)]
     sheet: bool,
+    /// With --sheet: what stays where dip and aftertouch cannot both come right; the other changes within its range,
+    /// then the blow
+    #[arg(long, value_name = "WHAT", value_enum, default_value = "aftertouch", requires = "sheet")]
+    priority: Stays,
+    /// With --sheet: the key's leads, g@mm in front of the balance pin with commas (14@165,14@147; behind it
+    /// negative); they are moved or taken out before others are put in
+    #[arg(long, value_name = "G@MM,..", value_delimiter = ',', requires = "sheet", allow_hyphen_values = true)]
+    leads: Vec<String>,
+    /// With --sheet: write the instrument file on which the list has been carried out, too (carried-out.toml)
+    #[arg(long, requires = "sheet")]
+    carry_out: bool,
     /// Which key of the piano it is, for the usual ranges there, 1 (A0) to 88 (C8), where the instrument's name does
     /// not say [default: 40]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88), allow_negative_numbers = true)]
@@ -82,6 +95,9 @@ impl Measure {
             return self.rows(&asked);
         }
         let named = self.load(&asked)?;
+        let leads = self.leads.iter().map(|text| lead(text)).collect::<Result<Vec<_>, _>>()?;
+        let texts = asked.iter().filter(|_| self.carry_out).map(|name| Ok(load_instrument_and_text(name)?.1));
+        let texts = texts.collect::<Result<Vec<String>, Failure>>()?;
         let mut output = self.out.prepare("measure", &["measure.json", "measure.html"])?;
         let mut progress = Progress::new("measuring");
         let count = named.len() as f64;
@@ -97,11 +113,12 @@ impl Measure {
         let drawings = drawings(&measured)?;
         let mut advised = Vec::new();
         for (index, one) in measured.iter().enumerate().filter(|_| self.sheet) {
-            progress.say("trying the screws");
-            let mut tell = |status: &Status| progress.tell(0.8 + 0.2 * (index as f64 + status.share) / count);
-            let advice = advise(&one.instrument, &one.sheet, &mut tell)?;
+            progress.say("working out the list");
+            let mut tell = |share: f64| progress.tell(0.8 + 0.2 * (index as f64 + share) / count);
+            let (readings, key) = (Readings::on(&one.sheet), one.sheet.norms_for_key);
+            let list = worklist(&one.instrument, &readings, &leads, key, self.priority.into(), &mut tell)?;
             let drawing = drawings.get(index).map_or("", |drawn| &drawn.svg);
-            advised.push(Advised { measured: one, advice, drawing, headed: &self.headed, lengths: self.lengths });
+            advised.push(Advised { measured: one, list, drawing, headed: &self.headed, lengths: self.lengths });
         }
         drop(progress);
 
@@ -119,6 +136,16 @@ impl Measure {
         if self.sheet {
             output.text("sheet.html", &sheet::html(&advised))?;
             output.json("sheet.json", &advised.iter().map(sheet::report).collect::<Vec<_>>())?;
+            for (index, one) in advised.iter().enumerate().filter(|_| self.carry_out) {
+                let text = texts.get(index).map_or("", String::as_str);
+                let done = one.list.rewrite(&one.measured.instrument, text);
+                let name = if advised.len() > 1 {
+                    format!("carried-out-{}.toml", index + 1)
+                } else {
+                    "carried-out.toml".into()
+                };
+                output.text(&name, &done.map_err(|error| Failure::Internal(error.to_string()))?)?;
+            }
         }
         let written = output.commit()?;
 
@@ -135,15 +162,27 @@ impl Measure {
             }
         }
         for one in &advised {
-            say!("  To do{}:", if advised.len() > 1 { format!(" ({})", one.measured.label) } else { String::new() });
+            let whose = if advised.len() > 1 { format!(" ({})", one.measured.label) } else { String::new() };
+            say!("  To do{whose}, each line after the ones before it:");
             let tasks = tasks(one);
             if tasks.is_empty() {
                 say!("    nothing");
             }
-            for task in tasks {
-                say!("    {}: {} - {}", task.what, task.by, task.for_);
+            for (index, task) in tasks.iter().enumerate() {
+                say!("    {}. {}: {}", index + 1, task.what, task.by);
+                say!("       {}", task.for_);
+                if let Some(instead) = &task.instead {
+                    say!("       or instead: {instead}");
+                }
+            }
+            for line in left(&one.list, self.lengths) {
+                say!("    stays out: {line}");
             }
             say!();
+            if !tasks.is_empty() {
+                say!("{}", before_and_after(one).trim_end_matches('\n'));
+                say!();
+            }
         }
         say!("{written}");
         Ok(())
@@ -255,6 +294,18 @@ impl Measure {
         };
         Ok(with.map(named).collect())
     }
+}
+
+/// A lead: its mass in grams, and where it is in millimetres in front of the balance pin.
+fn lead(text: &str) -> Result<Lead, Failure> {
+    let read = text.trim().split_once('@').and_then(|(mass, at)| {
+        let (mass_g, at_mm) = (mass.trim().parse::<f64>().ok()?, at.trim().parse::<f64>().ok()?);
+        Some(Lead { mass_g, at_mm })
+    });
+    let sound = |lead: &Lead| (0.5..=60.0).contains(&lead.mass_g) && (-250.0..=400.0).contains(&lead.at_mm);
+    read.filter(sound).ok_or_else(|| {
+        Failure::Usage(format!("--leads {text}: expected grams (0.5 to 60) and millimetres before the pin, as 14@165"))
+    })
 }
 
 /// An instrument by what it is called here, and the key whose norms hold for it.

@@ -12,6 +12,7 @@ pub(crate) use erard::stroke::Stroke;
 use erard::stroke::{Columns, DrivingError, Prescribed, Series, Touch};
 use erard_workshop::compare::Which;
 use erard_workshop::measure::norms::{Line, lines};
+use erard_workshop::worklist::Priority;
 use moreau::{FrictionLaw, Settings, Solver};
 
 use super::samples::sample_text;
@@ -22,6 +23,24 @@ use crate::names::{Name, one_of};
 use crate::recordings::{Ready, RecordingOptions};
 use crate::tell;
 use erard_figures::drawing::ChangedNote;
+
+/// What stays where two lines cannot both come right.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Stays {
+    /// The dip; the blow changes.
+    Dip,
+    /// The aftertouch; the dip changes within its range, then the blow.
+    Aftertouch,
+}
+
+impl From<Stays> for Priority {
+    fn from(stays: Stays) -> Self {
+        match stays {
+            Stays::Dip => Priority::Dip,
+            Stays::Aftertouch => Priority::Aftertouch,
+        }
+    }
+}
 
 /// Which instrument.
 #[derive(Debug, Args)]

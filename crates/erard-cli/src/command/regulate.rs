@@ -10,13 +10,16 @@ use erard_workshop::measure::range::{HARDLY_HEARD_M_S, double_strike};
 use erard_workshop::regulate::{
     Goal, Regulated, Specification, Status, disturbed, parse_value, regulate, regulate_following,
 };
+use erard_workshop::worklist::{is_usual_aftertouch, regulate_to_aftertouch};
 
-use super::options::load_instrument_and_text;
+use super::options::{Stays, load_instrument_and_text};
 use super::out::OwnFile;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::regulate::{Shown, misses, report, shown_value, turned_text};
+use crate::regulate::{
+    Shown, aftertouch_report, aftertouch_text, misses, report, settled_text, shown_value, turned_text,
+};
 use crate::units::Lengths;
 use crate::{say, tell};
 
@@ -41,6 +44,9 @@ pub(crate) struct Regulate {
     /// Let other screws follow where the goals disturb what they set: what was not asked for then stays as it was
     #[arg(long)]
     follow: bool,
+    /// Bring the aftertouch into its usual range, too: what stays, while the other changes for it
+    #[arg(long, value_name = "WHAT", value_enum)]
+    priority: Option<Stays>,
     #[command(flatten)]
     lengths: Lengths,
     /// The new instrument file [default: INSTRUMENT-regulated.toml in this folder]
@@ -125,9 +131,16 @@ impl Regulate {
         let start = Instant::now();
         let protocol = Protocol::default();
         let work = if self.follow { regulate_following } else { regulate };
-        let regulated = work(&instrument, &specification, &protocol, &mut tell)?;
+        let settled = self
+            .priority
+            .map(|stays| regulate_to_aftertouch(&instrument, &specification, stays.into(), self.follow, &mut tell));
+        let settled = settled.transpose()?;
+        let regulated = match &settled {
+            Some(settled) => settled.regulated.clone(),
+            None => work(&instrument, &specification, &protocol, &mut tell)?,
+        };
         // Where a goal is missed, whether it is met when other screws follow.
-        let help = if regulated.all_met() || self.follow {
+        let help = if regulated.all_met() || self.follow || settled.is_some() {
             None
         } else {
             let followed = regulate_following(&instrument, &specification, &protocol, &mut tell)?;
@@ -145,7 +158,10 @@ impl Regulate {
         drop(progress);
 
         let new_text = regulated.rewrite(&text).map_err(|e| Failure::Internal(e.to_string()))?;
-        let report = report(&regulated, soft, &self.instrument, &name, elapsed);
+        let mut report = report(&regulated, soft, &self.instrument, &name, elapsed);
+        if let (Some(settled), serde_json::Value::Object(report)) = (&settled, &mut report) {
+            report.insert("aftertouch".into(), aftertouch_report(settled));
+        }
         output.text(&name, &new_text)?;
         output.json(&report_name, &report)?;
         let written = output.commit()?;
@@ -173,8 +189,26 @@ impl Regulate {
                 say!("{line}");
             }
         }
+        match &settled {
+            Some(settled) => settled_text(settled, self.lengths).iter().for_each(|line| say!("{line}")),
+            None if !is_usual_aftertouch(&regulated.after) => {
+                say!("{}", aftertouch_text(&regulated, self.lengths));
+                say!("--priority dip changes the blow for it, --priority aftertouch the dip first.");
+                say!();
+            }
+            None => {}
+        }
         say!("{written}");
-        match misses(&regulated) {
+        let unsettled = settled.as_ref().filter(|settled| !settled.is_settled);
+        let unsettled = unsettled.map(|settled| {
+            let [dip, blow] = [Goal::Dip, Goal::Blow].map(|goal| {
+                let after = goal.of(&settled.regulated.after);
+                after.map_or("none".to_owned(), |after| shown_value(goal, after, self.lengths))
+            });
+            let text = aftertouch_text(&settled.regulated, self.lengths);
+            format!("{text}; dip is {dip}, blow {blow}, and neither may change further for it")
+        });
+        match [misses(&regulated), unsettled.into_iter().collect()].concat() {
             misses if misses.is_empty() => Ok(()),
             mut misses => {
                 misses.extend(help.map(|followed| must_follow(&specification, &followed, self.lengths)));

@@ -3,9 +3,10 @@
 use erard::keyboard::note_name;
 use erard_workshop::measure::norms::lines;
 use erard_workshop::regulate::{CAPSTAN_THREAD_M, SMALL_THREAD_M};
+use erard_workshop::worklist::Quantity;
 use maud::{Markup, html};
 
-use super::{Advised, tasks};
+use super::{Advised, left, tasks};
 use crate::measure::{shown, usual};
 use crate::paper::{page, picture};
 use crate::table::Table;
@@ -29,14 +30,17 @@ const PARTS: [Value; 4] = [
     ("whippen_weight_g", "whippen weight"),
     ("strike_weight_ratio_weights", "leverage (strike-weight ratio)"),
 ];
-const REGULATION: [Value; 8] = [
+const REGULATION: [Value; 11] = [
     ("dip_mm", "dip"),
     ("blow_mm", "blow"),
+    ("jack_position_mm", "jack position"),
+    ("lever_height_mm", "lever height"),
     ("let_off_mm", "let-off"),
     ("drop_mm", "drop"),
     ("aftertouch_mm", "aftertouch"),
     ("check_mm", "checking distance"),
     ("repetition_spring_m_s", "rise from the check"),
+    ("damper_start_share", "damper start, of the dip"),
     ("lost_motion_mm", "lost motion"),
 ];
 const PLAYING: [Value; 3] = [
@@ -76,7 +80,7 @@ fn sheet(one: &Advised<'_>) -> Markup {
                 div { (values("Touch", &TOUCH, one)) (values("On the scale", &PARTS, one)) }
                 div { (values("Regulation", &REGULATION, one)) (values("Playing", &PLAYING, one)) }
             }
-            h2 { "To do, in this order" }
+            h2 { "To do, in this order: each line is worked out after the ones before it" }
             (to_do(one))
             figure.action {
                 (picture(&format!("{}, at rest", measured.label), one.drawing))
@@ -98,15 +102,26 @@ fn pitch(metres: f64, lengths: Lengths) -> String {
 fn values(heading: &str, values: &[Value], one: &Advised<'_>) -> Markup {
     let sheet = &one.measured.sheet;
     let found = |key: &str| lines().find(|line| line.key == key);
+    let after = |key: &str| Quantity::ALL.into_iter().find(|quantity| quantity.key() == key);
+    let has_after = !one.list.items.is_empty() && values.iter().any(|(key, _)| after(key).is_some());
     html! {
         table {
-            thead { tr { th { (heading) } th.n { "here" } th.n { "usual" } } }
+            thead { tr { th { (heading) } th.n { "here" } @if has_after { th.n { "after" } } th.n { "usual" } } }
             tbody {
                 @for (line, name) in values.iter().filter_map(|(key, name)| Some((found(key)?, name))) {
                     @let value = shown(line, (line.value)(sheet), one.lengths);
                     tr {
                         td { (name) }
                         @if line.is_out(sheet) { td.n.out { (value) " !" } } @else { td.n { (value) } }
+                        @if has_after {
+                            @match after(line.key) {
+                                Some(quantity) => {
+                                    @let text = shown(line, one.list.after.get(quantity), one.lengths);
+                                    @if one.list.is_out(quantity, &one.list.after) { td.n.out { (text) " !" } } @else { td.n { (text) } }
+                                }
+                                None => { td.n {} }
+                            }
+                        }
                         td.n.soft { (usual(line, sheet.norms_for_key, one.lengths)) }
                     }
                 }
@@ -117,13 +132,22 @@ fn values(heading: &str, values: &[Value], one: &Advised<'_>) -> Markup {
 
 fn to_do(one: &Advised<'_>) -> Markup {
     let tasks = tasks(one);
+    let stays = left(&one.list, one.lengths);
     let only_flags = tasks.is_empty() && !one.measured.sheet.flags.is_empty();
     html! {
         @if tasks.is_empty() {
             p { @if only_flags { "Nothing to turn: see the marks above." } @else { "Nothing." } }
         } @else {
-            @let rows = tasks.into_iter().map(|task| [task.what, task.by, task.for_, "☐".to_owned()]);
-            table.list { (Table::of(["what", "how far", "for", "done"], rows).html()) }
+            @let rows = tasks.into_iter().enumerate().flat_map(|(index, task)| {
+                let number = (index + 1).to_string();
+                let line = [number, task.what, task.by, task.for_, "☐".to_owned()];
+                let or = task.instead.map(|instead| [String::new(), "or instead".to_owned(), instead, String::new(), String::new()]);
+                std::iter::once(line).chain(or)
+            });
+            table.list { (Table::of(["", "what", "how far", "for", "done"], rows).html()) }
+        }
+        @for line in stays {
+            p.soft { "Stays out: " (line) "." }
         }
     }
 }

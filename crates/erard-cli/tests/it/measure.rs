@@ -184,7 +184,7 @@ fn the_technicians_sheet() {
     );
     let said =
         folder.good(&["worn.toml", "--sheet", "--serial", "N 42", "--date", "22 November", "--note", "as <found>"]);
-    assert!(said.contains("To do:") && said.contains("let-off button") && said.contains(" turn"), "{said}");
+    assert!(said.contains("To do, each line") && said.contains("let-off button") && said.contains(" turn"), "{said}");
     let out = folder.0.join("erard-out-measure");
     let page = fs::read_to_string(out.join("sheet.html")).unwrap();
     for word in [

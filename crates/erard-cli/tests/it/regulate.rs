@@ -67,6 +67,37 @@ fn a_mis_set_file_is_put_right() {
     assert!(table.contains("front_punching") && table.contains("(down)") && table.contains("simulations"), "{table}");
 }
 
+/// The norms alone leave too much aftertouch on the built-in grand, and the command says so. With a priority it comes
+/// into its range, what was named stays, and the file that is written reads so.
+#[test]
+fn a_priority_brings_the_aftertouch_into_its_range() {
+    let folder = folder("priority");
+    let usual = 0.7..=1.3;
+    let plain = folder.erard(&["concert-grand", "--dip", "10mm", "--blow", "46mm", "--out", "plain.toml"]);
+    assert_eq!(plain.status.code(), Some(0));
+    assert!(String::from_utf8(plain.stdout).unwrap().contains("is out of its usual range"));
+    for (priority, gave_up, kept) in [("dip", "blow", "dip"), ("aftertouch", "dip", "blow")] {
+        let out = format!("{priority}.toml");
+        let asked = ["concert-grand", "--dip", "10mm", "--blow", "46mm", "--priority", priority, "--out", &out];
+        let output = folder.erard(&asked);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains(&format!("{gave_up} changed for the aftertouch")), "{text}");
+        assert!(!text.contains(&format!("{kept} changed for")), "{text}");
+        let right = Instrument::load(&folder.0.join(&out)).unwrap();
+        let d = measure(&right, &Protocol::default(), &mut |_| true).unwrap();
+        let aftertouch = d.aftertouch_m.unwrap() * 1e3;
+        assert!(usual.contains(&aftertouch), "{priority}: {aftertouch}");
+        let [dip, blow] = [d.dip_m, d.blow_m].map(|m| m.unwrap() * 1e3);
+        let [off, given] = if kept == "dip" { [dip - 10.0, blow - 46.0] } else { [blow - 46.0, dip - 10.0] };
+        assert!(off.abs() < 0.05 && given.abs() > 0.05, "{dip} {blow}");
+        assert!((9.45..=11.05).contains(&dip) && (43.95..=49.05).contains(&blow), "{dip} {blow}");
+        let report: Value = serde_json::from_str(&folder.read(&format!("{priority}.json"))).unwrap();
+        assert_eq!(report["aftertouch"]["met"], true);
+        assert_eq!(report["aftertouch"]["gave_up"][0]["goal"], gave_up);
+    }
+}
+
 /// A repetition spring that throws the hammer back against the string is reported, though every goal is met.
 #[test]
 fn soft_notes_that_strike_twice_are_told() {

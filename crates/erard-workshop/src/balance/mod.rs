@@ -27,6 +27,7 @@ pub(crate) use leads::lead_work;
 pub use leads::{LEADS_G, Lead, LeadWork};
 pub use measured::{MeasuredError, MeasuredKey, read};
 pub use model::KeyModel;
+pub(crate) use model::add_mass;
 pub(crate) use plan::median;
 pub use plan::{BalancedKey, Curves, Plan, Remedy, Target, plan};
 pub use smooth::smooth;

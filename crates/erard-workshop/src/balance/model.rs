@@ -136,7 +136,7 @@ fn stack_inertia_kg_m2(instrument: &Instrument, part: usize) -> f64 {
 
 /// A point mass added to a body at a point of its frame (taken away where negative), kg and m: mass, centre of mass and
 /// inertia about its pin.
-pub(super) fn add_mass(instrument: &mut Instrument, body: usize, mass_kg: f64, [x, y]: Vec2) {
+pub(crate) fn add_mass(instrument: &mut Instrument, body: usize, mass_kg: f64, [x, y]: Vec2) {
     let body = &mut instrument.bodies[body];
     let total = body.mass_kg + mass_kg;
     let [cx, cy] = body.center_of_mass_m;

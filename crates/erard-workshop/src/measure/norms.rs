@@ -67,7 +67,7 @@ pub struct Group {
 type Value = (&'static str, fn(&Sheet) -> Option<f64>);
 
 /// Where in a sheet the value of each line is.
-const VALUES: [Value; 44] = [
+const VALUES: [Value; 46] = [
     ("down_weight_g", |s| s.down_weight_g),
     ("up_weight_g", |s| s.up_weight_g),
     ("balance_weight_g", |s| s.balance_weight_g),
@@ -90,6 +90,8 @@ const VALUES: [Value; 44] = [
     ("dip_mm", |s| s.dip_mm),
     ("blow_mm", |s| s.blow_mm),
     ("lost_motion_mm", |s| s.lost_motion_mm),
+    ("jack_position_mm", |s| s.jack_position_mm),
+    ("lever_height_mm", |s| s.lever_height_mm),
     ("let_off_begins_mm", |s| s.let_off_begins_mm),
     ("let_off_mm", |s| s.let_off_mm),
     ("drop_mm", |s| s.drop_mm),
@@ -173,22 +175,31 @@ impl Line {
     /// Whether a sheet's value is out of the norm. A value that is missing is: what did not happen should have.
     #[must_use]
     pub fn is_out(&self, sheet: &Sheet) -> bool {
+        self.is_out_at((self.value)(sheet), sheet.norms_for_key)
+    }
+
+    /// Whether a value is out of the norm at a key. A value that is missing is, but for the damper's: top keys have
+    /// none.
+    #[must_use]
+    pub fn is_out_at(&self, value: Option<f64>, key: usize) -> bool {
         if self.norm().is_none() {
             return false;
         }
-        let [low, high] = self.range(sheet.norms_for_key);
-        match (self.value)(sheet) {
+        let [low, high] = self.range(key);
+        match value {
             Some(value) => {
                 // As it is read: digits that no technician sees raise no flag.
                 let scale = 10_f64.powi(self.decimals as i32);
                 let read = |x: f64| (x * scale).round() / scale;
                 low.is_some_and(|low| read(value) < read(low)) || high.is_some_and(|high| read(value) > read(high))
             }
-            None => true,
+            None => self.key != DAMPER && low.is_some(),
         }
     }
 }
 
+/// The line of what is not there at every key.
+const DAMPER: &str = "damper_start_share";
 /// The two ratios, and the two ways to a weight, may differ by so much.
 const RATIOS_AGREE: f64 = 0.02;
 const WAYS_AGREE_G: f64 = 0.5;

@@ -76,6 +76,10 @@ pub struct Sheet {
     pub blow_mm: Option<f64>,
     /// Key travel before the hammer moves, mm.
     pub lost_motion_mm: Option<f64>,
+    /// Middle of the knuckle to the rear edge of the jack's top, mm.
+    pub jack_position_mm: Option<f64>,
+    /// Step from the jack's top up to the repetition lever's, mm.
+    pub lever_height_mm: Option<f64>,
     /// Key travel at which jack or lever meets its stop, mm.
     pub let_off_begins_mm: Option<f64>,
     /// Hammer to string where a slow press lets it fall, mm.
@@ -506,6 +510,8 @@ impl Results {
             dip_mm: mm(distances.dip_m),
             blow_mm: mm(distances.blow_m),
             lost_motion_mm: mm(distances.lost_motion_m),
+            jack_position_mm: mm(distances.jack_position_m),
+            lever_height_mm: mm(distances.lever_height_m),
             let_off_begins_mm: mm(let_off.map(|way| way.end_m)),
             let_off_mm: mm(distances.let_off_m),
             drop_mm: mm(distances.drop_m),

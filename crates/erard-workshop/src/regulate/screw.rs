@@ -115,7 +115,7 @@ pub(super) fn rounded(action: &ScrewAction, setting: f64) -> f64 {
 }
 
 /// Which way a screw has been turned, in words.
-pub(super) fn way(action: &ScrewAction, by: f64) -> &'static str {
+pub(crate) fn way(action: &ScrewAction, by: f64) -> &'static str {
     if by == 0.0 {
         return "not turned";
     }

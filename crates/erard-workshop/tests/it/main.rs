@@ -20,3 +20,4 @@ mod samples;
 mod sensitivities;
 mod study;
 mod validate;
+mod worklist;

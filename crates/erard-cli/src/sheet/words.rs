@@ -1,0 +1,187 @@
+//! A list of work in the words of the bench.
+
+use erard_workshop::regulate::{Handwork, known_screw, turns_text};
+use erard_workshop::worklist::{Item, Quantity, Readings, Why, Work, Worklist};
+
+use super::{Advised, Task};
+use crate::units::Lengths;
+
+/// What to do, in the order of work.
+pub(crate) fn tasks(one: &Advised<'_>) -> Vec<Task> {
+    let list = &one.list;
+    list.items.iter().map(|item| task(item, one)).collect()
+}
+
+/// What stays out of its range, and why: a line each.
+pub(crate) fn left(list: &Worklist, lengths: Lengths) -> Vec<String> {
+    let line = |quantity: Quantity, why: &Why| {
+        let reads = reading(quantity, &list.after, lengths);
+        format!("{} {reads}: {}", name(quantity), why_words(quantity, why))
+    };
+    list.left.iter().map(|left| line(left.quantity, &left.why)).collect()
+}
+
+fn task(item: &Item, one: &Advised<'_>) -> Task {
+    let lengths = one.lengths;
+    let instrument = &one.list.copy;
+    let from_to = format!(
+        "{} from {} to {}",
+        name(item.quantity),
+        reading(item.quantity, &item.before, lengths),
+        reading(item.quantity, &item.after, lengths)
+    );
+    let for_ = match item.work {
+        Work::Friction { .. } | Work::Leads(_) | Work::FrontWeight { .. } | Work::Hammer { .. } => {
+            let weight = |quantity| reading(quantity, &item.after, lengths);
+            format!("{from_to}; D {}, U {}", weight(Quantity::DownWeight), weight(Quantity::UpWeight))
+        }
+        _ => from_to,
+    };
+    Task {
+        what: what(&item.work),
+        by: how_far(item, instrument, lengths),
+        for_,
+        instead: item.instead.as_ref().map(|work| {
+            let instead = Item { work: work.clone(), ..item.clone() };
+            format!("{}: {}", what(work), how_far(&instead, instrument, lengths))
+        }),
+        readings: readings(&item.after),
+    }
+}
+
+/// Every reading, by the sheet's keys.
+pub(super) fn readings(readings: &Readings) -> serde_json::Value {
+    let value = |quantity: Quantity| (quantity.key().to_owned(), readings.get(quantity).into());
+    serde_json::Value::Object(Quantity::ALL.into_iter().map(value).collect())
+}
+
+/// A reading with its unit.
+pub(super) fn reading(quantity: Quantity, readings: &Readings, lengths: Lengths) -> String {
+    crate::measure::shown(quantity.line(), readings.get(quantity), lengths)
+}
+
+/// What the bench calls a line.
+pub(super) fn name(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::DownWeight => "down-weight",
+        Quantity::UpWeight => "up-weight",
+        Quantity::BalanceWeight => "balance weight",
+        Quantity::FrictionWeight => "friction",
+        Quantity::StrikeWeight => "strike weight",
+        Quantity::FrontWeight => "front weight",
+        Quantity::Ratio => "leverage",
+        Quantity::Dip => "dip",
+        Quantity::Blow => "blow",
+        Quantity::JackPosition => "jack position",
+        Quantity::LeverHeight => "lever height",
+        Quantity::LetOff => "let-off",
+        Quantity::Drop => "drop",
+        Quantity::Aftertouch => "aftertouch",
+        Quantity::Check => "check",
+        Quantity::Spring => "rise from the check",
+        Quantity::Damper => "damper start",
+    }
+}
+
+/// What is worked on.
+fn what(work: &Work) -> String {
+    match work {
+        Work::Friction { .. } => "friction",
+        Work::Capstan { .. } => "capstan line",
+        Work::Hammer { .. } => "hammer",
+        Work::Leads(_) | Work::FrontWeight { .. } => "key leads",
+        Work::Screw { name, .. } => return screw_words(name),
+    }
+    .to_owned()
+}
+
+/// How far, in steps that a hand can do and a scale can show.
+fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Lengths) -> String {
+    let amount = item.work.amount();
+    match &item.work {
+        Work::Friction { by_g } if *by_g < 0.0 => {
+            format!("ease it by {:.0} g (key bushings, centre pins, knuckle); weigh again before you go on", -by_g)
+        }
+        Work::Friction { by_g } => format!("{by_g:.0} g too little: loose centre pins? weigh again before you go on"),
+        Work::Hammer { by_g } if *by_g < 0.0 => format!("take {:.1} g off", -by_g),
+        Work::Hammer { by_g } => format!("add {by_g:.1} g"),
+        Work::Capstan { by_mm } => {
+            format!("move it {} {}", lengths.text(by_mm.abs(), 1), item.work.way(instrument))
+        }
+        Work::Leads(leads) => crate::weigh::leads_text(leads, lengths),
+        Work::FrontWeight { by_g } if *by_g < 0.0 => {
+            let place = lengths.text(10.0 * (-by_g * front_mm(instrument) / LEAD_G / 10.0).round(), 0);
+            format!(
+                "take {:.1} g of front weight out: move leads toward the pin or take one out (a {LEAD_G:.0} g lead at {place} from the pin is as much)",
+                -by_g
+            )
+        }
+        Work::FrontWeight { by_g } => format!("put {by_g:.1} g of front weight in"),
+        Work::Screw { name, by } => {
+            let way = item.work.way(instrument);
+            match known_screw(name).map(|known| known.work) {
+                Some(Handwork::Thread(pitch_m)) => format!("{} {way}", turns_text(by / pitch_m)),
+                Some(Handwork::Layers) if way == "up" => format!("put {} under", lengths.text(amount.abs() * 1e3, 1)),
+                Some(Handwork::Layers) => format!("take {} out", lengths.text(amount.abs() * 1e3, 1)),
+                Some(Handwork::Bent) if *name == "repetition_spring" => {
+                    format!("bend it {way} by {:.1} N mm at its arm", amount.abs() * 1e3)
+                }
+                Some(Handwork::Bent) if *name == "back_check_angle" => {
+                    format!("tilt it {:.0}° ({way})", amount.abs().to_degrees())
+                }
+                Some(Handwork::Bent) => format!("bend it {} {way}", lengths.text(amount.abs() * 1e3, 1)),
+                Some(Handwork::Stack) | None => format!("{} {way}", lengths.text(amount.abs() * 1e3, 1)),
+            }
+        }
+    }
+}
+
+/// A usual lead, g: for an example of front weight.
+const LEAD_G: f64 = 14.0;
+
+fn front_mm(instrument: &erard::instrument::Instrument) -> f64 {
+    1e3 * instrument.roles.key_front_m[0].abs()
+}
+
+/// What the bench calls a screw of the file.
+fn screw_words(name: &str) -> String {
+    match name {
+        "capstan_height" => "capstan",
+        "let_off" => "let-off button",
+        "drop" => "drop screw",
+        "repetition_spring" => "repetition spring",
+        "jack_position" => "jack screw",
+        "lever_height" => "repetition lever screw",
+        "back_check" => "back check",
+        "back_check_angle" => "back check, angle",
+        "front_punching" => "front punchings",
+        "back_rail_cloth" => "back rail cloth",
+        "string_height" => "action height",
+        "damper_timing" => "damper lift",
+        other => return other.replace('_', " "),
+    }
+    .to_owned()
+}
+
+fn why_words(quantity: Quantity, why: &Why) -> String {
+    let screws = |names: &[&'static str]| names.iter().map(|name| screw_words(name)).collect::<Vec<_>>().join(", ");
+    match why {
+        Why::TooFine => "the correction is less than a hand can do or a scale can show".to_owned(),
+        Why::EndOfRange(names) => format!("at the end of its range: {}", screws(names)),
+        Why::NoSetting(names) => format!("no setting of {} gives it", screws(names)),
+        Why::NoScrew => "no screw in this file; set it by hand".to_owned(),
+        Why::Friction => "friction must come right first".to_owned(),
+        Why::Unreadable => "it cannot be read before the hammer drops; measure again after this list".to_owned(),
+        Why::NoBalance => {
+            "with this friction no balance weight has down-weight and up-weight in their ranges".to_owned()
+        }
+        Why::Ceiling => {
+            "the key has as much lead as it should; lighter hammers or less leverage would do it".to_owned()
+        }
+        Why::Follows if quantity == Quantity::FrontWeight => {
+            "above its ceiling, and the weights leave no room for less lead: lighter hammers or less leverage would"
+                .to_owned()
+        }
+        _ => "it follows from the lines above".to_owned(),
+    }
+}

@@ -1,0 +1,120 @@
+//! What the screws' lines are to come to: each the middle of its range, but for dip and blow, of which the aftertouch
+//! is made.
+
+use super::Worked;
+use super::plan::{Planner, Priority};
+use super::readings::{Quantity, Readings};
+use crate::regulate::Specification;
+
+use Quantity::{Aftertouch, Blow, Check, Damper, Dip, Drop, JackPosition, LetOff, LeverHeight, Spring};
+
+/// The screws' lines in the trade's order of work. Aftertouch has no screw: it follows from dip and blow.
+pub(super) const REGULATION: [Quantity; 9] =
+    [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop, Check, Spring, Damper];
+/// The lines that decide the aftertouch.
+const DECIDE: [Quantity; 6] = [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop];
+/// How far the key goes for each millimetre of the hammer, where a blow is to change the aftertouch.
+pub(super) const KEY_PER_HAMMER: f64 = 0.19;
+/// Times that dip and blow are tried on the copy and found anew.
+const TRIALS: u32 = 2;
+/// The least changes that are asked for, mm: a paper, and what can be seen of a blow.
+const LEAST_DIP_MM: f64 = 0.1;
+const LEAST_BLOW_MM: f64 = 0.5;
+/// Inside its range by so much, mm, a line bears what hand and reading are off by: a paper and a reading; 1/8 turn of
+/// the capstan and a reading; both for the aftertouch.
+const ROOM_DIP_MM: f64 = 0.3;
+const ROOM_BLOW_MM: f64 = 1.0;
+const ROOM_AFTERTOUCH_MM: f64 = 0.3;
+/// What a millimetre of dip and of blow must gain of that room, to be worth the work.
+const WORK: f64 = 0.1;
+
+/// What lines are to come to.
+pub(super) type Aims = Vec<(Quantity, f64)>;
+
+impl Planner<'_, '_> {
+    /// What the lines that are out, or have been brought close to it, are to come to.
+    pub(super) fn aims(&mut self) -> Worked<Aims> {
+        let mut aims: Aims = REGULATION
+            .into_iter()
+            .filter(|quantity| (self.is_out(*quantity) || self.is_at_risk(*quantity)) && !self.is_unreadable(*quantity))
+            .map(|quantity| (quantity, quantity.aim(self.key)))
+            .collect();
+        for _ in 0..TRIALS {
+            let then = self.with_distances_at(&aims)?;
+            let (Some(aftertouch), Some(dip), Some(blow)) = (then.get(Aftertouch), then.get(Dip), then.get(Blow))
+            else {
+                break;
+            };
+            let is_asked = aims.iter().any(|(quantity, _)| [Dip, Blow].contains(quantity));
+            if !is_asked && !then.is_out(Aftertouch, self.key) {
+                break;
+            }
+            let [new_dip, new_blow] = self.dip_and_blow([dip, blow], aftertouch);
+            for (quantity, value, least) in [(Dip, new_dip, LEAST_DIP_MM), (Blow, new_blow, LEAST_BLOW_MM)] {
+                aims.retain(|(other, _)| *other != quantity);
+                let is_far = self.now.get(quantity).is_none_or(|now| (now - value).abs() >= 0.999 * least);
+                if is_far || self.is_out(quantity) {
+                    aims.push((quantity, value));
+                }
+            }
+        }
+        Ok(aims)
+    }
+
+    /// Whether other lines of this list have brought one so near to the end of its range that its reading cannot say
+    /// on which side it is.
+    fn is_at_risk(&self, quantity: Quantity) -> bool {
+        let (Some(read), Some(now)) = (self.read.get(quantity), self.now.get(quantity)) else { return false };
+        let [low, high] = quantity.range(self.key);
+        let precision = quantity.precision();
+        (now - read).abs() > precision && (now - low).min(high - now) < precision
+    }
+
+    /// What is expected once these lines have come to their aims; weights are not taken.
+    fn with_distances_at(&mut self, aims: &Aims) -> Worked<Readings> {
+        let asked: Specification = aims
+            .iter()
+            .filter(|(quantity, _)| DECIDE.contains(quantity))
+            .filter_map(|(quantity, aim)| self.target(*quantity, *aim))
+            .collect();
+        if asked.is_empty() {
+            return Ok(self.now);
+        }
+        let regulated = self.regulated(&self.copy.clone(), &asked)?;
+        Ok(self.now.moved(&self.own, &self.own.regulated(&regulated, self.progress)?))
+    }
+
+    /// Dip and blow that bring the aftertouch right, from a dip, a blow, and the aftertouch that they give.
+    ///
+    /// Where the aftertouch comes first, both are chosen so that all three lie as far inside their ranges as a hand
+    /// needs, with little work. Where the dip comes first it stays if it is in its range, or goes to the middle.
+    fn dip_and_blow(&self, [dip, blow]: [f64; 2], aftertouch: f64) -> [f64; 2] {
+        let room = |quantity: Quantity, value: f64, room: f64| {
+            let [low, high] = quantity.range(self.key);
+            ((value - low).min(high - value) / room).min(1.0)
+        };
+        let here = |quantity: Quantity, other: f64| self.now.get(quantity).unwrap_or(other);
+        let gain = |new_dip: f64, new_blow: f64| {
+            let new_aftertouch = aftertouch + (new_dip - dip) - KEY_PER_HAMMER * (new_blow - blow);
+            let least = room(Dip, new_dip, ROOM_DIP_MM).min(room(Blow, new_blow, ROOM_BLOW_MM)).min(room(
+                Aftertouch,
+                new_aftertouch,
+                ROOM_AFTERTOUCH_MM,
+            ));
+            let work = (new_dip - here(Dip, dip)).abs() + KEY_PER_HAMMER * (new_blow - here(Blow, blow)).abs();
+            least - WORK * work
+        };
+        let steps = |quantity: Quantity, step: f64| {
+            let [low, high] = quantity.range(self.key);
+            (0..=((high - low) / step).round() as u32).map(move |n| low + step * f64::from(n))
+        };
+        let dips: Vec<f64> = match self.priority {
+            Priority::Aftertouch => steps(Dip, LEAST_DIP_MM / 2.0).chain([here(Dip, dip)]).collect(),
+            Priority::Dip if self.is_out(Dip) => vec![Dip.aim(self.key)],
+            Priority::Dip => vec![here(Dip, dip)],
+        };
+        let blows: Vec<f64> = steps(Blow, LEAST_BLOW_MM / 2.0).chain([here(Blow, blow)]).collect();
+        let pairs = dips.iter().flat_map(|dip| blows.iter().map(|blow| [*dip, *blow]));
+        pairs.max_by(|a, b| gain(a[0], a[1]).total_cmp(&gain(b[0], b[1]))).unwrap_or([dip, blow])
+    }
+}

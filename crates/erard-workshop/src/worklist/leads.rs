@@ -1,0 +1,66 @@
+//! Leads: what is there is moved or taken out before any is added.
+
+use super::Worked;
+use super::hand::{FRONT_G, Work};
+use super::plan::{Planner, Why};
+use super::readings::Quantity;
+use super::weights::balance_for;
+use crate::balance::{LEADS_G, Lead, lead_work};
+
+use Quantity::{BalanceWeight, DownWeight, FrictionWeight, FrontWeight, Ratio, StrikeWeight, UpWeight};
+
+impl Planner<'_, '_> {
+    /// Leads for the balance weight with the most room, its front weight under the ceiling.
+    pub(super) fn leads(&mut self, leads: &[Lead]) -> Worked<()> {
+        self.weigh()?;
+        let out: Vec<Quantity> =
+            [DownWeight, UpWeight, BalanceWeight].into_iter().filter(|quantity| self.is_out(*quantity)).collect();
+        // A front weight alone above its ceiling stays: the weights leave no room for less lead.
+        if out.is_empty() {
+            return Ok(());
+        }
+        if self.is_out(FrictionWeight) {
+            out.iter().for_each(|quantity| self.leave(*quantity, Why::Friction));
+            return Ok(());
+        }
+        let (Some(friction_g), Some(balance_g), Some(front_g)) =
+            (self.now.get(FrictionWeight), self.now.get(BalanceWeight), self.now.get(FrontWeight))
+        else {
+            return Ok(());
+        };
+        let best = balance_for(friction_g, self.key);
+        let ceiling_g = FrontWeight.range(self.key)[1].max(front_g);
+        let wanted_g = balance_g - best.balance_g;
+        let by_g = wanted_g.min(ceiling_g - front_g);
+        let by_g = (by_g / FRONT_G).round() * FRONT_G;
+        let key_front_mm = 1e3 * self.copy.roles.key_front_m[0].abs();
+        let ratio = self.now.get(Ratio);
+        let instead = ratio.map(|ratio| Work::Hammer { by_g: -wanted_g / ratio }).and_then(|work| work.in_steps());
+        let instead = instead.filter(|work| {
+            let [low, high] = StrikeWeight.range(self.key);
+            self.now.get(StrikeWeight).is_some_and(|own| (low..=high).contains(&(own + work.amount())))
+        });
+        if by_g != 0.0 {
+            let work = if leads.is_empty() && by_g < 0.0 && front_g + by_g > 0.0 {
+                // Some stand in front; which is for the eye.
+                Some(Work::FrontWeight { by_g })
+            } else {
+                lead_work(by_g, key_front_mm, &LEADS_G, leads).map(Work::Leads)
+            };
+            self.do_it(BalanceWeight, &work.unwrap_or(Work::FrontWeight { by_g }), instead)?;
+        }
+        for quantity in [DownWeight, UpWeight, BalanceWeight] {
+            if self.is_out(quantity) {
+                let why = if wanted_g > by_g + FRONT_G {
+                    Why::Ceiling
+                } else if best.margin_g < 0.0 && self.now.beyond(quantity, self.key) > quantity.precision() {
+                    Why::NoBalance
+                } else {
+                    Why::TooFine
+                };
+                self.leave(quantity, why);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,452 @@
+//! The order of work: friction first, for it is in every weight; then what decides the leverage, for it undoes every
+//! screw; then the screws in the trade's order; the leads last.
+
+use super::Worked;
+use super::aims::{Aims, REGULATION};
+use super::hand::{Work, screw_step};
+use super::readings::{Quantity, Readings};
+use super::weights::best_friction_g;
+use crate::balance::{KeyModel, Lead};
+use crate::distances::Protocol;
+use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
+use erard::Progress;
+use erard::instrument::Instrument;
+
+use Quantity::{Aftertouch, Drop, FrictionWeight, LetOff, Ratio, StrikeWeight};
+
+/// Times that what a later line has disturbed is worked on again.
+const ROUNDS: u32 = 3;
+/// The farthest that a capstan line is moved, mm: more takes other parts.
+const MOST_CAPSTAN_MM: f64 = 8.0;
+
+/// What stays where dip and aftertouch cannot both have their way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Priority {
+    /// Dip stays: the blow gives.
+    Dip,
+    /// Aftertouch comes right: the dip gives, within its range, then the blow.
+    #[default]
+    Aftertouch,
+}
+
+/// A line of work.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Item {
+    /// What it is done for.
+    pub quantity: Quantity,
+    /// What is done.
+    pub work: Work,
+    /// What could be done instead.
+    pub instead: Option<Work>,
+    /// Readings that are expected before it,
+    pub before: Readings,
+    /// and after it.
+    pub after: Readings,
+}
+
+/// Why a line stays out of its range.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Why {
+    /// The correction is less than a hand can do.
+    TooFine,
+    /// These screws are at the end of their range.
+    EndOfRange(Vec<&'static str>),
+    /// No setting of these screws gives it.
+    NoSetting(Vec<&'static str>),
+    /// The file has no screw for it.
+    NoScrew,
+    /// Friction must come right first.
+    Friction,
+    /// It cannot be read before the hammer drops.
+    Unreadable,
+    /// With so much friction weight no balance weight has every weight in its range.
+    NoBalance,
+    /// The front weight is at its ceiling.
+    Ceiling,
+    /// It follows from other lines, which are in their ranges or stay out.
+    Follows,
+}
+
+/// A line that the list leaves out of its range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Left {
+    /// The line.
+    pub quantity: Quantity,
+    /// Why.
+    pub why: Why,
+}
+
+/// What to do, in the order of work.
+#[derive(Debug, Clone)]
+pub struct Worklist {
+    /// The key whose usual ranges hold.
+    pub key: usize,
+    /// Readings before the first line.
+    pub before: Readings,
+    /// The lines.
+    pub items: Vec<Item>,
+    /// Readings that are expected after the last.
+    pub after: Readings,
+    /// What stays out of its range.
+    pub left: Vec<Left>,
+    /// The simulated copy on which the list has been carried out.
+    pub copy: Instrument,
+}
+
+impl Worklist {
+    /// Whether a line of some readings is out of its range.
+    #[must_use]
+    pub fn is_out(&self, quantity: Quantity, readings: &Readings) -> bool {
+        readings.is_out(quantity, self.key)
+    }
+}
+
+/// Works out what to do about a key. `copy` is the instrument itself, or a [`super::twin`] of a piano; `readings` are
+/// what was read, `leads` the key's leads where they are known, `key` is the key whose usual ranges hold. `progress`
+/// receives the share that is done, and ends the work by returning false.
+///
+/// # Errors
+/// See [`super::WorklistError`].
+pub fn worklist(
+    copy: &Instrument,
+    readings: &Readings,
+    leads: &[Lead],
+    key: usize,
+    priority: Priority,
+    progress: &mut Progress<'_>,
+) -> Worked<Worklist> {
+    let own = Readings::of(copy, progress)?;
+    let mut planner = Planner {
+        copy: copy.clone(),
+        own,
+        read: *readings,
+        now: *readings,
+        weighed: true,
+        key,
+        priority,
+        done: Vec::new(),
+        why: Vec::new(),
+        progress,
+    };
+    planner.unreadable();
+    let aims = planner.aims()?;
+    planner.friction(&aims)?;
+    planner.leverage(&aims)?;
+    // What decides the leverage has undone the screws.
+    let aims = if planner.done.is_empty() { aims } else { planner.aims()? };
+    planner.regulation(&aims)?;
+    planner.leads(leads)?;
+    for _ in 1..ROUNDS {
+        if !planner.again()? {
+            break;
+        }
+    }
+    planner.finish(copy, own, *readings)
+}
+
+/// Work that is done on the copy, in the order in which it is to be done.
+struct Done {
+    quantity: Quantity,
+    work: Work,
+    instead: Option<Work>,
+}
+
+/// Works out a list on a copy.
+pub(super) struct Planner<'a, 'p> {
+    pub copy: Instrument,
+    /// The copy's own readings.
+    pub own: Readings,
+    /// What was read on the piano.
+    pub read: Readings,
+    /// What the piano is expected to read.
+    pub now: Readings,
+    /// Whether the copy has been weighed since a screw was turned.
+    weighed: bool,
+    pub key: usize,
+    pub priority: Priority,
+    done: Vec<Done>,
+    why: Vec<Left>,
+    pub progress: &'a mut Progress<'p>,
+}
+
+impl Planner<'_, '_> {
+    pub(super) fn is_out(&self, quantity: Quantity) -> bool {
+        self.now.is_out(quantity, self.key)
+    }
+
+    /// A work tried on the copy, with the copy's readings after it; screws are not weighed.
+    fn tried(&mut self, work: &Work) -> Worked<(Instrument, Readings)> {
+        let mut copy = self.copy.clone();
+        work.carry_out(&mut copy, self.progress)?;
+        let own = match work {
+            Work::Screw { .. } => self.own.regulated(&copy, self.progress)?,
+            _ => Readings::of(&copy, self.progress)?,
+        };
+        Ok((copy, own))
+    }
+
+    fn accept(&mut self, work: &Work, (copy, own): (Instrument, Readings)) {
+        self.now = self.now.moved(&self.own, &own);
+        (self.copy, self.own) = (copy, own);
+        self.weighed &= !matches!(work, Work::Screw { .. });
+    }
+
+    /// Does a work, in whole steps.
+    pub(super) fn do_it(&mut self, quantity: Quantity, work: &Work, instead: Option<Work>) -> Worked<()> {
+        if let Some(work) = work.in_steps() {
+            if !matches!(work, Work::Screw { .. }) {
+                self.weigh()?;
+            }
+            let tried = self.tried(&work)?;
+            self.accept(&work, tried);
+            self.done.push(Done { quantity, work, instead });
+        }
+        Ok(())
+    }
+
+    /// Weighs the copy, where screws have been turned since.
+    pub(super) fn weigh(&mut self) -> Worked<()> {
+        if !self.weighed {
+            let own = Readings::of(&self.copy, self.progress)?;
+            self.now = self.now.moved(&self.own, &own);
+            (self.own, self.weighed) = (own, true);
+        }
+        Ok(())
+    }
+
+    pub(super) fn leave(&mut self, quantity: Quantity, why: Why) {
+        self.why.retain(|left| left.quantity != quantity);
+        self.why.push(Left { quantity, why });
+    }
+
+    /// Where the hammer does not drop, the lever carries it on, and neither let-off nor aftertouch can be seen.
+    fn unreadable(&mut self) {
+        if self.now.get(Drop).is_none_or(|drop| drop <= Drop.precision()) {
+            for quantity in [LetOff, Aftertouch] {
+                self.now.set(quantity, None);
+                self.leave(quantity, Why::Unreadable);
+            }
+        }
+    }
+
+    pub(super) fn is_unreadable(&self, quantity: Quantity) -> bool {
+        self.why.iter().any(|left| left.quantity == quantity && left.why == Why::Unreadable)
+    }
+
+    /// What the readings would be with every screw at its aim: a jack or a lever out of its place shows as friction and
+    /// as leverage.
+    fn as_if_regulated(&mut self, aims: &Aims) -> Worked<Readings> {
+        let asked: Specification = aims.iter().filter_map(|(quantity, aim)| self.target(*quantity, *aim)).collect();
+        if asked.is_empty() {
+            return Ok(self.now);
+        }
+        let regulated = self.regulated(&self.copy.clone(), &asked)?;
+        Ok(self.now.moved(&self.own, &Readings::of(&regulated, self.progress)?))
+    }
+
+    /// Friction to where all weights have room, with regard to what screws and lighter parts will take away or add.
+    fn friction(&mut self, aims: &Aims) -> Worked<()> {
+        let then = self.as_if_regulated(aims)?;
+        let (Some(now_g), Some(then_g)) = (self.now.get(FrictionWeight), then.get(FrictionWeight)) else {
+            return Ok(());
+        };
+        // What only the copy says is out must be so beyond a reading's doubt.
+        let is_out = if self.is_out(FrictionWeight) {
+            then.is_out(FrictionWeight, self.key)
+        } else {
+            is_surely_out(FrictionWeight, &then, self.key)
+        };
+        if !is_out {
+            return Ok(());
+        }
+        let [low, high] = FrictionWeight.range(self.key);
+        let best_g = best_friction_g(self.key);
+        // What goes with hammer and leverage goes after this line, and until then friction is to be in its range.
+        let later_g = self.friction_of_parts(&then)?;
+        let aim_g = if then_g > high { (best_g + later_g).clamp(best_g, high) } else { best_g };
+        // Steps are coarse: of those that end in the range, the one nearest to the aim.
+        let step = Work::Friction { by_g: 0.0 }.step();
+        let steps = ((aim_g - then_g) / step).floor();
+        let off = |by_g: &f64| {
+            let after_g = then_g + by_g;
+            100.0 * (low - after_g).max(after_g - high).max(0.0) + (after_g - aim_g).abs()
+        };
+        let candidates = [steps, steps + 1.0].map(|n| n * step);
+        let by_g = candidates.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_default();
+        // Nothing rubs less than nothing.
+        if now_g + by_g > 0.0 { self.do_it(FrictionWeight, &Work::Friction { by_g }, None) } else { Ok(()) }
+    }
+
+    /// How much friction weight goes with the hammer and the leverage that are to be changed, g.
+    fn friction_of_parts(&mut self, then: &Readings) -> Worked<f64> {
+        let before = (self.copy.clone(), self.own, self.now, self.done.len());
+        self.parts(then)?;
+        let later_g = before.2.get(FrictionWeight).zip(self.now.get(FrictionWeight)).map(|(then, now)| then - now);
+        (self.copy, self.own, self.now) = (before.0, before.1, before.2);
+        self.done.truncate(before.3);
+        Ok(later_g.unwrap_or_default().max(0.0))
+    }
+
+    /// Hammer and capstan line, once friction is in its range.
+    fn leverage(&mut self, aims: &Aims) -> Worked<()> {
+        let then = self.as_if_regulated(aims)?;
+        if !self.is_out(FrictionWeight) {
+            return self.parts(&then);
+        }
+        for quantity in [StrikeWeight, Ratio] {
+            if is_surely_out(quantity, &then, self.key) {
+                self.leave(quantity, Why::Friction);
+            }
+        }
+        Ok(())
+    }
+
+    /// Hammer and capstan line, where they are out beyond doubt once the screws are at their aims.
+    fn parts(&mut self, then: &Readings) -> Worked<()> {
+        if is_surely_out(StrikeWeight, then, self.key)
+            && let Some(strike_g) = then.get(StrikeWeight)
+        {
+            let [low, high] = StrikeWeight.range(self.key);
+            // To the nearest that is usual, and not to the middle: what is filed off does not come back.
+            let by_g = strike_g.clamp(low + StrikeWeight.precision(), high - StrikeWeight.precision()) - strike_g;
+            self.do_it(StrikeWeight, &Work::Hammer { by_g }, None)?;
+        }
+        if is_surely_out(Ratio, then, self.key)
+            && let Some(ratio) = then.get(Ratio)
+        {
+            let aim = Ratio.aim(self.key);
+            let by_mm = KeyModel::of(&self.copy)?.capstan_move_mm(aim / ratio);
+            let by_mm = by_mm.clamp(-MOST_CAPSTAN_MM, MOST_CAPSTAN_MM);
+            self.do_it(Ratio, &Work::Capstan { by_mm }, None)?;
+        }
+        Ok(())
+    }
+
+    /// The screws, in the trade's order.
+    fn regulation(&mut self, aims: &Aims) -> Worked<()> {
+        for quantity in REGULATION {
+            if let Some((_, aim)) = aims.iter().find(|(other, _)| *other == quantity) {
+                self.set(quantity, *aim)?;
+            } else if self.is_out(quantity) && !self.is_unreadable(quantity) {
+                self.set(quantity, quantity.aim(self.key))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What a screw of the copy is to be set for, so that the piano's reading comes to its aim, in SI units.
+    pub(super) fn target(&self, quantity: Quantity, aim: f64) -> Option<(Goal, f64)> {
+        let goal = quantity.goal()?;
+        goal.screws().iter().any(|(name, _)| self.copy.screw(name).is_some()).then_some(())?;
+        let by = self.now.get(quantity).zip(self.own.get(quantity));
+        let value = by.map_or(aim, |(now, own)| own + aim - now);
+        Some((goal, value / quantity.factor()))
+    }
+
+    pub(super) fn regulated(&mut self, copy: &Instrument, asked: &Specification) -> Worked<Instrument> {
+        let mut going = |status: &Status| (self.progress)(status.share);
+        Ok(regulate(copy, asked, &Protocol::default(), &mut going)?.instrument)
+    }
+
+    /// Sets a line to its aim with its own screw, in steps of the hand; says why where it stays out.
+    fn set(&mut self, quantity: Quantity, aim: f64) -> Worked<()> {
+        let Some((goal, value)) = self.target(quantity, aim) else {
+            if self.is_out(quantity) {
+                self.leave(quantity, Why::NoScrew);
+            }
+            return Ok(());
+        };
+        let mut going = |status: &Status| (self.progress)(status.share);
+        let regulated = regulate(&self.copy, &vec![(goal, value)], &Protocol::default(), &mut going)?;
+        for turned in &regulated.turned {
+            let Some(known) = known_screw(&turned.name) else { continue };
+            let work = Work::Screw { name: known.name, by: turned.setting[1] - turned.setting[0] };
+            self.do_it(quantity, &work, None)?;
+        }
+        // The step nearest to the setting need not be the one nearest to the aim, for distances are no straight lines.
+        if let Some(name) = goal.screws().iter().map(|(name, _)| *name).find(|name| {
+            self.done.last().is_some_and(|done| matches!(done.work, Work::Screw { name: last, .. } if last == *name))
+        }) {
+            self.step_nearer(quantity, aim, name)?;
+        }
+        if self.is_out(quantity) {
+            let why = match regulated.achieved.first().and_then(|achieved| achieved.miss.clone()) {
+                Some(Miss::EndOfRange(screws)) => Why::EndOfRange(screws),
+                Some(Miss::NoSetting(screws)) => Why::NoSetting(screws),
+                _ => Why::TooFine,
+            };
+            self.leave(quantity, why);
+        } else {
+            self.why.retain(|left| left.quantity != quantity);
+        }
+        Ok(())
+    }
+
+    /// One step more or less, where that is nearer to the aim.
+    fn step_nearer(&mut self, quantity: Quantity, aim: f64, name: &'static str) -> Worked<()> {
+        let off = |now: &Readings| now.get(quantity).map_or(f64::INFINITY, |value| (value - aim).abs());
+        if off(&self.now) == 0.0 || !self.is_out(quantity) {
+            return Ok(());
+        }
+        for by in [screw_step(name), -screw_step(name)] {
+            let work = Work::Screw { name, by };
+            let tried = self.tried(&work)?;
+            if off(&self.now.moved(&self.own, &tried.1)) < off(&self.now) {
+                self.accept(&work, tried);
+                self.done.push(Done { quantity, work, instead: None });
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Works again on what later lines have disturbed; whether there was anything.
+    fn again(&mut self) -> Worked<bool> {
+        let count = self.done.len();
+        let given_up = |planner: &Self, quantity| planner.why.iter().any(|left| left.quantity == quantity);
+        let mut screws = [Aftertouch].into_iter().chain(REGULATION);
+        if screws.any(|quantity| self.is_out(quantity) && !given_up(self, quantity)) {
+            let aims = self.aims()?;
+            self.regulation(&aims)?;
+        }
+        Ok(self.done.len() > count)
+    }
+
+    /// The list: works on one screw as one line, carried out anew one after the other for what each is expected to do.
+    fn finish(self, begun: &Instrument, own: Readings, readings: Readings) -> Worked<Worklist> {
+        let mut merged: Vec<Done> = Vec::new();
+        for done in self.done {
+            let same = |other: &&mut Done| match (&other.work, &done.work) {
+                (Work::Screw { name: a, .. }, Work::Screw { name: b, .. }) => a == b,
+                _ => false,
+            };
+            match merged.iter_mut().find(same) {
+                Some(other) => other.work = other.work.with_amount(other.work.amount() + done.work.amount(), 0.0),
+                None => merged.push(done),
+            }
+        }
+        let (mut copy, mut own_now, mut now) = (begun.clone(), own, readings);
+        let mut items = Vec::new();
+        for Done { quantity, work, instead } in merged {
+            let Some(work) = work.in_steps() else { continue };
+            work.carry_out(&mut copy, self.progress)?;
+            let own_after = Readings::of(&copy, self.progress)?;
+            let after = now.moved(&own_now, &own_after);
+            items.push(Item { quantity, work, instead, before: now, after });
+            (own_now, now) = (own_after, after);
+        }
+        let mut left = Vec::new();
+        for quantity in Quantity::ALL.into_iter().filter(|quantity| now.is_out(*quantity, self.key)) {
+            let why = self.why.iter().find(|left| left.quantity == quantity).map(|left| left.why.clone());
+            left.push(Left { quantity, why: why.unwrap_or(Why::Follows) });
+        }
+        Ok(Worklist { key: self.key, before: readings, items, after: now, left, copy })
+    }
+}
+
+/// Whether one is out by more than its reading may be off: for work that cannot be taken back.
+fn is_surely_out(quantity: Quantity, readings: &Readings, key: usize) -> bool {
+    let beyond = readings.beyond(quantity, key);
+    beyond.is_finite() && beyond > quantity.precision()
+}

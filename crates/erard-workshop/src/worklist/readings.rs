@@ -1,0 +1,281 @@
+//! What a technician reads off a key before and after a line of work.
+
+use crate::balance::KeyModel;
+use crate::distances::{self, Distances, Protocol};
+use crate::measure::MeasureError;
+use crate::measure::Sheet;
+use crate::measure::norms::{Line, lines};
+use crate::regulate::Goal;
+use crate::weighing::touch;
+use erard::Progress;
+use erard::instrument::Instrument;
+
+use Quantity::{
+    Aftertouch, BalanceWeight, Blow, Check, Damper, Dip, DownWeight, Drop, FrictionWeight, FrontWeight, JackPosition,
+    LetOff, LeverHeight, Ratio, Spring, StrikeWeight, UpWeight,
+};
+
+/// A line of the sheet that work can set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Quantity {
+    /// D, g.
+    DownWeight,
+    /// U, g.
+    UpWeight,
+    /// (D + U) / 2, g.
+    BalanceWeight,
+    /// (D - U) / 2, g.
+    FrictionWeight,
+    /// SW, g.
+    StrikeWeight,
+    /// FW, g.
+    FrontWeight,
+    /// R by the equation of balance.
+    Ratio,
+    /// mm.
+    Dip,
+    /// mm.
+    Blow,
+    /// mm.
+    JackPosition,
+    /// mm.
+    LeverHeight,
+    /// mm.
+    LetOff,
+    /// mm.
+    Drop,
+    /// mm.
+    Aftertouch,
+    /// mm.
+    Check,
+    /// Speed of the rise from the check, m/s.
+    Spring,
+    /// Where the damper starts, as a share of the dip.
+    Damper,
+}
+
+impl Quantity {
+    /// All of them, in the order of the sheet's columns.
+    pub const ALL: [Quantity; 17] = [
+        DownWeight,
+        UpWeight,
+        BalanceWeight,
+        FrictionWeight,
+        StrikeWeight,
+        FrontWeight,
+        Ratio,
+        Dip,
+        Blow,
+        JackPosition,
+        LeverHeight,
+        LetOff,
+        Drop,
+        Aftertouch,
+        Check,
+        Spring,
+        Damper,
+    ];
+
+    /// Its key in `measure.json`, how exactly it is read (the reading is within so much of the truth), and the middle
+    /// that work aims at where it is not that of the usual range.
+    fn known(self) -> (&'static str, f64, Option<f64>) {
+        match self {
+            DownWeight => ("down_weight_g", 1.0, None),
+            UpWeight => ("up_weight_g", 1.0, None),
+            BalanceWeight => ("balance_weight_g", 1.0, None),
+            FrictionWeight => ("friction_weight_g", 1.0, None),
+            StrikeWeight => ("strike_weight_g", 0.1, None),
+            FrontWeight => ("front_weight_g", 0.5, None),
+            Ratio => ("strike_weight_ratio_weights", 0.15, None),
+            Dip => ("dip_mm", 0.1, None),
+            Blow => ("blow_mm", 0.25, None),
+            JackPosition => ("jack_position_mm", 0.25, None),
+            LeverHeight => ("lever_height_mm", 0.05, None),
+            LetOff => ("let_off_mm", 0.25, None),
+            Drop => ("drop_mm", 0.25, None),
+            // Travel of the key, as dip: felt and seen with strips of a known thickness under the key.
+            Aftertouch => ("aftertouch_mm", 0.1, None),
+            Check => ("check_mm", 0.25, None),
+            // Not the middle: a spring that is brisker makes soft notes strike twice.
+            Spring => ("repetition_spring_m_s", 0.02, Some(0.25)),
+            Damper => ("damper_start_share", 0.025, None),
+        }
+    }
+
+    /// Its key in `measure.json`.
+    #[must_use]
+    pub fn key(self) -> &'static str {
+        self.known().0
+    }
+
+    /// A reading is within so much of the truth, in the line's unit.
+    #[must_use]
+    pub fn precision(self) -> f64 {
+        self.known().1
+    }
+
+    /// Its line of the sheet.
+    ///
+    /// # Panics
+    /// Never: a test looks for each.
+    #[must_use]
+    pub fn line(self) -> &'static Line {
+        lines().find(|line| line.key == self.key()).expect("every quantity is a line of the sheet")
+    }
+
+    /// The usual range of a key, ends that are open as infinite.
+    #[must_use]
+    pub fn range(self, key: usize) -> [f64; 2] {
+        let [low, high] = self.line().range(key);
+        [low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)]
+    }
+
+    /// What work aims at.
+    #[must_use]
+    pub(super) fn aim(self, key: usize) -> f64 {
+        let [low, high] = self.range(key);
+        self.known().2.unwrap_or(0.5 * (low + high))
+    }
+
+    /// The goal of regulation that sets it.
+    #[must_use]
+    pub(crate) fn goal(self) -> Option<Goal> {
+        Some(match self {
+            Dip => Goal::Dip,
+            Blow => Goal::Blow,
+            JackPosition => Goal::JackPosition,
+            LeverHeight => Goal::LeverHeight,
+            LetOff => Goal::LetOff,
+            Drop => Goal::Drop,
+            Check => Goal::Check,
+            Spring => Goal::Spring,
+            Damper => Goal::Damper,
+            _ => return None,
+        })
+    }
+
+    /// From SI to the sheet's unit.
+    #[must_use]
+    pub(crate) fn factor(self) -> f64 {
+        if matches!(self, Spring | Damper) { 1.0 } else { 1e3 }
+    }
+}
+
+/// Readings of one key. What is missing did not happen, or was not measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Readings {
+    values: [Option<f64>; Quantity::ALL.len()],
+    /// KR WW: what the whippen weighs at the key's front, g. It is needed for the ratio, and no work changes it but
+    /// that of the capstan.
+    whippen_at_front_g: f64,
+}
+
+impl Readings {
+    /// No reading, and what the whippen weighs at the key's front, g.
+    #[must_use]
+    pub fn none(whippen_at_front_g: f64) -> Self {
+        Readings { values: [None; Quantity::ALL.len()], whippen_at_front_g }
+    }
+
+    /// Reads an instrument as it stands: two trials with the key, one slow loop with the damper lifted, the scale.
+    ///
+    /// # Errors
+    /// See [`MeasureError`].
+    pub fn of(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
+        let distances = distances::measure(instrument, &Protocol::default(), progress)?;
+        let mut readings = Self::on_the_scale(instrument)?.with_distances(&distances);
+        let touch = touch(instrument, progress)?;
+        readings.set(DownWeight, touch.down_weight_g);
+        readings.set(UpWeight, touch.up_weight_g);
+        Ok(readings)
+    }
+
+    /// These readings with the distances of an instrument as it stands: two trials with the key. Weights stay.
+    ///
+    /// # Errors
+    /// See [`MeasureError`].
+    pub(super) fn regulated(self, instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
+        Ok(self.with_distances(&distances::measure(instrument, &Protocol::default(), progress)?))
+    }
+
+    fn on_the_scale(instrument: &Instrument) -> Result<Self, MeasureError> {
+        let model = KeyModel::of(instrument)?;
+        let mut readings = Self::none(model.key_ratio * model.whippen_weight_g);
+        readings.set(StrikeWeight, Some(model.strike_weight_g));
+        readings.set(FrontWeight, Some(model.front_weight_g));
+        Ok(readings)
+    }
+
+    fn with_distances(mut self, distances: &Distances) -> Self {
+        for quantity in Quantity::ALL {
+            if let Some(goal) = quantity.goal() {
+                self.set(quantity, goal.of(distances).map(|value| value * quantity.factor()));
+            }
+        }
+        self.set(Aftertouch, distances.aftertouch_m.map(|m| 1e3 * m));
+        self
+    }
+
+    /// The readings that stand on a sheet.
+    #[must_use]
+    pub fn on(sheet: &Sheet) -> Self {
+        let mut readings = Self::none(sheet.key_ratio * sheet.whippen_weight_g);
+        for quantity in Quantity::ALL {
+            readings.set(quantity, (quantity.line().value)(sheet).filter(|value| value.is_finite()));
+        }
+        readings
+    }
+
+    /// One of them.
+    #[must_use]
+    pub fn get(&self, quantity: Quantity) -> Option<f64> {
+        let own = |quantity: Quantity| self.values[quantity as usize];
+        match quantity {
+            BalanceWeight => Some(0.5 * (own(DownWeight)? + own(UpWeight)?)),
+            FrictionWeight => Some(0.5 * (own(DownWeight)? - own(UpWeight)?)),
+            Ratio => {
+                let action_g = self.get(BalanceWeight)? + own(FrontWeight)? - self.whippen_at_front_g;
+                Some(action_g / own(StrikeWeight)?)
+            }
+            _ => own(quantity),
+        }
+    }
+
+    /// Sets one of them. Balance weight, friction weight and ratio follow from the others, and are not set.
+    pub fn set(&mut self, quantity: Quantity, value: Option<f64>) {
+        if !matches!(quantity, BalanceWeight | FrictionWeight | Ratio) {
+            self.values[quantity as usize] = value;
+        }
+    }
+
+    /// Whether one is out of its usual range at a key, as it is read.
+    #[must_use]
+    pub fn is_out(&self, quantity: Quantity, key: usize) -> bool {
+        quantity.line().is_out_at(self.get(quantity), key)
+    }
+
+    /// How far one is out of its range, in the line's unit: 0 inside, infinite where it is missing and should not be.
+    #[must_use]
+    pub fn beyond(&self, quantity: Quantity, key: usize) -> f64 {
+        let [low, high] = quantity.range(key);
+        match self.get(quantity) {
+            _ if !self.is_out(quantity, key) => 0.0,
+            Some(value) => (low - value).max(value - high).max(0.0),
+            None => f64::INFINITY,
+        }
+    }
+
+    /// These readings after a change that took a copy from `before` to `after`.
+    #[must_use]
+    pub(super) fn moved(&self, before: &Readings, after: &Readings) -> Readings {
+        let mut moved = *self;
+        moved.whippen_at_front_g += after.whippen_at_front_g - before.whippen_at_front_g;
+        for (at, value) in moved.values.iter_mut().enumerate() {
+            *value = match (*value, before.values[at], after.values[at]) {
+                (Some(value), Some(before), Some(after)) => Some(value + after - before),
+                (.., after) => after,
+            };
+        }
+        moved
+    }
+}

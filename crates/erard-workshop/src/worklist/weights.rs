@@ -1,0 +1,55 @@
+//! The weights that a key can have: where down-weight, up-weight, balance weight and friction weight are all in their
+//! ranges.
+
+use super::readings::Quantity;
+
+/// A balance weight, and how far it keeps every reading that depends on it inside its range (negative: so far outside).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Balance {
+    pub balance_g: f64,
+    pub margin_g: f64,
+}
+
+/// The balance weight farthest from every end of the ranges of D = B + F, U = B - F and B, at a friction weight.
+#[must_use]
+pub(super) fn balance_for(friction_g: f64, key: usize) -> Balance {
+    let of = |quantity: Quantity| quantity.range(key);
+    let ([d_low, d_high], [u_low, u_high], [b_low, b_high]) =
+        (of(Quantity::DownWeight), of(Quantity::UpWeight), of(Quantity::BalanceWeight));
+    let low = b_low.max(d_low - friction_g).max(u_low + friction_g);
+    let high = b_high.min(d_high - friction_g).min(u_high + friction_g);
+    Balance { balance_g: 0.5 * (low + high), margin_g: 0.5 * (high - low) }
+}
+
+/// The friction weight farthest from every end of the ranges, its own and those of the weights that go with it.
+#[must_use]
+pub(super) fn best_friction_g(key: usize) -> f64 {
+    let [low, high] = Quantity::FrictionWeight.range(key);
+    const STEPS: u32 = 200;
+    let margin = |friction_g: f64| balance_for(friction_g, key).margin_g.min(friction_g - low).min(high - friction_g);
+    (0..=STEPS)
+        .map(|n| low + (high - low) * f64::from(n) / f64::from(STEPS))
+        .max_by(|a, b| margin(*a).total_cmp(&margin(*b)))
+        .unwrap_or(0.5 * (low + high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At middle C, by hand: D from 45, U to 25, B from 34, F to 12.5 g. With F = f the balance weight lies between
+    /// max(34, 45 - f) and 25 + f; at f = 11.4 that is 34 to 36.4, and 1.1 g is the margin of all three.
+    #[test]
+    fn middle_c_by_hand() {
+        let friction_g = best_friction_g(40);
+        let balance = balance_for(friction_g, 40);
+        let margin = balance.margin_g.min(12.5 - friction_g);
+        for other in [9.0, 10.0, 10.75, 12.0, 12.5] {
+            assert!(balance_for(other, 40).margin_g.min(12.5 - other).min(other - 9.0) <= margin + 1e-9, "{other}");
+        }
+        assert!((balance_for(11.0, 40).balance_g - 35.0).abs() < 1e-9);
+        assert!((balance_for(11.0, 40).margin_g - 1.0).abs() < 1e-9);
+        // Below 10 g of friction no balance weight has D from 45 and U to 25.
+        assert!(balance_for(9.5, 40).margin_g < 0.0 && balance_for(10.1, 40).margin_g > 0.0);
+    }
+}
