@@ -18,7 +18,7 @@ const LEAST_DROP_MM: f64 = 0.1;
 /// question: how much does a reading change by a line of work. What it reads by itself may differ.
 ///
 /// # Errors
-/// See [`WorklistError`].
+/// See [`super::WorklistError`].
 pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>) -> Worked<Instrument> {
     let own = KeyModel::of(model)?;
     let mut twin = model.clone();
