@@ -1,7 +1,7 @@
 //! What is timed: the concert grand in the engine's own types, and one played note.
 
-use moreau::{Input, Model, Outcome, SavedState, Settings, State, Workspace, step};
-use moreau_kernels::{Lanes, OwnedDescription, SideBySide, side_by_side};
+use moreau::{Input, Model, SavedState, Settings, State};
+use moreau_kernels::{Lanes, OwnedDescription, SideBySide, WorkspaceOfSix, side_by_side, steps_of_six};
 
 use erard::assembly;
 use erard::instrument::Instrument;
@@ -19,8 +19,6 @@ pub const MF_N: f64 = 5.0;
 pub(crate) type GrandModel = Model<f64, 6, 14>;
 /// The same.
 pub(crate) type GrandState = State<f64, 6, 14>;
-/// The same; ten set-valued laws, one of them a rigid drive's.
-pub type GrandWorkspace = Workspace<f64, 6, 14, 10>;
 
 /// The concert grand of six rigid bodies, which the counts and times of earlier versions belong to.
 ///
@@ -74,10 +72,8 @@ pub fn note(n: u64) -> Input<f64> {
 /// # Panics
 /// If a number becomes infinite.
 pub fn press((model, state): &(GrandModel, GrandState), settings: &Settings<f64>, steps: u64) -> GrandState {
-    let (mut state, mut workspace) = (state.clone(), GrandWorkspace::new());
-    for n in 0..steps {
-        let report = step(model, settings, &note(n), &mut state, &mut workspace);
-        assert_ne!(report.outcome, Outcome::NonFinite);
-    }
+    let (mut state, mut workspace) = (state.clone(), WorkspaceOfSix::new());
+    let finite = steps_of_six(model, settings, &mut (0..steps).map(note), &mut state, &mut workspace);
+    assert!(finite, "a number became infinite");
     state
 }

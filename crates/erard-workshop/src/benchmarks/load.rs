@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use moreau::{Input, Outcome, Settings, State, step};
-use moreau_kernels::{Lanes, OwnedDescription};
+use moreau::{Input, Outcome, Settings, State};
+use moreau_kernels::{Lanes, OwnedDescription, WorkspaceOfSix, steps_of_six};
 
-use super::grand::{GrandModel, GrandWorkspace, MF_N, STEP_S, STEPS, described, group, instrument};
+use super::grand::{GrandModel, MF_N, STEP_S, STEPS, described, group, instrument};
 use crate::cores;
 use erard::run::SimulationError;
 
@@ -102,13 +102,11 @@ impl Load {
         let mut sum = 0.0;
         for (i, grand) in self.grands.iter().take(groups * WIDEST).enumerate() {
             let model: GrandModel = grand.model().expect("of the grand's size");
-            let (mut state, mut workspace) = (State::at_rest(grand.first_angles()), GrandWorkspace::new());
+            let (mut state, mut workspace) = (State::at_rest(grand.first_angles()), WorkspaceOfSix::new());
             let mut cursor = Cursor(self.begins[i]);
-            for _ in 0..self.steps {
-                let input = cursor.next(&self.forces_n);
-                let report = step(&model, &self.settings, &input, &mut state, &mut workspace);
-                assert_ne!(report.outcome, Outcome::NonFinite);
-            }
+            let mut inputs = (0..self.steps).map(|_| cursor.next(&self.forces_n));
+            let finite = steps_of_six(&model, &self.settings, &mut inputs, &mut state, &mut workspace);
+            assert!(finite, "a number became infinite");
             sum += state.angle.iter().sum::<f64>();
         }
         sum
@@ -144,7 +142,7 @@ impl Load {
                     *input = cursor.next(&self.forces_n);
                 }
                 group.step(&inputs[..width], &mut outcomes[..width]);
-                assert!(!outcomes[..width].contains(&Outcome::NonFinite));
+                assert!(outcomes[..width].iter().all(|&outcome| outcome != Outcome::NonFinite));
             }
             let (mut angles, mut velocities) = ([0.0; 12], [0.0; 12]);
             for i in 0..width {

@@ -15,7 +15,7 @@ mod sampling;
 mod single;
 
 pub use bare::OverBare;
-pub use grand::{GrandWorkspace, MF_N, STEP_S, STEPS, at_rest, described, grand, group, instrument, note, press};
+pub use grand::{MF_N, STEP_S, STEPS, at_rest, described, grand, group, instrument, note, press};
 
 pub use keys::{Ticks, keyboard};
 pub use load::{Load, WIDEST};

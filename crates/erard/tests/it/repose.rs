@@ -1,8 +1,8 @@
 //! Steps that would change nothing are left out, and nobody can tell.
 
-use erard_workshop::benchmarks::{GrandWorkspace, grand};
+use erard_workshop::benchmarks::grand;
 use moreau::{Input, Outcome, Settings, Sleep, step};
-use moreau_kernels::Lanes;
+use moreau_kernels::{Lanes, WorkspaceOfSix};
 
 type GrandGroup = moreau_kernels::Group<6, 14, 10>;
 
@@ -23,8 +23,8 @@ const STEPS: usize = 20_000;
 fn a_mechanism_at_rest_takes_no_steps() {
     let (model, start) = grand();
     let settings = Settings::new(50e-6);
-    let (mut plain, mut workspace) = (start.clone(), GrandWorkspace::new());
-    let (mut resting, mut own_workspace, mut repose) = (start.clone(), GrandWorkspace::new(), Sleep::awake());
+    let (mut plain, mut workspace) = (start.clone(), WorkspaceOfSix::new());
+    let (mut resting, mut own_workspace, mut repose) = (start.clone(), WorkspaceOfSix::new(), Sleep::awake());
     let (mut left_out, mut woken) = (0, 0);
     for n in 0..STEPS {
         let input = input(n);
@@ -35,7 +35,7 @@ fn a_mechanism_at_rest_takes_no_steps() {
         assert!(resting.identical(&plain), "step {n}");
         for zone in 0..14 {
             let force =
-                |workspace: &GrandWorkspace| workspace.contact(&model, &settings, zone).map(|c| c.force.to_bits());
+                |workspace: &WorkspaceOfSix| workspace.contact(&model, &settings, zone).map(|c| c.force.to_bits());
             assert_eq!(force(&own_workspace), force(&workspace), "step {n}, zone {zone}");
         }
         assert_eq!(own_workspace.drive_force().to_bits(), workspace.drive_force().to_bits());

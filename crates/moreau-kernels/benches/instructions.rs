@@ -1,10 +1,10 @@
 //! Instructions per step of the played note that `press` times, and per step of a group of four grands in the lanes of
 //! AVX2 (whatever more the processor has, so that the count is the same on all that have it). Counts repeat to the
 //! digit, seconds do not. Beside them the step of [`erard::Action`] with everything read (rest-skipping off), and steps
-//! of the same note on the grand with bending parts, of 6 to 9 bodies (`benches/bending/`), alone and in four lanes;
+//! of the same note on the grand with bending parts, of 6 to 9 bodies (`crates/erard/benches/bending/`), alone and in four lanes;
 //! and of the grand with dry felts, and with strings.
 //!
-//! `cargo bench -p erard --bench instructions` runs itself under valgrind's callgrind, over a whole note and over none
+//! `cargo bench -p moreau-kernels --bench instructions` runs itself under valgrind's callgrind, over a whole note and over none
 //! of it; the difference is the steps'. It is a gate: `-- --at-most N` fails (exit code 1) above N instructions per
 //! step, `--at-most-group M` above M per step of a group of four. Without valgrind it fails, too, so that a gate is
 //! never open by accident; with `--if-available` it says that it counts nothing, and succeeds.
@@ -14,9 +14,9 @@ use std::process::ExitCode;
 
 use erard::{Action, Input, Instrument, Outcome, Reading};
 use erard_workshop::benchmarks::callgrind::{CountError, instructions, is_available};
-use erard_workshop::benchmarks::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note, press};
-use moreau::Settings;
-use moreau_kernels::Lanes;
+use erard_workshop::benchmarks::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note};
+use moreau::{Settings, step};
+use moreau_kernels::{Lanes, WorkspaceOfSix};
 
 /// What is counted: its name on the command line, the option that bounds it, how often it is done for every step, and
 /// what does so many steps.
@@ -24,7 +24,7 @@ type Subject = (&'static str, &'static str, u64, fn(u64));
 
 const SUBJECTS: [Subject; 12] = [
     ("step", "--at-most", 1, |steps| {
-        black_box(press(&grand(), &Settings::new(STEP_S), steps));
+        black_box(bare_note(steps));
     }),
     ("group_step", "--at-most-group", (WIDEST / 4) as u64, |steps| {
         black_box(Load::parameter_study(1, steps).in_lanes(1, Lanes::Four));
@@ -55,7 +55,7 @@ const SUBJECTS: [Subject; 12] = [
 
 /// The concert grand with so many bodies.
 fn bending(bodies: usize) -> Instrument {
-    let path = format!("{}/benches/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/../erard/benches/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
     Instrument::load(std::path::Path::new(&path)).expect("it reads")
 }
 
@@ -67,6 +67,18 @@ fn with_dry_felts(slip: f64) -> Instrument {
         zone.felt.loss = moreau::Elastoplastic { damping: 0.0, eta: 0.3, slip }.into();
     }
     instrument
+}
+
+/// The note by the step alone, compiled into this loop: this package is one unit, so that nothing but the step's own
+/// text changes the count.
+fn bare_note(steps: u64) -> f64 {
+    let (model, mut state) = grand();
+    let (settings, mut workspace) = (Settings::new(STEP_S), WorkspaceOfSix::new());
+    for n in 0..steps {
+        let report = step(&model, &settings, &note(n), &mut state, &mut workspace);
+        assert_ne!(report.outcome, Outcome::NonFinite);
+    }
+    state.angle.iter().sum()
 }
 
 /// The note, stepped from outside: every field of every reading is read, impacts among them, and every step is taken.
