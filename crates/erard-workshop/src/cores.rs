@@ -14,7 +14,7 @@ const TELL_EVERY: Duration = Duration::from_millis(20);
 pub(crate) type Job<'a, E> = Box<dyn FnOnce(&mut Progress<'_>) -> Result<(), E> + Send + 'a>;
 
 /// A piece of work that leaves its result in `place`.
-pub fn job<'a, T: Send, E>(
+pub(crate) fn job<'a, T: Send, E>(
     place: &'a mut Option<T>,
     work: impl FnOnce(&mut Progress<'_>) -> Result<T, E> + Send + 'a,
 ) -> Job<'a, E> {
@@ -47,7 +47,7 @@ impl Ending for SimulationError {
 ///
 /// # Errors
 /// The first job's, in their order, that failed; [`SimulationError::Interrupted`].
-pub fn do_all<E: Ending>(jobs: Vec<Job<'_, E>>, threads: usize, progress: &mut Progress<'_>) -> Result<(), E> {
+pub(crate) fn do_all<E: Ending>(jobs: Vec<Job<'_, E>>, threads: usize, progress: &mut Progress<'_>) -> Result<(), E> {
     if threads <= 1 {
         return do_all_here(jobs, progress);
     }
@@ -92,10 +92,12 @@ pub fn do_all<E: Ending>(jobs: Vec<Job<'_, E>>, threads: usize, progress: &mut P
     failures.into_iter().next().map_or(Ok(()), |(_, error)| Err(error))
 }
 
-/// Does the same work for each of many, on so many threads, and returns what came of them in their order.
+/// Does the same work for each of many, on so many threads, and returns what came of them in their order, which does
+/// not depend on the number of threads. `progress` receives the share that is done and ends the work by returning
+/// false.
 ///
 /// # Errors
-/// As [`do_all`].
+/// The first failure in the order of the items; [`SimulationError::Interrupted`].
 pub fn map<I: Sync, T: Send, E: Ending>(
     items: &[I],
     threads: usize,

@@ -164,7 +164,7 @@ impl EventDetector {
     }
 
     /// Nothing has moved until this instant, s: as if it had been observed in every step.
-    pub fn stood(&mut self, time_s: f64) {
+    pub(crate) fn stood(&mut self, time_s: f64) {
         if let Some(previous) = &mut self.previous {
             previous.time_s = time_s;
         }

@@ -14,7 +14,7 @@ pub const KEY: &str = ":key=";
 /// What stands before the number of a sample, as in `concert-grand:sample=17`.
 pub const SAMPLE: &str = ":sample=";
 /// The last sample.
-pub const LAST_SAMPLE: u32 = 1_000_000;
+pub(crate) const LAST_SAMPLE: u32 = 1_000_000;
 
 /// What was asked for without its `:sample=N`, which may stand before or behind `:key=N`, and the number of the sample.
 ///

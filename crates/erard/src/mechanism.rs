@@ -12,9 +12,9 @@ use crate::instrument::Instrument;
 use crate::strings::Strings;
 
 /// Smallest step that an action takes, s: below it the rounding of a position sum exceeds what the step improves.
-pub const SMALLEST_STEP_S: f64 = 1e-8;
+pub(crate) const SMALLEST_STEP_S: f64 = 1e-8;
 /// Largest step that an action takes, s: a fortissimo blow lasts two of them.
-pub const LARGEST_STEP_S: f64 = 1e-3;
+pub(crate) const LARGEST_STEP_S: f64 = 1e-3;
 
 /// Assembles an instrument into the smallest engine size that holds it, at the angles as drawn.
 ///

@@ -209,7 +209,7 @@ impl<'a> Lists<'a> {
 
     /// The names that begin so, with their numbers. Allocates.
     #[must_use]
-    pub fn beginning(&self, with: &str) -> std::collections::BTreeMap<String, Vec<f64>> {
+    pub(crate) fn beginning(&self, with: &str) -> std::collections::BTreeMap<String, Vec<f64>> {
         let mut found = std::collections::BTreeMap::new();
         for (name, _) in self.iter() {
             let bytes = name.into_iter().flat_map(u64::to_le_bytes).take_while(|byte| *byte != 0).collect();

@@ -28,7 +28,7 @@ impl Direction {
 
     /// `n` quarter turns counter-clockwise from the x axis.
     #[must_use]
-    pub const fn quarter(n: u8) -> Direction {
+    pub(crate) const fn quarter(n: u8) -> Direction {
         Direction { quarters: n % 4, named: Vec::new() }
     }
 

@@ -40,7 +40,7 @@ impl EdgeKind {
 
     /// The joint the edge represents, if it is one.
     #[must_use]
-    pub fn joint(self) -> Option<JointId> {
+    pub(crate) fn joint(self) -> Option<JointId> {
         match self {
             EdgeKind::Arm => None,
             EdgeKind::Revolute(joint) | EdgeKind::Prismatic(joint) => Some(joint),
@@ -159,7 +159,7 @@ impl LinearGraph {
     /// One circuit per chord: out along the tree to the chord's tail, across it,
     /// and home from its head. What both paths share drops out.
     #[must_use]
-    pub fn circuits(&self) -> Vec<Circuit> {
+    pub(crate) fn circuits(&self) -> Vec<Circuit> {
         self.chords()
             .map(|chord| {
                 let edge = self.edges[chord];

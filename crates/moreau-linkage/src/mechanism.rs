@@ -235,7 +235,7 @@ impl Mechanism {
     }
 
     /// The prescribed coordinates, in the order in which they were prescribed.
-    pub fn prescribed(&self) -> impl ExactSizeIterator<Item = CoordinateId> + '_ {
+    pub(crate) fn prescribed(&self) -> impl ExactSizeIterator<Item = CoordinateId> + '_ {
         self.prescribed.iter().map(|&i| CoordinateId(i))
     }
 

@@ -50,7 +50,7 @@ pub struct NewtonReport {
 impl NewtonReport {
     /// Whether the pose is a solution.
     #[must_use]
-    pub fn converged(&self) -> bool {
+    pub(crate) fn converged(&self) -> bool {
         self.outcome == Outcome::Converged
     }
 }

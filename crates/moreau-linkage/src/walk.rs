@@ -125,12 +125,6 @@ impl Mechanism {
 }
 
 impl<'m> Walk<'m> {
-    /// The mechanism that is being moved.
-    #[must_use]
-    pub fn mechanism(&self) -> &'m Mechanism {
-        self.mechanism
-    }
-
     /// The solved pose.
     #[must_use]
     pub fn pose(&self) -> &Pose {

@@ -249,7 +249,7 @@ impl<'m, T: Scalar> Model<'m, T> {
 
     /// The number of laws that a state and a workspace must have room for: three a joint, two a contact, four a contact
     /// of polygons.
-    pub fn laws(&self) -> usize {
+    pub(crate) fn laws(&self) -> usize {
         3 * self.joints.len() + 2 * self.points()
     }
 

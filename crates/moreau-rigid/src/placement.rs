@@ -20,7 +20,7 @@ impl<T: Scalar> Placement<T> {
     }
 
     /// A point of the body's frame, in the world.
-    pub fn point(&self, point: Vector<T>) -> Vector<T> {
+    pub(crate) fn point(&self, point: Vector<T>) -> Vector<T> {
         add(self.at, self.turn(point))
     }
 

@@ -266,13 +266,6 @@ pub struct ContactPoint<T> {
 }
 
 impl<T: Scalar> Model<'_, T> {
-    /// Where a contact is at these placements; nothing if its surface is not there, or the contact or a placement is
-    /// missing.
-    pub fn contact_point(&self, places: &[Placement<T>], contact: usize) -> Option<ContactPoint<T>> {
-        let contact = self.contacts.get(contact).filter(|_| places.len() >= self.bodies.len())?;
-        point_of(&disc_touch(contact, places), places)
-    }
-
     /// Where two polygons touch at these placements, in the order of [`Model::polygon_laws`]; nothing if they are
     /// further apart than `margin`.
     pub(crate) fn polygon_points(

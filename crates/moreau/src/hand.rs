@@ -81,13 +81,13 @@ impl<T> Hand<T> {
 impl<T: Real> Flight<T> {
     /// s: the part of the fingertip's stiffness and damping that the driven point feels.
     #[inline(always)]
-    pub fn share(&self, stiffness: T, damping: T, timing: &Timing<T>) -> T {
+    pub(crate) fn share(&self, stiffness: T, damping: T, timing: &Timing<T>) -> T {
         T::ONE / (T::ONE + timing.theta * (timing.h_theta * stiffness + damping) / self.inertia)
     }
 
     /// Place and velocity at the step's end, from those at its start, under the fingertip's force, N.
     #[inline(always)]
-    pub fn end(&self, [x, v]: [T; 2], force: T, timing: &Timing<T>) -> [T; 2] {
+    pub(crate) fn end(&self, [x, v]: [T; 2], force: T, timing: &Timing<T>) -> [T; 2] {
         let change = (self.load - force) / self.inertia;
         [x + timing.step * (v + timing.theta * change), v + change]
     }

@@ -259,12 +259,12 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
     }
 
     /// The zones whose felts carry numbers from step to step: [`State::memory`](crate::SavedState::memory).
-    pub fn remembering_zones(&self) -> &[usize] {
+    pub(crate) fn remembering_zones(&self) -> &[usize] {
         &self.remembering[..self.remembering_count]
     }
 
     /// Whether a zone's curve yields.
-    pub fn yields(&self, zone: usize) -> bool {
+    pub(crate) fn yields(&self, zone: usize) -> bool {
         zone < self.zone_count && self.compiled[zone].felt.yields()
     }
 

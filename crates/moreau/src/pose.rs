@@ -103,7 +103,7 @@ impl<T: Real, const B: usize> Pose<T, B> {
 
     /// Pivot of a body in the world, m.
     #[inline(always)]
-    pub fn pivot(&self, body: usize) -> Vector<T> {
+    pub(crate) fn pivot(&self, body: usize) -> Vector<T> {
         [self.pivot_x[body], self.pivot_y[body]]
     }
 

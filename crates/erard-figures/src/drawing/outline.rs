@@ -16,7 +16,7 @@ pub(crate) const MM: f64 = 1000.0;
 /// A smooth piece has every corner cut by half the shorter of its two edges and replaced by an arc through the cuts.
 /// Long edges so stay straight, short ones blend into a curve through their midpoints, and a corner written twice
 /// stays sharp.
-pub fn path(piece: &Piece) -> String {
+pub(crate) fn path(piece: &Piece) -> String {
     let points: Vec<Vec2> = piece
         .outline_m
         .iter()

@@ -16,13 +16,13 @@ pub struct Parts {
 impl Parts {
     /// R, from the balance weight.
     #[must_use]
-    pub fn ratio(&self, balance_weight_g: f64) -> f64 {
+    pub(crate) fn ratio(&self, balance_weight_g: f64) -> f64 {
         (balance_weight_g + self.front_weight_g - self.key_ratio * self.whippen_weight_g) / self.strike_weight_g
     }
 
     /// BW, from the ratio.
     #[must_use]
-    pub fn balance_weight_g(&self, ratio: f64) -> f64 {
+    pub(crate) fn balance_weight_g(&self, ratio: f64) -> f64 {
         self.key_ratio * self.whippen_weight_g + ratio * self.strike_weight_g - self.front_weight_g
     }
 }

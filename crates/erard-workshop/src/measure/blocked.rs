@@ -15,7 +15,7 @@ use erard::instrument::{Curve, Felt, Instrument, Vec2};
 use erard::player::{Action, Input};
 
 /// The weights, g.
-pub const WEIGHTS_G: [f64; 6] = [100.0, 200.0, 300.0, 500.0, 700.0, 1000.0];
+pub(crate) const WEIGHTS_G: [f64; 6] = [100.0, 200.0, 300.0, 500.0, 700.0, 1000.0];
 /// The bar that blocks the hammer, N/m: it gives a thousandth of what the felts give.
 const BAR_N_PER_M: f64 = 1e7;
 /// And rebounds little: as a hammer arrives, tens of mm/s, it loses what it brings.
@@ -42,7 +42,7 @@ pub struct BlockedRow {
 ///
 /// # Errors
 /// Where parts are missing, there is no gravity, the key has no rest, or the work is interrupted.
-pub fn blocked(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Vec<BlockedRow>, MeasureError> {
+pub(crate) fn blocked(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Vec<BlockedRow>, MeasureError> {
     if instrument.gravity_m_s2 <= 0.0 {
         return Err(NotAnAction::Weightless.into());
     }

@@ -13,7 +13,7 @@ use erard::keyboard::note_name;
 pub const MIDDLE_C: usize = 40;
 
 /// Text that is read once and stays as long as the program.
-pub type Kept = &'static str;
+pub(crate) type Kept = &'static str;
 
 /// One line of the sheet.
 #[derive(Debug, Clone, Deserialize)]
@@ -181,7 +181,7 @@ impl Line {
     /// Whether a value is out of the norm at a key. A value that is missing is, but for the damper's: top keys have
     /// none.
     #[must_use]
-    pub fn is_out_at(&self, value: Option<f64>, key: usize) -> bool {
+    pub(crate) fn is_out_at(&self, value: Option<f64>, key: usize) -> bool {
         if self.norm().is_none() {
             return false;
         }

@@ -46,7 +46,7 @@ struct Table {
 
 /// The usual range of a line of the sheet, by its key; `None` where nothing is usual.
 #[must_use]
-pub fn usual(key: &str) -> Option<&'static UsualRange> {
+pub(crate) fn usual(key: &str) -> Option<&'static UsualRange> {
     TABLE.get(key)
 }
 
@@ -87,13 +87,13 @@ fn parse(text: &str) -> Result<BTreeMap<String, UsualRange>, String> {
 impl UsualRange {
     /// From low to high at a key, 1 to 88; either end may be open.
     #[must_use]
-    pub fn at(&self, key: usize) -> [Option<f64>; 2] {
+    pub(crate) fn at(&self, key: usize) -> [Option<f64>; 2] {
         [&self.low, &self.high].map(|limit| limit.as_ref().and_then(|limit| limit.at(key)))
     }
 
     /// Whether it differs from bass to treble.
     #[must_use]
-    pub fn depends_on_the_key(&self) -> bool {
+    pub(crate) fn depends_on_the_key(&self) -> bool {
         [&self.low, &self.high].into_iter().flatten().any(|limit| matches!(limit, Limit::ByKey(_)))
     }
 }

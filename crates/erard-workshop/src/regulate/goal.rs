@@ -159,7 +159,7 @@ impl Goal {
     /// does to the goal per m, rad or N m turned along its [`KnownScrew::reference`](super::KnownScrew): only a first
     /// guess, which the first turn corrects. Sizes follow from lever arms (a hammer's head moves about ten times as far
     /// as its knuckle).
-    pub fn screws(self) -> &'static [(&'static str, f64)] {
+    pub(crate) fn screws(self) -> &'static [(&'static str, f64)] {
         match self {
             Goal::JackPosition => &[("jack_position", 1.8)],
             Goal::LeverHeight => &[("lever_height", 1.8)],

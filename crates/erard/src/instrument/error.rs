@@ -72,7 +72,7 @@ impl Fault {
     }
 
     /// A key that must stand in the table at `span` and does not.
-    pub fn missing(span: Range<usize>, key: &str, expected: impl Into<String>) -> Self {
+    pub(crate) fn missing(span: Range<usize>, key: &str, expected: impl Into<String>) -> Self {
         Self {
             span,
             message: format!("the key `{key}` is missing"),
@@ -83,13 +83,13 @@ impl Fault {
     }
 
     /// The same fault in other words.
-    pub fn message(mut self, message: impl Into<String>) -> Self {
+    pub(crate) fn message(mut self, message: impl Into<String>) -> Self {
         self.message = message.into();
         self
     }
 
     /// The same fault with another description of what was found; an empty one leaves it out.
-    pub fn found(mut self, found: impl Into<String>) -> Self {
+    pub(crate) fn found(mut self, found: impl Into<String>) -> Self {
         self.found = Some(found.into());
         self
     }

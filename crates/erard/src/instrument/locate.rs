@@ -70,18 +70,18 @@ fn walk_value(value: &DeValue<'_>, path: &str, entries: &mut Vec<(Range<usize>, 
 }
 
 /// The lines of a text, found once.
-pub struct Lines {
+pub(crate) struct Lines {
     newlines: Vec<usize>,
 }
 
 impl Lines {
     /// Reads `text`.
-    pub fn read(text: &str) -> Self {
+    pub(crate) fn read(text: &str) -> Self {
         Self { newlines: text.match_indices('\n').map(|(at, _)| at).collect() }
     }
 
     /// The line of a byte, from 1.
-    pub fn line_of(&self, byte: usize) -> usize {
+    pub(crate) fn line_of(&self, byte: usize) -> usize {
         self.newlines.partition_point(|newline| *newline < byte) + 1
     }
 }

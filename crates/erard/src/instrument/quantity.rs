@@ -187,7 +187,7 @@ pub type Num<T> = At<Quantity<T>>;
 
 impl<T> At<Quantity<T>> {
     /// The number itself.
-    pub fn kind(&self) -> &T {
+    pub(crate) fn kind(&self) -> &T {
         match &**self {
             Quantity::Bare(value) => value,
             Quantity::Cited(cited) => &cited.value,

@@ -86,7 +86,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A direction of any length but zero, as a unit vector.
-    pub fn direction<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
+    pub(crate) fn direction<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
         let [x, y] = self.pair(number, Limits::symmetric(1e6, ""))?;
         let length = libm::hypot(x, y);
         if length < 1e-6 {
@@ -256,7 +256,7 @@ pub(crate) fn body_or_ground(name: &At<String>, instrument: &Instrument) -> Resu
 }
 
 /// What the world is called in a file.
-pub const GROUND: &str = "ground";
+pub(crate) const GROUND: &str = "ground";
 
 /// A limit as a person writes it.
 fn round(limit: f64) -> String {

@@ -29,7 +29,7 @@ impl Instrument {
 
     /// Moves what a screw moves by `by` (m, rad or N m); `false`, and nothing moved, when a spring would change its
     /// side.
-    pub fn shift(&mut self, action: &ScrewAction, by: f64) -> bool {
+    pub(crate) fn shift(&mut self, action: &ScrewAction, by: f64) -> bool {
         let moved = |point: &mut [f64; 2], direction: [f64; 2]| {
             point[0] += by * direction[0];
             point[1] += by * direction[1];

@@ -68,7 +68,7 @@ impl PianoString {
 
     /// A mode's displacement at a place, m from the end that the strike is counted from.
     #[must_use]
-    pub fn shape(n: u32, place_m: f64, length_m: f64) -> f64 {
+    pub(crate) fn shape(n: u32, place_m: f64, length_m: f64) -> f64 {
         libm::sin(f64::from(n) * PI * place_m / length_m)
     }
 

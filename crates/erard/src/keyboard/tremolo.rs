@@ -19,7 +19,7 @@ pub const STROKES_PER_S: f64 = 7.0;
 /// Strokes on a key before the finger goes on.
 pub const STROKES: usize = 3;
 /// Force of the finger on a key that is down, N: as in the built-in stroke `ff`.
-pub const FORCE_N: f64 = 20.0;
+pub(crate) const FORCE_N: f64 = 20.0;
 /// Time in which the finger's force rises, s: as in that stroke.
 const RISE_S: f64 = 0.014;
 /// When the finger begins to lift, s after the stroke's start: the hammer has been caught.

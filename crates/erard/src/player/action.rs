@@ -286,7 +286,7 @@ impl Action {
     }
 
     /// Calls the present instant so, s, and forgets the flight of the hammer so far.
-    pub fn begin_at(&mut self, now_s: f64) {
+    pub(crate) fn begin_at(&mut self, now_s: f64) {
         self.mechanism.set(Part::Instant(now_s));
         self.aimed_m = None;
     }

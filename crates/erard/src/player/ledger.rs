@@ -14,17 +14,12 @@ pub struct LedgerBook {
 
 impl LedgerBook {
     /// Opens the ledger here.
-    pub fn open(mechanism: &mut dyn Mechanism) -> Self {
+    pub(crate) fn open(mechanism: &mut dyn Mechanism) -> Self {
         LedgerBook { ledger: open_ledger(mechanism), rested: false }
     }
 
-    /// After every step.
-    pub fn observe(&mut self, mechanism: &dyn Mechanism) {
-        self.observe_at_rest(mechanism.readout().rests, mechanism);
-    }
-
-    /// The same for a caller that knows whether the step changed nothing.
-    pub(crate) fn observe_at_rest(&mut self, rests: bool, mechanism: &dyn Mechanism) {
+    /// After every step; `rests`: it changed nothing.
+    pub(crate) fn observe(&mut self, rests: bool, mechanism: &dyn Mechanism) {
         // A step that was left out has nothing to book, nor has one that changed nothing after another.
         if !(self.rested && rests) {
             mechanism.book(&mut self.ledger);
@@ -33,7 +28,7 @@ impl LedgerBook {
     }
 
     /// The ledger up to here.
-    pub fn close(mut self, mechanism: &dyn Mechanism) -> Ledger {
+    pub(crate) fn close(mut self, mechanism: &dyn Mechanism) -> Ledger {
         take_stock(mechanism, &mut self.ledger);
         self.ledger
     }

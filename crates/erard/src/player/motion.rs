@@ -64,7 +64,7 @@ impl Motion {
     }
 
     /// A body's pivot, m.
-    pub fn pivot(&self, body: usize) -> Vec2 {
+    pub(crate) fn pivot(&self, body: usize) -> Vec2 {
         self.placed[body].pivot_m
     }
 

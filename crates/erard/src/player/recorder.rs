@@ -174,12 +174,7 @@ impl Recorder {
     ///
     /// # Panics
     /// If there are more than was said at first.
-    pub fn row(&mut self, time_s: f64, key_m: f64, hammer_m: f64, m: &dyn Mechanism) {
-        self.row_of(time_s, key_m, hammer_m, &m.readout());
-    }
-
-    /// The same from what is read of the mechanism.
-    pub(crate) fn row_of(&mut self, time_s: f64, key_m: f64, hammer_m: f64, now: &Readout<'_>) {
+    pub(crate) fn row(&mut self, time_s: f64, key_m: f64, hammer_m: f64, now: &Readout<'_>) {
         self.pending = Some(now.last_step_s);
         let row = self.rows;
         self.rows += 1;

@@ -186,7 +186,7 @@ impl Observers<'_> {
         let now = m.readout();
         self.peak_force_n = self.peak_force_n.max(now.output.drive_n);
         if let Some(ledger) = &mut self.ledger {
-            ledger.observe_at_rest(now.rests, m);
+            ledger.observe(now.rests, m);
         }
         if let Some(further) = &mut self.further {
             further.step(time_s, row, m);
@@ -202,12 +202,12 @@ impl Observers<'_> {
             self.detector.stood(time_s);
             self.recorder.stood();
         } else {
-            self.extremes.note(time_s, now);
+            self.extremes.observe(time_s, now);
             self.detector.observe(time_s, key_m, hammer_m, impact, m);
             self.recorder.step(now);
         }
         if row {
-            self.recorder.row_of(time_s, key_m, hammer_m, now);
+            self.recorder.row(time_s, key_m, hammer_m, now);
         }
     }
 }

@@ -82,7 +82,7 @@ pub struct StringLosses {
 impl StringLosses {
     /// All together, J.
     #[must_use]
-    pub fn all_j(&self) -> f64 {
+    pub(crate) fn all_j(&self) -> f64 {
         self.kinds_j().iter().sum()
     }
 

@@ -95,7 +95,7 @@ impl Pedal {
 
     /// The lift at an instant, m.
     #[must_use]
-    pub fn lift_m(&self, time_s: f64) -> f64 {
+    pub(crate) fn lift_m(&self, time_s: f64) -> f64 {
         let points = &self.points[..self.count];
         let after = points.partition_point(|[t, _]| *t <= time_s);
         let before = after.checked_sub(1).map(|i| points[i]);

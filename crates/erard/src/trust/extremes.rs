@@ -1,7 +1,7 @@
 //! An observer: how far bodies have turned, and how deep felts were pressed.
 
 use crate::instrument::Instrument;
-use crate::mechanism::{Mechanism, Readout};
+use crate::mechanism::Readout;
 
 /// The largest of a quantity so far, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,12 +56,7 @@ impl Extremes {
     }
 
     /// After a step that ended at `time_s`.
-    pub fn observe(&mut self, time_s: f64, mechanism: &dyn Mechanism) {
-        self.note(time_s, &mechanism.readout());
-    }
-
-    /// The same from what is read of the mechanism.
-    pub(crate) fn note(&mut self, time_s: f64, now: &Readout<'_>) {
+    pub(crate) fn observe(&mut self, time_s: f64, now: &Readout<'_>) {
         self.note_angles(time_s, now.angles);
         for (deepest, contact) in self.deepest.iter_mut().zip(now.contacts) {
             if let Some(contact) = contact {

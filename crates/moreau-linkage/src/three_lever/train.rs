@@ -61,19 +61,19 @@ impl Levers {
 
     /// Radius from the key's pivot to where the finger presses (m).
     #[must_use]
-    pub fn key_front(&self) -> f64 {
+    pub(crate) fn key_front(&self) -> f64 {
         either!(self, levers => levers.key_front)
     }
 
     /// `k` at rest (rad).
     #[must_use]
-    pub fn key_rest(&self) -> f64 {
+    pub(crate) fn key_rest(&self) -> f64 {
         either!(self, levers => levers.key_rest)
     }
 
     /// Strike point in the hammer's frame (m).
     #[must_use]
-    pub fn head(&self) -> [f64; 2] {
+    pub(crate) fn head(&self) -> [f64; 2] {
         either!(self, levers => levers.head)
     }
 
@@ -145,12 +145,6 @@ impl LeverTrain {
     #[must_use]
     pub fn levers(&self) -> &Levers {
         &self.levers
-    }
-
-    /// The mechanism: graph, equations, coordinates.
-    #[must_use]
-    pub fn mechanism(&self) -> &Mechanism {
-        &self.mechanism
     }
 
     /// Height of the strike point at rest over the key's pivot A (m).

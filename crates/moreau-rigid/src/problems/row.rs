@@ -49,15 +49,6 @@ impl Row {
         Row { quantity: quantity.into(), unit: "", expected, ours, because }
     }
 
-    /// How far ours is from the known value, where there is one.
-    #[must_use]
-    pub fn error(&self) -> Option<f64> {
-        match self.expected {
-            Expected::Near { value, .. } => Some((self.ours - value).abs()),
-            _ => None,
-        }
-    }
-
     /// Whether ours is what it should be; false for what is not a number.
     #[must_use]
     pub fn holds(&self) -> bool {
@@ -85,7 +76,7 @@ impl Order {
     }
 
     /// Errors at steps from `first` on, each half of the one before.
-    pub fn of(first: f64, errors: Vec<f64>) -> Self {
+    pub(crate) fn of(first: f64, errors: Vec<f64>) -> Self {
         let steps = (0..errors.len()).map(|k| first * 0.5_f64.powi(k as i32)).collect();
         Order { steps, errors }
     }

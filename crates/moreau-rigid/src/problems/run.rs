@@ -30,12 +30,12 @@ impl<'m, const B: usize, const N: usize> Run<'m, B, N> {
     }
 
     /// s.
-    pub fn time(&self) -> f64 {
+    pub(crate) fn time(&self) -> f64 {
         f64::from(self.steps) * self.settings.step
     }
 
     /// One step.
-    pub fn step(&mut self) -> StepReport<f64> {
+    pub(crate) fn step(&mut self) -> StepReport<f64> {
         let report = step(&self.model, &self.settings, &[], &mut self.state, &mut self.workspace);
         self.sound &= report.outcome == Outcome::Converged;
         self.steps += 1;

@@ -22,7 +22,7 @@ const SINGLE_GUESSES: u32 = 24;
 
 /// The sliding laws' own system, once the pivots are guessed, and what it is made from: workspace.
 #[derive(Debug, Clone)]
-pub struct Condensed<T, const B: usize, const N: usize> {
+pub(crate) struct Condensed<T, const B: usize, const N: usize> {
     /// The factors of A for the joints that move.
     factors: [[T; B]; B],
     /// A^-1 row of every law.
@@ -49,7 +49,7 @@ fn sign<T: Real>(x: T) -> T {
 /// Solves to `tolerance` on the laws' velocities, from a guess, which is corrected; `limit` bounds the fallback. `w`:
 /// the relative velocities. Says which lanes converged, after how many guesses.
 #[inline(always)]
-pub fn solve<T: Real, const B: usize, const N: usize>(
+pub(crate) fn solve<T: Real, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
     guess: &mut Guess<T, B, N>,

@@ -41,7 +41,7 @@ impl<T: Real, const N: usize> OneStepProblem<T, N> {
 
     /// The bound of law i at impulses p.
     #[inline(always)]
-    pub fn bound_at(&self, i: usize, p: &[T; N]) -> T {
+    pub(crate) fn bound_at(&self, i: usize, p: &[T; N]) -> T {
         let mut b = self.bound[i];
         if self.sloped[i] {
             for j in 0..self.count {
@@ -64,7 +64,7 @@ impl<T: Real, const N: usize> OneStepProblem<T, N> {
 
 impl<T: Scalar, const N: usize> OneStepProblem<T, N> {
     /// The solver-independent error measure: the largest |p - proj(p - u / W_ii)| W_ii over the laws, a velocity.
-    pub fn error(&self, p: &[T; N]) -> T {
+    pub(crate) fn error(&self, p: &[T; N]) -> T {
         let mut worst = T::ZERO;
         for i in 0..self.count {
             let (b, w) = (self.bound_at(i, p), self.delassus[i][i]);

@@ -7,7 +7,7 @@ use super::system::{Impulses, SolveReport, System};
 use crate::real::{Mask, Real, Scalar};
 
 /// Solves a system by way of its Delassus matrix.
-pub fn solve<T: Scalar, const B: usize, const N: usize>(
+pub(crate) fn solve<T: Scalar, const B: usize, const N: usize>(
     system: &System<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
     tolerance: T,

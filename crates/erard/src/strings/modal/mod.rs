@@ -92,7 +92,7 @@ pub struct Strings {
 impl Strings {
     /// The strings of an instrument, at rest; `None` where its string is rigid.
     #[must_use]
-    pub fn of(instrument: &Instrument, step_s: f64) -> Option<Self> {
+    pub(crate) fn of(instrument: &Instrument, step_s: f64) -> Option<Self> {
         let zone = instrument.roles.string.filter(|_| instrument.has_yielding_strings())?;
         let felts = damping::felts(instrument);
         let mut zones = vec![zone];
