@@ -1,13 +1,13 @@
 //! Instructions per step of the played note that `press` times, and per step of a group of four grands in the lanes of
 //! AVX2 (whatever more the processor has, so that the count is the same on all that have it). Counts repeat to the
 //! digit, seconds do not. Beside them the step of [`erard::Action`] with everything read (rest-skipping off), and steps
-//! of the same note on the grand with bending parts, of 6 to 9 bodies (`crates/erard/benches/bending/`), alone and in four lanes;
-//! and of the grand with dry felts, and with strings.
+//! of the same note on the grand with bending parts, of 6 to 9 bodies (`crates/erard/benches/bending/`), alone and in
+//! four lanes; and of the grand with dry felts, and with strings.
 //!
-//! `cargo bench -p moreau-kernels --bench instructions` runs itself under valgrind's callgrind, over a whole note and over none
-//! of it; the difference is the steps'. It is a gate: `-- --at-most N` fails (exit code 1) above N instructions per
-//! step, `--at-most-group M` above M per step of a group of four. Without valgrind it fails, too, so that a gate is
-//! never open by accident; with `--if-available` it says that it counts nothing, and succeeds.
+//! `cargo bench -p moreau-kernels --bench instructions` runs itself under valgrind's callgrind, over a whole note and
+//! over none of it; the difference is the steps'. It is a gate: `-- --at-most N` fails (exit code 1) above N
+//! instructions per step, `--at-most-group M` above M per step of a group of four. Without valgrind it fails, too, so
+//! that a gate is never open by accident; with `--if-available` it says that it counts nothing, and succeeds.
 
 use std::hint::black_box;
 use std::process::ExitCode;

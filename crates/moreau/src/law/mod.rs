@@ -64,7 +64,7 @@ macro_rules! laws {
 
         impl<T: Real> Loss<T> {
             /// Its place in [`LAWS`].
-            pub(crate) fn law(&self) -> usize {
+            pub fn law(&self) -> usize {
                 match self {
                     $(Loss::$law(_) => Place::$law as usize,)*
                 }
