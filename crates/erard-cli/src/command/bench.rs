@@ -2,7 +2,7 @@
 
 use clap::Args;
 use erard::run::SimulationError;
-use erard_workshop::benchmarks::{Effort, measure};
+use erard_workshop::benchmarks::{Effort, PARTS, measure};
 use serde_json::Value;
 
 use crate::answer;
@@ -28,7 +28,8 @@ impl Bench {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let mut progress = Progress::new("measuring");
         let effort = if self.quick { Effort::QUICK } else { Effort::USUAL };
-        let report = measure(&effort, &mut |what, share| {
+        let report = measure(&effort, &mut |share| {
+            let (what, _) = PARTS.iter().find(|(_, end)| share < *end).unwrap_or(&PARTS[PARTS.len() - 1]);
             progress.say(what);
             progress.tell(share)
         });

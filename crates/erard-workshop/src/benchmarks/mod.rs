@@ -23,6 +23,7 @@ pub use many::{LoadTimes, load_times};
 pub use sampling::Times;
 pub(crate) use sampling::{Timed, in_turn};
 
+use erard::Progress;
 use moreau_kernels::Lanes;
 use serde_json::{Value, json};
 
@@ -52,20 +53,33 @@ impl Effort {
         Effort { rounds: 3, steps: STEPS / 20, groups_per_core: 1, single_steps: 100_000, ticks: 2_000 };
 }
 
+/// What [`measure`] does one after the other, and the share of the whole that is done when each ends, as it lasts on a
+/// machine of two cores.
+pub const PARTS: [(&str, f64); 6] = [
+    ("step, press and pose", 0.2),
+    ("many at once", 0.6),
+    ("keyboard", 0.7),
+    ("beside bare steps", 0.75),
+    ("single steps", 0.9),
+    ("group steps", 1.0),
+];
+
 /// Measures everything, as one flat JSON object: wall-clock times of this machine while it did whatever else it was
-/// doing; `None` where `progress` ended the work: it receives the share done and what is going on.
-pub fn measure(effort: &Effort, progress: &mut dyn FnMut(&str, f64) -> bool) -> Option<Value> {
-    // From where to where each part goes: shares of the whole, as they last on a machine of two cores.
-    let mut part = |what: &'static str, from: f64, to: f64, share: f64| progress(what, from + (to - from) * share);
-    let single = single::measure(effort, &mut |share| part("step, press and pose", 0.0, 0.2, share))?;
-    let many = many::measure(effort, &mut |share| part("many at once", 0.2, 0.6, share))?;
+/// doing; `None` where `progress` ended the work.
+pub fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Value> {
+    let mut within = |part: usize, share: f64| {
+        let from = part.checked_sub(1).map_or(0.0, |before| PARTS[before].1);
+        progress(from + (PARTS[part].1 - from) * share)
+    };
+    let single = single::measure(effort, &mut |share| within(0, share))?;
+    let many = many::measure(effort, &mut |share| within(1, share))?;
     let instruments = keyboard();
-    let keyboard = keys::measure(&instruments, effort.ticks, &mut |share| part("keyboard", 0.6, 0.7, share))?;
-    let over_bare = bare::measure(&instruments, effort, &mut |share| part("beside bare steps", 0.7, 0.75, share))?;
-    let of_one = of_steps(effort.single_steps, &mut |share| part("single steps", 0.75, 0.9, share))?;
+    let keyboard = keys::measure(&instruments, effort.ticks, &mut |share| within(2, share))?;
+    let over_bare = bare::measure(&instruments, effort, &mut |share| within(3, share))?;
+    let of_one = of_steps(effort.single_steps, &mut |share| within(4, share))?;
     let lanes = Lanes::most();
     let group_steps = effort.single_steps / lanes.count() as u64;
-    let of_group = of_group_steps(group_steps, lanes, &mut |share| part("group steps", 0.9, 1.0, share))?;
+    let of_group = of_group_steps(group_steps, lanes, &mut |share| within(5, share))?;
     let sets = json!({"instruction_sets": instruction_sets()});
     let parts = [sets, single, many, keyboard, over_bare, latency::report(&of_one, &of_group)];
     Some(parts.into_iter().filter_map(|part| part.as_object().cloned()).flatten().collect())
