@@ -129,6 +129,13 @@ fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Len
                 Some(Handwork::Bent) if *name == "back_check_angle" => {
                     format!("tilt it {:.0}° ({way})", amount.abs().to_degrees())
                 }
+                // A wire is bent until the hammer is caught where it should be: nobody sees how far it went.
+                Some(Handwork::Bent) if item.quantity == Quantity::Check => {
+                    format!(
+                        "bend it {way} until it catches the hammer at {}",
+                        reading(Quantity::Check, &item.after, lengths)
+                    )
+                }
                 Some(Handwork::Bent) => format!("bend it {} {way}", lengths.text(amount.abs() * 1e3, 1)),
                 Some(Handwork::Stack) | None => format!("{} {way}", lengths.text(amount.abs() * 1e3, 1)),
             }

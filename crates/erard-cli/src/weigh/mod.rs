@@ -38,20 +38,22 @@ pub(crate) fn leads_text(work: &LeadWork, lengths: Lengths) -> String {
     if work.put.is_empty() && work.out.is_empty() {
         return "leave".to_owned();
     }
+    let place = |lead: &Lead| {
+        let side = if lead.at_mm < 0.0 { " behind the pin" } else { "" };
+        format!("{}{side}", lengths.text(lead.at_mm.abs(), 0))
+    };
     let list = |leads: &[Lead]| {
-        let each = leads.iter().map(|lead| {
-            let place = lengths.text(lead.at_mm.abs(), 0);
-            let side = if lead.at_mm < 0.0 { " behind the pin" } else { "" };
-            format!("{} g at {place}{side}", lead.mass_g)
-        });
+        let each = leads.iter().map(|lead| format!("{} g at {}", lead.mass_g, place(lead)));
         each.collect::<Vec<_>>().join(" + ")
     };
-    let mut words = Vec::new();
-    if !work.out.is_empty() {
-        words.push(format!("out {}", list(&work.out)));
+    let (moves, out, new) = work.moved();
+    let moves = moves.iter().map(|[from, to]| format!("move {} g from {} to {}", from.mass_g, place(from), place(to)));
+    let mut words: Vec<String> = moves.collect();
+    if !out.is_empty() {
+        words.push(format!("out {}", list(&out)));
     }
-    if !work.put.is_empty() {
-        words.push(format!("in {}", list(&work.put)));
+    if !new.is_empty() {
+        words.push(format!("in {}", list(&new)));
     }
     words.join("; ")
 }

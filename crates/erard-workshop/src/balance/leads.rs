@@ -53,63 +53,82 @@ pub struct LeadWork {
     pub inertia_g: f64,
 }
 
+impl LeadWork {
+    /// What is done, lead by lead: moves (from, to), what comes out for good, what is new. A lead is moved where one of
+    /// its mass comes out and goes in.
+    #[must_use]
+    pub fn moved(&self) -> (Vec<[Lead; 2]>, Vec<Lead>, Vec<Lead>) {
+        let (mut moves, mut out, mut new) = (Vec::new(), self.out.clone(), Vec::new());
+        for put in &self.put {
+            match out.iter().position(|old| old.mass_g == put.mass_g) {
+                Some(at) => moves.push([out.remove(at), *put]),
+                None => new.push(*put),
+            }
+        }
+        (moves, out, new)
+    }
+}
+
 /// The leads that change the front weight by so much, to the nearest that leads of these masses, each at a whole
-/// millimetre, can: the fewest, and of as many, those with the least inertia. `present` are the key's own leads where
-/// they are known; they can be taken out, and nothing is put where one of them stays. `None` where nothing reaches it
-/// to a quarter of a gram: a key from whose front more must be taken than its known leads weigh, say.
+/// millimetre, can. `present` are the key's own leads where they are known: they are moved or taken out before any is
+/// added, nothing is put where one of them stays, and nothing goes behind the pin where several stand in front. Of
+/// what is left, the fewest holes are plugged and bored, with the least inertia. `None` where nothing reaches the change to a
+/// quarter of a gram: a key from whose front more must be taken than its known leads weigh, say.
 #[must_use]
 pub(crate) fn lead_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead]) -> Option<LeadWork> {
     if change_g.abs() < FEWEST_GRAMS {
         return Some(LeadWork::default());
     }
-    let mut best: Option<(usize, f64, LeadWork)> = None;
+    let mut best: Option<([usize; 2], f64, LeadWork)> = None;
     // Which of the present leads come out: few keys have more than five.
     let known = &present[..present.len().min(8)];
+    let several_in_front = present.iter().filter(|lead| lead.at_mm > 0.0).count() > 1;
     for set in 0..1_usize << known.len() {
         let out: Vec<Lead> = (0..known.len()).filter(|i| set >> i & 1 == 1).map(|i| known[i]).collect();
-        let stays: Vec<Lead> = (0..known.len()).filter(|i| set >> i & 1 == 0).map(|i| known[i]).collect();
         let taken: f64 = out.iter().map(|lead| lead.front_weight_g(key_front_mm)).sum();
-        for count in 0..=MOST_LEADS {
-            let work = out.len() + count;
-            if best.as_ref().is_some_and(|(least, ..)| work > *least) {
-                break;
-            }
-            let Some(put) = put(change_g + taken, key_front_mm, masses_g, &stays, count) else { continue };
-            let weight = put.iter().map(|lead| lead.front_weight_g(key_front_mm)).sum::<f64>() - taken;
-            // Where nothing is put, what comes out alone may not do.
-            if (weight - change_g).abs() > CLOSE_G {
+        let mut masses: Vec<f64> = masses_g.iter().copied().chain(out.iter().map(|lead| lead.mass_g)).collect();
+        masses.sort_by(|a, b| b.total_cmp(a));
+        masses.dedup();
+        let places = places(change_g + taken, key_front_mm);
+        for mass_g in (0..=MOST_LEADS).flat_map(|count| choices(&masses, count)) {
+            if places[0] < 0.0 && several_in_front && !mass_g.is_empty() {
                 continue;
             }
-            let inertia: f64 = put.iter().map(|lead| lead.inertia_g(key_front_mm)).sum::<f64>()
-                - out.iter().map(|lead| lead.inertia_g(key_front_mm)).sum::<f64>();
-            if best.as_ref().is_none_or(|(least, lowest, _)| (work, inertia) < (*least, *lowest)) {
-                let found = LeadWork { out: out.clone(), put, front_weight_g: weight, inertia_g: inertia };
-                best = Some((work, inertia, found));
+            let added = added(&mass_g, &out);
+            // A lead that is moved leaves one hole to plug and asks for another.
+            let cost = [added, out.len() + mass_g.len()];
+            if best.as_ref().is_some_and(|(least, ..)| cost > *least) {
+                continue;
+            }
+            // Not beside a lead that stays, nor into the plug of one that comes out.
+            let Some(put) = stand((change_g + taken) * key_front_mm, &mass_g, places, present) else { continue };
+            let sum = |of: fn(&Lead, f64) -> f64, leads: &[Lead]| -> f64 {
+                leads.iter().map(|lead| of(lead, key_front_mm)).sum()
+            };
+            let front_weight_g = sum(Lead::front_weight_g, &put) - taken;
+            if (front_weight_g - change_g).abs() > CLOSE_G {
+                continue;
+            }
+            let inertia_g = sum(Lead::inertia_g, &put) - sum(Lead::inertia_g, &out);
+            if best.as_ref().is_none_or(|(least, lowest, _)| (cost, inertia_g) < (*least, *lowest)) {
+                best = Some((cost, inertia_g, LeadWork { out: out.clone(), put, front_weight_g, inertia_g }));
             }
         }
     }
     best.map(|(.., work)| work)
 }
 
-/// So many leads that add so much front weight, with the least inertia; `None` where they do not fit.
-fn put(change_g: f64, key_front_mm: f64, masses_g: &[f64], stays: &[Lead], count: usize) -> Option<Vec<Lead>> {
-    if count == 0 {
-        return Some(Vec::new());
-    }
-    let places = places(change_g, key_front_mm);
-    let mut best: Option<(f64, Vec<Lead>)> = None;
-    for mass_g in choices(masses_g, count) {
-        let Some(put) = stand(change_g * key_front_mm, &mass_g, places, stays) else { continue };
-        let weight: f64 = put.iter().map(|lead| lead.front_weight_g(key_front_mm)).sum();
-        if (weight - change_g).abs() > CLOSE_G {
-            continue;
+/// How many of the masses that go in are not among those that come out.
+fn added(mass_g: &[f64], out: &[Lead]) -> usize {
+    let mut left: Vec<f64> = out.iter().map(|lead| lead.mass_g).collect();
+    let is_new = |mass: &&f64| match left.iter().position(|old| old == *mass) {
+        Some(at) => {
+            left.swap_remove(at);
+            false
         }
-        let inertia = put.iter().map(|lead| lead.inertia_g(key_front_mm)).sum::<f64>();
-        if best.as_ref().is_none_or(|(lowest, _)| inertia < *lowest) {
-            best = Some((inertia, put));
-        }
-    }
-    best.map(|(_, put)| put)
+        None => true,
+    };
+    mass_g.iter().filter(is_new).count()
 }
 
 /// Where leads may stand, mm from the pin: in front of it to add front weight, behind it (as far as in front) to take
@@ -137,9 +156,12 @@ fn choices(masses_g: &[f64], count: usize) -> Vec<Vec<f64>> {
     all
 }
 
-/// Leads of these masses side by side, so that mass times place is `moment` (g mm) to the nearest whole millimetre of
-/// the group; the places keep their distance from each other and from what stays.
-fn stand(moment: f64, masses_g: &[f64], [from, to]: [f64; 2], stays: &[Lead]) -> Option<Vec<Lead>> {
+/// Leads of these masses (none are no leads) side by side, so that mass times place is `moment` (g mm) to the nearest whole millimetre of
+/// the group; the places keep their distance from each other and from the holes that are there.
+fn stand(moment: f64, masses_g: &[f64], [from, to]: [f64; 2], holes: &[Lead]) -> Option<Vec<Lead>> {
+    if masses_g.is_empty() {
+        return Some(Vec::new());
+    }
     let total: f64 = masses_g.iter().sum();
     let offset = |i: usize| (i as f64 - 0.5 * (masses_g.len() - 1) as f64) * APART_MM;
     let middle_mm = (moment - masses_g.iter().enumerate().map(|(i, mass)| mass * offset(i)).sum::<f64>()) / total;
@@ -151,7 +173,7 @@ fn stand(moment: f64, masses_g: &[f64], [from, to]: [f64; 2], stays: &[Lead]) ->
     let middle_mm = if masses_g.len() == 1 { middle_mm.clamp(from, to) } else { middle_mm };
     let fits = |put: &[Lead]| {
         put.iter().all(|lead| {
-            (from..=to).contains(&lead.at_mm) && stays.iter().all(|other| (other.at_mm - lead.at_mm).abs() >= APART_MM)
+            (from..=to).contains(&lead.at_mm) && holes.iter().all(|other| (other.at_mm - lead.at_mm).abs() >= APART_MM)
         })
     };
     let put = group(middle_mm);
@@ -214,14 +236,56 @@ mod tests {
         assert_eq!(lead_work(1.8, 265.0, &LEADS_G, &[]).unwrap().put, [Lead { mass_g: 10.0, at_mm: 48.0 }]);
     }
 
+    const fn lead(mass_g: f64, at_mm: f64) -> Lead {
+        Lead { mass_g, at_mm }
+    }
+
     /// A lead that is there comes out where that is enough, and nothing is put where another stays.
     #[test]
     fn present_leads_are_used() {
-        let present = [Lead { mass_g: 14.0, at_mm: 150.0 }, Lead { mass_g: 14.0, at_mm: 100.0 }];
+        let present = [lead(14.0, 150.0), lead(14.0, 100.0)];
         let work = lead_work(-5.6, FRONT_MM, &LEADS_G, &present).unwrap();
-        assert_eq!((work.out.as_slice(), work.put.len()), (&[Lead { mass_g: 14.0, at_mm: 100.0 }][..], 0));
-        let work = lead_work(5.6, FRONT_MM, &LEADS_G, &present).unwrap();
-        assert!(work.put.iter().all(|lead| present.iter().all(|other| (lead.at_mm - other.at_mm).abs() >= APART_MM)));
+        assert_eq!((work.out.as_slice(), work.put.len()), (&[lead(14.0, 100.0)][..], 0));
+        // 5.6 g at a front 250 mm away are 14 g moved by 100 mm, from 100 mm to where no lead may stand: one is added.
+        let work = lead_work(5.6, FRONT_MM, &LEADS_G, &present[1..]).unwrap();
+        assert_eq!((work.out.len(), work.put.len()), (0, 1), "{work:?}");
+        // 3 g are 54 mm for one of them: the inner one would come to the other's hole, the outer one into the front
+        // pin's mortise. Both move.
+        let work = lead_work(3.0, FRONT_MM, &LEADS_G, &present).unwrap();
+        let (moves, out, new) = work.moved();
+        assert_eq!((moves.len(), out.len(), new.len()), (2, 0, 0), "{work:?}");
+    }
+
+    /// By hand: 2 g less at a front 250 mm away are 14 g moved toward the pin by 36 mm (2.016 g). Nothing is added, and
+    /// nothing goes behind the pin.
+    #[test]
+    fn a_lead_is_moved_before_one_is_added() {
+        let present = [lead(14.0, 165.0), lead(14.0, 147.0)];
+        let work = lead_work(-2.0, FRONT_MM, &LEADS_G, &present).unwrap();
+        let (moves, out, new) = work.moved();
+        assert_eq!((out.len(), new.len()), (0, 0), "{work:?}");
+        assert_eq!(moves, [[lead(14.0, 165.0), lead(14.0, 129.0)]]);
+        assert!((work.front_weight_g + 14.0 * 36.0 / 250.0).abs() < 1e-12);
+    }
+
+    /// With several leads in front none goes behind the pin, whatever is asked for; and none is added while moving
+    /// those that are there is enough.
+    #[test]
+    fn nothing_behind_the_pin_where_several_stand_in_front() {
+        let present = [lead(14.0, 165.0), lead(10.0, 120.0), lead(7.0, 80.0)];
+        for halves in -40..=20_i32 {
+            let change_g = 0.5 * f64::from(halves);
+            let Some(work) = lead_work(change_g, FRONT_MM, &LEADS_G, &present) else { continue };
+            assert!(work.put.iter().all(|lead| lead.at_mm > 0.0), "{change_g}: {work:?}");
+            let stays = present.iter().filter(|lead| !work.out.contains(lead));
+            for stays in stays {
+                assert!(work.put.iter().all(|put| (put.at_mm - stays.at_mm).abs() >= APART_MM), "{change_g}: {work:?}");
+            }
+            if (-8.0..0.0).contains(&change_g) {
+                assert!(work.moved().2.is_empty(), "{change_g}: {work:?}");
+            }
+        }
+        assert!(lead_work(-2.0, FRONT_MM, &LEADS_G, &present).is_some());
     }
 
     /// Without known leads a front that is too heavy gets one behind the pin; nothing at all is done for less than half

@@ -17,9 +17,6 @@ const DECIDE: [Quantity; 6] = [Dip, Blow, JackPosition, LeverHeight, LetOff, Dro
 pub(super) const KEY_PER_HAMMER: f64 = 0.19;
 /// Times that dip and blow are tried on the copy and found anew.
 const TRIALS: u32 = 2;
-/// The least changes that are asked for, mm: a paper, and what can be seen of a blow.
-const LEAST_DIP_MM: f64 = 0.1;
-const LEAST_BLOW_MM: f64 = 0.5;
 /// Inside its range by so much, mm, a line bears what hand and reading are off by: a paper and a reading; 1/8 turn of
 /// the capstan and a reading; both for the aftertouch.
 const ROOM_DIP_MM: f64 = 0.3;
@@ -50,9 +47,10 @@ impl Planner<'_, '_> {
                 break;
             }
             let [new_dip, new_blow] = self.dip_and_blow([dip, blow], aftertouch);
-            for (quantity, value, least) in [(Dip, new_dip, LEAST_DIP_MM), (Blow, new_blow, LEAST_BLOW_MM)] {
+            for (quantity, value) in [(Dip, new_dip), (Blow, new_blow)] {
                 aims.retain(|(other, _)| *other != quantity);
-                let is_far = self.now.get(quantity).is_none_or(|now| (now - value).abs() >= 0.999 * least);
+                let is_far =
+                    self.now.get(quantity).is_none_or(|now| (now - value).abs() >= 0.999 * quantity.least_change());
                 if is_far || self.is_out(quantity) {
                     aims.push((quantity, value));
                 }
@@ -109,11 +107,11 @@ impl Planner<'_, '_> {
             (0..=((high - low) / step).round() as u32).map(move |n| low + step * f64::from(n))
         };
         let dips: Vec<f64> = match self.priority {
-            Priority::Aftertouch => steps(Dip, LEAST_DIP_MM / 2.0).chain([here(Dip, dip)]).collect(),
+            Priority::Aftertouch => steps(Dip, 0.5 * Dip.least_change()).chain([here(Dip, dip)]).collect(),
             Priority::Dip if self.is_out(Dip) => vec![Dip.aim(self.key)],
             Priority::Dip => vec![here(Dip, dip)],
         };
-        let blows: Vec<f64> = steps(Blow, LEAST_BLOW_MM / 2.0).chain([here(Blow, blow)]).collect();
+        let blows: Vec<f64> = steps(Blow, 0.5 * Blow.least_change()).chain([here(Blow, blow)]).collect();
         let pairs = dips.iter().flat_map(|dip| blows.iter().map(|blow| [*dip, *blow]));
         pairs.max_by(|a, b| gain(a[0], a[1]).total_cmp(&gain(b[0], b[1]))).unwrap_or([dip, blow])
     }

@@ -199,8 +199,12 @@ impl Planner<'_, '_> {
                 self.weigh()?;
             }
             let tried = self.tried(&work)?;
-            self.accept(&work, tried);
-            self.done.push(Done { quantity, work, instead });
+            if can_be_seen(quantity, &self.now, &self.now.moved(&self.own, &tried.1)) {
+                self.accept(&work, tried);
+                self.done.push(Done { quantity, work, instead });
+            } else if self.is_out(quantity) {
+                self.leave(quantity, Why::TooFine);
+            }
         }
         Ok(())
     }
@@ -430,11 +434,15 @@ impl Planner<'_, '_> {
         let mut items = Vec::new();
         for Done { quantity, work, instead } in merged {
             let Some(work) = work.in_steps() else { continue };
-            work.carry_out(&mut copy, self.progress)?;
-            let own_after = Readings::of(&copy, self.progress)?;
+            let mut worked = copy.clone();
+            work.carry_out(&mut worked, self.progress)?;
+            let own_after = Readings::of(&worked, self.progress)?;
             let after = now.moved(&own_now, &own_after);
-            items.push(Item { quantity, work, instead, before: now, after });
-            (own_now, now) = (own_after, after);
+            // Of what was turned forth and back there may be nothing left to see.
+            if can_be_seen(quantity, &now, &after) {
+                items.push(Item { quantity, work, instead, before: now, after });
+                (copy, own_now, now) = (worked, own_after, after);
+            }
         }
         let mut left = Vec::new();
         for quantity in Quantity::ALL.into_iter().filter(|quantity| now.is_out(*quantity, self.key)) {
@@ -443,6 +451,13 @@ impl Planner<'_, '_> {
         }
         Ok(Worklist { key: self.key, before: readings, items, after: now, left, copy })
     }
+}
+
+/// Whether a line's reading changes by as much as can be asked for; true where there is none before or after. (A
+/// thousandth of it is what rounding leaves.)
+fn can_be_seen(quantity: Quantity, before: &Readings, after: &Readings) -> bool {
+    let change = before.get(quantity).zip(after.get(quantity)).map(|(before, after)| (after - before).abs());
+    change.is_none_or(|change| change >= 0.999 * quantity.least_change())
 }
 
 /// Whether one is out by more than its reading may be off: for work that cannot be taken back.

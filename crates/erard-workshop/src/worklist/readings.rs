@@ -114,6 +114,20 @@ impl Quantity {
         self.known().1
     }
 
+    /// The least change that a line of work is asked for, in the line's unit: what a hand can do and a scale or a rule
+    /// can show. Nothing is asked for that is less.
+    #[must_use]
+    pub fn least_change(self) -> f64 {
+        match self {
+            DownWeight | UpWeight | BalanceWeight | FrictionWeight => 2.0,
+            FrontWeight | Blow => 0.5,
+            StrikeWeight | Dip => 0.1,
+            LetOff | Drop => 0.25,
+            Check => 1.0,
+            Ratio | JackPosition | LeverHeight | Aftertouch | Spring | Damper => 0.0,
+        }
+    }
+
     /// Its line of the sheet.
     ///
     /// # Panics

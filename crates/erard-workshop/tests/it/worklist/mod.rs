@@ -17,6 +17,16 @@ fn list_of(instrument: &Instrument) -> Worklist {
     worklist(instrument, &readings, &[], KEY, Priority::Aftertouch, go_on).unwrap()
 }
 
+/// No line asks for less than a hand can do and a scale can show.
+fn assert_lines_can_be_seen(list: &Worklist) {
+    for item in &list.items {
+        let change = item.before.get(item.quantity).zip(item.after.get(item.quantity)).map(|(a, b)| (b - a).abs());
+        let least = item.quantity.least_change();
+        assert!(change.is_none_or(|change| change >= 0.999 * least), "{item:?}");
+        assert!(item.work.amount().abs() >= 0.999 * item.work.step(), "{item:?}");
+    }
+}
+
 /// A front punching too few: the list puts paper under, and nothing that is in its range leaves it. What it promises
 /// is what the copy reads.
 #[test]
@@ -33,6 +43,7 @@ fn a_dip_too_deep_gets_paper() {
         "{paper:?}"
     );
     assert_eq!(list.left, []);
+    assert_lines_can_be_seen(&list);
     let read = Readings::of(&list.copy, &mut |_| true).unwrap();
     for quantity in Quantity::ALL {
         assert!(!read.is_out(quantity, KEY), "{quantity:?} {:?}", read.get(quantity));
@@ -51,6 +62,7 @@ fn heavy_touch_is_put_right() {
     assert_eq!(list.items.first().map(|item| item.quantity), Some(Quantity::FrictionWeight));
     let left: Vec<Quantity> = list.left.iter().map(|left: &Left| left.quantity).collect();
     assert_eq!(left, [Quantity::FrontWeight], "{:?}", list.left);
+    assert_lines_can_be_seen(&list);
     let read = Readings::of(&list.copy, &mut |_| true).unwrap();
     for quantity in Quantity::ALL {
         assert_eq!(read.is_out(quantity, KEY), left.contains(&quantity), "{quantity:?} {:?}", read.get(quantity));
@@ -102,15 +114,18 @@ fn a_piano_that_is_not_known_is_put_right() {
     let tally = tally(1);
     let [before, one, two] = tally.inside;
     assert!(tally.pianos == 1 && before < one && one <= two, "{}", tally.report());
+    assert!(tally.without_reason.is_empty() && tally.made_worse.is_empty(), "{}", tally.report());
 }
 
 mod nightly {
-    /// 200 pianos: what is inside their ranges grows from pass to pass.
+    /// 200 pianos: 95 % of all lines are inside their ranges after one pass, after two all that are not have a reason,
+    /// and no pass moves a line out of its range, or further out, by more than its reading's precision.
     #[test]
     #[ignore = "nightly: 200 drawn pianos, each regulated some forty times"]
     fn pianos_that_are_not_known_are_put_right() {
         let tally = super::tally(200);
-        let [before, one, two] = tally.inside;
-        assert!(tally.pianos == 200 && before < one && one <= two, "{}", tally.report());
+        let [_, one, two] = tally.inside;
+        assert!(tally.pianos == 200 && 20 * one >= 19 * tally.lines && one <= two, "{}", tally.report());
+        assert!(tally.without_reason.is_empty() && tally.made_worse.is_empty(), "{}", tally.report());
     }
 }
