@@ -26,7 +26,7 @@ use crate::measure::{Measured, doubts, page, table};
 use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
-use crate::sheet::{self, Advised, before_and_after, left, tasks};
+use crate::sheet::{self, Advised, before_and_after, beyond, left, tasks};
 use crate::tell;
 use crate::units::Lengths;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
@@ -177,6 +177,9 @@ impl Measure {
             }
             for line in left(&one.list, self.lengths) {
                 say!("    stays out: {line}");
+            }
+            for line in beyond(&one.measured.sheet) {
+                say!("    not by this list: {line}");
             }
             say!();
             if !tasks.is_empty() {

@@ -4,7 +4,7 @@ mod page;
 mod words;
 
 pub(crate) use page::html;
-pub(crate) use words::{left, tasks};
+pub(crate) use words::{beyond, left, tasks};
 
 use erard_workshop::worklist::{Quantity, Worklist};
 
@@ -76,6 +76,7 @@ pub(crate) fn report(one: &Advised<'_>) -> serde_json::Value {
         "tasks": tasks(one),
         "readings_before": readings(&one.list.before),
         "readings_after": readings(&one.list.after),
+        "not_by_this_list": beyond(sheet),
         "stays_out": stays
             .map(|(left, why)| serde_json::json!({"key": left.quantity.key(), "why": why}))
             .collect::<Vec<_>>(),

@@ -6,7 +6,7 @@ use erard_workshop::regulate::{CAPSTAN_THREAD_M, SMALL_THREAD_M};
 use erard_workshop::worklist::Quantity;
 use maud::{Markup, html};
 
-use super::{Advised, left, tasks};
+use super::{Advised, beyond, left, tasks};
 use crate::measure::{shown, usual};
 use crate::paper::{page, picture};
 use crate::table::Table;
@@ -148,6 +148,9 @@ fn to_do(one: &Advised<'_>) -> Markup {
         }
         @for line in stays {
             p.soft { "Stays out: " (line) "." }
+        }
+        @for line in beyond(&one.measured.sheet) {
+            p.soft { "Not by this list: " (line) "." }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A list of work in the words of the bench.
 
+use erard_workshop::measure::Sheet;
 use erard_workshop::regulate::{Handwork, known_screw, turns_text};
 use erard_workshop::worklist::{Item, Quantity, Readings, Why, Work, Worklist};
 
@@ -19,6 +20,34 @@ pub(crate) fn left(list: &Worklist, lengths: Lengths) -> Vec<String> {
         format!("{} {reads}: {}", name(quantity), why_words(quantity, why))
     };
     list.left.iter().map(|left| line(left.quantity, &left.why)).collect()
+}
+
+/// What is out of its range and no line of work is for, with what it comes from: a line each. Other readings of the same
+/// weight or ratio are left out.
+pub(crate) fn beyond(sheet: &Sheet) -> Vec<String> {
+    let is_worked_on = |key: &str| {
+        const READ_OTHERWISE: [&str; 3] = ["by_slow_loop.", "dampers_down.", "strike_weight_ratio_"];
+        Quantity::ALL.iter().any(|quantity| quantity.key() == key)
+            || READ_OTHERWISE.iter().any(|other| key.starts_with(other))
+    };
+    let others = sheet.flags.iter().filter(|flag| !is_worked_on(flag.key));
+    others.map(|flag| format!("{}; {}", flag.message, comes_from(flag.key))).collect()
+}
+
+/// What decides a line that no line of work is for.
+fn comes_from(key: &str) -> &'static str {
+    match key {
+        "whippen_weight_g" => "no screw changes it: weigh it off the key, and compare its neighbours",
+        "key_ratio" => "the key's wood and the capstan's place decide it",
+        "double_strike_m_s" => "back check, repetition spring and lever decide it: measure again after this list",
+        "repetition_rate_hz" | "repetition_rate_half_hz" => {
+            "friction, spring and check decide it: measure again after this list"
+        }
+        _ if key.starts_with("effective_inertia") => {
+            "lighter hammers, less leverage or less lead bring it down: measure again after this list"
+        }
+        _ => "no line of this list is for it: measure again after it",
+    }
 }
 
 fn task(item: &Item, one: &Advised<'_>) -> Task {

@@ -208,6 +208,12 @@ fn the_technicians_sheet() {
     for key in ["let_off_mm", "drop_mm", "repetition_spring_m_s"] {
         assert!(out_of_norm.iter().any(|one| one == key), "{key}: {sheets}");
     }
+    // What is out and no line of work is for is said, once: other readings of the same weight or ratio are not.
+    let read = sheets[0]["readings_before"].as_object().unwrap();
+    let is_beyond =
+        |key: &str| !read.contains_key(key) && !key.contains('.') && !key.starts_with("strike_weight_ratio");
+    let beyond = out_of_norm.iter().filter(|key| is_beyond(key.as_str().unwrap())).count();
+    assert_eq!(sheets[0]["not_by_this_list"].as_array().unwrap().len(), beyond, "{sheets}");
     let whats: Vec<&str> =
         sheets[0]["tasks"].as_array().unwrap().iter().map(|task| task["what"].as_str().unwrap()).collect();
     assert!(
