@@ -71,9 +71,9 @@ impl LeadWork {
 
 /// The leads that change the front weight by so much, to the nearest that leads of these masses, each at a whole
 /// millimetre, can. `present` are the key's own leads where they are known: they are moved or taken out before any is
-/// added, nothing is put where one of them stays, and nothing goes behind the pin where several stand in front. Of
-/// what is left, the fewest holes are plugged and bored, with the least inertia. `None` where nothing reaches the change to a
-/// quarter of a gram: a key from whose front more must be taken than its known leads weigh, say.
+/// added, nothing is put where one of them stays, and nothing goes behind the pin where several stand in front. Of what
+/// is left, the fewest holes are plugged and bored, with the least inertia. `None` where nothing reaches the change to
+/// a quarter of a gram: a key from whose front more must be taken than its known leads weigh, say.
 #[must_use]
 pub(crate) fn lead_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead]) -> Option<LeadWork> {
     if change_g.abs() < FEWEST_GRAMS {
@@ -156,8 +156,8 @@ fn choices(masses_g: &[f64], count: usize) -> Vec<Vec<f64>> {
     all
 }
 
-/// Leads of these masses (none are no leads) side by side, so that mass times place is `moment` (g mm) to the nearest whole millimetre of
-/// the group; the places keep their distance from each other and from the holes that are there.
+/// Leads of these masses (none are no leads) side by side, so that mass times place is `moment` (g mm) to the nearest
+/// whole millimetre of the group; the places keep their distance from each other and from the holes that are there.
 fn stand(moment: f64, masses_g: &[f64], [from, to]: [f64; 2], holes: &[Lead]) -> Option<Vec<Lead>> {
     if masses_g.is_empty() {
         return Some(Vec::new());
