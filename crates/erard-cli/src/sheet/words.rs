@@ -22,8 +22,8 @@ pub(crate) fn left(list: &Worklist, lengths: Lengths) -> Vec<String> {
     list.left.iter().map(|left| line(left.quantity, &left.why)).collect()
 }
 
-/// What is out of its range and no line of work is for, with what it comes from: a line each. Other readings of the same
-/// weight or ratio are left out.
+/// What is out of its range and no line of work is for, with what it comes from: a line each. Other readings of the
+/// same weight or ratio are left out.
 pub(crate) fn beyond(sheet: &Sheet) -> Vec<String> {
     let is_worked_on = |key: &str| {
         const READ_OTHERWISE: [&str; 3] = ["by_slow_loop.", "dampers_down.", "strike_weight_ratio_"];
