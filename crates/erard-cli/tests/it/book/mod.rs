@@ -1,8 +1,8 @@
 //! The book under `book/`: its commands run, its files are valid, its links lead somewhere, its pictures were drawn by
 //! its own commands, and its command-line reference is the program's.
 //!
-//! `ERARD_BOOK=write cargo test --release -p erard-cli --test it book::commands -- --ignored` draws the pictures and
-//! prints the outputs anew.
+//! `ERARD_BOOK=write cargo test --release -p erard-cli --test it book:: -- --ignored` draws the pictures and prints the
+//! outputs anew.
 
 mod blocks;
 #[path = "../../../examples/cli_reference/page.rs"]
@@ -53,11 +53,31 @@ fn files(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Every chapter's blocks in order, each chapter in a folder of its own; then its pictures.
+/// Chapters with a command that takes half a minute or more: a fit, a reproduction, a sheet with its list of work, the
+/// sensitivities of all numbers, the comparison with what is published.
+const LONG: [&str; 5] = ["bench.md", "gives.md", "measured.md", "study.md", "validate.md"];
+
+/// The blocks of all chapters but the long ones.
 #[test]
-#[ignore = "ci: every command of the book"]
+#[ignore = "ci: the commands of the book"]
 fn commands_run_and_print_what_the_book_says() {
-    let pages = pages();
+    follow(|name| !LONG.contains(&name));
+}
+
+mod nightly {
+    /// The blocks of the long chapters.
+    #[test]
+    #[ignore = "nightly: the book's commands that take minutes"]
+    fn long_commands_run_and_print_what_the_book_says() {
+        let long = super::pages().iter().filter(|page| super::LONG.contains(&page.name.as_str())).count();
+        assert_eq!(long, super::LONG.len(), "each is a chapter");
+        super::follow(|name| super::LONG.contains(&name));
+    }
+}
+
+/// Every chosen chapter's blocks in order, each chapter in a folder of its own; then its pictures.
+fn follow(is_chosen: impl Fn(&str) -> bool) {
+    let pages: Vec<Page> = pages().into_iter().filter(|page| is_chosen(&page.name)).collect();
     let faults: Vec<String> = std::thread::scope(|scope| {
         let running: Vec<_> = pages.iter().map(|page| scope.spawn(|| play(page))).collect();
         running.into_iter().flat_map(|r| r.join().expect("a chapter's run does not panic")).collect()

@@ -4,6 +4,7 @@ use std::env::consts::EXE_SUFFIX;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+use std::time::Instant;
 
 use super::blocks::{Block, Format, Kind, without_numbers};
 use crate::common::Folder;
@@ -88,7 +89,9 @@ impl Session {
             }
         };
         let failed = |error| format!("{}: {error}; `cargo build --release --workspace` builds it", program.display());
+        let began = Instant::now();
         let output = Command::new(&program).current_dir(&self.folder.0).args(arguments).output().map_err(failed)?;
+        println!("{:6.1} s  {line}", began.elapsed().as_secs_f64());
         let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         if output.status.code() != Some(expected) {
             return Err(format!("ended with {}, expected {expected}: {err}", output.status));
