@@ -23,8 +23,11 @@ const FLOORS: [&str; 13] = [
 ];
 
 /// Dependencies of development that go upward, each with its reason.
-const UPWARD: [(&str, &str, &str); 1] =
-    [("erard", "erard-workshop", "`cargo bench -p erard` times what `erard bench` times")];
+const UPWARD: [(&str, &str, &str); 3] = [
+    ("erard", "erard-workshop", "`cargo bench -p erard` times what `erard bench` times"),
+    ("moreau-kernels", "erard", "the benchmark of instructions plays a piano, in the package compiled as one unit"),
+    ("moreau-kernels", "erard-workshop", "that benchmark plays the note of the others"),
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
