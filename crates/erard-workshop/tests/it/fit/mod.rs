@@ -1,8 +1,10 @@
 //! Fits find what made the data, and say what the data do not tell.
 
 #[allow(dead_code)]
-#[path = "../../examples/recordings.rs"]
+#[path = "../../../examples/recordings.rs"]
 mod recordings;
+
+mod best;
 
 use std::sync::LazyLock;
 
