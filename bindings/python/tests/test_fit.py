@@ -39,6 +39,8 @@ def test_the_truth_is_found_within_its_errors(found: erard.Fit) -> None:
         assert abs(found.x[name] - true) < 4 * found.std[name], (name, found.x[name], found.std[name])
     assert found.chi2_reduced == pytest.approx(1.0, abs=0.05) and not found.unseen
     assert list(found.noise.values()) == [1e-5, 5e-5, 1e-5, 5e-5]
+    for title, sigma in found.noise.items():
+        assert found.rms_at_start[title] > found.rms[title] == pytest.approx(sigma, rel=0.1)
     assert found.cov.shape == (4, 4) and np.allclose(np.diag(found.correlation), 1.0)
     assert found.instrument == found._problem.asked.instrument.vary(found.x)
     assert found.values["body.hammer.mass"] == pytest.approx(found.instrument.parameters["body.hammer.mass"].value)

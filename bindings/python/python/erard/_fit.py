@@ -122,12 +122,15 @@ class Fit:
     delays : dict of str to float
         How much later than the drive each channel was written down, s; empty where that was not estimated.
     noise : dict of str to float
-        Root mean square of each channel's noise, N or m: estimated, or as given.
+        Root mean square of each channel's noise, N or m: as given, as read from the recording, or else estimated from the residuals.
+    rms_at_start, rms : dict of str to float
+        Root mean square of fitted less measured of each channel where the fit began, and of the result, N or m.
     residuals : ndarray of shape (M,)
         Fitted less measured, over the noise.
-    chi2_reduced : float
-        Sum of their squares over the degrees of freedom.
-    chi2_expected : float
+    chi2_reduced : float or None
+        Sum of their squares over the degrees of freedom; None where the noise of a channel was estimated from its residuals, which makes it 1
+        whatever the fit is worth.
+    chi2_expected : float or None
         What it should be if the model were true: 1 for the sensors' noise, and what the drive's noise adds, which moves the model itself.
     singular_values : ndarray of shape (P,)
         Of the Jacobian, every parameter counted in halves of what its bounds allow: below 1 a direction is known no better from the data than
@@ -156,6 +159,8 @@ class Fit:
         self.jacobian_agreement = found["jacobian_agreement"]
         channels = found["channels"]
         self.noise = {title: sigma for title, sigma, *_ in channels}
+        self.rms_at_start = {title: start for title, _, _, start, *_ in channels}
+        self.rms = {title: end for title, _, _, _, end, _ in channels}
         self.delays = {title: delay for title, *_, delay in channels if delay is not None}
         self.evaluations, self.differentiated = found["evaluations"], found["differentiated"]
 
@@ -201,7 +206,9 @@ class Fit:
         lines = [
             f"Fit of {asked.instrument.name} to {len(asked.recordings)} recordings, {len(self.residuals)} samples",
             f"  {self.message}; {self.evaluations} strokes played{with_derivatives}",
-            f"  reduced chi2 {self.chi2_reduced:.3f}, of which the noise of sensors and drive explains {self.chi2_expected:.3f}",
+            "  reduced chi2: no verdict, because noise is estimated from the residuals"
+            if self.chi2_reduced is None or self.chi2_expected is None
+            else f"  reduced chi2 {self.chi2_reduced:.3f}, of which the noise of sensors and drive explains {self.chi2_expected:.3f}",
         ]
         rows = [("", "value", "as vary takes it", "bounds"), *self.rows()]
         wide = [max(len(row[k]) for row in rows) for k in range(4)]
@@ -209,7 +216,9 @@ class Fit:
         names = list(self.x)
         if pairs := self._found["correlated"]:
             lines += ["Correlations above 0.5", *(f"  {names[i]} and {names[j]}: {r:+.2f}" for i, j, r in pairs)]
-        lines += [f"Noise of {title}: {sigma:.3g}" for title, sigma in self.noise.items()]
+        lines += ["Fitted less measured, root mean square, SI"]
+        for title, noise, is_known, start, end, _ in self._found["channels"]:
+            lines += [f"  {title}: {start:.3g} at the start, {end:.3g} at the end; noise {noise:.3g}{'' if is_known else ', from the residuals'}"]
         lines += [f"Delay of {title}: {1e3 * delay:.3f} ms" for title, delay in self.delays.items()]
         lines += [f"Not seen: {told}" for told in self.unseen]
         lines += [f"Doubtful: {told}" for told in self._found["warnings"]]

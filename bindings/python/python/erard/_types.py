@@ -45,8 +45,8 @@ class Fitted(TypedDict):
     sensors_cov: Floats
     residuals: Floats
     degrees_of_freedom: int
-    chi2_reduced: float
-    chi2_expected: float
+    chi2_reduced: float | None
+    chi2_expected: float | None
     singular_values: Floats
     unseen: list[str]
     jacobian_agreement: float

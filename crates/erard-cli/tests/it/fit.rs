@@ -31,6 +31,13 @@ fn a_fit_is_written() {
     let table = folder.read("erard-out-fit/fit.csv");
     assert!(table.starts_with("recording,time_s,measured_hammer_head_m,fitted_hammer_head_m,"), "{table}");
     assert_eq!(table.lines().count(), 1 + number(&found, "samples") as usize / 2);
+    // What is left over of each channel beside its sensor's noise, in um and in SI units.
+    for channel in found["channels"].as_array().unwrap() {
+        let [start, end, noise] = ["rms_at_start", "rms", "noise"].map(|key| number(channel, key));
+        assert!(start > 2.0 * end && (0.8..3.0).contains(&(end / noise)), "{channel}");
+        assert!(said.contains(&format!("{:.3}", start * 1e6)[..4]), "{channel}: {said}");
+    }
+    assert!(said.contains("measured less fitted, rms"), "{said}");
     for picture in ["fit.svg", "fit.png"] {
         assert!(folder.0.join("erard-out-fit").join(picture).exists());
     }

@@ -29,7 +29,7 @@ pub struct FitResult {
     pub residuals: Vec<f64>,
     /// Residuals less parameters.
     pub degrees_of_freedom: usize,
-    /// Sum of the residuals' squares over the degrees of freedom.
+    /// Sum of the residuals' squares over the degrees of freedom. See [`FitResult::chi2`] for what it is worth.
     pub chi2_reduced: f64,
     /// What it should be if the model were true: 1 for the sensors' noise, and what the drive's noise adds, which moves
     /// the model itself.
@@ -168,6 +168,13 @@ impl FitResult {
             point,
             free,
         }
+    }
+
+    /// Reduced chi2, and what it should be if the model were true. `None` where the noise of a channel was estimated
+    /// from its residuals: chi2 is 1 then, whatever the fit is worth.
+    pub fn chi2(&self) -> Option<(f64, f64)> {
+        let is_known = self.channels.iter().all(|channel| channel.noise_is_known);
+        is_known.then_some((self.chi2_reduced, self.chi2_expected))
     }
 
     /// What was fitted, in SI units, with its standard deviation.
