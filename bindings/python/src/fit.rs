@@ -406,7 +406,8 @@ fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict
     all.set_item("correlated", found.correlated())?;
     all.set_item("evaluations", found.evaluations)?;
     all.set_item("differentiated", found.differentiated)?;
-    all.set_item("warnings", found.warnings())?;
+    let doubts = found.doubts.iter().map(|doubt| (doubt.kind.name(), doubt.text.as_str()));
+    all.set_item("doubts", doubts.collect::<Vec<_>>())?;
     Ok(all)
 }
 

@@ -126,7 +126,10 @@ def test_noise_of_what_drives_makes_errors_larger(rigid: erard.Instrument) -> No
     # At 1 kHz neither rest nor spectrum tells it.
     coarse = {name: values[::4] for name, values in data.items()}
     assert erard.Recording(coarse, zero=False, low_pass=None).noise("force_N") is None
-    assert "the noise of force_N, which drives, is not known" in str(erard.fit(rigid, coarse, vary=["body.hammer.mass"], sigma=NOISE))
+    with pytest.warns(erard.DoubtfulFitWarning, match="the noise of force_N, which drives, is not known"):
+        unknown = erard.fit(rigid, coarse, vary=["body.hammer.mass"], sigma=NOISE)
+    assert "noise_unknown" in [doubt.kind for doubt in unknown.doubts]
+    assert str(unknown).startswith("Doubtful: ") and "the noise of force_N, which drives, is not known" in str(unknown)
 
 
 def test_delays_are_estimated(rigid: erard.Instrument) -> None:

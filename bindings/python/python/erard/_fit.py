@@ -6,6 +6,7 @@ The fit is the extension's, and so that of the command `erard fit`. Here its res
 from __future__ import annotations
 
 import html
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Unpack
@@ -14,7 +15,7 @@ import numpy as np
 
 from . import _erard
 from ._common import Stepping, counter, names_of, number, steps, whole
-from ._errors import InputError
+from ._errors import DoubtfulFitWarning, InputError
 from ._instrument import Instrument, instrument_of
 from ._recording import Recording, as_recording
 
@@ -47,6 +48,24 @@ class Channel:
         if not isinstance(other, Channel):
             return NotImplemented
         return all(np.array_equal(one, two) for one, two in zip(vars(self).values(), vars(other).values(), strict=True))
+
+
+class Doubt(NamedTuple):
+    """A reason to doubt a fit.
+
+    Attributes
+    ----------
+    kind : str
+        "no_impact": the recording's hammer reaches the string, the fitted model's does not. "misfit": more is left over than noise explains.
+        "bound": a parameter ended at a bound. "restarts": attempts from several starts ended at different places. "beyond_impact": data go on
+        beyond the first impact. "derivatives": they depend on the step of their differences. "noise_unknown": of what drives it counts as none,
+        of what is compared it is estimated from the residuals. "recording": a recording does not look as it should.
+    text : str
+        What was found, and what it means.
+    """
+
+    kind: str
+    text: str
 
 
 class Asked(NamedTuple):
@@ -132,6 +151,8 @@ class Fit:
         whatever the fit is worth.
     chi2_expected : float or None
         What it should be if the model were true: 1 for the sensors' noise, and what the drive's noise adds, which moves the model itself.
+    doubts : list of Doubt
+        What makes the answer doubtful; empty where nothing does. `erard.fit` warns of them by a `DoubtfulFitWarning`.
     singular_values : ndarray of shape (P,)
         Of the Jacobian, every parameter counted in halves of what its bounds allow: below 1 a direction is known no better from the data than
         from its bounds.
@@ -155,6 +176,7 @@ class Fit:
         self.correlation: Array = self.cov / np.outer(found["std"], found["std"])
         self.residuals, self.degrees_of_freedom = found["residuals"], found["degrees_of_freedom"]
         self.chi2_reduced, self.chi2_expected = found["chi2_reduced"], found["chi2_expected"]
+        self.doubts = [Doubt(kind, text) for kind, text in found["doubts"]]
         self.singular_values, self.unseen = found["singular_values"], found["unseen"]
         self.jacobian_agreement = found["jacobian_agreement"]
         channels = found["channels"]
@@ -204,6 +226,7 @@ class Fit:
         with_derivatives = f" and {self.differentiated} with derivatives" if self.differentiated else ""
         asked = self._problem.asked
         lines = [
+            *(f"Doubtful: {doubt.text}." for doubt in self.doubts),
             f"Fit of {asked.instrument.name} to {len(asked.recordings)} recordings, {len(self.residuals)} samples",
             f"  {self.message}; {self.evaluations} strokes played{with_derivatives}",
             "  reduced chi2: no verdict, because noise is estimated from the residuals"
@@ -221,7 +244,6 @@ class Fit:
             lines += [f"  {title}: {start:.3g} at the start, {end:.3g} at the end; noise {noise:.3g}{'' if is_known else ', from the residuals'}"]
         lines += [f"Delay of {title}: {1e3 * delay:.3f} ms" for title, delay in self.delays.items()]
         lines += [f"Not seen: {told}" for told in self.unseen]
-        lines += [f"Doubtful: {told}" for told in self._found["warnings"]]
         return "\n".join(lines)
 
     def __eq__(self, other: object) -> bool:
@@ -283,7 +305,7 @@ def fit(
     sigma : mapping of str to float, optional
         The noise of a column, root mean square, N or m; that of the drive, too, whose effect on the parameters is part of their errors. By default it
         is read from the rest before the touch or the spectrum; where neither tells it, from what is left over. Where nothing tells that of the
-        drive it counts as none, and the report says so: a load cell's 20 mN can make errors ten times larger.
+        drive it counts as none. Both are doubts: a load cell's 20 mN can make errors ten times larger.
     delay : bool
         Estimate for every column how much later it was written down than what drives.
     bounds : mapping of str to (float, float), optional
@@ -314,7 +336,12 @@ def fit(
     Returns
     -------
     Fit
-        `x`, `std`, `cov`, `residuals`, `plot()`, `instrument`, `unseen`; printed it is a report.
+        `x`, `std`, `cov`, `doubts`, `residuals`, `plot()`, `instrument`, `unseen`; printed it is a report.
+
+    Warns
+    -----
+    DoubtfulFitWarning
+        Where `Fit.doubts` is not empty.
 
     Raises
     ------
@@ -331,7 +358,9 @@ def fit(
     >>> run, rng = true.press(stroke="p", duration=0.1), np.random.default_rng(1)
     >>> mine = {"time_s": run["time_s"][::20], "force_N": run["force_N"][::20],
     ...         "key_m": run["key_m"][::20] + 1e-5 * rng.standard_normal(101)}
-    >>> found = erard.fit(grand, mine, vary=["body.hammer.mass"], sigma={"key_m": 1e-5})
+    >>> found = erard.fit(grand, mine, vary=["body.hammer.mass"], sigma={"key_m": 1e-5, "force_N": 0.0})
+    >>> found.doubts
+    []
     >>> bool(abs(found.x["body.hammer.mass"] - 1.04) < 4 * found.std["body.hammer.mass"])
     True
     """
@@ -355,7 +384,10 @@ def fit(
     problem = Problem(asked)
     with counter(progress, "fit", "strokes") as tell:
         found = problem._inner.fit((begin, loss, jacobian, restarts, most), _by_scipy if minimizer == "scipy" else None, tell)
-    return Fit(problem, found)
+    fitted = Fit(problem, found)
+    if fitted.doubts:
+        warnings.warn("doubtful fit: " + "; ".join(doubt.text for doubt in fitted.doubts), DoubtfulFitWarning, stacklevel=2)
+    return fitted
 
 
 def _bounds(name: str, limits: Any) -> tuple[float, float]:

@@ -56,7 +56,8 @@ class Fitted(TypedDict):
     correlated: list[tuple[int, int, float]]
     evaluations: int
     differentiated: int
-    warnings: list[str]
+    #: Kind and sentence.
+    doubts: list[tuple[str, str]]
 
 
 class Work(TypedDict):

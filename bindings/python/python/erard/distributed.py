@@ -366,7 +366,7 @@ def _fit_one(instrument: Instrument, recordings: Any, options: dict[str, Any]) -
     found = one(instrument, recordings, **options)
     return {
         "x": found.x, "std": found.std, "chi2_reduced": found.chi2_reduced, "noise": found.noise, "unseen": found.unseen,
-        "report": str(found),
+        "doubts": found.doubts, "report": str(found),
     }  # fmt: skip
 
 
@@ -395,7 +395,7 @@ def fit(
     Returns
     -------
     list of dict
-        In the order of the recordings: `x`, `std`, `chi2_reduced`, `noise`, `unseen`, `report`.
+        In the order of the recordings: `x`, `std`, `chi2_reduced`, `noise`, `unseen`, `doubts`, `report`.
     """
     asked = {"vary": list(vary), "threads": 1, **options}
     with _client(client, workers, processes) as own:

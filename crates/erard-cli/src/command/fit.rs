@@ -8,16 +8,16 @@ use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::figure_svg;
 use erard_workshop::cores;
-use erard_workshop::fit::{Asked, Data, FitError, Jacobian, Loss, Plan, Problem, free};
+use erard_workshop::fit::{Asked, Data, FitError, FitResult, Jacobian, Loss, Plan, Problem, free};
 
 use super::options::{DRIVES, StepOptions, check, load_instrument_and_text};
 use super::out::OutOptions;
 use crate::failure::Failure;
-use crate::fit::{column, figure, lines, report, table, value, warnings};
+use crate::fit::{column, figure, lines, report, table, value};
 use crate::names::{Name, one_of};
 use crate::progress::Progress;
 use crate::recordings::RecordingOptions;
-use crate::{say, tell};
+use crate::say;
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/fit.txt");
@@ -175,12 +175,9 @@ impl Fit {
         for line in lines(&found, &problem, &instrument.name) {
             say!("{line}");
         }
-        for warning in warnings(&found, &problem) {
-            tell!("warning: {warning}");
-        }
         say!();
         say!("{written}");
-        Ok(())
+        doubtful(&found)
     }
 
     /// What was recorded, ready to be fitted.
@@ -255,6 +252,20 @@ impl Fit {
             Some(at) => Err(Failure::Usage(format!("{option}: `{}` is there twice", all[at].0))),
             None => Ok(all),
         }
+    }
+}
+
+/// Nothing, or that there are doubts, with their kinds.
+fn doubtful(found: &FitResult) -> Result<(), Failure> {
+    let mut kinds: Vec<&str> = found.doubts.iter().map(|doubt| doubt.kind.name()).collect();
+    kinds.dedup();
+    match found.doubts.len() {
+        0 => Ok(()),
+        1 => Err(Failure::Doubtful(format!("the fit is doubtful ({}); all files are written", kinds[0]))),
+        n => Err(Failure::Doubtful(format!(
+            "the fit is doubtful for {n} reasons ({}); all files are written",
+            kinds.join(", ")
+        ))),
     }
 }
 

@@ -5,15 +5,6 @@ use serde_json::{Value, json};
 
 use crate::compare::prepared_channel;
 
-/// What is to be looked at: of the recordings and of the fit.
-pub(crate) fn warnings(found: &FitResult, problem: &Problem) -> Vec<String> {
-    let seen = problem.data.iter().flat_map(|one| {
-        let notes = one.note.map(str::to_owned).into_iter().chain(one.driven.report.warnings());
-        notes.map(|warning| format!("{}: {warning}", one.name))
-    });
-    seen.chain(found.warnings()).collect()
-}
-
 /// fit.json. Parameters are in SI units; of what was varied a factor or, of screws, how far they are turned.
 pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> Value {
     let recordings = problem.data.iter().zip(&problem.drive_sigma).map(|(one, sigma)| {
@@ -61,8 +52,10 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
             "delay_std_s": found.channels[k].delay_s.map(|(_, std)| std),
         })
     });
+    let doubts = found.doubts.iter().map(|doubt| json!({"kind": doubt.kind.name(), "text": doubt.text}));
     json!({
         "instrument": instrument,
+        "doubts": doubts.collect::<Value>(),
         "ended": found.message,
         "recordings": recordings.collect::<Value>(),
         "samples": found.residuals.len(),
@@ -78,6 +71,5 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
         "jacobian_agreement": found.jacobian_agreement,
         "strokes": found.evaluations,
         "strokes_with_derivatives": found.differentiated,
-        "warnings": warnings(found, problem),
     })
 }

@@ -3,7 +3,7 @@
 use erard_workshop::fit::{Channel, FitResult, Problem};
 
 use super::values::unit_shown;
-use crate::table::Table;
+use crate::table::{Table, WIDEST, wrapped};
 
 /// Decimals with which a number with this error is shown: two digits of the error, at most six places behind the point;
 /// `None` where only powers of ten do.
@@ -23,7 +23,7 @@ fn shown(x: f64, decimals: Option<usize>) -> String {
     }
 }
 
-/// The report, line by line.
+/// The report, line by line: doubts first.
 pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> Vec<String> {
     let names: Vec<&str> = problem.data.iter().map(|one| one.name.as_str()).collect();
     let with = if found.differentiated > 0 {
@@ -31,7 +31,12 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
     } else {
         String::new()
     };
-    let mut lines = vec![
+    let mut lines: Vec<String> =
+        found.doubts.iter().flat_map(|doubt| wrapped(&format!("Doubtful: {}.", doubt.text), WIDEST)).collect();
+    if !lines.is_empty() {
+        lines.push(String::new());
+    }
+    lines.extend([
         format!("{instrument} fitted to {}", names.join(", ")),
         format!("  {} samples, {} strokes played{with}; {}", found.residuals.len(), found.evaluations, found.message),
         match found.chi2() {
@@ -41,7 +46,7 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
             None => "  reduced chi2: no verdict, because noise is estimated from the residuals".to_owned(),
         },
         String::new(),
-    ];
+    ]);
     let head = ["parameter", "value", "+-", "start", "from", "to", "unit", ""].map(str::to_owned);
     let rows = found.values().enumerate().map(|(k, (one, value, std))| {
         let (by, unit) = unit_shown(one.unit);

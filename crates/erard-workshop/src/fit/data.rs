@@ -10,7 +10,7 @@ use moreau::Settings;
 
 use super::FitError;
 use crate::balance::median;
-use erard::recording::{Butterworth, LowPass, Preparation, Prepared, prepare};
+use erard::recording::{Butterworth, ChannelReport, LowPass, Preparation, Prepared, prepare};
 
 /// What can be fitted of a recording, and the noise that is taken where nothing tells it, N and m.
 pub const COLUMNS: [(&str, Role, f64); 3] =
@@ -159,11 +159,33 @@ impl Data {
         Some(self.prepared.report.channel(*role)?.noise?.rms)
     }
 
+    /// What should be looked at in what drives and in what is compared.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let is_compared = |role: Role| COLUMNS.iter().any(|(own, of, _)| *of == role && self.columns.contains(own));
+        let of = |channel: &ChannelReport| match channel.role {
+            role if role == self.driving_role() => channel.warnings(),
+            role if is_compared(role) => channel.misread(),
+            _ => Vec::new(),
+        };
+        self.driven.report.channels.iter().flat_map(of).collect()
+    }
+
+    fn driving_role(&self) -> Role {
+        if self.driving == "force_N" { Role::Force } else { Role::Position }
+    }
+
+    /// How well that is known: the relative standard deviation of the root mean square; 0 where nothing tells it.
+    pub(super) fn noise_uncertainty(&self, column: &str) -> f64 {
+        let role = COLUMNS.iter().find(|(own, ..)| *own == column).map(|(_, role, _)| *role);
+        let noise = role.and_then(|role| self.prepared.report.channel(role)?.noise);
+        noise.map_or(0.0, |noise| noise.uncertainty)
+    }
+
     /// What drives, with noise of this root mean square added to every one of its samples: it goes through the same
     /// zero and the same filter.
     pub(super) fn disturbed(&self, sigma: f64, rng: &mut Rng) -> Result<Stroke, FitError> {
         let mut series = self.driven.series.clone();
-        let role = if self.driving == "force_N" { Role::Force } else { Role::Position };
+        let role = self.driving_role();
         let wrong = |error: &dyn std::fmt::Display| FitError::Recording {
             recording: self.name.clone(),
             message: error.to_string(),

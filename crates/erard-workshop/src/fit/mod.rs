@@ -11,8 +11,10 @@
 
 mod candidate;
 mod data;
+mod doubts;
 mod drive_noise;
 mod free;
+mod impact;
 mod jacobian;
 mod plan;
 mod problem;
@@ -24,6 +26,7 @@ mod written;
 pub use plan::{Plan, Solution, Solver, TrustRegion, fit, fit_by};
 
 pub use data::{COLUMNS, Data};
+pub use doubts::{Doubt, DoubtKind};
 pub use free::{Asked, Free, free};
 pub use jacobian::{DIFFERENCES, Jacobian};
 pub use problem::{Channel, Problem};

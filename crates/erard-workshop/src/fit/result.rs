@@ -2,6 +2,7 @@
 
 use super::Free;
 use super::candidate::Candidate;
+use super::doubts::Doubt;
 use super::drive_noise::{DISTURBED, Disturbed};
 use super::plan::{Found, alike};
 use super::problem::Problem;
@@ -51,6 +52,8 @@ pub struct FitResult {
     pub attempts: [usize; 2],
     /// How far apart the places are where these ended: the largest distance of a parameter, in its standard deviations.
     pub apart: f64,
+    /// What makes all this doubtful, kind by kind.
+    pub doubts: Vec<Doubt>,
     /// Columns that drive and of whose noise nothing is known.
     pub silent: Vec<&'static str>,
     /// Strokes that were played, and of these with derivatives.
@@ -78,8 +81,6 @@ pub struct FittedChannel {
 
 /// A singular value below so large a part of the largest is one that no sample sees: its error is large, not infinite.
 const UNSEEN: f64 = 1e-9;
-/// Beyond this the Jacobian hangs on the length of its steps.
-const DOUBTFUL: f64 = 0.1;
 /// Correlations beyond this are reported.
 const CORRELATED: f64 = 0.5;
 /// Most parameters of a direction that are named, and how large a part of the largest share they have at least.
@@ -87,8 +88,8 @@ const NAMED: (usize, f64) = (4, 0.3);
 
 impl FitResult {
     /// Of where a solver ended.
-    pub(super) fn new(problem: &Problem, found: Found, jacobian: &[Vec<f64>], disturbed: &Disturbed) -> Self {
-        let Found { point, message, residuals, agreement, ends } = found;
+    pub(super) fn new(problem: &Problem, found: &Found, jacobian: &[Vec<f64>], disturbed: &Disturbed) -> Self {
+        let Found { point, message, residuals, agreement, ends } = found.clone();
         let free = problem.free.clone();
         let (count, all) = (free.len(), point.len());
         let degrees_of_freedom = residuals.len().saturating_sub(all).max(1);
@@ -160,6 +161,7 @@ impl FitResult {
             channels,
             inner_cov,
             sensors_cov,
+            doubts: Vec::new(),
             silent: problem.silent(),
             evaluations: problem.evaluations,
             differentiated: problem.differentiated,
@@ -221,35 +223,6 @@ impl FitResult {
             format!("{}: the data leave {beyond} times what the bounds allow", words.join(", "))
         };
         self.singular_values.iter().zip(&self.directions).filter(|(value, _)| **value < 1.0).map(told).collect()
-    }
-
-    /// What is to be said against the errors, and what was left as it was found.
-    pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
-        if !self.silent.is_empty() {
-            warnings.push(format!(
-                "the noise of {}, which drives, is not known, and counts as none: where it has some, the errors are too small",
-                self.silent.join(" and ")
-            ));
-        }
-        if self.jacobian_agreement > DOUBTFUL {
-            warnings.push(format!(
-                "derivatives by differences change by {:.0} % with the length of their steps; the recordings jump with a parameter, and the errors are too \
-                 sure of themselves (what ends shortly after the blow seldom does)",
-                100.0 * self.jacobian_agreement
-            ));
-        }
-        for (one, x) in self.free.iter().zip(&self.x).filter(|(one, x)| one.is_at_a_bound(**x)) {
-            let end = if (x - one.low).abs() < (x - one.high).abs() { "lower" } else { "upper" };
-            warnings.push(format!("{} ended at its {end} bound", one.name));
-        }
-        if self.chi2_reduced > 2.0 * self.chi2_expected {
-            warnings.push(format!(
-                "the misfit is {:.1} times what the noise of sensors and drive explains: the model differs from what was recorded, and the errors are scaled up",
-                self.chi2_reduced / self.chi2_expected
-            ));
-        }
-        warnings
     }
 }
 

@@ -155,8 +155,18 @@ impl ChannelReport {
         lines
     }
 
-    /// What should be looked at.
+    /// What should be looked at, of a series that drives.
     pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = self.misread();
+        if self.noise.is_some() && self.low_pass.is_none() && self.role == Role::Position {
+            let what = "noise is not filtered: a model that is driven by it turns it into force";
+            warnings.push(format!("the {}'s {what}", self.role.name()));
+        }
+        warnings
+    }
+
+    /// What should be looked at, whatever the series is used for: its sign and its zero.
+    pub fn misread(&self) -> Vec<String> {
         let name = self.role.name();
         let mut warnings = Vec::new();
         if self.looks_inverted {
@@ -166,10 +176,6 @@ impl ChannelReport {
                 self.shown(self.first),
                 self.shown(self.range.0)
             ));
-        }
-        if self.noise.is_some() && self.low_pass.is_none() && self.role == Role::Position {
-            warnings
-                .push(format!("the {name}'s noise is not filtered: a model that is driven by it turns it into force"));
         }
         if let Some(off) = self.begins_at {
             warnings.push(format!("the {name} begins at {}, and no zero was taken from it", self.shown(off)));
