@@ -406,6 +406,11 @@ fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict
     all.set_item("correlated", found.correlated())?;
     all.set_item("evaluations", found.evaluations)?;
     all.set_item("differentiated", found.differentiated)?;
+    let meanings = found
+        .meanings
+        .iter()
+        .map(|one| (one.name.as_str(), one.explanation, one.quantity, one.unit, one.before, one.value, one.std));
+    all.set_item("meanings", meanings.collect::<Vec<_>>())?;
     let doubts = found.doubts.iter().map(|doubt| (doubt.kind.name(), doubt.text.as_str()));
     all.set_item("doubts", doubts.collect::<Vec<_>>())?;
     Ok(all)

@@ -236,6 +236,8 @@ class Fit:
         rows = [("", "value", "as vary takes it", "bounds"), *self.rows()]
         wide = [max(len(row[k]) for row in rows) for k in range(4)]
         lines += ["  " + "  ".join(cell.ljust(width) for cell, width in zip(row, wide, strict=True)).rstrip() for row in rows]
+        for name, explanation, quantity, unit, before, value, std in self._found["meanings"]:
+            lines += [f"  {name} is {explanation}: {quantity} {value:.4g} +- {std:.2g} {unit}, at the start {before:.4g} {unit}"]
         names = list(self.x)
         if pairs := self._found["correlated"]:
             lines += ["Correlations above 0.5", *(f"  {names[i]} and {names[j]}: {r:+.2f}" for i, j, r in pairs)]
@@ -301,7 +303,7 @@ def fit(
     drive : {"force", "motion", "rigid"}, optional
         What of the recordings drives the model.
     columns : sequence of str, optional
-        What is compared, of "force_N", "key_m", "hammer_head_m"; by default all but what drives.
+        What is compared, of "force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"; by default all but what drives.
     sigma : mapping of str to float, optional
         The noise of a column, root mean square, N or m; that of the drive, too, whose effect on the parameters is part of their errors. By default it
         is read from the rest before the touch or the spectrum; where neither tells it, from what is left over. Where nothing tells that of the

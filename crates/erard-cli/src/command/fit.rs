@@ -47,7 +47,7 @@ pub(crate) struct Fit {
     /// recorded]
     #[arg(long, value_parser = one_of(&DRIVES))]
     drive: Option<Prescribed>,
-    /// What is compared, of force, position, hammer [default: all but what drives]
+    /// What is compared, of force, position, hammer, hammer_speed [default: all but what drives]
     #[arg(long, value_name = "CHANNEL,..", value_delimiter = ',', value_parser = channel)]
     compare: Vec<Role>,
     /// Noise of a channel, root mean square, as in force=0.02N,position=10um; that of what drives, too [default: as the
@@ -98,13 +98,16 @@ const JACOBIANS: [Name<Jacobian>; 2] = [
 ];
 
 fn channel(text: &str) -> Result<Role, String> {
-    let known = [Role::Force, Role::Position, Role::HammerHead];
+    let known = [Role::Force, Role::Position, Role::HammerHead, Role::HammerSpeed];
     let role = known.into_iter().find(|role| role.name() == text.trim());
-    role.ok_or_else(|| "expected force, position or hammer".to_owned())
+    role.ok_or_else(|| "expected force, position, hammer or hammer_speed".to_owned())
 }
 
 fn noise(text: &str) -> Result<(Role, f64), String> {
-    let expected = || "expected a channel and its noise, as in force=0.02N, position=10um or hammer=0.05mm".to_owned();
+    let expected = || {
+        "expected a channel and its noise, as in force=0.02N, position=10um, hammer=0.05mm or hammer_speed=20mm/s"
+            .to_owned()
+    };
     let (name, size) = text.split_once('=').ok_or_else(expected)?;
     let role = channel(name)?;
     let size = size.trim();
@@ -114,6 +117,9 @@ fn noise(text: &str) -> Result<(Role, f64), String> {
         (Role::Force, "N" | "") => 1.0,
         (Role::Force, "mN") => 1e-3,
         (Role::Force, _) => return Err(expected()),
+        (Role::HammerSpeed, "m/s" | "") => 1.0,
+        (Role::HammerSpeed, "mm/s") => 1e-3,
+        (Role::HammerSpeed, _) => return Err(expected()),
         (_, "m" | "") => 1.0,
         (_, "mm") => 1e-3,
         (_, "um" | "\u{b5}m" | "\u{3bc}m") => 1e-6,

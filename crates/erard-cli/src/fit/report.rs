@@ -36,6 +36,17 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
             "varied": varied,
         })
     });
+    let meanings = found.meanings.iter().map(|one| {
+        json!({
+            "name": one.name,
+            "explanation": one.explanation,
+            "quantity": one.quantity,
+            "unit": one.unit,
+            "start": one.before,
+            "value": one.value,
+            "std": one.std,
+        })
+    });
     let correlations = found
         .correlated()
         .into_iter()
@@ -63,6 +74,7 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
         "chi2_reduced": found.chi2().map(|(reduced, _)| reduced),
         "chi2_expected": found.chi2().map(|(_, expected)| expected),
         "parameters": parameters.collect::<Value>(),
+        "meanings": meanings.collect::<Value>(),
         "covariance": found.cov,
         "correlations": correlations.collect::<Value>(),
         "channels": channels.collect::<Value>(),

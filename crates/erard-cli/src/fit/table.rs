@@ -1,6 +1,6 @@
 //! The report for people, and the curves as a table.
 
-use erard_workshop::fit::{Channel, FitResult, Problem};
+use erard_workshop::fit::{Channel, FitResult, Meaning, Problem};
 
 use super::values::unit_shown;
 use crate::table::{Table, WIDEST, wrapped};
@@ -58,6 +58,12 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
         [one.name.clone(), number(value), number(std), number(one.value), low, high, unit.to_owned(), end.to_owned()]
     });
     lines.extend(Table::of(head, rows).to_string().lines().map(str::to_owned));
+    for Meaning { name, explanation, quantity, unit, before, value, std } in &found.meanings {
+        let places = decimals(*value, *std);
+        let [value, std, before] = [*value, *std, *before].map(|x| shown(x, places));
+        let text = format!("{name} is {explanation}: {quantity} {value} +- {std} {unit}, at the start {before} {unit}");
+        lines.extend(wrapped(&text, WIDEST - 2).iter().map(|line| format!("  {line}")));
+    }
     lines.push(String::new());
     lines.extend(misfits(found, problem));
     let correlated = found.correlated();
@@ -83,7 +89,11 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
 fn misfits(found: &FitResult, problem: &Problem) -> Vec<String> {
     let head = ["measured less fitted, rms", "start", "end", "noise", "unit", ""].map(str::to_owned);
     let rows = problem.channels().enumerate().map(|(k, (recording, column))| {
-        let (by, unit) = if column == "force_N" { (1e3, "mN") } else { (1e6, "um") };
+        let (by, unit) = match column {
+            "force_N" => (1e3, "mN"),
+            "hammer_head_m_per_s" => (1e3, "mm/s"),
+            _ => (1e6, "um"),
+        };
         let channel = &found.channels[k];
         let places = decimals(channel.noise * by, 0.1 * channel.noise * by);
         let number = |x: f64| shown(x * by, places);

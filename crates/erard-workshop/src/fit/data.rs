@@ -12,9 +12,13 @@ use super::FitError;
 use crate::balance::median;
 use erard::recording::{Butterworth, ChannelReport, LowPass, Preparation, Prepared, prepare};
 
-/// What can be fitted of a recording, and the noise that is taken where nothing tells it, N and m.
-pub const COLUMNS: [(&str, Role, f64); 3] =
-    [("force_N", Role::Force, 0.02), ("key_m", Role::Position, 10e-6), ("hammer_head_m", Role::HammerHead, 50e-6)];
+/// What can be fitted of a recording, and the noise that is taken where nothing tells it, N, m and m/s.
+pub const COLUMNS: [(&str, Role, f64); 4] = [
+    ("force_N", Role::Force, 0.02),
+    ("key_m", Role::Position, 10e-6),
+    ("hammer_head_m", Role::HammerHead, 50e-6),
+    ("hammer_head_m_per_s", Role::HammerSpeed, 0.02),
+];
 /// Samples per second at most: above, a recording says more of its noise than of the action.
 const RATE_HZ: f64 = 4000.0;
 /// Samples at both ends of a recorded motion that are not compared: where it ends it stops, and its spline rings, so
@@ -228,6 +232,10 @@ fn at(series: &Series, column: &str, times: &[f64]) -> Vec<f64> {
             .as_ref()
             .map_or_else(Vec::new, |force| times.iter().map(|t| force.at(*t, &mut cursor)).collect()),
         "key_m" => path(&series.position, &mut cursor),
+        "hammer_head_m_per_s" => series
+            .hammer_speed
+            .as_ref()
+            .map_or_else(Vec::new, |speed| times.iter().map(|t| speed.at(*t, &mut cursor)).collect()),
         _ => path(&series.hammer_head, &mut cursor),
     }
 }

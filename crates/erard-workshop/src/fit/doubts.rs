@@ -131,7 +131,11 @@ fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<D
         let chance = CHANCE * (2.0 / rows.len() as f64 + (2.0 * problem.uncertainty[k]).powi(2)).sqrt();
         let explained = channel.noise * (1.0 + chance + disturbed.most(rows)).sqrt();
         if channel.rms > explained {
-            let (by, unit) = if one.columns[column] == "force_N" { (1e3, "mN") } else { (1e6, "um") };
+            let (by, unit) = match one.columns[column] {
+                "force_N" => (1e3, "mN"),
+                "hammer_head_m_per_s" => (1e3, "mm/s"),
+                _ => (1e6, "um"),
+            };
             let text = format!(
                 "{} differs from the model by {:.3} {unit} rms, and noise explains {:.3} {unit} at most: the model is not what was \
                  recorded, and the errors do not hold",

@@ -57,10 +57,19 @@ impl Data {
     /// When the recorded hammer was first thrown back by the string, s; `None` where the hammer was not recorded or
     /// never was.
     pub(super) fn recorded_impact_s(&self) -> Option<f64> {
-        let path = self.prepared.series.hammer_head.as_ref()?;
-        let (times, values) = (path.times_s(), path.positions_m());
-        let noise = self.noise("hammer_head_m").unwrap_or(0.0);
-        thrown_back_s(times, values, noise)
+        let series = &self.prepared.series;
+        if let Some(path) = &series.hammer_head {
+            let noise = self.noise("hammer_head_m").unwrap_or(0.0);
+            return thrown_back_s(path.times_s(), path.positions_m(), noise);
+        }
+        // Of a speed the path is the integral, whose noise is small.
+        let speed = series.hammer_speed.as_ref()?;
+        let (times, speeds) = (speed.times_s(), speed.speeds_m_s());
+        let mut rise = vec![0.0];
+        for (k, pair) in speeds.windows(2).enumerate() {
+            rise.push(rise[k] + 0.5 * (pair[0] + pair[1]) * (times[k + 1] - times[k]));
+        }
+        thrown_back_s(times, &rise, 0.0)
     }
 }
 

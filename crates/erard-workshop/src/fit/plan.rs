@@ -270,6 +270,7 @@ fn conclude(problem: &mut Problem, message: String, ends: Vec<Candidate>) -> Res
     let found = Found { point, message, residuals, agreement: agreement(&wide, &other), ends };
     let mut result = FitResult::new(problem, &found, &jacobian, &disturbed);
     result.doubts = doubts(problem, &result, &found.ends, &disturbed)?;
+    result.meanings = problem.meanings(&result)?;
     result.evaluations = problem.evaluations;
     Ok(result)
 }

@@ -4,6 +4,7 @@ use super::Free;
 use super::candidate::Candidate;
 use super::doubts::Doubt;
 use super::drive_noise::{DISTURBED, Disturbed};
+use super::meaning::Meaning;
 use super::plan::{Found, alike};
 use super::problem::Problem;
 use super::svd::{Columns, dot, svd, times};
@@ -52,6 +53,8 @@ pub struct FitResult {
     pub attempts: [usize; 2],
     /// How far apart the places are where these ended: the largest distance of a parameter, in its standard deviations.
     pub apart: f64,
+    /// What parameters whose names mislead come to on the bench.
+    pub meanings: Vec<Meaning>,
     /// What makes all this doubtful, kind by kind.
     pub doubts: Vec<Doubt>,
     /// Columns that drive and of whose noise nothing is known.
@@ -161,6 +164,7 @@ impl FitResult {
             channels,
             inner_cov,
             sensors_cov,
+            meanings: Vec::new(),
             doubts: Vec::new(),
             silent: problem.silent(),
             evaluations: problem.evaluations,

@@ -31,7 +31,7 @@ pub struct Filtered {
     pub cutoff_hz: f64,
 }
 
-/// One channel. SI units: N or m.
+/// One channel. SI units: N, m or m/s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelReport {
     /// What it measures.
@@ -104,6 +104,7 @@ impl ChannelReport {
     fn shown(&self, value: f64) -> String {
         match self.role {
             Role::Force => format!("{value:.4} N"),
+            Role::HammerSpeed => format!("{value:.4} m/s"),
             _ if value.abs() < 1e-4 => format!("{:.2} um", value * 1e6),
             _ => format!("{:.4} mm", value * 1e3),
         }
@@ -170,7 +171,7 @@ impl ChannelReport {
         let name = self.role.name();
         let mut warnings = Vec::new();
         if self.looks_inverted {
-            let way = if self.role == Role::HammerHead { "down" } else { "up" };
+            let way = if matches!(self.role, Role::HammerHead | Role::HammerSpeed) { "down" } else { "up" };
             warnings.push(format!(
                 "the {name} goes {way}, from {} to {}: it looks inverted",
                 self.shown(self.first),

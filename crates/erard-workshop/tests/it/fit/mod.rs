@@ -5,6 +5,7 @@
 mod recordings;
 
 mod best;
+mod columns;
 mod doubts;
 
 use std::sync::LazyLock;
