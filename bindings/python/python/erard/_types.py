@@ -56,7 +56,7 @@ class Fitted(TypedDict):
     correlated: list[tuple[int, int, float]]
     evaluations: int
     differentiated: int
-    #: Parameter, what it stands for, quantity of the bench, its unit, before the fit, fitted, standard deviation.
+    #: Parameter, its explanation, quantity of the bench, its unit, before the fit, fitted, standard deviation.
     meanings: list[tuple[str, str, str, str, float, float, float]]
     #: Kind and sentence.
     doubts: list[tuple[str, str]]

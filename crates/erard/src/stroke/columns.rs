@@ -219,9 +219,9 @@ enum Asked {
 
 /// Which columns to read, where titles do not say it by themselves.
 ///
-/// As text: `time=Time (s),position=Displacement (mm),force=F [gf]`. The names are `time`, `force`, `position`, `hammer`
-/// and `hammer_speed`; what follows is the column's title up to the next name, or `#3` for the third column. A unit after a colon
-/// is the one that a title does not state: `position=x:mm`. `none` reads no such column.
+/// As text: `time=Time (s),position=Displacement (mm),force=F [gf]`. The names are `time`, `force`, `position`,
+/// `hammer` and `hammer_speed`; what follows is the column's title up to the next name, or `#3` for the third column. A
+/// unit after a colon is the one that a title does not state: `position=x:mm`. `none` reads no such column.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Columns {
     asked: [Option<Asked>; ROLES.len()],
