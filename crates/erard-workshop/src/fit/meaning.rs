@@ -11,7 +11,7 @@ use crate::distances::{Distances, Protocol, Trial};
 pub struct Meaning {
     /// The parameter.
     pub name: String,
-    /// What its name stands for.
+    /// What the parameter is.
     pub explanation: &'static str,
     /// The quantity that is read on the bench.
     pub quantity: &'static str,
@@ -25,7 +25,7 @@ pub struct Meaning {
     pub std: f64,
 }
 
-/// Names that mislead: what they stand for, and what is read in their place.
+/// Names that mislead: what they are, and what is read in their place.
 type Reading = fn(&Instrument) -> Option<f64>;
 const NAMES: [(&str, &str, &str, &str, Reading); 2] = [
     ("body.hammer.mass", "the mass beyond the shank's hinge", "strike weight", "g", strike_weight),
