@@ -48,9 +48,9 @@ if TYPE_CHECKING:
 __all__ = [
     "Action",
     "Comparison",
-    "Drawing",
     "Doubt",
     "DoubtfulFitWarning",
+    "Drawing",
     "Fit",
     "Gradient",
     "Hand",

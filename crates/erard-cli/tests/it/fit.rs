@@ -211,7 +211,7 @@ fn what_is_wrong_is_named() {
         (&["mf.csv", mass, "--start=body.hammer.mass=9"], "its bounds are"),
         (&["mf.csv", mass, "--sigma=force=-1N"], "as in force=0.02N"),
         (&["mf.csv", mass, "--sigma=position=0"], "expected positive numbers"),
-        (&["mf.csv", mass, "--compare=string"], "expected force, position or hammer"),
+        (&["mf.csv", mass, "--compare=string"], "expected force, position, hammer or hammer_speed"),
         (
             &["mf.csv", mass, "--columns=time=time_s,force=force_N,position=key_m,hammer=none", "--compare=hammer"],
             "was not recorded",

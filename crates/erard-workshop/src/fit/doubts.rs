@@ -60,6 +60,8 @@ const BEYOND_S: f64 = 5e-3;
 const CHANCE: f64 = 3.5;
 /// Beyond this relative change with the length of their steps derivatives are doubtful.
 const UNSTEADY: f64 = 0.1;
+/// Where disturbances of the drive leave a smaller mean square than this, over the noise, they explain nothing.
+const QUIET: f64 = 0.1;
 /// Attempts that are as good as the best one disagree beyond so many standard deviations.
 const APART: f64 = 5.0;
 
@@ -115,7 +117,8 @@ pub(super) fn doubts(
     Ok(doubts)
 }
 
-/// Channels whose noise is known, and of which more is left over.
+/// Channels whose noise is known, and of which more is left over; and those whose noise is not known, and of which what
+/// is left over is no noise.
 fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<Doubt> {
     let mut doubts = Vec::new();
     let mut first = 0;
@@ -125,6 +128,16 @@ fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<D
         let rows = first..first + one.rows();
         first = rows.end;
         if !channel.noise_is_known {
+            let correlation = from_sample_to_sample(&found.residuals[rows.clone()]);
+            // A noisy drive makes residuals that follow each other, too.
+            if disturbed.most(rows.clone()) < QUIET && correlation > CHANCE / (rows.len() as f64).sqrt() {
+                let text = format!(
+                    "the residuals of {} follow each other (correlation {correlation:.2} from sample to sample), as noise \
+                     does not: they are misfit, and the errors do not hold",
+                    channel.title
+                );
+                doubts.push(Doubt { kind: DoubtKind::Misfit, text });
+            }
             continue;
         }
         // Sensor's noise, known as well as it is; what disturbances of the drive leave at most.
@@ -147,6 +160,13 @@ fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<D
         }
     }
     doubts
+}
+
+/// Correlation of residuals with those one sample later. Of n independent ones it scatters by 1 / sqrt(n).
+fn from_sample_to_sample(residuals: &[f64]) -> f64 {
+    let squares: f64 = residuals.iter().map(|x| x * x).sum();
+    let products: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    if squares > 0.0 { products / squares } else { 0.0 }
 }
 
 fn restarts(found: &FitResult, ends: &[Candidate]) -> Option<Doubt> {
