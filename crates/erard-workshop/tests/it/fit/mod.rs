@@ -6,6 +6,7 @@ mod recordings;
 
 mod best;
 mod columns;
+mod coverage;
 mod doubts;
 
 use std::sync::LazyLock;
