@@ -104,7 +104,7 @@ fn nothing_is_better(restarts: usize) {
         assert!(noting.points.len() > 20, "{}", noting.points.len());
         let start: Vec<f64> = problem.free.iter().map(|one| one.inner(1.0)).collect();
         noting.points.push(start);
-        let [result] = against(&mut problem, &[found.point.clone()])[..] else { unreachable!() };
+        let [result] = against(&mut problem, std::slice::from_ref(&found.point))[..] else { unreachable!() };
         let tried = against(&mut problem, &noting.points);
         let least = tried.iter().copied().filter(|x| x.is_finite()).fold(f64::INFINITY, f64::min);
         assert!(result <= least + 1e-9 * least.abs(), "{told}: {result} {least}");

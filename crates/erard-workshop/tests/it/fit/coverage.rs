@@ -1,6 +1,8 @@
 //! How often the truth lies within the errors that a fit reports: over synthetic recordings of grands drawn up to 20 %
-//! away from where the fit begins, for sets of one to four parameters, with noise that is told and noise that is
+//! away from where the fit begins, for sets of one to four parameters, with known noise and noise that is
 //! estimated from the residuals.
+
+use erard_workshop::fit::DoubtKind;
 
 use super::*;
 
@@ -103,4 +105,43 @@ fn data_of_shorter_steps_have_no_doubts() {
     let found = fit(&[short(&varied(&truth), 3, 5e-6)], &quiet(&["body.hammer.mass"])).unwrap();
     assert_eq!(found.doubts, []);
     assert!((found.x[0] - 1.2).abs() < 4.0 * found.std[0], "{} +- {}", found.x[0], found.std[0]);
+}
+
+/// Data of another model, whose key and shank bend, fitted by rigid bodies: no coverage is claimed, and the misfit is
+/// reported.
+#[test]
+#[ignore = "ci: 20 fits to data of another model"]
+fn misfit_of_another_model_is_reported() {
+    let mut reported = 0;
+    for seed in 0..20 {
+        let mut other = Instrument::builtin("concert-grand").unwrap();
+        let all = Parameter::all(&other);
+        for (name, by) in drawn(&NAMES[..2], &mut Rng::with_seed(seed)) {
+            let (_, parameter) = all.iter().find(|(known, _)| known == name).unwrap();
+            assert!(parameter.vary(&mut other, by));
+        }
+        let mut asks = quiet(&NAMES[..2]);
+        asks.plan.restarts = 0;
+        let found = fit(&[short(&other, seed, 50e-6)], &asks).unwrap();
+        reported += usize::from(found.doubts.iter().any(|doubt| doubt.kind == DoubtKind::Misfit));
+    }
+    assert!(reported >= 19, "{reported} of 20");
+}
+
+mod nightly {
+    use super::*;
+
+    /// By parameter, set and kind of noise: within 4 points of 68 % and 2.5 points of 95 %.
+    #[test]
+    #[ignore = "nightly: 1600 fits of each of eight cases"]
+    fn by_parameter_the_truth_lies_within_the_errors_as_often_as_it_should() {
+        for is_told in [true, false] {
+            for (count, name, Hits { fits, within }) in covered(1600, is_told) {
+                for ((within, share), points) in within.into_iter().zip(SHARES).zip([0.04, 0.025]) {
+                    let found = within as f64 / fits as f64;
+                    assert!((found - share).abs() < points, "told {is_told}, {count} free, {name}: {found} of {fits}");
+                }
+            }
+        }
+    }
 }
