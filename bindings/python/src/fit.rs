@@ -394,8 +394,8 @@ fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict
     all.set_item("sensors_cov", matrix(&found.sensors_cov)?)?;
     all.set_item("residuals", found.residuals.to_pyarray(py))?;
     all.set_item("degrees_of_freedom", found.degrees_of_freedom)?;
-    all.set_item("chi2_reduced", found.chi2_reduced)?;
-    all.set_item("chi2_expected", found.chi2_expected)?;
+    all.set_item("chi2_reduced", found.chi2().map(|(reduced, _)| reduced))?;
+    all.set_item("chi2_expected", found.chi2().map(|(_, expected)| expected))?;
     all.set_item("singular_values", found.singular_values.to_pyarray(py))?;
     all.set_item("unseen", found.unseen())?;
     all.set_item("jacobian_agreement", found.jacobian_agreement)?;
@@ -406,7 +406,13 @@ fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict
     all.set_item("correlated", found.correlated())?;
     all.set_item("evaluations", found.evaluations)?;
     all.set_item("differentiated", found.differentiated)?;
-    all.set_item("warnings", found.warnings())?;
+    let meanings = found
+        .meanings
+        .iter()
+        .map(|one| (one.name.as_str(), one.explanation, one.quantity, one.unit, one.before, one.value, one.std));
+    all.set_item("meanings", meanings.collect::<Vec<_>>())?;
+    let doubts = found.doubts.iter().map(|doubt| (doubt.kind.name(), doubt.text.as_str()));
+    all.set_item("doubts", doubts.collect::<Vec<_>>())?;
     Ok(all)
 }
 

@@ -128,7 +128,10 @@ fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<
         let tangential = zone.has_friction.then_some(zone.tangential_n);
         std::iter::once(zone.normal_n).chain(tangential)
     });
-    let values = [run.time_s, run.force_n, run.key_m, run.hammer_head_m].into_iter().chain(bodies).chain(zones);
+    let values = [run.time_s, run.force_n, run.key_m, run.hammer_head_m, run.hammer_head_m_per_s]
+        .into_iter()
+        .chain(bodies)
+        .chain(zones);
     let values = values.chain(run.strings.into_iter().flat_map(|s| [s.displacement_m, s.bridge_n]));
     let columns = PyDict::new(py);
     for (name, values) in names.into_iter().zip(values) {
@@ -187,6 +190,7 @@ pub fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, title: &st
         force_n: column("force_N")?,
         key_m: column("key_m")?,
         hammer_head_m: column("hammer_head_m")?,
+        hammer_head_m_per_s: column("hammer_head_m_per_s")?,
         bodies: bodies
             .into_iter()
             .map(|name| {

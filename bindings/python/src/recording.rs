@@ -80,12 +80,15 @@ impl Recording {
         times: PyReadonlyArray1<'_, f64>,
     ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         let times = times.as_slice().map_err(wrong)?;
-        let Series { force, position, hammer_head } = &self.prepared.series;
+        let Series { force, position, hammer_head, hammer_speed } = &self.prepared.series;
         let mut cursor = erard::stroke::Cursor::default();
         let values: Option<Vec<f64>> = match name {
             "force_N" => force.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor)).collect()),
             "key_m" => position.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor).0).collect()),
             "hammer_head_m" => hammer_head.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor).0).collect()),
+            "hammer_head_m_per_s" => {
+                hammer_speed.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor)).collect())
+            }
             _ => None,
         };
         Ok(values.map(|values| values.to_pyarray(py)))
@@ -126,12 +129,13 @@ fn column(role: Role) -> &'static str {
         Role::Force => "force_N",
         Role::Position => "key_m",
         Role::HammerHead => "hammer_head_m",
+        Role::HammerSpeed => "hammer_head_m_per_s",
     }
 }
 
 /// The role of a column that is compared, by its name.
 fn role(name: &str) -> PyResult<Role> {
-    let known = [Role::Force, Role::Position, Role::HammerHead];
+    let known = [Role::Force, Role::Position, Role::HammerHead, Role::HammerSpeed];
     known
         .into_iter()
         .find(|role| column(*role) == name)

@@ -46,7 +46,7 @@ pub fn sampled(kind: Prescribed, values: &[f64], dt: f64, name: &str) -> PyResul
 }
 
 fn series(kind: Prescribed, times: Vec<f64>, values: Vec<f64>) -> Result<Series, SampleError> {
-    let mut series = Series { force: None, position: None, hammer_head: None };
+    let mut series = Series { force: None, position: None, hammer_head: None, hammer_speed: None };
     match kind {
         Prescribed::Force => series.force = Some(ForceSeries::new(times, values)?),
         Prescribed::Motion | Prescribed::Rigid => series.position = Some(PositionSeries::new(times, values)?),

@@ -39,6 +39,8 @@ def test_the_truth_is_found_within_its_errors(found: erard.Fit) -> None:
         assert abs(found.x[name] - true) < 4 * found.std[name], (name, found.x[name], found.std[name])
     assert found.chi2_reduced == pytest.approx(1.0, abs=0.05) and not found.unseen
     assert list(found.noise.values()) == [1e-5, 5e-5, 1e-5, 5e-5]
+    for title, sigma in found.noise.items():
+        assert found.rms_at_start[title] > found.rms[title] == pytest.approx(sigma, rel=0.1)
     assert found.cov.shape == (4, 4) and np.allclose(np.diag(found.correlation), 1.0)
     assert found.instrument == found._problem.asked.instrument.vary(found.x)
     assert found.values["body.hammer.mass"] == pytest.approx(found.instrument.parameters["body.hammer.mass"].value)
@@ -124,7 +126,10 @@ def test_noise_of_what_drives_makes_errors_larger(rigid: erard.Instrument) -> No
     # At 1 kHz neither rest nor spectrum tells it.
     coarse = {name: values[::4] for name, values in data.items()}
     assert erard.Recording(coarse, zero=False, low_pass=None).noise("force_N") is None
-    assert "the noise of force_N, which drives, is not known" in str(erard.fit(rigid, coarse, vary=["body.hammer.mass"], sigma=NOISE))
+    with pytest.warns(erard.DoubtfulFitWarning, match="the noise of force_N, which drives, is not known"):
+        unknown = erard.fit(rigid, coarse, vary=["body.hammer.mass"], sigma=NOISE)
+    assert "noise_unknown" in [doubt.kind for doubt in unknown.doubts]
+    assert str(unknown).startswith("Doubtful: ") and "the noise of force_N, which drives, is not known" in str(unknown)
 
 
 def test_delays_are_estimated(rigid: erard.Instrument) -> None:

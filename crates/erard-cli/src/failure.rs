@@ -54,6 +54,9 @@ pub enum Failure {
     /// Goals that cannot be met; the nearest that can be has been written.
     #[error("{0}")]
     Unmet(String),
+    /// A fit that is doubtful; it has been written.
+    #[error("{0}")]
+    Doubtful(String),
     /// Levers that do not reach as far as was asked; what they do reach has been written.
     #[error("{0}")]
     Reach(String),
@@ -90,7 +93,8 @@ impl Failure {
     }
 
     /// Prints the failure on stderr and gives the exit code: 2 for what the user can mend, 1
-    /// otherwise: goals that were not met although everything went well, or a fault of the program.
+    /// otherwise: goals that were not met or a fit that is doubtful although everything went well, or a fault of the
+    /// program.
     pub(crate) fn report(&self) -> ExitCode {
         signals::yield_to_the_end();
         tell!("error: {self}");
@@ -100,7 +104,7 @@ impl Failure {
             tell!("{excerpt}");
         }
         ExitCode::from(match self {
-            Failure::Internal(_) | Failure::Unmet(_) => 1,
+            Failure::Internal(_) | Failure::Unmet(_) | Failure::Doubtful(_) => 1,
             _ => 2,
         })
     }

@@ -70,7 +70,7 @@ const ZEROS: [Name<bool>; 2] = [
 
 fn channel(text: &str) -> Result<Role, String> {
     let role = ROLES.into_iter().find(|role| *role != Role::Time && role.name() == text.trim());
-    role.ok_or_else(|| "expected force, position or hammer".to_owned())
+    role.ok_or_else(|| "expected force, position, hammer or hammer_speed".to_owned())
 }
 
 fn delay(text: &str) -> Result<(Role, f64), String> {

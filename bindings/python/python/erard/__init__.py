@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._action import Action
 from ._common import Hand, unit_of
-from ._errors import InputError, MissingFileError, SimulationError
+from ._errors import DoubtfulFitWarning, InputError, MissingFileError, SimulationError
 from ._gradient import Gradient, gradient
 from ._instrument import (
     Comparison,
@@ -42,12 +42,14 @@ from ._version import __version__
 if TYPE_CHECKING:
     from . import dataset as dataset
     from . import distributed as distributed
-    from ._fit import Fit, fit
+    from ._fit import Doubt, Fit, fit
     from ._posterior import Posterior, sample
 
 __all__ = [
     "Action",
     "Comparison",
+    "Doubt",
+    "DoubtfulFitWarning",
     "Drawing",
     "Fit",
     "Gradient",
@@ -87,7 +89,7 @@ __all__ = [
 ]
 
 #: What is imported when it is asked for first.
-_LATER = {"fit": "_fit", "Fit": "_fit", "sample": "_posterior", "Posterior": "_posterior"}
+_LATER = {"fit": "_fit", "Fit": "_fit", "Doubt": "_fit", "sample": "_posterior", "Posterior": "_posterior"}
 
 
 def __getattr__(name: str) -> Any:

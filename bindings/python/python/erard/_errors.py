@@ -51,6 +51,10 @@ class InputError(ValueError):
         return str(self.args[0])
 
 
+class DoubtfulFitWarning(UserWarning):
+    """A fit has doubts (`Fit.doubts`): do not use its numbers before you have read them."""
+
+
 class MissingFileError(InputError, FileNotFoundError):
     """A file that is not there, or cannot be read. It is a `FileNotFoundError`, too."""
 

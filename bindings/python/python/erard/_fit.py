@@ -6,6 +6,7 @@ The fit is the extension's, and so that of the command `erard fit`. Here its res
 from __future__ import annotations
 
 import html
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Unpack
@@ -14,7 +15,7 @@ import numpy as np
 
 from . import _erard
 from ._common import Stepping, counter, names_of, number, steps, whole
-from ._errors import InputError
+from ._errors import DoubtfulFitWarning, InputError
 from ._instrument import Instrument, instrument_of
 from ._recording import Recording, as_recording
 
@@ -47,6 +48,25 @@ class Channel:
         if not isinstance(other, Channel):
             return NotImplemented
         return all(np.array_equal(one, two) for one, two in zip(vars(self).values(), vars(other).values(), strict=True))
+
+
+class Doubt(NamedTuple):
+    """A reason to doubt a fit.
+
+    Attributes
+    ----------
+    kind : str
+        "no_impact": the recording's hammer reaches the string, the fitted model's does not. "misfit": more is left over than noise explains, or noise
+        was estimated from residuals that follow each other, as noise does not.
+        "bound": a parameter ended at a bound. "restarts": attempts from several starts ended at different places. "beyond_impact": data go on
+        beyond the first impact. "derivatives": they depend on the step of their differences. "noise_unknown": of what drives it counts as none,
+        of what is compared it is estimated from the residuals. "recording": a recording does not look as it should.
+    text : str
+        What was found, and what it means.
+    """
+
+    kind: str
+    text: str
 
 
 class Asked(NamedTuple):
@@ -122,13 +142,18 @@ class Fit:
     delays : dict of str to float
         How much later than the drive each channel was written down, s; empty where that was not estimated.
     noise : dict of str to float
-        Root mean square of each channel's noise, N or m: estimated, or as given.
+        Root mean square of each channel's noise, N or m: as given, as read from the recording, or else estimated from the residuals.
+    rms_at_start, rms : dict of str to float
+        Root mean square of fitted less measured of each channel where the fit began, and of the result, N or m.
     residuals : ndarray of shape (M,)
         Fitted less measured, over the noise.
-    chi2_reduced : float
-        Sum of their squares over the degrees of freedom.
-    chi2_expected : float
+    chi2_reduced : float or None
+        Sum of their squares over the degrees of freedom; None where the noise of a channel was estimated from its residuals, which makes it 1
+        whatever the fit is worth.
+    chi2_expected : float or None
         What it should be if the model were true: 1 for the sensors' noise, and what the drive's noise adds, which moves the model itself.
+    doubts : list of Doubt
+        What makes the answer doubtful; empty where nothing does. `erard.fit` warns of them by a `DoubtfulFitWarning`.
     singular_values : ndarray of shape (P,)
         Of the Jacobian, every parameter counted in halves of what its bounds allow: below 1 a direction is known no better from the data than
         from its bounds.
@@ -152,10 +177,13 @@ class Fit:
         self.correlation: Array = self.cov / np.outer(found["std"], found["std"])
         self.residuals, self.degrees_of_freedom = found["residuals"], found["degrees_of_freedom"]
         self.chi2_reduced, self.chi2_expected = found["chi2_reduced"], found["chi2_expected"]
+        self.doubts = [Doubt(kind, text) for kind, text in found["doubts"]]
         self.singular_values, self.unseen = found["singular_values"], found["unseen"]
         self.jacobian_agreement = found["jacobian_agreement"]
         channels = found["channels"]
         self.noise = {title: sigma for title, sigma, *_ in channels}
+        self.rms_at_start = {title: start for title, _, _, start, *_ in channels}
+        self.rms = {title: end for title, _, _, _, end, _ in channels}
         self.delays = {title: delay for title, *_, delay in channels if delay is not None}
         self.evaluations, self.differentiated = found["evaluations"], found["differentiated"]
 
@@ -199,20 +227,26 @@ class Fit:
         with_derivatives = f" and {self.differentiated} with derivatives" if self.differentiated else ""
         asked = self._problem.asked
         lines = [
+            *(f"Doubtful: {doubt.text}." for doubt in self.doubts),
             f"Fit of {asked.instrument.name} to {len(asked.recordings)} recordings, {len(self.residuals)} samples",
             f"  {self.message}; {self.evaluations} strokes played{with_derivatives}",
-            f"  reduced chi2 {self.chi2_reduced:.3f}, of which the noise of sensors and drive explains {self.chi2_expected:.3f}",
+            "  reduced chi2: no verdict, because noise is estimated from the residuals"
+            if self.chi2_reduced is None or self.chi2_expected is None
+            else f"  reduced chi2 {self.chi2_reduced:.3f}, of which the noise of sensors and drive explains {self.chi2_expected:.3f}",
         ]
         rows = [("", "value", "as vary takes it", "bounds"), *self.rows()]
         wide = [max(len(row[k]) for row in rows) for k in range(4)]
         lines += ["  " + "  ".join(cell.ljust(width) for cell, width in zip(row, wide, strict=True)).rstrip() for row in rows]
+        for name, explanation, quantity, unit, before, value, std in self._found["meanings"]:
+            lines += [f"  {name} is {explanation}: {quantity} {value:.4g} +- {std:.2g} {unit}, at the start {before:.4g} {unit}"]
         names = list(self.x)
         if pairs := self._found["correlated"]:
             lines += ["Correlations above 0.5", *(f"  {names[i]} and {names[j]}: {r:+.2f}" for i, j, r in pairs)]
-        lines += [f"Noise of {title}: {sigma:.3g}" for title, sigma in self.noise.items()]
+        lines += ["Fitted less measured, root mean square, SI"]
+        for title, noise, is_known, start, end, _ in self._found["channels"]:
+            lines += [f"  {title}: {start:.3g} at the start, {end:.3g} at the end; noise {noise:.3g}{'' if is_known else ', from the residuals'}"]
         lines += [f"Delay of {title}: {1e3 * delay:.3f} ms" for title, delay in self.delays.items()]
         lines += [f"Not seen: {told}" for told in self.unseen]
-        lines += [f"Doubtful: {told}" for told in self._found["warnings"]]
         return "\n".join(lines)
 
     def __eq__(self, other: object) -> bool:
@@ -270,11 +304,11 @@ def fit(
     drive : {"force", "motion", "rigid"}, optional
         What of the recordings drives the model.
     columns : sequence of str, optional
-        What is compared, of "force_N", "key_m", "hammer_head_m"; by default all but what drives.
+        What is compared, of "force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"; by default all but what drives.
     sigma : mapping of str to float, optional
         The noise of a column, root mean square, N or m; that of the drive, too, whose effect on the parameters is part of their errors. By default it
         is read from the rest before the touch or the spectrum; where neither tells it, from what is left over. Where nothing tells that of the
-        drive it counts as none, and the report says so: a load cell's 20 mN can make errors ten times larger.
+        drive it counts as none. Both are doubts: a load cell's 20 mN can make errors ten times larger.
     delay : bool
         Estimate for every column how much later it was written down than what drives.
     bounds : mapping of str to (float, float), optional
@@ -305,7 +339,12 @@ def fit(
     Returns
     -------
     Fit
-        `x`, `std`, `cov`, `residuals`, `plot()`, `instrument`, `unseen`; printed it is a report.
+        `x`, `std`, `cov`, `doubts`, `residuals`, `plot()`, `instrument`, `unseen`; printed it is a report.
+
+    Warns
+    -----
+    DoubtfulFitWarning
+        Where `Fit.doubts` is not empty.
 
     Raises
     ------
@@ -322,7 +361,9 @@ def fit(
     >>> run, rng = true.press(stroke="p", duration=0.1), np.random.default_rng(1)
     >>> mine = {"time_s": run["time_s"][::20], "force_N": run["force_N"][::20],
     ...         "key_m": run["key_m"][::20] + 1e-5 * rng.standard_normal(101)}
-    >>> found = erard.fit(grand, mine, vary=["body.hammer.mass"], sigma={"key_m": 1e-5})
+    >>> found = erard.fit(grand, mine, vary=["body.hammer.mass"], sigma={"key_m": 1e-5, "force_N": 0.0})
+    >>> found.doubts
+    []
     >>> bool(abs(found.x["body.hammer.mass"] - 1.04) < 4 * found.std["body.hammer.mass"])
     True
     """
@@ -346,7 +387,10 @@ def fit(
     problem = Problem(asked)
     with counter(progress, "fit", "strokes") as tell:
         found = problem._inner.fit((begin, loss, jacobian, restarts, most), _by_scipy if minimizer == "scipy" else None, tell)
-    return Fit(problem, found)
+    fitted = Fit(problem, found)
+    if fitted.doubts:
+        warnings.warn("doubtful fit: " + "; ".join(doubt.text for doubt in fitted.doubts), DoubtfulFitWarning, stacklevel=2)
+    return fitted
 
 
 def _bounds(name: str, limits: Any) -> tuple[float, float]:

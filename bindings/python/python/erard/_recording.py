@@ -28,7 +28,8 @@ class Recording(Table):
     ----------
     source : run, mapping, data frame, path or Recording
         Columns by their titles: one for the time and any of force, position (of the key's front or of the fingertip, down positive) and the
-        hammer's rise. Titles say the unit: `time_s`, `force_N`, `key_m`, `hammer_head_m`, `Force (gf)`, `Travel [mm]`. Anything that speaks
+        hammer's rise or speed. Titles say the unit: `time_s`, `force_N`, `key_m`, `hammer_head_m`, `hammer_head_m_per_s`, `Force (gf)`,
+        `Travel [mm]`. Anything that speaks
         the Arrow PyCapsule protocol or is a mapping of arrays will do; a path is a CSV file or, ending in .parquet, a Parquet file. Where a
         channel holds nan (an empty cell) it was not sampled: `notes` tells how long a gap is bridged.
     columns : str or mapping of str to str, optional
@@ -39,9 +40,9 @@ class Recording(Table):
         Take the mean of the rest before the touch from every channel that has one.
     low_pass : float, "own" or None
         A low-pass forth and back, Hz; "own" where each channel's own noise begins; `None`: nothing is filtered.
-    invert : sequence of {"force_N", "key_m", "hammer_head_m"}
+    invert : sequence of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"}
         Channels whose sign is to be turned.
-    delay : mapping of {"force_N", "key_m", "hammer_head_m"} to float, optional
+    delay : mapping of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"} to float, optional
         How much later than the others a channel was written down, s.
 
     Raises
@@ -120,12 +121,12 @@ class Recording(Table):
 
         Parameters
         ----------
-        column : {"force_N", "key_m", "hammer_head_m"}
+        column : {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"}
 
         Returns
         -------
         float or None
-            N or m; `None` where neither tells it.
+            N, m or m/s; `None` where neither tells it.
         """
         return self._inner.noise(column)
 
@@ -134,14 +135,14 @@ class Recording(Table):
 
         Parameters
         ----------
-        column : {"force_N", "key_m", "hammer_head_m"}
+        column : {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"}
         time_s : array_like
             Instants, s, of shape (T,).
 
         Returns
         -------
         ndarray of shape (T,)
-            N or m.
+            N, m or m/s.
         """
         found = self._inner.at(column, floats("time_s", np.atleast_1d(np.asarray(time_s)), 1))
         if found is None:

@@ -21,8 +21,8 @@ class Run(Table):
     """What one press leaves behind: a mapping of columns, and what happened when.
 
     Columns are read-only views of the memory in which they were computed: `time_s`, `force_N` (of the finger, pushing positive), `key_m` (of the
-    front, from rest, down positive), `hammer_head_m` (of the strike point, up positive), of every body `NAME_rad` and `NAME_rad_per_s`
-    (counter-clockwise), and of every contact `NAME_N` (normal) and, where it has friction, `NAME_tangential_N`.
+    front, from rest, down positive), `hammer_head_m` (of the strike point, up positive), `hammer_head_m_per_s` (its speed), of every body
+    `NAME_rad` and `NAME_rad_per_s` (counter-clockwise), and of every contact `NAME_N` (normal) and, where it has friction, `NAME_tangential_N`.
 
     Attributes
     ----------

@@ -45,8 +45,8 @@ class Fitted(TypedDict):
     sensors_cov: Floats
     residuals: Floats
     degrees_of_freedom: int
-    chi2_reduced: float
-    chi2_expected: float
+    chi2_reduced: float | None
+    chi2_expected: float | None
     singular_values: Floats
     unseen: list[str]
     jacobian_agreement: float
@@ -56,7 +56,10 @@ class Fitted(TypedDict):
     correlated: list[tuple[int, int, float]]
     evaluations: int
     differentiated: int
-    warnings: list[str]
+    #: Parameter, its explanation, quantity of the bench, its unit, before the fit, fitted, standard deviation.
+    meanings: list[tuple[str, str, str, str, float, float, float]]
+    #: Kind and sentence.
+    doubts: list[tuple[str, str]]
 
 
 class Work(TypedDict):

@@ -19,6 +19,7 @@ Workers need this package, and a folder that all of them see.
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._common import bar, floats
-from ._errors import InputError
+from ._errors import DoubtfulFitWarning, InputError
 from ._instrument import Instrument
 from ._many import rollout as _rollout
 from ._parts import Folder, write_parquet
@@ -363,10 +364,13 @@ def rollout(
 def _fit_one(instrument: Instrument, recordings: Any, options: dict[str, Any]) -> dict[str, Any]:
     from ._fit import fit as one
 
-    found = one(instrument, recordings, **options)
+    with warnings.catch_warnings():
+        # They are part of the answer.
+        warnings.simplefilter("ignore", DoubtfulFitWarning)
+        found = one(instrument, recordings, **options)
     return {
         "x": found.x, "std": found.std, "chi2_reduced": found.chi2_reduced, "noise": found.noise, "unseen": found.unseen,
-        "report": str(found),
+        "doubts": found.doubts, "report": str(found),
     }  # fmt: skip
 
 
@@ -395,7 +399,7 @@ def fit(
     Returns
     -------
     list of dict
-        In the order of the recordings: `x`, `std`, `chi2_reduced`, `noise`, `unseen`, `report`.
+        In the order of the recordings: `x`, `std`, `chi2_reduced`, `noise`, `unseen`, `doubts`, `report`.
     """
     asked = {"vary": list(vary), "threads": 1, **options}
     with _client(client, workers, processes) as own:

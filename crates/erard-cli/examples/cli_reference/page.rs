@@ -15,7 +15,7 @@ pub fn markdown(mut program: clap::Command) -> String {
     paragraph(
         &mut page,
         "Every command prints the same as below with `--help`. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, \
-         1 anything else.",
+         1 anything else: goals that cannot be met, a fit that is doubtful, a failure.",
     );
     section(&mut page, &mut program);
     page.truncate(page.trim_end().len());

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::{Graded, Grading, KEYS, Keyboard, is_keyboard};
-use erard::stroke::{Column, Dialect, PositionSeries, Role, Series};
+use erard::stroke::{Column, Cursor, Dialect, PositionSeries, Role, Series};
 use erard_workshop::compare::LONGEST_S;
 use erard_workshop::kinematics::LinkageFile;
 use erard_workshop::measure::usual;
@@ -385,6 +385,10 @@ fn picture(series: &Series, role: Role, start_s: f64, end_s: f64) -> Vec<String>
         }),
         Role::Position => path(&series.position),
         Role::HammerHead => path(&series.hammer_head),
+        Role::HammerSpeed => series.hammer_speed.as_ref().map(|s| {
+            let mut cursor = Cursor::default();
+            (0..small_plot::COLUMNS).map(|n| s.at(time(n), &mut cursor)).collect()
+        }),
         Role::Time => None,
     };
     values.map(|values| small_plot::lines(&values)).unwrap_or_default()

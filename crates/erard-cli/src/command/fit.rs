@@ -8,16 +8,16 @@ use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::figure_svg;
 use erard_workshop::cores;
-use erard_workshop::fit::{Asked, Data, FitError, Jacobian, Loss, Plan, Problem, free};
+use erard_workshop::fit::{Asked, Data, FitError, FitResult, Jacobian, Loss, Plan, Problem, free};
 
 use super::options::{DRIVES, StepOptions, check, load_instrument_and_text};
 use super::out::OutOptions;
 use crate::failure::Failure;
-use crate::fit::{column, figure, lines, report, table, value, warnings};
+use crate::fit::{column, figure, lines, report, table, value};
 use crate::names::{Name, one_of};
 use crate::progress::Progress;
 use crate::recordings::RecordingOptions;
-use crate::{say, tell};
+use crate::say;
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/fit.txt");
@@ -47,7 +47,7 @@ pub(crate) struct Fit {
     /// recorded]
     #[arg(long, value_parser = one_of(&DRIVES))]
     drive: Option<Prescribed>,
-    /// What is compared, of force, position, hammer [default: all but what drives]
+    /// What is compared, of force, position, hammer, hammer_speed [default: all but what drives]
     #[arg(long, value_name = "CHANNEL,..", value_delimiter = ',', value_parser = channel)]
     compare: Vec<Role>,
     /// Noise of a channel, root mean square, as in force=0.02N,position=10um; that of what drives, too [default: as the
@@ -98,13 +98,16 @@ const JACOBIANS: [Name<Jacobian>; 2] = [
 ];
 
 fn channel(text: &str) -> Result<Role, String> {
-    let known = [Role::Force, Role::Position, Role::HammerHead];
+    let known = [Role::Force, Role::Position, Role::HammerHead, Role::HammerSpeed];
     let role = known.into_iter().find(|role| role.name() == text.trim());
-    role.ok_or_else(|| "expected force, position or hammer".to_owned())
+    role.ok_or_else(|| "expected force, position, hammer or hammer_speed".to_owned())
 }
 
 fn noise(text: &str) -> Result<(Role, f64), String> {
-    let expected = || "expected a channel and its noise, as in force=0.02N, position=10um or hammer=0.05mm".to_owned();
+    let expected = || {
+        "expected a channel and its noise, as in force=0.02N, position=10um, hammer=0.05mm or hammer_speed=20mm/s"
+            .to_owned()
+    };
     let (name, size) = text.split_once('=').ok_or_else(expected)?;
     let role = channel(name)?;
     let size = size.trim();
@@ -114,6 +117,9 @@ fn noise(text: &str) -> Result<(Role, f64), String> {
         (Role::Force, "N" | "") => 1.0,
         (Role::Force, "mN") => 1e-3,
         (Role::Force, _) => return Err(expected()),
+        (Role::HammerSpeed, "m/s" | "") => 1.0,
+        (Role::HammerSpeed, "mm/s") => 1e-3,
+        (Role::HammerSpeed, _) => return Err(expected()),
         (_, "m" | "") => 1.0,
         (_, "mm") => 1e-3,
         (_, "um" | "\u{b5}m" | "\u{3bc}m") => 1e-6,
@@ -175,12 +181,9 @@ impl Fit {
         for line in lines(&found, &problem, &instrument.name) {
             say!("{line}");
         }
-        for warning in warnings(&found, &problem) {
-            tell!("warning: {warning}");
-        }
         say!();
         say!("{written}");
-        Ok(())
+        doubtful(&found)
     }
 
     /// What was recorded, ready to be fitted.
@@ -255,6 +258,20 @@ impl Fit {
             Some(at) => Err(Failure::Usage(format!("{option}: `{}` is there twice", all[at].0))),
             None => Ok(all),
         }
+    }
+}
+
+/// Nothing, or that there are doubts, with their kinds.
+fn doubtful(found: &FitResult) -> Result<(), Failure> {
+    let mut kinds: Vec<&str> = found.doubts.iter().map(|doubt| doubt.kind.name()).collect();
+    kinds.dedup();
+    match found.doubts.len() {
+        0 => Ok(()),
+        1 => Err(Failure::Doubtful(format!("the fit is doubtful ({}); all files are written", kinds[0]))),
+        n => Err(Failure::Doubtful(format!(
+            "the fit is doubtful for {n} reasons ({}); all files are written",
+            kinds.join(", ")
+        ))),
     }
 }
 

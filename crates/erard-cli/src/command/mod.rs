@@ -106,7 +106,7 @@ enum Sub {
 }
 
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
-/// (goals of `regulate` that cannot be met, among it).
+/// (goals of `regulate` that cannot be met and doubtful fits, among it).
 pub fn run() -> ExitCode {
     run_program(&definition(), |command: &Command| &command.speech, |command| command.subcommand.run())
 }
@@ -164,7 +164,7 @@ pub fn run_program<P: FromArgMatches>(
     };
     say::how(speech(&program).quiet, speech(&program).json);
     let result = work(&program);
-    if matches!(result, Ok(()) | Err(Failure::Unmet(_) | Failure::Reach(_))) {
+    if matches!(result, Ok(()) | Err(Failure::Unmet(_) | Failure::Doubtful(_) | Failure::Reach(_))) {
         answer::print();
     }
     // A failure is worth more than words that did not arrive.

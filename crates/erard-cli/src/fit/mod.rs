@@ -6,6 +6,6 @@ mod table;
 mod values;
 
 pub(crate) use figure::figure;
-pub(crate) use report::{report, warnings};
+pub(crate) use report::report;
 pub(crate) use table::{lines, table};
 pub(crate) use values::{column, value};

@@ -5,15 +5,6 @@ use serde_json::{Value, json};
 
 use crate::compare::prepared_channel;
 
-/// What is to be looked at: of the recordings and of the fit.
-pub(crate) fn warnings(found: &FitResult, problem: &Problem) -> Vec<String> {
-    let seen = problem.data.iter().flat_map(|one| {
-        let notes = one.note.map(str::to_owned).into_iter().chain(one.driven.report.warnings());
-        notes.map(|warning| format!("{}: {warning}", one.name))
-    });
-    seen.chain(found.warnings()).collect()
-}
-
 /// fit.json. Parameters are in SI units; of what was varied a factor or, of screws, how far they are turned.
 pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> Value {
     let recordings = problem.data.iter().zip(&problem.drive_sigma).map(|(one, sigma)| {
@@ -45,6 +36,17 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
             "varied": varied,
         })
     });
+    let meanings = found.meanings.iter().map(|one| {
+        json!({
+            "name": one.name,
+            "explanation": one.explanation,
+            "quantity": one.quantity,
+            "unit": one.unit,
+            "start": one.before,
+            "value": one.value,
+            "std": one.std,
+        })
+    });
     let correlations = found
         .correlated()
         .into_iter()
@@ -55,19 +57,24 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
             "column": column,
             "noise": problem.sigma[k],
             "noise_is_estimated": problem.told[k].is_none(),
+            "rms_at_start": found.channels[k].rms_at_start,
+            "rms": found.channels[k].rms,
             "delay_s": found.channels[k].delay_s.map(|(s, _)| s),
             "delay_std_s": found.channels[k].delay_s.map(|(_, std)| std),
         })
     });
+    let doubts = found.doubts.iter().map(|doubt| json!({"kind": doubt.kind.name(), "text": doubt.text}));
     json!({
         "instrument": instrument,
+        "doubts": doubts.collect::<Value>(),
         "ended": found.message,
         "recordings": recordings.collect::<Value>(),
         "samples": found.residuals.len(),
         "degrees_of_freedom": found.degrees_of_freedom,
-        "chi2_reduced": found.chi2_reduced,
-        "chi2_expected": found.chi2_expected,
+        "chi2_reduced": found.chi2().map(|(reduced, _)| reduced),
+        "chi2_expected": found.chi2().map(|(_, expected)| expected),
         "parameters": parameters.collect::<Value>(),
+        "meanings": meanings.collect::<Value>(),
         "covariance": found.cov,
         "correlations": correlations.collect::<Value>(),
         "channels": channels.collect::<Value>(),
@@ -76,6 +83,5 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
         "jacobian_agreement": found.jacobian_agreement,
         "strokes": found.evaluations,
         "strokes_with_derivatives": found.differentiated,
-        "warnings": warnings(found, problem),
     })
 }

@@ -1,9 +1,9 @@
 //! The report for people, and the curves as a table.
 
-use erard_workshop::fit::{Channel, FitResult, Problem};
+use erard_workshop::fit::{Channel, FitResult, Meaning, Problem};
 
 use super::values::unit_shown;
-use crate::table::Table;
+use crate::table::{Table, WIDEST, wrapped};
 
 /// Decimals with which a number with this error is shown: two digits of the error, at most six places behind the point;
 /// `None` where only powers of ten do.
@@ -23,7 +23,7 @@ fn shown(x: f64, decimals: Option<usize>) -> String {
     }
 }
 
-/// The report, line by line.
+/// The report, line by line: doubts first.
 pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> Vec<String> {
     let names: Vec<&str> = problem.data.iter().map(|one| one.name.as_str()).collect();
     let with = if found.differentiated > 0 {
@@ -31,15 +31,22 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
     } else {
         String::new()
     };
-    let mut lines = vec![
+    let mut lines: Vec<String> =
+        found.doubts.iter().flat_map(|doubt| wrapped(&format!("Doubtful: {}.", doubt.text), WIDEST)).collect();
+    if !lines.is_empty() {
+        lines.push(String::new());
+    }
+    lines.extend([
         format!("{instrument} fitted to {}", names.join(", ")),
         format!("  {} samples, {} strokes played{with}; {}", found.residuals.len(), found.evaluations, found.message),
-        format!(
-            "  reduced chi2 {:.3}; the noise of sensors and drive explains {:.3}",
-            found.chi2_reduced, found.chi2_expected
-        ),
+        match found.chi2() {
+            Some((reduced, expected)) => {
+                format!("  reduced chi2 {reduced:.3}; the noise of sensors and drive explains {expected:.3}")
+            }
+            None => "  reduced chi2: no verdict, because noise is estimated from the residuals".to_owned(),
+        },
         String::new(),
-    ];
+    ]);
     let head = ["parameter", "value", "+-", "start", "from", "to", "unit", ""].map(str::to_owned);
     let rows = found.values().enumerate().map(|(k, (one, value, std))| {
         let (by, unit) = unit_shown(one.unit);
@@ -51,20 +58,14 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
         [one.name.clone(), number(value), number(std), number(one.value), low, high, unit.to_owned(), end.to_owned()]
     });
     lines.extend(Table::of(head, rows).to_string().lines().map(str::to_owned));
-    lines.push(String::new());
-    for (k, (recording, column)) in problem.channels().enumerate() {
-        let (by, unit) = if column == "force_N" { (1e3, "mN") } else { (1e6, "um") };
-        let whence = if problem.told[k].is_none() { ", estimated from what is left over" } else { "" };
-        let late = found.channels[k].delay_s.map_or_else(String::new, |(delay, std)| {
-            format!("; written down {:.3} +- {:.3} ms later than what drives", delay * 1e3, std * 1e3)
-        });
-        lines.push(format!(
-            "  {} of {}: noise {:.3} {unit}{whence}{late}",
-            column,
-            names[recording],
-            problem.sigma[k] * by
-        ));
+    for Meaning { name, explanation, quantity, unit, before, value, std } in &found.meanings {
+        let places = decimals(*value, *std);
+        let [value, std, before] = [*value, *std, *before].map(|x| shown(x, places));
+        let text = format!("{name} is {explanation}: {quantity} {value} +- {std} {unit}, at the start {before} {unit}");
+        lines.extend(wrapped(&text, WIDEST - 2).iter().map(|line| format!("  {line}")));
     }
+    lines.push(String::new());
+    lines.extend(misfits(found, problem));
     let correlated = found.correlated();
     if !correlated.is_empty() {
         lines.push(String::new());
@@ -80,6 +81,38 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
         lines.push(String::new());
         lines.extend(unseen.into_iter().map(|told| format!("Not seen: {told}")));
     }
+    lines
+}
+
+/// Of every channel root mean square misfit where the fit began and at its end beside the sensor's noise, in the data's
+/// unit; delays.
+fn misfits(found: &FitResult, problem: &Problem) -> Vec<String> {
+    let head = ["measured less fitted, rms", "start", "end", "noise", "unit", ""].map(str::to_owned);
+    let rows = problem.channels().enumerate().map(|(k, (recording, column))| {
+        let (by, unit) = match column {
+            "force_N" => (1e3, "mN"),
+            "hammer_head_m_per_s" => (1e3, "mm/s"),
+            _ => (1e6, "um"),
+        };
+        let channel = &found.channels[k];
+        let places = decimals(channel.noise * by, 0.1 * channel.noise * by);
+        let number = |x: f64| shown(x * by, places);
+        [
+            format!("{column} of {}", problem.data[recording].name),
+            number(channel.rms_at_start),
+            number(channel.rms),
+            number(channel.noise),
+            unit.to_owned(),
+            if channel.noise_is_known { String::new() } else { "noise from the residuals".to_owned() },
+        ]
+    });
+    let mut lines: Vec<String> = Table::of(head, rows).to_string().lines().map(str::to_owned).collect();
+    let late = problem.channels().zip(&found.channels).filter_map(|((recording, column), channel)| {
+        let (delay, std) = channel.delay_s?;
+        let (name, delay, std) = (&problem.data[recording].name, delay * 1e3, std * 1e3);
+        Some(format!("  {column} of {name}: written down {delay:.3} +- {std:.3} ms later than what drives"))
+    });
+    lines.extend(late);
     lines
 }
 

@@ -43,9 +43,9 @@ fn with_no_argument_the_grand_plays() {
     let table = folder.read("erard-out/run.csv");
     let (header, rows) = table.split_once('\n').unwrap();
     let names = columns(header);
-    assert_eq!(names[..4], ["time_s", "force_N", "key_m", "hammer_head_m"]);
+    assert_eq!(names[..5], ["time_s", "force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"]);
     let angles: Vec<String> = BODIES.iter().flat_map(|b| [format!("{b}_rad"), format!("{b}_rad_per_s")]).collect();
-    assert_eq!(names[4..20], angles);
+    assert_eq!(names[5..21], angles);
     for sliding in ["jack_knuckle", "let_off_button", "check"] {
         assert!(names.contains(&format!("{sliding}_N").as_str()), "{names:?}");
         assert!(names.contains(&format!("{sliding}_tangential_N").as_str()), "{names:?}");

@@ -178,8 +178,14 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
         let answers: Vec<Value> = calls
             .iter()
             .map(|call| {
-                let said = folder.good(&[*call, &["--json"]].concat());
-                serde_json::from_str(&said).unwrap_or_else(|error| panic!("{call:?}: {error}: {said}"))
+                let output = folder.erard(&[*call, &["--json"]].concat());
+                let said = String::from_utf8(output.stdout).unwrap();
+                let answer: Value =
+                    serde_json::from_str(&said).unwrap_or_else(|error| panic!("{call:?}: {error}: {said}"));
+                // A fit with doubts answers, and exits with 1.
+                let doubts = answer["doubts"].as_array().is_some_and(|doubts| !doubts.is_empty());
+                assert_eq!(output.status.code(), Some(i32::from(doubts)), "{call:?}: {said}");
+                answer
             })
             .collect();
         if std::env::var("ERARD_SCHEMAS").is_ok_and(|value| value == "write") {

@@ -10,11 +10,15 @@ use moreau::Settings;
 
 use super::FitError;
 use crate::balance::median;
-use erard::recording::{Butterworth, LowPass, Preparation, Prepared, prepare};
+use erard::recording::{Butterworth, ChannelReport, LowPass, Preparation, Prepared, prepare};
 
-/// What can be fitted of a recording, and the noise that is taken where nothing tells it, N and m.
-pub const COLUMNS: [(&str, Role, f64); 3] =
-    [("force_N", Role::Force, 0.02), ("key_m", Role::Position, 10e-6), ("hammer_head_m", Role::HammerHead, 50e-6)];
+/// What can be fitted of a recording, and the noise that is taken where nothing tells it, N, m and m/s.
+pub const COLUMNS: [(&str, Role, f64); 4] = [
+    ("force_N", Role::Force, 0.02),
+    ("key_m", Role::Position, 10e-6),
+    ("hammer_head_m", Role::HammerHead, 50e-6),
+    ("hammer_head_m_per_s", Role::HammerSpeed, 0.02),
+];
 /// Samples per second at most: above, a recording says more of its noise than of the action.
 const RATE_HZ: f64 = 4000.0;
 /// Samples at both ends of a recorded motion that are not compared: where it ends it stops, and its spline rings, so
@@ -159,11 +163,33 @@ impl Data {
         Some(self.prepared.report.channel(*role)?.noise?.rms)
     }
 
+    /// What should be looked at in what drives and in what is compared.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let is_compared = |role: Role| COLUMNS.iter().any(|(own, of, _)| *of == role && self.columns.contains(own));
+        let of = |channel: &ChannelReport| match channel.role {
+            role if role == self.driving_role() => channel.warnings(),
+            role if is_compared(role) => channel.misread(),
+            _ => Vec::new(),
+        };
+        self.driven.report.channels.iter().flat_map(of).collect()
+    }
+
+    fn driving_role(&self) -> Role {
+        if self.driving == "force_N" { Role::Force } else { Role::Position }
+    }
+
+    /// How well that is known: the relative standard deviation of the root mean square; 0 where nothing tells it.
+    pub(super) fn noise_uncertainty(&self, column: &str) -> f64 {
+        let role = COLUMNS.iter().find(|(own, ..)| *own == column).map(|(_, role, _)| *role);
+        let noise = role.and_then(|role| self.prepared.report.channel(role)?.noise);
+        noise.map_or(0.0, |noise| noise.uncertainty)
+    }
+
     /// What drives, with noise of this root mean square added to every one of its samples: it goes through the same
     /// zero and the same filter.
     pub(super) fn disturbed(&self, sigma: f64, rng: &mut Rng) -> Result<Stroke, FitError> {
         let mut series = self.driven.series.clone();
-        let role = if self.driving == "force_N" { Role::Force } else { Role::Position };
+        let role = self.driving_role();
         let wrong = |error: &dyn std::fmt::Display| FitError::Recording {
             recording: self.name.clone(),
             message: error.to_string(),
@@ -206,6 +232,10 @@ fn at(series: &Series, column: &str, times: &[f64]) -> Vec<f64> {
             .as_ref()
             .map_or_else(Vec::new, |force| times.iter().map(|t| force.at(*t, &mut cursor)).collect()),
         "key_m" => path(&series.position, &mut cursor),
+        "hammer_head_m_per_s" => series
+            .hammer_speed
+            .as_ref()
+            .map_or_else(Vec::new, |speed| times.iter().map(|t| speed.at(*t, &mut cursor)).collect()),
         _ => path(&series.hammer_head, &mut cursor),
     }
 }

@@ -1,5 +1,7 @@
 //! What the noise of what drives does to the residuals: strokes that are disturbed by it are played.
 
+use std::ops::Range;
+
 use crate::study::Job;
 use fastrand::Rng;
 
@@ -27,6 +29,14 @@ impl Disturbed {
             0.5 * (squares[squares.len() / 2 - 1] + squares[squares.len() / 2])
         };
         1.0 + self.columns.chunks_exact(DISTURBED).map(typical).sum::<f64>() / rows as f64
+    }
+}
+
+impl Disturbed {
+    /// The largest mean square over some rows that a disturbance made, over the noise; 0 without any.
+    pub(crate) fn most(&self, rows: Range<usize>) -> f64 {
+        let mean = |column: &Vec<f64>| column[rows.clone()].iter().map(|x| x * x).sum::<f64>() / rows.len() as f64;
+        self.columns.iter().map(mean).fold(0.0, f64::max)
     }
 }
 

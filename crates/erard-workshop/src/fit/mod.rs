@@ -11,9 +11,12 @@
 
 mod candidate;
 mod data;
+mod doubts;
 mod drive_noise;
 mod free;
+mod impact;
 mod jacobian;
+mod meaning;
 mod plan;
 mod problem;
 mod result;
@@ -24,8 +27,10 @@ mod written;
 pub use plan::{Plan, Solution, Solver, TrustRegion, fit, fit_by};
 
 pub use data::{COLUMNS, Data};
+pub use doubts::{Doubt, DoubtKind};
 pub use free::{Asked, Free, free};
 pub use jacobian::{DIFFERENCES, Jacobian};
+pub use meaning::Meaning;
 pub use problem::{Channel, Problem};
 pub use result::{FitResult, FittedChannel};
 pub use solver::{LeastSquares, Loss};

@@ -4,6 +4,7 @@
 use fastrand::Rng;
 
 use super::candidate::Candidate;
+use super::doubts::doubts;
 use super::jacobian::DIFFERENCES;
 use super::solver::{self, LeastSquares};
 use super::svd::Columns;
@@ -267,10 +268,15 @@ fn conclude(problem: &mut Problem, message: String, ends: Vec<Candidate>) -> Res
     let other = if problem.exact { jacobian.clone() } else { problem.by_differences(&point, DIFFERENCES[2])? };
     let residuals = problem.residuals(&point)?;
     let found = Found { point, message, residuals, agreement: agreement(&wide, &other), ends };
-    Ok(FitResult::new(problem, found, &jacobian, &disturbed))
+    let mut result = FitResult::new(problem, &found, &jacobian, &disturbed);
+    result.doubts = doubts(problem, &result, &found.ends, &disturbed)?;
+    result.meanings = problem.meanings(&result)?;
+    result.evaluations = problem.evaluations;
+    Ok(result)
 }
 
 /// Where a fit ended, and how it came there.
+#[derive(Debug, Clone)]
 pub(super) struct Found {
     pub point: Vec<f64>,
     pub message: String,

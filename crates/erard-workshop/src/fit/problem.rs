@@ -1,6 +1,6 @@
 //! Residuals over the inner parameters: those of the instrument, then the delays in ms.
 
-use crate::study::{Job, Sampling, Workers, play_all, sample_all};
+use crate::study::{Job, Sampling, Workers, sample_all};
 use erard::instrument::Instrument;
 use erard::run::SimulationError;
 
@@ -9,8 +9,6 @@ use super::data::{COLUMNS, Data};
 use super::free::varied;
 use super::{FitError, Free, Loss};
 
-/// How long after the blow the first look lasts, s: what comes later is moved far by a little more or less of anything.
-const AFTER_THE_BLOW_S: f64 = 2e-3;
 /// The residual of what cannot be played: worse than any other.
 const WORST: f64 = 1e6;
 /// How far a delay may go either way, ms.
@@ -59,6 +57,8 @@ pub struct Problem {
     pub sigma: Vec<f64>,
     /// That noise where it is known; `None` elsewhere.
     pub told: Vec<Option<f64>>,
+    /// How well the noise of every channel is known, as a share of it: 0 where the caller said it.
+    pub uncertainty: Vec<f64>,
     /// Noise of what drives, of every recording, where something tells it.
     pub drive_sigma: Vec<Option<f64>>,
     /// How much every row counts; without, all alike.
@@ -105,6 +105,7 @@ impl Problem {
             threads,
             sigma: Vec::new(),
             told: Vec::new(),
+            uncertainty: Vec::new(),
             drive_sigma: data.iter().map(|one| known(one.driving).or_else(|| one.noise(one.driving))).collect(),
             data,
             weights: None,
@@ -139,6 +140,11 @@ impl Problem {
                 format!("{column} shows no noise at all; expected its noise to be said"),
             ));
         }
+        let uncertain = |(i, column): &(usize, &'static str)| match known(column) {
+            Some(_) => 0.0,
+            None => problem.data[*i].noise_uncertainty(column),
+        };
+        problem.uncertainty = channels.iter().map(uncertain).collect();
         (problem.told, problem.sigma) = (told, sigma);
         Ok(problem)
     }
@@ -369,35 +375,6 @@ impl Problem {
     /// Forgets what was worked out last: noise or weights have changed.
     pub(crate) fn forget(&mut self) {
         self.kept = None;
-    }
-
-    /// 1 for rows up to shortly after the blow, 0 for later ones.
-    ///
-    /// # Errors
-    /// An interruption.
-    pub fn until_the_blow(&mut self, point: &[f64]) -> Result<Vec<f64>, FitError> {
-        let mut weights = Vec::with_capacity(self.rows());
-        let (own, workers) = (self.at(point), self.workers());
-        for one in &self.data {
-            let blow_s = match &own {
-                None => None,
-                Some(instrument) => {
-                    let stroke = one.stroke.inputs(&instrument.finger)?;
-                    let count = self.evaluations;
-                    let watch = &mut self.watch;
-                    let job = vec![Job { instrument: 0, stroke }];
-                    let played =
-                        play_all(std::slice::from_ref(instrument), job, &one.setup(), workers, &mut |_| watch(count))?;
-                    let first = played.into_iter().next().and_then(Result::ok);
-                    first.and_then(|played| played.events.hammer_contact_s())
-                }
-            };
-            let counts = |t: &f64| f64::from(blow_s.is_none_or(|blow_s| *t <= blow_s + AFTER_THE_BLOW_S));
-            for _ in &one.columns {
-                weights.extend(one.time_s[one.compared.clone()].iter().map(counts));
-            }
-        }
-        Ok(weights)
     }
 
     /// Estimates the noise of every channel of which nothing tells it from what is left over at a point; whether it

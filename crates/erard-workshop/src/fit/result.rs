@@ -2,7 +2,9 @@
 
 use super::Free;
 use super::candidate::Candidate;
+use super::doubts::Doubt;
 use super::drive_noise::{DISTURBED, Disturbed};
+use super::meaning::Meaning;
 use super::plan::{Found, alike};
 use super::problem::Problem;
 use super::svd::{Columns, dot, svd, times};
@@ -29,7 +31,7 @@ pub struct FitResult {
     pub residuals: Vec<f64>,
     /// Residuals less parameters.
     pub degrees_of_freedom: usize,
-    /// Sum of the residuals' squares over the degrees of freedom.
+    /// Sum of the residuals' squares over the degrees of freedom. See [`FitResult::chi2`] for what it is worth.
     pub chi2_reduced: f64,
     /// What it should be if the model were true: 1 for the sensors' noise, and what the drive's noise adds, which moves
     /// the model itself.
@@ -51,6 +53,10 @@ pub struct FitResult {
     pub attempts: [usize; 2],
     /// How far apart the places are where these ended: the largest distance of a parameter, in its standard deviations.
     pub apart: f64,
+    /// What parameters whose names mislead come to on the bench.
+    pub meanings: Vec<Meaning>,
+    /// What makes all this doubtful, kind by kind.
+    pub doubts: Vec<Doubt>,
     /// Columns that drive and of whose noise nothing is known.
     pub silent: Vec<&'static str>,
     /// Strokes that were played, and of these with derivatives.
@@ -78,8 +84,6 @@ pub struct FittedChannel {
 
 /// A singular value below so large a part of the largest is one that no sample sees: its error is large, not infinite.
 const UNSEEN: f64 = 1e-9;
-/// Beyond this the Jacobian hangs on the length of its steps.
-const DOUBTFUL: f64 = 0.1;
 /// Correlations beyond this are reported.
 const CORRELATED: f64 = 0.5;
 /// Most parameters of a direction that are named, and how large a part of the largest share they have at least.
@@ -87,8 +91,8 @@ const NAMED: (usize, f64) = (4, 0.3);
 
 impl FitResult {
     /// Of where a solver ended.
-    pub(super) fn new(problem: &Problem, found: Found, jacobian: &[Vec<f64>], disturbed: &Disturbed) -> Self {
-        let Found { point, message, residuals, agreement, ends } = found;
+    pub(super) fn new(problem: &Problem, found: &Found, jacobian: &[Vec<f64>], disturbed: &Disturbed) -> Self {
+        let Found { point, message, residuals, agreement, ends } = found.clone();
         let free = problem.free.clone();
         let (count, all) = (free.len(), point.len());
         let degrees_of_freedom = residuals.len().saturating_sub(all).max(1);
@@ -160,6 +164,8 @@ impl FitResult {
             channels,
             inner_cov,
             sensors_cov,
+            meanings: Vec::new(),
+            doubts: Vec::new(),
             silent: problem.silent(),
             evaluations: problem.evaluations,
             differentiated: problem.differentiated,
@@ -168,6 +174,13 @@ impl FitResult {
             point,
             free,
         }
+    }
+
+    /// Reduced chi2, and what it should be if the model were true. `None` where the noise of a channel was estimated
+    /// from its residuals: chi2 is 1 then, whatever the fit is worth.
+    pub fn chi2(&self) -> Option<(f64, f64)> {
+        let is_known = self.channels.iter().all(|channel| channel.noise_is_known);
+        is_known.then_some((self.chi2_reduced, self.chi2_expected))
     }
 
     /// What was fitted, in SI units, with its standard deviation.
@@ -214,35 +227,6 @@ impl FitResult {
             format!("{}: the data leave {beyond} times what the bounds allow", words.join(", "))
         };
         self.singular_values.iter().zip(&self.directions).filter(|(value, _)| **value < 1.0).map(told).collect()
-    }
-
-    /// What is to be said against the errors, and what was left as it was found.
-    pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
-        if !self.silent.is_empty() {
-            warnings.push(format!(
-                "the noise of {}, which drives, is not known, and counts as none: where it has some, the errors are too small",
-                self.silent.join(" and ")
-            ));
-        }
-        if self.jacobian_agreement > DOUBTFUL {
-            warnings.push(format!(
-                "derivatives by differences change by {:.0} % with the length of their steps; the recordings jump with a parameter, and the errors are too \
-                 sure of themselves (what ends shortly after the blow seldom does)",
-                100.0 * self.jacobian_agreement
-            ));
-        }
-        for (one, x) in self.free.iter().zip(&self.x).filter(|(one, x)| one.is_at_a_bound(**x)) {
-            let end = if (x - one.low).abs() < (x - one.high).abs() { "lower" } else { "upper" };
-            warnings.push(format!("{} ended at its {end} bound", one.name));
-        }
-        if self.chi2_reduced > 2.0 * self.chi2_expected {
-            warnings.push(format!(
-                "the misfit is {:.1} times what the noise of sensors and drive explains: the model differs from what was recorded, and the errors are scaled up",
-                self.chi2_reduced / self.chi2_expected
-            ));
-        }
-        warnings
     }
 }
 

@@ -263,7 +263,15 @@ impl<'a> Lane<'a> {
             player::Input::Force(force_n) => force_n,
             _ => 0.0,
         };
-        let travels = [force_n, now.site_m - self.rest.site_m, now.head_m - self.rest.head_m];
+        let roles = &self.player.instrument.roles;
+        let head_m_s = match roles.hammer.filter(|_| sampled.has_speed()) {
+            Some(hammer) => {
+                let up = self.observer.velocity_row(hammer, roles.hammer_head_m, [0.0, 1.0]);
+                up.iter().zip(velocities).map(|(row, velocity)| row * velocity).sum()
+            }
+            None => 0.0,
+        };
+        let travels = [force_n, now.site_m - self.rest.site_m, now.head_m - self.rest.head_m, head_m_s];
         sampled.push(travels, angles, velocities);
     }
 

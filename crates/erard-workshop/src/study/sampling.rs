@@ -24,7 +24,7 @@ pub struct SamplingError {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
-    /// Of the finger, the key front and the strike point.
+    /// Of the finger, the key front and the strike point, and that one's speed.
     Travel(usize),
     Angle(usize),
     Rate(usize),
@@ -33,7 +33,8 @@ enum Column {
 }
 
 const FORCE: usize = 0;
-const TRAVELS: [&str; 3] = ["force_N", "key_m", "hammer_head_m"];
+const TRAVELS: [&str; 4] = ["force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"];
+const HEAD: [usize; 2] = [2, 3];
 
 impl Sampling {
     /// Of these columns of [`Run::columns`], a row every so many steps, the first at the start. Bodies and zones are
@@ -104,10 +105,15 @@ impl<'a> Sampled<'a> {
         steps.is_multiple_of(self.sampling.every)
     }
 
-    pub(crate) fn push(&mut self, travels: [f64; 3], angles: &EveryBody, velocities: &EveryBody) {
+    /// Whether the strike point's speed is sampled.
+    pub(crate) fn has_speed(&self) -> bool {
+        self.has_hammer && self.sampling.columns.iter().any(|(_, column)| *column == Column::Travel(HEAD[1]))
+    }
+
+    pub(crate) fn push(&mut self, travels: [f64; 4], angles: &EveryBody, velocities: &EveryBody) {
         for ((_, column), values) in self.sampling.columns.iter().zip(&mut self.columns) {
             match *column {
-                Column::Travel(2) if !self.has_hammer => {}
+                Column::Travel(i) if HEAD.contains(&i) && !self.has_hammer => {}
                 Column::Travel(i) => values.push(travels[i]),
                 Column::Angle(i) => values.push(angles[i]),
                 Column::Rate(i) => values.push(velocities[i]),

@@ -286,7 +286,7 @@ fn samples_are_the_rows_of_the_run() {
     for (kind, columns) in [
         (0, &["force_N", "key_m", "hammer_head_m", "hammer_rad", "key_rad_per_s"][..]),
         (1, &["key_m", "force_N", "string_N"]),
-        (3, &["hammer_head_m", "hammer_rad_per_s"]),
+        (3, &["hammer_head_m", "hammer_head_m_per_s", "hammer_rad_per_s"]),
     ] {
         let instruments = [grand(), Instrument::builtin("steinway-o").expect("built in")];
         let plan = [(0, kind, 5.0), (1, kind, 6.0), (0, kind, 4.0)];

@@ -63,6 +63,8 @@ pub struct Recorded {
     pub key_m: Vec<f64>,
     /// Rise of the hammer's strike point, m; empty without a hammer.
     pub hammer_head_m: Vec<f64>,
+    /// Its speed, m/s; empty without a hammer.
+    pub hammer_head_m_per_s: Vec<f64>,
     /// The bodies, in the instrument's order.
     pub bodies: Vec<BodySeries>,
     /// The zones, in the instrument's order.
@@ -97,6 +99,7 @@ impl Recorder {
             force_n: series(),
             key_m: series(),
             hammer_head_m: if has_hammer { series() } else { Vec::new() },
+            hammer_head_m_per_s: if has_hammer { series() } else { Vec::new() },
             bodies: instrument
                 .bodies
                 .iter()
@@ -184,6 +187,7 @@ impl Recorder {
         to.key_m[row] = key_m;
         if self.has_hammer {
             to.hammer_head_m[row] = hammer_m;
+            to.hammer_head_m_per_s[row] = now.output.point_m_s[1];
         }
         if let (Some(series), Some(strings)) = (&mut to.strings, Strings::read(now)) {
             series.displacement_m[row] = strings.displacement_m();
@@ -214,12 +218,13 @@ impl Recorder {
     /// What was written down.
     pub(crate) fn finish(self) -> Recorded {
         let Recorder { mut recorded, rows, .. } = self;
-        let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones, strings } = &mut recorded;
+        let Recorded { time_s, force_n, key_m, hammer_head_m, hammer_head_m_per_s, bodies, zones, strings } =
+            &mut recorded;
         if let Some(strings) = strings {
             strings.shape_m.truncate(rows * strings.places_m.len());
         }
         let strings = strings.iter_mut().flat_map(|s| [&mut s.displacement_m, &mut s.bridge_n, &mut s.pedal_m]);
-        for column in [time_s, force_n, key_m, hammer_head_m].into_iter().chain(strings) {
+        for column in [time_s, force_n, key_m, hammer_head_m, hammer_head_m_per_s].into_iter().chain(strings) {
             column.truncate(rows);
         }
         for body in bodies {

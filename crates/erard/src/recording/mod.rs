@@ -14,7 +14,9 @@ pub use butterworth::{Butterworth, ORDERS};
 pub use noise::{Noise, Whence};
 pub use report::{ChannelReport, Filtered, Report, Zero};
 
-use crate::stroke::{Channel, ForceSeries, MAX_ROWS, PositionSeries, Recording, Role, SampleError, Series};
+use crate::stroke::{
+    Channel, ForceSeries, MAX_ROWS, PositionSeries, Recording, Role, SampleError, Series, SpeedSeries,
+};
 use thiserror::Error;
 
 /// What is done to a recording.
@@ -101,7 +103,7 @@ pub fn prepare(recording: &Recording, preparation: &Preparation) -> Result<Prepa
         recording.channels.iter().map(|channel| Samples::new(recording, channel, preparation)).collect();
     // Nothing rests any more when the first channel has begun to move.
     let touched_s = channels.iter().filter_map(Samples::rest_ends_s).fold(f64::INFINITY, f64::min);
-    let mut series = Series { force: None, position: None, hammer_head: None };
+    let mut series = Series { force: None, position: None, hammer_head: None, hammer_speed: None };
     let mut reports = Vec::new();
     for samples in &mut channels {
         samples.end_rest(touched_s);
@@ -111,6 +113,7 @@ pub fn prepare(recording: &Recording, preparation: &Preparation) -> Result<Prepa
             Role::Force => series.force = Some(ForceSeries::new(times, values)?),
             Role::Position => series.position = Some(PositionSeries::new(times, values)?),
             Role::HammerHead => series.hammer_head = Some(PositionSeries::new(times, values)?),
+            Role::HammerSpeed => series.hammer_speed = Some(SpeedSeries::new(times, values)?),
             Role::Time => {}
         }
     }

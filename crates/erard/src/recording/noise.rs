@@ -20,6 +20,8 @@ pub struct Noise {
     pub rms: f64,
     /// Where it was read.
     pub whence: Whence,
+    /// Standard deviation of `rms` over `rms`, as its estimate scatters.
+    pub uncertainty: f64,
 }
 
 /// Fewest samples from which noise is estimated.
@@ -89,7 +91,9 @@ pub(super) fn noise(x: &[f64], rate_hz: f64, rest: usize) -> Option<Noise> {
     }
     let mut found: Option<Noise> = None;
     if rest >= FEWEST {
-        found = Some(Noise { rms: deviation(&x[..rest]), whence: Whence::Rest });
+        // Of n normal numbers the deviation scatters by 1 / sqrt(2 (n - 1)).
+        let uncertainty = 1.0 / (2.0 * (rest - 1) as f64).sqrt();
+        found = Some(Noise { rms: deviation(&x[..rest]), whence: Whence::Rest, uncertainty });
     }
     let spectrum = Spectrum::new(x, rate_hz);
     let half = 0.5 * rate_hz;
@@ -101,7 +105,9 @@ pub(super) fn noise(x: &[f64], rate_hz: f64, rest: usize) -> Option<Noise> {
         // three times that the rest, which has more samples, is right.
         let values = spectrum.between(UPPER[0] * half, UPPER[1] * half).len() as f64;
         if found.is_none_or(|noise| noise.rms < rms * (1.0 - 1.5 / (LN_2 * values.sqrt()))) {
-            found = Some(Noise { rms, whence: Whence::Spectrum });
+            // Hann's window makes neighbouring values depend on each other: two thirds of them count.
+            let uncertainty = 0.5 / (LN_2 * (values / 1.5).sqrt());
+            found = Some(Noise { rms, whence: Whence::Spectrum, uncertainty });
         }
     }
     found.filter(|noise| noise.rms > ROUNDING * (high - low))
@@ -195,7 +201,7 @@ mod tests {
         let at = |rms: f64| {
             let mut rng = Rng::with_seed(11);
             let x: Vec<f64> = (0..12_000).map(|n| stroke(n) + rms * normal(&mut rng)).collect();
-            band(&x, RATE_HZ, &Noise { rms, whence: Whence::Rest })
+            band(&x, RATE_HZ, &Noise { rms, whence: Whence::Rest, uncertainty: 0.0 })
         };
         let (coarse, fine) = (at(15e-6), at(0.15e-6));
         // The spectrum falls with the third power of the frequency: a hundredth of the noise is 4.6 times the band.

@@ -31,7 +31,7 @@ pub struct Filtered {
     pub cutoff_hz: f64,
 }
 
-/// One channel. SI units: N or m.
+/// One channel. SI units: N, m or m/s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelReport {
     /// What it measures.
@@ -104,6 +104,7 @@ impl ChannelReport {
     fn shown(&self, value: f64) -> String {
         match self.role {
             Role::Force => format!("{value:.4} N"),
+            Role::HammerSpeed => format!("{value:.4} m/s"),
             _ if value.abs() < 1e-4 => format!("{:.2} um", value * 1e6),
             _ => format!("{:.4} mm", value * 1e3),
         }
@@ -155,21 +156,27 @@ impl ChannelReport {
         lines
     }
 
-    /// What should be looked at.
+    /// What should be looked at, of a series that drives.
     pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = self.misread();
+        if self.noise.is_some() && self.low_pass.is_none() && self.role == Role::Position {
+            let what = "noise is not filtered: a model that is driven by it turns it into force";
+            warnings.push(format!("the {}'s {what}", self.role.name()));
+        }
+        warnings
+    }
+
+    /// What should be looked at, whatever the series is used for: its sign and its zero.
+    pub fn misread(&self) -> Vec<String> {
         let name = self.role.name();
         let mut warnings = Vec::new();
         if self.looks_inverted {
-            let way = if self.role == Role::HammerHead { "down" } else { "up" };
+            let way = if matches!(self.role, Role::HammerHead | Role::HammerSpeed) { "down" } else { "up" };
             warnings.push(format!(
                 "the {name} goes {way}, from {} to {}: it looks inverted",
                 self.shown(self.first),
                 self.shown(self.range.0)
             ));
-        }
-        if self.noise.is_some() && self.low_pass.is_none() && self.role == Role::Position {
-            warnings
-                .push(format!("the {name}'s noise is not filtered: a model that is driven by it turns it into force"));
         }
         if let Some(off) = self.begins_at {
             warnings.push(format!("the {name} begins at {}, and no zero was taken from it", self.shown(off)));

@@ -37,6 +37,8 @@ pub struct Run {
     pub key_m: Vec<f64>,
     /// Rise of the hammer's strike point from its rest, m, up positive; empty when the model has no hammer.
     pub hammer_head_m: Vec<f64>,
+    /// Speed of the hammer's strike point, m/s, up positive; empty when the model has no hammer.
+    pub hammer_head_m_per_s: Vec<f64>,
     /// One series per body.
     pub bodies: Vec<BodySeries>,
     /// One series per zone.
@@ -73,6 +75,7 @@ impl Run {
             ("force_N".into(), &self.force_n),
             ("key_m".into(), &self.key_m),
             ("hammer_head_m".into(), &self.hammer_head_m),
+            ("hammer_head_m_per_s".into(), &self.hammer_head_m_per_s),
         ];
         for body in &self.bodies {
             columns.push((format!("{}_rad", body.name), &body.angle_rad));

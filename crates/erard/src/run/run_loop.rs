@@ -155,7 +155,8 @@ impl<'a> RunLoop<'a> {
     pub(crate) fn finish(self, instrument: &Instrument) -> Run {
         let Observers { detector, recorder, ledger, extremes, peak_force_n, .. } = self.observers;
         let mechanism = self.action.mechanism();
-        let Recorded { time_s, force_n, key_m, hammer_head_m, bodies, zones, strings } = recorder.finish();
+        let Recorded { time_s, force_n, key_m, hammer_head_m, hammer_head_m_per_s, bodies, zones, strings } =
+            recorder.finish();
         let ledger = ledger.map(|ledger| ledger.close(mechanism));
         let events = detector.finish();
         let warnings = assess(instrument, &extremes, &events, ledger.as_ref(), &self.work);
@@ -165,6 +166,7 @@ impl<'a> RunLoop<'a> {
             force_n,
             key_m,
             hammer_head_m,
+            hammer_head_m_per_s,
             bodies,
             zones,
             strings,

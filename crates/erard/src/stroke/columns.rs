@@ -19,10 +19,12 @@ pub enum Role {
     Position,
     /// Rise of the hammer's strike point, up positive.
     HammerHead,
+    /// Its speed: how fast the strike point rises, up positive.
+    HammerSpeed,
 }
 
 /// All roles, in the order in which they are read and shown.
-pub const ROLES: [Role; 4] = [Role::Time, Role::Force, Role::Position, Role::HammerHead];
+pub const ROLES: [Role; 5] = [Role::Time, Role::Force, Role::Position, Role::HammerHead, Role::HammerSpeed];
 
 /// Largest time, s: a day. A larger number is milliseconds, or a calendar.
 const MAX_TIME_S: f64 = 86_400.0;
@@ -54,6 +56,9 @@ const FINGERTIPS: &[&str] = &[
     "fingertip_displacement",
 ];
 const HAMMERS: &[&str] = &["hammer_head", "hammer_head_position", "hammer_head_travel", "hammer_head_displacement"];
+const HAMMER_SPEEDS: &[&str] = &["hammer_head_speed", "hammer_head_velocity", "hammer_speed", "hammer_velocity"];
+/// The largest speed that can be true, m/s: hammers reach 10.
+const MAX_SPEED_M_S: f64 = 100.0;
 
 impl Role {
     /// What it is called in [`Columns`], and where a file's title alone is not worth more.
@@ -63,6 +68,7 @@ impl Role {
             Role::Force => "force",
             Role::Position => "position",
             Role::HammerHead => "hammer",
+            Role::HammerSpeed => "hammer_speed",
         }
     }
 
@@ -73,6 +79,7 @@ impl Role {
             Role::Force => "force_N",
             Role::Position => "position_m",
             Role::HammerHead => "hammer_head_m",
+            Role::HammerSpeed => "hammer_head_m_per_s",
         }
     }
 
@@ -82,6 +89,7 @@ impl Role {
             Role::Time => Quantity::Time,
             Role::Force => Quantity::Force,
             Role::Position | Role::HammerHead => Quantity::Length,
+            Role::HammerSpeed => Quantity::Speed,
         }
     }
 
@@ -91,6 +99,7 @@ impl Role {
             Role::Time => (MAX_TIME_S, "seconds from the start of the stroke, at most 86400 (milliseconds?)"),
             Role::Force => (MAX_FORCE_N, "newtons, at most 10000 (another unit?)"),
             Role::Position | Role::HammerHead => (MAX_POSITION_M, "metres, at most 1 (millimetres?)"),
+            Role::HammerSpeed => (MAX_SPEED_M_S, "metres per second, at most 100 (another unit?)"),
         }
     }
 
@@ -100,6 +109,7 @@ impl Role {
             Role::Force => FORCES.contains(&stem),
             Role::Position => POSITIONS.contains(&stem) || FINGERTIPS.contains(&stem),
             Role::HammerHead => HAMMERS.contains(&stem),
+            Role::HammerSpeed => HAMMER_SPEEDS.contains(&stem),
         }
     }
 
@@ -110,6 +120,7 @@ impl Role {
             Role::Force => "`force_N` or `force (gf)`",
             Role::Position => "`position_m` or `position (mm)`",
             Role::HammerHead => "`hammer_head_m` or `hammer_head (mm)`",
+            Role::HammerSpeed => "`hammer_head_m_per_s` or `hammer_speed (m/s)`",
         }
     }
 }
@@ -159,6 +170,17 @@ impl Title {
                 return Title { stem: words(before), unit: Some(unit.trim().to_owned()), apart: true };
             }
         }
+        // `hammer_head_m_per_s`, `hammer speed m/s`: a unit of several words.
+        if role.quantity() == Quantity::Speed
+            && let Some(unit) = ["mm_per_s", "cm_per_s", "m_per_s", "mm/s", "cm/s", "m/s"]
+                .into_iter()
+                .find(|unit| title.strip_suffix(unit).is_some_and(|t| !t.ends_with(char::is_alphanumeric)))
+        {
+            let stem = words(&title[..title.len() - unit.len()]);
+            // With such a unit it is no rise.
+            let stem = if stem == "hammer_head" { "hammer_head_speed".to_owned() } else { stem };
+            return Title { stem, unit: Some(unit.to_owned()), apart: true };
+        }
         if let Some((before, unit)) = title.rsplit_once('/')
             && role.quantity().unit(unit).is_some()
         {
@@ -197,12 +219,12 @@ enum Asked {
 
 /// Which columns to read, where titles do not say it by themselves.
 ///
-/// As text: `time=Time (s),position=Displacement (mm),force=F [gf]`. The names are `time`, `force`, `position` and
-/// `hammer`; what follows is the column's title up to the next name, or `#3` for the third column. A unit after a colon
-/// is the one that a title does not state: `position=x:mm`. `none` reads no such column.
+/// As text: `time=Time (s),position=Displacement (mm),force=F [gf]`. The names are `time`, `force`, `position`,
+/// `hammer` and `hammer_speed`; what follows is the column's title up to the next name, or `#3` for the third column. A
+/// unit after a colon is the one that a title does not state: `position=x:mm`. `none` reads no such column.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Columns {
-    asked: [Option<Asked>; 4],
+    asked: [Option<Asked>; ROLES.len()],
 }
 
 /// What is wrong with such a text.
@@ -218,7 +240,10 @@ impl FromStr for Columns {
         let mut rest = text;
         while !rest.trim().is_empty() {
             let (role, after) = role_of(rest).ok_or_else(|| {
-                ColumnsError(format!("{} begins with none of time=, force=, position=, hammer=", excerpt(rest)))
+                ColumnsError(format!(
+                    "{} begins with none of time=, force=, position=, hammer=, hammer_speed=",
+                    excerpt(rest)
+                ))
             })?;
             // A title may hold commas: it ends where the next name begins.
             let end = after.match_indices(',').map(|(at, _)| at).find(|&at| role_of(&after[at + 1..]).is_some());
@@ -471,6 +496,7 @@ fn si(role: Role) -> String {
         Quantity::Time => "s",
         Quantity::Force => "N",
         Quantity::Length => "m",
+        Quantity::Speed => "m/s",
     }
     .to_owned()
 }
@@ -502,6 +528,19 @@ mod tests {
         ] {
             assert_eq!(found(&titles, ""), Ok(vec![(0, want[0]), (1, want[1])]), "{titles:?}");
         }
+        for (title, unit) in [
+            ("hammer_head_m_per_s", "m/s"),
+            ("hammer_head_mm_per_s", "mm/s"),
+            ("Hammer speed (m/s)", "m/s"),
+            ("hammer velocity mm/s", "mm/s"),
+            ("hammer_speed_m_per_s", "m/s"),
+            ("Hammer speed [cm/s]", "cm/s"),
+        ] {
+            assert_eq!(found(&["time_s", "force_N", title], ""), Ok(vec![(0, "s"), (1, "N"), (2, unit)]), "{title}");
+        }
+        assert!(found(&["time_s", "force_N", "hammer speed (mm)"], "").unwrap_err().contains("m/s, cm/s, mm/s"));
+        let both = ["time_s", "force_N", "hammer_head_m", "hammer_head_m_per_s"];
+        assert_eq!(found(&both, ""), Ok(vec![(0, "s"), (1, "N"), (2, "m"), (3, "m/s")]));
         let own = ["time_s", "force_N", "key_m", "hammer_head_m", "key_rad", "hammer_rad", "tail_m", "key"];
         assert_eq!(found(&own, ""), Ok(vec![(0, "s"), (1, "N"), (2, "m"), (3, "m")]));
     }

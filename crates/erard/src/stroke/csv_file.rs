@@ -10,6 +10,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use super::ROLES;
 use super::columns::{Column, Columns, Layout};
 use super::recording::{Builder, Dialect, Recording, count};
 use super::rows::{Place, Row, Rows, excerpt};
@@ -192,8 +193,8 @@ impl Numbers {
         place: &Place,
         cells: usize,
         cell: &dyn Fn(usize) -> &'a str,
-    ) -> Result<[Option<f64>; 4], Box<StrokeError>> {
-        let mut row = [None; 4];
+    ) -> Result<[Option<f64>; ROLES.len()], Box<StrokeError>> {
+        let mut row = [None; ROLES.len()];
         for (column, into) in columns.iter().zip(&mut row) {
             let text = if column.index < cells { cell(column.index) } else { "" };
             if text.is_empty() {

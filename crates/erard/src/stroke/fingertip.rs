@@ -76,6 +76,7 @@ mod tests {
             force: Some(ForceSeries::new(times.clone(), vec![0.0, force_n, force_n, force_n]).unwrap()),
             position: Some(PositionSeries::new(times, vec![0.0, 0.0, 0.01, 0.01]).unwrap()),
             hammer_head: None,
+            hammer_speed: None,
         }
     }
 

@@ -16,6 +16,7 @@ mod force;
 mod position;
 mod recording;
 mod rows;
+mod speed;
 mod units;
 
 pub use builtin::{NUANCES, Touch};
@@ -26,6 +27,7 @@ pub use force::ForceSeries;
 pub use position::PositionSeries;
 pub use recording::{Channel, Dialect, Gaps, MAX_ROWS, Recording};
 pub use rows::MAX_BYTES;
+pub use speed::SpeedSeries;
 pub use units::Quantity;
 
 /// Largest force, N: a finger plays fortissimo with less than 50.
@@ -45,6 +47,8 @@ pub struct Series {
     /// Interpolated rise of the hammer's strike point from rest, up positive, when it was measured too: it drives
     /// nothing.
     pub hammer_head: Option<PositionSeries>,
+    /// Interpolated speed of the hammer's strike point, up positive, when it was measured: it drives nothing.
+    pub hammer_speed: Option<SpeedSeries>,
 }
 
 impl Series {
@@ -72,10 +76,15 @@ impl Series {
             let (times, values) = begun(s.times_s(), s.forces_n(), s.at(end_s, &mut Cursor::default()));
             ForceSeries::new(times, values)
         };
+        let speed = |s: &SpeedSeries| {
+            let (times, values) = begun(s.times_s(), s.speeds_m_s(), s.at(end_s, &mut Cursor::default()));
+            SpeedSeries::new(times, values)
+        };
         Ok(Self {
             force: self.force.as_ref().map(force).transpose()?,
             position: path(&self.position)?,
             hammer_head: path(&self.hammer_head)?,
+            hammer_speed: self.hammer_speed.as_ref().map(speed).transpose()?,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use super::columns::{Column, Layout, PositionOf, Role};
 use super::rows::Place;
-use super::{ForceSeries, PositionSeries, SHORTEST_STEP_S, SampleError, Series, StrokeError};
+use super::{ForceSeries, PositionSeries, ROLES, SHORTEST_STEP_S, SampleError, Series, SpeedSeries, StrokeError};
 
 /// Most rows that are read: more than an hour at 1 kHz.
 pub const MAX_ROWS: usize = 5_000_000;
@@ -63,7 +63,7 @@ impl Recording {
         let mut place = Place { file: file.to_owned(), line: 0 };
         for row in 0..rows {
             place.line = row as u64 + 1;
-            let mut cells = [None; 4];
+            let mut cells = [None; ROLES.len()];
             for (cell, values) in cells.iter_mut().zip(columns) {
                 *cell = Some(values[row]).filter(|value| !value.is_nan());
             }
@@ -88,6 +88,9 @@ impl Recording {
             force: samples(Role::Force).map(|(times, values)| ForceSeries::new(times, values)).transpose()?,
             position: path(Role::Position)?,
             hammer_head: path(Role::HammerHead)?,
+            hammer_speed: samples(Role::HammerSpeed)
+                .map(|(times, values)| SpeedSeries::new(times, values))
+                .transpose()?,
         })
     }
 }
@@ -129,7 +132,7 @@ impl Builder {
 
     /// Takes a row: a cell for every column of the layout, in the file's units; `None` is an empty one. A row without
     /// any is left out.
-    pub(super) fn push(&mut self, place: &Place, row: [Option<f64>; 4]) -> Result<(), Box<StrokeError>> {
+    pub(super) fn push(&mut self, place: &Place, row: [Option<f64>; ROLES.len()]) -> Result<(), Box<StrokeError>> {
         if row.iter().all(Option::is_none) {
             return Ok(());
         }

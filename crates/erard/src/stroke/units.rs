@@ -9,6 +9,8 @@ pub enum Quantity {
     Force,
     /// In metres.
     Length,
+    /// In metres per second.
+    Speed,
 }
 
 /// Standard gravity, m/s2, by definition: what a gram weighs.
@@ -59,12 +61,19 @@ const LENGTHS: &[Unit] = &[
     (12.0 * INCH, "ft", &["foot", "feet"]),
 ];
 
+const SPEEDS: &[Unit] = &[
+    (1.0, "m/s", &["m_per_s", "m s-1", "m s^-1", "mps"]),
+    (1e-2, "cm/s", &["cm_per_s"]),
+    (1e-3, "mm/s", &["mm_per_s"]),
+];
+
 impl Quantity {
     fn units(self) -> &'static [Unit] {
         match self {
             Quantity::Time => TIMES,
             Quantity::Force => FORCES,
             Quantity::Length => LENGTHS,
+            Quantity::Speed => SPEEDS,
         }
     }
 

@@ -278,6 +278,7 @@ fn whose(instrument: &Instrument, references: &[Reference]) -> Result<Table, Rep
             force: Some(reference.force.clone()),
             position: Some(reference.position.clone()),
             hammer_head: None,
+            hammer_speed: None,
         };
         let fingertip = series
             .position_of(PositionOf::Fingertip, PositionOf::Key, &instrument.finger)

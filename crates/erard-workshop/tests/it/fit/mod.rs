@@ -1,8 +1,13 @@
 //! Fits find what made the data, and say what the data do not tell.
 
 #[allow(dead_code)]
-#[path = "../../examples/recordings.rs"]
+#[path = "../../../examples/recordings.rs"]
 mod recordings;
+
+mod best;
+mod columns;
+mod coverage;
+mod doubts;
 
 use std::sync::LazyLock;
 
@@ -209,11 +214,7 @@ fn the_recordings_tell_the_grand_that_made_them() {
         found.chi2_reduced,
         found.chi2_expected
     );
-    assert!(
-        found.unseen().is_empty() && found.silent.is_empty() && found.warnings().is_empty(),
-        "{:?}",
-        found.warnings()
-    );
+    assert!(found.unseen().is_empty() && found.silent.is_empty() && found.doubts.is_empty(), "{:?}", found.doubts);
 }
 
 /// Column by column, delays included, up to the blow, where the truth is.
@@ -302,7 +303,7 @@ fn noise_of_the_drive_is_told_or_asked_for() {
     }
     let unknown = fit(&[coarse], &asks(&["body.hammer.mass"])).unwrap();
     assert_eq!(unknown.silent, ["force_N"]);
-    assert!(unknown.warnings()[0].contains("force_N, which drives, is not known"));
+    assert!(unknown.doubts.iter().any(|doubt| doubt.text.contains("force_N, which drives, is not known")));
 }
 
 /// With a load cell's noise on what drives, the truth is where the errors say, over several drawings: their mean square

@@ -1,0 +1,208 @@
+//! What makes the answer of a fit doubtful, each in one sentence.
+
+use super::candidate::Candidate;
+use super::drive_noise::Disturbed;
+use super::plan::alike;
+use super::{FitError, FitResult, Problem};
+
+/// A reason to doubt a fit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Doubt {
+    /// Which kind.
+    pub kind: DoubtKind,
+    /// What was found, and what it means, in a sentence without a full stop.
+    pub text: String,
+}
+
+/// Kinds of doubt, in the order in which they are reported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum DoubtKind {
+    /// The recording's hammer reaches the string; the fitted model's does not.
+    NoImpact,
+    /// More is left over than the noise of sensor and drive explains.
+    Misfit,
+    /// A parameter ended at a bound.
+    Bound,
+    /// Attempts from several starts ended at different places.
+    Restarts,
+    /// Data go on beyond the first impact.
+    BeyondImpact,
+    /// Derivatives depend on the step of their differences.
+    Derivatives,
+    /// The noise of a column is not known: of what drives it counts as none, of what is compared it is estimated from
+    /// the residuals.
+    NoiseUnknown,
+    /// A recording does not look as it should.
+    Recording,
+}
+
+impl DoubtKind {
+    /// Its name in files and in Python.
+    pub fn name(self) -> &'static str {
+        match self {
+            DoubtKind::NoImpact => "no_impact",
+            DoubtKind::Misfit => "misfit",
+            DoubtKind::Bound => "bound",
+            DoubtKind::Restarts => "restarts",
+            DoubtKind::BeyondImpact => "beyond_impact",
+            DoubtKind::Derivatives => "derivatives",
+            DoubtKind::NoiseUnknown => "noise_unknown",
+            DoubtKind::Recording => "recording",
+        }
+    }
+}
+
+/// Data that end so long after the first impact do not count as beyond it, s: the string has thrown the hammer back,
+/// and the check is far.
+const BEYOND_S: f64 = 5e-3;
+/// Standard deviations of a mean square from where on it is more than noise: by chance in one of some 4000 channels.
+const CHANCE: f64 = 3.5;
+/// Beyond this relative change with the length of their steps derivatives are doubtful.
+const UNSTEADY: f64 = 0.1;
+/// Where disturbances of the drive leave a smaller mean square than this, over the noise, they explain nothing.
+const QUIET: f64 = 0.1;
+/// Attempts that are as good as the best one disagree beyond so many standard deviations.
+const APART: f64 = 5.0;
+
+/// All doubts of a fit, kind by kind.
+///
+/// # Errors
+/// An interruption.
+pub(super) fn doubts(
+    problem: &mut Problem,
+    found: &FitResult,
+    ends: &[Candidate],
+    disturbed: &Disturbed,
+) -> Result<Vec<Doubt>, FitError> {
+    let mut doubts = Vec::new();
+    let impacts = problem.first_impacts(&found.point)?;
+    for (one, modelled_s) in problem.data.iter().zip(&impacts) {
+        let recorded_s = one.recorded_impact_s();
+        let (first_s, last_s) = (one.time_s[0], one.time_s[one.compared.end - 1]);
+        if let (Some(s), None) = (recorded_s, modelled_s) {
+            let text = format!("in {} the hammer reaches the string at {s:.4} s, in the fitted model never", one.name);
+            doubts.push(Doubt { kind: DoubtKind::NoImpact, text });
+        }
+        let impact_s = recorded_s.or(*modelled_s).filter(|s| last_s > s + BEYOND_S);
+        if let Some(s) = impact_s {
+            let text = format!(
+                "{} goes on for {:.0} ms after the first impact, where a little more or less of anything has large effects: \
+                 fit its first {:.3} s",
+                one.name,
+                1e3 * (last_s - s),
+                s + 0.8 * BEYOND_S - first_s
+            );
+            doubts.push(Doubt { kind: DoubtKind::BeyondImpact, text });
+        }
+        let notes = one.note.map(str::to_owned).into_iter().chain(one.warnings());
+        doubts.extend(notes.map(|note| Doubt { kind: DoubtKind::Recording, text: format!("{}: {note}", one.name) }));
+    }
+    doubts.extend(misfits(problem, found, disturbed));
+    doubts.extend(found.free.iter().zip(&found.x).filter(|(one, x)| one.is_at_a_bound(**x)).map(|(one, x)| {
+        let end = if (x - one.low).abs() < (x - one.high).abs() { "lower" } else { "upper" };
+        Doubt { kind: DoubtKind::Bound, text: format!("{} ended at its {end} bound", one.name) }
+    }));
+    doubts.extend(restarts(found, ends));
+    if found.jacobian_agreement > UNSTEADY {
+        let text = format!(
+            "derivatives by differences change by {:.0} % with the length of their steps: the model jumps with a parameter, and \
+             the errors are too small",
+            100.0 * found.jacobian_agreement
+        );
+        doubts.push(Doubt { kind: DoubtKind::Derivatives, text });
+    }
+    doubts.extend(unknown(found));
+    doubts.sort_by_key(|doubt| doubt.kind);
+    Ok(doubts)
+}
+
+/// Channels whose noise is known, and of which more is left over; and those whose noise is not known, and of which what
+/// is left over is no noise.
+fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<Doubt> {
+    let mut doubts = Vec::new();
+    let mut first = 0;
+    for (k, channel) in found.channels.iter().enumerate() {
+        let (recording, column) = problem.place(k);
+        let one = &problem.data[recording];
+        let rows = first..first + one.rows();
+        first = rows.end;
+        if !channel.noise_is_known {
+            let correlation = from_sample_to_sample(&found.residuals[rows.clone()]);
+            // A noisy drive makes residuals that follow each other, too.
+            if disturbed.most(rows.clone()) < QUIET && correlation > CHANCE / (rows.len() as f64).sqrt() {
+                let text = format!(
+                    "the residuals of {} follow each other (correlation {correlation:.2} from sample to sample), as noise \
+                     does not: they are misfit, and the errors do not hold",
+                    channel.title
+                );
+                doubts.push(Doubt { kind: DoubtKind::Misfit, text });
+            }
+            continue;
+        }
+        // Sensor's noise, known as well as it is; what disturbances of the drive leave at most.
+        let chance = CHANCE * (2.0 / rows.len() as f64 + (2.0 * problem.uncertainty[k]).powi(2)).sqrt();
+        let explained = channel.noise * (1.0 + chance + disturbed.most(rows)).sqrt();
+        if channel.rms > explained {
+            let (by, unit) = match one.columns[column] {
+                "force_N" => (1e3, "mN"),
+                "hammer_head_m_per_s" => (1e3, "mm/s"),
+                _ => (1e6, "um"),
+            };
+            let text = format!(
+                "{} differs from the model by {:.3} {unit} rms, and noise explains {:.3} {unit} at most: the model is not what was \
+                 recorded, and the errors do not hold",
+                channel.title,
+                by * channel.rms,
+                by * explained
+            );
+            doubts.push(Doubt { kind: DoubtKind::Misfit, text });
+        }
+    }
+    doubts
+}
+
+/// Correlation of residuals with those one sample later. Of n independent ones it scatters by 1 / sqrt(n).
+fn from_sample_to_sample(residuals: &[f64]) -> f64 {
+    let squares: f64 = residuals.iter().map(|x| x * x).sum();
+    let products: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    if squares > 0.0 { products / squares } else { 0.0 }
+}
+
+fn restarts(found: &FitResult, ends: &[Candidate]) -> Option<Doubt> {
+    let [attempts, good] = found.attempts;
+    let best = ends.iter().min_by(|a, b| a.score.total_cmp(&b.score))?;
+    let text = if attempts > 1 && good == 1 {
+        let next = alike(ends, best).count();
+        debug_assert_eq!(next, 1);
+        format!(
+            "{attempts} attempts from different starts ended at different places, and no two of them at the best one"
+        )
+    } else if found.apart > APART {
+        format!(
+            "{good} of {attempts} attempts fit equally well and ended up to {:.0} standard deviations apart",
+            found.apart
+        )
+    } else {
+        return None;
+    };
+    Some(Doubt { kind: DoubtKind::Restarts, text })
+}
+
+fn unknown(found: &FitResult) -> impl Iterator<Item = Doubt> + '_ {
+    let drive = (!found.silent.is_empty()).then(|| {
+        format!(
+            "the noise of {}, which drives, is not known and counts as none: if it has some, the errors are too small",
+            found.silent.join(" and ")
+        )
+    });
+    let estimated: Vec<&str> =
+        found.channels.iter().filter(|channel| !channel.noise_is_known).map(|channel| channel.title.as_str()).collect();
+    let compared = (!estimated.is_empty()).then(|| {
+        format!(
+            "the noise of {} is not known and is estimated from the residuals: it cannot be told from misfit",
+            estimated.join(", ")
+        )
+    });
+    drive.into_iter().chain(compared).map(|text| Doubt { kind: DoubtKind::NoiseUnknown, text })
+}

@@ -1,0 +1,143 @@
+//! When the hammer reaches the string: in the model, and in a recording of the hammer.
+
+use crate::study::{Job, play_all};
+
+use super::{Data, FitError, Problem};
+
+/// How long after the blow the first look lasts, s: what comes later is moved far by a little more or less of anything.
+const AFTER_THE_BLOW_S: f64 = 2e-3;
+/// The hammer's speed before and after is taken over so long, s, and over so many samples at least.
+const SPEED_OVER_S: f64 = 2e-3;
+const FEWEST: usize = 4;
+/// A string turns the hammer's speed by more than this within that time, m/s; gravity takes 0.04, and springs and
+/// felts under a hammer that flies freely nothing.
+const TURNED_M_S: f64 = 0.15;
+/// Standard deviations of noise that a turn exceeds besides.
+const CHANCE: f64 = 6.0;
+
+impl Problem {
+    /// When the hammer first reaches the string in each recording's stroke at a point, on the recording's clock, s;
+    /// `None` where it never does or cannot be played.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub(super) fn first_impacts(&mut self, point: &[f64]) -> Result<Vec<Option<f64>>, FitError> {
+        let Some(instrument) = self.at(point) else { return Ok(vec![None; self.data.len()]) };
+        let (workers, count) = (self.workers(), self.evaluations);
+        let mut impacts = Vec::with_capacity(self.data.len());
+        for one in &self.data {
+            let job = vec![Job { instrument: 0, stroke: one.stroke.inputs(&instrument.finger)? }];
+            let watch = &mut self.watch;
+            let played =
+                play_all(std::slice::from_ref(&instrument), job, &one.setup(), workers, &mut |_| watch(count))?;
+            let first = played.into_iter().next().and_then(Result::ok);
+            impacts.push(first.and_then(|played| played.events.hammer_contact_s()));
+        }
+        Ok(impacts)
+    }
+
+    /// 1 for rows up to shortly after the blow, 0 for later ones.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn until_the_blow(&mut self, point: &[f64]) -> Result<Vec<f64>, FitError> {
+        let impacts = self.first_impacts(point)?;
+        let mut weights = Vec::with_capacity(self.rows());
+        for (one, impact_s) in self.data.iter().zip(impacts) {
+            let counts = |t: &f64| f64::from(impact_s.is_none_or(|s| *t <= s + AFTER_THE_BLOW_S));
+            for _ in &one.columns {
+                weights.extend(one.time_s[one.compared.clone()].iter().map(counts));
+            }
+        }
+        Ok(weights)
+    }
+}
+
+impl Data {
+    /// When the recorded hammer was first thrown back by the string, s; `None` where the hammer was not recorded or
+    /// never was.
+    pub(super) fn recorded_impact_s(&self) -> Option<f64> {
+        let series = &self.prepared.series;
+        if let Some(path) = &series.hammer_head {
+            let noise = self.noise("hammer_head_m").unwrap_or(0.0);
+            return thrown_back_s(path.times_s(), path.positions_m(), noise);
+        }
+        // Of a speed the path is the integral, whose noise is small.
+        let speed = series.hammer_speed.as_ref()?;
+        let (times, speeds) = (speed.times_s(), speed.speeds_m_s());
+        let mut rise = vec![0.0];
+        for (k, pair) in speeds.windows(2).enumerate() {
+            rise.push(rise[k] + 0.5 * (pair[0] + pair[1]) * (times[k + 1] - times[k]));
+        }
+        thrown_back_s(times, &rise, 0.0)
+    }
+}
+
+/// When a rise is first thrown back; `noise` is its sensor's, m.
+fn thrown_back_s(times: &[f64], rise: &[f64], noise: f64) -> Option<f64> {
+    let turn = |n: usize| {
+        let from = times.partition_point(|t| *t < times[n] - SPEED_OVER_S).min((n + 1).saturating_sub(FEWEST));
+        let to = times.partition_point(|t| *t <= times[n] + SPEED_OVER_S).max(n + FEWEST);
+        if to > times.len() || n + 1 < FEWEST {
+            return None;
+        }
+        let (before, unsure) = slope(&times[from..=n], &rise[from..=n]);
+        let (after, also) = slope(&times[n..to], &rise[n..to]);
+        let turned = before - after;
+        let beyond = TURNED_M_S + CHANCE * noise * unsure.hypot(also);
+        (before > 0.0 && after < 0.0 && turned > beyond).then_some(turned)
+    };
+    let turns: Vec<Option<f64>> = (0..times.len()).map(turn).collect();
+    // The first stretch of instants with a turn: where it is largest.
+    let first = turns.iter().position(Option::is_some)?;
+    let stretch = turns[first..].iter().map_while(|turn| *turn);
+    let largest = stretch.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(times[first + largest.0])
+}
+
+/// Slope of the straight line through some samples, and its standard deviation over theirs.
+fn slope(times: &[f64], values: &[f64]) -> (f64, f64) {
+    let count = times.len() as f64;
+    let (middle, mean) = (times.iter().sum::<f64>() / count, values.iter().sum::<f64>() / count);
+    let squares: f64 = times.iter().map(|t| (t - middle).powi(2)).sum();
+    let products: f64 = times.iter().zip(values).map(|(t, x)| (t - middle) * (x - mean)).sum();
+    (products / squares, squares.powf(-0.5))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::data::normal;
+    use fastrand::Rng;
+
+    /// A hammer at a speed that is thrown back with half of it by a string that holds it for 2 ms, or that only flies.
+    fn rise(speed: f64, string: bool, rate_hz: f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
+        let mut rng = Rng::with_seed(4);
+        let times: Vec<f64> = (0..(0.2 * rate_hz) as usize).map(|n| n as f64 / rate_hz).collect();
+        let at = |t: f64| {
+            let flown = t - 0.1;
+            if string && flown > 2e-3 {
+                speed * 2e-3 * 0.25 - 0.5 * speed * (flown - 2e-3)
+            } else if string && flown > 0.0 {
+                // From speed to minus half of it, evenly.
+                speed * flown - 0.75 * speed / 2e-3 * flown * flown
+            } else {
+                speed * flown - 5.0 * flown.max(0.0).powi(2)
+            }
+        };
+        let values = times.iter().map(|t| at(*t) + noise * normal(&mut rng)).collect();
+        (times, values)
+    }
+
+    /// Seen at usual rates and with the noise of a good sensor, to a millisecond; free flight is no impact.
+    #[test]
+    fn a_string_is_seen_and_flight_is_not() {
+        for (speed, rate_hz, noise) in [(0.5, 4000.0, 0.0), (0.5, 4000.0, 50e-6), (3.0, 1000.0, 50e-6)] {
+            let (times, values) = rise(speed, true, rate_hz, noise);
+            let seen = thrown_back_s(&times, &values, noise).unwrap();
+            assert!((seen - 0.1).abs() < 2e-3, "{speed} {rate_hz}: {seen}");
+            let (times, values) = rise(0.3, false, rate_hz, noise);
+            assert_eq!(thrown_back_s(&times, &values, noise), None, "{speed} {rate_hz}");
+        }
+    }
+}

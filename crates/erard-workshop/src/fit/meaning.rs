@@ -1,0 +1,70 @@
+//! What a fitted parameter whose name misleads comes to on the bench.
+
+use erard::grand::{Parts, strike_weight_g};
+use erard::instrument::Instrument;
+
+use super::{FitError, FitResult, Problem};
+use crate::distances::{Distances, Protocol, Trial};
+
+/// A quantity of the bench that a parameter sets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Meaning {
+    /// The parameter.
+    pub name: String,
+    /// What the parameter is.
+    pub explanation: &'static str,
+    /// The quantity that is read on the bench.
+    pub quantity: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// With the instrument as it was before the fit.
+    pub before: f64,
+    /// With the fitted instrument.
+    pub value: f64,
+    /// Standard deviation of `value`, as the parameter's own makes it.
+    pub std: f64,
+}
+
+/// Names that mislead: what they are, and what is read in their place.
+type Reading = fn(&Instrument) -> Option<f64>;
+const NAMES: [(&str, &str, &str, &str, Reading); 2] = [
+    ("body.hammer.mass", "the mass beyond the shank's hinge", "strike weight", "g", strike_weight),
+    ("let_off", "the place of a screw", "distance of hammer and string at let-off (below 0 it blocks)", "mm", let_off),
+];
+
+/// g.
+fn strike_weight(instrument: &Instrument) -> Option<f64> {
+    let rigid = instrument.locked();
+    Parts::of(&rigid).ok().map(|parts| strike_weight_g(&rigid, &parts))
+}
+
+/// mm, on a slow key.
+fn let_off(instrument: &Instrument) -> Option<f64> {
+    let mut distances = Distances::default();
+    Trial::SlowKey.run(instrument, &Protocol::default(), &mut distances, &mut |_| true).ok()?;
+    distances.let_off_m.map(|m| 1e3 * m)
+}
+
+impl Problem {
+    /// The bench's quantities of what was fitted; without those that an instrument does not have.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub(super) fn meanings(&mut self, found: &FitResult) -> Result<Vec<Meaning>, FitError> {
+        let mut meanings = Vec::new();
+        for (name, explanation, quantity, unit, read) in NAMES {
+            let Some(k) = self.free.iter().position(|one| one.name == name) else { continue };
+            self.go_on()?;
+            let mut above = found.point.clone();
+            above[k] += found.inner_cov[k][k].sqrt();
+            let Some(fitted) = self.at(&found.point) else { continue };
+            // Beyond a bound there may be no instrument.
+            let above = self.at(&above);
+            if let (Some(before), Some(value)) = (read(&self.instrument), read(&fitted)) {
+                let std = above.and_then(|above| read(&above)).map_or(f64::NAN, |above| (above - value).abs());
+                meanings.push(Meaning { name: name.to_owned(), explanation, quantity, unit, before, value, std });
+            }
+        }
+        Ok(meanings)
+    }
+}

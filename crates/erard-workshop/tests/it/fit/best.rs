@@ -1,0 +1,177 @@
+//! No result is worse than the best point that was ever played: not than the start, nor than a place that a solver
+//! passed by.
+
+use erard_workshop::fit::{Columns, FitResult, LeastSquares, Solution, Solver, TrustRegion, fit_by};
+
+use super::*;
+
+/// Solves as another solver does, and notes where it was.
+struct Noting {
+    inner: TrustRegion,
+    points: Vec<Vec<f64>>,
+}
+
+struct Noted<'a>(&'a mut dyn LeastSquares<Error = FitError>, &'a mut Vec<Vec<f64>>);
+
+impl LeastSquares for Noted<'_> {
+    type Error = FitError;
+
+    fn residuals(&mut self, x: &[f64]) -> Result<Vec<f64>, FitError> {
+        self.1.push(x.to_vec());
+        self.0.residuals(x)
+    }
+
+    fn jacobian(&mut self, x: &[f64]) -> Result<Columns, FitError> {
+        self.0.jacobian(x)
+    }
+}
+
+impl Solver for Noting {
+    fn solve(
+        &mut self,
+        problem: &mut dyn LeastSquares<Error = FitError>,
+        from: &[f64],
+        bounds: (&[f64], &[f64]),
+        loss: Loss,
+        most: usize,
+    ) -> Result<Solution, FitError> {
+        self.inner.solve(&mut Noted(problem, &mut self.points), from, bounds, loss, most)
+    }
+}
+
+/// Passes by some places, and always ends at another one.
+struct Astray {
+    by: Vec<Vec<f64>>,
+    end: Vec<f64>,
+}
+
+impl Solver for Astray {
+    fn solve(
+        &mut self,
+        problem: &mut dyn LeastSquares<Error = FitError>,
+        _: &[f64],
+        _: (&[f64], &[f64]),
+        _: Loss,
+        _: usize,
+    ) -> Result<Solution, FitError> {
+        for point in &self.by {
+            problem.residuals(point)?;
+        }
+        let left = problem.residuals(&self.end)?;
+        Ok(Solution::new(self.end.clone(), &left, "went astray".to_owned()))
+    }
+}
+
+/// What speaks against points, computed here: the negative log-likelihood of independent normal noise of every channel,
+/// known or, with the deviation that makes it largest, not known.
+fn against(problem: &mut Problem, points: &[Vec<f64>]) -> Vec<f64> {
+    let all = problem.residuals_at(points).unwrap();
+    let rows: Vec<usize> = problem.channels().map(|(recording, _)| problem.data[recording].rows()).collect();
+    let (sigma, told) = (problem.sigma.clone(), problem.told.clone());
+    let of = |left: &Vec<f64>| {
+        let mut first = 0;
+        let mut sum = 0.0;
+        for (channel, count) in rows.iter().enumerate() {
+            let squares: f64 = left[first..first + count].iter().map(|x| (x * sigma[channel]).powi(2)).sum();
+            first += count;
+            sum += match told[channel] {
+                Some(noise) => 0.5 * squares / (noise * noise),
+                None => 0.5 * *count as f64 * (squares / *count as f64).ln(),
+            };
+        }
+        sum
+    };
+    all.iter().map(of).collect()
+}
+
+/// Over whole fits, noise told and not, from one start and from several: nothing that the solver ever tried is better
+/// than the result, and the start is one of these.
+fn nothing_is_better(restarts: usize) {
+    let data = [recorded(&varied(&[("body.hammer.mass", 1.05), ("body.key.friction", 0.8)]), "mf", 0, NOISE, 0.0)];
+    for told in [true, false] {
+        let vary = ["body.hammer.mass", "body.key.friction"];
+        let mut asks = asks(&vary);
+        if !told {
+            asks.sigma.clear();
+        }
+        asks.plan.restarts = restarts;
+        let mut problem = problem(&data, &asks).unwrap();
+        if !told {
+            problem.told.fill(None);
+        }
+        let mut noting = Noting { inner: TrustRegion, points: Vec::new() };
+        let found = fit_by(&mut problem, &asks.plan, &mut noting).unwrap();
+        assert!(noting.points.len() > 20, "{}", noting.points.len());
+        let start: Vec<f64> = problem.free.iter().map(|one| one.inner(1.0)).collect();
+        noting.points.push(start);
+        let [result] = against(&mut problem, std::slice::from_ref(&found.point))[..] else { unreachable!() };
+        let tried = against(&mut problem, &noting.points);
+        let least = tried.iter().copied().filter(|x| x.is_finite()).fold(f64::INFINITY, f64::min);
+        assert!(result <= least + 1e-9 * least.abs(), "{told}: {result} {least}");
+        assert!(result < tried[tried.len() - 1], "{told}: {result}");
+    }
+}
+
+#[test]
+fn no_result_is_worse_than_the_best_point_ever_evaluated() {
+    nothing_is_better(0);
+}
+
+#[test]
+#[ignore = "ci: two fits from several starts"]
+fn nor_with_restarts() {
+    nothing_is_better(3);
+}
+
+fn astray(data: &[Recording], restarts: usize, by: Vec<Vec<f64>>, end: f64) -> (FitResult, Problem) {
+    let mut asks = asks(&["body.hammer.mass"]);
+    asks.columns = Some(vec!["hammer_head_m".to_owned()]);
+    asks.sigma = vec![("force_N".to_owned(), 0.0)];
+    asks.plan.restarts = restarts;
+    let mut problem = problem(data, &asks).unwrap();
+    problem.told.fill(None);
+    let end = vec![problem.free[0].inner(end)];
+    let found = fit_by(&mut problem, &asks.plan, &mut Astray { by, end }).unwrap();
+    (found, problem)
+}
+
+/// A fit that begins 291 um off and whose solver ends 1804 um off ends where it began, with restarts or without, and
+/// although a noise that is estimated from what is left over makes chi2 1 in both places.
+#[test]
+fn a_fit_from_291_um_does_not_end_at_1804() {
+    let data = [recorded(&varied(&[("body.hammer.mass", 1.0166)]), "mf", 0, NOISE, 0.0)];
+    for restarts in [0, 2] {
+        let (found, mut problem) = astray(&data, restarts, Vec::new(), 1.125);
+        let channel = &found.channels[0];
+        let far = problem.curves(&[problem.free[0].inner(1.125)]).unwrap();
+        let off = |curve: &erard_workshop::fit::Channel| {
+            let squares = curve.fitted.iter().zip(&curve.measured).map(|(a, b)| (a - b).powi(2));
+            (squares.sum::<f64>() / curve.fitted.len() as f64).sqrt()
+        };
+        println!("{} {} {}", channel.rms_at_start, channel.rms, off(&far[0]));
+        assert!((1700e-6..1900e-6).contains(&off(&far[0])), "the solver's end: {}", off(&far[0]));
+        assert!((280e-6..300e-6).contains(&channel.rms_at_start), "{channel:?}");
+        assert!(channel.rms <= channel.rms_at_start * (1.0 + 1e-12), "{channel:?}");
+        assert!((found.chi2_reduced - 1.0).abs() < 0.01, "{}", found.chi2_reduced);
+    }
+}
+
+/// A start that is the best point is the result, to the bit.
+#[test]
+fn the_start_is_a_candidate() {
+    let data = [recorded(&file().instrument, "mf", 0, [0.0; 3], 0.0)];
+    let (found, problem) = astray(&data, 0, Vec::new(), 1.3);
+    assert_eq!(found.point, [problem.free[0].inner(1.0)]);
+    let [start, end] = [found.channels[0].rms_at_start, found.channels[0].rms];
+    assert!((end / start - 1.0).abs() < 1e-12, "{start} {end}");
+}
+
+/// What a solver only passes by is the result where it is the best.
+#[test]
+fn what_a_solver_passes_by_is_a_candidate() {
+    let data = [recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, NOISE, 0.0)];
+    let truth = 1.05_f64.ln();
+    let (found, _) = astray(&data, 0, vec![vec![truth], vec![truth + 0.2]], 2.0);
+    assert_eq!(found.point, [truth]);
+    assert!((found.channels[0].rms / NOISE[2] - 1.0).abs() < 0.2, "{:?}", found.channels[0]);
+}

@@ -1,0 +1,147 @@
+//! How often the truth lies within the errors that a fit reports: over synthetic recordings of grands drawn up to 20 %
+//! away from where the fit begins, for sets of one to four parameters, with known noise and noise that is
+//! estimated from the residuals.
+
+use erard_workshop::fit::DoubtKind;
+
+use super::*;
+
+/// The sets: each has one parameter more than the one before.
+const NAMES: [&str; 4] = ["body.hammer.mass", "zone.capstan_heel.stiffness", "body.key.friction", "let_off"];
+/// Shares of a normal number within one and two standard deviations.
+const SHARES: [f64; 2] = [0.6827, 0.9545];
+
+/// Of one parameter of one set: how many fits, and in how many the truth was within one and two errors.
+#[derive(Debug, Default, Clone, Copy)]
+struct Hits {
+    fits: usize,
+    within: [usize; 2],
+}
+
+/// A stroke at mf of a grand, until 3 ms after the hammer has reached the string, as sensors see it.
+fn short(instrument: &Instrument, seed: u64, step_s: f64) -> Recording {
+    let (stroke, _) = Stroke::builtin("mf", Touch::Pressed, None).unwrap().unwrap();
+    let inputs = stroke.inputs(&instrument.finger).unwrap();
+    let setup = Setup { record_every: Some(1), settings: Settings::new(step_s), ..Setup::new(0.12) };
+    let run = simulate(instrument, inputs.as_ref(), &setup, &mut |_| true).unwrap();
+    let end_s = run.events.hammer_contact_s().expect("it reaches the string") + 3e-3;
+    let mut rng = Rng::with_seed(seed);
+    let mut text = String::from("time_s,force_N,key_m,hammer_head_m\n");
+    for row in (0..run.time_s.len()).step_by((250e-6 / step_s).round() as usize) {
+        if run.time_s[row] > end_s {
+            break;
+        }
+        let [key, hammer] = [NOISE[1], NOISE[2]].map(|sigma| sigma * normal(&mut rng));
+        let (key, hammer) = (run.key_m[row] + key, run.hammer_head_m[row] + hammer);
+        text += &format!("{},{},{key},{hammer}\n", run.time_s[row], run.force_n[row]);
+    }
+    Recording::read(text.as_bytes(), "synthetic", &Columns::default()).unwrap()
+}
+
+/// A grand up to 20 % away: factors, and of the screw up to a fifth of a millimetre.
+fn drawn(names: &[&'static str], rng: &mut Rng) -> Vec<(&'static str, f64)> {
+    let of = |name: &&'static str| {
+        let away = 0.2 * (2.0 * rng.f64() - 1.0);
+        (*name, if *name == "let_off" { 1e-3 * away } else { 1.0 + away })
+    };
+    names.iter().map(of).collect()
+}
+
+/// So many recordings of every set, with noise told or not: for every set, by parameter.
+fn covered(each: usize, is_told: bool) -> Vec<(usize, &'static str, Hits)> {
+    let mut all = Vec::new();
+    for count in 1..=NAMES.len() {
+        let names = &NAMES[..count];
+        let mut hits = vec![Hits::default(); count];
+        for seed in 0..each as u64 {
+            let seed = 10_000 * count as u64 + 2 * seed + u64::from(is_told);
+            let truth = drawn(names, &mut Rng::with_seed(!seed));
+            let mut asks = quiet(names);
+            asks.plan.restarts = 0;
+            let mut problem = problem(&[short(&varied(&truth), seed, 50e-6)], &asks).unwrap();
+            if !is_told {
+                problem.told.fill(None);
+            }
+            let found = erard_workshop::fit::fit(&mut problem, &asks.plan).unwrap();
+            for (k, (_, truth)) in truth.iter().enumerate() {
+                let off = (found.x[k] - truth).abs() / found.std[k];
+                hits[k].fits += 1;
+                for (within, errors) in hits[k].within.iter_mut().zip([1.0, 2.0]) {
+                    *within += usize::from(off <= errors);
+                }
+            }
+        }
+        all.extend(names.iter().zip(hits).map(|(name, hits)| (count, *name, hits)));
+    }
+    for (count, name, Hits { fits, within }) in &all {
+        let share = within.map(|n| 100.0 * n as f64 / *fits as f64);
+        println!("told {is_told}, {count} free, {name}: {:.1} % and {:.1} % of {fits}", share[0], share[1]);
+    }
+    all
+}
+
+/// Over all cases together the counts are those of normal errors: a binomial test at 1 %. Parameters of one fit depend
+/// on each other, which makes the counts scatter more than the test allows for.
+#[test]
+#[ignore = "ci: 200 fits of one to four parameters"]
+fn the_truth_lies_within_the_errors_as_often_as_it_should() {
+    let all: Vec<_> = [true, false].into_iter().flat_map(|is_told| covered(25, is_told)).collect();
+    let fits: usize = all.iter().map(|(.., hits)| hits.fits).sum();
+    for (k, share) in SHARES.into_iter().enumerate() {
+        let within: usize = all.iter().map(|(.., hits)| hits.within[k]).sum();
+        let (expected, scatter) = (share * fits as f64, (fits as f64 * share * (1.0 - share)).sqrt());
+        println!("{within} of {fits}, {expected:.1} +- {scatter:.1} expected");
+        assert!(
+            (within as f64 - expected).abs() < 2.576 * scatter,
+            "{within} of {fits}, {expected:.1} +- {scatter:.1}"
+        );
+    }
+}
+
+/// Data that were made in a tenth of the step fit without a doubt, from 20 % away.
+#[test]
+fn data_of_shorter_steps_have_no_doubts() {
+    let truth = [("body.hammer.mass", 1.2)];
+    let found = fit(&[short(&varied(&truth), 3, 5e-6)], &quiet(&["body.hammer.mass"])).unwrap();
+    assert_eq!(found.doubts, []);
+    assert!((found.x[0] - 1.2).abs() < 4.0 * found.std[0], "{} +- {}", found.x[0], found.std[0]);
+}
+
+/// Data of another model, whose key and shank bend, fitted by rigid bodies: no coverage is claimed, and the misfit is
+/// reported.
+#[test]
+#[ignore = "ci: 20 fits to data of another model"]
+fn misfit_of_another_model_is_reported() {
+    let mut reported = 0;
+    for seed in 0..20 {
+        let mut other = Instrument::builtin("concert-grand").unwrap();
+        let all = Parameter::all(&other);
+        for (name, by) in drawn(&NAMES[..2], &mut Rng::with_seed(seed)) {
+            let (_, parameter) = all.iter().find(|(known, _)| known == name).unwrap();
+            assert!(parameter.vary(&mut other, by));
+        }
+        let mut asks = quiet(&NAMES[..2]);
+        asks.plan.restarts = 0;
+        let found = fit(&[short(&other, seed, 50e-6)], &asks).unwrap();
+        reported += usize::from(found.doubts.iter().any(|doubt| doubt.kind == DoubtKind::Misfit));
+    }
+    assert!(reported >= 19, "{reported} of 20");
+}
+
+mod nightly {
+    use super::*;
+
+    /// By parameter, set and kind of noise: within 4 points of 68 % and 2.5 points of 95 %.
+    #[test]
+    #[ignore = "nightly: 1600 fits of each of eight cases"]
+    fn by_parameter_the_truth_lies_within_the_errors_as_often_as_it_should() {
+        for is_told in [true, false] {
+            for (count, name, Hits { fits, within }) in covered(1600, is_told) {
+                for ((within, share), points) in within.into_iter().zip(SHARES).zip([0.04, 0.025]) {
+                    let found = within as f64 / fits as f64;
+                    assert!((found - share).abs() < points, "told {is_told}, {count} free, {name}: {found} of {fits}");
+                }
+            }
+        }
+    }
+}
