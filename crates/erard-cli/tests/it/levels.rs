@@ -60,7 +60,8 @@ fn one_hand_plays_both_unless_each_has_its_own() {
     assert!(close(soft) && (loud / 3.15 - 1.0).abs() <= 1e-3, "{soft} {loud}");
 }
 
-/// What no hand reaches, and what is no level: one line, code 2, nothing written. The range that is named can be played.
+/// What no hand reaches, and what is no level: one line, code 2, nothing written. The range that is named can be
+/// played.
 #[test]
 fn what_no_hand_reaches_is_refused() {
     let folder = Folder::new("levels-bad");
