@@ -812,8 +812,10 @@ ErardStatus erard_contacts(const struct ErardAction *action, double *numbers, si
 uint32_t erard_rests(const struct ErardAction *action);
 
 /**
- * A built-in stroke for an instrument: "pp", "p", "mf", "f" or "ff"; `struck`: 0 for a pressed touch, 1 for a struck
- * one. It drives by its force. Real time: no.
+ * A built-in touch on an instrument: "pp", "p", "mf", "f" or "ff" (hammer speeds at the string of 0.5, 0.79, 1.99,
+ * 3.15 and 5 m/s); `struck`: 0 for a pressed touch, 1 for a struck one. A hand of 200 g plays it; how strongly is
+ * found on this instrument. Played on another action, it is the same hand. ERARD_ARGUMENT: no such hand reaches the
+ * speed; erard_last_error says which it reaches. Real time: no.
  */
 struct ErardStroke *erard_stroke_builtin(const struct ErardInstrument *instrument,
                                          const char *nuance,

@@ -4,8 +4,10 @@ use std::ffi::c_char;
 use std::ptr::null_mut;
 
 use erard::Input;
+use erard::level;
+use erard::player::Hand;
 use erard::recording::{Preparation, prepare};
-use erard::stroke::{Columns, DrivingError, Layout, NUANCES, Recording, Stroke, Touch};
+use erard::stroke::{Columns, DrivingError, Layout, Recording, Stroke, Touch};
 use serde_json::{Value, json};
 
 use crate::action::ErardAction;
@@ -18,6 +20,7 @@ use crate::text::{bytes, give, name};
 /// made it, until erard_stroke_free. One thread at a time may use it.
 pub struct ErardStroke {
     drive: Box<dyn Fn(f64) -> Input + Send>,
+    hand: Option<Hand>,
     start_s: f64,
     duration_s: f64,
     steps: u64,
@@ -28,7 +31,7 @@ impl ErardStroke {
     fn new(stroke: Stroke, told: String, instrument: &ErardInstrument) -> Result<Self, Fault> {
         let (start_s, duration_s) = (stroke.start_s, stroke.duration_s);
         let drive = stroke.inputs(&instrument.instrument().finger).map_err(|error| undriven(&error))?;
-        Ok(ErardStroke { drive, start_s, duration_s, steps: 0, told })
+        Ok(ErardStroke { drive, hand: stroke.hand(), start_s, duration_s, steps: 0, told })
     }
 }
 
@@ -36,8 +39,10 @@ fn undriven(error: &DrivingError) -> Fault {
     Fault::new(ErardStatus::File, error.to_string())
 }
 
-/// A built-in stroke for an instrument: "pp", "p", "mf", "f" or "ff"; `struck`: 0 for a pressed touch, 1 for a struck
-/// one. It drives by its force. Real time: no.
+/// A built-in touch on an instrument: "pp", "p", "mf", "f" or "ff" (hammer speeds at the string of 0.5, 0.79, 1.99,
+/// 3.15 and 5 m/s); `struck`: 0 for a pressed touch, 1 for a struck one. A hand of 200 g plays it; how strongly is
+/// found on this instrument. Played on another action, it is the same hand. ERARD_ARGUMENT: no such hand reaches the
+/// speed; erard_last_error says which it reaches. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_builtin(
     instrument: *const ErardInstrument,
@@ -49,11 +54,15 @@ pub unsafe extern "C" fn erard_stroke_builtin(
         // SAFETY: passed on.
         let (instrument, nuance) = (unsafe { given(instrument) }?, unsafe { name(nuance, "the stroke's name") }?);
         let touch = if struck == 0 { Touch::Pressed } else { Touch::Struck };
-        let stroke = Stroke::builtin(nuance, touch, None).ok_or_else(|| {
-            let known = NUANCES.join(", ");
+        let speed_m_s = level::named(nuance).ok_or_else(|| {
+            let known = level::LEVELS.map(|(name, _)| name).join(", ");
             Fault::new(ErardStatus::NoSuch, format!("no stroke `{nuance}` is built in; there are {known}"))
         })?;
-        let (stroke, _) = stroke.map_err(|error| undriven(&error))?;
+        let kind = level::Kind { touch, mass_kg: level::MASS_KG };
+        let found = level::Reference::new(instrument.instrument(), &mut |_| true)
+            .and_then(|mut reference| reference.solve(kind, speed_m_s, &mut |_| true))
+            .map_err(|error| Fault::new(ErardStatus::Argument, error.to_string()))?;
+        let stroke = Stroke::by_hand(format!("{nuance}, {}", touch.name()), found.whole(), level::DURATION_S);
         Ok(Box::into_raw(Box::new(ErardStroke::new(stroke, String::new(), instrument)?)))
     })
 }
@@ -164,9 +173,13 @@ pub unsafe extern "C" fn erard_step_stroke(
         // SAFETY: as above.
         let stroke = unsafe { stroke.as_mut() }.ok_or_else(|| Fault::null("the stroke"))?;
         let settings = *action.play.action.settings();
+        if let Some(Hand { start_m, start_m_s, .. }) = stroke.hand.filter(|_| stroke.steps == 0) {
+            action.play.place_hand(start_m, start_m_s);
+        }
         let begins_s = stroke.start_s + stroke.steps as f64 * settings.step;
         let now = (stroke.drive)(begins_s + settings.theta * settings.step);
         let input = match now {
+            muscle if stroke.hand.is_some() => stroke.hand.and_then(|hand| hand.input(&muscle).ok()).unwrap_or(muscle),
             // An imposed motion's numbers belong to the step's end.
             Input::Rigid { .. } => (stroke.drive)(begins_s + settings.step),
             other => other,

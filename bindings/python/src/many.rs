@@ -243,7 +243,10 @@ pub fn play_all<'py>(
         return Err(wrong_argument("jobs", format!("there is no instrument {i} or no stroke {s}")));
     }
     let longest = strokes.iter().map(|stroke| stroke.get().inner.duration_s).fold(0.0, f64::max);
-    let setup = steps.setup(first.start_s, duration.unwrap_or(longest))?;
+    let setup = steps.setup_of(&first, duration.or(Some(longest)))?;
+    if strokes.iter().any(|stroke| stroke.get().inner.hand() != first.hand()) {
+        return Err(wrong_argument("strokes", "are played by different hands; expected one hand for all"));
+    }
     let instruments = instruments.iter().map(|one| plain(&one.get().inner)).collect();
     let strokes = strokes.iter().map(|stroke| stroke.get().inner.clone()).collect();
     let jobs = jobs.into_iter().map(|(instrument, stroke)| (Ok(instrument), stroke)).collect();
@@ -307,7 +310,7 @@ pub fn study<'py>(
     let Some(first) = plan.strokes.first() else {
         return Err(wrong_argument("force", "expected a force or a stroke"));
     };
-    let setup = steps.setup(first.start_s, duration.unwrap_or(first.duration_s))?;
+    let setup = steps.setup_of(first, duration)?;
     run(py, plan, setup, &work, progress)
 }
 

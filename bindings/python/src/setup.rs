@@ -2,6 +2,7 @@
 
 use erard::player::Hand;
 use erard::run::Setup;
+use erard::stroke::Stroke;
 use moreau::{FrictionLaw, Settings, Solver};
 use pyo3::prelude::*;
 
@@ -78,5 +79,11 @@ impl Steps {
     /// A run from an instant on.
     pub fn setup(&self, start_s: f64, duration_s: f64) -> PyResult<Setup> {
         Ok(Setup { settings: self.settings()?, start_s, hand: self.hand()?, ..Setup::new(duration_s) })
+    }
+
+    /// The same for a stroke: a touch brings its own hand.
+    pub fn setup_of(&self, stroke: &Stroke, duration_s: Option<f64>) -> PyResult<Setup> {
+        let setup = self.setup(stroke.start_s, duration_s.unwrap_or(stroke.duration_s))?;
+        Ok(Setup { hand: stroke.hand().or(setup.hand), ..setup })
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use erard::level::{DURATION_S, Kind, Reference, named};
 use erard::stroke::{
     ForceSeries, MAX_FORCE_N, MAX_POSITION_M, PositionOf, PositionSeries, Prescribed, SampleError, Series,
     Stroke as Inner, Touch,
@@ -10,7 +11,9 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 
 use crate::fault::{wrong, wrong_argument};
+use crate::instrument::Instrument;
 use crate::recording::Recording;
+use crate::watch::watched;
 
 /// A stroke, ready to drive.
 #[pyclass(frozen, module = "erard._erard")]
@@ -28,6 +31,15 @@ pub fn prescribed(name: &str) -> PyResult<Prescribed> {
         "motion" => Ok(Prescribed::Motion),
         "rigid" => Ok(Prescribed::Rigid),
         found => Err(wrong_argument("drive", format!("found `{found}`, expected `force`, `motion` or `rigid`"))),
+    }
+}
+
+/// A touch, by its name.
+fn touched(name: &str) -> PyResult<Touch> {
+    match name {
+        "pressed" => Ok(Touch::Pressed),
+        "struck" => Ok(Touch::Struck),
+        found => Err(wrong_argument("touch", format!("found `{found}`, expected `pressed` or `struck`"))),
     }
 }
 
@@ -79,16 +91,33 @@ impl Stroke {
         Ok(Self::of(inner))
     }
 
-    /// A built-in one.
+    /// The built-in touch whose hammer has this speed at the string of an instrument, m/s, played by a hand of so many
+    /// kg.
     #[staticmethod]
-    fn builtin(nuance: &str, touch: &str, drive: Option<&str>) -> PyResult<Self> {
-        let touch = match touch {
-            "pressed" => Touch::Pressed,
-            "struck" => Touch::Struck,
-            found => return Err(wrong_argument("touch", format!("found `{found}`, expected `pressed` or `struck`"))),
-        };
+    fn level(
+        py: Python<'_>,
+        instrument: &Instrument,
+        name: &str,
+        speed_m_s: Option<f64>,
+        touch: &str,
+        mass_kg: f64,
+    ) -> PyResult<Self> {
+        let kind = Kind { touch: touched(touch)?, mass_kg };
+        let speed_m_s = speed_m_s.or_else(|| named(name)).ok_or_else(|| {
+            wrong_argument("stroke", format!("found `{name}`, expected pp, p, mf, f, ff or a recording"))
+        })?;
+        let own = instrument.inner.clone();
+        let solve = |going: &mut erard::Progress<'_>| Reference::new(&own, going)?.solve(kind, speed_m_s, going);
+        let found = watched(py, None, solve, |error| wrong_argument("stroke", error))?;
+        Ok(Self::of(Inner::by_hand(format!("{name}, {touch}"), found.whole(), DURATION_S)))
+    }
+
+    /// A built-in force curve.
+    #[staticmethod]
+    fn curve(nuance: &str, touch: &str, drive: Option<&str>) -> PyResult<Self> {
+        let touch = touched(touch)?;
         let drive = drive.map(prescribed).transpose()?;
-        match Inner::builtin(nuance, touch, drive) {
+        match Inner::curve(nuance, touch, drive) {
             None => {
                 Err(wrong_argument("stroke", format!("found `{nuance}`, expected pp, p, mf, f, ff or a recording")))
             }
@@ -115,7 +144,7 @@ impl Stroke {
 
     #[getter]
     fn drive(&self) -> &'static str {
-        self.inner.drive.name()
+        self.inner.drive_name()
     }
 
     #[getter]

@@ -75,6 +75,12 @@ def test_strokes(grand: erard.Instrument) -> None:
     sampled = grand.press(force=np.full(101, 5.0), dt=1e-3, duration=0.1)
     assert np.array_equal(constant["key_m"], sampled["key_m"])
     assert grand.press(stroke="mf").title == "mf, pressed" == grand.press().title
+    # A level is a speed of the hammer, whoever plays it.
+    for hand in (None, erard.Hand(mass_kg=0.05)):
+        assert grand.press(hammer_speed=2.5, touch="struck", hand=hand, duration=0.1).hammer_speed == pytest.approx(2.5, rel=1e-3)
+    with pytest.raises(erard.InputError, match="reaches 0.0.* to 6"):
+        grand.press(hammer_speed=8.0)
+    assert grand.press(stroke="mf", drive="force").hammer_speed == pytest.approx(1.942, abs=1e-3)
     assert grand.press(stroke="ff", touch="struck").hammer_speed > grand.press(stroke="pp").hammer_speed  # type: ignore[operator]
     depth = 0.0045 * (1 - np.cos(np.pi * np.linspace(0, 1, 51)))
     rigid = grand.press(rigid=depth, dt=1e-3, duration=0.05)

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for name in &names {
         let instrument = Instrument::builtin(name)?;
         for (nuance, touch) in NUANCES.into_iter().flat_map(|n| [(n, Touch::Pressed), (n, Touch::Struck)]) {
-            let Some(stroke) = Stroke::builtin(nuance, touch, None) else { continue };
+            let Some(stroke) = Stroke::curve(nuance, touch, None) else { continue };
             let (stroke, _) = stroke?;
             for step in STEPS_S {
                 let setup = Setup {

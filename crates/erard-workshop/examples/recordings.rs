@@ -52,7 +52,7 @@ fn normal(state: &mut u64) -> f64 {
 
 /// A recording as text, the noise drawn from a seed.
 pub fn recording(grand: &Instrument, nuance: &str, seed: u64) -> String {
-    let (stroke, _) = Stroke::builtin(nuance, Touch::Pressed, None).expect("it is built in").expect("it drives");
+    let (stroke, _) = Stroke::curve(nuance, Touch::Pressed, None).expect("it is built in").expect("it drives");
     let inputs = stroke.inputs(&grand.finger).expect("a force drives any key");
     let setup = Setup { record_every: Some(1), ..Setup::new(0.12) };
     let run = simulate(grand, inputs.as_ref(), &setup, &mut |_| true).expect("the grand plays");

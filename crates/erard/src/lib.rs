@@ -30,6 +30,7 @@ pub mod identity;
 pub mod instrument;
 pub mod instrument_spec;
 pub mod keyboard;
+pub mod level;
 pub mod mechanism;
 pub mod one_dof;
 pub mod player;

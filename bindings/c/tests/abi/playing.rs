@@ -5,8 +5,9 @@ use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
 
 use erard::instrument::InstrumentFile;
-use erard::run::{Setup, simulate};
-use erard::stroke::{NUANCES, Stroke, Touch};
+use erard::level::{DURATION_S, Kind, MASS_KG, Reference, named};
+use erard::run::{Setup, press_by_hand};
+use erard::stroke::{NUANCES, Touch};
 use erard::{Instrument, Run};
 use erard_c::*;
 use serde_json::{Value, json};
@@ -34,9 +35,11 @@ impl Drop for Owned {
 }
 
 fn pressed(instrument: &Instrument, nuance: &str, touch: Touch) -> Run {
-    let (stroke, _) = Stroke::builtin(nuance, touch, None).unwrap().unwrap();
-    let setup = Setup { start_s: stroke.start_s, record_every: Some(1), ..Setup::new(stroke.duration_s) };
-    simulate(instrument, &*stroke.inputs(&instrument.finger).unwrap(), &setup, &mut |_| true).unwrap()
+    let kind = Kind { touch, mass_kg: MASS_KG };
+    let mut reference = Reference::new(instrument, &mut |_| true).unwrap();
+    let found = reference.solve(kind, named(nuance).unwrap(), &mut |_| true).unwrap();
+    let setup = Setup { record_every: Some(1), ..Setup::new(DURATION_S) };
+    press_by_hand(instrument, &found.whole(), &setup, &mut |_| true).unwrap()
 }
 
 /// Ten strokes, every row: angles, key and hammer to the bit, and the instants that a run finds; the forces are those

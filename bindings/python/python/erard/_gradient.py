@@ -246,7 +246,9 @@ def gradient(
             raise InputError(f"{key}: found {unknown[0]!r}, expected {', '.join(known)}", key=key, found=unknown[0])
     own = steps({"step": 25e-6, **how})
     every = whole("record_every", record_every)
-    made = stroke_of(force=force, dt=dt, stroke=stroke, touch=touch, motion=motion, rigid=rigid, drive=drive)
+    made = stroke_of(
+        instrument, force=force, dt=dt, stroke=stroke, touch=touch, motion=motion, rigid=rigid, drive=drive, hand=how.get("hand")
+    )
     if made.drive == "rigid" and "force_N" in sampled:
         raise InputError("columns: force_N has no derivatives under a rigid drive, whose force is what its motion takes", key="columns", found="force_N")
     length = None if duration is None else number("duration", duration)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Union, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Stepping, bar, floats, names_of, number, quantity, steps, whole
+from ._common import Hand, Stepping, bar, floats, names_of, number, quantity, steps, whole
 from ._errors import InputError
 from ._recording import Recording, as_recording
 from ._run import Run
@@ -203,6 +203,7 @@ class Instrument:
         motion: ArrayLike | None = None,
         rigid: ArrayLike | None = None,
         drive: str | None = None,
+        hammer_speed: float | None = None,
         model: str = "action",
         duration: float | None = None,
         record_every: int | None = None,
@@ -221,15 +222,17 @@ class Instrument:
         dt : float, optional
             From sample to sample of `force`, `motion` or `rigid`, s.
         stroke : {"pp", "p", "mf", "f", "ff"}, path or recording, optional
-            A built-in stroke (the default: "mf") or a recording: a run, a mapping of arrays with `time_s`, a data frame, or a file.
+            A built-in touch (the default: "mf"), played by the hand that reaches the level on this action, or a recording: a run, a mapping of arrays with `time_s`, a data frame, or a file.
         touch : {"pressed", "struck"}
-            How the finger meets the key in a built-in stroke.
+            How the hand meets the key in a built-in touch.
+        hammer_speed : float, optional
+            The level of a built-in touch as the hammer's speed at the string, m/s. "pp" to "ff" are 0.5, 0.79, 1.99, 3.15 and 5.
         motion : array_like of shape (T,), optional
             Where the fingertip is, m down from the key's rest: the finger is soft and can only push.
         rigid : array_like of shape (T,), optional
             Where the key's front itself is, m down from rest.
         drive : {"force", "motion", "rigid"}, optional
-            What a recording prescribes; by default its force where it has one. Under "motion" a fingertip moves as key and force tell; one that begins
+            What a recording prescribes; by default its force where it has one. With "pp" to "ff" it plays the force curve of that name. Under "motion" a fingertip moves as key and force tell; one that begins
             with a force is in touch already, and has pressed the key down before the run starts, which `Run.notes` says then.
         model : {"action", "one-dof"}
             The whole action, or its model with one degree of freedom.
@@ -263,7 +266,10 @@ class Instrument:
         >>> grand.press(stroke="mf", touch="struck").title
         'mf, struck'
         """
-        made = stroke_of(force=force, dt=dt, stroke=stroke, touch=touch, motion=motion, rigid=rigid, drive=drive)
+        made = stroke_of(
+            self, force=force, dt=dt, stroke=stroke, touch=touch, motion=motion, rigid=rigid, drive=drive,
+            hammer_speed=hammer_speed, hand=how.get("hand"),
+        )  # fmt: skip
         duration = None if duration is None else number("duration", duration)
         every = None if record_every is None else whole("record_every", record_every)
         accuracy = None if tolerance is None else number("tolerance", tolerance)
@@ -428,7 +434,7 @@ class Instrument:
         >>> drawing.svg.startswith("<svg")
         True
         """
-        made = stroke_of(force=force, dt=dt, stroke=stroke, touch=touch)
+        made = stroke_of(self, force=force, dt=dt, stroke=stroke, touch=touch, hand=how.get("hand"))
         own = steps(how)
         if isinstance(at, str):
             happened = self.press(force, dt=dt, stroke=stroke, touch=touch, **how).events
@@ -508,6 +514,7 @@ def load(asked: str | os.PathLike[str]) -> Instrument:
 
 
 def stroke_of(
+    on: Instrument,
     *,
     force: Force | None = None,
     dt: float | None = None,
@@ -516,15 +523,26 @@ def stroke_of(
     motion: ArrayLike | None = None,
     rigid: ArrayLike | None = None,
     drive: str | None = None,
+    hammer_speed: float | None = None,
+    hand: Hand | None = None,
 ) -> _erard.Stroke:
-    """The one stroke that the arguments of `press` say."""
-    given = {"force": force, "motion": motion, "rigid": rigid, "stroke": stroke}
+    """The one stroke that the arguments of `press` say; a touch's level is found on an instrument."""
+    given = {"force": force, "motion": motion, "rigid": rigid, "stroke": stroke, "hammer_speed": hammer_speed}
     named = [name for name, value in given.items() if value is not None]
     if len(named) > 1:
         raise InputError(f"{' and '.join(named)} are given; expected one of {', '.join(given)}", key=named[1])
-    if stroke is not None or not named:
+    if stroke is not None or hammer_speed is not None or not named:
         if isinstance(stroke, str) and stroke in NUANCES or stroke is None:
-            return _erard.Stroke.builtin(stroke or "mf", touch, drive)
+            if drive is not None:
+                _only_of("hammer_speed", hammer_speed, None, "a hand, which drive= replaces by a force curve")
+                return _erard.Stroke.curve(stroke or "mf", touch, drive)
+            hand = hand or Hand()
+            if hand.start_m or hand.start_m_per_s:
+                told = "hand: a touch finds where its hand starts; expected start_m and start_m_per_s of 0"
+                raise InputError(told, key="hand", found=repr(hand))
+            speed = None if hammer_speed is None else number("hammer_speed", hammer_speed)
+            name = f"{speed:g} m/s" if speed is not None else stroke or "mf"
+            return _erard.Stroke.level(on._inner, name, speed, touch, hand.mass_kg)
         _only_of("touch", touch, "pressed", "a built-in stroke")
         if isinstance(stroke, str) and not os.path.exists(stroke) and not os.path.splitext(stroke)[1] and os.path.basename(stroke) == stroke:
             told = f"stroke: found {stroke!r}, expected {', '.join(NUANCES)} or a recording; there is no such file either"
@@ -546,7 +564,7 @@ def stroke_of(
 NUANCES = ("pp", "p", "mf", "f", "ff")
 
 
-def _only_of(key: str, found: str | None, usual: str | None, what: str) -> None:
+def _only_of(key: str, found: Any, usual: str | None, what: str) -> None:
     """Says it where an argument would do nothing."""
     if found != usual:
         raise InputError(f"{key}: {found!r} goes with {what} only", key=key, found=found)

@@ -382,7 +382,7 @@ def study(
     varied = [name for name in axes if name != "force_N" or forces is None]
     # Of what was varied each combination once: the force makes no other instrument.
     table = np.column_stack([rows[name] for name in varied]) if varied else np.empty((count, 0))
-    made = None if forces is not None else stroke_of(stroke=stroke, touch=touch, drive=drive)
+    made = None if forces is not None else stroke_of(instrument, stroke=stroke, touch=touch, drive=drive, hand=hand)
     duration = None if duration is None else number("duration", duration)
     keep = work(threads, single, True)
     known = instrument.parameters

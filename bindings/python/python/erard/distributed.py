@@ -166,7 +166,9 @@ def _study_chunk(index: int, shared: tuple[Any, ...], names: list[str], rows: np
     from ._many import outcomes, work
 
     instrument, folder, options = shared
-    made = None if forces is not None else stroke_of(stroke=options["stroke"], touch=options["touch"])
+    made = None if forces is not None else stroke_of(
+        instrument, stroke=options["stroke"], touch=options["touch"], hand=options.get("hand")
+    )
     own = steps({"step": options["step"], "theta": options["theta"], "hand": options.get("hand")})
     found = _erard.study(
         instrument._inner, names, np.ascontiguousarray(rows), made, forces, options["duration"], own,

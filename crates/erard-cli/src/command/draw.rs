@@ -81,8 +81,8 @@ const LATEST_MS: f64 = 600_000.0;
 impl Draw {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let stroke = self.stroke.load()?;
-        let Noted { instrument, changed } = self.instrument.load_noted()?;
+        let Noted { instrument, changed, whole } = self.instrument.load_noted()?;
+        let stroke = self.stroke.load(&whole)?;
         let setup = Setup {
             settings: Settings::new(STEP_S),
             start_s: stroke.start_s,
@@ -94,7 +94,7 @@ impl Draw {
             tolerance: None,
             ledger: true,
             pedal: erard::strings::Pedal::default(),
-            hand: None,
+            hand: stroke.hand(),
         };
         let mut output = self.out.prepare("draw", &["action.svg", "action.png"])?;
         let reactions = self.reactions.then(|| ReactionRecorder::new(&instrument));

@@ -1,28 +1,155 @@
-//! The hand between stroke and key, as options.
+//! The built-in touches as options: which hand plays, and how loud.
 
 use clap::Args;
+use erard::level::{DURATION_S, Kind, LEVELS, LevelError, MASS_KG, Reference, named};
 use erard::player::Hand;
+use erard::stroke::{Muscle, Stroke, Touch};
+use erard::{Instrument, SimulationError};
 
 use crate::failure::Failure;
+use crate::identity;
+use crate::names::{Name, one_of};
+use crate::progress::Progress;
 
-/// A hand that plays the stroke.
-#[derive(Debug, Args)]
+/// A hand that plays, and its level.
+#[derive(Debug, Clone, Args)]
 pub(crate) struct HandOptions {
-    /// Let a hand play the stroke, of so many grams at the fingertip: the stroke's force is its muscle's, or its muscle
-    /// follows the stroke's motion; the force at the key is then the fingertip's [default: 200]
+    /// Level of the built-in touch: a hammer speed at the string of 0.5 (pp), 0.79, 1.99, 3.15 or 5 m/s (ff)
+    /// [default: mf]
+    #[arg(long, value_name = "pp|p|mf|f|ff", value_parser = ["pp", "p", "mf", "f", "ff"], conflicts_with = "force_step")]
+    pub stroke: Option<String>,
+    /// The level as a number: the hammer's speed at the string, m/s, as in 2m/s
+    #[arg(
+        long,
+        value_name = "M/S",
+        value_parser = metres_per_second,
+        allow_negative_numbers = true,
+        conflicts_with_all = ["stroke", "force_step", "file"]
+    )]
+    pub hammer_speed: Option<f64>,
+    /// How the hand meets the key in a built-in touch
+    #[arg(long, value_parser = one_of(&TOUCHES), default_value = "pressed")]
+    pub touch: Touch,
+    /// Mass of the hand at the fingertip, g. Between a file or a force and the key it puts a hand whose muscle has that
+    /// force, or follows that motion; the force at the key is then the fingertip's [default: 200]
     #[arg(long, value_name = "GRAMS", num_args = 0..=1, require_equals = true, default_missing_value = "200")]
-    hand: Option<f64>,
-    /// How fast the hand arrives at the key, m/s: 0 presses, more strikes
-    #[arg(long, value_name = "M/S", requires = "hand", default_value_t = 0.0, allow_negative_numbers = true)]
-    hand_speed: f64,
+    pub hand: Option<f64>,
+    /// How fast the hand arrives at the key, m/s. A built-in touch then strikes with this speed, whatever the hammer's
+    /// comes out as; with a file or a force it needs --hand
+    #[arg(long, value_name = "M/S", allow_negative_numbers = true, conflicts_with_all = ["stroke", "hammer_speed"])]
+    pub hand_speed: Option<f64>,
+}
+
+/// How the hand meets the key.
+const TOUCHES: [Name<Touch>; 2] = [
+    ("pressed", "The hand rests on the key, and its muscle presses", Touch::Pressed),
+    ("struck", "The hand arrives at the key with speed", Touch::Struck),
+];
+
+/// A speed with or without its unit.
+fn metres_per_second(text: &str) -> Result<f64, String> {
+    let number = text.strip_suffix("m/s").unwrap_or(text).trim_end();
+    number.parse().map_err(|_| "expected a number of m/s, as in 2m/s".to_owned())
 }
 
 impl HandOptions {
-    /// The hand that was asked for.
-    pub(crate) fn hand(&self) -> Result<Option<Hand>, Failure> {
-        let Some(grams) = self.hand else { return Ok(None) };
-        let hand = Hand { mass_kg: grams * 1e-3, start_m_s: self.hand_speed, ..Hand::default() };
+    /// Another level of the same hand.
+    pub(crate) fn with(&self, stroke: Option<String>) -> Self {
+        HandOptions { stroke, hammer_speed: None, hand_speed: None, ..self.clone() }
+    }
+
+    fn mass_kg(&self) -> f64 {
+        self.hand.map_or(MASS_KG, |grams| grams * 1e-3)
+    }
+
+    /// The hand between a file or a force and the key, where one was asked for.
+    pub(crate) fn between(&self) -> Result<Option<Hand>, Failure> {
+        let Some(grams) = self.hand else {
+            return match self.hand_speed {
+                Some(_) => Err(Failure::Usage("--hand-speed with a file, --force-step or --drive needs --hand".into())),
+                None => Ok(None),
+            };
+        };
+        let start_m_s = self.hand_speed.unwrap_or(0.0);
+        let hand = Hand { mass_kg: grams * 1e-3, start_m_s, ..Hand::default() };
         hand.check().map_err(|error| Failure::Usage(error.to_string()))?;
         Ok(Some(hand))
     }
+
+    /// The built-in touch, its level found on this instrument.
+    pub(crate) fn touch(&self, reference: &Instrument) -> Result<Stroke, Failure> {
+        let mut progress = Progress::new("finding the hand");
+        let stroke = self.touch_with(reference, &mut |share| progress.tell(share)).map_err(|error| match error {
+            LevelError::Interrupted => Failure::Simulation(SimulationError::Interrupted),
+            error => Failure::Usage(told(&error)),
+        })?;
+        let hand = described(&stroke).unwrap_or_default();
+        identity::used("stroke", &format!("{}: {hand}", stroke.title), None, exact(&stroke).as_bytes());
+        Ok(stroke)
+    }
+
+    /// The same, before a progress of one's own.
+    pub(crate) fn touch_with(
+        &self,
+        reference: &Instrument,
+        progress: &mut erard::Progress<'_>,
+    ) -> Result<Stroke, LevelError> {
+        let touch = if self.hand_speed.is_some() { Touch::Struck } else { self.touch };
+        let kind = Kind { touch, mass_kg: self.mass_kg() };
+        let mut reference = Reference::new(reference, progress)?;
+        let (name, found) = match self.hand_speed {
+            Some(speed_m_s) => {
+                (format!("arriving with {speed_m_s} m/s"), reference.strike(kind.mass_kg, speed_m_s, progress)?.whole())
+            }
+            None => {
+                let level = self.stroke.as_deref().unwrap_or("mf");
+                let (name, speed_m_s) = match self.hammer_speed {
+                    Some(speed_m_s) => (format!("{speed_m_s} m/s"), speed_m_s),
+                    None => (level.to_owned(), named(level).unwrap_or(LEVELS[2].1)),
+                };
+                (name, reference.solve(kind, speed_m_s, progress)?.whole())
+            }
+        };
+        let mass = self.hand.map_or_else(String::new, |grams| format!(", hand of {grams} g"));
+        Ok(Stroke::by_hand(format!("{name}, {}{mass}", touch.name()), found, DURATION_S))
+    }
+}
+
+/// The error, with the way out.
+fn told(error: &LevelError) -> String {
+    let way = match error {
+        LevelError::Silent { .. } => ": --drive force or --force-step plays without a level",
+        LevelError::OutOfReach { .. } | LevelError::Jump { .. } => ": ask for another --hammer-speed or --hand",
+        LevelError::Arrival { .. } => " (--hand-speed)",
+        LevelError::Speed { .. } => " (--hammer-speed)",
+        LevelError::Hand(_) => " (--hand)",
+        _ => "",
+    };
+    format!("{error}{way}")
+}
+
+/// What plays, to the last digit: mass, kg, speed of arrival, m/s, the muscle's force, N, and the impact, s.
+fn exact(stroke: &Stroke) -> String {
+    let Some(played) = stroke.hand_stroke() else { return String::new() };
+    let force_n = match played.muscle {
+        Muscle::Swells { force_n, .. } | Muscle::Steady { force_n } => force_n,
+        _ => f64::NAN,
+    };
+    let impact_s = played.relaxes.map_or(f64::NAN, |relax| relax.at_s);
+    format!("{} {} {force_n} {impact_s}", played.hand.mass_kg, played.hand.start_m_s)
+}
+
+/// What plays, in a line; `None` where no built-in touch does.
+pub(crate) fn described(stroke: &Stroke) -> Option<String> {
+    let played = stroke.hand_stroke()?;
+    let grams = (played.hand.mass_kg * 1e4).round() / 10.0;
+    Some(match played.muscle {
+        Muscle::Swells { force_n, within_s } => {
+            format!("{grams} g on the key, muscle {force_n:.2} N within {:.0} ms", within_s * 1e3)
+        }
+        Muscle::Steady { force_n } => {
+            format!("{grams} g arriving with {:.3} m/s, muscle {force_n:.2} N", played.hand.start_m_s)
+        }
+        _ => return None,
+    })
 }

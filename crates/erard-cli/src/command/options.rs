@@ -6,15 +6,17 @@ use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile, utf8};
 use erard::instrument_spec::{InstrumentSpec, KEY, SAMPLE, split_sample};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard};
+use erard::level::LevelError;
 use erard::one_dof;
 use erard::run::{Setup, SimulationError};
 pub(crate) use erard::stroke::Stroke;
-use erard::stroke::{Columns, DrivingError, Prescribed, Series, Touch};
+use erard::stroke::{Columns, DrivingError, Prescribed, Series};
 use erard_workshop::compare::Which;
 use erard_workshop::measure::norms::{Line, lines};
 use erard_workshop::worklist::Priority;
 use moreau::{FrictionLaw, Settings, Solver};
 
+use super::hand::HandOptions;
 use super::samples::sample_text;
 use crate::failure::Failure;
 use crate::identity;
@@ -78,20 +80,16 @@ impl InstrumentOption {
         &self.instrument
     }
 
-    /// Loads the instrument, reduced to the model that was asked for.
-    pub(crate) fn load(&self) -> Result<Instrument, Failure> {
-        self.reduced(load_instrument(&self.instrument)?)
-    }
-
-    /// The same, with what its pictures mark as changed.
+    /// Loads the instrument, reduced to the model that was asked for, with what its pictures mark as changed.
     pub(crate) fn load_noted(&self) -> Result<Noted, Failure> {
         let Some(path) = instrument_path(&self.instrument) else {
-            return Ok(Noted { instrument: self.load()?, changed: Vec::new() });
+            let whole = load_instrument(&self.instrument)?;
+            return Ok(Noted { instrument: self.reduced(whole.clone())?, changed: Vec::new(), whole });
         };
-        let InstrumentFile { instrument, provenance, .. } = load_file(path)?.0;
-        let instrument = self.reduced(instrument)?;
+        let InstrumentFile { instrument: whole, provenance, .. } = load_file(path)?.0;
+        let instrument = self.reduced(whole.clone())?;
         let changed = ChangedNote::all(&instrument, &provenance.outlived_notes());
-        Ok(Noted { instrument, changed })
+        Ok(Noted { instrument, changed, whole })
     }
 
     /// A full instrument, reduced to the model that was asked for.
@@ -108,6 +106,8 @@ pub(crate) struct Noted {
     /// The numbers; none in a built-in instrument, nor in a key of a keyboard, whose notes are written with its
     /// numbers.
     pub changed: Vec<ChangedNote>,
+    /// The instrument whatever model was asked for: a level is found on it.
+    pub whole: Instrument,
 }
 
 /// One instrument, or two to be laid beside each other.
@@ -126,6 +126,12 @@ impl InstrumentsOption {
     /// The first that was asked for.
     pub(crate) fn first(&self) -> &str {
         self.instruments.first().map_or("", String::as_str)
+    }
+
+    /// Whether they are different keys: each has a touch of its own.
+    pub(crate) fn are_keys(&self) -> bool {
+        let mut numbers = self.instruments.iter().map(|asked| key_number(asked));
+        numbers.next().flatten().is_some_and(|first| numbers.flatten().any(|other| other != first))
     }
 
     /// Loads the instrument, or both, reduced to the model that was asked for.
@@ -286,35 +292,25 @@ pub(crate) fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
 }
 
 /// What the player does.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct StrokeOptions {
     /// Stroke file: CSV or Parquet with columns for the time and for force and/or position (down is positive), as
     /// `time_s`, `force_N` or `Force (gf)`, `position_m` or `Travel [mm]`; a run's own run.csv is one
     #[arg(value_name = "STROKE.csv", conflicts_with_all = ["stroke", "force_step"])]
     file: Option<PathBuf>,
-    /// Built-in stroke
-    #[arg(long, value_name = "pp|p|mf|f|ff", value_parser = ["pp", "p", "mf", "f", "ff"], conflicts_with = "force_step")]
-    stroke: Option<String>,
-    /// How the finger meets the key in a built-in stroke
-    #[arg(long, value_parser = one_of(&TOUCHES), default_value = "pressed")]
-    touch: Touch,
+    #[command(flatten)]
+    hand: HandOptions,
     /// A constant force from the start on, N
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     force_step: Option<f64>,
     /// What is prescribed: the finger's force, the motion of a soft finger, or the key's own motion. Default: force
     /// where the stroke has one, else the motion of whatever was recorded (see --position): rigid for a key's, motion
-    /// for a fingertip's
-    #[arg(long, value_parser = one_of(&DRIVES))]
+    /// for a fingertip's. With a built-in touch it plays the force curve of that name (`erard list`) instead of a hand
+    #[arg(long, value_parser = one_of(&DRIVES), conflicts_with = "hammer_speed")]
     drive: Option<Prescribed>,
     #[command(flatten)]
     recording: RecordingOptions,
 }
-
-/// How the finger meets the key.
-const TOUCHES: [Name<Touch>; 2] = [
-    ("pressed", "The finger rests on the key and presses", Touch::Pressed),
-    ("struck", "The finger falls onto the key", Touch::Struck),
-];
 
 /// What is prescribed.
 pub(crate) const DRIVES: [Name<Prescribed>; 3] = [
@@ -332,8 +328,7 @@ impl StrokeOptions {
         let is_file = force.is_none() && !is_builtin;
         StrokeOptions {
             file: is_file.then(|| PathBuf::from(other)),
-            stroke: is_builtin.then(|| other.to_owned()),
-            touch: self.touch,
+            hand: self.hand.with(is_builtin.then(|| other.to_owned())),
             force_step: force,
             drive: self.drive,
             // They are a file's.
@@ -345,7 +340,7 @@ impl StrokeOptions {
     pub(crate) fn beside(&self, other: &Self) -> Self {
         let own = self.file.is_some() || other.file.is_none();
         let recording = if own { self.recording.clone() } else { RecordingOptions::none() };
-        StrokeOptions { file: self.file.clone(), stroke: self.stroke.clone(), recording, ..*self }
+        StrokeOptions { file: self.file.clone(), hand: self.hand.clone(), recording, ..*self }
     }
 
     /// A constant force that is given otherwise: any stroke that is asked for contradicts it.
@@ -356,14 +351,37 @@ impl StrokeOptions {
 
     /// A constant force, and nothing else.
     pub(crate) fn load_constant(&self) -> Result<Stroke, Failure> {
-        if self.file.is_some() || self.stroke.is_some() || self.drive.is_some_and(|d| d != Prescribed::Force) {
+        let is_level = self.hand.stroke.is_some() || self.hand.hammer_speed.is_some();
+        if self.file.is_some() || is_level || self.drive.is_some_and(|d| d != Prescribed::Force) {
             return Err(Failure::Usage("--vary force plays constant forces; it goes with no other stroke".into()));
         }
-        Ok(Stroke::constant("constant forces".into(), 0.0))
+        self.through(Stroke::constant("constant forces".into(), 0.0))
     }
 
-    /// Reads the stroke.
-    pub(crate) fn load(&self) -> Result<Stroke, Failure> {
+    /// Whether a hand plays a built-in touch.
+    pub(crate) fn is_touch(&self) -> bool {
+        self.file.is_none() && self.force_step.is_none() && self.drive.is_none()
+    }
+
+    /// The hand that plays the built-in touch on an instrument, before a progress of the caller's.
+    pub(crate) fn touch_on(
+        &self,
+        instrument: &Instrument,
+        progress: &mut erard::Progress<'_>,
+    ) -> Result<Stroke, LevelError> {
+        self.hand.touch_with(instrument, progress)
+    }
+
+    /// A stroke through the hand that was asked for.
+    fn through(&self, stroke: Stroke) -> Result<Stroke, Failure> {
+        Ok(match self.hand.between()? {
+            Some(hand) => stroke.through(hand),
+            None => stroke,
+        })
+    }
+
+    /// Reads the stroke, or finds the hand whose level the reference has: the instrument that all are compared with.
+    pub(crate) fn load(&self, reference: &Instrument) -> Result<Stroke, Failure> {
         if let Some(force_n) = self.force_step {
             if !(0.0..=erard::stroke::MAX_FORCE_N).contains(&force_n) {
                 let why = if force_n < 0.0 { ": a finger pushes the key down, and cannot pull it up" } else { "" };
@@ -376,13 +394,16 @@ impl StrokeOptions {
             if self.drive.is_some_and(|d| d != Prescribed::Force) {
                 return Err(Failure::Usage("--force-step prescribes a force; it has no motion to drive with".into()));
             }
-            return Ok(Stroke::constant(format!("{force_n} N"), force_n));
+            return self.through(Stroke::constant(format!("{force_n} N"), force_n));
         }
         if self.file.is_none() && self.recording.are_given() {
             return Err(Failure::Usage(
                 "--columns, --position, --zero, --invert, --delay, --low-pass and --order belong to a stroke file"
                     .into(),
             ));
+        }
+        if self.is_touch() {
+            return self.hand.touch(reference);
         }
         // What was done and noticed, told when nothing is wrong.
         let mut notes = Vec::new();
@@ -393,18 +414,18 @@ impl StrokeOptions {
                 Stroke::recorded(name, prepared.series, position_of, self.drive)
             }
             None => {
-                let nuance = self.stroke.as_deref().unwrap_or("mf");
-                let touch = self.touch;
+                let nuance = self.hand.stroke.as_deref().unwrap_or("mf");
+                let touch = self.hand.touch;
                 let (text, name) = (Series::builtin_text(nuance, touch).unwrap_or_default(), touch.name());
                 identity::used("stroke", &format!("{nuance}, {name}"), None, text.as_bytes());
-                Stroke::builtin(nuance, touch, self.drive)
-                    .ok_or_else(|| Failure::Internal(format!("the built-in stroke {nuance} {name} cannot be read")))?
+                Stroke::curve(nuance, touch, self.drive)
+                    .ok_or_else(|| Failure::Internal(format!("the force curve {nuance} {name} cannot be read")))?
             }
         }?;
         for note in notes.into_iter().chain(note.map(str::to_owned)) {
             tell!("{}: {note}", stroke.title);
         }
-        Ok(stroke)
+        self.through(stroke)
     }
 }
 

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::level::LevelError;
 use erard::player::{Inside, LossRecorder, Observer, ReactionRecorder};
 use erard::run::Run;
 use erard::run::{RATE_HZ, Sound, sound};
@@ -12,7 +13,7 @@ use erard::strings::Pedal;
 use erard::stroke::Columns;
 
 use super::bands::{self, BandOptions, BandRow};
-use super::hand::HandOptions;
+use super::hand::described;
 use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check, reduced};
 use super::out::OutOptions;
 use super::press_pair::{self, Played};
@@ -26,6 +27,7 @@ use crate::table::Table;
 use crate::tell;
 use erard_figures::figure::run_svg;
 use erard_figures::page::{Shown, page_html};
+use erard_workshop::sample::SampleError;
 
 /// Simulates one key press and shows what happened.
 #[derive(Debug, Args)]
@@ -69,8 +71,10 @@ pub(crate) struct Press {
     /// with lifts, straight lines between them (0s=0mm,0.2s=7mm,1s=0mm) [default: up]. For instruments with strings
     #[arg(long, value_name = "LIFT", allow_hyphen_values = true, default_value = "0mm", hide_default_value = true)]
     pedal: Pedal,
-    #[command(flatten)]
-    hand: HandOptions,
+    /// Find the hand of a level for each instrument, and for each sample of --bands, instead of playing the hand of the
+    /// first on all
+    #[arg(long)]
+    each: bool,
     #[command(flatten)]
     bands: BandOptions,
     #[command(flatten)]
@@ -98,10 +102,12 @@ impl Press {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let settings = self.step.settings()?;
         let against = self.against.as_ref().map(|other| self.stroke.with(other, self.against_columns.as_ref()));
-        let stroke = against.as_ref().map_or_else(|| self.stroke.load(), |other| self.stroke.beside(other).load())?;
         self.bands.check(self.instrument.first())?;
         let instruments = self.instrument.load()?;
-        let hand = self.hand.hand()?;
+        let reference = instruments.first().map(|one| &one.whole);
+        let Some(reference) = reference else { return Err(Failure::Internal("no instrument".into())) };
+        let own = against.as_ref().map_or_else(|| self.stroke.clone(), |other| self.stroke.beside(other));
+        let stroke = own.load(reference)?;
         let setup = |stroke: &Stroke| Setup {
             settings,
             start_s: stroke.start_s,
@@ -110,12 +116,13 @@ impl Press {
             tolerance: self.tolerance,
             ledger: true,
             pedal: self.pedal,
-            hand,
+            hand: stroke.hand(),
         };
         if self.against.is_some() || instruments.len() == 2 {
-            return self.pair(&instruments, stroke, against, setup);
+            let strokes = self.strokes(&instruments, stroke, against.as_ref(), reference)?;
+            return self.pair(&instruments, strokes, setup);
         }
-        let [Noted { instrument, changed }] = &instruments[..] else {
+        let [Noted { instrument, changed, .. }] = &instruments[..] else {
             return Err(Failure::Internal("no instrument".into()));
         };
         let setup = setup(&stroke);
@@ -134,7 +141,7 @@ impl Press {
         };
         let run = play_observed(instrument, &stroke, &setup, &mut inside)?;
         let elapsed_s = started.elapsed().as_secs_f64();
-        let drive = drive_name(&stroke, &setup);
+        let drive = stroke.drive_name();
         let names = [self.instrument.model.name(), drive, self.step.solver_name()];
         let summary = Summary::new(&run, &setup, names, elapsed_s);
 
@@ -178,6 +185,9 @@ impl Press {
         let written = output.commit()?;
 
         say!("{} - {} ({drive} driven)", run.instrument, stroke.title);
+        if let Some(hand) = described(&stroke) {
+            say!("hand: {hand}");
+        }
         say!();
         say!("{summary}");
         if let Some((rows, count)) = banded {
@@ -207,10 +217,19 @@ impl Press {
         };
         let names: Vec<bands::Named> = MEASURES.iter().map(name).collect();
         let values = |summary: &Summary| MEASURES.iter().map(|one| value(&summary.json, one)).collect::<Vec<_>>();
-        let names_of = [self.instrument.model.name(), drive_name(stroke, setup), self.step.solver_name()];
+        let names_of = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
         let model = self.instrument.model;
+        let each = self.each && self.stroke.is_touch();
         bands::bands(self.instrument.first(), count, &names, &values(own), None, |instrument, _, progress| {
             let none = || vec![None; MEASURES.len()];
+            let found = each.then(|| self.stroke.touch_on(instrument, progress)).transpose();
+            let found = match found {
+                Err(LevelError::Interrupted) => return Err(SampleError::Interrupted),
+                Err(_) => return Ok(none()),
+                Ok(found) => found,
+            };
+            let stroke = found.as_ref().unwrap_or(stroke);
+            let setup = &Setup { hand: stroke.hand(), ..*setup };
             let Ok(instrument) = reduced(model, instrument.clone()) else { return Ok(none()) };
             let Ok(inputs) = stroke.inputs(&instrument.finger) else { return Ok(none()) };
             let run = simulate_observed(&instrument, inputs.as_ref(), setup, &mut Inside::default(), progress);
@@ -219,23 +238,33 @@ impl Press {
         })
     }
 
+    /// The strokes of a pair: one for both instruments, or two.
+    fn strokes(
+        &self,
+        instruments: &[Noted],
+        stroke: Stroke,
+        against: Option<&StrokeOptions>,
+        reference: &Instrument,
+    ) -> Result<Vec<Stroke>, Failure> {
+        match (against, instruments) {
+            (Some(_), [_, _]) => Err(Failure::Usage(
+                "two instruments and --against at once would be two differences in one picture; lay either beside the first".into(),
+            )),
+            (Some(other), _) => Ok(vec![stroke, other.load(reference)?]),
+            (None, [_, second]) if self.stroke.is_touch() && (self.each || self.instrument.are_keys()) => {
+                Ok(vec![stroke, self.stroke.load(&second.whole)?])
+            }
+            (None, _) => Ok(vec![stroke]),
+        }
+    }
+
     /// Two instruments under one stroke, or one under two.
     fn pair(
         &self,
         instruments: &[Noted],
-        stroke: Stroke,
-        against: Option<StrokeOptions>,
+        strokes: Vec<Stroke>,
         setup: impl Fn(&Stroke) -> Setup,
     ) -> Result<(), Failure> {
-        let strokes = match (against, instruments) {
-            (Some(_), [_, _]) => {
-                return Err(Failure::Usage(
-                    "two instruments and --against at once would be two differences in one picture; lay either beside the first".into(),
-                ));
-            }
-            (Some(other), _) => vec![stroke, other.load()?],
-            (None, _) => vec![stroke],
-        };
         if self.bands.bands.is_some() {
             return Err(Failure::Usage("--bands belong to one run; play the two one by one".into()));
         }
@@ -251,11 +280,11 @@ impl Press {
         let mut played = Vec::new();
         for index in 0..2 {
             let at = |count: usize| index.min(count - 1);
-            let (Noted { instrument, changed }, stroke, setup) =
+            let (Noted { instrument, changed, .. }, stroke, setup) =
                 (&instruments[at(instruments.len())], &strokes[at(strokes.len())], &setups[at(setups.len())]);
             let started = Instant::now();
             let run = play_observed(instrument, stroke, setup, &mut Inside::default())?;
-            let names = [self.instrument.model.name(), drive_name(stroke, setup), self.step.solver_name()];
+            let names = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
             let summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
             played.push(Played { instrument, changed, stroke: stroke.title.clone(), run, summary });
         }
@@ -293,9 +322,4 @@ pub(crate) fn play_observed(
     };
     let inputs = stroke.inputs(&instrument.finger)?;
     Ok(simulate_observed(instrument, inputs.as_ref(), setup, observer, &mut tell)?)
-}
-
-/// What drives, by its name.
-fn drive_name(stroke: &Stroke, setup: &Setup) -> &'static str {
-    if setup.hand.is_some() { "hand" } else { stroke.drive.name() }
 }

@@ -12,7 +12,6 @@ use erard_workshop::sample::SampleError;
 use erard_workshop::study::{Job, JobResult, Played, Stroke as JobStroke, Workers, play_all};
 
 use super::bands::{self, BandOptions, BandRow};
-use super::hand::HandOptions;
 use super::options::{
     InstrumentOption, KeyboardKey, StepOptions, Stroke, StrokeOptions, check, load_instrument_and_text, load_keyboard,
     measured_lines, reduced,
@@ -75,8 +74,6 @@ pub(crate) struct Study {
     instrument: InstrumentOption,
     #[command(flatten)]
     step: StepOptions,
-    #[command(flatten)]
-    hand: HandOptions,
     /// Simulated time of every stroke, s [default: the stroke's, and a little more]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
@@ -112,9 +109,9 @@ impl Study {
         let (instrument, source) = self.source()?;
         let axes = self.axes(&instrument, &source)?;
         let forces = axes.iter().any(|axis| axis.target == Target::Force);
-        let stroke = if forces { self.stroke.load_constant()? } else { self.stroke.load()? };
+        let stroke = if forces { self.stroke.load_constant()? } else { self.stroke.load(&self.reference(&source)?)? };
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
-        let setup = Setup { settings, start_s: stroke.start_s, hand: self.hand.hand()?, ..Setup::new(duration_s) };
+        let setup = Setup { settings, start_s: stroke.start_s, hand: stroke.hand(), ..Setup::new(duration_s) };
         check(&setup)?;
         let mut output = self.out.prepare("study", &["study.csv", "study.parquet"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };
@@ -134,7 +131,7 @@ impl Study {
         let table = table_of(&columns);
         output.table("study.csv", &table)?;
         output.stage("study.parquet", |w| table.write_parquet("study", w))?;
-        let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive.name());
+        let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive_name());
         if let Some(chart) = chart(&title, &axes, &rows) {
             let svg = chart_svg(&chart, "study");
             output.figure("study", &svg)?;
@@ -217,18 +214,13 @@ impl Study {
     fn tell_what_matters(&self) -> Result<(), Failure> {
         let settings = self.step.settings()?;
         let of = sensitive::wanted(&self.of)?;
-        let (instrument, text) = load_instrument_and_text(self.instrument.asked())?;
-        let instrument = self.instrument.reduced(instrument)?;
+        let (whole, text) = load_instrument_and_text(self.instrument.asked())?;
+        let stroke = self.stroke.load(&whole)?;
+        let instrument = self.instrument.reduced(whole)?;
         let by = sensitive::variables(&instrument, &text, &self.by, self.stroke.is_constant())?;
-        let stroke = self.stroke.load()?;
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
-        let setup = Setup {
-            settings,
-            start_s: stroke.start_s,
-            ledger: false,
-            hand: self.hand.hand()?,
-            ..Setup::new(duration_s)
-        };
+        let setup =
+            Setup { settings, start_s: stroke.start_s, ledger: false, hand: stroke.hand(), ..Setup::new(duration_s) };
         check(&setup)?;
         let files = ["sensitivities.csv", "sensitivities.json", "sensitivities.svg", "sensitivities.png"];
         let mut output = self.out.prepare("study", &files)?;
@@ -237,7 +229,7 @@ impl Study {
         let finger = instrument.finger;
         let inputs = || stroke.inputs(&finger).unwrap_or_else(|_| Box::new(|_| Input::Free));
         let found = sensitive::find(&instrument, by, of, &inputs, &setup)?;
-        let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive.name());
+        let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive_name());
         output.table("sensitivities.csv", &Table::of_records(&sensitive::rows(&found))?)?;
         output.json("sensitivities.json", &sensitive::report(&found, &instrument.name, &stroke.title))?;
         output.figure("sensitivities", &sensitive::figure(&found, &title))?;
@@ -255,6 +247,14 @@ impl Study {
         }
         say!("{written}");
         Ok(())
+    }
+
+    /// The unvaried instrument, whole: a level is found on it.
+    fn reference(&self, source: &Source) -> Result<Instrument, Failure> {
+        match source {
+            Source::Keyboard(keyboard, key) => Ok(keyboard.key(key.unwrap_or(keyboard.base_key))?),
+            Source::Text(text) => Ok(Instrument::parse(text, self.instrument.asked())?),
+        }
     }
 
     /// What is varied: a keyboard where keys are, else an instrument.

@@ -57,7 +57,7 @@ fn with_no_argument_the_grand_plays() {
     let summary = json(&folder, "erard-out/summary.json");
     assert_eq!(summary["steps"].as_u64().unwrap() as usize + 1, numbers.len());
     assert_eq!(summary["unconverged_steps"], 0);
-    assert_eq!((summary["model"].as_str(), summary["drive"].as_str()), (Some("action"), Some("force")));
+    assert_eq!((summary["model"].as_str(), summary["drive"].as_str()), (Some("action"), Some("hand")));
     let at = |name: &str| summary[name].as_f64().unwrap_or_else(|| panic!("{name} in {summary}"));
     assert!(at("key_start_s") < at("let_off_s") && at("let_off_s") < at("hammer_contact_s"));
     assert!(at("hammer_contact_s") < at("check_s"));

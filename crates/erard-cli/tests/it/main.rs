@@ -18,6 +18,7 @@ mod inside;
 mod json;
 mod keyboard;
 mod kinematics;
+mod levels;
 mod limits;
 mod measure;
 mod nothing_lost;

@@ -31,7 +31,7 @@ impl Noise {
 
 /// Time, force and key position of a run that `press` made with a fine step, sampled at 20 kHz, after a rest.
 fn played(folder: &Folder) -> Vec<[f64; 3]> {
-    folder.good(&["press", "--stroke", "f", "--dt", "1e-5", "--record-every", "5", "--out", "run"]);
+    folder.good(&["press", "--stroke", "f", "--drive", "force", "--dt", "1e-5", "--record-every", "5", "--out", "run"]);
     let table = folder.read("run/run.csv");
     let rest = (REST_S * RATE_HZ) as usize;
     let mut rows: Vec<[f64; 3]> = (0..rest).map(|n| [n as f64 / RATE_HZ, 0.0, 0.0]).collect();
@@ -201,7 +201,19 @@ fn the_zero_is_left_where_it_is_not_wanted() {
 #[ignore = "ci: runs compared with themselves, driven in every way"]
 fn runs_are_strokes() {
     let folder = Folder::new("recordings-runs");
-    folder.good(&["press", "--stroke", "f", "--dt", "1e-5", "--record-every", "20", "--out", "run"]);
+    folder.good(&[
+        "press",
+        "--stroke",
+        "f",
+        "--drive",
+        "force",
+        "--dt",
+        "1e-5",
+        "--record-every",
+        "20",
+        "--out",
+        "run",
+    ]);
     for file in ["run/run.csv", "run/run.parquet"] {
         let said = folder.good(&["check", file]);
         assert!(said.contains("`key_m`, in m, the key's") && said.contains("hammer_head_m"), "{said}");

@@ -32,6 +32,8 @@ fn a_study_is_many_presses() {
         "body.hammer.mass=0.9,1",
         "--stroke",
         "f",
+        "--drive",
+        "force",
         "--duration",
         "0.2",
     ]);
@@ -40,7 +42,7 @@ fn a_study_is_many_presses() {
     let varied: Vec<_> = ["let_off_mm", "body.hammer.mass_factor"].map(|name| column(&folder, study, name)).into();
     assert_eq!(varied[0], [-0.5, -0.5, 0.0, 0.0, 0.5, 0.5].map(Some));
     assert_eq!(varied[1], [0.9, 1.0, 0.9, 1.0, 0.9, 1.0].map(Some));
-    folder.good(&["press", "--stroke", "f", "--duration", "0.2", "--out", "press"]);
+    folder.good(&["press", "--stroke", "f", "--drive", "force", "--duration", "0.2", "--out", "press"]);
     let summary: Value = serde_json::from_str(&folder.read("press/summary.json")).unwrap();
     for (ours, theirs) in [
         ("hammer_speed_m_per_s", "hammer_speed_m_s"),

@@ -29,8 +29,10 @@ fn a_validated_grand() {
             "damper_resistance",
             "damper_start",
             "struck_force_p",
+            "struck_force_mf",
             "struck_force_ff",
             "hammer_ahead_softest",
+            "hammer_ahead_loudest",
             "release_rebound",
         ]
     );

@@ -8,8 +8,8 @@ use moreau_linkage::three_lever::{DiscLevers, LeverTrain};
 
 use erard::instrument::Instrument;
 use erard::player::motion;
-use erard::run::least_jerk;
 use erard::run::{Setup, SimulationError, simulate};
+use erard::stroke::least_jerk;
 
 /// Simulated time, s. The hammer on its felts swings at about 10 Hz after it has been set in motion, and dry friction
 /// on a moving pivot does not damp that; over eight seconds the swing dies away while the key goes a few tenths of a

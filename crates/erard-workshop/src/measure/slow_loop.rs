@@ -7,8 +7,8 @@ use super::MeasureError;
 use erard::Progress;
 use erard::instrument::Instrument;
 use erard::player::motion;
-use erard::run::least_jerk;
 use erard::run::{Setup, simulate};
+use erard::stroke::least_jerk;
 
 /// Time of either way, s. The hammer on its felts swings at about 10 Hz, which dry friction on a moving pivot does not
 /// damp; over eight seconds what is left of it is a few hundredths of a newton.

@@ -1,30 +1,24 @@
-//! Pressed against struck at equal loudness: the built-in mf strokes, the struck one scaled until its hammer is as
-//! fast; and how soon the damper is back after a hand has left.
+//! Pressed against struck at equal loudness: the hands that play mf on this instrument ([`erard::level`]); and how soon
+//! the damper is back after a hand has left.
 //!
 //! The release: a hand presses with 100 N/s up to 5 N and holds; after a quarter of a second it leaves, its force gone
 //! within 30 ms ([`HandStroke::leaving`]). The key is released when the finger pushes no longer.
 
 use moreau::Settings;
 
-use super::blows::{Drive, PressedBlow};
+use super::blows::{Drive, MF_M_S, PressedBlow};
 use crate::measure::MeasureError;
 use erard::Progress;
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
-use erard::player::{self};
-use erard::run::Run;
-use erard::run::{HandStroke, Muscle, press_by_hand};
-use erard::run::{Setup, SimulationError, simulate};
-use erard::stroke::{ForceSeries, Series, Touch};
+use erard::level::{Kind, LevelError, MASS_KG, Reference};
+use erard::run::{Run, Setup, SimulationError, press_by_hand};
+use erard::stroke::{HandStroke, Muscle, Touch};
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
-/// The strokes let the key go later than this, s.
-const DURATION_S: f64 = 0.3;
-/// The struck stroke's forces are scaled within these factors.
-const SCALES: [f64; 2] = [0.3, 3.0];
-/// Bisections: equal speeds to a thousandth.
-const HALVINGS: usize = 14;
+/// The hammer is at the string before this time, s.
+const DURATION_S: f64 = 0.4;
 /// The released hand: N/s, N, s and s.
 const RISE_N_S: f64 = 100.0;
 const HELD_N: f64 = 5.0;
@@ -44,46 +38,39 @@ pub(super) struct Touches {
 }
 
 pub(super) fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Touches, MeasureError> {
-    let mut done = 0.0;
-    let mut play = |touch: Touch, scale: f64| -> Result<Run, SimulationError> {
-        done += 1.0;
-        if !progress(done / (HALVINGS + 3) as f64) {
-            return Err(SimulationError::Interrupted);
-        }
-        run(instrument, touch, scale)
-    };
-    let pressed = play(Touch::Pressed, 1.0)?;
     let release_to_damper_s = release_to_damper(instrument)?;
-    let Some(speed) = pressed.events.hammer_speed_m_s() else {
+    let played = [Touch::Pressed, Touch::Struck].map(|touch| mezzo_forte(instrument, touch, progress));
+    let [pressed, struck] = played;
+    let (Some(pressed), Some(struck)) = (pressed?, struck?) else {
         return Ok(Touches { struck_sooner_s: None, plateau_m: None, release_to_damper_s });
     };
-    let [mut low, mut high] = SCALES;
-    for _ in 0..HALVINGS {
-        let middle = (low * high).sqrt();
-        if play(Touch::Struck, middle)?.events.hammer_speed_m_s().is_some_and(|v| v >= speed) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    let struck = play(Touch::Struck, high)?;
     let to_string = |run: &Run| PressedBlow::of(instrument, run, Drive::Constant(0.0)).to_string_s;
     let struck_sooner_s = to_string(&pressed).zip(to_string(&struck)).map(|(a, b)| a - b);
     Ok(Touches { struck_sooner_s, plateau_m: plateau(&struck), release_to_damper_s })
 }
 
-fn run(instrument: &Instrument, touch: Touch, scale: f64) -> Result<Run, SimulationError> {
-    let series = Series::builtin("mf", touch).and_then(|series| series.force);
-    let own = series.as_ref().map(ForceSeries::drive);
-    let force = |t: f64| scale * own.as_ref().map_or(0.0, |own| own(t));
+/// The hand that plays mf; `None` where none does.
+fn mezzo_forte(
+    instrument: &Instrument,
+    touch: Touch,
+    progress: &mut Progress<'_>,
+) -> Result<Option<Run>, SimulationError> {
+    let solved = Reference::new(instrument, progress)
+        .and_then(|mut reference| reference.solve(Kind { touch, mass_kg: MASS_KG }, MF_M_S, progress));
+    let stroke = match solved {
+        Ok(solved) => solved.held(),
+        Err(LevelError::Interrupted) => return Err(SimulationError::Interrupted),
+        Err(LevelError::Action(error)) => return Err(error.into()),
+        Err(_) => return Ok(None),
+    };
     let setup = Setup { settings: Settings::new(STEP_S), ..Setup::new(DURATION_S) };
-    simulate(instrument, &player::force(&force), &setup, &mut |_| true)
+    press_by_hand(instrument, &stroke, &setup, progress).map(Some)
 }
 
 /// From the release of the key to its damper on what it rests on, s.
 fn release_to_damper(instrument: &Instrument) -> Result<Option<f64>, MeasureError> {
     let Some(damper) = Anatomy::find(instrument)?.damper else { return Ok(None) };
-    let hand = HandStroke::pressed(RISE_N_S);
+    let hand = HandStroke::ramped(RISE_N_S);
     let hand = HandStroke { muscle: Muscle::Rises { rate_n_s: RISE_N_S, height_n: HELD_N }, ..hand }
         .leaving(LEAVES_S[0], LEAVES_S[1]);
     let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(1), ..Setup::new(2.0 * LEAVES_S[0]) };

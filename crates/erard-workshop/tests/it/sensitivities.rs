@@ -93,7 +93,7 @@ fn a_derivative_is_the_same_whatever_the_step() {
     ];
     for (name, nuance, by, [from, to], count) in CASES {
         let (instrument, text) = (Instrument::builtin(name).unwrap(), Instrument::builtin_text(name).unwrap());
-        let (stroke, _) = Stroke::builtin(nuance, Touch::Pressed, None).unwrap().unwrap();
+        let (stroke, _) = Stroke::curve(nuance, Touch::Pressed, None).unwrap().unwrap();
         let mut slopes = Vec::new();
         for k in 0..count {
             let step = 1e-6 * from * f64::powf(to / from, k as f64 / (count - 1) as f64);

@@ -31,7 +31,8 @@ impl Default for Hand {
 }
 
 impl Hand {
-    /// The input of a step in which muscle does this: a force, a motion that stiffness and damping follow, or nothing.
+    /// The input of a step in which muscle does this: a force, a motion that stiffness and damping follow, nothing, or
+    /// what a hand's input says, with this hand's mass.
     /// Numbers belong to the step's theta point.
     ///
     /// # Errors
@@ -45,7 +46,8 @@ impl Hand {
             Input::Motion { position_m, velocity_m_s } => {
                 HandInput { stiffness_n_per_m, damping_n_s_per_m, position_m, velocity_m_s, ..free }
             }
-            Input::Rigid { .. } | Input::Hand(_) => return Err(HandError::Stroke),
+            Input::Hand(muscle) => HandInput { mass_kg, ..muscle },
+            Input::Rigid { .. } => return Err(HandError::Stroke),
         }))
     }
 
@@ -256,7 +258,8 @@ mod tests {
         let hand = Hand::default();
         let rigid = Input::Rigid { position_m: 0.0, velocity_m_s: 0.0 };
         assert_eq!(hand.input(&rigid).unwrap_err(), HandError::Stroke);
-        assert_eq!(hand.input(&hand.input(&Input::Free).unwrap()).unwrap_err(), HandError::Stroke);
+        let heavy = HandInput { mass_kg: 9.0, force_n: 1.0, ..HandInput::default() };
+        assert_eq!(hand.input(&Input::Hand(heavy)).unwrap(), Input::Hand(HandInput { mass_kg: 0.2, ..heavy }));
         let nothing = Hand { mass_kg: f64::NAN, ..hand };
         assert!(nothing.check().unwrap_err().to_string().contains("mass"));
     }

@@ -3,15 +3,13 @@
 //!
 //! [`simulate`] prepares an action and hands it to the loop over steps in `run_loop.rs`.
 
-mod hand_stroke;
 mod run_loop;
 mod setup;
 mod simulation;
 mod sound;
 
-pub use hand_stroke::{HandStroke, Muscle, least_jerk, press_by_hand};
 pub use setup::{MOST_ROWS, MOST_ROWS_ASKED, Setup, SimulationError, TOLERANCES};
-pub use simulation::{press, simulate, simulate_observed};
+pub use simulation::{press, press_by_hand, simulate, simulate_observed};
 pub use sound::{RATE_HZ, Sound, sound};
 
 pub use crate::events::Events;

@@ -6,6 +6,7 @@ use super::setup::{Setup, SimulationError};
 use crate::instrument::Instrument;
 use crate::player::{Action, Drive, Input, Observer};
 use crate::progress::Progress;
+use crate::stroke::HandStroke;
 
 /// [`simulate`] without a progress callback.
 ///
@@ -44,6 +45,20 @@ pub fn simulate_observed(
     progress: &mut Progress<'_>,
 ) -> Result<Run, SimulationError> {
     simulate_before(instrument, drive, setup, Some(observer), progress)
+}
+
+/// Simulates a touch: [`simulate`] with the hand and what its muscle does.
+///
+/// # Errors
+/// See [`SimulationError`].
+pub fn press_by_hand(
+    instrument: &Instrument,
+    hand: &HandStroke,
+    setup: &Setup,
+    progress: &mut Progress<'_>,
+) -> Result<Run, SimulationError> {
+    let setup = Setup { hand: Some(hand.hand), ..*setup };
+    simulate(instrument, &|t| hand.input(t), &setup, progress)
 }
 
 fn simulate_before(

@@ -1,18 +1,17 @@
-//! The strokes that come with the program: five nuances, pressed and struck.
-//!
-//! The files are written by `cargo run --release -p erard --example strokes`, which also holds their formulas.
+//! The force curves that come with the program: five nuances, pressed and struck, for tests and comparisons. An earlier
+//! model of a hand played them on the concert grand; the built-in touches are hands ([`crate::level`]).
 
 use super::Series;
 
 /// Nuances, softest first.
 pub const NUANCES: [&str; 5] = ["pp", "p", "mf", "f", "ff"];
 
-/// How the finger meets the key.
+/// How the hand meets the key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Touch {
-    /// The finger rests on the key and presses it.
+    /// The hand rests on the key and presses it.
     Pressed,
-    /// The finger falls onto the key.
+    /// The hand arrives at the key with speed.
     Struck,
 }
 

@@ -2,9 +2,9 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{ForceSeries, NUANCES, PositionOf, PositionSeries, SampleError, Series, Touch};
+use super::{ForceSeries, HandStroke, NUANCES, PositionOf, PositionSeries, SampleError, Series, Touch};
 use crate::instrument::Finger;
-use crate::player::{self, Input};
+use crate::player::{self, Hand, Input};
 
 /// Duration of a run under a constant force unless told otherwise, s.
 const CONSTANT_DURATION_S: f64 = 0.6;
@@ -83,6 +83,9 @@ pub struct Stroke {
     pub start_s: f64,
     /// Duration to run unless told otherwise, s.
     pub duration_s: f64,
+    /// The hand between stroke and key, and what its muscle does where no series says it.
+    hand: Option<Hand>,
+    by_hand: Option<HandStroke>,
     series: Option<Series>,
     /// The series' force, which its drives share.
     force: Option<Arc<ForceSeries>>,
@@ -103,6 +106,8 @@ impl Stroke {
             drive: Prescribed::Force,
             start_s: 0.0,
             duration_s: CONSTANT_DURATION_S,
+            hand: None,
+            by_hand: None,
             series: None,
             force: None,
             position_of: PositionOf::Key,
@@ -111,12 +116,40 @@ impl Stroke {
         }
     }
 
-    /// A built-in stroke, which drives by its force unless told otherwise; `None` where there is none of that name
-    /// ([`NUANCES`]).
+    /// What a hand does, for so many s from the instant 0 on: a touch that [`crate::level`] found, say.
+    pub fn by_hand(title: String, stroke: HandStroke, duration_s: f64) -> Self {
+        let (hand, by_hand) = (Some(stroke.hand), Some(stroke));
+        Stroke { duration_s, hand, by_hand, ..Stroke::constant(title, 0.0) }
+    }
+
+    /// The same, with a hand between stroke and key: the force is its muscle's, or its muscle follows the motion.
+    #[must_use]
+    pub fn through(self, hand: Hand) -> Self {
+        Stroke { hand: Some(hand), ..self }
+    }
+
+    /// The hand that plays; `None` where the stroke drives the key itself. It belongs into the run's
+    /// [`crate::Setup::hand`].
+    pub fn hand(&self) -> Option<Hand> {
+        self.hand
+    }
+
+    /// What the hand does, where it plays a touch.
+    pub fn hand_stroke(&self) -> Option<&HandStroke> {
+        self.by_hand.as_ref()
+    }
+
+    /// What drives the key, by its name: `hand`, or what is prescribed.
+    pub fn drive_name(&self) -> &'static str {
+        if self.hand.is_some() { "hand" } else { self.drive.name() }
+    }
+
+    /// A built-in force curve (`strokes/*.csv`), which drives by its force unless told otherwise; `None` where there is
+    /// none of that name ([`NUANCES`]).
     ///
     /// # Errors
     /// See [`DrivingError`].
-    pub fn builtin(
+    pub fn curve(
         nuance: &str,
         touch: Touch,
         drive: Option<Prescribed>,
@@ -191,6 +224,9 @@ impl Stroke {
     /// # Errors
     /// See [`DrivingError`].
     pub fn inputs(&self, finger: &Finger) -> Result<Box<dyn Fn(f64) -> Input + Send>, DrivingError> {
+        if let Some(stroke) = self.by_hand {
+            return Ok(Box::new(move |t| stroke.input(t)));
+        }
         let wanted = match self.drive {
             Prescribed::Force => {
                 let constant = self.force_n;
@@ -256,8 +292,13 @@ mod tests {
             of(&path, PositionOf::Fingertip, Some(Prescribed::Rigid)),
             Err(DrivingError::NoKeyPosition { .. })
         ));
-        assert!(Stroke::builtin("mezzo", Touch::Struck, None).is_none());
-        let (builtin, _) = Stroke::builtin("mf", Touch::Struck, None).unwrap().unwrap();
-        assert_eq!((builtin.title.as_str(), builtin.drive), ("mf, struck", Prescribed::Force));
+        assert!(Stroke::curve("mezzo", Touch::Struck, None).is_none());
+        let (curve, _) = Stroke::curve("mf", Touch::Struck, None).unwrap().unwrap();
+        assert_eq!((curve.title.as_str(), curve.drive, curve.hand()), ("mf, struck", Prescribed::Force, None));
+        // A hand says what its muscle does, and who it is.
+        let played = HandStroke::pressed(0.2, 4.0);
+        let stroke = Stroke::by_hand("a hand".into(), played, 0.5);
+        assert_eq!((stroke.drive_name(), stroke.hand()), ("hand", Some(played.hand)));
+        assert_eq!(stroke.inputs(&Finger::default()).unwrap()(1.0), Input::Force(4.0));
     }
 }

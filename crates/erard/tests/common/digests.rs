@@ -3,9 +3,10 @@
 
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
-use erard::run::{HandStroke, Run};
+use erard::level::{DURATION_S, Kind, LEVELS, MASS_KG, Reference};
+use erard::run::{Run, press_by_hand};
 use erard::saved::{FNV1A, fnv1a};
-use erard::stroke::Touch;
+use erard::stroke::{HandStroke, Touch};
 use erard::{Setup, press};
 use moreau::Settings;
 
@@ -54,9 +55,9 @@ pub fn long_bending_run() -> u64 {
 /// The rigid grand under three hands, pressed, led and struck, that leave the key.
 pub fn long_hand_run() -> u64 {
     let touches = [
-        HandStroke::pressed(120.0).relaxing(0.1, 3.0).leaving(0.2, 0.03),
+        HandStroke::ramped(120.0).relaxing(0.1, 3.0).leaving(0.2, 0.03),
         HandStroke::led(0.15).leaving(0.3, 0.03),
-        HandStroke::struck(0.6).relaxing(0.05, 2.0).leaving(0.2, 0.03),
+        HandStroke::struck(0.1, 0.6).relaxing(0.05, 2.0).leaving(0.2, 0.03),
     ];
     touches.iter().fold(0, |all: u64, touch| {
         let setup = Setup { record_every: Some(100), hand: Some(touch.hand), ..Setup::new(0.5) };
@@ -66,6 +67,25 @@ pub fn long_hand_run() -> u64 {
         all.rotate_left(5) ^ fnv1a(digest(&run), energies.iter().flat_map(|x| x.to_bits().to_le_bytes()))
     })
 }
+
+/// The built-in touches at pp, mf and ff, found on the grand that bends and played on it.
+pub fn long_level_run() -> u64 {
+    let grand = grand();
+    let mut reference = Reference::new(&grand, &mut |_| true).expect("the concert grand plays");
+    let touches = [Touch::Pressed, Touch::Struck].map(|touch| Kind { touch, mass_kg: MASS_KG });
+    let levels = touches.into_iter().flat_map(|kind| [0, 2, 4].map(|level| (kind, LEVELS[level].1)));
+    levels.fold(0, |all: u64, (kind, speed_m_s)| {
+        let found = reference.solve(kind, speed_m_s, &mut |_| true).expect("a level of the concert grand");
+        let numbers = [found.louder, found.impact.time_s, found.impact.hammer_speed_m_s];
+        let setup = Setup { record_every: Some(100), ..Setup::new(DURATION_S) };
+        let run = press_by_hand(&grand, &found.whole(), &setup, &mut |_| true).expect("the concert grand runs");
+        all.rotate_left(5) ^ fnv1a(digest(&run), numbers.iter().flat_map(|x| x.to_bits().to_le_bytes()))
+    })
+}
+
+/// The digest of [`long_level_run`]. It changes with the engine, the concert grand, the hands and the search for their
+/// levels.
+pub const LEVELS_PLAYED: u64 = 0xba08_7814_6974_7490;
 
 /// The digest of [`long_hand_run`]. It changes with every change to the arithmetic of the engine, of hands and of their
 /// strokes, and to the rigid grand.

@@ -1,7 +1,8 @@
 //! The same input gives the same bits, and the same amount of work.
 
 use crate::common::digests::{
-    BENDING, GOLDEN, HANDS, LOADED, digest, loaded, long_bending_run, long_hand_run, long_run,
+    BENDING, GOLDEN, HANDS, LEVELS_PLAYED, LOADED, digest, loaded, long_bending_run, long_hand_run, long_level_run,
+    long_run,
 };
 use crate::common::{Play, USUAL_STEP_S, grand};
 use erard::stroke::Touch;
@@ -33,6 +34,13 @@ fn the_long_run_of_what_bends_has_its_digest() {
 fn the_long_run_of_hands_has_its_digest() {
     let found = long_hand_run();
     assert_eq!(found, HANDS, "the bits have changed; if they were meant to: HANDS = {found:#018x}");
+}
+
+/// Likewise for the built-in touches: the search for a hand, and what it plays.
+#[test]
+fn the_long_run_of_levels_has_its_digest() {
+    let found = long_level_run();
+    assert_eq!(found, LEVELS_PLAYED, "the bits have changed; if they were meant to: LEVELS_PLAYED = {found:#018x}");
 }
 
 /// The same run twice in one process, and in another thread.

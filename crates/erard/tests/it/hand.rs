@@ -4,7 +4,8 @@ use crate::common::grand;
 use erard::gradient::{Direction, follow};
 use erard::keyboard::Keys;
 use erard::player::{self, Hand, Inside, LossRecorder, ReactionRecorder};
-use erard::run::{Run, least_jerk, simulate_observed};
+use erard::run::{Run, simulate_observed};
+use erard::stroke::least_jerk;
 use erard::{Action, Input, Instrument, Settings, Setup, Snapshot};
 
 fn pressed(hand: Hand, force_n: f64, step_s: f64) -> Run {

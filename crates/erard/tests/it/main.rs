@@ -17,6 +17,7 @@ mod hand;
 mod instrument_errors;
 mod instrument_schema;
 mod keys;
+mod levels;
 mod one_dof;
 mod player;
 mod playing;

@@ -4,7 +4,7 @@ import { readFile } from "node:fs/promises";
 const { instance } = await WebAssembly.instantiate(await readFile(process.argv[2]), {});
 const hex = (digest) => "0x" + BigInt.asUintN(64, digest).toString(16).padStart(16, "0");
 let same = true;
-for (const name of ["loaded", "long_run", "long_bending_run", "long_hand_run"]) {
+for (const name of ["loaded", "long_run", "long_bending_run", "long_hand_run", "long_level_run"]) {
   const began = performance.now();
   const [found, expected] = [instance.exports[name](), instance.exports[name + "_expected"]()];
   const seconds = ((performance.now() - began) / 1000).toFixed(1);

@@ -9,7 +9,8 @@ use erard::instrument::{Instrument, Zone};
 use erard::one_dof;
 use erard::run::Run;
 use erard::run::Setup;
-use erard::run::{HandStroke, press_by_hand};
+use erard::run::press_by_hand;
+use erard::stroke::HandStroke;
 use erard_workshop::validate::{Loudness, loudness};
 
 /// What a row shows, in the unit that its name ends with.
@@ -118,7 +119,7 @@ pub(super) fn stiffen(instrument: &mut Instrument, piece: Option<usize>) {
 /// How far each part yields, stacked.
 fn chart(instrument: &Instrument) -> Result<Chart, ReproduceError> {
     let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(1), ..Setup::new(0.12) };
-    let run = press_by_hand(instrument, &HandStroke::pressed(RATE_N_S), &setup, &mut |_| true)?;
+    let run = press_by_hand(instrument, &HandStroke::ramped(RATE_N_S), &setup, &mut |_| true)?;
     let Some(contact_s) = run.events.hammer_contact_s() else {
         return Err(ReproduceError::Instrument("the pressed f does not sound".into()));
     };

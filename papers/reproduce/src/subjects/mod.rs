@@ -158,7 +158,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("bushings", "Pivots that give", 1.0, bushings::section),
         subject("conformance", "Textbook problems with known answers", 40.0, conformance_rows::section),
         subject("what-gives", "What gives in a blow, and what it does to timing", 8.0, gives::section),
-        subject("dynamics", "From gentle to loud in thirty steps", 3.0, dynamics::section),
+        subject("dynamics", "From gentle to loud: touches, hands, travel times", 3.0, dynamics::section),
         subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
         subject("strings", "Strings that yield, their dampers and their bridge", 6.0, strings::section),
         subject("outlook", "What the papers leave for later", 0.1, outlook::section),

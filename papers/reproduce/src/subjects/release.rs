@@ -10,7 +10,8 @@ use super::gives::stiffen;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
 use erard::run::Setup;
-use erard::run::{HandStroke, Muscle, press_by_hand};
+use erard::run::press_by_hand;
+use erard::stroke::{HandStroke, Muscle};
 
 /// s.
 const STEP_S: f64 = 50e-6;
@@ -97,7 +98,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
     let Some(even) = balanced(&grand) else { return Err(ReproduceError::Instrument("there is no key".into())) };
     let mut stiff = even.clone();
     stiffen(&mut stiff, grand.roles.key);
-    let held = HandStroke { muscle: Muscle::Steady { force_n: HOLD_N }, ..HandStroke::pressed(1.0) };
+    let held = HandStroke { muscle: Muscle::Steady { force_n: HOLD_N }, ..HandStroke::ramped(1.0) };
     let [at_once, usual] = [1e-3, 0.030].map(|within_s| held.leaving(LET_GO_S, within_s));
     // A hand that leads goes up within twice the time.
     let [led, slowly] = [0.060, 0.120].map(|within_s| HandStroke::led(0.2).leaving(LET_GO_S, within_s));

@@ -30,8 +30,9 @@ use erard::instrument::Instrument;
 use erard::one_dof::{OneDof, reduce};
 use erard::player::{self};
 use erard::run::Run;
-use erard::run::{HandStroke, press_by_hand};
+use erard::run::press_by_hand;
 use erard::run::{Setup, simulate};
+use erard::stroke::HandStroke;
 use erard::stroke::PositionSeries;
 
 /// s.
@@ -325,7 +326,7 @@ fn touch(rate_n_s: f64, rng: &mut Rng) -> HandStroke {
     let [u, v] = [1.0 - rng.f64(), rng.f64()];
     let radius = SCATTER * (-2.0 * u.ln()).sqrt();
     let (sin, cos) = (2.0 * PI * v).sin_cos();
-    let mut gesture = HandStroke::pressed(rate_n_s * (1.0 + radius * cos));
+    let mut gesture = HandStroke::ramped(rate_n_s * (1.0 + radius * cos));
     gesture.hand.mass_kg *= 1.0 + radius * sin;
     gesture
 }
@@ -373,7 +374,7 @@ pub(super) fn scatter(instrument: &Instrument, progress: &mut Progress) -> Resul
     let mut worst_gain: f64 = 0.0;
     let mut worst_share: f64 = 0.0;
     for (n, rate_n_s) in RATES_N_S.into_iter().enumerate() {
-        let Some((_, way_m)) = Model::Action(instrument).hit(&HandStroke::pressed(rate_n_s))? else { continue };
+        let Some((_, way_m)) = Model::Action(instrument).hit(&HandStroke::ramped(rate_n_s))? else { continue };
         let models = [
             ("the action", Model::Action(instrument)),
             ("hammer 30 % heavier", Model::Action(&heavier)),
@@ -433,7 +434,7 @@ fn statistics(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use erard::run::Muscle;
+    use erard::stroke::Muscle;
 
     /// A sine of known amplitude has its root mean square in its band, and nowhere else.
     #[test]

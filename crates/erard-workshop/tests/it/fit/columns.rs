@@ -11,7 +11,7 @@ const SPEED_NOISE: f64 = 0.01;
 /// A stroke of a grand with a heavier hammer, of which force and the hammer's speed were recorded.
 fn speeds(until_s: f64) -> Recording {
     let heavier = varied(&[("body.hammer.mass", 1.05)]);
-    let (stroke, _) = Stroke::builtin("mf", Touch::Pressed, None).unwrap().unwrap();
+    let (stroke, _) = Stroke::curve("mf", Touch::Pressed, None).unwrap().unwrap();
     let inputs = stroke.inputs(&heavier.finger).unwrap();
     let setup = Setup { record_every: Some(1), ..Setup::new(until_s) };
     let run = simulate(&heavier, inputs.as_ref(), &setup, &mut |_| true).unwrap();
@@ -28,7 +28,7 @@ fn speeds(until_s: f64) -> Recording {
 /// nothing hits anything.
 #[test]
 fn the_hammer_s_speed_is_the_rate_of_its_rise() {
-    let (stroke, _) = Stroke::builtin("mf", Touch::Pressed, None).unwrap().unwrap();
+    let (stroke, _) = Stroke::curve("mf", Touch::Pressed, None).unwrap().unwrap();
     let grand = file().instrument;
     let inputs = stroke.inputs(&grand.finger).unwrap();
     let setup = Setup { record_every: Some(1), ..Setup::new(0.12) };

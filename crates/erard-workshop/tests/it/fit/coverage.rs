@@ -20,7 +20,7 @@ struct Hits {
 
 /// A stroke at mf of a grand, until 3 ms after the hammer has reached the string, as sensors see it.
 fn short(instrument: &Instrument, seed: u64, step_s: f64) -> Recording {
-    let (stroke, _) = Stroke::builtin("mf", Touch::Pressed, None).unwrap().unwrap();
+    let (stroke, _) = Stroke::curve("mf", Touch::Pressed, None).unwrap().unwrap();
     let inputs = stroke.inputs(&instrument.finger).unwrap();
     let setup = Setup { record_every: Some(1), settings: Settings::new(step_s), ..Setup::new(0.12) };
     let run = simulate(instrument, inputs.as_ref(), &setup, &mut |_| true).unwrap();

@@ -147,7 +147,7 @@ fn noise_that_is_not_known() {
 #[test]
 fn misfit_that_passes_for_noise() {
     let other = varied(&[("body.key.friction", 0.7)]);
-    let (stroke, _) = Stroke::builtin("p", Touch::Pressed, None).unwrap().unwrap();
+    let (stroke, _) = Stroke::curve("p", Touch::Pressed, None).unwrap().unwrap();
     let inputs = stroke.inputs(&other.finger).unwrap();
     let setup = Setup { record_every: Some(1), settings: Settings::new(5e-6), ..Setup::new(0.06) };
     let run = simulate(&other, inputs.as_ref(), &setup, &mut |_| true).unwrap();

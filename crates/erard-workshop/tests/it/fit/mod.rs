@@ -46,7 +46,7 @@ fn normal(rng: &mut Rng) -> f64 {
 
 /// A stroke as sensors see it at 4 kHz: force, key and hammer with noise, key and hammer written down so much later.
 fn recorded(instrument: &Instrument, nuance: &str, seed: u64, noise: [f64; 3], late_s: f64) -> Recording {
-    let (stroke, _) = Stroke::builtin(nuance, Touch::Pressed, None).unwrap().unwrap();
+    let (stroke, _) = Stroke::curve(nuance, Touch::Pressed, None).unwrap().unwrap();
     let inputs = stroke.inputs(&instrument.finger).unwrap();
     let setup = Setup { record_every: Some(1), ..Setup::new(0.12) };
     let run = simulate(instrument, inputs.as_ref(), &setup, &mut |_| true).unwrap();

@@ -52,3 +52,15 @@ pub extern "C" fn long_hand_run() -> u64 {
 pub extern "C" fn long_hand_run_expected() -> u64 {
     digests::HANDS
 }
+
+/// The built-in touches at three levels, found and played here.
+#[unsafe(no_mangle)]
+pub extern "C" fn long_level_run() -> u64 {
+    digests::long_level_run()
+}
+
+/// The same on the machine that the tests run on.
+#[unsafe(no_mangle)]
+pub extern "C" fn long_level_run_expected() -> u64 {
+    digests::LEVELS_PLAYED
+}

@@ -1,0 +1,87 @@
+//! Levels as a user asks for them: a hammer speed, and the hand that reaches it.
+
+use crate::common::Folder;
+use serde_json::Value;
+
+fn summary(folder: &Folder, arguments: &[&str]) -> Value {
+    folder.good(&[&["press", "--duration", "0.25", "--out", "out"], arguments].concat());
+    serde_json::from_str(&folder.read("out/summary.json")).unwrap()
+}
+
+fn speed(summary: &Value) -> f64 {
+    summary["hammer_speed_m_s"].as_f64().unwrap()
+}
+
+/// Each level comes out as it was named, by any hand and touch; the same force curve does not.
+#[test]
+fn a_level_is_a_hammer_speed() {
+    let folder = Folder::new("levels");
+    for (arguments, expected) in [
+        (&["--stroke", "p"][..], 0.79),
+        (&["--hammer-speed", "2m/s", "--touch", "struck"], 2.0),
+        (&["--hammer-speed", "3", "--hand=1000"], 3.0),
+        (&["--stroke", "pp", "--instrument", "heavy-touch"], 0.5),
+        (&["--instrument", "concert-grand:key=88"], 1.99),
+    ] {
+        let summary = summary(&folder, arguments);
+        assert!((speed(&summary) / expected - 1.0).abs() <= 1e-3, "{arguments:?}: {}", speed(&summary));
+        assert_eq!(summary["drive"], "hand");
+    }
+    let curve = summary(&folder, &["--stroke", "mf", "--drive", "force", "--instrument", "concert-grand:key=88"]);
+    assert_eq!(curve["drive"], "force");
+    assert!((speed(&curve) / 1.99 - 1.0).abs() > 0.02, "{}", speed(&curve));
+    // With a speed of the hand nothing is searched for.
+    let [slow, fast] = ["0.3", "0.6"].map(|arrives| speed(&summary(&folder, &["--hand-speed", arrives])));
+    assert!(slow > 0.9 && fast > 1.5 * slow, "{slow} {fast}");
+    let said = folder.good(&["press", "--duration", "0.1", "--out", "out"]);
+    assert!(said.contains("mf, pressed (hand driven)") && said.contains("hand: 200 g on the key, muscle 5."), "{said}");
+}
+
+/// Two instruments are compared under one hand, unless each is to have its own; keys always have.
+#[test]
+fn one_hand_plays_both_unless_each_has_its_own() {
+    let folder = Folder::new("levels-pair");
+    let speeds = |arguments: &[&str]| -> [f64; 2] {
+        folder.good(&[&["press", "--duration", "0.12", "--out", "pair"], arguments].concat());
+        let summary: Value = serde_json::from_str(&folder.read("pair/summary.json")).unwrap();
+        let found: Vec<f64> = summary["runs"].as_array().unwrap().iter().map(speed).collect();
+        found.try_into().unwrap()
+    };
+    let both = ["--instrument", "concert-grand", "--instrument", "heavy-touch"];
+    let close = |found: f64| (found / 1.99 - 1.0).abs() <= 1e-3;
+    let [first, second] = speeds(&both);
+    assert!(close(first) && second < 1.9, "{first} {second}");
+    let [first, second] = speeds(&[&both[..], &["--each"]].concat());
+    assert!(close(first) && close(second), "{first} {second}");
+    let keys = ["--instrument", "concert-grand:key=1", "--instrument", "concert-grand:key=88"];
+    let [first, second] = speeds(&keys);
+    assert!(close(first) && close(second), "{first} {second}");
+    let [soft, loud] = speeds(&["--stroke", "mf", "--against", "f"]);
+    assert!(close(soft) && (loud / 3.15 - 1.0).abs() <= 1e-3, "{soft} {loud}");
+}
+
+/// What no hand reaches, and what is no level: one line, code 2, nothing written. The range that is named can be
+/// played.
+#[test]
+fn what_no_hand_reaches_is_refused() {
+    let folder = Folder::new("levels-bad");
+    let said = folder.bad(&["press", "--hammer-speed", "9m/s"]);
+    assert!(said.contains("no pressed hand of 200 g reaches 9 m/s; it reaches 0.0"), "{said}");
+    let loudest: f64 = said.split(" to ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let just = format!("{}", 0.99 * loudest);
+    assert!(speed(&summary(&folder, &["--hammer-speed", &just])) < loudest);
+    for (arguments, expected) in [
+        (&["--hammer-speed", "loud"][..], "--hammer-speed"),
+        (&["--hammer-speed", "0"], "--hammer-speed"),
+        (&["--hammer-speed", "nan"], "--hammer-speed"),
+        (&["--hammer-speed", "2", "--stroke", "mf"], "--stroke"),
+        (&["--hammer-speed", "2", "--drive", "force"], "--drive"),
+        (&["--hand-speed", "50"], "--hand-speed"),
+        (&["--hand-speed", "-1"], "--hand-speed"),
+        (&["--hand-speed", "1", "--force-step", "3"], "needs --hand"),
+        (&["--hand=0"], "--hand"),
+    ] {
+        let said = folder.bad(&[&["press"], arguments].concat());
+        assert!(said.contains(expected), "{arguments:?}: {said}");
+    }
+}
