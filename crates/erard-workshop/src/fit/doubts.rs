@@ -2,56 +2,8 @@
 
 use super::candidate::Candidate;
 use super::drive_noise::Disturbed;
-use super::plan::alike;
-use super::{FitError, FitResult, Problem};
-
-/// A reason to doubt a fit.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Doubt {
-    /// Which kind.
-    pub kind: DoubtKind,
-    /// What was found, and what it means, in a sentence without a full stop.
-    pub text: String,
-}
-
-/// Kinds of doubt, in the order in which they are reported.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum DoubtKind {
-    /// The recording's hammer reaches the string; the fitted model's does not.
-    NoImpact,
-    /// More is left over than the noise of sensor and drive explains.
-    Misfit,
-    /// A parameter ended at a bound.
-    Bound,
-    /// Attempts from several starts ended at different places.
-    Restarts,
-    /// Data go on beyond the first impact.
-    BeyondImpact,
-    /// Derivatives depend on the step of their differences.
-    Derivatives,
-    /// The noise of a column is not known: of what drives it counts as none, of what is compared it is estimated from
-    /// the residuals.
-    NoiseUnknown,
-    /// A recording does not look as it should.
-    Recording,
-}
-
-impl DoubtKind {
-    /// Its name in files and in Python.
-    pub fn name(self) -> &'static str {
-        match self {
-            DoubtKind::NoImpact => "no_impact",
-            DoubtKind::Misfit => "misfit",
-            DoubtKind::Bound => "bound",
-            DoubtKind::Restarts => "restarts",
-            DoubtKind::BeyondImpact => "beyond_impact",
-            DoubtKind::Derivatives => "derivatives",
-            DoubtKind::NoiseUnknown => "noise_unknown",
-            DoubtKind::Recording => "recording",
-        }
-    }
-}
+use super::ends::alike;
+use super::{Doubt, DoubtKind, FitError, FitResult, Problem};
 
 /// Data that end so long after the first impact do not count as beyond it, s: the string has thrown the hammer back,
 /// and the check is far.

@@ -3,27 +3,8 @@
 use erard::grand::{Parts, strike_weight_g};
 use erard::instrument::Instrument;
 
-use super::{FitError, FitResult, Problem};
+use super::{FitError, FitResult, Meaning, Problem};
 use crate::distances::{Distances, Protocol, Trial};
-
-/// A quantity of the bench that a parameter sets.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Meaning {
-    /// The parameter.
-    pub name: String,
-    /// What the parameter is.
-    pub explanation: &'static str,
-    /// The quantity that is read on the bench.
-    pub quantity: &'static str,
-    /// Its unit.
-    pub unit: &'static str,
-    /// With the instrument as it was before the fit.
-    pub before: f64,
-    /// With the fitted instrument.
-    pub value: f64,
-    /// Standard deviation of `value`, as the parameter's own makes it.
-    pub std: f64,
-}
 
 /// Names that mislead: what they are, and what is read in their place.
 type Reading = fn(&Instrument) -> Option<f64>;

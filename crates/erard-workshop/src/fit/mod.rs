@@ -11,8 +11,10 @@
 
 mod candidate;
 mod data;
+mod doubt;
 mod doubts;
 mod drive_noise;
+mod ends;
 mod free;
 mod impact;
 mod jacobian;
@@ -27,12 +29,11 @@ mod written;
 pub use plan::{Plan, Solution, Solver, TrustRegion, fit, fit_by};
 
 pub use data::{COLUMNS, Data};
-pub use doubts::{Doubt, DoubtKind};
+pub use doubt::{Doubt, DoubtKind};
 pub use free::{Asked, Free, free};
 pub use jacobian::{DIFFERENCES, Jacobian};
-pub use meaning::Meaning;
 pub use problem::{Channel, Problem};
-pub use result::{FitResult, FittedChannel};
+pub use result::{FitResult, FittedChannel, Meaning};
 pub use solver::{LeastSquares, Loss};
 pub use svd::Columns;
 pub use written::WriteError;

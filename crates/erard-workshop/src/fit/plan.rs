@@ -5,6 +5,7 @@ use fastrand::Rng;
 
 use super::candidate::Candidate;
 use super::doubts::doubts;
+use super::ends::{Ended, alike};
 use super::jacobian::DIFFERENCES;
 use super::solver::{self, LeastSquares};
 use super::svd::Columns;
@@ -16,8 +17,6 @@ const COARSE: f64 = 1e-2;
 const COARSE_MOST: [usize; 2] = [20, 15];
 /// Beyond so many times the misfit that the sensors' noise explains, the fit begins again elsewhere.
 const MISFIT: f64 = 1.03;
-/// Two fits whose misfits differ by less have ended at the same place.
-const AGREED: f64 = 1.005;
 /// How far away the next one begins, as it is counted, and as a share of narrower bounds. From farther away in wide
 /// bounds few come back.
 const FAR: f64 = 0.2;
@@ -173,11 +172,6 @@ fn best_of(ends: &[Candidate]) -> &Candidate {
     ends.iter().min_by(|a, b| a.score.total_cmp(&b.score)).expect("there is one attempt at least")
 }
 
-/// The ends that leave as much as the best one.
-pub(super) fn alike<'a>(ends: &'a [Candidate], best: &'a Candidate) -> impl Iterator<Item = &'a Candidate> {
-    ends.iter().filter(|end| end.is_as_good_as(best, AGREED))
-}
-
 /// Not far from the best end: from elsewhere in wide bounds few come back.
 fn elsewhere(problem: &Problem, ends: &[Candidate], rng: &mut Rng) -> Vec<f64> {
     let (low, high) = problem.bounds();
@@ -267,24 +261,12 @@ fn conclude(problem: &mut Problem, message: String, ends: Vec<Candidate>) -> Res
     let wide = problem.by_differences(&point, DIFFERENCES[0])?;
     let other = if problem.exact { jacobian.clone() } else { problem.by_differences(&point, DIFFERENCES[2])? };
     let residuals = problem.residuals(&point)?;
-    let found = Found { point, message, residuals, agreement: agreement(&wide, &other), ends };
+    let found = Ended { point, message, residuals, agreement: agreement(&wide, &other), ends };
     let mut result = FitResult::new(problem, &found, &jacobian, &disturbed);
     result.doubts = doubts(problem, &result, &found.ends, &disturbed)?;
     result.meanings = problem.meanings(&result)?;
     result.evaluations = problem.evaluations;
     Ok(result)
-}
-
-/// Where a fit ended, and how it came there.
-#[derive(Debug, Clone)]
-pub(super) struct Found {
-    pub point: Vec<f64>,
-    pub message: String,
-    pub residuals: Vec<f64>,
-    /// How far the Jacobian depends on the length of its steps.
-    pub agreement: f64,
-    /// Where every attempt ended.
-    pub ends: Vec<Candidate>,
 }
 
 /// The largest relative difference between columns of two Jacobians.

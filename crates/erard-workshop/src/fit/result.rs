@@ -2,12 +2,30 @@
 
 use super::Free;
 use super::candidate::Candidate;
-use super::doubts::Doubt;
+use super::doubt::Doubt;
 use super::drive_noise::{DISTURBED, Disturbed};
-use super::meaning::Meaning;
-use super::plan::{Found, alike};
+use super::ends::{Ended, alike};
 use super::problem::Problem;
 use super::svd::{Columns, dot, svd, times};
+
+/// A quantity of the bench that a parameter sets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Meaning {
+    /// The parameter.
+    pub name: String,
+    /// What the parameter is.
+    pub explanation: &'static str,
+    /// The quantity that is read on the bench.
+    pub quantity: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// With the instrument as it was before the fit.
+    pub before: f64,
+    /// With the fitted instrument.
+    pub value: f64,
+    /// Standard deviation of `value`, as the parameter's own makes it.
+    pub std: f64,
+}
 
 /// A matrix, row by row.
 type Rows = Vec<Vec<f64>>;
@@ -91,8 +109,8 @@ const NAMED: (usize, f64) = (4, 0.3);
 
 impl FitResult {
     /// Of where a solver ended.
-    pub(super) fn new(problem: &Problem, found: &Found, jacobian: &[Vec<f64>], disturbed: &Disturbed) -> Self {
-        let Found { point, message, residuals, agreement, ends } = found.clone();
+    pub(super) fn new(problem: &Problem, found: &Ended, jacobian: &[Vec<f64>], disturbed: &Disturbed) -> Self {
+        let Ended { point, message, residuals, agreement, ends } = found.clone();
         let free = problem.free.clone();
         let (count, all) = (free.len(), point.len());
         let degrees_of_freedom = residuals.len().saturating_sub(all).max(1);

@@ -1,0 +1,23 @@
+//! Where the attempts of a fit ended.
+
+use super::candidate::Candidate;
+
+/// Two fits whose misfits differ by less have ended at the same place.
+const AGREED: f64 = 1.005;
+
+/// Where a fit ended, and how it came there.
+#[derive(Debug, Clone)]
+pub(super) struct Ended {
+    pub point: Vec<f64>,
+    pub message: String,
+    pub residuals: Vec<f64>,
+    /// How far the Jacobian depends on the length of its steps.
+    pub agreement: f64,
+    /// Where every attempt ended.
+    pub ends: Vec<Candidate>,
+}
+
+/// The ends that leave as much as the best one.
+pub(super) fn alike<'a>(ends: &'a [Candidate], best: &'a Candidate) -> impl Iterator<Item = &'a Candidate> {
+    ends.iter().filter(|end| end.is_as_good_as(best, AGREED))
+}
