@@ -175,11 +175,12 @@ fn words(line: &str) -> (Vec<String>, Option<String>) {
     (words, into)
 }
 
-/// Runs command lines one after the other in a folder. What takes long is shortened: the test shows that the lines need
-/// nothing else.
+/// Runs command lines one after the other in a folder, as a shell reads them: a backslash goes on, a comment is
+/// nothing. What takes long is shortened: the test shows that the lines need nothing else.
 fn run_lines(folder: &Folder, lines: &str) -> usize {
     let mut played = 0;
-    for line in lines.lines().filter(|line| !line.trim().is_empty()) {
+    let lines = lines.replace("\\\n", " ");
+    for line in lines.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#')) {
         let command = line
             .strip_prefix("cargo run --release -- ")
             .or_else(|| line.strip_prefix("erard "))
