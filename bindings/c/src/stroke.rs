@@ -178,11 +178,11 @@ pub unsafe extern "C" fn erard_step_stroke(
         }
         let begins_s = stroke.start_s + stroke.steps as f64 * settings.step;
         let now = (stroke.drive)(begins_s + settings.theta * settings.step);
-        let input = match now {
-            muscle if stroke.hand.is_some() => stroke.hand.and_then(|hand| hand.input(&muscle).ok()).unwrap_or(muscle),
+        let input = match (stroke.hand, now) {
+            (Some(hand), muscle) => hand.input(&muscle).unwrap_or(muscle),
             // An imposed motion's numbers belong to the step's end.
-            Input::Rigid { .. } => (stroke.drive)(begins_s + settings.step),
-            other => other,
+            (None, Input::Rigid { .. }) => (stroke.drive)(begins_s + settings.step),
+            (None, other) => other,
         };
         ended = match allowed(&input) {
             Ok(()) => action.play.step(input),

@@ -59,8 +59,8 @@ class Doubt(NamedTuple):
         "no_impact": the recording's hammer reaches the string, the fitted model's does not. "misfit": more is left over than noise explains, or noise
         was estimated from residuals that follow each other, as noise does not.
         "bound": a parameter ended at a bound. "restarts": attempts from several starts ended at different places. "beyond_impact": data go on
-        beyond the first impact. "derivatives": they depend on the step of their differences. "noise_unknown": of what drives it counts as none,
-        of what is compared it is estimated from the residuals. "recording": a recording does not look as it should.
+        beyond the first impact. "derivatives": they depend on the step of their differences. "noise_unknown": a column's noise is not known;
+        a drive's then counts as zero, a compared column's is estimated from the residuals. "recording": a recording does not look as it should.
     text : str
         What was found, and what it means.
     """

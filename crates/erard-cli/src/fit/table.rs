@@ -1,6 +1,6 @@
 //! The report for people, and the curves as a table.
 
-use erard_workshop::fit::{Channel, FitResult, Meaning, Problem};
+use erard_workshop::fit::{Channel, FitResult, Meaning, Problem, misfit_unit};
 
 use super::values::unit_shown;
 use crate::table::{Table, WIDEST, wrapped};
@@ -89,11 +89,7 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
 fn misfits(found: &FitResult, problem: &Problem) -> Vec<String> {
     let head = ["measured less fitted, rms", "start", "end", "noise", "unit", ""].map(str::to_owned);
     let rows = problem.channels().enumerate().map(|(k, (recording, column))| {
-        let (by, unit) = match column {
-            "force_N" => (1e3, "mN"),
-            "hammer_head_m_per_s" => (1e3, "mm/s"),
-            _ => (1e6, "um"),
-        };
+        let (by, unit) = misfit_unit(column);
         let channel = &found.channels[k];
         let places = decimals(channel.noise * by, 0.1 * channel.noise * by);
         let number = |x: f64| shown(x * by, places);

@@ -64,12 +64,11 @@ impl Problem {
     }
 
     fn rated(&self, point: &[f64], left: &[f64]) -> Candidate {
-        let (mut score, mut squares, mut first) = (0.0, 0.0, 0);
+        let (mut score, mut squares) = (0.0, 0.0);
         let mut rms = Vec::with_capacity(self.sigma.len());
-        for channel in 0..self.sigma.len() {
-            let rows = self.data[self.place(channel).0].rows();
-            let own = &left[first..first + rows];
-            first += rows;
+        for (channel, rows) in self.channel_rows().into_iter().enumerate() {
+            let own = &left[rows];
+            let rows = own.len();
             let sigma = self.sigma[channel];
             let left_over = sigma * (own.iter().map(|x| x * x).sum::<f64>() / rows as f64).sqrt();
             let noise = match self.told[channel] {

@@ -19,6 +19,15 @@ pub const COLUMNS: [(&str, Role, f64); 4] = [
     ("hammer_head_m", Role::HammerHead, 50e-6),
     ("hammer_head_m_per_s", Role::HammerSpeed, 0.02),
 ];
+/// The unit in which misfit and noise of a column are shown, and how many of it are one of SI.
+pub fn misfit_unit(column: &str) -> (f64, &'static str) {
+    match column {
+        "force_N" => (1e3, "mN"),
+        "hammer_head_m_per_s" => (1e3, "mm/s"),
+        _ => (1e6, "um"),
+    }
+}
+
 /// Samples per second at most: above, a recording says more of its noise than of the action.
 const RATE_HZ: f64 = 4000.0;
 /// Samples at both ends of a recorded motion that are not compared: where it ends it stops, and its spline rings, so

@@ -25,8 +25,8 @@ pub enum DoubtKind {
     BeyondImpact,
     /// Derivatives depend on the step of their differences.
     Derivatives,
-    /// The noise of a column is not known: of what drives it counts as none, of what is compared it is estimated from
-    /// the residuals.
+    /// The noise of a column is not known. That of a drive then counts as zero; that of a compared column is estimated
+    /// from the residuals.
     NoiseUnknown,
     /// A recording does not look as it should.
     Recording,

@@ -1,8 +1,7 @@
 //! What makes the answer of a fit doubtful, each in one sentence.
 
-use super::candidate::Candidate;
+use super::data::misfit_unit;
 use super::drive_noise::Disturbed;
-use super::ends::alike;
 use super::{Doubt, DoubtKind, FitError, FitResult, Problem};
 
 /// Data that end so long after the first impact do not count as beyond it, s: the string has thrown the hammer back,
@@ -21,12 +20,7 @@ const APART: f64 = 5.0;
 ///
 /// # Errors
 /// An interruption.
-pub(super) fn doubts(
-    problem: &mut Problem,
-    found: &FitResult,
-    ends: &[Candidate],
-    disturbed: &Disturbed,
-) -> Result<Vec<Doubt>, FitError> {
+pub(super) fn doubts(problem: &mut Problem, found: &FitResult, disturbed: &Disturbed) -> Result<Vec<Doubt>, FitError> {
     let mut doubts = Vec::new();
     let impacts = problem.first_impacts(&found.point)?;
     for (one, modelled_s) in problem.data.iter().zip(&impacts) {
@@ -55,7 +49,7 @@ pub(super) fn doubts(
         let end = if (x - one.low).abs() < (x - one.high).abs() { "lower" } else { "upper" };
         Doubt { kind: DoubtKind::Bound, text: format!("{} ended at its {end} bound", one.name) }
     }));
-    doubts.extend(restarts(found, ends));
+    doubts.extend(restarts(found));
     if found.jacobian_agreement > UNSTEADY {
         let text = format!(
             "derivatives by differences change by {:.0} % with the length of their steps: the model jumps with a parameter, and \
@@ -73,12 +67,8 @@ pub(super) fn doubts(
 /// is left over is no noise.
 fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<Doubt> {
     let mut doubts = Vec::new();
-    let mut first = 0;
-    for (k, channel) in found.channels.iter().enumerate() {
-        let (recording, column) = problem.place(k);
-        let one = &problem.data[recording];
-        let rows = first..first + one.rows();
-        first = rows.end;
+    let places = problem.channels().zip(problem.channel_rows());
+    for (k, (channel, ((_, column), rows))) in found.channels.iter().zip(places).enumerate() {
         if !channel.noise_is_known {
             let correlation = from_sample_to_sample(&found.residuals[rows.clone()]);
             // A noisy drive makes residuals that follow each other, too.
@@ -96,11 +86,7 @@ fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<D
         let chance = CHANCE * (2.0 / rows.len() as f64 + (2.0 * problem.uncertainty[k]).powi(2)).sqrt();
         let explained = channel.noise * (1.0 + chance + disturbed.most(rows)).sqrt();
         if channel.rms > explained {
-            let (by, unit) = match one.columns[column] {
-                "force_N" => (1e3, "mN"),
-                "hammer_head_m_per_s" => (1e3, "mm/s"),
-                _ => (1e6, "um"),
-            };
+            let (by, unit) = misfit_unit(column);
             let text = format!(
                 "{} differs from the model by {:.3} {unit} rms, and noise explains {:.3} {unit} at most: the model is not what was \
                  recorded, and the errors do not hold",
@@ -121,12 +107,9 @@ fn from_sample_to_sample(residuals: &[f64]) -> f64 {
     if squares > 0.0 { products / squares } else { 0.0 }
 }
 
-fn restarts(found: &FitResult, ends: &[Candidate]) -> Option<Doubt> {
+fn restarts(found: &FitResult) -> Option<Doubt> {
     let [attempts, good] = found.attempts;
-    let best = ends.iter().min_by(|a, b| a.score.total_cmp(&b.score))?;
     let text = if attempts > 1 && good == 1 {
-        let next = alike(ends, best).count();
-        debug_assert_eq!(next, 1);
         format!(
             "{attempts} attempts from different starts ended at different places, and no two of them at the best one"
         )

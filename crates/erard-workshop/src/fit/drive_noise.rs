@@ -30,9 +30,7 @@ impl Disturbed {
         };
         1.0 + self.columns.chunks_exact(DISTURBED).map(typical).sum::<f64>() / rows as f64
     }
-}
 
-impl Disturbed {
     /// The largest mean square over some rows that a disturbance made, over the noise; 0 without any.
     pub(crate) fn most(&self, rows: Range<usize>) -> f64 {
         let mean = |column: &Vec<f64>| column[rows.clone()].iter().map(|x| x * x).sum::<f64>() / rows.len() as f64;

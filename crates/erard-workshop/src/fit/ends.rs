@@ -17,6 +17,11 @@ pub(super) struct Ended {
     pub ends: Vec<Candidate>,
 }
 
+/// The end with the lowest score.
+pub(super) fn best_of(ends: &[Candidate]) -> &Candidate {
+    ends.iter().min_by(|a, b| a.score.total_cmp(&b.score)).expect("there is one attempt at least")
+}
+
 /// The ends that leave as much as the best one.
 pub(super) fn alike<'a>(ends: &'a [Candidate], best: &'a Candidate) -> impl Iterator<Item = &'a Candidate> {
     ends.iter().filter(|end| end.is_as_good_as(best, AGREED))

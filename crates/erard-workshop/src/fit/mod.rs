@@ -28,7 +28,7 @@ mod written;
 
 pub use plan::{Plan, Solution, Solver, TrustRegion, fit, fit_by};
 
-pub use data::{COLUMNS, Data};
+pub use data::{COLUMNS, Data, misfit_unit};
 pub use doubt::{Doubt, DoubtKind};
 pub use free::{Asked, Free, free};
 pub use jacobian::{DIFFERENCES, Jacobian};

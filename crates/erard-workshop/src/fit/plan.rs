@@ -5,7 +5,7 @@ use fastrand::Rng;
 
 use super::candidate::Candidate;
 use super::doubts::doubts;
-use super::ends::{Ended, alike};
+use super::ends::{Ended, alike, best_of};
 use super::jacobian::DIFFERENCES;
 use super::solver::{self, LeastSquares};
 use super::svd::Columns;
@@ -167,11 +167,6 @@ pub fn fit_by(problem: &mut Problem, plan: &Plan, solver: &mut dyn Solver) -> Re
     conclude(course.problem, message, ends)
 }
 
-/// The end with the lowest score.
-fn best_of(ends: &[Candidate]) -> &Candidate {
-    ends.iter().min_by(|a, b| a.score.total_cmp(&b.score)).expect("there is one attempt at least")
-}
-
 /// Not far from the best end: from elsewhere in wide bounds few come back.
 fn elsewhere(problem: &Problem, ends: &[Candidate], rng: &mut Rng) -> Vec<f64> {
     let (low, high) = problem.bounds();
@@ -263,7 +258,7 @@ fn conclude(problem: &mut Problem, message: String, ends: Vec<Candidate>) -> Res
     let residuals = problem.residuals(&point)?;
     let found = Ended { point, message, residuals, agreement: agreement(&wide, &other), ends };
     let mut result = FitResult::new(problem, &found, &jacobian, &disturbed);
-    result.doubts = doubts(problem, &result, &found.ends, &disturbed)?;
+    result.doubts = doubts(problem, &result, &disturbed)?;
     result.meanings = problem.meanings(&result)?;
     result.evaluations = problem.evaluations;
     Ok(result)

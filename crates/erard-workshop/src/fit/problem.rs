@@ -1,5 +1,7 @@
 //! Residuals over the inner parameters: those of the instrument, then the delays in ms.
 
+use std::ops::Range;
+
 use crate::study::{Job, Sampling, Workers, sample_all};
 use erard::instrument::Instrument;
 use erard::run::SimulationError;
@@ -152,6 +154,17 @@ impl Problem {
     /// Recording and column of every channel, in the order of the residuals.
     pub fn channels(&self) -> impl Iterator<Item = (usize, &'static str)> + '_ {
         self.data.iter().enumerate().flat_map(|(i, one)| one.columns.iter().map(move |column| (i, *column)))
+    }
+
+    /// The rows of every channel among the residuals.
+    pub(super) fn channel_rows(&self) -> Vec<Range<usize>> {
+        let mut first = 0;
+        let of = |(recording, _): (usize, &str)| {
+            let rows = first..first + self.data[recording].rows();
+            first = rows.end;
+            rows
+        };
+        self.channels().map(of).collect()
     }
 
     /// Recording of a channel, and its place among that recording's columns.
@@ -389,13 +402,10 @@ impl Problem {
         let left = self.residuals(point)?;
         let share = 1.0 - point.len() as f64 / left.len() as f64;
         let before = self.sigma.clone();
-        let mut first = 0;
-        for channel in 0..self.sigma.len() {
-            let rows = self.data[self.place(channel).0].rows();
-            let own = &left[first..first + rows];
-            first += rows;
+        for (channel, rows) in self.channel_rows().into_iter().enumerate() {
+            let own = &left[rows];
             if self.told[channel].is_none() {
-                let mean = own.iter().map(|x| x * x).sum::<f64>() / rows as f64;
+                let mean = own.iter().map(|x| x * x).sum::<f64>() / own.len() as f64;
                 self.sigma[channel] *= (mean / share).sqrt().max(1e-9);
             }
         }

@@ -4,7 +4,7 @@ use super::Free;
 use super::candidate::Candidate;
 use super::doubt::Doubt;
 use super::drive_noise::{DISTURBED, Disturbed};
-use super::ends::{Ended, alike};
+use super::ends::{Ended, alike, best_of};
 use super::problem::Problem;
 use super::svd::{Columns, dot, svd, times};
 
@@ -151,21 +151,18 @@ impl FitResult {
             let std_s = || 1e-3 * inner_cov[count + channel][count + channel].sqrt();
             problem.delay.then(|| (problem.delay_s(&point, channel), std_s()))
         };
-        let mut first = 0;
-        let channel = |k: usize| {
-            let rows = problem.data[problem.place(k).0].rows();
-            let own = &residuals[first..first + rows];
-            first += rows;
+        let channel = |(k, rows)| {
+            let own = &residuals[rows];
             FittedChannel {
                 title: problem.title(k),
                 noise: problem.sigma[k],
                 noise_is_known: problem.told[k].is_some(),
                 rms_at_start: problem.rms_at_start.get(k).copied().unwrap_or(f64::NAN),
-                rms: problem.sigma[k] * (dot(own, own) / rows as f64).sqrt(),
+                rms: problem.sigma[k] * (dot(own, own) / own.len() as f64).sqrt(),
                 delay_s: delay_s(k),
             }
         };
-        let channels = (0..problem.sigma.len()).map(channel).collect();
+        let channels = problem.channel_rows().into_iter().enumerate().map(channel).collect();
         let [good, apart] = spread(&ends, &point, &inner_cov[..count]);
         FitResult {
             x: problem.outer(&point),
@@ -250,7 +247,7 @@ impl FitResult {
 
 /// How many attempts left as little as the best one, and how far apart they ended, in standard deviations.
 fn spread(ends: &[Candidate], point: &[f64], cov: &[Vec<f64>]) -> [f64; 2] {
-    let Some(best) = ends.iter().min_by(|a, b| a.score.total_cmp(&b.score)) else { return [0.0, 0.0] };
+    let best = best_of(ends);
     let (mut good, mut apart) = (0.0, 0.0_f64);
     for end in alike(ends, best) {
         good += 1.0;

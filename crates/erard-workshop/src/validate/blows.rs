@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 use crate::measure::MeasureError;
 use erard::Progress;
 use erard::instrument::Instrument;
-use erard::level::{FORCES_N as HAND_FORCES_N, Kind, LevelError, MASS_KG, Reference};
+use erard::level::{FORCES_N as HAND_FORCES_N, Kind, LevelError, MASS_KG, Reference, Solved};
 use erard::player::{self};
 use erard::run::{Run, Setup, SimulationError, press_by_hand, simulate};
 use erard::stroke::{HandStroke, Touch};
@@ -244,6 +244,23 @@ fn smallest(
     Ok(Some(found))
 }
 
+/// The hand of a touch whose hammer has a speed; `None` where none does.
+pub(super) fn hand_at(
+    instrument: &Instrument,
+    touch: Touch,
+    speed_m_s: f64,
+    progress: &mut Progress<'_>,
+) -> Result<Option<Solved>, SimulationError> {
+    let solved = Reference::new(instrument, progress)
+        .and_then(|mut reference| reference.solve(Kind { touch, mass_kg: MASS_KG }, speed_m_s, progress));
+    match solved {
+        Ok(solved) => Ok(Some(solved)),
+        Err(LevelError::Interrupted) => Err(SimulationError::Interrupted),
+        Err(LevelError::Action(error)) => Err(error.into()),
+        Err(_) => Ok(None),
+    }
+}
+
 /// The blow of the struck hand whose hammer has a speed; `None` where no hand strikes so. Searched from below: a hand
 /// that arrives too fast throws the hammer off the jack, and is softer.
 fn struck_at(
@@ -251,14 +268,9 @@ fn struck_at(
     speed_m_s: f64,
     progress: &mut Progress<'_>,
 ) -> Result<Option<PressedBlow>, SimulationError> {
-    let kind = Kind { touch: Touch::Struck, mass_kg: MASS_KG };
-    let solved = Reference::new(instrument, &mut |_| true)
-        .and_then(|mut reference| reference.solve(kind, speed_m_s, &mut |_| true));
-    match solved {
-        Ok(solved) => blow(instrument, Drive::Struck(solved.louder), progress).map(Some),
-        Err(LevelError::Action(error)) => Err(error.into()),
-        Err(_) => Ok(None),
-    }
+    // The search is not counted: its trials end at the impact.
+    let Some(found) = hand_at(instrument, Touch::Struck, speed_m_s, &mut |_| true)? else { return Ok(None) };
+    blow(instrument, Drive::Struck(found.louder), progress).map(Some)
 }
 
 /// The blows of a family from a number to its end, in equal ratios.

@@ -6,12 +6,11 @@
 
 use moreau::Settings;
 
-use super::blows::{Drive, MF_M_S, PressedBlow};
+use super::blows::{Drive, MF_M_S, PressedBlow, hand_at};
 use crate::measure::MeasureError;
 use erard::Progress;
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
-use erard::level::{Kind, LevelError, MASS_KG, Reference};
 use erard::run::{Run, Setup, SimulationError, press_by_hand};
 use erard::stroke::{HandStroke, Muscle, Touch};
 
@@ -55,16 +54,9 @@ fn mezzo_forte(
     touch: Touch,
     progress: &mut Progress<'_>,
 ) -> Result<Option<Run>, SimulationError> {
-    let solved = Reference::new(instrument, progress)
-        .and_then(|mut reference| reference.solve(Kind { touch, mass_kg: MASS_KG }, MF_M_S, progress));
-    let stroke = match solved {
-        Ok(solved) => solved.held(),
-        Err(LevelError::Interrupted) => return Err(SimulationError::Interrupted),
-        Err(LevelError::Action(error)) => return Err(error.into()),
-        Err(_) => return Ok(None),
-    };
+    let Some(found) = hand_at(instrument, touch, MF_M_S, progress)? else { return Ok(None) };
     let setup = Setup { settings: Settings::new(STEP_S), ..Setup::new(DURATION_S) };
-    press_by_hand(instrument, &stroke, &setup, progress).map(Some)
+    press_by_hand(instrument, &found.held(), &setup, progress).map(Some)
 }
 
 /// From the release of the key to its damper on what it rests on, s.
