@@ -2,11 +2,13 @@
 //! (WebAssembly).
 //!
 //! `include/erard.h` is made from this source by cbindgen (`tests/header.rs` keeps it so); the README beside it is the
-//! contract: who owns what, what allocates, what may be called in real time. No physics is here: `erard`,
-//! `erard-workshop` and `erard-figures` are called.
+//! contract: who owns what, what allocates, what may be called in real time. No physics is here: `erard` is called and,
+//! with the feature `workshop`, which is on by default, `erard-workshop` and `erard-figures`.
 
 mod action;
+#[cfg(feature = "workshop")]
 mod dials;
+#[cfg(feature = "workshop")]
 mod fmi;
 mod instrument;
 mod keyboard;
@@ -17,6 +19,7 @@ mod stroke;
 mod text;
 mod version;
 mod watch;
+#[cfg(feature = "workshop")]
 mod workshop;
 
 pub use action::*;
@@ -28,4 +31,5 @@ pub use stroke::*;
 pub use text::{erard_memory_free, erard_memory_new, erard_text_free};
 pub use version::{erard_abi, erard_version};
 pub use watch::*;
+#[cfg(feature = "workshop")]
 pub use workshop::*;
