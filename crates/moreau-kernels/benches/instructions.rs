@@ -2,7 +2,7 @@
 //! AVX2 (whatever more the processor has, so that the count is the same on all that have it). Counts repeat to the
 //! digit, seconds do not. Beside them the step of [`erard::Action`] with everything read (rest-skipping off), and steps
 //! of the same note on the grand with bending parts, of 6 to 9 bodies (`crates/erard/benches/bending/`), alone and in
-//! four lanes; and of the grand with dry felts, and with strings.
+//! four lanes; of the grand with dry felts, and with strings; and of the default instrument, alone and in lanes.
 //!
 //! `cargo bench -p moreau-kernels --bench instructions` runs itself under valgrind's callgrind, over a whole note and
 //! over none of it; the difference is the steps'. It is a gate: `-- --at-most N` fails (exit code 1) above N
@@ -22,7 +22,7 @@ use moreau_kernels::{Lanes, WorkspaceOfSix};
 /// what does so many steps.
 type Subject = (&'static str, &'static str, u64, fn(u64));
 
-const SUBJECTS: [Subject; 12] = [
+const SUBJECTS: [Subject; 14] = [
     ("step", "--at-most", 1, |steps| {
         black_box(bare_note(steps));
     }),
@@ -51,9 +51,18 @@ const SUBJECTS: [Subject; 12] = [
     ("group_step_of_7_bodies", "--at-most-group-7", 1, |steps| lanes_note(&bending(7), steps)),
     ("group_step_of_8_bodies", "--at-most-group-8", 1, |steps| lanes_note(&bending(8), steps)),
     ("group_step_of_9_bodies", "--at-most-group-9", 1, |steps| lanes_note(&bending(9), steps)),
+    ("action_step_of_the_concert_grand", "--at-most-grand", 1, |steps| {
+        black_box(action_note(&concert_grand(), steps));
+    }),
+    ("group_step_of_the_concert_grand", "--at-most-group-grand", 1, |steps| lanes_note(&concert_grand(), steps)),
 ];
 
-/// The concert grand with so many bodies.
+/// The default instrument: eight bodies, and felts whose laws have a memory.
+fn concert_grand() -> Instrument {
+    Instrument::builtin("concert-grand").expect("built in")
+}
+
+/// The concert grand with so many bodies, its felts without memory.
 fn bending(bodies: usize) -> Instrument {
     let path = format!("{}/../erard/benches/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
     Instrument::load(std::path::Path::new(&path)).expect("it reads")

@@ -236,6 +236,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
     }
 
     /// The felt's memory at the step's end, for a felt that has one; `touched`: not in all lanes apart.
+    #[inline(always)]
     pub(crate) fn remembered(
         &self,
         zone: &CompiledZone<T>,
@@ -259,8 +260,11 @@ impl<T: Real, const B: usize> ContactState<T, B> {
             Some(memory) if touched.all() => memory,
             recalled => {
                 let alone = zone.felt.left_alone(timing, &self.memory).0;
-                let memory = recalled.unwrap_or(alone);
-                core::array::from_fn(|k| T::select(touched, memory[k], alone[k]))
+                let mut memory = recalled.unwrap_or(alone);
+                for (kept, alone) in memory.iter_mut().zip(alone) {
+                    *kept = T::select(touched, *kept, alone);
+                }
+                memory
             }
         }
     }

@@ -12,7 +12,7 @@
 
 use crate::fault::Fault;
 use crate::law::{CurvatureBound, Exponent, Loss, MEMORY, Memory, Pressed, Pressing, RatePart, Spring};
-use crate::real::{Mask, Real, Scalar, join};
+use crate::real::{Aside, Mask, Real, Scalar, join};
 use crate::surface::{Yielding, solve};
 use crate::timing::Timing;
 
@@ -122,6 +122,30 @@ pub(crate) struct FeltLaw<T> {
     loss: Loss<T>,
 }
 
+/// Force of a law with memory.
+struct Press<'a, T: Real>(&'a FeltLaw<T>, Pressing<'a, T>, &'a Memory<T>);
+
+impl<T: Real> Aside for Press<'_, T> {
+    type Output = Pressed<T>;
+    #[inline(always)]
+    fn run(self) -> Pressed<T> {
+        let Press(law, pressing, memory) = self;
+        law.loss.press(&law.rate_part.spring, &pressing, memory)
+    }
+}
+
+/// How that force bends.
+struct Bend<'a, T: Real>(&'a FeltLaw<T>, Pressing<'a, T>, &'a Memory<T>);
+
+impl<T: Real> Aside for Bend<'_, T> {
+    type Output = Curvature<T>;
+    #[inline(always)]
+    fn run(self) -> Curvature<T> {
+        let Bend(law, pressing, memory) = self;
+        law.loss.bend(&law.rate_part.spring, &pressing, memory)
+    }
+}
+
 /// What a felt finds when a step begins.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Carried<'a, T> {
@@ -219,7 +243,7 @@ impl<T: Real> FeltLaw<T> {
         touched: T::Mask,
         memory: &Memory<T>,
     ) -> Pressed<T> {
-        self.loss.press(&self.rate_part.spring, &Pressing { compression, rate, timing, touched }, memory)
+        T::aside(Press(self, Pressing { compression, rate, timing, touched }, memory))
     }
 
     #[cold]
@@ -232,7 +256,7 @@ impl<T: Real> FeltLaw<T> {
         touched: T::Mask,
         memory: &Memory<T>,
     ) -> Curvature<T> {
-        self.loss.bend(&self.rate_part.spring, &Pressing { compression, rate, timing, touched }, memory)
+        T::aside(Bend(self, Pressing { compression, rate, timing, touched }, memory))
     }
 
     /// Any law with its exact mean: one with memory has no other.
@@ -320,6 +344,7 @@ impl<T: Real> FeltLaw<T> {
 
     /// What becomes of its memory, where it has one; at the compression and rate of [`FeltLaw::give_way`] on a surface
     /// that yields.
+    #[inline(always)]
     pub(crate) fn recall(
         &self,
         compression: T,
@@ -329,7 +354,10 @@ impl<T: Real> FeltLaw<T> {
         memory: &Memory<T>,
     ) -> Option<Memory<T>> {
         let pressing = Pressing { compression, rate, timing, touched };
-        self.remembers.then(|| self.loss.recall(&self.rate_part.spring, &pressing, memory))
+        if !self.remembers {
+            return None;
+        }
+        Some(self.loss.recall(&self.rate_part.spring, &pressing, memory))
     }
 
     /// By how much the energy that its memory holds has grown, J; what the damping force did beyond that is lost.
@@ -349,13 +377,17 @@ impl<T: Real> FeltLaw<T> {
 
     /// The memory after a step in which it was not touched, and by how much the energy that it holds has grown, J:
     /// nothing where it holds none.
+    #[inline(always)]
     pub(crate) fn left_alone(&self, timing: &Timing<T>, memory: &Memory<T>) -> (Memory<T>, T) {
-        if memory.iter().all(|x| !T::ZERO.lt(x.abs()).any()) {
+        let mut largest = T::ZERO;
+        for x in memory {
+            largest = largest.max(x.abs());
+        }
+        if !T::ZERO.lt(largest).any() {
             return ([T::ZERO; MEMORY], T::ZERO);
         }
-        let after = self.loss.left_alone(timing, memory);
-        let held = |memory| self.loss.held(&self.rate_part.spring, T::ZERO, memory);
-        (after, held(&after) - held(memory))
+        let (spring, after) = (&self.rate_part.spring, self.loss.left_alone(timing, memory));
+        (after, self.loss.held(spring, T::ZERO, &after) - self.loss.held(spring, T::ZERO, memory))
     }
 
     /// The largest force of a felt that is pressed no deeper and no faster than this, N.

@@ -4,7 +4,7 @@ use crate::input::Input;
 use crate::law::MEMORY;
 use crate::model::Model;
 use crate::osnsp::Solver;
-use crate::real::{Mask, Real};
+use crate::real::{Aside, Mask, Real};
 use crate::settings::Settings;
 use crate::state::State;
 use crate::timing::Timing;
@@ -265,29 +265,47 @@ pub(crate) fn keep_memories<T: Real, const B: usize, const Z: usize, const N: us
     state: &mut State<T, B, Z>,
     workspace: &Workspace<T, B, Z, N>,
 ) {
-    if model.dwelling.count > 0 {
-        dwell::keep(model, settings, lanes, w, state, workspace);
-    }
-    let timing = Timing::new(settings.step, settings.theta);
-    for &z in model.remembering_zones() {
-        let (compiled, touched) = (&model.compiled[z], workspace.touched_in(z));
-        let memory = if compiled.dry {
-            let mut memory = [T::ZERO; MEMORY];
-            memory[0] = T::only(touched, workspace.dry.force[z]);
-            memory
-        } else {
-            let contact = &workspace.contacts.states[z];
-            contact.remembered(
-                compiled,
-                &model.supports[z],
-                &workspace.correction,
-                &timing,
-                touched,
-                &workspace.contacts.surfaces[z],
-            )
-        };
-        for (kept, new) in state.memory[z].iter_mut().zip(memory) {
-            *kept = T::select(lanes, new, *kept);
+    T::aside(KeepMemories { model, settings, lanes, w, state, workspace });
+}
+
+struct KeepMemories<'a, T: Real, const B: usize, const Z: usize, const N: usize> {
+    model: &'a Model<T, B, Z>,
+    settings: &'a Settings<T>,
+    lanes: T::Mask,
+    w: &'a [T; B],
+    state: &'a mut State<T, B, Z>,
+    workspace: &'a Workspace<T, B, Z, N>,
+}
+
+impl<T: Real, const B: usize, const Z: usize, const N: usize> Aside for KeepMemories<'_, T, B, Z, N> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let KeepMemories { model, settings, lanes, w, state, workspace } = self;
+        if model.dwelling.count > 0 {
+            dwell::keep(model, settings, lanes, w, state, workspace);
+        }
+        let timing = Timing::new(settings.step, settings.theta);
+        for &z in model.remembering_zones() {
+            let (compiled, touched) = (&model.compiled[z], workspace.touched_in(z));
+            let memory = if compiled.dry {
+                let mut memory = [T::ZERO; MEMORY];
+                memory[0] = T::only(touched, workspace.dry.force[z]);
+                memory
+            } else {
+                let contact = &workspace.contacts.states[z];
+                contact.remembered(
+                    compiled,
+                    &model.supports[z],
+                    &workspace.correction,
+                    &timing,
+                    touched,
+                    &workspace.contacts.surfaces[z],
+                )
+            };
+            for (kept, new) in state.memory[z].iter_mut().zip(memory) {
+                *kept = T::select(lanes, new, *kept);
+            }
         }
     }
 }

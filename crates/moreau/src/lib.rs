@@ -106,7 +106,7 @@ pub use linear::{gauss_jordan, gauss_jordan_pivoting};
 pub use model::Model;
 pub use osnsp::Solver;
 pub use pose::Pose;
-pub use real::{COSINE, Mask, Real, SINE, Scalar};
+pub use real::{Aside, COSINE, Mask, Real, SINE, Scalar};
 pub use saved::SavedState;
 pub use settings::{FrictionLaw, Settings};
 pub use sleep::Sleep;

@@ -134,6 +134,12 @@ pub trait Real:
     fn tanh(self) -> Self;
     /// Sine and cosine for any argument. Slow; the kernel calls it beyond a quarter of pi.
     fn sin_cos_any(self) -> (Self, Self);
+    /// Does what a function out of line is asked to do. Lanes do it in one that is compiled for their instructions. See
+    /// [`Aside::run`].
+    #[inline(always)]
+    fn aside<W: Aside>(work: W) -> W::Output {
+        work.run()
+    }
     /// Whether the derivatives that these numbers carry have settled, after Newton's method has corrected them by
     /// `corrections`: always, for numbers that carry none ([`Dual`](crate::Dual) does).
     #[inline(always)]
@@ -141,6 +147,17 @@ pub trait Real:
         let _ = (corrections, values);
         Self::Mask::splat(true)
     }
+}
+
+/// What few steps or few mechanisms need stands in a function out of line, so that the others pay nothing for it. In
+/// lanes such a function hands its work to [`Real::aside`]. No closure, because a closure cannot be
+/// `#[inline(always)]`.
+pub trait Aside {
+    /// What it gives.
+    type Output;
+    /// Does it. This and whatever it calls on numbers must be `#[inline(always)]`: into a function that is not compiled
+    /// for the lanes' instructions the compiler inlines none of their operations, and each becomes a call.
+    fn run(self) -> Self::Output;
 }
 
 /// Hides from the compiler, in lanes, what a reference points to.

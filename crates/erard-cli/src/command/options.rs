@@ -343,7 +343,6 @@ impl StrokeOptions {
         StrokeOptions { file: self.file.clone(), hand: self.hand.clone(), recording, ..*self }
     }
 
-    /// A constant force that is given otherwise: any stroke that is asked for contradicts it.
     /// Whether a constant force was asked for.
     pub(crate) fn is_constant(&self) -> bool {
         self.force_step.is_some()

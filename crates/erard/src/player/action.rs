@@ -244,8 +244,8 @@ impl Action {
         })
     }
 
-    /// The loop over fixed steps, under inputs of the engine's; `next` gets the last step's report, too. Every run
-    /// takes its steps here.
+    /// The loop over fixed steps, under inputs of the engine's; `next` gets the last step's report, too. Every run of
+    /// fixed steps takes them here.
     pub(crate) fn play_engine(
         &mut self,
         progress: &mut Progress<'_>,

@@ -14,7 +14,7 @@ vector_number! {
     F32x8, M32x8, __m256, f32, 8,
     add: _mm256_add_ps, sub: _mm256_sub_ps, mul: _mm256_mul_ps, div: _mm256_div_ps,
     fused: _mm256_fmadd_ps, fused_minus: _mm256_fnmadd_ps,
-    sqrt: _mm256_sqrt_ps, max: _mm256_max_ps, min: _mm256_min_ps, splat: _mm256_set1_ps,
+    sqrt: _mm256_sqrt_ps, max: _mm256_max_ps, min: _mm256_min_ps, splat: _mm256_set1_ps, features: "avx2,fma",
     pow: libm::powf, tanh: libm::tanhf, sincos: libm::sincosf,
 }
 

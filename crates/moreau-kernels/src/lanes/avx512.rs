@@ -15,6 +15,7 @@ vector_number! {
     add: _mm512_add_pd, sub: _mm512_sub_pd, mul: _mm512_mul_pd, div: _mm512_div_pd,
     fused: _mm512_fmadd_pd, fused_minus: _mm512_fnmadd_pd,
     sqrt: _mm512_sqrt_pd, max: _mm512_max_pd, min: _mm512_min_pd, splat: _mm512_set1_pd,
+    features: "avx512f,avx512vl,avx512dq,avx512bw",
     pow: libm::pow, tanh: libm::tanh, sincos: libm::sincos,
 }
 

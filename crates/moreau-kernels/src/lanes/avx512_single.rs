@@ -15,6 +15,7 @@ vector_number! {
     add: _mm512_add_ps, sub: _mm512_sub_ps, mul: _mm512_mul_ps, div: _mm512_div_ps,
     fused: _mm512_fmadd_ps, fused_minus: _mm512_fnmadd_ps,
     sqrt: _mm512_sqrt_ps, max: _mm512_max_ps, min: _mm512_min_ps, splat: _mm512_set1_ps,
+    features: "avx512f,avx512vl,avx512dq,avx512bw",
     pow: libm::powf, tanh: libm::tanhf, sincos: libm::sincosf,
 }
 

@@ -31,7 +31,7 @@ macro_rules! vector_number {
         $number:ident, $mask:ident, $register:ident, $lane:ident, $width:literal,
         add: $add:ident, sub: $sub:ident, mul: $mul:ident, div: $div:ident,
         fused: $fused:ident, fused_minus: $fused_minus:ident,
-        sqrt: $sqrt:ident, max: $max:ident, min: $min:ident, splat: $splat:ident,
+        sqrt: $sqrt:ident, max: $max:ident, min: $min:ident, splat: $splat:ident, features: $features:literal,
         pow: $pow:path, tanh: $tanh:path, sincos: $sincos:path $(,)?
     ) => {
         #[derive(Clone, Copy)]
@@ -179,6 +179,16 @@ macro_rules! vector_number {
             #[inline(always)]
             fn only(mask: $mask, x: Self) -> Self {
                 kept(mask, x)
+            }
+            #[inline(always)]
+            fn aside<W: moreau::Aside>(work: W) -> W::Output {
+                #[cold]
+                #[inline(never)]
+                #[target_feature(enable = $features)]
+                fn with_instructions<W: moreau::Aside>(work: W) -> W::Output {
+                    work.run()
+                }
+                simd!(with_instructions(work))
             }
             #[inline(never)]
             fn powf(self, exponent: Self) -> Self {

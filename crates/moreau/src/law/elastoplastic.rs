@@ -62,18 +62,22 @@ impl<T: Real> Law<T> for Elastoplastic<T> {
         sharper(&self.sliders(), exponent)
     }
 
+    #[inline(always)]
     fn press(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Pressed<T> {
         press(&self.sliders(), self.damping, spring, pressing, memory)
     }
 
+    #[inline(always)]
     fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
         bend(&self.sliders(), self.damping, spring, pressing, memory)
     }
 
+    #[inline(always)]
     fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
         recall(&self.sliders(), spring, pressing, memory)
     }
 
+    #[inline(always)]
     fn held(&self, spring: &Spring<T>, _: T, memory: &Memory<T>) -> T {
         held(&self.sliders(), spring, memory)
     }

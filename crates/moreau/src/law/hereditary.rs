@@ -52,12 +52,14 @@ impl<T: Real> Law<T> for Hereditary<T> {
         T::from_f64(4.0) / (T::ONE - self.relaxed)
     }
 
+    #[inline(always)]
     fn left_alone(&self, timing: &Timing<T>, memory: &Memory<T>) -> Memory<T> {
         let mut left = [T::ZERO; MEMORY];
         left[0] = forget(decay(timing.step / self.time).left * memory[0]);
         left
     }
 
+    #[inline(always)]
     fn held(&self, spring: &Spring<T>, compression: T, memory: &Memory<T>) -> T {
         let (one, r, memory) = (T::ONE, spring.exponent.value(), memory[0]);
         // The felt's surface is where it pushes with no force, if what pressed it has left it behind. y: the
@@ -71,14 +73,17 @@ impl<T: Real> Law<T> for Hereditary<T> {
         total - spring.stiffness * compression.max(T::ZERO).powf(power) / power
     }
 
+    #[inline(always)]
     fn press(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Pressed<T> {
         self.relaxing(spring, pressing, memory).0
     }
 
+    #[inline(always)]
     fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
         self.relaxing(spring, pressing, memory).1
     }
 
+    #[inline(always)]
     fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
         let fade = decay(pressing.timing.step / self.time);
         let mut after = [T::ZERO; MEMORY];

@@ -17,7 +17,7 @@ pub const MEMORY: usize = 4;
 /// What a law remembers; zeros beyond what it uses, and in a felt that was never pressed.
 pub(crate) type Memory<T> = [T; MEMORY];
 
-/// A contact law: one file, one line in `mod.rs`.
+/// A contact law: one file; `mod.rs` names it.
 pub(crate) trait Law<T: Real>: Copy {
     /// Its numbers beside the spring's.
     const NUMBERS: &'static [LawNumber];
@@ -54,30 +54,35 @@ pub(crate) trait Law<T: Real>: Copy {
     }
 
     /// Force and tangent. This, [`Law::bend`] and [`Law::recall`] are asked only of laws with a memory.
+    #[inline(always)]
     fn press(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Pressed<T> {
         let _ = (spring, pressing, memory);
         Pressed::nothing()
     }
 
     /// How the force of [`Law::press`] bends away from its tangent.
+    #[inline(always)]
     fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
         let _ = (spring, pressing, memory);
         Curvature::nothing()
     }
 
     /// The memory at the step's end.
+    #[inline(always)]
     fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
         let _ = (spring, pressing, memory);
         [T::ZERO; MEMORY]
     }
 
     /// The memory after a step in which the felt was not touched.
+    #[inline(always)]
     fn left_alone(&self, timing: &Timing<T>, memory: &Memory<T>) -> Memory<T> {
         let _ = (timing, memory);
         [T::ZERO; MEMORY]
     }
 
     /// The energy that the memory holds beyond the spring's k g^(r+1)/(r+1), J.
+    #[inline(always)]
     fn held(&self, spring: &Spring<T>, compression: T, memory: &Memory<T>) -> T {
         let _ = (spring, compression, memory);
         T::ZERO

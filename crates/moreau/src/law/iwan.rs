@@ -32,10 +32,13 @@ impl<T: Real> Iwan<T> {
     #[inline(always)]
     fn sliders(&self) -> [Slider<T>; MEMORY] {
         let first = self.eta / self.slip;
-        core::array::from_fn(|i| {
+        let mut sliders = [Slider { ratio: first, slip: self.slip }; MEMORY];
+        for (i, slider) in sliders.iter_mut().enumerate() {
             let place = (i + 1) as f64;
-            Slider { ratio: T::from_f64(1.0 / place) * first, slip: T::from_f64(place / MEMORY as f64) * self.slip }
-        })
+            slider.ratio = T::from_f64(1.0 / place) * first;
+            slider.slip = T::from_f64(place / MEMORY as f64) * self.slip;
+        }
+        sliders
     }
 }
 
@@ -73,18 +76,22 @@ impl<T: Real> Law<T> for Iwan<T> {
         sharper(&self.sliders(), exponent)
     }
 
+    #[inline(always)]
     fn press(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Pressed<T> {
         press(&self.sliders(), self.damping, spring, pressing, memory)
     }
 
+    #[inline(always)]
     fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
         bend(&self.sliders(), self.damping, spring, pressing, memory)
     }
 
+    #[inline(always)]
     fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
         recall(&self.sliders(), spring, pressing, memory)
     }
 
+    #[inline(always)]
     fn held(&self, spring: &Spring<T>, _: T, memory: &Memory<T>) -> T {
         held(&self.sliders(), spring, memory)
     }

@@ -117,30 +117,35 @@ macro_rules! laws {
                 }
             }
 
+            #[inline(always)]
             pub(crate) fn press(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Pressed<T> {
                 match self {
                     $(Loss::$law(law) => law.press(spring, pressing, memory),)*
                 }
             }
 
+            #[inline(always)]
             pub(crate) fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
                 match self {
                     $(Loss::$law(law) => law.bend(spring, pressing, memory),)*
                 }
             }
 
+            #[inline(always)]
             pub(crate) fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
                 match self {
                     $(Loss::$law(law) => law.recall(spring, pressing, memory),)*
                 }
             }
 
+            #[inline(always)]
             pub(crate) fn left_alone(&self, timing: &Timing<T>, memory: &Memory<T>) -> Memory<T> {
                 match self {
                     $(Loss::$law(law) => law.left_alone(timing, memory),)*
                 }
             }
 
+            #[inline(always)]
             pub(crate) fn held(&self, spring: &Spring<T>, compression: T, memory: &Memory<T>) -> T {
                 match self {
                     $(Loss::$law(law) => law.held(spring, compression, memory),)*
