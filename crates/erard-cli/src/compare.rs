@@ -76,24 +76,29 @@ pub(crate) fn print_table(comparison: &Comparison) {
     say!();
     if findings.iter().any(|f| f.errors.is_some()) {
         say!("  error by frequency (rms; in brackets, of what was measured in the band)");
-        for Finding { trial, quantity, shown: (factor, unit), told_to_hz, errors, .. } in &findings {
-            let Some(errors) = errors else { continue };
-            let mut line = format!("  {:<7} {:<9} {quantity:<9}", trial.driven.name(), trial.which.name());
-            for band in &errors.bands {
-                if band.to_hz > *told_to_hz {
-                    line += &format!("  {:.0}-{:.0} Hz -", band.from_hz, band.to_hz);
-                    continue;
-                }
-                let share = 100.0 * band.error_rms / band.measured_rms.max(f64::MIN_POSITIVE);
-                // A band in which next to nothing was measured has no share worth reading.
-                let share = if share < 1e3 { format!("{share:.1} %") } else { "> 1000 %".to_owned() };
-                let error = band.error_rms * factor;
-                line += &format!("  {:.0}-{:.0} Hz {error:.4} {unit} ({share})", band.from_hz, band.to_hz);
-            }
-            say!("{line}");
-        }
+        let Some(edges) = findings.iter().find_map(|finding| Some(&finding.errors?.bands)) else { return };
+        let bands: Vec<String> = edges.iter().map(|band| format!("{:.0}-{:.0} Hz", band.from_hz, band.to_hz)).collect();
+        let heads = ["drive", "model", "of"].into_iter().chain(bands.iter().map(String::as_str));
+        let rows = findings.iter().filter_map(|finding| {
+            let Finding { trial, quantity, shown: (factor, unit), told_to_hz, errors, .. } = finding;
+            let names = [trial.driven.name().to_owned(), trial.which.name().to_owned(), format!("{quantity}, {unit}")];
+            let cells = errors.as_ref()?.bands.iter().map(|band| by_frequency(band, *factor, *told_to_hz));
+            Some(names.into_iter().chain(cells).collect::<Vec<_>>())
+        });
+        say!("{}", Table::of(heads, rows).to_string().trim_end_matches('\n'));
         say!();
     }
+}
+
+/// The error of a band, and its share of what was measured there.
+fn by_frequency(band: &Band, factor: f64, told_to_hz: f64) -> String {
+    if band.to_hz > told_to_hz {
+        return "-".to_owned();
+    }
+    let share = 100.0 * band.error_rms / band.measured_rms.max(f64::MIN_POSITIVE);
+    // A band in which next to nothing was measured has no share worth reading.
+    let share = if share < 1e3 { format!("{share:.1} %") } else { "> 1000 %".to_owned() };
+    format!("{:.4} ({share})", band.error_rms * factor)
 }
 
 /// compare.json.
@@ -152,6 +157,10 @@ fn finding(f: &Finding<'_>) -> Value {
             "explained": e.explained,
             "correlation": e.correlation,
             "delay_s": e.delay_s,
+            "rest": e.rest.map(|rest| json!({
+                "share_of_variance": rest.share,
+                "explained_without": rest.explained_without,
+            })),
             "bands": e.bands.iter().map(band).collect::<Value>(),
         })
     });

@@ -5,22 +5,20 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::{Graded, Grading, KEYS, Keyboard, is_keyboard};
-use erard::stroke::{Column, Cursor, Dialect, PositionSeries, Role, Series};
-use erard_workshop::compare::LONGEST_S;
 use erard_workshop::kinematics::LinkageFile;
 use erard_workshop::measure::usual;
 use erard_workshop::validate::Published;
 use serde_json::{Map, Value, json};
 
+use super::check_recording::told;
 use super::list::built_in;
 use crate::answer;
-use crate::compare::prepared_channel;
 use crate::failure::Failure;
 use crate::inputs::{self, shown};
 use crate::keyboard::doubts;
 use crate::progress::Progress;
-use crate::recordings::{Ready, RecordingOptions};
-use crate::{say, small_plot, tell};
+use crate::recordings::RecordingOptions;
+use crate::{say, tell};
 use erard_workshop::trying::try_all;
 
 /// Checks a file and says what it holds: an instrument, keyboard or linkage, a stroke or recording, published
@@ -36,7 +34,7 @@ pub(crate) struct Check {
 }
 
 /// The answer: what a file is, what it is called, what it holds how many of.
-fn checked<const N: usize>(kind: &str, file: &str, name: Option<&str>, counts: [(&str, usize); N]) -> Value {
+pub(super) fn checked<const N: usize>(kind: &str, file: &str, name: Option<&str>, counts: [(&str, usize); N]) -> Value {
     let counts: Map<String, Value> = counts.into_iter().map(|(what, count)| (what.to_owned(), count.into())).collect();
     let mut checked = json!({"kind": kind, "file": file, "counts": counts});
     if let Some(name) = name {
@@ -65,7 +63,7 @@ impl Check {
             _ => match self.file.to_str().filter(|_| !self.file.exists()).and_then(built_in) {
                 Some(("stroke", text)) => {
                     let ready = self.recording.make_ready(&shown(&self.file), text.as_bytes())?;
-                    Self::told_stroke(&ready)
+                    told(&ready)
                 }
                 Some((_, text)) => self.toml(&shown(&self.file), text.as_bytes())?,
                 None => {
@@ -299,99 +297,8 @@ impl Check {
     }
 
     fn stroke(&self) -> Result<Value, Failure> {
-        Ok(Self::told_stroke(&self.recording.load(&self.file)?))
+        Ok(told(&self.recording.load(&self.file)?))
     }
-
-    fn told_stroke(ready: &Ready) -> Value {
-        let Ready { name, recording, prepared, position_of } = ready;
-        let (start_s, end_s) = (prepared.series.start_s(), prepared.series.end_s());
-        let rows = recording.time_s.len();
-        say!("{name}: a stroke of {rows} rows, {start_s} to {end_s} s");
-        say!();
-        let Dialect { separator, decimal_comma, skipped_rows } = recording.dialect;
-        let separated = match separator {
-            Some(',') => "separated by commas",
-            Some(';') => "separated by semicolons",
-            Some('\t') => "separated by tabulators",
-            Some(_) => "text",
-            None => "Parquet",
-        };
-        let decimals = if decimal_comma { ", decimal commas" } else { "" };
-        let skipped = match skipped_rows {
-            0 => String::new(),
-            rows => format!(", {rows} rows above the header passed over"),
-        };
-        say!("  table     {separated}{decimals}{skipped}");
-        for column in &recording.layout.columns {
-            let role = if column.role == Role::Position { position_of.name() } else { "" };
-            let whose = if role.is_empty() { String::new() } else { format!(", the {role}'s") };
-            say!(
-                "  {:<9} column {}, `{}`, in {}{whose}",
-                column.role.name(),
-                column.index + 1,
-                column.title,
-                column.unit
-            );
-        }
-        say!();
-        let steps = recording.time_s.windows(2).map(|t| t[1] - t[0]);
-        let (shortest, longest) = steps.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
-        say!("  time      sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
-        if end_s - start_s > LONGEST_S {
-            say!(
-                "            too long for `compare` as a whole: `--duration {LONGEST_S}` compares its first {LONGEST_S} s"
-            );
-        }
-        for channel in &prepared.report.channels {
-            let (factor, unit) = if channel.role == Role::Force { (1.0, "N") } else { (1e3, "mm") };
-            let (low, high) = channel.range;
-            say!("  {:<9} {:.4} to {:.4} {unit}", channel.role.name(), low * factor, high * factor);
-            for line in channel.lines() {
-                say!("            {line}");
-            }
-            for line in picture(&prepared.series, channel.role, start_s, end_s) {
-                say!("            {line}");
-            }
-        }
-        let warnings = prepared.report.warnings();
-        for warning in &warnings {
-            say!("  look: {warning}");
-        }
-        let column = |c: &Column| json!({"role": c.role.name(), "title": c.title, "unit": c.unit});
-        let mut checked = checked("stroke", name, None, [("rows", rows)]);
-        checked["stroke"] = json!({
-            "start_s": start_s,
-            "end_s": end_s,
-            "position_of": position_of.name(),
-            "columns": recording.layout.columns.iter().map(column).collect::<Value>(),
-            "channels": prepared.report.channels.iter().map(prepared_channel).collect::<Value>(),
-            "warnings": warnings,
-        });
-        checked
-    }
-}
-
-/// A channel over the whole stroke, the way it drives: up is up.
-fn picture(series: &Series, role: Role, start_s: f64, end_s: f64) -> Vec<String> {
-    let time = |n: usize| start_s + (end_s - start_s) * n as f64 / (small_plot::COLUMNS - 1) as f64;
-    let path = |s: &Option<PositionSeries>| {
-        let drive = s.as_ref()?.drive();
-        Some((0..small_plot::COLUMNS).map(|n| drive(time(n))[0]).collect::<Vec<f64>>())
-    };
-    let values = match role {
-        Role::Force => series.force.as_ref().map(|s| {
-            let drive = s.drive();
-            (0..small_plot::COLUMNS).map(|n| drive(time(n))).collect()
-        }),
-        Role::Position => path(&series.position),
-        Role::HammerHead => path(&series.hammer_head),
-        Role::HammerSpeed => series.hammer_speed.as_ref().map(|s| {
-            let mut cursor = Cursor::default();
-            (0..small_plot::COLUMNS).map(|n| s.at(time(n), &mut cursor)).collect()
-        }),
-        Role::Time => None,
-    };
-    values.map(|values| small_plot::lines(&values)).unwrap_or_default()
 }
 
 /// A number in a line of others.

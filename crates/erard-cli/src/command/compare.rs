@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Series};
-use erard_workshop::compare::{Choice, Comparison, DRIVES, LONGEST_S, Which, compare_chosen};
+use erard_workshop::compare::{Choice, Comparison, DRIVES, LONGEST_S, Which, compare_chosen, way_up_ends_s};
 
 use super::options::{self, MODELS, StepOptions, check, load_instrument};
 use super::out::OutOptions;
@@ -17,7 +17,7 @@ use crate::names::one_of;
 use crate::progress::Progress;
 use crate::recordings::{Ready, RecordingOptions};
 use crate::say;
-use crate::table::Table;
+use crate::table::{Table, WIDEST, wrapped};
 use erard_figures::figure::{Dash, Figure, Panel, Trace, Window, figure_svg};
 
 /// Holds a measured stroke against the models: what drives it, what comes out, what is missed.
@@ -47,6 +47,9 @@ pub(crate) struct Compare {
     /// Compare only the first S seconds
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
+    /// Compare only the way up: until the hammer is highest, or, where it was not recorded, until the key is down
+    #[arg(long)]
+    way_up: bool,
     #[command(flatten)]
     out: OutOptions,
 }
@@ -80,16 +83,19 @@ impl Compare {
         let written = output.commit()?;
 
         say!("{title} beside {}", instrument.name);
-        for line in prepared.report.told() {
-            say!("  {line}");
+        say!();
+        let (verdicts, rests) = (comparison.verdicts(), comparison.rests());
+        for line in verdicts.iter().chain(&rests).chain(&comparison.notes) {
+            wrapped(line, WIDEST).iter().for_each(|line| say!("{line}"));
+        }
+        for warning in comparison.warnings() {
+            wrapped(&format!("look: {warning}"), WIDEST).iter().for_each(|line| say!("{line}"));
         }
         say!();
         print_table(&comparison);
-        for line in comparison.verdicts().iter().chain(&comparison.notes) {
-            say!("{line}");
-        }
-        for warning in comparison.warnings() {
-            say!("look: {warning}");
+        say!("  how the recording was prepared");
+        for line in prepared.report.told() {
+            say!("  {}", wrapped(&line, WIDEST - 4).join("\n    "));
         }
         say!();
         say!("{written}");
@@ -120,6 +126,7 @@ impl Compare {
             }
             Some(s) => return Err(Failure::Usage(format!("--duration {s}: expected a positive number of seconds"))),
         };
+        let series = if self.way_up { self.way_up(&series)? } else { series };
         if series.end_s() - series.start_s() > LONGEST_S {
             return Err(Failure::Usage(format!(
                 "{}: lasts {lasts_s} s; at most {LONGEST_S} s are compared: --duration {LONGEST_S} compares its first",
@@ -127,6 +134,13 @@ impl Compare {
             )));
         }
         Ok(series)
+    }
+
+    /// As much of it as is the way up.
+    fn way_up(&self, series: &Series) -> Result<Series, Failure> {
+        let refused = |why: &str| Failure::Usage(format!("--way-up: {}: {why}", shown(&self.file)));
+        let end_s = way_up_ends_s(series).ok_or_else(|| refused("neither hammer nor key moves in it"))?;
+        series.first(end_s - series.start_s()).map_err(|error| refused(&error.to_string()))
     }
 }
 
@@ -150,12 +164,24 @@ fn table(c: &Comparison) -> Table<'_> {
     table
 }
 
-/// The range of some curves and half as much again on both sides.
-fn widened(curves: &[Trace]) -> (f64, f64) {
-    let values = || curves.iter().flat_map(|c| c.y.iter().copied());
-    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+/// Part of a simulated curve's values, at each end of their range, that may leave the frame: a spike sets no axis.
+const SPIKES: f64 = 0.01;
+
+/// The range of what was measured, and of what was simulated but for its spikes, and half as much again on both sides.
+fn widened(simulated: Option<&Trace>, measured: Option<&Trace>) -> Option<(f64, f64)> {
+    let simulated = simulated.map(|curve| {
+        let mut sorted: Vec<f64> = curve.y.to_vec();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let cut = (SPIKES * sorted.len() as f64) as usize;
+        (sorted[cut], sorted[sorted.len() - 1 - cut])
+    });
+    let measured = measured.map(|curve| {
+        let end = |first: f64, pick: fn(f64, f64) -> f64| curve.y.iter().copied().fold(first, pick);
+        (end(f64::INFINITY, f64::min), end(f64::NEG_INFINITY, f64::max))
+    });
+    let (low, high) = simulated.into_iter().chain(measured).reduce(|(a, b), (c, d)| (a.min(c), b.max(d)))?;
     let margin = (0.5 * (high - low)).max(1e-6);
-    (low - margin, high + margin)
+    Some((low - margin, high + margin))
 }
 
 /// The action in orange, one degree of freedom in blue dashes, and dotted in black over them what was measured, so that
@@ -180,12 +206,9 @@ fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
         let action = action.map(|trial| curve("action", shown(trial.simulated()), 1, Dash::Solid));
         let one_dof = one_dof.map(|trial| curve("one degree of freedom", shown(trial.simulated()), 0, Dash::Dashed));
         // Where the simple model is far off it may leave the frame, so that the others can be read.
-        let near: Vec<Trace> = action.iter().chain(&measured).cloned().collect();
+        let range = widened(action.as_ref(), measured.as_ref());
         let curves = one_dof.into_iter().chain(action).chain(measured).collect();
-        panels.push(Panel {
-            y_range: (!near.is_empty()).then(|| widened(&near)),
-            ..Panel::new(quantity, unit, 260.0, curves)
-        });
+        panels.push(Panel { y_range: range, ..Panel::new(quantity, unit, 260.0, curves) });
     }
     if let Some(measured) = &c.measured_hammer_m {
         let mut curves = Vec::new();

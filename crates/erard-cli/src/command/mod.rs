@@ -3,6 +3,7 @@
 mod bands;
 mod bench;
 mod check;
+mod check_recording;
 mod compare;
 mod draw;
 mod fit;

@@ -104,10 +104,28 @@ fn a_laboratory_s_recording_in_one_command() {
             assert_eq!(band["told"].as_bool(), Some(band["to_Hz"].as_f64().unwrap() <= told_to));
         }
     }
-    let by_frequency: Vec<&str> = said.lines().filter(|line| line.contains("200-1000 Hz")).collect();
+    let by_frequency: Vec<&str> = said.lines().skip_while(|line| !line.contains("200-1000 Hz")).skip(1).collect();
+    let by_frequency = &by_frequency[..by_frequency.iter().position(|line| line.trim().is_empty()).unwrap()];
     assert_eq!(by_frequency.len(), 6, "{said}");
-    assert!(by_frequency.iter().all(|line| line.contains("50-200 Hz -  200-1000 Hz -")), "{said}");
+    let untold = |line: &&str| line.split_whitespace().rev().take(2).all(|cell| cell == "-");
+    assert!(by_frequency.iter().all(untold), "{said}");
     assert!(said.contains(&format!("up to {told_to:.0} Hz")), "{said}");
+    // The conclusion comes first; how the recording was prepared, last. No line is wider than a terminal.
+    let place = |words: &str| said.find(words).unwrap_or_else(|| panic!("{words}: {said}"));
+    assert!(place("force driven") < place("explained") && place("explained") < place("zero:"), "{said}");
+    assert!(said.lines().all(|line| line.chars().count() <= 100), "{said}");
+    // A part of each share is the rest before the touch, in the numbers too.
+    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("variance is the rest before the touch; without it the action explains"), "{said}");
+    let rest = &found["findings"][0]["errors"]["rest"];
+    let number = |key: &str| rest[key].as_f64().unwrap();
+    assert!((0.05..1.0).contains(&number("share_of_variance")) && number("explained_without") > 0.98, "{rest}");
+    // The way up ends where the key is down.
+    let whole_s = rows.last().unwrap()[0];
+    folder.good(&["compare", "lab.csv", "--way-up", "--drive", "rigid", "--model", "action", "--no-pictures"]);
+    let table = folder.read("erard-out-compare/compare.csv");
+    let last: f64 = table.lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
+    assert!(last > REST_S && last < 0.8 * whole_s, "{last} of {whole_s}");
 
     // What is chosen is compared, and nothing else; pictures can be left out, and go with the run before.
     folder.good(&["compare", "lab.csv", "--drive", "rigid", "--model", "action", "--no-pictures"]);
@@ -300,7 +318,15 @@ fn what_cannot_be_read() {
     folder.file("x.csv", "t,x,y\n0,0,1\n1,1,2\n");
     let said = folder.bad(&["check", "x.csv", "--columns", "time=t:s,position=x"]);
     assert!(said.contains("`x`") && said.contains("m, dm, cm, mm, um, nm, in, mil, ft"), "{said}");
-    assert!(folder.good(&["check", "x.csv", "--columns", "time=t:s,position=x:mm"]).contains("`x`, in mm"));
+    let said = folder.good(&["check", "x.csv", "--columns", "time=t:s,position=x:mm"]);
+    assert!(said.contains("`x`, in mm") && said.contains("columns not used: `y`"), "{said}");
+    // A column that is not used is named, and what to type for it reads it.
+    folder.file("more.csv", "time_s,force_N,laser,room (C)\n0,0,0,20\n0.001,1,1,20\n0.002,2,2,20\n");
+    let said = folder.good(&["check", "more.csv"]);
+    assert!(said.contains("columns not used: `laser`, `room (C)`"), "{said}");
+    assert!(said.contains("--columns 'position=laser:mm'"), "{said}");
+    let said = folder.good(&["check", "more.csv", "--columns", "position=laser:mm"]);
+    assert!(said.contains("`laser`, in mm") && said.contains("columns not used: `room (C)`"), "{said}");
     let said = folder.bad(&["check", "x.csv", "--columns", "weight=x"]);
     assert!(said.contains("--columns") && said.contains("Displacement (mm)"), "{said}");
 }

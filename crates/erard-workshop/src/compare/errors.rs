@@ -25,8 +25,19 @@ pub struct Errors {
     pub correlation: f64,
     /// How much later the simulated series comes, s: where the correlation is largest, within 20 ms either way.
     pub delay_s: f64,
+    /// What of that share is owed to the rest before the touch, which any model explains; `None` without a rest.
+    pub rest: Option<Rest>,
     /// By frequency.
     pub bands: Vec<Band>,
+}
+
+/// The rest before the touch in a share of variance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rest {
+    /// Which part of the measured variance is of samples at rest, by their distance from the mean of all.
+    pub share: f64,
+    /// The share of the measured variance that is explained without them.
+    pub explained_without: f64,
 }
 
 /// One frequency band.
@@ -43,8 +54,9 @@ pub struct Band {
 }
 
 impl Errors {
-    /// Compares two series of equal length, sampled at [`RATE_HZ`].
-    pub fn new(measured: &[f64], simulated: &[f64]) -> Self {
+    /// Compares two series of equal length, sampled at [`RATE_HZ`], of which the first `resting` samples are before the
+    /// touch.
+    pub fn new(measured: &[f64], simulated: &[f64], resting: usize) -> Self {
         let difference: Vec<f64> = simulated.iter().zip(measured).map(|(s, m)| s - m).collect();
         let range = measured.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
         let rms = mean_square(&difference).sqrt();
@@ -56,8 +68,25 @@ impl Errors {
             explained: 1.0 - ratio(rms * rms, variance),
             correlation: correlation(measured, simulated, 0),
             delay_s: delay(measured, simulated),
+            rest: Rest::of(measured, simulated, resting),
             bands: bands(measured, simulated),
         }
+    }
+}
+
+impl Rest {
+    fn of(measured: &[f64], simulated: &[f64], resting: usize) -> Option<Self> {
+        if resting == 0 || resting + 2 > measured.len() {
+            return None;
+        }
+        let sum = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+        let all = centred(measured);
+        let (moving, modelled) = (&measured[resting..], &simulated[resting..]);
+        let missed: Vec<f64> = modelled.iter().zip(moving).map(|(s, m)| s - m).collect();
+        Some(Rest {
+            share: ratio(sum(&all[..resting]), sum(&all)),
+            explained_without: 1.0 - ratio(mean_square(&missed), mean_square(&centred(moving))),
+        })
     }
 }
 
@@ -145,7 +174,7 @@ mod tests {
     /// A late copy of a 20 Hz wave: the delay is found to a tenth of a sample, and nothing else is wrong with it.
     #[test]
     fn a_delay_is_found() {
-        let e = Errors::new(&wave(20.0, 1.0, 0.0), &wave(20.0, 1.0, 0.0031));
+        let e = Errors::new(&wave(20.0, 1.0, 0.0), &wave(20.0, 1.0, 0.0031), 0);
         assert!((e.delay_s - 0.0031).abs() < 0.1 / RATE_HZ, "{}", e.delay_s);
         assert!((e.correlation - (TAU * 20.0 * 0.0031).cos()).abs() < 1e-9);
     }
@@ -155,7 +184,7 @@ mod tests {
     fn an_error_stands_in_its_band() {
         let measured = wave(5.0, 1.0, 0.0);
         let simulated: Vec<f64> = measured.iter().zip(wave(100.0, 0.1, 0.0)).map(|(a, b)| a + b).collect();
-        let e = Errors::new(&measured, &simulated);
+        let e = Errors::new(&measured, &simulated, 0);
         let expected = 0.1 / 2.0_f64.sqrt();
         assert!((e.rms - expected).abs() < 1e-12);
         assert!((e.rms_of_range - expected / 2.0).abs() < 1e-12);
@@ -167,13 +196,27 @@ mod tests {
         assert!((e.bands[0].measured_rms - 0.5_f64.sqrt()).abs() < 1e-9);
     }
 
+    /// A rest of 0 and a step to 1: the rest has three quarters of the variance where it is a quarter of the time, and
+    /// a model that gets nothing else right explains nothing without it.
+    #[test]
+    fn a_rest_has_its_share() {
+        let measured: Vec<f64> =
+            (0..4000).map(|n| if n < 1000 { 0.0 } else { 1.0 + 0.01 * f64::from(n % 2) }).collect();
+        let simulated: Vec<f64> = (0..4000).map(|n| if n < 1000 { 0.0 } else { 1.005 }).collect();
+        let e = Errors::new(&measured, &simulated, 1000);
+        let rest = e.rest.unwrap();
+        assert!((rest.share - 0.75).abs() < 1e-3 && e.explained > 0.999, "{e:?}");
+        assert!(rest.explained_without.abs() < 1e-9, "{rest:?}");
+        assert_eq!(Errors::new(&measured, &simulated, 0).rest, None);
+    }
+
     /// The same series has no error; a constant has no correlation.
     #[test]
     fn ends_of_the_scale() {
         let a = wave(3.0, 2.0, 0.0);
-        let e = Errors::new(&a, &a);
+        let e = Errors::new(&a, &a, 0);
         assert_eq!((e.rms, e.largest, e.explained), (0.0, 0.0, 1.0));
         assert!((e.correlation - 1.0).abs() < 1e-12);
-        assert_eq!(Errors::new(&a, &vec![1.0; a.len()]).correlation, 0.0);
+        assert_eq!(Errors::new(&a, &vec![1.0; a.len()], 0).correlation, 0.0);
     }
 }

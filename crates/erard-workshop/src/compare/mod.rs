@@ -11,7 +11,7 @@
 
 mod errors;
 
-pub use errors::{Band, Errors};
+pub use errors::{Band, Errors, Rest};
 
 use thiserror::Error;
 
@@ -79,6 +79,8 @@ pub struct Choice {
     /// Up to which frequency force, position and hammer show a stroke rather than noise, Hz; infinite where nothing
     /// limits them.
     pub tells_to_hz: [f64; 3],
+    /// Until when all is at rest, s: minus infinity where nothing tells.
+    pub rest_until_s: f64,
 }
 
 impl Default for Choice {
@@ -88,12 +90,14 @@ impl Default for Choice {
             models: MODELS.to_vec(),
             position_of: PositionOf::Key,
             tells_to_hz: [f64::INFINITY; 3],
+            rest_until_s: f64::NEG_INFINITY,
         }
     }
 }
 
 impl Choice {
-    /// The limits of a prepared recording: of its noise, of the low-pass that it went through, and of its samples.
+    /// The limits of a prepared recording: of its noise, of the low-pass that it went through, of its samples, and of
+    /// its rest before the touch.
     #[must_use]
     pub fn limited_by(mut self, report: &Report) -> Self {
         for (limit, role) in self.tells_to_hz.iter_mut().zip([Role::Force, Role::Position, Role::HammerHead]) {
@@ -102,6 +106,8 @@ impl Choice {
             let noise = channel.band_hz.into_iter().chain(low_pass).map(|hz| WELL_WITHIN * hz);
             *limit = noise.chain([0.5 * channel.rate_hz]).fold(*limit, f64::min);
         }
+        let rests = report.channels.iter().filter_map(|channel| Some(channel.zero?.until_s));
+        self.rest_until_s = rests.reduce(f64::min).unwrap_or(self.rest_until_s);
         self
     }
 }
@@ -163,6 +169,25 @@ pub struct Comparison {
     pub trials: Vec<Trial>,
     /// What was taken for granted, or could not be tried, in words.
     pub notes: Vec<String>,
+}
+
+/// How near the largest value counts as the way's end.
+const NEARLY_THERE: f64 = 0.9;
+/// How long after that the hammer may still rise, s.
+const STILL_RISING_S: f64 = 0.02;
+
+/// When the way up of a stroke ends, s: where the hammer is highest for the first time, or, where it was not recorded,
+/// where the key is down. `None` where neither was recorded, or nothing moves.
+pub fn way_up_ends_s(series: &Series) -> Option<f64> {
+    let path = series.hammer_head.as_ref().or(series.position.as_ref())?;
+    let (drive, start_s) = (path.drive(), series.start_s());
+    let count = ((series.end_s() - start_s) * RATE_HZ).floor() as usize;
+    let values: Vec<f64> = (0..=count).map(|n| drive(start_s + n as f64 / RATE_HZ)[0]).collect();
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let there = values.iter().position(|x| largest > 0.0 && *x >= NEARLY_THERE * largest)?;
+    let last = values.len().min(there + (STILL_RISING_S * RATE_HZ) as usize + 1);
+    let top = (there..last).max_by(|&a, &b| values[a].total_cmp(&values[b]).then(b.cmp(&a)))?;
+    Some(start_s + top as f64 / RATE_HZ)
 }
 
 /// Longest series that is compared, s: a million instants of the common axis.
@@ -294,6 +319,7 @@ pub fn compare_chosen(
     }
     let [force_hz, position_hz, hammer_hz] = choice.tells_to_hz;
     let told_to_hz = force_hz.min(position_hz);
+    let resting = time_s.partition_point(|t| *t <= choice.rest_until_s);
     let mut trials = Vec::new();
     for (done, &(driven, which)) in plan.iter().enumerate() {
         let drive: &Drive<'_> = match driven {
@@ -316,7 +342,7 @@ pub fn compare_chosen(
             Prescribed::Force => (&measured_position_m, &key_m),
             Prescribed::Motion | Prescribed::Rigid => (&measured_force_n, &force_n),
         };
-        let errors = measured.as_ref().and_then(|m| errors_within(m, simulated, told_to_hz));
+        let errors = measured.as_ref().and_then(|m| errors_within(m, simulated, resting, told_to_hz));
         let hammer_m = match model.roles.hammer {
             Some(_) => interpolated(&run.time_s, &run.hammer_head_m, &time_s),
             None => Vec::new(),
@@ -325,7 +351,7 @@ pub fn compare_chosen(
         let hammer_errors = measured_hammer_m
             .as_ref()
             .filter(|_| !hammer_m.is_empty())
-            .and_then(|m| errors_within(m, &hammer_m, hammer_told_to_hz));
+            .and_then(|m| errors_within(m, &hammer_m, resting, hammer_told_to_hz));
         trials.push(Trial {
             driven,
             which,
@@ -344,9 +370,9 @@ pub fn compare_chosen(
 
 /// The errors up to a frequency, Hz: both series go through the same low-pass, forth and back. `None` where that leaves
 /// nothing to compare.
-fn errors_within(measured: &[f64], simulated: &[f64], told_to_hz: f64) -> Option<Errors> {
+fn errors_within(measured: &[f64], simulated: &[f64], resting: usize, told_to_hz: f64) -> Option<Errors> {
     if told_to_hz >= 0.5 * RATE_HZ {
-        return Some(Errors::new(measured, simulated));
+        return Some(Errors::new(measured, simulated, resting));
     }
     if told_to_hz < LOWEST_LIMIT_HZ {
         return None;
@@ -354,7 +380,7 @@ fn errors_within(measured: &[f64], simulated: &[f64], told_to_hz: f64) -> Option
     let low_pass = Butterworth::low_pass(4, told_to_hz, RATE_HZ)?;
     let [m, s] = [measured, simulated].map(|x| low_pass.forth_and_back(x));
     // By frequency the series themselves are reported, each band as far as it goes.
-    Some(Errors { bands: errors::bands(measured, simulated), ..Errors::new(&m, &s) })
+    Some(Errors { bands: errors::bands(measured, simulated), ..Errors::new(&m, &s, resting) })
 }
 
 impl Comparison {
@@ -369,6 +395,26 @@ impl Comparison {
             Prescribed::Force => self.measured_position_m.as_ref(),
             Prescribed::Motion | Prescribed::Rigid => self.measured_force_n.as_ref(),
         }
+    }
+
+    /// In words: how much of the shares of variance is owed to the rest before the touch, and what is explained without
+    /// it; of the action, for each thing that was measured.
+    pub fn rests(&self) -> Vec<String> {
+        let action = self.trials.iter().filter(|trial| trial.which == Which::Action);
+        let told = action.flat_map(|trial| {
+            let of = |what, errors: Option<&Errors>| Some((trial.driven, what, errors?.rest?));
+            [of(outcome(trial.driven), trial.errors.as_ref()), of("hammer", trial.hammer_errors.as_ref())]
+        });
+        told.flatten()
+            .map(|(driven, what, rest)| {
+                format!(
+                    "{} driven: {} of the {what}'s variance is the rest before the touch; without it the action explains {}",
+                    driven.name(),
+                    share(rest.share, 0),
+                    share(rest.explained_without, 1)
+                )
+            })
+            .collect()
     }
 
     /// In words: for every drive, how much each model explains, and which is nearer.

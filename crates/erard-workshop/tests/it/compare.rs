@@ -4,7 +4,7 @@ use erard::instrument::Instrument;
 use erard::player;
 use erard::run::{Setup, simulate};
 use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Prescribed, Series};
-use erard_workshop::compare::{Choice, CompareError, Which, compare, compare_chosen};
+use erard_workshop::compare::{Choice, CompareError, Which, compare, compare_chosen, way_up_ends_s};
 use moreau::Settings;
 
 const FORCE_N: f64 = 5.0;
@@ -43,6 +43,21 @@ fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
         hammer_speed: None,
         hammer_head: Some(PositionSeries::new(run.time_s.clone(), run.hammer_head_m.clone()).unwrap()),
     }
+}
+
+/// The way up ends at the hammer's first top, or, without it, where the key is down.
+#[test]
+fn the_way_up_ends_at_the_top() {
+    let series = measured(&Instrument::builtin("concert-grand").unwrap(), 0.15, 0.0);
+    let end = way_up_ends_s(&series).unwrap();
+    let hammer = series.hammer_head.as_ref().unwrap().drive();
+    let highest = (0..600).map(|n| hammer(f64::from(n) * 0.25e-3)[0]).fold(0.0, f64::max);
+    assert!((hammer(end)[0] - highest).abs() < 1e-6, "{end}");
+    let blind = Series { hammer_head: None, ..series.clone() };
+    let key = blind.position.as_ref().unwrap().drive();
+    let down = way_up_ends_s(&blind).unwrap();
+    assert!((down - end).abs() < 0.03 && key(down)[0] > 0.9 * key(0.14)[0], "{down} {end}");
+    assert_eq!(way_up_ends_s(&Series { position: None, ..blind }), None);
 }
 
 fn setup() -> Setup {

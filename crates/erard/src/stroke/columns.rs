@@ -344,6 +344,8 @@ pub struct Layout {
     pub columns: Vec<Column>,
     /// Whose position it is, as far as its title tells.
     pub position_of: PositionOf,
+    /// Titles of the columns that are not read, in their order.
+    pub unused: Vec<String>,
 }
 
 impl Layout {
@@ -382,7 +384,10 @@ impl Layout {
                 && FINGERTIPS.contains(&Title::read(&column.title, Role::Position).stem.as_str())
         };
         let position_of = if columns.iter().any(fingertip) { PositionOf::Fingertip } else { PositionOf::Key };
-        Ok(Layout { columns, position_of })
+        let used = |index: usize| columns.iter().any(|column| column.index == index);
+        let unused = titles.iter().enumerate().filter(|&(index, title)| !used(index) && !title.trim().is_empty());
+        let unused = unused.map(|(_, title)| title.trim().to_owned()).collect();
+        Ok(Layout { columns, position_of, unused })
     }
 
     /// Takes the units that a row below the titles states; false where it is no such row.

@@ -124,7 +124,7 @@ fn fitted(derived: &Instrument, references: &[Reference]) -> Result<Instrument, 
         let model = with(x);
         let mut sum = 0.0;
         for r in references {
-            sum += 1.0 - Errors::new(&r.key_m, &r.outcome(&model, true)?).explained;
+            sum += 1.0 - Errors::new(&r.key_m, &r.outcome(&model, true)?, 0).explained;
         }
         Ok(sum)
     };
@@ -240,7 +240,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
             for (k, model) in models.iter().enumerate() {
                 let ours = reference.outcome(&model.instrument, by_force)?;
                 for (part, rows) in [reference.time_s.len(), reference.way_down].into_iter().enumerate() {
-                    let e = Errors::new(&reference.own(by_force)[..rows], &ours[..rows]);
+                    let e = Errors::new(&reference.own(by_force)[..rows], &ours[..rows], 0);
                     explained[part][k] = e.explained;
                     table.row(cells(reference.nuance, by_force, model.name, &e, part == 0));
                 }
@@ -292,7 +292,7 @@ fn whose(instrument: &Instrument, references: &[Reference]) -> Result<Table, Rep
             let position = position.drive();
             let drive: &Drive<'_> = if rigid { &player::rigid(&position) } else { &player::motion(&position) };
             let ours = reference.run(instrument, drive)?.force_n;
-            let e = Errors::new(&reference.force_n, &ours);
+            let e = Errors::new(&reference.force_n, &ours, 0);
             table.row(vec![
                 reference.nuance.into(),
                 name.into(),
