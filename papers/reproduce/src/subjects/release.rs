@@ -1,12 +1,13 @@
 //! The released key comes up and rebounds from its back-rail cloth. How much of that is the finger's way of leaving,
 //! the cloth, the key that is heavier in front while the hammer still falls, and the key's front that swings on when
-//! its back has stopped?
+//! its back has stopped? `landing.rs` puts recorded releases beside it.
 
 use moreau::Settings;
 
 use super::blow::tell;
 use super::felt_losses::{ETA, SLIP, restitution};
 use super::gives::stiffen;
+use super::landing;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
 use erard::run::Setup;
@@ -34,10 +35,11 @@ struct Case {
     mark: Dash,
 }
 
-/// What the key does, its travel over time.
-struct Released {
-    time_s: Vec<f64>,
-    key_m: Vec<f64>,
+/// What key and hammer do over time.
+pub(super) struct Released {
+    pub time_s: Vec<f64>,
+    pub key_m: Vec<f64>,
+    pub head_m: Vec<f64>,
 }
 
 impl Released {
@@ -45,7 +47,8 @@ impl Released {
         let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(4), ..Setup::new(END_S) };
         let run = press_by_hand(&case.instrument, &case.touch, &setup, &mut |_| true)?;
         let from = run.time_s.partition_point(|&t| t < LET_GO_S);
-        Ok(Released { time_s: run.time_s[from..].to_vec(), key_m: run.key_m[from..].to_vec() })
+        let [time_s, key_m, head_m] = [&run.time_s, &run.key_m, &run.hammer_head_m].map(|all| all[from..].to_vec());
+        Ok(Released { time_s, key_m, head_m })
     }
 
     /// When it is up first, s after it is let go.
@@ -121,7 +124,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         case("30 ms, great loss, even key that does not bend", &lossy(&stiff, LOSSES[1]), usual, 0, Dash::Dotted),
     ];
     let mut table = Table::new("The key after it is let go", &["how", "up after (ms)", "rebounds (mm)"]);
-    let (mut curves, mut first) = (Vec::new(), Vec::new());
+    let (mut curves, mut first, mut free) = (Vec::new(), Vec::new(), None);
     for (n, case) in cases.iter().enumerate() {
         tell(progress, n as f64 / cases.len() as f64)?;
         let released = Released::new(case)?;
@@ -140,9 +143,10 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
             colour: case.colour,
             mark: case.mark,
         });
+        free.get_or_insert(released);
     }
     let [at_once, usual, _, slowly, _, cloth, even, both, stiff] = first[..] else { return Ok(Section::default()) };
-    Ok(Section {
+    let mut section = Section {
         text: vec![format!(
             "The key is held with {HOLD_N} N by a hand and let go: the force is gone within the time said, and the hand leaves. A rebound is every way back down \
              by more than {:.1} mm. The cloth's own loss is the elastoplastic one beside b; by itself it gives back {:.2} of a speed, the great one {:.2}. An even key, as heavy behind as in front, is no real \
@@ -171,5 +175,9 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
             panels: vec![ChartPanel { y_label: "key front, down (mm)".into(), y_log: false, y_range: None, curves }],
         }],
         ..Section::default()
-    })
+    };
+    if let Some(free) = &free {
+        landing::add(&grand, free, &mut section);
+    }
+    Ok(section)
 }
