@@ -88,8 +88,8 @@ impl<T: Real> Spring<T> {
     }
 }
 
-/// The second derivative of k g^r, from k g^(r-1): r < 2 bends without bound at first touch; a compression of a nanometre
-/// is no touch.
+/// The second derivative of k g^r, from k g^(r-1): r < 2 bends without bound at first touch; a compression of a
+/// nanometre is no touch.
 #[inline(always)]
 fn bent<T: Real>(r: T, kg: T, compression: T) -> T {
     r * (r - T::ONE) * kg / compression.max(T::from_f64(1e-9))
