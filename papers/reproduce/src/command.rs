@@ -78,7 +78,7 @@ pub(crate) struct Reproduce {
     /// Write every figure as a file of its own too, NAME-0.svg and so on
     #[arg(long)]
     figures: bool,
-    /// Print the tables under the claims, but for those with times on the clock
+    /// Print the tables in place of the claims, but for those with times on the clock
     #[arg(long)]
     tables: bool,
     #[command(flatten)]
@@ -140,15 +140,15 @@ impl Reproduce {
                 .map_err(failure)?;
             drop(progress);
             done += subject.weight;
-            for claim in &section.claims {
+            for claim in section.claims.iter().filter(|_| !self.tables) {
                 let verdict = if claim.holds { "holds" } else { "DOES NOT HOLD" };
                 say!("{:<18} {verdict:<13} {}: {}", subject.name, claim.source, claim.says);
                 say!("{:<18} {:<13} {}", "", "", claim.measured);
             }
             for table in section.tables.iter().filter(|table| self.tables && !table.clock) {
-                say!();
                 say!("{}", table.caption);
                 printed(table).iter().for_each(|line| say!("{line}"));
+                say!();
             }
             reproduced.push(Reproduced { subject, section });
         }
@@ -167,7 +167,9 @@ impl Reproduce {
         }
         output.commit()?;
         let claims = || reproduced.iter().flat_map(|one| &one.section.claims);
-        say!();
+        if !self.tables {
+            say!();
+        }
         say!("{} of {} claims hold.", claims().filter(|c| c.holds).count(), claims().count());
         say!("Written to {}: {}", shown(self.out.folder()), written.join(", "));
         let claims: Vec<ClaimReport> = reproduced.iter().flat_map(ClaimReport::all).collect();

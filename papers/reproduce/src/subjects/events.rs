@@ -1,8 +1,8 @@
 //! When the events of a note happen: how they converge as the step shrinks, and what a hundredth more or less of the
 //! hand's force does to them.
 //!
-//! After the impact felts open and close in an order that small differences may decide. If they did, only a distribution
-//! would be a result there, and no number.
+//! After the impact felts open and close in an order that small differences may decide. If they did, only a
+//! distribution would be a result there, and no number.
 
 use moreau::Settings;
 
@@ -23,8 +23,8 @@ const PLAYED: [usize; 3] = [0, 2, 4];
 /// The hand's force varies by so much, as a whole, and in so many steps.
 const INPUT: f64 = 0.01;
 const DRAWS: usize = 201;
-/// Neighbouring notes of a smooth result differ by a two-hundredth of its spread where it is straight, and by no more than
-/// this.
+/// Neighbouring notes of a smooth result differ by a two-hundredth of its spread where it is straight, and by no more
+/// than this.
 const SMOOTH: f64 = 0.25;
 /// Every so many steps of these notes are kept.
 const KEPT: u64 = 20;
@@ -34,7 +34,7 @@ const LEAST_ORDER: f64 = 0.87;
 /// The events, by the words of the book.
 const EVENTS: [(&str, fn(&Events) -> Option<f64>); 5] = [
     ("key start", |e| e.key_start_s),
-    ("let-off", |e| e.let_off_s),
+    ("last push", |e| e.let_off_s),
     ("impact", Events::hammer_contact_s),
     ("key bottom", |e| e.key_bottom_s),
     ("check", |e| e.check_s),
@@ -187,7 +187,7 @@ type Outcome = fn(&Run) -> Option<f64>;
 const UP_TO_IMPACT: usize = 4;
 const RESULTS: [(&str, &str, Outcome); 7] = [
     ("hammer speed", "m/s", |run| run.events.hammer_speed_m_s()),
-    ("key start to let-off", "ms", |run| after_start_ms(run, run.events.let_off_s)),
+    ("key start to last push", "ms", |run| after_start_ms(run, run.events.let_off_s)),
     ("key start to impact", "ms", |run| after_start_ms(run, run.events.hammer_contact_s())),
     ("key start to key bottom", "ms", |run| after_start_ms(run, run.events.key_bottom_s)),
     ("impact to check", "ms", |run| Some(1e3 * (run.events.check_s? - run.events.hammer_contact_s()?))),
@@ -237,8 +237,8 @@ fn scatter(
     section: &mut Section,
     progress: &mut Progress,
 ) -> Result<(), ReproduceError> {
-    let header = ["level", "result", "5 %", "middle", "95 %", "", "largest jump / spread", "came about"];
-    let mut table = Table::new("Results over a hundredth of the force", &header);
+    let header = ["level", "result", "5 %", "middle", "95 %", "", "jump / spread", "notes"];
+    let mut table = Table::new(format!("Results of {DRAWS} notes over a hundredth of the force"), &header);
     let mut curves = [const { Vec::new() }; RESULTS.len() - UP_TO_IMPACT];
     let (mut smooth, mut roughest, mut later) = (0.0_f64, 0.0_f64, Vec::new());
     for (n, played) in levels.iter().enumerate() {
@@ -261,7 +261,7 @@ fn scatter(
                 high.clone(),
                 (*unit).to_owned(),
                 shown(spread.jump, 2),
-                format!("{} of {DRAWS}", spread.came_about),
+                spread.came_about.to_string(),
             ]);
             if result < UP_TO_IMPACT {
                 smooth = smooth.max(spread.relative());

@@ -1,8 +1,8 @@
 //! A release beside recorded ones: where the hammer is when the key comes home, how far the key comes back, and until
 //! when.
 //!
-//! A hammer that was checked hangs some 30 mm above its rest and falls freely as soon as the repetition lever has met its
-//! stop. Nothing can bring it down sooner than its weight does.
+//! A hammer that was checked hangs some 30 mm above its rest and falls freely as soon as the repetition lever has met
+//! its stop. Nothing can bring it down sooner than its weight does.
 
 use super::release::Released;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Section, Table};
@@ -97,8 +97,8 @@ fn free_fall(instrument: &Instrument) -> Option<f64> {
     Some(torque_n_m / hammer.inertia_kg_m2 * head_m)
 }
 
-/// The part of its speed that the back-rail cloth alone gives back, in closed form: a blow loses 2 eta / (1 + eta) of its
-/// energy, times the mean of (1 - s_i)/(1 + s_i) over four sliders that give one after the other; b apart.
+/// The part of its speed that the back-rail cloth alone gives back, in closed form: a rebound loses 2 eta / (1 + eta)
+/// of its energy, times the mean of (1 - s_i)/(1 + s_i) over four sliders that give one after the other; b apart.
 fn given_back(instrument: &Instrument) -> Option<f64> {
     let cloth = instrument.zones.iter().find(|zone| zone.name == "key_back_rail")?;
     let Loss::Iwan(law) = cloth.felt.loss else { return None };
@@ -116,13 +116,13 @@ pub(super) fn add(instrument: &Instrument, free: &Released, section: &mut Sectio
     let Some(fall_m_s2) = free_fall(instrument) else { return };
     let header = [
         "release",
-        "key home (ms)",
-        "hammer hung (mm)",
-        "hammer then (mm)",
-        "falls that far in (ms)",
-        "hammer home (ms)",
-        "key comes back (mm)",
-        "home again (ms)",
+        "key up (ms)",
+        "hammer at (mm)",
+        "then (mm)",
+        "free fall (ms)",
+        "landed (ms)",
+        "key back (mm)",
+        "up again (ms)",
     ];
     let mut table = Table::new("A release beside recorded ones; times after the key has left", &header);
     let fall_s = |course: &Course| (2.0 * course.hung_m / fall_m_s2).sqrt();

@@ -22,6 +22,8 @@ const LET_GO_S: f64 = 0.4;
 const END_S: f64 = 0.9;
 /// A key this near to its rest is up, m, and one that comes down by more than that rebounds.
 const UP_M: f64 = 0.1e-3;
+/// So many cases are in the picture; the others are in the table only.
+const SHOWN: usize = 9;
 /// Losses of the cloth, compared with b, eta and s of the elastoplastic felt: those of `felt-losses`, and one that
 /// gives little back.
 const LOSSES: [[f64; 2]; 2] = [[ETA, SLIP], [0.9, 0.02]];
@@ -96,6 +98,46 @@ fn lossy(instrument: &Instrument, [eta, slip]: [f64; 2]) -> Instrument {
     other
 }
 
+/// A cloth that is softer and gives less back.
+fn softer(instrument: &Instrument) -> Instrument {
+    let mut other = instrument.clone();
+    for zone in other.zones.iter_mut().filter(|zone| zone.name == "key_back_rail") {
+        zone.felt.stiffness *= 0.1;
+        if let moreau::Loss::Iwan(law) = &mut zone.felt.loss {
+            law.damping *= 3.0;
+        }
+    }
+    other
+}
+
+/// A key whose bend loses more than wood does: cloth under the balance rail would.
+fn dull(instrument: &Instrument) -> Instrument {
+    let mut other = instrument.clone();
+    for body in other.bodies.iter_mut().filter(|body| body.is_bend && body.name == "key") {
+        body.viscous_n_m_s *= 20.0;
+    }
+    other
+}
+
+/// A key that sticks in its pins.
+fn rubbing(instrument: &Instrument) -> Instrument {
+    let mut other = instrument.clone();
+    if let Some(key) = instrument.roles.key {
+        other.bodies[instrument.first_piece(key)].friction_torque_n_m *= 3.0;
+    }
+    other
+}
+
+fn curve(case: &Case, released: &Released) -> ChartCurve {
+    ChartCurve {
+        label: case.name.into(),
+        x: released.time_s.iter().map(|t| 1e3 * (t - LET_GO_S)).collect(),
+        y: released.key_m.iter().map(|y| 1e3 * y).collect(),
+        colour: case.colour,
+        mark: case.mark,
+    }
+}
+
 pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let grand = bending(asked)?;
     let Some(even) = balanced(&grand) else { return Err(ReproduceError::Instrument("there is no key".into())) };
@@ -122,6 +164,11 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         case("30 ms, even key", &even, usual, 6, Dash::Dotted),
         case("30 ms, great loss and even key", &lossy(&even, LOSSES[1]), usual, 7, Dash::Dotted),
         case("30 ms, great loss, even key that does not bend", &lossy(&stiff, LOSSES[1]), usual, 0, Dash::Dotted),
+        // In the table only.
+        case("30 ms, cloth k x 0.1, b x 3", &softer(&grand), usual, 0, Dash::Solid),
+        case("30 ms, loss of the key's bend x 20", &dull(&grand), usual, 0, Dash::Solid),
+        case("30 ms, great loss, loss of the bend x 20", &lossy(&dull(&grand), LOSSES[1]), usual, 0, Dash::Solid),
+        case("30 ms, friction of the key's pin x 3", &rubbing(&grand), usual, 0, Dash::Solid),
     ];
     let mut table = Table::new("The key after it is let go", &["how", "up after (ms)", "rebounds (mm)"]);
     let (mut curves, mut first, mut free) = (Vec::new(), Vec::new(), None);
@@ -135,17 +182,13 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
             released.up_s().map_or("-".into(), |s| format!("{:.0}", 1e3 * s)),
             if shown.is_empty() { "none".into() } else { shown.join(", ") },
         ]);
+        if n < SHOWN {
+            curves.push(curve(case, &released));
+        }
         first.push(1e3 * rebounds.first().copied().unwrap_or(0.0));
-        curves.push(ChartCurve {
-            label: case.name.into(),
-            x: released.time_s.iter().map(|t| 1e3 * (t - LET_GO_S)).collect(),
-            y: released.key_m.iter().map(|y| 1e3 * y).collect(),
-            colour: case.colour,
-            mark: case.mark,
-        });
         free.get_or_insert(released);
     }
-    let [at_once, usual, _, slowly, _, cloth, even, both, stiff] = first[..] else { return Ok(Section::default()) };
+    let [at_once, usual, _, slowly, _, cloth, even, both, stiff, ..] = first[..] else { return Ok(Section::default()) };
     let mut section = Section {
         text: vec![format!(
             "The key is held with {HOLD_N} N by a hand and let go: the force is gone within the time said, and the hand leaves. A rebound is every way back down \

@@ -67,8 +67,8 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         "hammer (m/s)",
         "key bottom (ms)",
         "leaves it by (mm)",
-        "stays off it by (mm)",
-        "in its last place after (ms)",
+        "stays off it (mm)",
+        "in its place after (ms)",
     ];
     let mut table = Table::new("A weight laid on the key", &header);
     let mut section = Section::default();
