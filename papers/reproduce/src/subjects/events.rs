@@ -31,8 +31,11 @@ const KEPT: u64 = 20;
 /// An event whose error shrinks more slowly than the step to this power does not converge.
 const LEAST_ORDER: f64 = 0.87;
 
+/// When an event happens, s; `None` where it does not.
+type Instant = fn(&Events) -> Option<f64>;
+
 /// The events, by the words of the book.
-const EVENTS: [(&str, fn(&Events) -> Option<f64>); 5] = [
+const EVENTS: [(&str, Instant); 5] = [
     ("key start", |e| e.key_start_s),
     ("last push", |e| e.let_off_s),
     ("impact", Events::hammer_contact_s),
