@@ -10,7 +10,7 @@ import pytest
 RECORDINGS = Path(__file__).parents[3] / "recordings"
 
 
-@pytest.mark.parametrize("stroke", ["slow", "medium", "fast"])
+@pytest.mark.parametrize("stroke", ["slow", "medium", "fast", "repeated"])
 def test_recordings_are_made_by_their_script(stroke: str, tmp_path: Path) -> None:
     pytest.importorskip("scipy")
     subprocess.run([sys.executable, RECORDINGS / "calibrate.py", tmp_path], check=True)

@@ -15,7 +15,7 @@ pub(crate) const MEASURES: [Measure; 10] = [
     ("hammer_speed_m_s", "hammer speed at the string", 1.0, "m/s", 3),
     ("key_start_s", "key start", 1e3, "ms", 2),
     ("toe_contact_s", "jack toe at let-off button", 1e3, "ms", 2),
-    ("let_off_s", "let-off", 1e3, "ms", 2),
+    ("let_off_s", "last push on the knuckle", 1e3, "ms", 2),
     ("hammer_contact_s", "hammer contact", 1e3, "ms", 2),
     ("free_flight_s", "free flight", 1e3, "ms", 2),
     ("key_bottom_s", "key bottom", 1e3, "ms", 2),
@@ -116,7 +116,7 @@ impl Summary {
         }
         let strikes = json["strikes"].as_array().map_or(0, Vec::len);
         if strikes > 1 && !one_dof {
-            lines.insert(5, ("blows on the string", strikes.to_string()));
+            lines.insert(5, ("impacts on the string", strikes.to_string()));
         }
         let residual = json["energy_residual_relative"].as_f64().unwrap_or(f64::NAN);
         lines.push(("energy residual", format!("{residual:.1e} of the work put in")));

@@ -1,4 +1,4 @@
-"""Makes the three kawai-kg-3c strokes of kawai-kg-3c-raw.csv: `python calibrate.py [FOLDER]` writes them here, or there. Needs NumPy and SciPy.
+"""Makes the kawai-kg-3c strokes in mm of what was read: `python calibrate.py [FOLDER]` writes them here, or there. Needs NumPy and SciPy.
 
 Source and what is estimated: README.md beside this file.
 """
@@ -29,6 +29,8 @@ BLOW_MM, SHANK_WAY_MM = 2 * MM_PER_INCH, 3.78
 KEY_SEEN_MM, HAMMER_SEEN_MM = 2.0, 6.0
 #: A stroke begins with so much rest, s.
 REST_S = 0.1
+#: Where each stroke was read, and how much of it is made, s.
+STROKES = {"slow": ("raw", 10), "medium": ("raw", 10), "fast": ("raw", 10), "repeated": ("judge-raw", 0.6)}
 
 
 def position(read: np.ndarray, table: list[float], marks_mm: np.ndarray) -> np.ndarray:
@@ -47,10 +49,11 @@ def from_rest(place_mm: np.ndarray, rest: np.ndarray, seen_mm: float) -> np.ndar
 
 def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else HERE
-    raw = np.genfromtxt(HERE / "kawai-kg-3c-raw.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
-    for stroke in ("slow", "medium", "fast"):
+    for stroke, (file, until_s) in STROKES.items():
+        raw = np.genfromtxt(HERE / f"kawai-kg-3c-{file}.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
         rows = raw[raw["stroke"] == stroke]
-        time_s = rows["time_s"]
+        time_s = rows["time_s"] - rows["time_s"][0]
+        rows, time_s = rows[time_s < until_s], time_s[time_s < until_s]
         key_mm = position((rows["key"] - KEY_OFFSET) / KEY_GAIN, KEY_READ, KEY_MM)
         shank_mm = position((rows["hammer"] - HAMMER_OFFSET) / HAMMER_GAIN, HAMMER_READ, SHANK_MM)
         rest = time_s < REST_S

@@ -15,7 +15,7 @@ use erard_figures::figure::chart_svg;
 use serde::Serialize;
 
 use crate::page::{Reproduced, page};
-use crate::subjects::{Claim, ReproduceError, Subject, subjects};
+use crate::subjects::{Claim, ReproduceError, Subject, Table, subjects};
 
 #[derive(Serialize)]
 struct Subjects {
@@ -70,7 +70,7 @@ pub(crate) struct Reproduce {
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     only: Vec<String>,
     /// List the subjects, and do nothing else
-    #[arg(long, conflicts_with_all = ["only", "figures", "out", "force"])]
+    #[arg(long, conflicts_with_all = ["only", "figures", "tables", "out", "force"])]
     list: bool,
     /// End with code 1 when a claim does not hold
     #[arg(long)]
@@ -78,6 +78,9 @@ pub(crate) struct Reproduce {
     /// Write every figure as a file of its own too, NAME-0.svg and so on
     #[arg(long)]
     figures: bool,
+    /// Print the tables in place of the claims, but for those with times on the clock
+    #[arg(long)]
+    tables: bool,
     #[command(flatten)]
     out: OutOptions,
     #[command(flatten)]
@@ -102,6 +105,20 @@ fn failure(error: ReproduceError) -> Failure {
     }
 }
 
+/// A table's lines: what is named in the first column to the left, the rest to the right.
+fn printed(table: &Table) -> Vec<String> {
+    let rows = || [&table.header].into_iter().chain(&table.rows);
+    let width = |column: usize| rows().filter_map(|row| Some(row.get(column)?.chars().count())).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..table.header.len()).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).enumerate();
+        let cells =
+            cells.map(|(n, (cell, &wide))| if n == 0 { format!("{cell:<wide$}") } else { format!("{cell:>wide$}") });
+        format!("  {}", cells.collect::<Vec<_>>().join("  "))
+    };
+    rows().map(line).collect()
+}
+
 impl Reproduce {
     fn run(&self) -> Result<(), Failure> {
         if self.list {
@@ -123,10 +140,15 @@ impl Reproduce {
                 .map_err(failure)?;
             drop(progress);
             done += subject.weight;
-            for claim in &section.claims {
+            for claim in section.claims.iter().filter(|_| !self.tables) {
                 let verdict = if claim.holds { "holds" } else { "DOES NOT HOLD" };
                 say!("{:<18} {verdict:<13} {}: {}", subject.name, claim.source, claim.says);
                 say!("{:<18} {:<13} {}", "", "", claim.measured);
+            }
+            for table in section.tables.iter().filter(|table| self.tables && !table.clock) {
+                say!("{}", table.caption);
+                printed(table).iter().for_each(|line| say!("{line}"));
+                say!();
             }
             reproduced.push(Reproduced { subject, section });
         }
@@ -145,7 +167,9 @@ impl Reproduce {
         }
         output.commit()?;
         let claims = || reproduced.iter().flat_map(|one| &one.section.claims);
-        say!();
+        if !self.tables {
+            say!();
+        }
         say!("{} of {} claims hold.", claims().filter(|c| c.holds).count(), claims().count());
         say!("Written to {}: {}", shown(self.out.folder()), written.join(", "));
         let claims: Vec<ClaimReport> = reproduced.iter().flat_map(ClaimReport::all).collect();

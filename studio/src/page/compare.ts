@@ -40,7 +40,7 @@ export const comparePanel = (app: App, into: HTMLElement): void => {
   });
   const lines: [string, string, number, (which: number) => number | undefined][] = [
     ["hammer speed", "m/s", 2, (which) => app.blowOf(which)],
-    ["let-off, from key start", "ms", 1, (which) => 1e3 * (app.events[which]!.let_off_s - app.events[which]!.key_start_s)],
+    ["last push, from key start", "ms", 1, (which) => 1e3 * (app.events[which]!.let_off_s - app.events[which]!.key_start_s)],
     ["free flight", "ms", 1, (which) => 1e3 * app.events[which]!.free_flight_s],
     ["key bottom \u2212 hammer", "ms", 1, (which) => 1e3 * app.events[which]!.key_bottom_after_blow_s],
   ];
@@ -49,7 +49,7 @@ export const comparePanel = (app: App, into: HTMLElement): void => {
     row.append(h("th", { scope: "row" }, `${name}, ${unit}`));
     return [row.insertCell(), row.insertCell(), row.insertCell()];
   });
-  numbers.prepend(h("caption", {}, "The last blow"));
+  numbers.prepend(h("caption", {}, "The last impact"));
   numbers.createTHead().append(h("tr", {}, ...["", "A", "B", "B \u2212 A"].map((head) => (head ? h("th", { scope: "col" }, head) : h("td")))));
   app.onframe.push(({ poses }) => {
     if (app.state.tab !== "compare" || poses.length < 2) return;

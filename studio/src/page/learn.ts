@@ -75,7 +75,7 @@ const SCENES: Scene[] = [
   {
     title: "Why a held note is still",
     text: [
-      "After the blow the hammer falls back and its tail is caught by the back check: felt and leather hold it by dry friction, 13 mm below the string.",
+      "After the impact the hammer falls back and its tail is caught by the back check: felt and leather hold it by dry friction, 13 mm below the string.",
       "Friction that sticks holds without moving at all. Hold the key, and the page stops computing, for no number changes any more.",
     ],
     a: GRAND,
@@ -92,16 +92,16 @@ const SCENES: Scene[] = [
     title: "What aftertouch is",
     text: [
       "When the jack has escaped, the key has about one more millimetre to go before its front punching: the aftertouch, which makes sure that the jack gets out of the way even in a soft blow.",
-      "A thicker punching takes it away. The jack is then not clear of the knuckle when the hammer comes back, and a soft blow sounds twice.",
+      "A thicker punching takes it away. The jack is then not clear of the knuckle when the hammer comes back, and a soft note sounds twice.",
     ],
     a: GRAND,
     close: false,
     tries: [
-      { label: "A soft blow", act: slowly("pp", false, 1 / 20) },
+      { label: "A soft note", act: slowly("pp", false, 1 / 20) },
       { label: "2 mm more punching", act: turned("front_punching", 1.8, slowly("pp", false, 1 / 20)) },
       { label: "As it was", act: turned("front_punching", null) },
     ],
-    watch: "Count the blows, in the numbers and in the string\u2019s curve.",
+    watch: "Count the impacts, in the numbers and in the string\u2019s curve.",
   },
   {
     title: "Why a heavy hammer feels heavy",
@@ -117,12 +117,12 @@ const SCENES: Scene[] = [
       { label: "Fortissimo", act: slowly("ff", false) },
       { label: "Lighter B: 6 g", act: (app) => void app.turn(1, "hammer", 6).then(() => steady(app)) },
     ],
-    watch: "The blow\u2019s numbers stand side by side: A | B.",
+    watch: "The numbers of the impact stand side by side: A | B.",
   },
   {
     title: "Why repetition fails",
     text: [
-      "For a second blow the jack has to be back under the knuckle before the key is pressed again. The repetition lever holds the hammer up meanwhile, so that less than half of the key\u2019s way is enough: Érard\u2019s double escapement.",
+      "For a second note the jack has to be back under the knuckle before the key is pressed again. The repetition lever holds the hammer up meanwhile, so that less than half of the key\u2019s way is enough: Érard\u2019s double escapement.",
       "With a weak repetition spring the lever does not hold the hammer up, the jack stays beside the knuckle, and the second press lifts nothing.",
     ],
     a: GRAND,
@@ -132,7 +132,7 @@ const SCENES: Scene[] = [
       { label: "The same with a weak spring", act: turned("repetition_spring", -18, again) },
       { label: "As it was", act: turned("repetition_spring", null) },
     ],
-    watch: "Count the blows, then look at the jack\u2019s top when the second press begins.",
+    watch: "Count the impacts, then look at the jack\u2019s top when the second press begins.",
   },
   {
     title: "Why the key bottoms before the hammer strikes",

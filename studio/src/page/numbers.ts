@@ -12,12 +12,12 @@ interface Line {
 
 const ms = (value: number): string => (Number.isFinite(value) ? fixed(1e3 * value, 1) : "\u2013");
 const LINES: Line[] = [
-  { name: "hammer speed", title: "of the strike point at the first blow of the last press", unit: "m/s", of: (_, __, blow) => fixed(blow, 2) },
-  { name: "blows", title: "how often the hammer has met the string since the press began", unit: "", of: (e) => String(e.blows) },
-  { name: "let-off", title: "the last push on the knuckle, from the key's start", unit: "ms", of: (e) => ms(e.let_off_s - e.key_start_s) },
-  { name: "free flight", title: "from let-off to the string", unit: "ms", of: (e) => ms(e.free_flight_s) },
+  { name: "hammer speed", title: "of the strike point at the first impact of the last press", unit: "m/s", of: (_, __, blow) => fixed(blow, 2) },
+  { name: "impacts", title: "how often the hammer has met the string since the press began", unit: "", of: (e) => String(e.blows) },
+  { name: "last push", title: "on the knuckle, from the key's start", unit: "ms", of: (e) => ms(e.let_off_s - e.key_start_s) },
+  { name: "free flight", title: "from the last push to the string", unit: "ms", of: (e) => ms(e.free_flight_s) },
   { name: "key bottom \u2212 hammer", title: "positive: the hammer strikes before the key is down", unit: "ms", of: (e) => ms(e.key_bottom_after_blow_s) },
-  { name: "check", title: "the back check catches the hammer, from the blow", unit: "ms", of: (e) => ms(e.check_s - e.blow_s) },
+  { name: "check", title: "the back check catches the hammer, from the impact", unit: "ms", of: (e) => ms(e.check_s - e.blow_s) },
   { name: "key", title: "travel of the key's front now", unit: "mm", of: (_, pose) => fixed(1e3 * pose.key_m, 2) },
   { name: "finger", title: "its force now", unit: "N", of: (_, pose) => fixed(pose.finger_n, 2) },
 ];

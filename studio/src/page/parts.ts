@@ -28,7 +28,7 @@ export const PARTS: Record<string, PartText> = {
     does: "The hammer strikes it and is thrown back. Its height above the resting hammer is the blow.",
     zones: ["string"], dials: ["string_height"], drag: { dial: "string_height", along: UP },
   },
-  "damper stop rail": { does: "Stops the damper's lever, so that the damper does not fly on after a hard blow.", zones: ["damper_stop"] },
+  "damper stop rail": { does: "Stops the damper's lever, so that the damper does not fly on after a loud note.", zones: ["damper_stop"] },
   "hammer rail": { does: "Carries the hammers' flanges, and below it the let-off buttons.", zones: [] },
   "let-off button": {
     does: "Stops the jack's toe: the jack tips out from under the knuckle, and the hammer flies on alone. Higher is closer to the string.",
@@ -36,7 +36,7 @@ export const PARTS: Record<string, PartText> = {
   },
   "whippen rail": { does: "Carries the whippens' flanges.", dials: ["spread"], zones: [] },
   key: {
-    does: "Drag it down: the pointer is the far end of a soft fingertip. It bends at its balance pin under a hard blow.",
+    does: "Drag it down: the pointer is the far end of a soft fingertip. It bends at its balance pin under a hard press.",
     zones: ["key_front", "key_back_rail", "capstan_heel", "key_damper"], dials: ["leads", "key_bending", "pivots"],
   },
   "key lead": { does: "Lead that makes up for the hammer's weight: it lightens the touch, and adds inertia.", zones: [], dials: ["leads"] },
@@ -50,7 +50,7 @@ export const PARTS: Record<string, PartText> = {
     zones: ["key_damper", "damper_rest", "damper_stop", "damper_tray"], dials: ["damper_timing"], drag: { dial: "damper_timing", along: UP },
   },
   "back check": {
-    does: "Catches the hammer's tail after the blow, by felt and leather that hold by friction.",
+    does: "Catches the hammer's tail after the impact, by felt and leather that hold by friction.",
     zones: ["check"], dials: ["back_check", "back_check_angle", "check_felt"], drag: { dial: "back_check", along: LEFT },
   },
   whippen: { does: "The lever between key and hammer: it carries the jack and the repetition lever.", dials: ["spread", "repetition_spring"] },
@@ -72,7 +72,7 @@ export const PARTS: Record<string, PartText> = {
     does: "Stops the repetition lever just before the string, so that the hammer drops a little after let-off.",
     zones: ["drop_screw"], dials: ["drop"], drag: { dial: "drop", along: DOWN },
   },
-  "hammer shank": { does: "Carries the hammer. It bends: at a hard blow the head is behind its root by millimetres.", zones: ["jack_knuckle", "lever_knuckle", "hammer_rest"], dials: ["shank_bending", "knuckle"] },
+  "hammer shank": { does: "Carries the hammer. It bends: at a loud note the head is behind its root by millimetres.", zones: ["jack_knuckle", "lever_knuckle", "hammer_rest"], dials: ["shank_bending", "knuckle"] },
   "hammer felt": { does: "Wool, stiffer the more it is pressed: a loud note is brighter.", zones: ["string"], dials: ["hammer_felt", "string_height"] },
   "hammer moulding": { does: "The hammer's wood, with the tail that the back check catches. Its every gram is five to six at the key.", zones: ["string", "check"], dials: ["hammer"] },
   finger: { does: "A spring and a damper that only push. How firm it is, the Play panel says.", zones: [] },

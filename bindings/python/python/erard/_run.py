@@ -72,7 +72,7 @@ class Run(Table):
 
     @property
     def free_flight_s(self) -> float | None:
-        """From let-off to the string, s."""
+        """From the last push on the knuckle to the string, s."""
         return self._about["free_flight_s"]  # type: ignore[no-any-return]
 
     @property

@@ -2,14 +2,15 @@
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::level::LevelError;
 use erard::player::Input;
-use erard::run::Setup;
+use erard::run::{Setup, SimulationError};
 use erard_workshop::compare::Which;
 use erard_workshop::cores;
 use erard_workshop::measure::measure_some;
 use erard_workshop::measure::norms::Line;
 use erard_workshop::sample::SampleError;
-use erard_workshop::study::{Job, JobResult, Played, Stroke as JobStroke, Workers, play_all};
+use erard_workshop::study::{Job, Played, Stroke as JobStroke, Workers, play_all};
 
 use super::bands::{self, BandOptions, BandRow};
 use super::options::{
@@ -79,6 +80,10 @@ pub(crate) struct Study {
     duration: Option<f64>,
     #[command(flatten)]
     bands: BandOptions,
+    /// Find the hand of a level for each variant, instead of playing the unvaried instrument's on all. Keys always have
+    /// a hand each
+    #[arg(long, conflicts_with = "sensitivities")]
+    each: bool,
     /// Compute in single precision: twice as many strokes side by side, hammer speeds right to some 1e-4
     #[arg(long)]
     single: bool,
@@ -110,12 +115,14 @@ impl Study {
         let axes = self.axes(&instrument, &source)?;
         let forces = axes.iter().any(|axis| axis.target == Target::Force);
         let stroke = if forces { self.stroke.load_constant()? } else { self.stroke.load(&self.reference(&source)?)? };
+        let each = self.each(&axes)?;
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
         let setup = Setup { settings, start_s: stroke.start_s, hand: stroke.hand(), ..Setup::new(duration_s) };
         check(&setup)?;
         let mut output = self.out.prepare("study", &["study.csv", "study.parquet"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };
-        let varied = Varied { instrument: &instrument, source: &source, model: self.instrument.model, axes: &axes };
+        let model = self.instrument.model;
+        let varied = Varied { instrument: &instrument, source: &source, model, axes: &axes, each };
         let rows = play(&varied, &measures, &stroke, &setup, workers)?;
 
         let mut columns = columns(&axes, &measures, &rows);
@@ -201,7 +208,7 @@ impl Study {
         bands::bands(self.instrument.asked(), count, &names, &flat(columns), None, |instrument, text, progress| {
             let Ok(instrument) = reduced(model, instrument.clone()) else { return Ok(vec![None; names.len()]) };
             let source = Source::Text(text.to_owned());
-            let own = Varied { instrument: &instrument, source: &source, model, axes };
+            let own = Varied { instrument: &instrument, source: &source, model, axes, each: varied.each };
             match play_all_rows(&own, measures, stroke, setup, Workers::one(), progress) {
                 Ok(rows) => Ok(flat(&crate::study::columns(axes, measures, &rows))),
                 Err(_) if !progress(0.0) => Err(SampleError::Interrupted),
@@ -247,6 +254,22 @@ impl Study {
         }
         say!("{written}");
         Ok(())
+    }
+
+    /// The touch whose hand is found for each variant: where that was asked for, and where keys are varied.
+    fn each(&self, axes: &[Axis]) -> Result<Option<&StrokeOptions>, Failure> {
+        let is_touch = self.stroke.is_touch() && !axes.iter().any(|axis| axis.target == Target::Force);
+        let has_levels = self.instrument.model == Which::Action;
+        if self.each && !is_touch {
+            return Err(Failure::Usage("--each finds the hand of a level; expected --stroke or --hammer-speed".into()));
+        }
+        if self.each && !has_levels {
+            return Err(Failure::Usage(
+                "--each finds the hand of a level, and --model one-dof has no hammer; leave one of them out".into(),
+            ));
+        }
+        let wanted = self.each || axes.iter().any(|axis| axis.target == Target::Key);
+        Ok(Some(&self.stroke).filter(|_| wanted && is_touch && has_levels))
     }
 
     /// The unvaried instrument, whole: a level is found on it.
@@ -307,6 +330,8 @@ struct Varied<'a> {
     source: &'a Source,
     model: Which,
     axes: &'a [Axis],
+    /// The touch whose hand is found for each variant; `None` plays one stroke on all.
+    each: Option<&'a StrokeOptions>,
 }
 
 /// Plays, and measures, every combination, in portions.
@@ -387,9 +412,12 @@ fn combination(axes: &[Axis], mut k: usize) -> Vec<usize> {
     indices
 }
 
+/// What came of a stroke, or why nothing did.
+type OwnResult = Result<Played, String>;
+
 /// A portion that has been played.
 struct PlayedPortion {
-    outcomes: Vec<Result<Played, String>>,
+    outcomes: Vec<OwnResult>,
     /// Its variants, and for each combination which of them is its own, or why there is none.
     instruments: Vec<Instrument>,
     variants: Vec<Result<usize, String>>,
@@ -437,14 +465,47 @@ fn play_portion(
         });
         variants.push(place);
     }
-    let mut results: Vec<Option<JobResult>> =
-        play_all(&instruments, jobs, setup, workers, progress)?.into_iter().map(Some).collect();
+    let played: Vec<OwnResult> = match varied.each {
+        // Without forces every combination is a variant, in the order of the jobs.
+        Some(touch) => {
+            let own: Vec<usize> = jobs.iter().map(|job| job.instrument).collect();
+            let found = play_each(&instruments, touch, setup, progress)?;
+            own.into_iter().map(|index| found[index].clone()).collect()
+        }
+        None => {
+            let played = play_all(&instruments, jobs, setup, workers, progress)?;
+            played.into_iter().map(|result| result.map_err(|error| error.to_string())).collect()
+        }
+    };
+    let mut results: Vec<Option<OwnResult>> = played.into_iter().map(Some).collect();
     let outcome = |place: Result<usize, String>| {
         let result = results[place?].take();
-        result.ok_or_else(|| "no result".to_owned())?.map_err(|error| error.to_string())
+        result.ok_or_else(|| "no result".to_owned())?
     };
     let outcomes = places.into_iter().map(outcome).collect();
     Ok(PlayedPortion { outcomes, instruments, variants })
+}
+
+/// Plays on each instrument the hand that its own level asks for. A level out of reach is that instrument's result.
+fn play_each(
+    instruments: &[Instrument],
+    touch: &StrokeOptions,
+    setup: &Setup,
+    progress: &mut erard::Progress<'_>,
+) -> Result<Vec<OwnResult>, Failure> {
+    let play = |instrument: &Instrument, progress: &mut erard::Progress<'_>| {
+        let stroke = match touch.touch_on(instrument, progress) {
+            Ok(stroke) => stroke,
+            Err(LevelError::Interrupted) => return Err(SimulationError::Interrupted),
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        let Ok(inputs) = stroke.inputs(&instrument.finger) else { return Ok(Err("no hand".to_owned())) };
+        let setup = Setup { hand: stroke.hand(), ..*setup };
+        let job = vec![Job { instrument: 0, stroke: inputs }];
+        let mut played = play_all(std::slice::from_ref(instrument), job, &setup, Workers::one(), progress)?;
+        Ok(played.remove(0).map_err(|error| error.to_string()))
+    };
+    Ok(cores::map(instruments, cores::count(), progress, play)?)
 }
 
 /// What was measured of a variant, or why nothing could be.

@@ -162,12 +162,14 @@ struct GroupReport {
     title: String,
     predicted: TallyReport,
     set: TallyReport,
+    /// Rows whose band is wider than what was published.
+    undecided: usize,
     z: Option<f64>,
 }
 
 impl From<GroupResult> for GroupReport {
     fn from(GroupResult { name, title, set, predicted, z }: GroupResult) -> Self {
-        GroupReport { name, title, predicted: predicted.into(), set: set.into(), z }
+        GroupReport { name, title, predicted: predicted.into(), set: set.into(), undecided: 0, z }
     }
 }
 
@@ -246,7 +248,10 @@ impl Report<'_> {
             self.undecided += 1;
             let group = self.groups.iter_mut().find(|group| group.name == report.group);
             let is_set = report.set_by.is_some();
-            let tallies = group.map(|group| if is_set { &mut group.set } else { &mut group.predicted });
+            let tallies = group.map(|group| {
+                group.undecided += 1;
+                if is_set { &mut group.set } else { &mut group.predicted }
+            });
             let all = if is_set { &mut self.set } else { &mut self.predicted };
             for tally in tallies.into_iter().chain([all]) {
                 tally.judged -= 1;
@@ -348,11 +353,14 @@ impl Validate {
 fn print_groups(groups: &[GroupReport]) {
     let share =
         |tally: TallyReport| if tally.judged == 0 { "-".into() } else { format!("{}/{}", tally.met, tally.judged) };
+    let banded = groups.iter().any(|group| group.undecided > 0);
     let cells = groups.iter().map(|group| {
         let z = group.z.map_or_else(|| "-".into(), |z| format!("{z:.2}"));
-        [group.title.clone(), share(group.predicted), share(group.set), z]
+        let undecided = banded.then(|| group.undecided.to_string());
+        [group.title.clone(), share(group.predicted), share(group.set)].into_iter().chain(undecided).chain([z])
     });
-    say!("{}", Table::of(["", "predicted", "set", "z"], cells));
+    let undecided = banded.then_some("cannot tell");
+    say!("{}", Table::of(["", "predicted", "set"].into_iter().chain(undecided).chain(["z"]), cells));
 }
 
 fn print_table(rows: &[RowReport]) {

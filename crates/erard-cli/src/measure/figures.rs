@@ -207,7 +207,7 @@ fn timing(measured: &[Measured]) -> String {
     ];
     let far = largest(series.iter().flat_map(|one| &one.speeds));
     let title = titled(measured, "timing");
-    let what = "after key start; hammer ahead of key bottom; from let-off to the string. pp, p, mf, f, ff";
+    let what = "after key start; hammer ahead of key bottom; from the last push to the string. pp, p, mf, f, ff";
     let over = (0.0, 1.04 * far.max(0.1));
     figure_svg(&Figure::over("hammer speed (m/s)", over, title, subtitled(measured, what), panels))
 }

@@ -139,7 +139,7 @@ fn section(heading: &str, note: &Markup, table: &Table<'_>, one: &Measured, name
 }
 
 fn timing(one: &Measured, named: bool) -> Markup {
-    let note = html! { "Milliseconds after key start; built-in strokes, force driven. " (MIDI_MAP) };
+    let note = html! { "Milliseconds after key start; built-in touches, a hand of 200 g. " (MIDI_MAP) };
     section("Timing sheet", &note, &super::table::timing(one), one, named)
 }
 

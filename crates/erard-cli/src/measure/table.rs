@@ -44,7 +44,7 @@ pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
     let mut out = Table::of([""].into_iter().chain(heads).chain(["usual"]), rows).to_string();
     let whose = |one: &Measured| if measured.len() > 1 { format!(", {}", one.label) } else { String::new() };
     for one in measured {
-        let heading = format!("Timing{} (ms after key start; built-in strokes, force driven)", whose(one));
+        let heading = format!("Timing{} (ms after key start; built-in touches, a hand of 200 g)", whose(one));
         let _ = writeln!(out, "\n  {heading}\n{}", timing(one));
     }
     for one in measured {
@@ -67,7 +67,7 @@ pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
 
 /// The timing sheet of one: milliseconds after key start.
 pub(crate) fn timing(one: &Measured) -> Table<'static> {
-    let heads = ["", "peak (N)", "let-off", "hammer", "bottom", "flight", "hammer before", "speed (m/s)", "MIDI"];
+    let heads = ["", "peak (N)", "last push", "hammer", "bottom", "flight", "hammer before", "speed (m/s)", "MIDI"];
     let rows = one.sheet.timing.iter().map(|row| {
         [
             format!("{} {}", row.nuance, row.touch),

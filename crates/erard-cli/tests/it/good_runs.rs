@@ -23,7 +23,7 @@ fn with_no_argument_the_grand_plays() {
     let printed = folder.good(&["press"]);
     for line in [
         "hammer speed at the string",
-        "let-off",
+        "last push on the knuckle",
         "hammer contact",
         "key bottom",
         "check",

@@ -20,6 +20,30 @@ fn column(folder: &Folder, file: &str, name: &str) -> Vec<Option<f64>> {
     cells.iter().map(|cell| (!cell.is_empty()).then(|| cell.parse().unwrap())).collect()
 }
 
+/// Keys have a hand each, and so has every variant where that is asked for: all are equally loud. One hand for all
+/// makes the heavier hammer slower.
+#[test]
+fn a_level_may_be_found_for_each() {
+    let folder = Folder::new("study-each");
+    let speeds = |options: &[&str]| {
+        folder.good(&[&["study", "--stroke", "p", "--duration", "0.2", "--force"], options].concat());
+        column(&folder, "erard-out-study/study.csv", "hammer_speed_m_per_s")
+            .into_iter()
+            .map(|v| v.expect("it sounds"))
+            .collect::<Vec<_>>()
+    };
+    let is_p = |speed: &f64| (speed / 0.79 - 1.0).abs() < 2e-3;
+    assert!(speeds(&["--vary", "key=1,88"]).iter().all(is_p));
+    let hammers = ["--vary", "body.hammer.mass=0.9,1.1"];
+    assert!(speeds(&[&hammers[..], &["--each"]].concat()).iter().all(is_p));
+    let one_hand = speeds(&hammers);
+    assert!(one_hand[0] > 1.02 * 0.79 && one_hand[1] < 0.98 * 0.79, "{one_hand:?}");
+    let said = folder.bad(&["study", "--each", "--force-step", "3", "--vary", "let_off=0"]);
+    assert!(said.contains("--each") && said.contains("--stroke"), "{said}");
+    let said = folder.bad(&["study", "--each", "--model", "one-dof", "--vary", "body.key.mass=1"]);
+    assert!(said.contains("--each") && said.contains("--model one-dof"), "{said}");
+}
+
 /// Every combination is a row, the last axis fastest; the unmoved one is what `press` computes of the same stroke.
 #[test]
 fn a_study_is_many_presses() {

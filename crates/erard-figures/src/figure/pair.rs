@@ -71,11 +71,11 @@ pub(crate) fn pair_figure<'a>(title: &str, runs: [(&str, &'a Run); 2]) -> Figure
         });
     }
     let speed =
-        |run: &Run| run.events.hammer_speed_m_s().map_or("no blow".to_owned(), |speed| format!("{speed:.2} m/s"));
+        |run: &Run| run.events.hammer_speed_m_s().map_or("no impact".to_owned(), |speed| format!("{speed:.2} m/s"));
     let blow = |(name, run): (&str, &Run)| {
         Some(Marker {
             x: run.events.hammer_contact_s()?,
-            label: format!("blow, {name} {:.1}", run.events.hammer_contact_s()? * 1e3),
+            label: format!("impact, {name} {:.1}", run.events.hammer_contact_s()? * 1e3),
         })
     };
     let longer = if runs[1].1.time_s.last() > runs[0].1.time_s.last() { runs[1].1 } else { runs[0].1 };

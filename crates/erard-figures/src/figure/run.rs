@@ -55,7 +55,7 @@ pub fn over_run<'a>(run: &Run, title: String, subtitle: String, panels: Vec<Pane
 pub fn instants(happened: &Events) -> Vec<(String, f64)> {
     let first = events(happened).into_iter().map(|(name, instant)| (name.to_owned(), instant));
     let more = happened.impacts.iter().enumerate().skip(1).filter(|(_, strike)| strike.time_s.is_finite());
-    first.chain(more.map(|(index, strike)| (format!("blow {}", index + 1), strike.time_s))).collect()
+    first.chain(more.map(|(index, strike)| (format!("impact {}", index + 1), strike.time_s))).collect()
 }
 
 /// The events of the first blow that happened, by the names that all figures and the page use.
@@ -63,7 +63,7 @@ pub fn events(events: &Events) -> Vec<(&'static str, f64)> {
     [
         ("key start", events.key_start_s),
         ("toe contact", events.toe_contact_s),
-        ("let-off", events.let_off_s),
+        ("last push", events.let_off_s),
         ("hammer contact", events.hammer_contact_s()),
         ("key bottom", events.key_bottom_s),
         ("check", events.check_s),
@@ -88,7 +88,7 @@ pub(crate) fn windows(run: &Run) -> Vec<Window> {
     }
     vec![
         Window { heading: "the whole run".into(), names_markers: false, ..whole },
-        Window { from: blow.0, to: blow.1, weight: 1.6, heading: "the blow".into(), names_markers: true },
+        Window { from: blow.0, to: blow.1, weight: 1.6, heading: "around the impact".into(), names_markers: true },
     ]
 }
 

@@ -130,7 +130,7 @@ const showTime = (from, to) => {
   slider.value = now;
   remember();
 };
-const windowNames = data.windows.length > 1 ? ["whole run", "the blow"] : ["whole run"];
+const windowNames = data.windows.length > 1 ? ["whole run", "around the impact"] : ["whole run"];
 data.windows.forEach((window, index) => {
   const button = document.createElement("button");
   button.type = "button";

@@ -133,7 +133,7 @@ pub struct Sheet {
     pub dynamic_range: Vec<Loudness>,
     /// How speeds become MIDI velocities.
     pub midi_map: &'static str,
-    /// Built-in strokes: what happens when.
+    /// Built-in touches, played by a hand of 200 g: what happens when.
     pub timing: Vec<TimingRow>,
     /// Force over travel, pedal down, to the bottom and back.
     pub hysteresis: LoopNumbers,

@@ -6,16 +6,18 @@ use super::MeasureError;
 use super::flight::{Flights, flights};
 use erard::Progress;
 use erard::instrument::Instrument;
-use erard::player;
+use erard::level::{Kind, LEVELS, LevelError, MASS_KG, Reference};
 use erard::run::Events;
-use erard::run::{Setup, simulate};
-use erard::stroke::{NUANCES, Series, Touch};
+use erard::run::{Setup, SimulationError, press_by_hand};
+use erard::stroke::Touch;
 use erard::trust::Warning;
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
+/// Followed so long after the impact, s: the hammer is checked.
+const AFTER_S: f64 = 0.15;
 
-/// One built-in stroke, force driven. Its forces are those that were written for the concert grand.
+/// One built-in touch: a hand whose level is a hammer speed ([`erard::level`]), found on this instrument.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Timing {
     /// `pp`, `p`, `mf`, `f`, `ff`.
@@ -55,24 +57,38 @@ impl Timing {
     }
 }
 
-/// Plays all built-in strokes, pressed ones first.
+/// Plays all built-in touches, pressed ones first. A level that no hand reaches on this instrument is left out.
 ///
 /// # Errors
 /// See [`MeasureError`].
 pub(crate) fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Vec<Timing>, MeasureError> {
+    let failed = |error: LevelError| -> Result<(), MeasureError> {
+        match error {
+            LevelError::Interrupted => Err(SimulationError::Interrupted.into()),
+            LevelError::Action(error) => Err(SimulationError::from(error).into()),
+            _ => Ok(()),
+        }
+    };
     let mut sheet = Vec::new();
+    let mut reference = match Reference::new(instrument, progress) {
+        Ok(reference) => reference,
+        Err(error) => return failed(error).map(|()| sheet),
+    };
     for touch in [Touch::Pressed, Touch::Struck] {
-        for nuance in NUANCES {
-            // Every one of them is there: a test reads them all.
-            let Some(series) = Series::builtin(nuance, touch) else { continue };
-            let Some(force) = &series.force else { continue };
+        for (nuance, speed_m_s) in LEVELS {
+            let solved = match reference.solve(Kind { touch, mass_kg: MASS_KG }, speed_m_s, &mut |_| progress(0.0)) {
+                Ok(solved) => solved,
+                Err(error) => {
+                    failed(error)?;
+                    continue;
+                }
+            };
             let setup = Setup {
                 settings: Settings::new(STEP_S),
-                start_s: series.start_s(),
                 record_every: Some(1),
-                ..Setup::new(series.end_s() - series.start_s())
+                ..Setup::new(solved.impact.time_s + AFTER_S)
             };
-            let run = simulate(instrument, &player::force(force.drive()), &setup, &mut |_| progress(0.0))?;
+            let run = press_by_hand(instrument, &solved.held(), &setup, &mut |_| progress(0.0))?;
             sheet.push(Timing {
                 nuance,
                 touch,

@@ -67,7 +67,7 @@ pub const USUAL: [&str; 5] =
 pub fn quantities() -> Vec<Quantity> {
     let told = [
         ("hammer_speed_m_per_s", "hammer speed", "m/s", false),
-        ("let_off_s", "let-off", "ms", true),
+        ("let_off_s", "last push", "ms", true),
         ("hammer_contact_s", "hammer meets the string", "ms", true),
         ("key_bottom_s", "key meets its bottom", "ms", true),
         ("key_bottom_after_blow_s", "key bottom after the blow", "ms", true),

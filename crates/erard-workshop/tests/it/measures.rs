@@ -441,6 +441,12 @@ fn an_action_without_a_damper_has_a_sheet() {
     let sheet = measure(&bare, &mut |_| true).unwrap();
     assert!(sheet.dampers_down.is_none() && sheet.hysteresis_dampers_down.is_none());
     near("down-weight", sheet.down_weight_g.unwrap(), down(grand_weighed()), SCALE_G);
+    // Every row is its level.
+    let levels = erard::level::LEVELS.iter().cycle();
+    for (row, (name, speed_m_s)) in sheet.timing.iter().zip(levels) {
+        assert_eq!(row.nuance, *name);
+        near(name, row.hammer_speed_m_s.unwrap(), *speed_m_s, 2e-3 * speed_m_s);
+    }
     assert_eq!(sheet.timing.len(), 10);
     // Every line of the printed sheet stands in the JSON under its key, with the same value.
     let json = serde_json::to_value(&sheet).unwrap();

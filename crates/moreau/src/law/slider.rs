@@ -8,7 +8,7 @@
 
 use super::hook::{MEMORY, Memory, Path, Pressing};
 use super::spring::{Curvature, Exponent, FAR, Pressed, Spring, TINY};
-use crate::real::{Mask, Real};
+use crate::real::{Mask, Real, Scalar};
 
 /// A slider that gives early on the step's path bends the force by less than the quick test allows it, if the square of
 /// the part of the way on which it held, times x over the way, is below this.
@@ -120,7 +120,7 @@ pub(crate) fn bend<T: Real>(
         knee += T::only(slid.holds.not(), slider.ratio * slid.held * slid.held * (one + slider.slip));
     }
     let reach = two * timing.h_theta;
-    let curvature = spring.at(way.from.g).curvature.max(spring.at(way.to.g).curvature);
+    let curvature = way.from.curvature(spring).max(way.to.curvature(spring));
     let knee = way.kappa * knee * way.chord.mean * way.to.slope * way.to.slope / way.length.abs().max(tiny);
     let deepest = way.from.g.max(way.to.g);
     let speed = damping * rate.abs();
@@ -295,7 +295,7 @@ struct Measure<T> {
     x: T,
     /// dx/dg.
     slope: T,
-    /// Its square root where r = 2, its fourth root where r = 2.5, else of no use.
+    /// Its square root where r = 2, its fourth root where r = 2.5, else g^(m - 1).
     root: T,
 }
 
@@ -315,9 +315,21 @@ impl<T: Real> Measure<T> {
                 (square * root, root)
             }
             Exponent::Three => (g, g),
-            Exponent::Other(_) => (g.powf(m - T::ONE), g),
+            Exponent::Other(_) => {
+                let lower = g.powf(m - T::ONE);
+                (lower, lower)
+            }
         };
         Measure { g, x: g * lower, slope: m * lower, root }
+    }
+
+    /// The second derivative of k g^r, without another power: g^(r - 1) is the square of g^(m - 1).
+    #[inline(always)]
+    fn curvature(&self, spring: &Spring<T>) -> T {
+        match spring.exponent {
+            Exponent::Other(_) => spring.bent(spring.stiffness * self.root * self.root, self.g),
+            _ => spring.at(self.g).curvature,
+        }
     }
 }
 
@@ -355,10 +367,16 @@ impl<T: Real> Chord<T> {
                 let (way, sum) = (after.g - before.g, (after.g + before.g).max(tiny));
                 let far = (cube_root_of_epsilon::<T>() * sum).lt(way.abs());
                 let divisor = T::select(far, way, one);
-                let middle = Measure::of(spring, half * sum);
-                let bend = (half_power(spring) - one) * middle.slope / middle.g.max(tiny);
-                let mean = T::select(far, (after.x - before.x) / divisor, middle.slope);
-                (mean, T::select(far, (after.slope - mean) / divisor, half * bend))
+                let mean = (after.x - before.x) / divisor;
+                let slope = (after.slope - mean) / divisor;
+                if far.all() {
+                    (mean, slope)
+                } else {
+                    let middle = Measure::of(spring, half * sum);
+                    let bend = (half_power(spring) - one) * middle.slope / middle.g.max(tiny);
+                    let mean = T::select(far, mean, middle.slope);
+                    (mean, T::select(far, (after.slope - mean) / divisor, half * bend))
+                }
             }
         };
         // Where the path begins or ends apart, only a part of it counts.
@@ -378,5 +396,30 @@ impl<T: Real> Chord<T> {
 /// derivative.
 #[inline(always)]
 fn cube_root_of_epsilon<T: Real>() -> T {
-    T::EPSILON.powf(T::from_f64(1.0 / 3.0))
+    let is_double = T::EPSILON.lane(0).to_f64() < f64::from(f32::EPSILON);
+    T::from_f64(if is_double { 6.055454452393343e-6 } else { 4.921566601151848e-3 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn third_roots_of_both_precisions() {
+        let near = |root: f64, epsilon: f64| (root * root * root - epsilon).abs() < 1e-6 * epsilon;
+        assert!(near(cube_root_of_epsilon(), f64::EPSILON));
+        assert!(near(f64::from(cube_root_of_epsilon::<f32>()), f64::from(f32::EPSILON)));
+    }
+
+    /// The second derivative without another power is the spring's own, for any exponent.
+    #[test]
+    fn curvature_is_the_springs() {
+        for r in [1.5, 1.8, 2.0, 2.3, 2.5, 3.0, 3.4] {
+            let spring = Spring { stiffness: 2e7, exponent: Exponent::new(r) };
+            for g in [0.0, 1e-9, 1e-5, 7e-4] {
+                let (found, own) = (Measure::of(&spring, g).curvature(&spring), spring.at(g).curvature);
+                assert!((found - own).abs() <= 1e-14 * own, "{r} {g}: {found} {own}");
+            }
+        }
+    }
 }

@@ -74,12 +74,25 @@ impl<T: Real> Spring<T> {
         Elastic::of(self.stiffness, &self.exponent, compression)
     }
 
+    /// The second derivative of k g^r in g, from k g^(r-1).
+    #[inline(always)]
+    pub(crate) fn bent(&self, kg: T, compression: T) -> T {
+        bent(self.exponent.value(), kg, compression)
+    }
+
     /// Energy stored at a compression g: k g^(r+1) / (r+1), J.
     pub(crate) fn stored(&self, compression: T) -> T {
         let r = self.exponent.value();
         let g = compression.max(T::ZERO);
         self.stiffness * g.powf(r + T::ONE) / (r + T::ONE)
     }
+}
+
+/// The second derivative of k g^r, from k g^(r-1): r < 2 bends without bound at first touch; a compression of a
+/// nanometre is no touch.
+#[inline(always)]
+fn bent<T: Real>(r: T, kg: T, compression: T) -> T {
+    r * (r - T::ONE) * kg / compression.max(T::from_f64(1e-9))
 }
 
 /// k g^r with its first and second derivative in g.
@@ -112,9 +125,7 @@ impl<T: Real> Elastic<T> {
             }
             Exponent::Other(r) => {
                 let kg = stiffness * compression.powf(r - T::ONE);
-                // r < 2 bends without bound at first touch; a compression of a nanometre is no touch.
-                let curvature = r * (r - T::ONE) * kg / compression.max(c(1e-9));
-                Elastic { force: kg * compression, slope: r * kg, curvature }
+                Elastic { force: kg * compression, slope: r * kg, curvature: bent(r, kg, compression) }
             }
         }
     }

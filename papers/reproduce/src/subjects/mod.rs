@@ -15,9 +15,11 @@ mod convergence;
 mod drives;
 mod dynamics;
 mod energy;
+mod events;
 mod felt_losses;
 mod friction;
 mod gives;
+mod landing;
 mod levers;
 mod order;
 mod outlook;
@@ -26,6 +28,7 @@ mod solvers;
 mod strings;
 mod touch;
 mod transfer;
+mod weight;
 
 use thiserror::Error;
 
@@ -160,6 +163,8 @@ pub fn subjects() -> Vec<Subject> {
         subject("what-gives", "What gives in a blow, and what it does to timing", 8.0, gives::section),
         subject("dynamics", "From gentle to loud: touches, hands, travel times", 3.0, dynamics::section),
         subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
+        subject("events", "How events converge, and which of them are chance", 6.0, events::section),
+        subject("laid-weight", "A weight laid on the key", 1.0, weight::section),
         subject("strings", "Strings that yield, their dampers and their bridge", 6.0, strings::section),
         subject("outlook", "What the papers leave for later", 0.1, outlook::section),
     ]

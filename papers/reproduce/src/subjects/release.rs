@@ -1,12 +1,13 @@
 //! The released key comes up and rebounds from its back-rail cloth. How much of that is the finger's way of leaving,
 //! the cloth, the key that is heavier in front while the hammer still falls, and the key's front that swings on when
-//! its back has stopped?
+//! its back has stopped? `landing.rs` puts recorded releases beside it.
 
 use moreau::Settings;
 
 use super::blow::tell;
 use super::felt_losses::{ETA, SLIP, restitution};
 use super::gives::stiffen;
+use super::landing;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
 use erard::run::Setup;
@@ -21,6 +22,8 @@ const LET_GO_S: f64 = 0.4;
 const END_S: f64 = 0.9;
 /// A key this near to its rest is up, m, and one that comes down by more than that rebounds.
 const UP_M: f64 = 0.1e-3;
+/// So many cases are in the picture; the others are in the table only.
+const SHOWN: usize = 9;
 /// Losses of the cloth, compared with b, eta and s of the elastoplastic felt: those of `felt-losses`, and one that
 /// gives little back.
 const LOSSES: [[f64; 2]; 2] = [[ETA, SLIP], [0.9, 0.02]];
@@ -34,10 +37,11 @@ struct Case {
     mark: Dash,
 }
 
-/// What the key does, its travel over time.
-struct Released {
-    time_s: Vec<f64>,
-    key_m: Vec<f64>,
+/// What key and hammer do over time.
+pub(super) struct Released {
+    pub time_s: Vec<f64>,
+    pub key_m: Vec<f64>,
+    pub head_m: Vec<f64>,
 }
 
 impl Released {
@@ -45,7 +49,8 @@ impl Released {
         let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(4), ..Setup::new(END_S) };
         let run = press_by_hand(&case.instrument, &case.touch, &setup, &mut |_| true)?;
         let from = run.time_s.partition_point(|&t| t < LET_GO_S);
-        Ok(Released { time_s: run.time_s[from..].to_vec(), key_m: run.key_m[from..].to_vec() })
+        let [time_s, key_m, head_m] = [&run.time_s, &run.key_m, &run.hammer_head_m].map(|all| all[from..].to_vec());
+        Ok(Released { time_s, key_m, head_m })
     }
 
     /// When it is up first, s after it is let go.
@@ -93,6 +98,46 @@ fn lossy(instrument: &Instrument, [eta, slip]: [f64; 2]) -> Instrument {
     other
 }
 
+/// A cloth that is softer and gives less back.
+fn softer(instrument: &Instrument) -> Instrument {
+    let mut other = instrument.clone();
+    for zone in other.zones.iter_mut().filter(|zone| zone.name == "key_back_rail") {
+        zone.felt.stiffness *= 0.1;
+        if let moreau::Loss::Iwan(law) = &mut zone.felt.loss {
+            law.damping *= 3.0;
+        }
+    }
+    other
+}
+
+/// A key whose bend loses more than wood does: cloth under the balance rail would.
+fn dull(instrument: &Instrument) -> Instrument {
+    let mut other = instrument.clone();
+    for body in other.bodies.iter_mut().filter(|body| body.is_bend && body.name == "key") {
+        body.viscous_n_m_s *= 20.0;
+    }
+    other
+}
+
+/// A key that sticks in its pins.
+fn rubbing(instrument: &Instrument) -> Instrument {
+    let mut other = instrument.clone();
+    if let Some(key) = instrument.roles.key {
+        other.bodies[instrument.first_piece(key)].friction_torque_n_m *= 3.0;
+    }
+    other
+}
+
+fn curve(case: &Case, released: &Released) -> ChartCurve {
+    ChartCurve {
+        label: case.name.into(),
+        x: released.time_s.iter().map(|t| 1e3 * (t - LET_GO_S)).collect(),
+        y: released.key_m.iter().map(|y| 1e3 * y).collect(),
+        colour: case.colour,
+        mark: case.mark,
+    }
+}
+
 pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let grand = bending(asked)?;
     let Some(even) = balanced(&grand) else { return Err(ReproduceError::Instrument("there is no key".into())) };
@@ -119,9 +164,14 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         case("30 ms, even key", &even, usual, 6, Dash::Dotted),
         case("30 ms, great loss and even key", &lossy(&even, LOSSES[1]), usual, 7, Dash::Dotted),
         case("30 ms, great loss, even key that does not bend", &lossy(&stiff, LOSSES[1]), usual, 0, Dash::Dotted),
+        // In the table only.
+        case("30 ms, cloth k x 0.1, b x 3", &softer(&grand), usual, 0, Dash::Solid),
+        case("30 ms, loss of the key's bend x 20", &dull(&grand), usual, 0, Dash::Solid),
+        case("30 ms, great loss, loss of the bend x 20", &lossy(&dull(&grand), LOSSES[1]), usual, 0, Dash::Solid),
+        case("30 ms, friction of the key's pin x 3", &rubbing(&grand), usual, 0, Dash::Solid),
     ];
     let mut table = Table::new("The key after it is let go", &["how", "up after (ms)", "rebounds (mm)"]);
-    let (mut curves, mut first) = (Vec::new(), Vec::new());
+    let (mut curves, mut first, mut free) = (Vec::new(), Vec::new(), None);
     for (n, case) in cases.iter().enumerate() {
         tell(progress, n as f64 / cases.len() as f64)?;
         let released = Released::new(case)?;
@@ -132,17 +182,14 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
             released.up_s().map_or("-".into(), |s| format!("{:.0}", 1e3 * s)),
             if shown.is_empty() { "none".into() } else { shown.join(", ") },
         ]);
+        if n < SHOWN {
+            curves.push(curve(case, &released));
+        }
         first.push(1e3 * rebounds.first().copied().unwrap_or(0.0));
-        curves.push(ChartCurve {
-            label: case.name.into(),
-            x: released.time_s.iter().map(|t| 1e3 * (t - LET_GO_S)).collect(),
-            y: released.key_m.iter().map(|y| 1e3 * y).collect(),
-            colour: case.colour,
-            mark: case.mark,
-        });
+        free.get_or_insert(released);
     }
-    let [at_once, usual, _, slowly, _, cloth, even, both, stiff] = first[..] else { return Ok(Section::default()) };
-    Ok(Section {
+    let [at_once, usual, _, slowly, _, cloth, even, both, stiff, ..] = first[..] else { return Ok(Section::default()) };
+    let mut section = Section {
         text: vec![format!(
             "The key is held with {HOLD_N} N by a hand and let go: the force is gone within the time said, and the hand leaves. A rebound is every way back down \
              by more than {:.1} mm. The cloth's own loss is the elastoplastic one beside b; by itself it gives back {:.2} of a speed, the great one {:.2}. An even key, as heavy behind as in front, is no real \
@@ -171,5 +218,9 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
             panels: vec![ChartPanel { y_label: "key front, down (mm)".into(), y_log: false, y_range: None, curves }],
         }],
         ..Section::default()
-    })
+    };
+    if let Some(free) = &free {
+        landing::add(&grand, free, &mut section);
+    }
+    Ok(section)
 }

@@ -16,11 +16,11 @@ fn section(name: &str) -> Section {
 /// Claims of the papers (and of this program about itself) that hold on the shipped instrument.
 #[test]
 fn claims_hold() {
-    hold(&["paper2-felt", "paper3-levers"]);
+    hold(&["paper2-felt", "paper3-levers", "released-key"]);
 }
 
 #[test]
-#[ignore = "ci: eight subjects of the report"]
+#[ignore = "ci: nine subjects of the report"]
 fn claims_of_slow_subjects_hold() {
     hold(&[
         "paper1-transfer",
@@ -30,6 +30,7 @@ fn claims_of_slow_subjects_hold() {
         "scheme-energy",
         "scheme-solvers",
         "what-gives",
+        "events",
         "strings",
     ]);
 }
@@ -44,6 +45,14 @@ fn hold(names: &[&str]) {
             assert!(claim.holds, "{name}: {}: {}", claim.says, claim.measured);
         }
     }
+}
+
+/// A weight laid on the key still makes it leave its punching by more than it should. Whoever mends that changes the
+/// chapter that says so.
+#[test]
+fn a_laid_weight_bounces() {
+    let claims = section("laid-weight").claims;
+    assert!(claims.len() == 1 && !claims[0].holds, "{}", claims[0].measured);
 }
 
 /// Adaptive steps cost less at 1e-6, for the hammer's speed and for the trajectory, and keep to their tolerance. (At

@@ -90,8 +90,16 @@ fn the_list() {
     let folder = folder("list");
     let output = folder.erard(&["--list"]);
     let text = String::from_utf8(output.stdout).unwrap();
-    assert_eq!(text.lines().count(), 22);
+    assert_eq!(text.lines().count(), 24);
     assert!(text.contains("conformance ") && text.contains("scheme-order"));
+}
+
+/// Tables come in place of claims, with their headings.
+#[test]
+fn tables_in_place_of_claims() {
+    let output = folder("tables").erard(&["--only", "laid-weight", "--tables"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("leaves it by (mm)") && text.contains("\n  300 ") && !text.contains("asked of"), "{text}");
 }
 
 /// Exit code 0 where every claim holds although misses were to fail; `erard reproduce` says where the program went,

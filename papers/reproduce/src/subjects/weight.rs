@@ -1,0 +1,140 @@
+//! A weight laid on the key and taken off: no muscle, and nothing that anybody must believe of a hand. Whoever has a
+//! grand and a telephone can film it.
+
+use moreau::Settings;
+
+use super::blow::tell;
+use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending};
+use erard::instrument::Instrument;
+use erard::player::Hand;
+use erard::run::{Run, Setup, press_by_hand};
+use erard::stroke::{HandStroke, Muscle};
+
+/// s.
+const STEP_S: f64 = 50e-6;
+/// Weights, kg.
+const WEIGHTS_KG: [f64; 5] = [0.1, 0.15, 0.2, 0.3, 0.5];
+const SHOWN_KG: f64 = 0.3;
+/// Taken off at this instant, and followed until then, s.
+const OFF_S: f64 = 0.5;
+const END_S: f64 = 0.9;
+/// A key that is farther than this above its last place has not come to it, m.
+const LEFT_M: f64 = 0.05e-3;
+/// Asked of a good key: so far from its punching at most, m, and in its last place after so long, s.
+const ASKED: (f64, f64) = (0.3e-3, 0.030);
+
+/// What a weight does.
+struct Laid {
+    run: Run,
+    /// How far the key comes up from where it meets its punching, m; 0 where it stays.
+    leaves_m: f64,
+    /// How far it stays off it until the weight is taken away, m.
+    stays_m: f64,
+    /// How long after it first met it the key is in that place, s.
+    until_s: f64,
+}
+
+impl Laid {
+    fn new(instrument: &Instrument, weight_kg: f64) -> Result<Self, ReproduceError> {
+        let force_n = weight_kg * instrument.gravity_m_s2;
+        let laid = HandStroke {
+            hand: Hand { mass_kg: weight_kg, ..Hand::default() },
+            muscle: Muscle::Steady { force_n },
+            relaxes: None,
+            leaves: None,
+        };
+        let setup =
+            Setup { settings: Settings::new(STEP_S), record_every: Some(4), ledger: false, ..Setup::new(END_S) };
+        let run = press_by_hand(instrument, &laid.letting_go(OFF_S), &setup, &mut |_| true)?;
+        let Some(bottom_s) = run.events.key_bottom_s.filter(|&bottom_s| bottom_s < OFF_S) else {
+            return Ok(Laid { run, leaves_m: f64::NAN, stays_m: f64::NAN, until_s: f64::NAN });
+        };
+        let rows = |s: f64| run.time_s.partition_point(|&t| t < s);
+        let (from, to) = (rows(bottom_s), rows(OFF_S));
+        let met_m = run.key_m[from];
+        let leaves_m = met_m - run.key_m[from..to].iter().copied().fold(met_m, f64::min);
+        let end_m = run.key_m[to - 1];
+        let off = run.key_m[from..to].iter().rposition(|&key_m| end_m - key_m > LEFT_M);
+        let until_s = off.map_or(0.0, |row| run.time_s[from + row] - bottom_s);
+        Ok(Laid { run, leaves_m, stays_m: (met_m - end_m).max(0.0), until_s })
+    }
+}
+
+pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
+    let instrument = bending(asked)?;
+    let header = [
+        "weight (g)",
+        "hammer (m/s)",
+        "key bottom (ms)",
+        "leaves it by (mm)",
+        "stays off it (mm)",
+        "in its place after (ms)",
+    ];
+    let mut table = Table::new("A weight laid on the key", &header);
+    let mut section = Section::default();
+    for (n, weight_kg) in WEIGHTS_KG.into_iter().enumerate() {
+        tell(progress, n as f64 / WEIGHTS_KG.len() as f64)?;
+        let laid = Laid::new(&instrument, weight_kg)?;
+        let events = &laid.run.events;
+        let shown = |value: Option<f64>, digits: usize| value.map_or("-".into(), |value| format!("{value:.digits$}"));
+        let number = |value: f64| Some(value).filter(|value| value.is_finite());
+        table.row([
+            format!("{:.0}", 1e3 * weight_kg),
+            shown(events.hammer_speed_m_s(), 2),
+            shown(events.key_bottom_s.map(|s| 1e3 * s), 0),
+            shown(number(1e3 * laid.leaves_m), 2),
+            shown(number(1e3 * laid.stays_m), 2),
+            shown(number(1e3 * laid.until_s), 0),
+        ]);
+        if weight_kg == SHOWN_KG {
+            section.claims.push(Claim::new(
+                "asked of a good key",
+                format!(
+                    "{:.0} g laid on the key: it leaves its punching by less than {:.1} mm, and is in its last place within {:.0} ms",
+                    1e3 * weight_kg,
+                    1e3 * ASKED.0,
+                    1e3 * ASKED.1
+                ),
+                format!(
+                    "by {:.2} mm, in its last place after {:.0} ms, {:.2} mm above it",
+                    1e3 * laid.leaves_m,
+                    1e3 * laid.until_s,
+                    1e3 * laid.stays_m
+                ),
+                laid.leaves_m < ASKED.0 && laid.until_s < ASKED.1,
+            ));
+            section.charts.push(chart(&laid.run));
+        }
+    }
+    section.text.push(format!(
+        "The weight stands on the resting key and is let go; at {:.0} ms it is taken off within 2 ms. Distances are from where the key first meets its punching.",
+        1e3 * OFF_S
+    ));
+    section.tables.push(table);
+    Ok(section)
+}
+
+fn chart(run: &Run) -> Chart {
+    let panel = |y_label: &str, label: &str, values: &[f64], colour| ChartPanel {
+        y_label: y_label.into(),
+        y_log: false,
+        y_range: None,
+        curves: vec![ChartCurve {
+            label: label.into(),
+            x: run.time_s.iter().map(|t| 1e3 * t).collect(),
+            y: values.iter().map(|m| 1e3 * m).collect(),
+            colour,
+            mark: Dash::Solid,
+        }],
+    };
+    Chart {
+        title: format!("A weight of {:.0} g laid on the key and taken off", 1e3 * SHOWN_KG),
+        caption: format!("Laid on at 0, taken off at {:.0} ms", 1e3 * OFF_S),
+        x_label: "time (ms)".into(),
+        x_log: false,
+        panels: vec![
+            panel("key front, down (mm)", "key", &run.key_m, 0),
+            panel("hammer, up (mm)", "hammer", &run.hammer_head_m, 1),
+        ],
+    }
+}
