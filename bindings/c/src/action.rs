@@ -43,8 +43,9 @@ impl ErardAction {
 
 /// An action at rest, nothing touching its key, from the text of an instrument file (UTF-8, `length` bytes, no zero
 /// needed at its end); NULL and 0: the built-in concert grand. `step_s` is the length of a step, s: 50e-6 unless you
-/// know better. NULL where it cannot be had; why is written to `status` (which may be NULL), and erard_last_error says
-/// it in words. Real time: no (it reads, allocates, and simulates until the action rests).
+/// know better (1/24000 where strings sound; any step is halved as often as needed while the hammer is near them). NULL
+/// where it cannot be had; why is written to `status` (which may be NULL), and erard_last_error says it in words. Real
+/// time: no (it reads, allocates, and simulates until the action rests).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_new(
     text: *const c_char,

@@ -155,15 +155,20 @@ impl Action {
 impl Action {
     #[new]
     fn new(py: Python<'_>, instrument: &Instrument, steps: Steps) -> PyResult<Self> {
-        let settings = steps.settings()?;
+        let settings = steps.settings(&instrument.inner)?;
         let inner = instrument.inner.clone();
-        steps.setup(0.0, 1.0)?.check().map_err(|error: SimulationError| fault::simulation(&error))?;
+        steps.setup(&inner, 0.0, 1.0)?.check().map_err(|error: SimulationError| fault::simulation(&error))?;
         let hand = steps.hand()?;
         let mut player = py.detach(|| Player::with(&inner, settings)).map_err(|error| fault::action(&error))?;
         if let Some(hand) = &hand {
             player.place_hand(hand.start_m, hand.start_m_s);
         }
         Ok(Action { player: Mutex::new(player), instrument: inner, hand })
+    }
+
+    /// Length of a step, s.
+    fn step_s(&self) -> f64 {
+        self.player.lock().unwrap_or_else(std::sync::PoisonError::into_inner).settings().step
     }
 
     #[pyo3(signature = (force, motion, rigid))]

@@ -293,7 +293,7 @@ pub fn draw(
     caption: String,
 ) -> PyResult<String> {
     let (own, stroke) = (instrument.inner.clone(), stroke.inner.clone());
-    let setup = steps.setup_of(&stroke, Some(at_s.max(steps.settings()?.step)))?;
+    let setup = steps.setup_of(&own, &stroke, Some(at_s.max(steps.settings(&own)?.step)))?;
     let setup = Setup { record_every: None, ..setup };
     let run = {
         let own = own.clone();

@@ -62,7 +62,7 @@ impl Problem {
         threads: Option<usize>,
     ) -> PyResult<Self> {
         let drive = drive.map(prescribed).transpose()?;
-        let how = steps.setup(0.0, 1.0)?;
+        let how = steps.setup(&instrument.inner, 0.0, 1.0)?;
         how.check().map_err(|error| fault::simulation(&error))?;
         let bounds = bounds.into_iter().map(|(name, (low, high))| (name, [low, high])).collect();
         let free = free(&instrument.file(), &vary, &bounds).map_err(told)?;

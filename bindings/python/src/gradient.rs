@@ -38,7 +38,7 @@ pub fn gradient<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     steps.for_derivatives()?;
     let inner = stroke.inner.clone();
-    let setup = steps.setup_of(&inner, duration)?;
+    let setup = steps.setup_of(&instrument.inner, &inner, duration)?;
     let setup = Setup { ledger: false, ..setup };
     let own = instrument.inner.clone();
     let variable = |(name, sides): (String, Option<Sides<'py>>)| {

@@ -42,7 +42,7 @@ pub fn compare<'py>(
         None => series,
     };
     // Only the settings count: how long it lasts, the recording says.
-    let setup: Setup = steps.setup(0.0, 1.0)?;
+    let setup: Setup = steps.setup(&instrument.inner, 0.0, 1.0)?;
     let own = instrument.inner.clone();
     let comparison = watched(
         py,

@@ -217,8 +217,11 @@ pub fn rollout<'py>(
         strokes.push(Arc::new(stroke));
     }
     let jobs = (0..count).map(|row| (Ok(if many { row } else { 0 }), row)).collect();
-    let instruments = instruments.iter().map(|one| plain(&one.get().inner)).collect();
-    let setup = steps.setup(0.0, dt * (samples.max(2) - 1) as f64)?;
+    let instruments: Vec<Inner> = instruments.iter().map(|one| plain(&one.get().inner)).collect();
+    let Some(reference) = instruments.first() else {
+        return Err(wrong_argument("instruments", "found none, expected one or more"));
+    };
+    let setup = steps.setup(reference, 0.0, dt * (samples.max(2) - 1) as f64)?;
     run(py, Plan { instruments, jobs, strokes }, setup, &work, progress)
 }
 
@@ -243,7 +246,10 @@ pub fn play_all<'py>(
         return Err(wrong_argument("jobs", format!("there is no instrument {i} or no stroke {s}")));
     }
     let longest = strokes.iter().map(|stroke| stroke.get().inner.duration_s).fold(0.0, f64::max);
-    let setup = steps.setup_of(&first, duration.or(Some(longest)))?;
+    let Some(reference) = instruments.first() else {
+        return Err(wrong_argument("instruments", "found none, expected one or more"));
+    };
+    let setup = steps.setup_of(&reference.get().inner, &first, duration.or(Some(longest)))?;
     if strokes.iter().any(|stroke| stroke.get().inner.hand() != first.hand()) {
         return Err(wrong_argument("strokes", "are played by different hands; expected one hand for all"));
     }
@@ -310,7 +316,7 @@ pub fn study<'py>(
     let Some(first) = plan.strokes.first() else {
         return Err(wrong_argument("force", "expected a force or a stroke"));
     };
-    let setup = steps.setup_of(first, duration)?;
+    let setup = steps.setup_of(&plain, first, duration)?;
     run(py, plan, setup, &work, progress)
 }
 

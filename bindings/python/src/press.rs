@@ -51,7 +51,7 @@ pub fn press<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
     let inner = &stroke.inner;
-    let setup = steps.setup_of(inner, duration)?;
+    let setup = steps.setup_of(&instrument.inner, inner, duration)?;
     let setup = Setup { record_every, tolerance, ..setup };
     let own = match model {
         "action" => instrument.inner.clone(),

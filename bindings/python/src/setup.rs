@@ -1,5 +1,6 @@
 //! How to step, from keyword arguments.
 
+use erard::instrument::Instrument;
 use erard::player::Hand;
 use erard::run::Setup;
 use erard::stroke::Stroke;
@@ -12,7 +13,7 @@ use crate::fault::wrong_argument;
 #[derive(FromPyObject)]
 pub struct Steps {
     #[pyo3(item)]
-    step: f64,
+    step: Option<f64>,
     #[pyo3(item)]
     theta: f64,
     #[pyo3(item)]
@@ -27,8 +28,8 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// The engine's settings.
-    pub fn settings(&self) -> PyResult<Settings<f64>> {
+    /// The engine's settings for an instrument.
+    pub fn settings(&self, instrument: &Instrument) -> PyResult<Settings<f64>> {
         let width = self.friction_width;
         if !(width.is_finite() && width > 0.0) {
             return Err(wrong_argument(
@@ -51,7 +52,8 @@ impl Steps {
                 return Err(wrong_argument("friction", format!("found `{found}`, expected `set-valued` or `tanh`")));
             }
         };
-        Ok(Settings { theta: self.theta, solver, friction, ..Settings::new(self.step) })
+        let step_s = self.step.unwrap_or_else(|| instrument.usual_step_s());
+        Ok(Settings { theta: self.theta, solver, friction, ..Settings::new(step_s) })
     }
 
     /// The hand between stroke and key.
@@ -76,14 +78,14 @@ impl Steps {
         ))
     }
 
-    /// A run from an instant on.
-    pub fn setup(&self, start_s: f64, duration_s: f64) -> PyResult<Setup> {
-        Ok(Setup { settings: self.settings()?, start_s, hand: self.hand()?, ..Setup::new(duration_s) })
+    /// A run of an instrument from an instant on.
+    pub fn setup(&self, instrument: &Instrument, start_s: f64, duration_s: f64) -> PyResult<Setup> {
+        Ok(Setup { settings: self.settings(instrument)?, start_s, hand: self.hand()?, ..Setup::new(duration_s) })
     }
 
     /// The same for a stroke: a touch brings its own hand.
-    pub fn setup_of(&self, stroke: &Stroke, duration_s: Option<f64>) -> PyResult<Setup> {
-        let setup = self.setup(stroke.start_s, duration_s.unwrap_or(stroke.duration_s))?;
+    pub fn setup_of(&self, instrument: &Instrument, stroke: &Stroke, duration_s: Option<f64>) -> PyResult<Setup> {
+        let setup = self.setup(instrument, stroke.start_s, duration_s.unwrap_or(stroke.duration_s))?;
         Ok(Setup { hand: stroke.hand().or(setup.hand), ..setup })
     }
 }

@@ -129,7 +129,12 @@ impl Summary {
     fn steps_line(&self) -> String {
         let us = |of: &Value| of.as_f64().unwrap_or(f64::NAN) * 1e6;
         match &self.json["control"] {
-            Value::Null => format!("{} of {} us", self.json["steps"], (us(&self.json["dt_s"]) * 1e3).round() / 1e3),
+            Value::Null => {
+                let number = |key: &str| self.json[key].as_f64().unwrap_or(f64::NAN);
+                let halved = number("steps") * number("dt_s") > 1.001 * number("duration_s").max(number("dt_s"));
+                let step_us = (us(&self.json["dt_s"]) * 1e3).round() / 1e3;
+                format!("{} of {step_us} us{}", self.json["steps"], if halved { " and of parts of that" } else { "" })
+            }
             c => format!(
                 "{} of {:.3} to {:.0} us, in halves; {} more rejected",
                 c["accepted_steps"],

@@ -209,12 +209,9 @@ fn played(instrument: &Instrument) -> Run {
     let setup = Setup {
         settings: Settings::new(50e-6),
         start_s: stroke.start_s(),
-        duration_s: stroke.end_s() - stroke.start_s() + 0.2,
         record_every: Some(4),
-        tolerance: None,
         ledger: false,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
+        ..Setup::new(stroke.end_s() - stroke.start_s() + 0.2)
     };
     let force = stroke.force.as_ref().unwrap().drive();
     simulate(instrument, &|t| erard::player::Input::Force(force(t)), &setup, &mut |_| true).unwrap()

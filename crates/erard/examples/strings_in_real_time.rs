@@ -1,5 +1,6 @@
-//! What strings cost: a step of the action while its three strings ring and while they are struck, and ten fingers'
-//! fortissimo tremolo over a keyboard with strings.
+//! What strings cost: a step of the action while its three strings ring and while they are struck, a second of C4
+//! beside fixed steps of 50 us, ten fingers' fortissimo tremolo over a keyboard with strings, and the worst step of ten
+//! fingers in the top octave.
 //!
 //! `cargo run --release -p erard --example strings_in_real_time`
 
@@ -7,9 +8,14 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use erard::keyboard::{Keyboard, Keys, tremolo::Tremolo};
+use erard::mechanism::Halving;
 use erard::{Action, Input, Instrument, Settings};
 
-const STEP_S: f64 = 50e-6;
+/// The usual step where strings sound, s, and how many of them a millisecond has.
+const STEP_S: f64 = 1.0 / 24e3;
+const STEPS_PER_MS: u32 = 24;
+/// The step that all were before they were halved, s.
+const FIXED_STEP_S: f64 = 50e-6;
 const STEPS: u32 = 20_000;
 
 /// Seconds for a step of a mezzo forte held, every step taken; best of five.
@@ -62,12 +68,47 @@ fn ten_notes(keyboard: &Keyboard) -> [f64; 2] {
             }
         }
         let block = Instant::now();
-        for _ in 0..20 {
+        for _ in 0..STEPS_PER_MS {
             black_box(keys.step());
         }
         worst = worst.max(block.elapsed().as_secs_f64());
     }
     [started.elapsed().as_secs_f64() / seconds as f64, worst]
+}
+
+/// Seconds for a simulated second of a mezzo forte: pressed, held for half a second, and let go; best of five. Steps
+/// that change nothing are left out, as they usually are.
+fn second_s(instrument: &Instrument, step_s: f64, halving: Halving) -> f64 {
+    let mut best = f64::INFINITY;
+    for _ in 0..5 {
+        let mut action = Action::with(instrument, Settings::new(step_s)).expect("it comes to rest");
+        action.halve(halving);
+        let steps = (1.0 / step_s).round() as u32;
+        let started = Instant::now();
+        for n in 0..steps {
+            black_box(action.step(if n < steps / 2 { Input::Force(4.5) } else { Input::Free }));
+        }
+        best = best.min(started.elapsed().as_secs_f64());
+    }
+    best
+}
+
+/// Ten fingers strike keys 79 to 88 at once, fortissimo, five times: the mean and the worst step, s.
+fn top_octave(instruments: &[Instrument]) -> [f64; 2] {
+    let mut keys = Keys::at_rest(instruments, Settings::new(STEP_S)).expect("they rest");
+    let (mut worst, mut all, mut steps) = (0.0_f64, 0.0, 0_u32);
+    for n in 0..5 * 12_000 {
+        match n % 12_000 {
+            0 => (79..=88).for_each(|key| keys.drive(key, Input::Force(20.0))),
+            6000 => (79..=88).for_each(|key| keys.drive(key, Input::Free)),
+            _ => {}
+        }
+        let started = Instant::now();
+        black_box(keys.step());
+        let took = started.elapsed().as_secs_f64();
+        (worst, all, steps) = (worst.max(took), all + took, steps + 1);
+    }
+    [all / f64::from(steps), worst]
 }
 
 fn main() {
@@ -77,7 +118,22 @@ fn main() {
     println!("step, one trichord that sounds {:.3} us, {:.2} times as long", 1e6 * yielding, yielding / rigid);
     let [fresh, late] = ringing_s(&strung);
     println!("strings alone, 1 s after a blow {:.3} us, 30 s after it {:.3} us", 1e6 * fresh, 1e6 * late);
+    let fixed = second_s(&strung, FIXED_STEP_S, Halving::Never);
+    let halved = second_s(&strung, STEP_S, Halving::AsAsked);
+    println!(
+        "a second of C4 mf, halved steps {:.1} ms, {:.2} times as long as with fixed steps of 50 us ({:.1} ms)",
+        1e3 * halved,
+        halved / fixed,
+        1e3 * fixed
+    );
     let keyboard = Keyboard::builtin("concert-grand-strings").expect("built in");
+    let [mean, worst] = top_octave(&keyboard.instruments().expect("it reads"));
+    println!(
+        "ten fingers at once in the top octave, ff: mean step {:.1} us, worst {:.0} us, of {:.1} us that pass meanwhile",
+        1e6 * mean,
+        1e6 * worst,
+        1e6 * STEP_S
+    );
     let [load, worst] = ten_notes(&keyboard);
     println!(
         "ten fingers that stay on their keys and repeat them, thirty strings: {load:.2} s for a second; worst millisecond {:.2} ms",
@@ -90,7 +146,7 @@ fn main() {
     // In blocks of a millisecond, which is what a buffer of sound allows.
     for _ in 0..seconds * 1000 {
         let block = Instant::now();
-        for _ in 0..20 {
+        for _ in 0..STEPS_PER_MS {
             awake = awake.max(tremolo.tick().stepped);
         }
         worst = worst.max(block.elapsed().as_secs_f64());

@@ -12,7 +12,6 @@ use thiserror::Error;
 
 use crate::instrument::Instrument;
 use crate::mechanism::Impact;
-use crate::player::equilibrium::STEP_S;
 use crate::player::{Action, ActionError, HandError, Snapshot};
 use crate::progress::Progress;
 use crate::stroke::{HandStroke, Touch};
@@ -195,7 +194,7 @@ impl Kind {
     }
 }
 
-/// An instrument at rest on which hands are tried, in steps of 50 us.
+/// An instrument at rest on which hands are tried, in steps of its usual length.
 pub struct Reference {
     instrument: String,
     action: Action,
@@ -214,7 +213,7 @@ impl Reference {
         if instrument.roles.key.is_none() || instrument.roles.hammer.is_none() || instrument.roles.string.is_none() {
             return Err(LevelError::Silent { instrument: instrument.name.clone() });
         }
-        let action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
+        let action = Action::asking(instrument, Settings::new(instrument.usual_step_s()), progress)?;
         Ok(Reference { instrument: instrument.name.clone(), rest: action.save(), action })
     }
 

@@ -1,7 +1,7 @@
 //! An instrument's mechanism, of any size, behind one interface: what [`crate::Action`] plays.
 
 pub use moreau_kernels::{
-    Impact, InputDuring, Mechanism, Observation, Part, Readout, Saved, Size, StepOutput, Stepping, Surfaces,
+    Halving, Impact, InputDuring, Mechanism, Observation, Part, Readout, Saved, Size, StepOutput, Stepping, Surfaces,
     TellNumbers, open_ledger, take_stock,
 };
 
@@ -21,6 +21,6 @@ pub(crate) const LARGEST_STEP_S: f64 = 1e-3;
 /// # Errors
 /// [`ModelError`] if no size holds it.
 pub fn mechanism(instrument: &Instrument, settings: Settings<f64>) -> Result<Box<dyn Mechanism>, ModelError> {
-    let strings = Strings::of(instrument, settings.step).map(|strings| Box::new(strings) as Box<dyn Surfaces>);
+    let strings = Strings::of(instrument).map(|strings| Box::new(strings) as Box<dyn Surfaces>);
     moreau_kernels::mechanism(&describe(instrument), &probes(instrument), settings, strings)
 }

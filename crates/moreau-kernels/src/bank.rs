@@ -9,10 +9,10 @@
 
 use moreau::{Input, ModelError, Outcome, Settings, Workspace};
 
-use crate::engine::{Clock, Stepped};
+use crate::engine::{Clock, NO_STEP, Share, Stepped, together};
 use crate::mechanism::{Saved, StepOutput};
 use crate::size::with_size;
-use crate::surfaces::{Surfaces, Under};
+use crate::surfaces::{Halving, Surfaces, Under};
 use crate::{Impact, OwnedDescription, Probes, Size};
 
 /// What one step of a bank did.
@@ -183,10 +183,15 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
             if core.under.is_none() || !*sleep {
                 core.sleep.wake();
             }
-            let report = core.step(settings, input, workspace);
-            if !core.was_left_out() {
-                *drive_n = workspace.drive_force();
-                *zone_n = probes.zone.map_or(0.0, |zone| workspace.normal_force(&core.model, settings, zone));
+            let (mut report, mut found) = (NO_STEP, None);
+            for part in Share::all(core.choose(input)) {
+                let (own, input) = (part.settings(settings), part.input(settings, input));
+                report = together(report, core.step(&own, &input, (settings.step, part), workspace));
+                if !core.was_left_out() {
+                    *drive_n = workspace.drive_force();
+                    *zone_n = probes.zone.map_or(0.0, |zone| workspace.normal_force(&core.model, &own, zone));
+                }
+                found = found.or(core.impact());
             }
             tick.stepped += 1;
             match report.outcome {
@@ -194,7 +199,7 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
                 Outcome::IterationLimit => tick.unconverged += 1,
                 Outcome::NonFinite | Outcome::TooManyLaws => tick.non_finite += 1,
             }
-            if let Some(found) = core.impact() {
+            if let Some(found) = found {
                 impact(index, found);
             }
             if core.rests() && *sleep {
@@ -249,7 +254,7 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
 
     fn set_surfaces(&mut self, index: usize, surfaces: Box<dyn Surfaces>) {
         self.wake(index);
-        let under = Under::new(surfaces, &self.settings);
+        let under = Under::new(surfaces, self.settings.step, Halving::AsAsked);
         self.members[index].core.under = Some(under);
     }
 }

@@ -13,7 +13,7 @@ use crate::controlled::{Control, hand_of};
 use crate::impact::ImpactPredictor;
 use crate::mechanism::{Mechanism, Part, Readout, Saved, StepOutput, Stepping};
 use crate::observation::{Observation, site_position};
-use crate::surfaces::{Over, Surfaces, Under};
+use crate::surfaces::{Halving, Over, Surfaces, Under};
 use crate::{Impact, OwnedDescription, Probes};
 
 /// A mechanism without its working memory, which several may share.
@@ -61,14 +61,99 @@ impl Clock {
         self.now_s = self.origin_s + self.steps as f64 * step_s;
     }
 
-    /// The last tick did not happen.
+    /// A part of a step has passed, which begins so many parts after the step.
+    #[inline(always)]
+    fn pass(&mut self, step_s: f64, part: Share) {
+        if part.is_last() {
+            self.tick(step_s);
+        } else {
+            self.before_s = self.now_s;
+            self.now_s = self.origin_s + (self.steps as f64 + part.ends()) * step_s;
+        }
+    }
+
+    /// The last part of a step did not happen. The grid of steps begins anew where its beginning does not lie on it.
     #[cold]
-    fn take_back(&mut self) {
-        (self.steps, self.now_s) = (self.steps - 1, self.before_s);
+    fn take_back(&mut self, part: Share) {
+        if part.at > 0 {
+            *self = Clock::at(self.before_s);
+            return;
+        }
+        self.now_s = self.before_s;
+        self.steps -= u64::from(part.is_last());
     }
 }
 
-const NO_STEP: StepReport = StepReport { outcome: Outcome::Converged, newton: 0, solver: 0 };
+/// One of the equal parts of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Share {
+    /// Counts from 0.
+    pub at: u32,
+    /// Of so many.
+    pub of: u32,
+}
+
+impl Share {
+    /// The whole.
+    pub(crate) const WHOLE: Self = Share { at: 0, of: 1 };
+
+    /// All parts of a step.
+    pub(crate) fn all(of: u32) -> impl Iterator<Item = Self> {
+        (0..of).map(move |at| Share { at, of })
+    }
+
+    fn is_last(self) -> bool {
+        self.at + 1 == self.of
+    }
+
+    /// How much of the step is over at its beginning.
+    pub(crate) fn begins(self) -> f64 {
+        f64::from(self.at) / f64::from(self.of)
+    }
+
+    /// And at its end.
+    fn ends(self) -> f64 {
+        f64::from(self.at + 1) / f64::from(self.of)
+    }
+
+    /// The settings of a part of their step.
+    #[inline(always)]
+    pub(crate) fn settings(self, whole: &Settings<f64>) -> Settings<f64> {
+        if self.of == 1 { *whole } else { Settings { step: whole.step / f64::from(self.of), ..*whole } }
+    }
+
+    /// What drives a part of a step that is driven so: forces are held, and places go on at their velocities.
+    #[inline(always)]
+    pub(crate) fn input(self, whole: &Settings<f64>, input: &Input<f64>) -> Input<f64> {
+        if self.of == 1 {
+            return *input;
+        }
+        // From the theta point of the step to that of the part.
+        let later_s = whole.step * (self.begins() + whole.theta * (self.ends() - self.begins() - 1.0));
+        match *input {
+            Input::Motion { position, velocity } => Input::Motion { position: position + later_s * velocity, velocity },
+            Input::Hand(hand) => Input::Hand(Hand { position: hand.position + later_s * hand.velocity, ..hand }),
+            other => other,
+        }
+    }
+}
+
+/// What several parts of a step report together: the worst outcome, and all their work.
+pub(crate) fn together(a: StepReport, b: StepReport) -> StepReport {
+    let rank = |outcome: Outcome| match outcome {
+        Outcome::Converged => 0,
+        Outcome::IterationLimit => 1,
+        Outcome::TooManyLaws => 2,
+        Outcome::NonFinite => 3,
+    };
+    StepReport {
+        outcome: if rank(b.outcome) > rank(a.outcome) { b.outcome } else { a.outcome },
+        newton: a.newton.saturating_add(b.newton),
+        solver: a.solver.saturating_add(b.solver),
+    }
+}
+
+pub(crate) const NO_STEP: StepReport = StepReport { outcome: Outcome::Converged, newton: 0, solver: 0 };
 
 impl<const B: usize, const Z: usize> Stepped<B, Z> {
     pub(crate) fn new(description: &OwnedDescription, probes: &Probes) -> Result<Self, ModelError> {
@@ -124,12 +209,23 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         self.skipped
     }
 
-    /// One step. It is left out where it is known to change nothing ([`Sleep`]).
+    /// Into how many parts the next step is taken under an input.
+    #[inline(always)]
+    pub(crate) fn choose(&mut self, input: &Input<f64>) -> u32 {
+        match &mut self.under {
+            None => 1,
+            Some(under) => under.choose(input, (&self.model, &self.state, &mut self.sleep)),
+        }
+    }
+
+    /// One step, or a part of one of this length, s, with its own settings and input. It is left out where it is known
+    /// to change nothing ([`Sleep`]).
     #[inline(always)]
     pub(crate) fn step<const N: usize>(
         &mut self,
         settings: &Settings<f64>,
         input: &Input<f64>,
+        (step_s, part): (f64, Share),
         workspace: &mut Workspace<f64, B, Z, N>,
     ) -> StepReport {
         let over = match &self.under {
@@ -140,7 +236,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
             }
         };
         let before_s = self.clock.now_s;
-        self.clock.tick(settings.step);
+        self.clock.pass(step_s, part);
         let known = if self.may_rest { self.sleep.would_rest(input) } else { None };
         self.skipped |= known.is_some();
         let report = if let Some(report) = known {
@@ -227,6 +323,9 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         let Saved { origin_s, steps, now_s, .. } = *saved;
         self.state = State::from(saved.state.sized());
         self.sleep.wake();
+        if let Some(under) = &mut self.under {
+            under.moved();
+        }
         self.set_clock(Clock { origin_s, steps, now_s, before_s: now_s });
         self.skipped = false;
         self.predictor.resume(saved.flight);
@@ -239,6 +338,8 @@ pub(crate) struct Engine<const B: usize, const Z: usize, const N: usize> {
     core: Stepped<B, Z>,
     probes: Probes,
     stepping: Stepping,
+    /// Those of the last step, or part of one.
+    taken: Settings<f64>,
     workspace: Workspace<f64, B, Z, N>,
     /// While steps are adaptive.
     control: Option<Box<Control<B, Z, N>>>,
@@ -259,12 +360,13 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
     ) -> Result<Self, ModelError> {
         let mut core: Stepped<B, Z> = Stepped::new(description, probes)?;
         let workspace = Workspace::for_model(&core.model)?;
-        core.under = surfaces.map(|surfaces| Under::new(surfaces, &settings));
+        core.under = surfaces.map(|surfaces| Under::new(surfaces, settings.step, Halving::AsAsked));
         Ok(Engine {
             output: core.output(0.0, 0.0, NO_STEP),
             core,
             probes: *probes,
-            stepping: Stepping { settings, may_rest: true, keeps_contacts: false },
+            stepping: Stepping { settings, halving: Halving::AsAsked, may_rest: true, keeps_contacts: false },
+            taken: settings,
             workspace,
             control: None,
             pose: OnceCell::new(),
@@ -276,7 +378,7 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
     fn last(&self) -> (&Settings<f64>, &Workspace<f64, B, Z, N>) {
         match self.control.as_deref() {
             Some(control) => control.last(),
-            None => (&self.stepping.settings, &self.workspace),
+            None => (&self.taken, &self.workspace),
         }
     }
 
@@ -290,10 +392,10 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
     }
 
     fn update_contacts(&mut self) {
-        let Engine { core, stepping, workspace, control, contacts: Some(contacts), .. } = self else { return };
+        let Engine { core, taken, workspace, control, contacts: Some(contacts), .. } = self else { return };
         let (settings, workspace) = match control.as_deref() {
             Some(control) => control.last(),
-            None => (&stepping.settings, &*workspace),
+            None => (&*taken, &*workspace),
         };
         contacts.fill(None);
         for &z in workspace.touched_zones() {
@@ -306,6 +408,28 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
         let (settings, workspace) = self.last();
         let zone_n = self.probes.zone.map_or(0.0, |zone| workspace.normal_force(&self.core.model, settings, zone));
         self.output = self.core.output(workspace.drive_force(), zone_n, report);
+    }
+
+    /// Takes a step, or a part of one.
+    #[inline(always)]
+    fn take(&mut self, input: &Input<f64>, part: Share) {
+        let rested = self.core.rests();
+        let whole = &self.stepping.settings;
+        let own = part.settings(whole);
+        let report = self.core.step(&own, input, (whole.step, part), &mut self.workspace);
+        if !self.core.was_left_out() {
+            // Else the workspace is still that of the step before.
+            self.taken = own;
+        }
+        if report.outcome == Outcome::NonFinite {
+            // It is where it was, and when.
+            self.core.clock.take_back(part);
+        }
+        if !(rested && self.core.rests()) {
+            self.forget_pose();
+            self.update_contacts();
+        }
+        self.update_output(report);
     }
 
     /// A half of an adaptive step has ended.
@@ -324,18 +448,46 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
 impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, N> {
     fn step(&mut self, input: &Input<f64>) -> &StepOutput {
         self.control = None;
-        let rested = self.core.rests();
-        let report = self.core.step(&self.stepping.settings, input, &mut self.workspace);
-        if report.outcome == Outcome::NonFinite {
-            // It is where it was, and when.
-            self.core.clock.take_back();
+        let of = self.core.choose(input);
+        if of == 1 {
+            self.take(input, Share::WHOLE);
+            return &self.output;
         }
-        if !(rested && self.core.rests()) {
-            self.forget_pose();
-            self.update_contacts();
+        let whole = self.stepping.settings;
+        let (mut report, mut impact) = (NO_STEP, None);
+        for part in Share::all(of) {
+            self.take(&part.input(&whole, input), part);
+            report = together(report, self.output.report);
+            impact = impact.or(self.output.impact);
+            if report.outcome == Outcome::NonFinite {
+                break;
+            }
         }
-        self.update_output(report);
+        (self.output.report, self.output.impact) = (report, impact);
         &self.output
+    }
+
+    fn step_in_parts(&mut self, input: &mut InputDuring, observe: &mut dyn FnMut(&dyn Mechanism, bool)) -> StepReport {
+        self.control = None;
+        let whole = self.stepping.settings;
+        let ask = |engine: &Self, part: Share, input: &mut InputDuring| {
+            let h = part.settings(&whole).step;
+            input(whole.step * part.begins(), h, &|| engine.site_position())
+        };
+        // Where nothing is known of parts yet, the input is that of the whole.
+        let first = ask(self, Share::WHOLE, input);
+        let of = self.core.choose(&first);
+        let mut report = NO_STEP;
+        for part in Share::all(of) {
+            let own = if of == 1 { first } else { ask(self, part, input) };
+            self.take(&own, part);
+            report = together(report, self.output.report);
+            if report.outcome == Outcome::NonFinite {
+                break;
+            }
+            observe(self, part.is_last());
+        }
+        report
     }
 
     fn controlled_step(
@@ -388,11 +540,13 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
     fn configure(&mut self, stepping: Stepping) {
         self.core.sleep.wake();
         self.core.may_rest = stepping.may_rest;
+        let lengths = |of: &Stepping| (of.settings.step, of.halving);
+        if let Some(under) = self.core.under.as_mut().filter(|_| lengths(&stepping) != lengths(&self.stepping)) {
+            under.prepare(stepping.settings.step, stepping.halving);
+        }
         if stepping.settings != self.stepping.settings {
             self.control = None;
-            if let Some(under) = &mut self.core.under {
-                under.surfaces.set_step(stepping.settings.step);
-            }
+            self.taken = stepping.settings;
             self.core.set_clock(Clock::at(self.core.clock.now_s));
             self.forget_pose();
         }

@@ -35,5 +35,5 @@ pub use observation::{LaneObserver, Observation, lane_observer};
 pub use side_by_side::{SideBySide, side_by_side};
 pub use six::{WorkspaceOfSix, steps_of_six};
 pub use size::{EveryBody, Size};
-pub use surfaces::{Surfaces, TellNumbers};
+pub use surfaces::{Halving, Parts, Surfaces, TellNumbers};
 pub use tangents::{DIRECTIONS, Number, Tangents, tangents};

@@ -8,7 +8,7 @@ use crate::controlled::InputDuring;
 use crate::engine::Engine;
 use crate::observation::Observation;
 use crate::size::with_size;
-use crate::surfaces::Surfaces;
+use crate::surfaces::{Halving, Surfaces};
 use crate::{Impact, OwnedDescription, Probes, Size};
 
 /// Output of a step. Places and speeds are those at the step's end; forces acted in the step, at its theta point.
@@ -39,6 +39,8 @@ pub struct StepOutput {
 pub struct Stepping {
     /// The engine's settings.
     pub settings: Settings<f64>,
+    /// How often they are halved where something is near the first surface; as the surfaces ask, at first.
+    pub halving: Halving,
     /// Whether steps that are known to change nothing are left out, as at first. The results are the same bits.
     pub may_rest: bool,
     /// Whether [`Readout::contacts`] is kept after every step, as a ledger needs it; not at first.
@@ -62,7 +64,7 @@ pub enum Part {
 pub struct Readout<'a> {
     /// The present instant, s.
     pub now_s: f64,
-    /// Length of the last step, or half of an adaptive one, s.
+    /// Length of the last step, or part of one, or half of an adaptive one, s.
     pub last_step_s: f64,
     /// Whether the last step changed nothing: with the same input the next one does not either.
     pub rests: bool,
@@ -104,8 +106,12 @@ pub struct Saved {
 /// An assembled mechanism, whatever its size: this trait erases the sizes that the engine is compiled for. Indices
 /// follow the description's bodies and zones. No function but those that say so allocates.
 pub trait Mechanism: Observation + Send {
-    /// Advances by one step of the current settings.
+    /// Advances by one step of the current settings. Where it is taken in parts ([`Surfaces::parts`]) forces are held
+    /// for all of them and places go on at their velocities; the output's forces are those of the last part.
     fn step(&mut self, input: &Input<f64>) -> &StepOutput;
+    /// The same, with an input for each part and `observe` called after each; true after the last one. Where a number
+    /// is not finite the parts before stay taken.
+    fn step_in_parts(&mut self, input: &mut InputDuring, observe: &mut dyn FnMut(&dyn Mechanism, bool)) -> StepReport;
     /// Advances by one step that is as long as its error allows, and at most `limit` s. `ends` gives the instant of so
     /// many s after the step's start; `observe` is called after each of its two halves. Allocates when the first step
     /// is taken.
@@ -139,7 +145,7 @@ pub trait Mechanism: Observation + Send {
 }
 
 /// Assembles a mechanism into the smallest size that holds it. Its zones press on `surfaces` if there are any; the
-/// description says which ones then yield. Such a mechanism takes fixed steps only.
+/// description says which ones then yield. Such a mechanism takes fixed steps only, and parts of them.
 ///
 /// # Errors
 /// [`ModelError`] if no size holds it, or a number is not sound.

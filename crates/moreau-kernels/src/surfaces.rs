@@ -13,8 +13,17 @@ use moreau::{COUPLED, Input, Model, Pose, Settings, Sleep, State, Surface, Works
 pub trait Surfaces: Send {
     /// The mechanism's zones.
     fn zones(&self) -> &[usize];
-    /// The length of the steps that follow, s. May allocate.
-    fn set_step(&mut self, step_s: f64);
+    /// Into how many parts a step of a length, s, is to be taken.
+    fn parts(&self, step_s: f64) -> Parts {
+        let _ = step_s;
+        Parts::WHOLE
+    }
+    /// The length of the steps that follow, s, and their parts: whatever depends on the length of a part is prepared
+    /// for both lengths. May allocate. Parts are then those apart, until [`Surfaces::take`].
+    fn set_step(&mut self, step_s: f64, parts: &Parts);
+    /// Whether the steps that follow are taken in the parts of [`Parts::near`]. Changes neither where anything is nor
+    /// what energy it has; does not allocate.
+    fn take(&mut self, near: bool);
     /// While a mechanism is brought to rest: the surfaces follow their forces as if they had no inertia, so that they
     /// ring no longer than it moves.
     fn follow(&mut self, statically: bool);
@@ -56,11 +65,54 @@ pub trait Surfaces: Send {
     fn as_any_mut(&mut self) -> &mut dyn Any;
 }
 
+/// Into how many equal parts a step is taken: few while nothing is near the first surface, more while something presses
+/// it or may do so before the step ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parts {
+    /// While nothing is near; a power of two.
+    pub apart: u32,
+    /// While something is; a power of two, and no fewer.
+    pub near: u32,
+    /// How near the first zone's disc may come to its surface before that, m.
+    pub reach_m: f64,
+}
+
+impl Parts {
+    /// Every step is taken whole.
+    pub const WHOLE: Self = Parts { apart: 1, near: 1, reach_m: 0.0 };
+}
+
+/// How often steps are halved where something is near.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Halving {
+    /// As the surfaces ask.
+    #[default]
+    AsAsked,
+    /// So many times more: what is left of the error is seen from it.
+    Further(u32),
+    /// Never: all steps are whole.
+    Never,
+}
+
+impl Halving {
+    /// What becomes of the parts that surfaces ask for.
+    fn of(self, asked: Parts) -> Parts {
+        match self {
+            Halving::AsAsked => asked,
+            Halving::Further(times) => Parts { near: asked.near.saturating_mul(1 << times.min(16)), ..asked },
+            Halving::Never => Parts::WHOLE,
+        }
+    }
+}
+
 /// Told the numbers of a list one by one, each with its index.
 pub type TellNumbers<'a> = dyn FnMut(usize, f64) + 'a;
 
 /// Zones that may yield at once.
 pub(crate) const MOST: usize = 8;
+
+/// What is far is looked at again after so many steps.
+const FARTHEST: f64 = 256.0;
 
 /// What a step presses on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,13 +132,65 @@ pub(crate) struct Under {
     pub surfaces: Box<dyn Surfaces>,
     /// Forces of the last step, N.
     pub forces: [f64; MOST],
+    parts: Parts,
+    /// Whether the last step's parts were those of [`Parts::near`].
+    near: bool,
+    /// For so many steps nothing can come near, wherever it goes.
+    far: u32,
 }
 
 impl Under {
-    pub(crate) fn new(mut surfaces: Box<dyn Surfaces>, settings: &Settings<f64>) -> Self {
+    pub(crate) fn new(surfaces: Box<dyn Surfaces>, step_s: f64, halving: Halving) -> Self {
         assert!(surfaces.zones().len() <= MOST, "at most {MOST} zones yield");
-        surfaces.set_step(settings.step);
-        Under { surfaces, forces: [0.0; MOST] }
+        let mut under = Under { surfaces, forces: [0.0; MOST], parts: Parts::WHOLE, near: false, far: 0 };
+        under.prepare(step_s, halving);
+        under
+    }
+
+    /// For steps of another length. May allocate.
+    pub(crate) fn prepare(&mut self, step_s: f64, halving: Halving) {
+        self.parts = halving.of(self.surfaces.parts(step_s));
+        self.surfaces.set_step(step_s, &self.parts);
+        (self.near, self.far) = (false, 0);
+    }
+
+    /// The mechanism was put somewhere else.
+    pub(crate) fn moved(&mut self) {
+        self.far = 0;
+    }
+
+    /// Into how many parts the next step is taken. That is a function of where everything is, so that whoever goes on
+    /// from a saved state takes the same parts. A change wakes what sleeps: it slept in steps of another length.
+    pub(crate) fn choose<const B: usize, const Z: usize>(
+        &mut self,
+        input: &Input<f64>,
+        (model, state, sleep): (&Model<f64, B, Z>, &State<f64, B, Z>, &mut Sleep<f64>),
+    ) -> u32 {
+        let Parts { apart, near, reach_m } = self.parts;
+        if near == apart {
+            return apart;
+        }
+        if self.far > 0 {
+            self.far -= 1;
+            return apart;
+        }
+        if sleep.would_rest(input).is_some() && self.surfaces.rests() {
+            // Nothing changes, however it is taken.
+            return 1;
+        }
+        let is_near = self.surfaces.zones().first().is_some_and(|&zone| {
+            let open_m = -Pose::of(model, &state.angle).compression(model, zone);
+            let beyond_m = open_m - reach_m - model.excursion(zone);
+            // It comes nearer by the reach in a step, at most; below zero this is none.
+            self.far = (beyond_m / reach_m).min(FARTHEST) as u32;
+            beyond_m < 0.0 && open_m + self.surfaces.surface(0).displacement < reach_m
+        });
+        if is_near != self.near {
+            self.near = is_near;
+            self.surfaces.take(is_near);
+            sleep.wake();
+        }
+        if is_near { near } else { apart }
     }
 
     /// Before a step: hands the surfaces to the workspace. A mechanism that sleeps is left out while they ring, if they

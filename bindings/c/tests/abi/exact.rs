@@ -298,7 +298,7 @@ fn a_keyboard_plays() {
 
     // A key is the action of its instrument.
     let native = erard::keyboard::Keyboard::builtin("concert-grand").unwrap().key(40).unwrap();
-    let mut alone = erard::Action::new(&native).unwrap();
+    let mut alone = erard::Action::with(&native, erard::Settings::new(50e-6)).unwrap();
     let mut alone_blow = None;
     keyboard.drive(40, 6.0);
     keyboard.drive(41, 9.0);
@@ -360,7 +360,7 @@ fn a_keyboard_plays() {
 #[test]
 fn states_and_snapshots_are_one() {
     let (here, native) = (Action::strung(), erard::Instrument::builtin("concert-grand-strings").unwrap());
-    let mut there = erard::Action::new(&native).unwrap();
+    let mut there = erard::Action::with(&native, erard::Settings::new(50e-6)).unwrap();
     while there.impact().is_none() {
         there.step(Input::Force(6.0));
         here.force(6.0);

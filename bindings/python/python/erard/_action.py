@@ -25,7 +25,7 @@ class Action:
     ----------
     instrument : Instrument
     **how
-        How to step: `step` (s, default 50e-6), `theta`, `solver`, `friction`, `friction_width`; and `hand`, a `Hand`: force and motion are
+        How to step: `step` (s, default 50e-6, and 1/24000 where strings sound), `theta`, `solver`, `friction`, `friction_width`; and `hand`, a `Hand`: force and motion are
         then what its muscle does.
 
     Examples
@@ -52,7 +52,7 @@ class Action:
     @property
     def step_s(self) -> float:
         """Length of a step, s."""
-        return self._steps["step"]
+        return self._inner.step_s()
 
     def step(
         self,

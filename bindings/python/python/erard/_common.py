@@ -44,7 +44,8 @@ class Stepping(TypedDict, total=False):
     """How to step: keyword arguments that every simulation takes.
 
     step : float
-        Length of a step, s (default 50e-6).
+        Length of a step, s (default 50e-6, and 1/24000 where strings sound). It is halved as often as needed while the hammer is near strings that
+        sound.
     theta : float
         Of the time-stepping scheme, 0.5 (second order) to 1 (damped); default 0.5.
     solver : str
@@ -57,7 +58,7 @@ class Stepping(TypedDict, total=False):
         The hand between stroke and key; default none: the stroke drives the key.
     """
 
-    step: float
+    step: float | None
     theta: float
     solver: str
     friction: str
@@ -68,7 +69,7 @@ class Stepping(TypedDict, total=False):
 def steps(given: Mapping[str, Any]) -> Steps:
     """The settings as the extension takes them; what is unknown is named."""
     own: dict[str, Any] = {
-        "step": 50e-6,
+        "step": None,
         "theta": 0.5,
         "solver": "active-set",
         "friction": "set-valued",
@@ -82,6 +83,8 @@ def steps(given: Mapping[str, Any]) -> Steps:
             if not (value is None or isinstance(value, Hand)):
                 raise InputError(f"hand: found {value!r}, expected an erard.Hand", key="hand", found=repr(value))
             own[key] = None if value is None else Hand(*(number(f"hand.{name}", x) for name, x in value._asdict().items()))
+            continue
+        if key == "step" and value is None:
             continue
         own[key] = value if isinstance(own[key], str) else number(key, value)
     return own  # type: ignore[return-value]

@@ -57,10 +57,10 @@ pub(crate) struct Compare {
 impl Compare {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let settings = self.step.settings()?;
         let Ready { name: title, prepared, position_of, .. } = self.recording.load(&self.file)?;
         let series = self.begun(prepared.series)?;
         let instrument = load_instrument(&self.instrument)?;
+        let settings = self.step.settings(&instrument)?;
         let setup = Setup { settings, ..Setup::new(1.0) };
         check(&setup)?;
         let choice = Choice { position_of, ..self.choice() }.limited_by(&prepared.report);

@@ -73,8 +73,6 @@ fn parse_at(text: &str) -> Result<At, String> {
     })
 }
 
-/// Step of the run that leads to the pose, s.
-const STEP_S: f64 = 50e-6;
 /// Farthest instant that is drawn, ms.
 const LATEST_MS: f64 = 600_000.0;
 
@@ -83,19 +81,12 @@ impl Draw {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let Noted { instrument, changed, whole } = self.instrument.load_noted()?;
         let stroke = self.stroke.load(&whole)?;
-        let setup = Setup {
-            settings: Settings::new(STEP_S),
-            start_s: stroke.start_s,
-            duration_s: match self.at {
-                At::Ms(ms) => (ms * 1e-3).max(STEP_S),
-                At::Event(_) => stroke.duration_s,
-            },
-            record_every: None,
-            tolerance: None,
-            ledger: true,
-            pedal: erard::strings::Pedal::default(),
-            hand: stroke.hand(),
+        let settings = Settings::new(instrument.usual_step_s());
+        let duration_s = match self.at {
+            At::Ms(ms) => (ms * 1e-3).max(settings.step),
+            At::Event(_) => stroke.duration_s,
         };
+        let setup = Setup { settings, start_s: stroke.start_s, hand: stroke.hand(), ..Setup::new(duration_s) };
         let mut output = self.out.prepare("draw", &["action.svg", "action.png"])?;
         let reactions = self.reactions.then(|| ReactionRecorder::new(&instrument));
         let mut inside = Inside { reactions, losses: None };

@@ -135,9 +135,9 @@ fn noise(text: &str) -> Result<(Role, f64), String> {
 impl Fit {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let settings = self.step.settings()?;
-        check(&Setup { settings, ..Setup::new(1.0) })?;
         let (instrument, text) = load_instrument_and_text(&self.instrument)?;
+        let settings = self.step.settings(&instrument)?;
+        check(&Setup { settings, ..Setup::new(1.0) })?;
         let file = InstrumentFile::parse(&text, &self.instrument)?;
         let vary: Vec<String> = self.vary.iter().map(|name| name.trim().to_owned()).collect();
         let bounds = self.bounds(&instrument, &text)?;

@@ -445,9 +445,10 @@ impl From<DrivingError> for Failure {
 /// How to step.
 #[derive(Debug, Args)]
 pub(crate) struct StepOptions {
-    /// Step, s
-    #[arg(long, value_name = "SECONDS", default_value_t = 50e-6, allow_negative_numbers = true)]
-    dt: f64,
+    /// Step, s, halved as often as needed while the hammer is near strings that sound; usual: 0.00005, and 1/24000
+    /// where strings sound
+    #[arg(long, value_name = "SECONDS", default_value = USUAL, value_parser = step, allow_negative_numbers = true)]
+    dt: Step,
     /// Theta of the time-stepping scheme, 0.5 (second order) to 1 (damped)
     #[arg(long, value_name = "T", default_value_t = 0.5, allow_negative_numbers = true)]
     theta: f64,
@@ -460,6 +461,20 @@ pub(crate) struct StepOptions {
     /// Width of the regularised law at the pivots, rad/s (at sliding contacts a tenth of it, m/s)
     #[arg(long, value_name = "RAD/S", default_value_t = 0.1, allow_negative_numbers = true)]
     friction_width: f64,
+}
+
+/// The word for an instrument's usual step.
+const USUAL: &str = "usual";
+
+/// A step, s; none: the instrument's usual one.
+#[derive(Debug, Clone, Copy)]
+struct Step(Option<f64>);
+
+fn step(text: &str) -> Result<Step, String> {
+    if text == USUAL {
+        return Ok(Step(None));
+    }
+    text.parse().map(|step_s| Step(Some(step_s))).map_err(|_| "expected a number of seconds, or `usual`".to_owned())
 }
 
 const SOLVERS: [Name<Solver>; 2] = [
@@ -493,8 +508,8 @@ pub(crate) fn check(setup: &Setup) -> Result<(), Failure> {
 }
 
 impl StepOptions {
-    /// The engine's settings.
-    pub(crate) fn settings(&self) -> Result<Settings<f64>, Failure> {
+    /// The engine's settings for an instrument.
+    pub(crate) fn settings(&self, instrument: &Instrument) -> Result<Settings<f64>, Failure> {
         let width = self.friction_width;
         if !(width.is_finite() && width > 0.0) {
             return Err(Failure::Usage(format!("--friction-width {width}: expected a positive number of rad/s")));
@@ -503,7 +518,7 @@ impl StepOptions {
             theta: self.theta,
             solver: self.solver,
             friction: (self.friction)(width),
-            ..Settings::new(self.dt)
+            ..Settings::new(self.dt.0.unwrap_or_else(|| instrument.usual_step_s()))
         })
     }
 

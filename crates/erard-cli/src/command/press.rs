@@ -100,23 +100,22 @@ fn wav_name(text: &str) -> Result<String, String> {
 impl Press {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let settings = self.step.settings()?;
         let against = self.against.as_ref().map(|other| self.stroke.with(other, self.against_columns.as_ref()));
         self.bands.check(self.instrument.first())?;
         let instruments = self.instrument.load()?;
         let reference = instruments.first().map(|one| &one.whole);
         let Some(reference) = reference else { return Err(Failure::Internal("no instrument".into())) };
+        let settings = self.step.settings(reference)?;
         let own = against.as_ref().map_or_else(|| self.stroke.clone(), |other| self.stroke.beside(other));
         let stroke = own.load(reference)?;
         let setup = |stroke: &Stroke| Setup {
             settings,
             start_s: stroke.start_s,
-            duration_s: self.duration.unwrap_or(stroke.duration_s),
             record_every: self.record_every,
             tolerance: self.tolerance,
-            ledger: true,
             pedal: self.pedal,
             hand: stroke.hand(),
+            ..Setup::new(self.duration.unwrap_or(stroke.duration_s))
         };
         if self.against.is_some() || instruments.len() == 2 {
             let strokes = self.strokes(&instruments, stroke, against.as_ref(), reference)?;

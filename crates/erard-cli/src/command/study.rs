@@ -109,9 +109,9 @@ impl Study {
             return self.tell_what_matters();
         }
         self.bands.check(self.instrument.asked())?;
-        let settings = self.step.settings()?;
         let measures = measured_lines("--measure", &self.measure)?;
         let (instrument, source) = self.source()?;
+        let settings = self.step.settings(&instrument)?;
         let axes = self.axes(&instrument, &source)?;
         let forces = axes.iter().any(|axis| axis.target == Target::Force);
         let stroke = if forces { self.stroke.load_constant()? } else { self.stroke.load(&self.reference(&source)?)? };
@@ -219,11 +219,11 @@ impl Study {
 
     /// The derivatives of a stroke's outcome.
     fn tell_what_matters(&self) -> Result<(), Failure> {
-        let settings = self.step.settings()?;
         let of = sensitive::wanted(&self.of)?;
         let (whole, text) = load_instrument_and_text(self.instrument.asked())?;
         let stroke = self.stroke.load(&whole)?;
         let instrument = self.instrument.reduced(whole)?;
+        let settings = self.step.settings(&instrument)?;
         let by = sensitive::variables(&instrument, &text, &self.by, self.stroke.is_constant())?;
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
         let setup =

@@ -57,7 +57,7 @@ fn a_run_names_what_made_it() {
     assert!(made_by["commit"].is_null() || made_by["commit"].as_str().unwrap().len() >= 12, "{made_by}");
     assert_eq!(made_by["command"], "erard press 'a stroke.csv' --instrument mine.toml --duration 0.1");
     // Options that were not given stand there too.
-    assert_eq!(made_by["options"]["dt"], serde_json::json!(["0.00005"]));
+    assert_eq!(made_by["options"]["dt"], serde_json::json!(["usual"]));
     assert!(made_by["options"].get("out").is_none() && made_by["options"].get("force").is_none(), "{made_by}");
     let sources = made_by["sources"].as_array().unwrap();
     for (kind, name, file) in

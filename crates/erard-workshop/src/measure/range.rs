@@ -168,15 +168,6 @@ fn press(
     ledger: bool,
     progress: &mut Progress<'_>,
 ) -> Result<Run, MeasureError> {
-    let setup = Setup {
-        settings: Settings::new(STEP_S),
-        start_s: 0.0,
-        duration_s: PATIENCE_S,
-        record_every: Some(1),
-        tolerance: None,
-        ledger,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(1), ledger, ..Setup::new(PATIENCE_S) };
     Ok(simulate(instrument, &force(|_| force_n), &setup, &mut |_| progress(0.0))?)
 }

@@ -149,16 +149,7 @@ pub struct ByHand {
 
 /// One blow.
 fn blow(instrument: &Instrument, drive: Drive, progress: &mut Progress<'_>) -> Result<PressedBlow, SimulationError> {
-    let setup = Setup {
-        settings: Settings::new(STEP_S),
-        start_s: 0.0,
-        duration_s: DURATION_S,
-        record_every: None,
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(STEP_S), ..Setup::new(DURATION_S) };
     let run = match drive {
         Drive::Constant(force_n) => simulate(instrument, &player::force(|_| force_n), &setup, progress)?,
         Drive::Ramped(force_n) => {

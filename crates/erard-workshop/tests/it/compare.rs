@@ -19,16 +19,7 @@ fn force(t: f64) -> f64 {
 const BEFORE_THE_STOPS_S: f64 = 0.046;
 
 fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
-    let setup = Setup {
-        settings: Settings::new(5e-6),
-        start_s: 0.0,
-        duration_s,
-        record_every: Some(100),
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(5e-6), record_every: Some(100), ..Setup::new(duration_s) };
     let run = simulate(grand, &player::force(&force), &setup, &mut |_| true).unwrap();
     let mut x = 1u64;
     let mut noise = || {
@@ -61,16 +52,7 @@ fn the_way_up_ends_at_the_top() {
 }
 
 fn setup() -> Setup {
-    Setup {
-        settings: Settings::new(50e-6),
-        start_s: 0.0,
-        duration_s: 1.0,
-        record_every: None,
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    }
+    Setup { settings: Settings::new(50e-6), ..Setup::new(1.0) }
 }
 
 /// Force driven, the only error of the action is the noise (its standard deviation within a tenth: 300 samples, and the

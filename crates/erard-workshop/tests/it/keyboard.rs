@@ -76,16 +76,7 @@ fn every_key_escapes_checks_and_repeats() {
         let within = if t < 0.22 { t } else { t - 0.22 };
         if within < 0.12 { force(within) } else { 0.0 }
     };
-    let setup = Setup {
-        settings: Settings::new(USUAL_STEP_S),
-        start_s: 0.0,
-        duration_s: 0.36,
-        record_every: Some(u64::MAX),
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(USUAL_STEP_S), record_every: Some(u64::MAX), ..Setup::new(0.36) };
     let mut before = 0.0;
     for instrument in &concert_grand().1 {
         let run = simulate(instrument, &player::force(&twice), &setup, &mut |_| true).expect("runs");
@@ -198,16 +189,7 @@ fn the_top_keys_have_no_damper() {
     for key in [68, 69, 88] {
         let instrument = &instruments[key - 1];
         let damper = crate::common::body(instrument, "damper");
-        let setup = Setup {
-            settings: Settings::new(USUAL_STEP_S),
-            start_s: 0.0,
-            duration_s: 0.4,
-            record_every: None,
-            tolerance: None,
-            ledger: true,
-            pedal: erard::strings::Pedal::default(),
-            hand: None,
-        };
+        let setup = Setup { settings: Settings::new(USUAL_STEP_S), ..Setup::new(0.4) };
         let run = simulate(instrument, &player::force(|_| 5.0), &setup, &mut |_| true).expect("runs");
         let moved =
             crate::common::largest(run.bodies[damper].angle_rad.iter().map(|q| q - run.bodies[damper].angle_rad[0]));

@@ -341,16 +341,7 @@ fn inertia_is_what_a_force_accelerates() {
     let slow = slow_loop(&lifted, 5e-3, &mut go).unwrap().down;
     let curve = inertia(&stiff, 5e-3, &mut go).unwrap();
     let force = |t: f64| 1.0 - (50.0 * t.min(0.06)).cos();
-    let setup = Setup {
-        settings: Settings::new(10e-6),
-        start_s: 0.0,
-        duration_s: 0.12,
-        record_every: Some(1),
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(10e-6), record_every: Some(1), ..Setup::new(0.12) };
     let run = simulate(&lifted, &player::force(&force), &setup, &mut |_| true).unwrap();
     let work = |key: &[f64], force: &[f64], to: f64| -> f64 {
         let ways = key.windows(2).zip(force.windows(2)).take_while(|(key, _)| key[1] <= to);

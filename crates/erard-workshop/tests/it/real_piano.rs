@@ -28,16 +28,7 @@ fn led(instrument: &Instrument, stroke: &str, low_pass_hz: f64) -> Comparison {
     let recording = Recording::read(text.as_slice(), stroke, &erard::stroke::Columns::default()).unwrap();
     let preparation = Preparation { low_pass: LowPass::At(low_pass_hz), ..Preparation::default() };
     let series = prepare(&recording, &preparation).unwrap().series;
-    let setup = Setup {
-        settings: Settings::new(50e-6),
-        start_s: 0.0,
-        duration_s: 1.0,
-        record_every: None,
-        tolerance: None,
-        ledger: false,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(50e-6), ledger: false, ..Setup::new(1.0) };
     let choice = Choice { drives: vec![Prescribed::Rigid], models: vec![Which::Action], ..Choice::default() };
     compare_chosen(instrument, &series, &choice, &setup, &mut |_| true).unwrap()
 }

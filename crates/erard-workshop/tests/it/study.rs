@@ -65,13 +65,8 @@ fn jobs(plan: &[(usize, usize, f64)]) -> Vec<Job<'static>> {
 /// states.
 const SETUP: fn() -> Setup = || Setup {
     settings: Settings { tolerance: 1e-10, ..Settings::new(50e-6) },
-    start_s: 0.0,
-    duration_s: 0.25,
     record_every: Some(u64::MAX),
-    tolerance: None,
-    ledger: true,
-    pedal: erard::strings::Pedal::default(),
-    hand: None,
+    ..Setup::new(0.25)
 };
 
 fn study(plan: &[(usize, usize, f64)], workers: Workers) -> Vec<JobResult> {

@@ -8,8 +8,11 @@ use super::PianoString;
 pub(crate) const STEEL_DENSITY_KG_M3: f64 = 7850.0;
 /// Steel wire, Pa.
 pub(crate) const STEEL_YOUNG_PA: f64 = 2.02e11;
-/// Partials above this are not stepped, whatever the step: nobody hears them, Hz.
+/// Partials above this are not part of the force on the bridge: nobody hears them, Hz.
 pub(crate) const REACH_HZ: f64 = 20e3;
+/// So many partials are stepped at least. A treble string has few below 20 kHz, and what the others yield would follow
+/// the felt's force half a step late.
+const LEAST_MODES: u32 = 32;
 /// Partials that a static compliance counts: what is beyond adds less than a thousandth of it.
 const STATIC_PARTIALS: u32 = 4000;
 
@@ -64,6 +67,12 @@ impl PianoString {
     #[must_use]
     pub fn partials_below(&self, hz: f64) -> u32 {
         (1..STATIC_PARTIALS).take_while(|&n| self.partial_hz(n) < hz).count() as u32
+    }
+
+    /// How many partials are stepped, whatever the step: those below 20 kHz, and 32 at least.
+    #[must_use]
+    pub(crate) fn stepped(&self) -> u32 {
+        self.partials_below(REACH_HZ).max(LEAST_MODES)
     }
 
     /// A mode's displacement at a place, m from the end that the strike is counted from.

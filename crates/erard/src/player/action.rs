@@ -9,7 +9,7 @@ use super::rest::{RIGID_CORRECTION, Rest};
 use super::snapshot::{MechanismState, Snapshot, SnapshotError, strings_are_finite};
 use crate::identity::Identity;
 use crate::instrument::Instrument;
-use crate::mechanism::{Impact, Mechanism, Part, StepOutput, Stepping, TellNumbers, mechanism};
+use crate::mechanism::{Halving, Impact, Mechanism, Part, StepOutput, Stepping, TellNumbers, mechanism};
 use crate::progress::Progress;
 use crate::strings::Strings;
 
@@ -128,12 +128,12 @@ pub struct Action {
 }
 
 impl Action {
-    /// At rest, 50 us a step, the usual settings.
+    /// At rest, steps of [`Instrument::usual_step_s`], the usual settings.
     ///
     /// # Errors
     /// See [`ActionError`].
     pub fn new(instrument: &Instrument) -> Result<Self, ActionError> {
-        Action::with(instrument, Settings::new(equilibrium::STEP_S))
+        Action::with(instrument, Settings::new(instrument.usual_step_s()))
     }
 
     /// At rest, with other settings.
@@ -198,8 +198,9 @@ impl Action {
         self.mechanism.set(Part::Hand([self.rest.site_m + position_m, velocity_m_s]));
     }
 
-    /// One step of the settings' length under an input. A number that is not finite leaves the action as it was; the
-    /// reading's outcome reports it.
+    /// One step of the settings' length under an input. Where strings sound it may be taken in parts
+    /// ([`Mechanism::step`]): the reading's forces are those of the last one, its outcome is the worst. A number that
+    /// is not finite leaves the action as it was; the reading's outcome reports it.
     ///
     /// The equations are solved in [`moreau::step()`], which [`Mechanism::step`] calls for the mechanism's size.
     #[inline]
@@ -305,6 +306,13 @@ impl Action {
     pub(crate) fn set_settings(&mut self, settings: Settings<f64>) {
         let stepping = *self.mechanism.readout().stepping;
         self.mechanism.configure(Stepping { settings, ..stepping });
+    }
+
+    /// How often steps are halved while the hammer is near strings that sound, from the next one on; as these ask, at
+    /// first. May allocate.
+    pub fn halve(&mut self, halving: Halving) {
+        let stepping = *self.mechanism.readout().stepping;
+        self.mechanism.configure(Stepping { halving, ..stepping });
     }
 
     /// Whether steps that are known to change nothing are left out, as at first: the same bits for less work.
@@ -416,9 +424,8 @@ impl Action {
         }
     }
 
-    /// Goes on from a snapshot of the same instrument, to the bit; modal strings, in steps of the same length (in
-    /// others they are at rest). The last step's forces are not part of it: they are zero until the next. Settings stay
-    /// as they are.
+    /// Goes on from a snapshot of the same instrument, to the bit in steps of the same length. The last step's forces
+    /// are not part of it: they are zero until the next. Settings stay as they are.
     ///
     /// # Errors
     /// [`SnapshotError`]: another instrument's, or of another version; nothing has changed then.
@@ -427,7 +434,7 @@ impl Action {
     }
 
     /// The same from its parts. `strings` tells the numbers of a list by its name and returns how many there are; of
-    /// none, or of those of another length of steps, modal strings are at rest. Does not allocate.
+    /// none, modal strings are at rest. Does not allocate.
     ///
     /// # Errors
     /// As [`Action::restore`].

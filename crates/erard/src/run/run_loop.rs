@@ -9,11 +9,13 @@ use crate::mechanism::{LARGEST_STEP_S, Mechanism, Readout, StepOutput};
 use crate::player::rest::{RIGID_CORRECTION_S, Rest};
 use crate::player::{Action, ControlWork, Drive, LedgerBook, Observer, Recorded, Recorder, Work};
 use crate::progress::Progress;
-use crate::trust::{Extremes, assess};
+use crate::trust::{Extremes, Struck, assess};
 
 use super::Run;
 use super::setup::{MOST_ROWS, Setup, SimulationError};
 
+/// Every so many steps the caller is asked whether to go on: well below a tenth of a second.
+const ASK_EVERY: u64 = 512;
 /// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the
 /// part of the step before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of
 /// positions.
@@ -38,6 +40,7 @@ struct Observers<'a> {
     recorder: Recorder,
     ledger: Option<LedgerBook>,
     extremes: Extremes,
+    struck: Struck,
     peak_force_n: f64,
     rested: bool,
     further: Option<&'a mut dyn Observer>,
@@ -61,8 +64,9 @@ impl<'a> RunLoop<'a> {
             further.begin(setup.start_s, action.mechanism());
         }
         let (detector, extremes) = (EventDetector::new(instrument), Extremes::new(instrument));
+        let struck = Struck::new(instrument);
         let mut observers =
-            Observers { detector, recorder, ledger, extremes, peak_force_n: 0.0, rested: false, further };
+            Observers { detector, recorder, ledger, extremes, struck, peak_force_n: 0.0, rested: false, further };
         let rest = action.rest();
         observers.observe(&rest, setup.start_s, true, action.mechanism(), &action.mechanism().readout());
         let work = Work {
@@ -81,33 +85,39 @@ impl<'a> RunLoop<'a> {
         self.setup.start_s + n as f64 * self.setup.settings.step
     }
 
-    /// Fixed steps: all of the same length.
+    /// Fixed steps: all of the same length, some of them taken in parts where strings sound.
     pub(crate) fn fixed(&mut self, progress: &mut Progress<'_>) -> Result<(), SimulationError> {
         let Settings { step: h, theta, .. } = self.setup.settings;
         let RunLoop { drive, setup, steps, every, rest, action, observers, work } = self;
         let (drive, rest, steps, every, start_s) = (*drive, *rest, *steps, *every, setup.start_s);
-        let (mut n, mut due) = (0, every);
-        let taken = std::cell::Cell::new(0_u64);
-        let mut told = |_: f64| progress(taken.get() as f64 / steps as f64);
-        let played = action.play_engine(&mut told, &mut |action, last| {
-            let t = start_s + n as f64 * h;
-            if let Some(report) = last {
-                work.count(report, 1);
-                let row = n == due || n == steps;
-                due += if n == due { every } else { 0 };
-                observers.step(&rest, t, row, action.mechanism());
+        let mut due = every;
+        for n in 0..steps {
+            if n.is_multiple_of(ASK_EVERY) && !progress(n as f64 / steps as f64) {
+                return Err(SimulationError::Interrupted);
             }
-            taken.set(n);
-            if n == steps {
-                return None;
-            }
-            n += 1;
+            let (t0, t1) = (start_s + n as f64 * h, start_s + (n + 1) as f64 * h);
             if setup.pedal.is_used() {
-                action.set_pedal(setup.pedal.lift_m(t + h));
+                action.set_pedal(setup.pedal.lift_m(t1));
             }
-            Some(rest.input(drive, t, h, theta, h, &|| action.mechanism().site_position()))
-        });
-        played.map_err(SimulationError::from)
+            let row = n + 1 == due || n + 1 == steps;
+            let mechanism = action.mechanism_mut();
+            let mut parts = 0_u32;
+            let mut input = |from_s: f64, part_s: f64, site_m: &dyn Fn() -> f64| {
+                rest.input(drive, t0 + from_s, part_s, theta, part_s, site_m)
+            };
+            let report = mechanism.step_in_parts(&mut input, &mut |m, last| {
+                parts += 1;
+                let now_s = if last { t1 } else { t0 + f64::from(parts) * m.readout().last_step_s };
+                observers.step(&rest, now_s, row && last, m);
+            });
+            if report.outcome == Outcome::NonFinite {
+                // It is where it was, and when.
+                return Err(SimulationError::NonFinite { time_s: action.time_s() });
+            }
+            work.count(&report, u64::from(parts));
+            due += if n + 1 == due { every } else { 0 };
+        }
+        Ok(())
     }
 
     /// Adaptive steps: from row to row, as long as their error allows.
@@ -153,13 +163,13 @@ impl<'a> RunLoop<'a> {
 
     /// What the run leaves behind.
     pub(crate) fn finish(self, instrument: &Instrument) -> Run {
-        let Observers { detector, recorder, ledger, extremes, peak_force_n, .. } = self.observers;
+        let Observers { detector, recorder, ledger, extremes, struck, peak_force_n, .. } = self.observers;
         let mechanism = self.action.mechanism();
         let Recorded { time_s, force_n, key_m, hammer_head_m, hammer_head_m_per_s, bodies, zones, strings } =
             recorder.finish();
         let ledger = ledger.map(|ledger| ledger.close(mechanism));
         let events = detector.finish();
-        let warnings = assess(instrument, &extremes, &events, ledger.as_ref(), &self.work);
+        let warnings = assess(instrument, &extremes, &struck, &events, ledger.as_ref(), &self.work);
         Run {
             instrument: instrument.name.clone(),
             time_s,
@@ -205,6 +215,7 @@ impl Observers<'_> {
             self.recorder.stood();
         } else {
             self.extremes.observe(time_s, now);
+            self.struck.observe(time_s, now);
             self.detector.observe(time_s, key_m, hammer_m, impact, m);
             self.recorder.step(now);
         }

@@ -3,7 +3,8 @@
 use moreau::{ModelError, Settings};
 use thiserror::Error;
 
-use crate::mechanism::{LARGEST_STEP_S, SMALLEST_STEP_S};
+use crate::instrument::Instrument;
+use crate::mechanism::{Halving, LARGEST_STEP_S, SMALLEST_STEP_S};
 use crate::player::equilibrium::{self, EquilibriumError, UNSOLVED_STEPS};
 use crate::player::{ActionError, Drive, Hand, HandError, Input, PlayError};
 use crate::strings::Pedal;
@@ -31,6 +32,8 @@ pub struct Setup {
     /// say. With a tolerance, rows stand where they would without, and steps between two of them are as long as their
     /// error allows.
     pub tolerance: Option<f64>,
+    /// How often steps are halved while the hammer is near strings that sound. Rows stay on the settings' grid.
+    pub halving: Halving,
     /// Whether the energy ledger is kept.
     pub ledger: bool,
     /// How the sustain pedal is moved, on the stroke's own clock.
@@ -153,10 +156,16 @@ impl Setup {
             duration_s,
             record_every: None,
             tolerance: None,
+            halving: Halving::AsAsked,
             ledger: true,
             pedal: Pedal::default(),
             hand: None,
         }
+    }
+
+    /// [`Setup::new`] with the usual steps of an instrument ([`Instrument::usual_step_s`]).
+    pub fn of(instrument: &Instrument, duration_s: f64) -> Self {
+        Setup { settings: Settings::new(instrument.usual_step_s()), ..Setup::new(duration_s) }
     }
 
     /// What drives the key under a stroke: the stroke, or the hand that it moves. A run ends as from a number that is

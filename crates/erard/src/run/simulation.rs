@@ -4,6 +4,7 @@ use super::Run;
 use super::run_loop::RunLoop;
 use super::setup::{Setup, SimulationError};
 use crate::instrument::Instrument;
+use crate::mechanism::Halving;
 use crate::player::{Action, Drive, Input, Observer};
 use crate::progress::Progress;
 use crate::stroke::HandStroke;
@@ -78,6 +79,9 @@ fn simulate_before(
         return Err(SimulationError::StringsControlled);
     }
     let mut action = Action::asking(instrument, setup.settings, progress)?;
+    if setup.halving != Halving::AsAsked {
+        action.halve(setup.halving);
+    }
     put_pedal(&mut action, instrument, setup, progress)?;
     if let Some(hand) = &setup.hand {
         action.place_hand(hand.start_m, hand.start_m_s);

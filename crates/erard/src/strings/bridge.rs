@@ -143,11 +143,6 @@ impl Bridge {
         self.row.now(blocks)
     }
 
-    /// Displacements and velocities of its modes, in turn.
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
-        self.modes.iter().flat_map(|mode| [mode.r, mode.v])
-    }
-
     /// Displacement and velocity of one of its modes.
     pub(crate) fn mode_now(&self, index: usize) -> [f64; 2] {
         self.modes.get(index).map_or([0.0; 2], |mode| [mode.r, mode.v])
@@ -160,9 +155,10 @@ impl Bridge {
         }
     }
 
-    pub(crate) fn set_numbers(&mut self, from: &[f64]) {
-        for (mode, numbers) in self.modes.iter_mut().zip(from.chunks_exact(2)) {
-            (mode.r, mode.v) = (numbers[0], numbers[1]);
+    /// Its modes are where those of another are, which has the same.
+    pub(crate) fn go_on_from(&mut self, other: &Self) {
+        for (mode, other) in self.modes.iter_mut().zip(&other.modes) {
+            (mode.r, mode.v) = (other.r, other.v);
         }
     }
 }

@@ -19,7 +19,7 @@
 
 use moreau::gauss_jordan;
 
-use super::rows::{Block, Row};
+use super::rows::{Block, Row, WIDE};
 use crate::instrument::{self, Curve, Instrument, MAX_STRINGS, PianoString};
 
 /// Partials that a static compliance counts: the felt's length makes it converge soon.
@@ -102,17 +102,18 @@ impl Felt {
         (n, hammer): (u32, f64),
         at: usize,
         stiffness_n_m: f64,
-        qq: f64,
         blocks: &[Block],
     ) -> f64 {
         let [mean, half] = self.shapes(string, n);
+        let Block { qq, bridge, .. } = &blocks[at / WIDE];
+        let (qq, bridge) = (qq[at % WIDE], bridge[at % WIDE]);
         self.row.set(at, mean, stiffness_n_m, blocks);
         self.rocking.set(at, half, stiffness_n_m, blocks);
         let rocks = half / stiffness_n_m * (1.0 - qq);
         self.rocks_m_n += half * rocks;
         self.rocked_by_m_n[0] += hammer * rocks;
         self.rocked_by_m_n[1] += mean * rocks;
-        self.rocking_sounds += string.bridge_n_m(n) * rocks;
+        self.rocking_sounds += bridge * rocks;
         mean
     }
 

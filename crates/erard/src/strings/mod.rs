@@ -24,8 +24,11 @@
 //! struck point, exactly, so that nothing is won or lost between felt and string (`crates/moreau/README.md`, "Compliant
 //! surfaces").
 //!
-//! **Modes beyond the step's reach** (above 1/(2 h), and above 20 kHz) follow the force as a spring does: their static
-//! compliance is added to A. They take what the force's change leaves them, never giving any back that was not there.
+//! **Which modes are stepped** does not depend on the step: those below 20 kHz, and 32 a string at least. The others
+//! follow the force as a spring does: their static compliance is added to A. They take what the force's change leaves
+//! them, never giving any back that was not there. Those above 20 kHz are not part of the force on the bridge.
+//!
+//! **Steps are halved** while the hammer is near the strings, as often as its blow needs (`modal/parts.rs`).
 //!
 //! **Several strings** of a note are struck by one felt. It is pressed by the mean of their displacements, and presses
 //! each with an equal part of its force: u = sum u_i / N and F_i = F / N, whose work is the same, sum F_i du_i = F du.
@@ -51,6 +54,10 @@ pub use shape_probe::ShapeProbe;
 
 use crate::instrument::Instrument;
 
+/// Usual steps, s.
+const STEP_S: f64 = 50e-6;
+/// Usual steps of an instrument whose strings sound, s.
+const SOUNDING_STEP_S: f64 = 1.0 / 24e3;
 /// How far a string may swing out of its rest toward the hammer, m: a hammer that is farther away is not looked at.
 /// Strings of a fortissimo swing by 3 mm.
 const EXCURSION_M: f64 = 5e-3;
@@ -109,6 +116,12 @@ impl Instrument {
     #[must_use]
     pub fn has_yielding_strings(&self) -> bool {
         self.roles.string.is_some() && !self.strings.is_empty() && !self.roles.rigid_string
+    }
+
+    /// The usual length of a step, s: 50 us; where strings sound 1/24 000 s, of which samples of sound are whole parts.
+    #[must_use]
+    pub fn usual_step_s(&self) -> f64 {
+        if self.has_yielding_strings() { SOUNDING_STEP_S } else { STEP_S }
     }
 
     /// The same with a string that stands still.

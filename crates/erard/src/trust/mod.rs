@@ -3,8 +3,8 @@
 //!
 //! A simulation always gives numbers. These are the signs that they are not the instrument's: energy that the energy
 //! balance does not explain, steps that did not converge, a felt pressed deeper than it is thick, a body turned further
-//! than its stops let it, a hammer faster than any, no rest to start from. A run without a warning has shown none of
-//! them; it is not thereby right.
+//! than its stops let it, a hammer faster than any, strings struck in too few or too long steps, no rest to start from.
+//! A run without a warning has shown none of them; it is not thereby right.
 //!
 //! ```
 //! use erard::{Input, Instrument, Setup, press};
@@ -19,8 +19,10 @@
 //! ```
 
 mod extremes;
+mod strings;
 
 pub use extremes::{Extremes, Furthest};
+pub use strings::Struck;
 
 use std::collections::BTreeMap;
 
@@ -28,7 +30,7 @@ use moreau::Ledger;
 use serde::Serialize;
 
 use crate::events::Events;
-use crate::instrument::Instrument;
+use crate::instrument::{Instrument, PianoString, REACH_HZ};
 use crate::player::Work;
 
 /// Largest energy that the energy balance may leave unexplained, over the energy turned over ([`energy_residual`]).
@@ -38,6 +40,9 @@ pub(crate) const UNCONVERGED_STEPS: u64 = 0;
 /// Fastest blow, m/s: four times the fastest that was measured on a piano, and as far as the engine looks ahead for
 /// what may be touched within a step.
 pub(crate) const HAMMER_SPEED_M_S: f64 = 20.0;
+/// Steps with a force that the loudest blow on strings that sound has to have: with as many its contact, its largest
+/// force and the hammer's return are right to a hundredth.
+pub(crate) const CONTACT_STEPS: u32 = 60;
 /// Turnover below which the residual is measured against this, J: a thousandth of the softest blow's.
 pub const LEAST_TURNOVER_J: f64 = 1e-6;
 
@@ -56,6 +61,10 @@ pub enum Kind {
     TurnBeyondStops,
     /// The hammer met the string faster than any hammer does.
     HammerSpeed,
+    /// The hammer's contact with strings that sound was taken in too few steps.
+    ContactSteps,
+    /// Strings have partials that the steps of a blow are too long for.
+    PartialsBeyondStep,
     /// No rest was found to start from, and nothing was played.
     NoRest,
     /// A number became infinite, and the run ended there.
@@ -72,6 +81,8 @@ impl Kind {
             Kind::FeltBeyondThickness => "felt_beyond_thickness",
             Kind::TurnBeyondStops => "turn_beyond_stops",
             Kind::HammerSpeed => "hammer_speed",
+            Kind::ContactSteps => "contact_steps",
+            Kind::PartialsBeyondStep => "partials_beyond_step",
             Kind::NoRest => "no_rest",
             Kind::NonFinite => "non_finite",
         }
@@ -89,9 +100,9 @@ pub struct Warning {
     pub part: Option<String>,
     /// What was found, in `unit`.
     pub value: f64,
-    /// What there may be at most (for a turn the other way: at least), in `unit`.
+    /// What there may be at most (for a turn the other way and for a contact's steps: at least), in `unit`.
     pub bound: f64,
-    /// Of both: `m`, `rad`, `steps`, `m/s`, `rad/s`, or nothing for a share.
+    /// Of both: `m`, `rad`, `steps`, `partials`, `m/s`, `rad/s`, or nothing for a share.
     pub unit: &'static str,
     /// When it was worst, on the stroke's clock, s; `None` where it is the whole run's.
     pub time_s: Option<f64>,
@@ -115,6 +126,7 @@ pub fn energy_residual(ledger: &Ledger) -> f64 {
 pub(crate) fn assess(
     instrument: &Instrument,
     extremes: &Extremes,
+    struck: &Struck,
     events: &Events,
     ledger: Option<&Ledger>,
     work: &Work,
@@ -124,6 +136,47 @@ pub(crate) fn assess(
     warnings.extend(of_steps(work.unconverged_steps, work.steps));
     warnings.extend(of_extremes(instrument, extremes));
     warnings.extend(of_blows(events));
+    warnings.extend(of_strings(instrument, struck));
+    warnings
+}
+
+/// What is wrong with how strings that sound were struck: in too few steps, or in longer ones than their partials bear.
+fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
+    let Some(contact) = struck.loudest() else { return Vec::new() };
+    let mut warnings = Vec::new();
+    if contact.steps < CONTACT_STEPS {
+        warnings.push(Warning {
+            kind: Kind::ContactSteps,
+            what: format!(
+                "the hammer's contact with the strings at {} was taken in {} steps (at least {CONTACT_STEPS}); a smaller step may help",
+                instant(contact.since_s),
+                contact.steps
+            ),
+            part: None,
+            value: f64::from(contact.steps),
+            bound: f64::from(CONTACT_STEPS),
+            unit: "steps",
+            time_s: Some(contact.since_s),
+        });
+    }
+    let reach_hz = 0.5 / contact.longest_s;
+    let beyond = |string: &PianoString| string.partials_below(REACH_HZ) - string.partials_below(REACH_HZ.min(reach_hz));
+    let count: u32 = instrument.strings.iter().map(beyond).sum();
+    if count > 0 {
+        warnings.push(Warning {
+            kind: Kind::PartialsBeyondStep,
+            what: format!(
+                "{count} partials of the strings lie between {} Hz, up to which steps of {} us can tell one from another, and 20 kHz; a smaller step may help",
+                rounded(reach_hz),
+                rounded(contact.longest_s * 1e6)
+            ),
+            part: None,
+            value: f64::from(count),
+            bound: 0.0,
+            unit: "partials",
+            time_s: Some(contact.since_s),
+        });
+    }
     warnings
 }
 
@@ -303,6 +356,8 @@ mod tests {
             Kind::FeltBeyondThickness,
             Kind::TurnBeyondStops,
             Kind::HammerSpeed,
+            Kind::ContactSteps,
+            Kind::PartialsBeyondStep,
             Kind::NoRest,
             Kind::NonFinite,
         ] {

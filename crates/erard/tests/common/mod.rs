@@ -131,16 +131,7 @@ impl Play {
         record_every: Option<u64>,
         tolerance: Option<f64>,
     ) -> Run {
-        let setup = Setup {
-            settings,
-            start_s: 0.0,
-            duration_s,
-            record_every,
-            tolerance,
-            ledger: true,
-            pedal: erard::strings::Pedal::default(),
-            hand: None,
-        };
+        let setup = Setup { settings, record_every, tolerance, ..Setup::new(duration_s) };
         self.with_drive(|drive| {
             simulate(instrument, drive, &setup, &mut |_| true).unwrap_or_else(|e| panic!("{self:?}: {e}"))
         })

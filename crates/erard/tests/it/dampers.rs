@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use crate::common::{Play, USUAL_STEP_S};
 use erard::instrument::{BridgeMode, DamperFelt, Instrument, InstrumentFile};
 use erard::keyboard::Keys;
-use erard::mechanism::{Mechanism, mechanism, open_ledger, take_stock};
+use erard::mechanism::{Halving, Mechanism, Stepping, mechanism, open_ledger, take_stock};
 use erard::run::{Setup, SimulationError, simulate};
 use erard::strings::{Pedal, Strings};
 use erard::stroke::Touch;
@@ -451,8 +451,7 @@ fn the_books_close_over_rocking_dampers_and_a_bridge_that_moves() {
             let before = m.readout().surfaces.unwrap().energy();
             let (mut lost, mut least) = (0.0, 0.0_f64);
             for _ in 0..(0.1 / h) as usize {
-                m.step(&moreau::Input::Free);
-                m.book(&mut ledger);
+                m.step_in_parts(&mut |_, _, _| moreau::Input::Free, &mut |m, _| m.book(&mut ledger));
                 least = least.min(ledger.surface - lost);
                 lost = ledger.surface;
             }
@@ -470,6 +469,7 @@ fn the_books_close_over_rocking_dampers_and_a_bridge_that_moves() {
 /// What strings, bridge and rocked felts have lost, J, in the engine after a time, and what they have lost together.
 fn lost(instrument: &Instrument, h: f64, speeds_m_s: &[f64], time_s: f64) -> ([f64; 3], f64) {
     let mut m = mechanism(instrument, Settings { tolerance: 1e-10, ..Settings::new(h) }).unwrap();
+    m.configure(Stepping { halving: Halving::Never, ..*m.readout().stepping });
     swing(m.as_mut(), speeds_m_s);
     let (start, before) = (strings(m.as_ref()).losses(), m.readout().surfaces.unwrap().lost());
     for _ in 0..(time_s / h).round() as usize {
@@ -492,7 +492,7 @@ fn each_dashpot_takes_what_it_takes() {
             instrument.zones.truncate(1);
         }
         let exact = by_runge_kutta(&instrument, &speeds, &[0.06]).remove(0).taken;
-        let errors = [50e-6, 12.5e-6].map(|h| {
+        let errors = [50e-6, 25e-6, 12.5e-6].map(|h| {
             let (found, all) = lost(&instrument, h, &speeds, 0.06);
             println!("{mass_kg} kg, damped {damped}, {h:e}: {found:?} J, exact {exact:?}");
             assert!((found.iter().sum::<f64>() / all - 1.0).abs() < 1e-9, "{found:?} {all}");
@@ -500,8 +500,8 @@ fn each_dashpot_takes_what_it_takes() {
             errors.fold(0.0, f64::max)
         });
         println!("{errors:?}");
-        // Second order: a sixteenth.
-        assert!(errors[0] < 0.06 && errors[1] < errors[0] / 12.0, "{errors:?}");
+        // Second order: a sixteenth. Strings on a bridge are not given longer steps than the second.
+        assert!(errors[0] < 0.1 && errors[1] < 0.025 && errors[2] < errors[0] / 12.0, "{errors:?}");
     }
     let undamped = |loss_per_s: f64, loss_factor: f64| {
         let mut instrument = damped_on_a_bridge(0.5);
@@ -575,8 +575,11 @@ fn strings_on_a_bridge_are_those_of_an_independent_solution() {
         (4.0, 2.839622e-10, -1.36695e-05),
     ];
     let instrument = bridged();
-    for (h, bound) in [(50e-6, 0.05), (12.5e-6, 0.01)] {
+    for (h, halving, bound) in
+        [(50e-6, Halving::AsAsked, 0.01), (25e-6, Halving::Never, 0.03), (12.5e-6, Halving::Never, 0.01)]
+    {
         let mut m = mechanism(&instrument, Settings::new(h)).unwrap();
+        m.configure(Stepping { halving, ..*m.readout().stepping });
         swing(m.as_mut(), &[0.1]);
         let (mut now, start) = (0, m.readout().surfaces.unwrap().energy());
         for (instant, energy_j, bridge_n) in reference {

@@ -13,6 +13,7 @@ mod determinism;
 mod energy;
 mod felt_laws;
 mod firmware;
+mod halving;
 mod hand;
 mod instrument_errors;
 mod instrument_schema;

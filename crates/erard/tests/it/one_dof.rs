@@ -14,16 +14,7 @@ const ARM_M: f64 = 0.265;
 
 /// Force at the key front under an imposed motion, with its instants.
 fn force_of(instrument: &Instrument, motion: &dyn Fn(f64) -> [f64; 2], duration_s: f64) -> (Vec<f64>, Vec<f64>) {
-    let setup = Setup {
-        settings: Settings::new(USUAL_STEP_S),
-        start_s: 0.0,
-        duration_s,
-        record_every: None,
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings: Settings::new(USUAL_STEP_S), ..Setup::new(duration_s) };
     let run = simulate(instrument, &player::rigid(motion), &setup, &mut |_| true).unwrap();
     (run.time_s, run.force_n)
 }

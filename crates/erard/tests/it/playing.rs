@@ -195,16 +195,7 @@ fn a_second_press_from_half_way_sounds() {
             })
         };
         let duration_s = 0.5 + wait;
-        let setup = Setup {
-            settings: Settings::new(USUAL_STEP_S),
-            start_s: 0.0,
-            duration_s,
-            record_every: None,
-            tolerance: None,
-            ledger: true,
-            pedal: erard::strings::Pedal::default(),
-            hand: None,
-        };
+        let setup = Setup { settings: Settings::new(USUAL_STEP_S), ..Setup::new(duration_s) };
         let run = simulate(&grand, &player::motion(&motion), &setup, &mut |_| true).unwrap();
         let blows = &run.events.impacts;
         assert_eq!(blows.len(), 2, "{wait}: {blows:?}");

@@ -176,16 +176,7 @@ fn a_search_for_a_rest_that_does_not_end_well() {
     });
     assert!(matches!(error, EquilibriumError::Interrupted) && asked == 3, "{error:?}");
     let settings = Settings::new(USUAL_STEP_S);
-    let setup = Setup {
-        settings,
-        start_s: 0.0,
-        duration_s: 1.0,
-        record_every: None,
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings, ..Setup::new(1.0) };
     // Stiffnesses that no step resolves end the search soon, with strings or without: it asks every 512 steps, 20 s are
     // 400 000.
     for name in ["concert-grand", "concert-grand-strings"] {

@@ -51,16 +51,7 @@ impl Play {
         record_every: u64,
         progress: &mut Progress,
     ) -> Result<Run, ReproduceError> {
-        let setup = Setup {
-            settings,
-            start_s: 0.0,
-            duration_s,
-            record_every: Some(record_every),
-            tolerance: None,
-            ledger: true,
-            pedal: erard::strings::Pedal::default(),
-            hand: None,
-        };
+        let setup = Setup { settings, record_every: Some(record_every), ..Setup::new(duration_s) };
         let mut go = |drive: &Drive<'_>| Ok(simulate(instrument, drive, &setup, &mut |share| progress(share))?);
         let missing = |name: &str| ReproduceError::Instrument(format!("the built-in stroke {name} cannot be read"));
         match self {

@@ -71,12 +71,10 @@ fn press(
     let setup = Setup {
         settings,
         start_s: -before,
-        duration_s: UNTIL_S + before,
         record_every: Some((row_s / settings.step).round().max(1.0) as u64),
         tolerance,
         ledger: false,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
+        ..Setup::new(UNTIL_S + before)
     };
     let started = Instant::now();
     let run = simulate(instrument, &player::force(force.drive()), &setup, progress)?;

@@ -84,16 +84,7 @@ impl Reference {
     /// A run over the common time axis.
     fn run(&self, model: &Instrument, drive: &Drive<'_>) -> Result<Run, ReproduceError> {
         let duration_s = (self.time_s.len() - 1) as f64 / RATE_HZ;
-        let setup = Setup {
-            settings: Settings::new(STEP_S),
-            start_s: 0.0,
-            duration_s,
-            record_every: Some(ROW_STEPS),
-            tolerance: None,
-            ledger: true,
-            pedal: erard::strings::Pedal::default(),
-            hand: None,
-        };
+        let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(ROW_STEPS), ..Setup::new(duration_s) };
         Ok(simulate(model, drive, &setup, &mut |_| true)?)
     }
 

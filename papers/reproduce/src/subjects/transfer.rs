@@ -101,16 +101,7 @@ fn press(instrument: &Instrument, tremble: Option<&Tremble>) -> Result<Run, Repr
         [y, v]
     };
     let settings = Settings { tolerance: 1e-11, ..Settings::new(STEP_S) };
-    let setup = Setup {
-        settings,
-        start_s: 0.0,
-        duration_s,
-        record_every: Some(1),
-        tolerance: None,
-        ledger: true,
-        pedal: erard::strings::Pedal::default(),
-        hand: None,
-    };
+    let setup = Setup { settings, record_every: Some(1), ..Setup::new(duration_s) };
     Ok(simulate(instrument, &player::motion(&finger), &setup, &mut |_| true)?)
 }
 

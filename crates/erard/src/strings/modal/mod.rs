@@ -1,12 +1,13 @@
 //! The strings of a note in their modes, and their step. What the engine asks of them is in `surfaces.rs`, what can be
 //! read of them in `reading.rs`.
 
+mod parts;
 mod reading;
 mod surfaces;
 
 use core::f64::consts::PI;
 
-use moreau_kernels::{Mechanism, Readout};
+use moreau_kernels::{Mechanism, Parts, Readout};
 
 use super::bridge::Bridge;
 use super::damping::{self, BridgeCoupling, Felt, Rocks, bridge_coupling};
@@ -38,6 +39,17 @@ struct Mode {
     stiffness_n_m: f64,
 }
 
+/// What depends on the length of a step: all of it is prepared for both lengths, and that of one is in use.
+#[derive(Debug, Clone)]
+struct Prepared {
+    step_s: f64,
+    blocks: Vec<Block>,
+    felts: Vec<Felt>,
+    bridge: Option<Bridge>,
+    compliance_m_n: Between,
+    sounds: [f64; POINTS],
+}
+
 /// The strings of one note, struck by one felt, and what lies on them.
 #[derive(Debug, Clone)]
 pub struct Strings {
@@ -45,6 +57,13 @@ pub struct Strings {
     bridge_modes: Vec<crate::instrument::BridgeMode>,
     /// The hammer's, those of the dampers' felts, and the pedal's rail's.
     zones: Vec<usize>,
+    /// The longest step that a blow is taken in, s.
+    blow_step_s: f64,
+    /// What is prepared, by the steps' length and their parts.
+    prepared_for: (f64, Parts),
+    /// For the parts that are not in use, where they have another length; whether those in use are the near ones.
+    other: Option<Box<Prepared>>,
+    near: bool,
     step_s: f64,
     blocks: Vec<Block>,
     modes: Vec<Mode>,
@@ -92,16 +111,20 @@ pub struct Strings {
 impl Strings {
     /// The strings of an instrument, at rest; `None` where its string is rigid.
     #[must_use]
-    pub(crate) fn of(instrument: &Instrument, step_s: f64) -> Option<Self> {
+    pub(crate) fn of(instrument: &Instrument) -> Option<Self> {
         let zone = instrument.roles.string.filter(|_| instrument.has_yielding_strings())?;
         let felts = damping::felts(instrument);
         let mut zones = vec![zone];
         zones.extend(felts.iter().map(|felt| felt.zone));
         zones.extend(instrument.roles.pedal);
-        let mut strings = Strings {
+        Some(Strings {
             strings: instrument.strings.clone(),
             bridge_modes: if instrument.roles.rigid_bridge { Vec::new() } else { instrument.bridge_modes.clone() },
             zones,
+            blow_step_s: parts::blow_step_s(instrument),
+            prepared_for: (0.0, Parts::WHOLE),
+            other: None,
+            near: false,
             step_s: 0.0,
             blocks: Vec::new(),
             modes: Vec::new(),
@@ -128,9 +151,7 @@ impl Strings {
             rocked_j: 0.0,
             steps: 0,
             still: true,
-        };
-        strings.make_modes(step_s);
-        Some(strings)
+        })
     }
 
     /// Those of a mechanism.
@@ -150,11 +171,10 @@ impl Strings {
         self.stand();
     }
 
-    /// The modes that a step of this length reaches, at rest, with their exact steps.
+    /// The modes, at rest, with their exact steps of a length. Which ones there are does not depend on it.
     fn make_modes(&mut self, step_s: f64) {
         self.step_s = step_s;
-        let reach_hz = REACH_HZ.min(0.5 / step_s);
-        let counts: Vec<u32> = self.strings.iter().map(|string| string.partials_below(reach_hz)).collect();
+        let counts: Vec<u32> = self.strings.iter().map(|string| string.stepped()).collect();
         let blocks_of = |string: usize| (counts[string] as usize).div_ceil(WIDE);
         let first_of = |string: usize| (0..string).map(blocks_of).sum::<usize>();
         (self.modes, self.blocks) = (Vec::new(), vec![Block::default(); first_of(counts.len())]);
@@ -182,12 +202,12 @@ impl Strings {
                 (block.qq[place], block.qv[place], block.vq[place], block.vv[place]) = (qq, qv, vq, vv);
                 (block.fq[place], block.fv[place]) = (rests * (1.0 - qq), -rests * vq);
                 block.shape[place] = shape;
-                let bridge = string.bridge_n_m(n);
+                let bridge = if string.partial_hz(n) < REACH_HZ { string.bridge_n_m(n) } else { 0.0 };
                 block.bridge[place] = bridge;
                 let mut shapes = [0.0; POINTS];
                 shapes[0] = shape;
                 if let Some(k) = felt {
-                    shapes[1 + k] = self.felts[k].set_mode(string, (n, shape), at, stiffness_n_m, qq, &self.blocks);
+                    shapes[1 + k] = self.felts[k].set_mode(string, (n, shape), at, stiffness_n_m, &self.blocks);
                 }
                 for (p, of_p) in shapes.iter().enumerate() {
                     for (other, of_other) in shapes.iter().enumerate() {

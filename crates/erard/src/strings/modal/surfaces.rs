@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use moreau::Surface;
-use moreau_kernels::{Surfaces, TellNumbers};
+use moreau_kernels::{Parts, Surfaces, TellNumbers};
 
 use super::{Between, POINTS, Strings};
 use crate::identity::by_name;
@@ -51,30 +51,21 @@ impl Surfaces for Strings {
         &self.zones
     }
 
-    fn set_step(&mut self, step_s: f64) {
-        if step_s == self.step_s {
-            return;
+    fn parts(&self, step_s: f64) -> Parts {
+        self.parts_of(step_s)
+    }
+
+    fn set_step(&mut self, step_s: f64, parts: &Parts) {
+        if (step_s, *parts) != self.prepared_for {
+            self.prepare(step_s, parts);
+        } else if self.near {
+            self.change_parts();
         }
-        let before = std::mem::take(&mut self.blocks);
-        let modes = std::mem::take(&mut self.modes);
-        let bridge: Vec<f64> = self.bridge.iter().flat_map(Bridge::numbers).collect();
-        self.make_modes(step_s);
-        // Modes that both reach go on as they were.
-        for mode in &modes {
-            let same = self.modes.iter().find(|other| (other.string, other.n) == (mode.string, mode.n));
-            if let Some(same) = same {
-                let (old, new) = (&before[mode.at / WIDE], &mut self.blocks[same.at / WIDE]);
-                new.q[same.at % WIDE] = old.q[mode.at % WIDE];
-                new.v[same.at % WIDE] = old.v[mode.at % WIDE];
-            }
-        }
-        if let Some(own) = &mut self.bridge {
-            own.set_numbers(&bridge);
-        }
-        if self.still {
-            self.stand();
-        } else {
-            self.update_surfaces();
+    }
+
+    fn take(&mut self, near: bool) {
+        if near != self.near {
+            self.change_parts();
         }
     }
 
@@ -220,7 +211,7 @@ impl Surfaces for Strings {
         };
         let or_zero = |name| single(name).unwrap_or(0.0);
         self.rail = self.rail.map(|_| Rail { lift_m: or_zero("string_rail_m"), aim_m: or_zero("string_rail_aim_m") });
-        // Modes of another length of steps, or none: at rest.
+        // Other modes, or none: at rest.
         let count = each("string_modes", &mut |_, _| {});
         let bridge = each("string_bridge_modes", &mut |_, _| {});
         if count != 2 * self.modes.len() || bridge != 2 * self.bridge_modes.len() {

@@ -1,6 +1,7 @@
 //! Whether a blow converges as the step shrinks, and with which order: a head alone, and the whole action.
 
 use erard::instrument::Instrument;
+use erard::mechanism::Halving;
 use erard::strings::Strings;
 use erard::{Action, Input};
 use moreau::Settings;
@@ -111,6 +112,7 @@ fn head_alone(head: &Instrument, step_s: f64) -> Result<Option<Blow>, ReproduceE
 fn whole_action(grand: &Instrument, step_s: f64) -> Result<Option<Blow>, ReproduceError> {
     let mut action =
         Action::with(grand, Settings::new(step_s)).map_err(|error| ReproduceError::Simulation(error.into()))?;
+    action.halve(Halving::Never);
     let steps = (ACTION_S / step_s).round();
     let (mut forces_n, mut speeds_m_s) = (Vec::new(), Vec::new());
     for _ in 0..steps as usize {

@@ -1,7 +1,7 @@
 //! A hammer's head alone, thrown at the strings of middle C: as simple as a blow can be.
 
 use erard::instrument::{Curve, Instrument, InstrumentFile};
-use erard::mechanism::{Mechanism, mechanism};
+use erard::mechanism::{Halving, Mechanism, Stepping, mechanism};
 use moreau::Settings;
 
 use super::super::ReproduceError;
@@ -59,6 +59,8 @@ pub(super) fn falling(grand: &Instrument, gravity_m_s2: f64) -> Result<Instrumen
 pub(super) fn thrown(head: &Instrument, step_s: f64, speed_m_s: f64) -> Result<Box<dyn Mechanism>, ReproduceError> {
     let settings = Settings { tolerance: 1e-10, ..Settings::new(step_s) };
     let mut thrown = mechanism(head, settings).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
+    // The scheme itself is looked at.
+    thrown.configure(Stepping { halving: Halving::Never, ..*thrown.readout().stepping });
     let mut saved = thrown.save();
     saved.state.velocity[0] = speed_m_s;
     thrown.restore(&saved);
