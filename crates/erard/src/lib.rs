@@ -15,8 +15,8 @@
 //! Data flows one way: instrument file and stroke -> the player ([`Action`], [`keyboard::Keys`]) -> readings, observers
 //! ([`player::Recorder`], [`player::LedgerBook`], [`events::EventDetector`]) -> runs ([`press`], [`simulate`]).
 //!
-//! The loop over fixed steps is that of [`Action::play`], and of every run (`play_engine`); each step solves the
-//! equations at the top of [`moreau::step()`].
+//! The loop over the steps of a run is `RunLoop::fixed` (`run/run_loop.rs`); each step solves the equations at the top
+//! of [`moreau::step()`].
 //!
 //! SI units; key and finger positive downward, the hammer upward. Nothing here uses a clock or starts a thread.
 

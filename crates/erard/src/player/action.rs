@@ -245,8 +245,7 @@ impl Action {
         })
     }
 
-    /// The loop over fixed steps, under inputs of the engine's; `next` gets the last step's report, too. Every run of
-    /// fixed steps takes them here.
+    /// The loop over fixed steps, under inputs of the engine's; `next` gets the last step's report, too.
     pub(crate) fn play_engine(
         &mut self,
         progress: &mut Progress<'_>,
