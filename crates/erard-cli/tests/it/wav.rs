@@ -146,7 +146,8 @@ fn a_damper_that_is_half_up_shifts_partials() {
     let play = |lift: &str| note(&folder, &text, &["let-go.csv", "--pedal", lift, "--force"], "2.2");
     let [half, up] = [play("2.05mm"), play("7mm")];
     for n in 1..=3_u32 {
-        let [half, up] = [&half, &up].map(|samples| partial(samples, 24_000, 24_000, formula_hz(string, n)));
+        // A quarter of a second apart: the second partial rises by 1 Hz, half a turn in half a second.
+        let [half, up] = [&half, &up].map(|samples| partial(samples, 24_000, 12_000, formula_hz(string, n)));
         println!(
             "partial {n}: half up {:+.2} cents, falls by {:.2} /s; lifted {:+.4} cents, {:.2} /s",
             half.cents, half.falls_per_s, up.cents, up.falls_per_s

@@ -387,8 +387,7 @@ fn the_books_close_over_hammer_and_damper_on_the_same_string() {
             let (mut least, mut lost, mut both) = (0.0_f64, 0.0, 0);
             let felts_before = ledger.start.felt;
             for _ in 0..(1.0 / h) as usize {
-                m.step(&moreau::Input::Free);
-                m.book(&mut ledger);
+                m.step_in_parts(&mut |_, _, _| moreau::Input::Free, &mut |m, _| m.book(&mut ledger));
                 least = least.min(ledger.surface - lost);
                 lost = ledger.surface;
                 both += usize::from(m.normal_force(0) > 0.0 && m.normal_force(1) > 0.0);

@@ -212,10 +212,11 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
     let lost = steps.iter().map(|step| taken(&head, *step)).collect::<Result<Vec<f64>, _>>()?;
     let told: Vec<String> =
         steps.iter().zip(&lost).map(|(step, lost)| format!("{lost:.1e} at {:.1} us", 1e6 * step)).collect();
-    let halves = lost.windows(2).all(|pair| pair[1] > 0.0 && pair[0] / pair[1] > f64::exp2(FIRST_ORDER));
+    // In steps of 100 us the modes up to 20 kHz, which are stepped whatever the step, turn too far for any order.
+    let halves = lost[1..].windows(2).all(|pair| pair[1] > 0.0 && pair[0] / pair[1] > f64::exp2(FIRST_ORDER));
     section.claims.push(Claim::new(
         "this program",
-        "these modes give nothing and take little: B (F1 - F0)^2 / 2 a step with their static compliance B, the part of a blow's energy that a head, felt and strings without losses lose",
+        "these modes give nothing and take little: B (F1 - F0)^2 / 2 a step with their static compliance B, the part of a blow's energy that a head, felt and strings without losses lose; it halves with the step from 50 us on",
         told.join(", "),
         halves,
     ));
