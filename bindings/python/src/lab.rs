@@ -53,7 +53,8 @@ pub fn compare<'py>(
             error => wrong(error),
         },
     )?;
-    let verdicts = comparison.verdicts().into_iter().chain(comparison.rests()).chain(comparison.notes.iter().cloned()).collect();
+    let verdicts =
+        comparison.verdicts().into_iter().chain(comparison.rests()).chain(comparison.notes.iter().cloned()).collect();
     let columns = PyDict::new(py);
     let mut rows = Vec::new();
     for trial in &comparison.trials {
