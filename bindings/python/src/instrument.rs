@@ -62,6 +62,11 @@ impl Instrument {
     }
 
     #[getter]
+    fn usual_step_s(&self) -> f64 {
+        self.inner.usual_step_s()
+    }
+
+    #[getter]
     fn description(&self) -> &str {
         &self.description
     }

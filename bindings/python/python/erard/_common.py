@@ -15,6 +15,8 @@ from ._errors import InputError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from ._instrument import Instrument
+
     from ._types import Floats, Progress, Steps
 
 
@@ -88,6 +90,12 @@ def steps(given: Mapping[str, Any]) -> Steps:
             continue
         own[key] = value if isinstance(own[key], str) else number(key, value)
     return own  # type: ignore[return-value]
+
+
+def step_of(own: Steps, *instruments: Instrument) -> float:
+    """Length of a step, s: the one that is asked for, else the shortest usual one of the instruments."""
+    step = own["step"]
+    return min(one._inner.usual_step_s for one in instruments) if step is None else step
 
 
 def number(key: str, value: Any) -> float:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Union, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Hand, Stepping, bar, floats, names_of, number, quantity, steps, whole
+from ._common import Hand, Stepping, bar, floats, names_of, number, quantity, step_of, steps, whole
 from ._errors import InputError
 from ._recording import Recording, as_recording
 from ._run import Run
@@ -444,7 +444,8 @@ class Instrument:
                 raise InputError(f"at: found {at!r}, expected seconds or one of {', '.join(known)}", key="at", found=at)
             if name not in happened:
                 raise InputError(f"at: there is no {name.replace('_', ' ')} in this stroke", key="at", found=at)
-            at_s = math.ceil((happened[name] - made.start_s) / own["step"]) * own["step"]
+            step = step_of(own, self)
+            at_s = math.ceil((happened[name] - made.start_s) / step) * step
             what = f", {name.replace('_', ' ')}"
         else:
             at_s, what = number("at", at), ""

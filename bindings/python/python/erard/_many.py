@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Union, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Stepping, bar, floats, names_of, number, steps, whole
+from ._common import Stepping, bar, floats, names_of, number, step_of, steps, whole
 from ._errors import InputError
 from ._instrument import Instrument, instrument_of, stroke_of
 from ._table import Table
@@ -126,9 +126,9 @@ class Rollout(Table):
         Rollout.__init__(self, state["time_s"], state["columns"], state["errors"], state["doubts"], state["blows"])
 
 
-def divided(dt: float, own: Steps) -> tuple[Steps, int]:
+def divided(dt: float, own: Steps, instruments: Sequence[Instrument]) -> tuple[Steps, int]:
     """Steps that divide the time from sample to sample evenly, at most as long as asked for; and how many there are."""
-    every = max(1, math.ceil(dt / own["step"] - 1e-9))
+    every = max(1, math.ceil(dt / step_of(own, *instruments) - 1e-9))
     even: Steps = {**own, "step": dt / every}
     return even, every
 
@@ -209,7 +209,7 @@ def rollout(
     dt = number("dt", dt)
     if dt <= 0:
         raise InputError(f"dt: found {dt}, expected a positive number of seconds", key="dt", found=str(dt))
-    even, every = divided(dt, steps(how))
+    even, every = divided(dt, steps(how), own)
     with bar(progress, "rollout") as tell:
         found_all = _erard.rollout(
             [one._inner for one in own], kind, array, dt, even, work(threads, single, ledger, columns, every), tell
@@ -322,7 +322,7 @@ def study(
     threads: int | None = None,
     single: bool = False,
     progress: bool | None = None,
-    step: float = 50e-6,
+    step: float | None = None,
     theta: float = 0.5,
     hand: Hand | None = None,
     **more: Axis,

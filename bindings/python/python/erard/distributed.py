@@ -219,7 +219,7 @@ def study(
     workers: int | None = None,
     processes: bool = True,
     progress: bool | None = None,
-    step: float = 50e-6,
+    step: float | None = None,
     theta: float = 0.5,
 ) -> Parts:
     """`erard.study` in chunks over a cluster, into Parquet files.
