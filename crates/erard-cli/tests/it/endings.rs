@@ -66,7 +66,7 @@ fn heard(everywhere: bool) {
     folder.file("mf.csv", include_str!("../../../erard/recordings/heavier-mf.csv"));
     let before = folder.names();
     for (arguments, delays_ms) in [
-        (&["press", "--instrument", "mill.toml"][..], &[30_u64][..]),
+        (&["press", "--drive", "force", "--instrument", "mill.toml"][..], &[30_u64][..]),
         (&["press", "--duration", "100000"], &[50, 300]),
         // Poses, tables, figures: over after some seconds.
         (&["kinematics", "c7f-like", "--steps", "1000000"], &[100, 500, 900]),
