@@ -15,8 +15,6 @@ from ._errors import InputError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from ._instrument import Instrument
-
     from ._types import Floats, Progress, Steps
 
 
@@ -92,10 +90,10 @@ def steps(given: Mapping[str, Any]) -> Steps:
     return own  # type: ignore[return-value]
 
 
-def step_of(own: Steps, *instruments: Instrument) -> float:
-    """Length of a step, s: the one that is asked for, else the shortest usual one of the instruments."""
+def step_of(own: Steps, *usual_s: float) -> float:
+    """Length of a step, s: the one that is asked for, else the shortest of the instruments' usual ones."""
     step = own["step"]
-    return min(one._inner.usual_step_s for one in instruments) if step is None else step
+    return min(usual_s) if step is None else step
 
 
 def number(key: str, value: Any) -> float:

@@ -264,7 +264,7 @@ def gradient(
         )
         again = None
         if error:
-            shorter = {**own, "step": SHORTER * step_of(own, instrument)}
+            shorter = {**own, "step": SHORTER * step_of(own, instrument._inner.usual_step_s)}
             again = _erard.gradient(instrument._inner, sides, made, length, shorter, None, threads, share(first, 1.0 - first))  # type: ignore[arg-type]
     told = asked or [name for name in QUANTITIES if found["values"][name] is not None]
     rows = [found["slopes"][name] for name in told]
@@ -274,7 +274,7 @@ def gradient(
         apart = np.abs(np.array([again["slopes"][name] for name in told]).reshape(jacobian.shape) - jacobian)
     value = {name: float("nan") if found["values"][name] is None else float(found["values"][name]) for name in told}
     count = len(next(iter(found["columns"].values()), ()))
-    time_s = made.start_s + step_of(own, instrument) * every * np.arange(count, dtype=np.float64)
+    time_s = made.start_s + step_of(own, instrument._inner.usual_step_s) * every * np.arange(count, dtype=np.float64)
     return Gradient(
         told, names, value, jacobian, apart, time_s,
         {name: found["columns"][name] for name in sampled},

@@ -444,7 +444,7 @@ class Instrument:
                 raise InputError(f"at: found {at!r}, expected seconds or one of {', '.join(known)}", key="at", found=at)
             if name not in happened:
                 raise InputError(f"at: there is no {name.replace('_', ' ')} in this stroke", key="at", found=at)
-            step = step_of(own, self)
+            step = step_of(own, self._inner.usual_step_s)
             at_s = math.ceil((happened[name] - made.start_s) / step) * step
             what = f", {name.replace('_', ' ')}"
         else:

@@ -128,7 +128,7 @@ class Rollout(Table):
 
 def divided(dt: float, own: Steps, instruments: Sequence[Instrument]) -> tuple[Steps, int]:
     """Steps that divide the time from sample to sample evenly, at most as long as asked for; and how many there are."""
-    every = max(1, math.ceil(dt / step_of(own, *instruments) - 1e-9))
+    every = max(1, math.ceil(dt / step_of(own, *(one._inner.usual_step_s for one in instruments)) - 1e-9))
     even: Steps = {**own, "step": dt / every}
     return even, every
 
