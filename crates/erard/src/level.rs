@@ -13,7 +13,7 @@ use thiserror::Error;
 use crate::instrument::Instrument;
 use crate::mechanism::Impact;
 use crate::player::{Action, ActionError, HandError, Snapshot};
-use crate::progress::Progress;
+use crate::progress::{ASK_EVERY, Progress};
 use crate::stroke::{HandStroke, Touch};
 
 /// Names of levels and their hammer speeds at the string, m/s: equal ratios from 0.5 (pp) to 5 (ff), with mp, which has
@@ -229,7 +229,7 @@ impl Reference {
         let Settings { step: h, theta, .. } = *self.action.settings();
         let mut highest_m: f64 = 0.0;
         for n in 0..(PATIENCE_S / h) as u64 {
-            if n.is_multiple_of(512) && !progress(0.0) {
+            if n.is_multiple_of(ASK_EVERY) && !progress(0.0) {
                 return Err(LevelError::Interrupted);
             }
             let t = n as f64 * h;

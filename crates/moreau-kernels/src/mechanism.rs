@@ -131,7 +131,8 @@ pub trait Mechanism: Observation + Send {
     fn set(&mut self, part: Part);
     /// Stored energies if the mechanism moved at the given velocities from where it is, J.
     fn energies_at(&self, velocities: &[f64]) -> Energies;
-    /// Books the last step in a ledger ([`open_ledger`]).
+    /// Books the last step in a ledger ([`open_ledger`]); of one taken in parts, the last part. Whoever keeps a ledger
+    /// books each part ([`Mechanism::step_in_parts`]).
     fn book(&self, ledger: &mut Ledger);
     /// Reports what each pivot and each zone has lost in the last step, J, where [`Stepping::keeps_contacts`]: what a
     /// ledger books.

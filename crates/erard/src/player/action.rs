@@ -10,7 +10,7 @@ use super::snapshot::{MechanismState, Snapshot, SnapshotError, strings_are_finit
 use crate::identity::Identity;
 use crate::instrument::Instrument;
 use crate::mechanism::{Halving, Impact, Mechanism, Part, StepOutput, Stepping, TellNumbers, mechanism};
-use crate::progress::Progress;
+use crate::progress::{ASK_EVERY, Progress};
 use crate::strings::Strings;
 
 /// Why an action cannot be played.
@@ -489,6 +489,3 @@ impl Action {
 
 /// Gives the engine's input of each step, from the report of the last one; `None` ends the loop.
 type NextInput<'a> = dyn FnMut(&mut Action, Option<&StepReport>) -> Option<moreau::Input<f64>> + 'a;
-
-/// Every so many steps the caller is asked whether to go on: well below a tenth of a second.
-const ASK_EVERY: u64 = 512;

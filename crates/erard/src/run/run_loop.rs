@@ -8,14 +8,12 @@ use crate::instrument::Instrument;
 use crate::mechanism::{LARGEST_STEP_S, Mechanism, Readout, StepOutput};
 use crate::player::rest::{RIGID_CORRECTION_S, Rest};
 use crate::player::{Action, ControlWork, Drive, LedgerBook, Observer, Recorded, Recorder, Work};
-use crate::progress::Progress;
+use crate::progress::{ASK_EVERY, Progress};
 use crate::trust::{Extremes, Struck, assess};
 
 use super::Run;
 use super::setup::{MOST_ROWS, Setup, SimulationError};
 
-/// Every so many steps the caller is asked whether to go on: well below a tenth of a second.
-const ASK_EVERY: u64 = 512;
 /// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the
 /// part of the step before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of
 /// positions.
@@ -132,7 +130,7 @@ impl<'a> RunLoop<'a> {
             // What is left is counted down, so that the last step meets the row.
             let mut left = (next - n) as f64 * h;
             while left > 0.0 {
-                if control.accepted.is_multiple_of(512) && !progress(n as f64 / self.steps as f64) {
+                if control.accepted.is_multiple_of(ASK_EVERY) && !progress(n as f64 / self.steps as f64) {
                     return Err(SimulationError::Interrupted);
                 }
                 let (limit, t0) = (left, row_s - left);

@@ -9,7 +9,7 @@ const APART_S: f64 = 2e-3;
 /// How the loudest blow on strings that sound was stepped: told of every step.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Struck {
-    /// Of a contact under way: its largest force, N, steps with a force, the last of them, s.
+    /// The contact under way.
     now: Option<Contact>,
     /// The one with the largest force so far.
     loudest: Option<Contact>,
@@ -27,6 +27,7 @@ pub(super) struct Contact {
     pub longest_s: f64,
     /// When it began, s.
     pub since_s: f64,
+    /// When its last step with a force ended, s.
     last_s: f64,
 }
 

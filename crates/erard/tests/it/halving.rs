@@ -98,8 +98,8 @@ fn bridge_partials(strings: &Strings) -> Vec<[f64; 2]> {
     (1..=string.partials_below(20e3)).map(of).collect()
 }
 
-/// The worst of what is asked: peak, contact and return, relative; of partials within 40 dB of the strongest dB and
-/// cents.
+/// How far a blow is from the exact one. First the largest relative error of peak, contact and return. Then the largest
+/// errors of the partials within 40 dB of the strongest: of their levels, dB, and of their frequencies, cents.
 fn worst(blow: &Blow, exact: &Blow, hz: &dyn Fn(u32) -> f64) -> [f64; 3] {
     // The flight is the same; only the impact that is worked out from it depends on the step.
     assert!((blow.speed_m_s / exact.speed_m_s - 1.0).abs() < 1e-5, "{} {}", blow.speed_m_s, exact.speed_m_s);

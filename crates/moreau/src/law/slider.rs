@@ -374,8 +374,7 @@ impl<T: Real> Chord<T> {
                 } else {
                     let middle = Measure::of(spring, half * sum);
                     let bend = (half_power(spring) - one) * middle.slope / middle.g.max(tiny);
-                    let mean = T::select(far, mean, middle.slope);
-                    (mean, T::select(far, (after.slope - mean) / divisor, half * bend))
+                    (T::select(far, mean, middle.slope), T::select(far, slope, half * bend))
                 }
             }
         };

@@ -272,12 +272,11 @@ fn scatter(
                 roughest = roughest.max(spread.jump);
                 later.push(format!("{}: {name} {low} to {high} {unit}", played.name));
                 let (x, y) = factors.iter().zip(values).filter_map(|(f, v)| Some((100.0 * (f - 1.0), v?))).unzip();
-                let colour = n;
                 curves[result - UP_TO_IMPACT].push(ChartCurve {
                     label: played.name.into(),
                     x,
                     y,
-                    colour,
+                    colour: n,
                     mark: Dash::Points,
                 });
             }
