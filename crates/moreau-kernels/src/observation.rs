@@ -2,14 +2,11 @@
 
 use core::cell::OnceCell;
 
-use moreau::{Energies, GROUND, Input, Ledger, Model, ModelError, Pose, SavedState, Settings, State, Workspace};
+use moreau::{Energies, GROUND, Input, Ledger, Model, ModelError, Pose, Settings, State, Workspace};
 
 use crate::impact::ImpactPredictor;
 use crate::size::with_size;
-use crate::{EveryBody, Impact, OwnedDescription, Probes, Size};
-
-/// A state in the largest size.
-type AnyState = SavedState<f64, 12, 32>;
+use crate::{EveryBody, Impact, OwnedDescription, Probes, SideBySide, Size};
 
 /// The present pose of a mechanism, whatever its size. Indices follow the description's bodies and zones.
 pub trait Observation {
@@ -37,12 +34,15 @@ pub trait LaneObserver: Observation + Send {
     fn is_far(&self) -> bool;
     /// The impact of the marked point on the marked zone in the last step.
     fn impact(&self) -> Option<Impact>;
-    /// Stored energies of a state, J.
-    fn energies(&self, state: &AnyState) -> Energies;
-    /// Works out the forces of a step from the states at its ends ([`Workspace::retrace`]).
-    fn retrace(&mut self, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]);
+    /// Takes the state from which the next step is retraced: that of a mechanism of the group in which it is stepped.
+    fn begin(&mut self, group: &dyn SideBySide, index: usize);
+    /// Works out the forces of a step that ended where the mechanism is now ([`Workspace::retrace`]), and returns true;
+    /// or false where it changed nothing.
+    fn retrace(&mut self, settings: &Settings<f64>, input: &Input<f64>, group: &dyn SideBySide, index: usize) -> bool;
     /// Books the step that was retraced last in a ledger.
-    fn book(&self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]);
+    fn book(&self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>);
+    /// Stored energies where the last step that was retraced ended, J.
+    fn energies(&self) -> Energies;
 }
 
 /// An observer of a mechanism that is stepped in lanes.
@@ -60,7 +60,9 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
     let model: Model<f64, B, Z> = description.model()?;
     let (predictor, angle) = (ImpactPredictor::new(&model, probes), description.first_angles());
     let bodies = description.bodies.len();
-    Ok(Box::new(Observed { model, predictor, bodies, angle, pose: OnceCell::new(), last: None }))
+    let ends = core::array::from_fn(|_| Box::new(State::at_rest(angle)));
+    let acted = Workspace::new();
+    Ok(Box::new(Observed { model, predictor, bodies, angle, pose: OnceCell::new(), ends, timing: None, acted }))
 }
 
 struct Observed<const B: usize, const Z: usize> {
@@ -70,9 +72,11 @@ struct Observed<const B: usize, const Z: usize> {
     angle: [f64; B],
     /// Computed when it is asked for.
     pose: OnceCell<Pose<f64, B>>,
-    /// What acted in the step that was retraced last, and how it was taken; nothing is solved, so that it has no room
-    /// for laws.
-    last: Option<Box<(Settings<f64>, Workspace<f64, B, Z, 0>)>>,
+    /// Where the last step that was retraced began and ended.
+    ends: [Box<State<f64, B, Z>>; 2],
+    /// How it was taken, and what acted in it; nothing is solved, so that there is no room for laws.
+    timing: Option<Settings<f64>>,
+    acted: Workspace<f64, B, Z, 0>,
 }
 
 impl<const B: usize, const Z: usize> LaneObserver for Observed<B, Z> {
@@ -93,24 +97,40 @@ impl<const B: usize, const Z: usize> LaneObserver for Observed<B, Z> {
         self.predictor.impact()
     }
 
-    fn energies(&self, state: &AnyState) -> Energies {
-        Energies::of(&self.model, &State::from(state.sized()))
+    fn begin(&mut self, group: &dyn SideBySide, index: usize) {
+        copy_state(group, index, &mut self.ends[1]);
     }
 
-    fn retrace(&mut self, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]) {
-        let [before, after] = ends.map(|state| State::from(state.sized()));
-        let last = self.last.get_or_insert_with(|| Box::new((*settings, Workspace::new())));
-        last.0 = *settings;
-        last.1.retrace(&self.model, settings, input, &before, &after);
-    }
-
-    fn book(&self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>, ends: [&AnyState; 2]) {
-        let Some((_, workspace)) = self.last.as_deref() else { return };
-        let [before, after] = ends.map(|state| State::from(state.sized()));
-        ledger.record(&self.model, settings, &before, &after, workspace);
-        if let Input::Hand(hand) = input {
-            ledger.hand.record(&self.model, settings, hand, &before.hand, &before.velocity, &after, workspace);
+    fn retrace(&mut self, settings: &Settings<f64>, input: &Input<f64>, group: &dyn SideBySide, index: usize) -> bool {
+        let Observed { model, ends, acted, .. } = self;
+        ends.swap(0, 1);
+        let [before, after] = ends;
+        copy_state(group, index, after);
+        if ***before == ***after {
+            return false;
         }
+        self.timing = Some(*settings);
+        acted.retrace(model, settings, input, before, after);
+        true
+    }
+
+    fn book(&self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>) {
+        let [before, after] = &self.ends;
+        ledger.record(&self.model, settings, before, after, &self.acted);
+        if let Input::Hand(hand) = input {
+            ledger.hand.record(&self.model, settings, hand, &before.hand, &before.velocity, after, &self.acted);
+        }
+    }
+
+    fn energies(&self) -> Energies {
+        Energies::of(&self.model, &self.ends[1])
+    }
+}
+
+/// Copies a mechanism's state, which is of the same size wherever mechanisms of one topology are stepped together.
+fn copy_state<const B: usize, const Z: usize>(group: &dyn SideBySide, index: usize, state: &mut State<f64, B, Z>) {
+    if !group.copy_state(index, state) {
+        **state = group.state(index).sized();
     }
 }
 
@@ -130,7 +150,7 @@ impl<const B: usize, const Z: usize> Observation for Observed<B, Z> {
     }
 
     fn normal_force(&self, zone: usize) -> f64 {
-        self.last.as_deref().map_or(0.0, |(settings, workspace)| workspace.normal_force(&self.model, settings, zone))
+        self.timing.map_or(0.0, |settings| self.acted.normal_force(&self.model, &settings, zone))
     }
 
     fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {

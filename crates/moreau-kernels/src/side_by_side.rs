@@ -1,5 +1,7 @@
 //! Several mechanisms of one topology, stepped at once in the processor's vector lanes.
 
+use core::any::Any;
+
 use moreau::{Input, Model, ModelError, Outcome, SavedState, Settings, State};
 
 use crate::size::with_size;
@@ -25,6 +27,9 @@ pub trait SideBySide: Send {
     fn motion(&self, index: usize, angles: &mut EveryBody, velocities: &mut EveryBody);
     /// One mechanism's state.
     fn state(&self, index: usize) -> SavedState<f64, 12, 32>;
+    /// The same into a `State<f64, B, Z>` of the size in which they are stepped; returns false, and does nothing, where
+    /// it is given anything else.
+    fn copy_state(&self, index: usize, state: &mut dyn Any) -> bool;
 }
 
 /// Mechanisms in given states. Where there are as many of them as the processor has `lanes` for, and they differ in
@@ -61,28 +66,30 @@ fn one_part(
     settings: &Settings<f64>,
     lanes: Lanes,
 ) -> Result<Box<dyn SideBySide>, ModelError> {
+    // Each arm compiles one kernel: [`Size::lanes`] names these and no others.
     match (size, lanes) {
-        (Size::Six, _) => {
-            let (models, states) = assembled(descriptions, states)?;
-            Ok(Box::new(Group::<6, 14, 10>::new(&models, &states, settings, lanes)))
+        (Size::Six, Lanes::Four) => grouped::<6, 14, 10>(Group::in_fours, descriptions, states, settings),
+        (Size::Six, Lanes::EightSingle) => {
+            grouped::<6, 14, 10>(Group::in_eights_single, descriptions, states, settings)
         }
-        (Size::Eight, Lanes::Four) => in_fours::<8, 20, 49>(descriptions, states, settings),
-        (Size::Nine, Lanes::Four) => in_fours::<9, 20, 50>(descriptions, states, settings),
+        (Size::Eight, Lanes::Four) => grouped::<8, 20, 49>(Group::in_fours, descriptions, states, settings),
+        (Size::Eight, Lanes::Eight) => grouped::<8, 20, 49>(Group::in_eights, descriptions, states, settings),
         (Size::Eight, Lanes::EightSingle) => {
-            let (models, states) = assembled(descriptions, states)?;
-            Ok(Box::new(Group::<8, 20, 49>::in_eights_single(&models, &states, settings)))
+            grouped::<8, 20, 49>(Group::in_eights_single, descriptions, states, settings)
         }
+        (Size::Nine, Lanes::Four) => grouped::<9, 20, 50>(Group::in_fours, descriptions, states, settings),
         _ => with_size!(size, one_by_one, descriptions, states, settings),
     }
 }
 
-fn in_fours<const B: usize, const Z: usize, const N: usize>(
+fn grouped<const B: usize, const Z: usize, const N: usize>(
+    group: fn(&[Model<f64, B, Z>], &[State<f64, B, Z>], &Settings<f64>) -> Group<B, Z, N>,
     descriptions: &[&OwnedDescription],
     states: &[SavedState<f64, 12, 32>],
     settings: &Settings<f64>,
 ) -> Result<Box<dyn SideBySide>, ModelError> {
     let (models, states) = assembled(descriptions, states)?;
-    Ok(Box::new(Group::<B, Z, N>::in_fours(&models, &states, settings)))
+    Ok(Box::new(group(&models, &states, settings)))
 }
 
 /// Mechanisms in several groups of so many each, the last one perhaps of fewer.
@@ -131,6 +138,11 @@ impl SideBySide for Parts {
         let (part, index) = self.place(index);
         part.state(index)
     }
+
+    fn copy_state(&self, index: usize, state: &mut dyn Any) -> bool {
+        let (part, index) = self.place(index);
+        part.copy_state(index, state)
+    }
 }
 
 type Assembled<const B: usize, const Z: usize> = (Vec<Model<f64, B, Z>>, Vec<State<f64, B, Z>>);
@@ -174,5 +186,11 @@ impl<const B: usize, const Z: usize, const N: usize> SideBySide for Group<B, Z, 
 
     fn state(&self, index: usize) -> SavedState<f64, 12, 32> {
         Group::state(self, index).save().sized()
+    }
+
+    fn copy_state(&self, index: usize, state: &mut dyn Any) -> bool {
+        let Some(state) = state.downcast_mut() else { return false };
+        Group::copy_state(self, index, state);
+        true
     }
 }

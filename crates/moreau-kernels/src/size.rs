@@ -60,15 +60,15 @@ impl Size {
         Size::ALL.into_iter().find(fits).unwrap_or(Size::Most)
     }
 
-    /// The widest lanes up to these that are compiled for this size. Six bodies have all. Beyond, each kind of lanes
-    /// takes as long to compile as a whole library: eight and nine bodies have four doubles, eight bodies have single
-    /// precision, too; other sizes have none.
+    /// The widest lanes up to these that are compiled for this size. Each kind of lanes takes as long to compile as a
+    /// whole library: eight bodies, those of a grand that bends, have four and eight doubles and eight numbers of single
+    /// precision; six have four doubles and eight of single precision; nine have four doubles; other sizes have none.
     pub fn lanes(self, wanted: Lanes) -> Lanes {
         match (self, wanted) {
-            (Size::Six, _) => wanted,
             (_, Lanes::One) | (Size::One | Size::Most, _) => Lanes::One,
-            (Size::Eight, Lanes::EightSingle | Lanes::SixteenSingle) => Lanes::EightSingle,
-            (Size::Eight | Size::Nine, _) => Lanes::Four,
+            (Size::Six | Size::Eight, Lanes::EightSingle) => Lanes::EightSingle,
+            (Size::Eight, doubles) => doubles,
+            (Size::Six | Size::Nine, _) => Lanes::Four,
         }
     }
 

@@ -145,6 +145,12 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
     pub fn lane<S: Scalar>(&self, lane: usize) -> State<S, B, Z> {
         State::from(self.numbers.map(|x| cast(x.lane(lane))))
     }
+
+    /// The numbers of one lane, into a state that is there.
+    #[inline(always)]
+    pub fn copy_lane<S: Scalar>(&self, lane: usize, one: &mut State<S, B, Z>) {
+        one.numbers = self.numbers.map(|x| cast(x.lane(lane)));
+    }
 }
 
 impl<T: Real> Settings<T> {

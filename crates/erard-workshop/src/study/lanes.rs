@@ -202,8 +202,6 @@ struct Lane<'a> {
     unconverged_steps: u64,
     steps: u64,
     ledger: Option<Ledger>,
-    /// Where the last step ended.
-    state: State,
     extremes: Extremes,
     sampled: Option<Sampled<'a>>,
     failed: Option<SimulationError>,
@@ -230,7 +228,6 @@ impl<'a> Lane<'a> {
             unconverged_steps: 0,
             steps: 0,
             ledger: None,
-            state: at_rest.state,
             extremes: Extremes::new(player.instrument),
             sampled: sampling.map(|sampling| Sampled::new(sampling, player.instrument)),
             failed: None,
@@ -293,28 +290,25 @@ impl<'a> Lane<'a> {
         }
     }
 
-    /// Begins at a state, with the energy ledger open if it is to be kept.
-    fn begin(&mut self, state: State, keeps_ledger: bool) {
-        self.ledger = keeps_ledger.then(|| Ledger::open_at(self.observer.energies(&state), 0.0, 0.0));
-        self.state = state;
+    /// Begins where the mechanism is in its group, with the energy ledger open if it is to be kept.
+    fn begin(&mut self, group: &dyn SideBySide, index: usize, keeps_ledger: bool) {
+        self.observer.begin(group, index);
+        self.ledger = keeps_ledger.then(|| Ledger::open_at(self.observer.energies(), 0.0, 0.0));
     }
 
     /// Works out the step's forces and books its energy. To be called before the step's end is observed. Returns
     /// whether the step changed anything that is looked at.
-    fn retrace(&mut self, input: &Input<f64>, settings: &Settings<f64>, state: impl FnOnce() -> State) -> bool {
+    fn retrace(&mut self, input: &Input<f64>, settings: &Settings<f64>, group: &dyn SideBySide, index: usize) -> bool {
         // Without a ledger nobody asks for forces, nor for states, once the string is struck.
         if self.ledger.is_none() && !self.detector.awaits_let_off() {
             return false;
         }
-        let after = state();
-        let before = core::mem::replace(&mut self.state, after);
         // A step that changed nothing has nothing to book.
-        if before == after {
+        if !self.observer.retrace(settings, input, group, index) {
             return false;
         }
-        self.observer.retrace(settings, input, [&before, &after]);
         if let Some(ledger) = &mut self.ledger {
-            self.observer.book(ledger, settings, input, [&before, &after]);
+            self.observer.book(ledger, settings, input);
         }
         true
     }
@@ -335,7 +329,7 @@ impl<'a> Lane<'a> {
             return Err(error);
         }
         let energy_residual = self.ledger.map(|mut ledger| {
-            ledger.now = self.observer.energies(&self.state);
+            ledger.now = self.observer.energies();
             trust::energy_residual(&ledger)
         });
         let mut warnings: Vec<_> = energy_residual.and_then(trust::of_energy).into_iter().collect();
@@ -391,7 +385,7 @@ fn step_all(
     let h = setup.settings.step;
     for (i, lane) in own.iter_mut().enumerate() {
         group.motion(i, &mut angles, &mut velocities);
-        lane.begin(group.state(i), setup.ledger);
+        lane.begin(group.as_ref(), i, setup.ledger);
         lane.observe(setup.start_s, &angles, &velocities);
         lane.sample(setup.start_s, &angles, &velocities);
     }
@@ -418,7 +412,7 @@ fn step_all(
             }
             group.motion(i, &mut angles, &mut velocities);
             let now_s = setup.start_s + (n + 1) as f64 * h;
-            let changed = lane.retrace(&inputs[i], &setup.settings, || group.state(i));
+            let changed = lane.retrace(&inputs[i], &setup.settings, group.as_ref(), i);
             lane.observe(now_s, &angles, &velocities);
             if lane.sampled.as_ref().is_some_and(|sampled| sampled.is_row(n + 1)) {
                 lane.sample(now_s, &angles, &velocities);

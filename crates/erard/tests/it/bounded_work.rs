@@ -1,10 +1,11 @@
 //! The work of a step is bounded, and a step that runs into its bound leaves a state that can be gone on from.
 
+use erard::assembly::describe;
 use erard::instrument::Instrument;
 use erard::mechanism::{mechanism, open_ledger, take_stock};
 use erard_workshop::benchmarks::grand;
 use moreau::{Input, Outcome, Settings};
-use moreau_kernels::Lanes;
+use moreau_kernels::{Lanes, side_by_side};
 
 type GrandGroup = moreau_kernels::Group<6, 14, 10>;
 
@@ -95,4 +96,34 @@ fn lanes_run_into_the_bound_each_for_itself() {
         println!("{lanes:?}: {limited:?} of 20000 steps ran into the bound");
         assert!(limited[1..].iter().all(|&limited| limited > 500) && limited[0] < limited[1], "{limited:?}");
     }
+}
+
+/// The stack that a step in lanes takes is bounded, too: the widest lanes of the grand that bends are made and stepped
+/// on half of what a thread has. (Eight doubles of eight bodies once took more than all of it.)
+#[test]
+fn lanes_are_made_on_half_a_threads_stack() {
+    let stepped = std::thread::Builder::new().stack_size(1 << 20).spawn(|| {
+        let grand = describe(&Instrument::builtin("concert-grand").expect("built in"));
+        let state = moreau::SavedState::<f64, 12, 32>::at_rest(core::array::from_fn(|i| {
+            grand.angles.get(i).copied().unwrap_or(0.0)
+        }));
+        Lanes::here()
+            .map(|lanes| {
+                let count = lanes.count();
+                let mut group = side_by_side(&vec![&grand; count], &vec![state; count], &Settings::new(50e-6), lanes)
+                    .expect("a size holds it");
+                let mut outcomes = vec![Outcome::Converged; count];
+                for _ in 0..200 {
+                    group.step(&vec![Input::Force(20.0); count], &mut outcomes);
+                }
+                assert!(outcomes.iter().all(|outcome| *outcome == Outcome::Converged), "{lanes:?}: {outcomes:?}");
+                (group.lanes(), group.state(count - 1).angle[0])
+            })
+            .collect::<Vec<_>>()
+    });
+    let stepped = stepped.expect("a thread").join().expect("no step fails");
+    println!("{stepped:?}");
+    let (_, alone) = stepped[0];
+    // Single precision is among them.
+    assert!(stepped.iter().all(|(_, angle)| (angle - alone).abs() < 1e-5), "{stepped:?}");
 }

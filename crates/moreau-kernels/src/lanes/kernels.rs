@@ -9,7 +9,20 @@ use moreau::{
 use super::avx2::F64x4;
 use super::avx2_single::F32x8;
 use super::avx512::F64x8;
-use super::avx512_single::F32x16;
+
+/// Does something with a lane: one that is known when this is compiled is read from memory where it stands; any other
+/// by way of all lanes.
+macro_rules! known {
+    ($which:expr, |$lane:ident| $does:expr) => {
+        known!($which, $lane, $does, 0 1 2 3 4 5 6 7)
+    };
+    ($which:expr, $lane:ident, $does:expr, $($known:literal)*) => {
+        match $which {
+            $($known => { const LANE: usize = $known; let $lane = LANE; $does })*
+            $lane => $does,
+        }
+    };
+}
 
 /// One step of all lanes: writes how each ended, or does nothing and returns false where the inputs are not of one
 /// kind.
@@ -39,25 +52,32 @@ pub(crate) struct Lanes<T: Real, const B: usize, const Z: usize, const N: usize>
 }
 
 impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> {
+    /// Its parts are written where they stay: eight doubles of eight bodies are half a megabyte, which the stack of a
+    /// thread holds once or twice.
     fn new(
         kernel: Kernel<T, B, Z, N>,
         models: &[Model<f64, B, Z>],
         states: &[State<f64, B, Z>],
         settings: &Settings<f64>,
-    ) -> Option<Self> {
-        let (each_model, each_state): (Vec<_>, Vec<_>) = (models.iter().collect(), states.iter().collect());
-        Some(Lanes {
-            kernel,
-            stepped: Stepped {
-                model: Model::of_lanes(&each_model)?,
-                state: State::of_lanes(&each_state),
-                settings: Settings::in_lanes(settings),
-                workspace: Workspace::new(),
-            },
-            models: models.to_vec(),
-            own_settings: *settings,
-            rests_under: Vec::with_capacity(T::LANES),
-        })
+    ) -> Option<Box<Self>> {
+        let mut boxed = Box::<Self>::new_uninit();
+        let lanes = boxed.as_mut_ptr();
+        // SAFETY: each place lies within the box, and is written once. Where the models are not alike nothing that
+        // would have to be dropped has been written.
+        unsafe {
+            if !write_model(&raw mut (*lanes).stepped.model, models) {
+                return None;
+            }
+            write_state(&raw mut (*lanes).stepped.state, states);
+            write_workspace(&raw mut (*lanes).stepped.workspace);
+            (&raw mut (*lanes).stepped.settings).write(Settings::in_lanes(settings));
+            (&raw mut (*lanes).kernel).write(kernel);
+            (&raw mut (*lanes).models).write(models.to_vec());
+            (&raw mut (*lanes).own_settings).write(*settings);
+            (&raw mut (*lanes).rests_under).write(Vec::with_capacity(T::LANES));
+            // Every field has been written.
+            Some(boxed.assume_init())
+        }
     }
 
     /// One step; writes how each mechanism's ended.
@@ -116,31 +136,58 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     /// Copies one lane's angles and velocities.
     #[inline]
     pub(crate) fn copy_motion(&self, lane: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
-        // A lane that is known when this is compiled is read from memory where it stands; any other by way of all
-        // lanes.
-        macro_rules! copy {
-            ($($known:literal)*) => {
-                match lane {
-                    $($known => self.copy_lane::<$known>(angles, velocities),)*
-                    _ => (*angles, *velocities) = self.motion(lane),
-                }
-            };
-        }
-        copy!(0 1 2 3 4 5 6 7);
+        let SavedState { angle, velocity, .. } = &*self.stepped.state;
+        known!(lane, |lane| for i in 0..B {
+            (angles[i], velocities[i]) = (angle[i].lane(lane).to_f64(), velocity[i].lane(lane).to_f64());
+        });
     }
 
-    #[inline(always)]
-    fn copy_lane<const LANE: usize>(&self, angles: &mut [f64; B], velocities: &mut [f64; B]) {
-        let SavedState { angle, velocity, .. } = &*self.stepped.state;
-        for i in 0..B {
-            (angles[i], velocities[i]) = (angle[i].lane(LANE).to_f64(), velocity[i].lane(LANE).to_f64());
-        }
+    /// Copies one lane's state.
+    pub(crate) fn copy_state(&self, lane: usize, state: &mut State<f64, B, Z>) {
+        known!(lane, |lane| self.stepped.state.copy_lane(lane, state));
     }
 
     /// One lane's state.
     pub(crate) fn state(&self, lane: usize) -> State<f64, B, Z> {
         self.stepped.state.lane(lane)
     }
+}
+
+/// Joins models in a place that may be written to; returns false, and writes nothing, where they are not alike. Each of
+/// these functions has a part on its stack, and none has all.
+///
+/// # Safety
+/// The place is valid for writing.
+#[inline(never)]
+unsafe fn write_model<T: Real, const B: usize, const Z: usize>(
+    place: *mut Model<T, B, Z>,
+    models: &[Model<f64, B, Z>],
+) -> bool {
+    let each: Vec<_> = models.iter().collect();
+    let Some(model) = Model::of_lanes(&each) else { return false };
+    // SAFETY: as the caller says.
+    unsafe { place.write(model) };
+    true
+}
+
+/// # Safety
+/// As [`write_model`].
+#[inline(never)]
+unsafe fn write_state<T: Real, const B: usize, const Z: usize>(
+    place: *mut State<T, B, Z>,
+    states: &[State<f64, B, Z>],
+) {
+    let each: Vec<_> = states.iter().collect();
+    // SAFETY: as the caller says.
+    unsafe { place.write(State::of_lanes(&each)) };
+}
+
+/// # Safety
+/// As [`write_model`].
+#[inline(never)]
+unsafe fn write_workspace<T: Real, const B: usize, const Z: usize, const N: usize>(place: *mut Workspace<T, B, Z, N>) {
+    // SAFETY: as the caller says.
+    unsafe { place.write(Workspace::new()) };
 }
 
 /// A width's kernel: `None` where the processor or the models do not allow it.
@@ -150,7 +197,7 @@ macro_rules! width {
             models: &[Model<f64, B, Z>],
             states: &[State<f64, B, Z>],
             settings: &Settings<f64>,
-        ) -> Option<Lanes<$number, B, Z, N>> {
+        ) -> Option<Box<Lanes<$number, B, Z, N>>> {
             if !$has() {
                 return None;
             }
@@ -171,7 +218,6 @@ macro_rules! width {
 width!(four, F64x4, has_avx2, four_step, "avx2,fma");
 width!(eight, F64x8, has_avx512, eight_step, "avx512f,avx512vl,avx512dq,avx512bw");
 width!(eight_single, F32x8, has_avx2, eight_single_step, "avx2,fma");
-width!(sixteen_single, F32x16, has_avx512, sixteen_single_step, "avx512f,avx512vl,avx512dq,avx512bw");
 
 pub(crate) fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")

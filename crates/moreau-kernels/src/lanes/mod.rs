@@ -3,7 +3,7 @@
 //! The physics is `moreau`'s one generic kernel ([`moreau::step_lanes`]); this module gives it numbers that are four
 //! (AVX2) or eight (AVX-512) wide, compiled for those instructions and chosen when the program runs. Elsewhere the same
 //! mechanisms are stepped one after the other. Either way every mechanism gets the numbers that [`moreau::step()`]
-//! gives it alone, to rounding. Twice as many fit in single precision, for those who can do with it: models and states
+//! gives it alone, to rounding. Eight fit in AVX2 in single precision, for those who can do with it: models and states
 //! go in and out in doubles all the same.
 
 #[cfg(target_arch = "x86_64")]
@@ -12,8 +12,6 @@ mod avx2;
 mod avx2_single;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
-#[cfg(target_arch = "x86_64")]
-mod avx512_single;
 #[cfg(target_arch = "x86_64")]
 mod kernels;
 #[cfg(target_arch = "x86_64")]
@@ -32,14 +30,12 @@ pub enum Lanes {
     Eight,
     /// Eight numbers of single precision in a register: AVX2.
     EightSingle,
-    /// Sixteen: AVX-512.
-    SixteenSingle,
 }
 
 impl Lanes {
     /// All that this processor has instructions for, the narrow ones first.
     pub fn here() -> impl Iterator<Item = Self> {
-        let all = [Lanes::One, Lanes::Four, Lanes::Eight, Lanes::EightSingle, Lanes::SixteenSingle];
+        let all = [Lanes::One, Lanes::Four, Lanes::Eight, Lanes::EightSingle];
         all.into_iter().filter(|lanes| lanes.is_here())
     }
 
@@ -50,7 +46,7 @@ impl Lanes {
 
     /// As many in single precision; doubles where the processor has no lanes.
     pub fn most_single() -> Self {
-        [Lanes::SixteenSingle, Lanes::EightSingle].into_iter().find(|lanes| lanes.is_here()).unwrap_or(Lanes::One)
+        if Lanes::EightSingle.is_here() { Lanes::EightSingle } else { Lanes::One }
     }
 
     /// Whether this processor has the instructions.
@@ -60,7 +56,7 @@ impl Lanes {
             #[cfg(target_arch = "x86_64")]
             Lanes::Four | Lanes::EightSingle => kernels::has_avx2(),
             #[cfg(target_arch = "x86_64")]
-            Lanes::Eight | Lanes::SixteenSingle => kernels::has_avx512(),
+            Lanes::Eight => kernels::has_avx512(),
             #[cfg(not(target_arch = "x86_64"))]
             _ => false,
         }
@@ -72,20 +68,18 @@ impl Lanes {
             Lanes::One => 1,
             Lanes::Four => 4,
             Lanes::Eight | Lanes::EightSingle => 8,
-            Lanes::SixteenSingle => 16,
         }
     }
 
     /// Whether numbers are of single precision.
     pub fn is_single(self) -> bool {
-        matches!(self, Lanes::EightSingle | Lanes::SixteenSingle)
+        self == Lanes::EightSingle
     }
 
     /// The doubles that the same registers hold.
     pub fn in_doubles(self) -> Self {
         match self {
             Lanes::EightSingle => Lanes::Four,
-            Lanes::SixteenSingle => Lanes::Eight,
             doubles => doubles,
         }
     }
@@ -103,8 +97,6 @@ enum Kind<const B: usize, const Z: usize, const N: usize> {
     Four(Box<kernels::Lanes<avx2::F64x4, B, Z, N>>),
     #[cfg(target_arch = "x86_64")]
     EightSingle(Box<kernels::Lanes<avx2_single::F32x8, B, Z, N>>),
-    #[cfg(target_arch = "x86_64")]
-    SixteenSingle(Box<kernels::Lanes<avx512_single::F32x16, B, Z, N>>),
     OneByOne(Box<OneByOne<B, Z, N>>),
 }
 
@@ -151,14 +143,9 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         #[cfg(target_arch = "x86_64")]
         let kind = match lanes {
             Lanes::One => None,
-            Lanes::Four => kernels::four(models, states, settings).map(|k| Kind::Four(Box::new(k))),
-            Lanes::Eight => kernels::eight(models, states, settings).map(|k| Kind::Eight(Box::new(k))),
-            Lanes::EightSingle => {
-                kernels::eight_single(models, states, settings).map(|k| Kind::EightSingle(Box::new(k)))
-            }
-            Lanes::SixteenSingle => {
-                kernels::sixteen_single(models, states, settings).map(|k| Kind::SixteenSingle(Box::new(k)))
-            }
+            Lanes::Four => kernels::four(models, states, settings).map(Kind::Four),
+            Lanes::Eight => kernels::eight(models, states, settings).map(Kind::Eight),
+            Lanes::EightSingle => kernels::eight_single(models, states, settings).map(Kind::EightSingle),
         };
         #[cfg(target_arch = "x86_64")]
         if let Some(kind) = kind {
@@ -179,7 +166,27 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         if models.len() == Lanes::Four.count()
             && let Some(four) = kernels::four(models, states, settings)
         {
-            return Group { kind: Kind::Four(Box::new(four)) };
+            return Group { kind: Kind::Four(four) };
+        }
+        Group::one_by_one(models, states, settings)
+    }
+
+    /// Eight at once in doubles, or one by one: no other lanes are compiled for a size of which only such groups are
+    /// made.
+    ///
+    /// # Panics
+    /// As [`Group::new`].
+    pub(crate) fn in_eights(
+        models: &[Model<f64, B, Z>],
+        states: &[State<f64, B, Z>],
+        settings: &Settings<f64>,
+    ) -> Self {
+        check(models, states, N);
+        #[cfg(target_arch = "x86_64")]
+        if models.len() == Lanes::Eight.count()
+            && let Some(eight) = kernels::eight(models, states, settings)
+        {
+            return Group { kind: Kind::Eight(eight) };
         }
         Group::one_by_one(models, states, settings)
     }
@@ -199,7 +206,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         if models.len() == Lanes::EightSingle.count()
             && let Some(eight) = kernels::eight_single(models, states, settings)
         {
-            return Group { kind: Kind::EightSingle(Box::new(eight)) };
+            return Group { kind: Kind::EightSingle(eight) };
         }
         Group::one_by_one(models, states, settings)
     }
@@ -230,8 +237,6 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Four(_) => Lanes::Four,
             #[cfg(target_arch = "x86_64")]
             Kind::EightSingle(_) => Lanes::EightSingle,
-            #[cfg(target_arch = "x86_64")]
-            Kind::SixteenSingle(_) => Lanes::SixteenSingle,
             Kind::OneByOne(_) => Lanes::One,
         }
     }
@@ -248,8 +253,6 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Four(four) => four.step(inputs, outcomes),
             #[cfg(target_arch = "x86_64")]
             Kind::EightSingle(eight) => eight.step(inputs, outcomes),
-            #[cfg(target_arch = "x86_64")]
-            Kind::SixteenSingle(sixteen) => sixteen.step(inputs, outcomes),
             Kind::OneByOne(one) => one.step(inputs, outcomes),
         }
     }
@@ -267,8 +270,6 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Four(four) => four.step_or_rest(inputs, outcomes),
             #[cfg(target_arch = "x86_64")]
             Kind::EightSingle(eight) => eight.step_or_rest(inputs, outcomes),
-            #[cfg(target_arch = "x86_64")]
-            Kind::SixteenSingle(sixteen) => sixteen.step_or_rest(inputs, outcomes),
             Kind::OneByOne(one) => one.step_or_rest(inputs, outcomes),
         }
     }
@@ -282,8 +283,6 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Four(four) => four.is_at_rest(),
             #[cfg(target_arch = "x86_64")]
             Kind::EightSingle(eight) => eight.is_at_rest(),
-            #[cfg(target_arch = "x86_64")]
-            Kind::SixteenSingle(sixteen) => sixteen.is_at_rest(),
             Kind::OneByOne(one) => one.sleeps.iter().all(Sleep::is_asleep),
         }
     }
@@ -298,8 +297,6 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Four(four) => four.motion(index),
             #[cfg(target_arch = "x86_64")]
             Kind::EightSingle(eight) => eight.motion(index),
-            #[cfg(target_arch = "x86_64")]
-            Kind::SixteenSingle(sixteen) => sixteen.motion(index),
             Kind::OneByOne(one) => (one.states[index].angle, one.states[index].velocity),
         }
     }
@@ -314,9 +311,20 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Four(four) => four.copy_motion(index, angles, velocities),
             #[cfg(target_arch = "x86_64")]
             Kind::EightSingle(eight) => eight.copy_motion(index, angles, velocities),
-            #[cfg(target_arch = "x86_64")]
-            Kind::SixteenSingle(sixteen) => sixteen.copy_motion(index, angles, velocities),
             Kind::OneByOne(one) => (*angles, *velocities) = (one.states[index].angle, one.states[index].velocity),
+        }
+    }
+
+    /// One mechanism's state, into one that is there; what that knows of the zones' distances stays as it was.
+    pub(crate) fn copy_state(&self, index: usize, state: &mut State<f64, B, Z>) {
+        match &self.kind {
+            #[cfg(target_arch = "x86_64")]
+            Kind::Eight(eight) => eight.copy_state(index, state),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Four(four) => four.copy_state(index, state),
+            #[cfg(target_arch = "x86_64")]
+            Kind::EightSingle(eight) => eight.copy_state(index, state),
+            Kind::OneByOne(one) => **state = *one.states[index],
         }
     }
 
@@ -329,8 +337,6 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
             Kind::Four(four) => four.state(index),
             #[cfg(target_arch = "x86_64")]
             Kind::EightSingle(eight) => eight.state(index),
-            #[cfg(target_arch = "x86_64")]
-            Kind::SixteenSingle(sixteen) => sixteen.state(index),
             Kind::OneByOne(one) => one.states[index].clone(),
         }
     }
