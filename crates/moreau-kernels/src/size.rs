@@ -61,8 +61,9 @@ impl Size {
     }
 
     /// The widest lanes up to these that are compiled for this size. Each kind of lanes takes as long to compile as a
-    /// whole library: eight bodies, those of a grand that bends, have four and eight doubles and eight numbers of single
-    /// precision; six have four doubles and eight of single precision; nine have four doubles; other sizes have none.
+    /// whole library: eight bodies, those of a grand that bends, have four and eight doubles and eight numbers of
+    /// single precision; six have four doubles and eight of single precision; nine have four doubles; other sizes have
+    /// none.
     pub fn lanes(self, wanted: Lanes) -> Lanes {
         match (self, wanted) {
             (_, Lanes::One) | (Size::One | Size::Most, _) => Lanes::One,

@@ -15,8 +15,8 @@ use crate::workspace::Workspace;
 impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z, N> {
     /// Works out the forces of a step from the states before and after it and the input during it, all curves as drawn.
     /// Afterwards they can be read as if the step had been taken with this workspace, to what its Newton iteration
-    /// left; an [`crate::Ledger`] books it alike. Nothing is solved, so that N may be 0. The workspace has taken no step:
-    /// it is new, or was given to this function only, and with this model.
+    /// left; an [`crate::Ledger`] books it alike. Nothing is solved, so that N may be 0. The workspace has taken no
+    /// step: it is new, or was given to this function only, and with this model.
     pub fn retrace(
         &mut self,
         model: &Model<T, B, Z>,

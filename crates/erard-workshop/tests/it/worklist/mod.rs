@@ -98,7 +98,7 @@ fn tally(pianos: usize) -> Tally {
         }
     };
     std::thread::scope(|scope| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from).min(pianos) {
             scope.spawn(work);
         }
     });
