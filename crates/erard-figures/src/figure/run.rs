@@ -92,19 +92,28 @@ pub(crate) fn windows(run: &Run) -> Vec<Window> {
     ]
 }
 
-/// Angles against the start, of the bodies that the other panels do not show: neither the first (the key) nor the
-/// hammer. Without roles in a [`Run`], the bodies are identified by name; a mechanism without these names shows them
-/// all.
+/// Angles against the start, of the bodies that the other panels do not show: neither the key, of one part or two that
+/// bend, nor the hammer. Without roles in a [`Run`], the bodies are identified by name; a mechanism without these names
+/// shows them all.
 fn angles(run: &Run) -> Vec<(&str, Cow<'_, [f64]>)> {
     run.bodies
         .iter()
-        .filter(|body| !["key", "hammer"].contains(&body.name.as_str()))
+        .filter(|body| !["key", "key_back", "hammer"].contains(&body.name.as_str()))
         .map(|body| {
             let start = body.angle_rad.first().copied().unwrap_or(0.0);
             let turned = body.angle_rad.iter().map(|angle| (angle - start).to_degrees());
-            (body.name.as_str(), Cow::Owned(turned.collect()))
+            (part(&body.name), Cow::Owned(turned.collect()))
         })
         .collect()
+}
+
+/// What a technician calls a part.
+fn part(name: &str) -> &str {
+    match name {
+        "lever" => "repetition lever",
+        "shank" => "hammer shank",
+        other => other,
+    }
 }
 
 fn contact_forces(run: &Run) -> Option<Panel<'_>> {

@@ -1,6 +1,6 @@
 // The curves: panels on a canvas, a cursor on another above it.
 const canvas = $("curves"), cursor = $("cursor");
-const LEFT = 46, RIGHT = 18, TOP = 6, FOOT = 30, GAP = 20;
+const LEFT = 46, RIGHT = 18, TOP = 6, FOOT = 30, GAP = 20, LINE = 15;
 let shownTime = [...data.windows[data.windows.length - 1]];
 let layout = [], high = 0, wide = 0;
 
@@ -47,17 +47,39 @@ const thin = (y, each) => {
   flush();
 };
 
+// Where a panel's title and the names of its curves stand: places across, and the line, from 0; as many lines as they
+// need.
+const HEADING = "12px system-ui, sans-serif";
+const titleOf = (panel) => `${panel.quantity} (${panel.unit}${panel.lanes ? ", logarithmic" : ""})`;
+const headingOf = (panel) => {
+  if (panel.lanes) return { names: [], lines: 1 };
+  const g = canvas.getContext("2d");
+  g.font = HEADING;
+  const begin = LEFT + g.measureText(titleOf(panel)).width + 14;
+  let x = begin, line = 0;
+  const names = panel.curves.map((curve) => {
+    const long = 34 + g.measureText(curve.label).width;
+    if (x > begin && x + long - 12 > wide - RIGHT) [x, line] = [LEFT, line + 1];
+    const place = { curve, x, line };
+    x += long;
+    return place;
+  });
+  return { names, lines: line + 1 };
+};
+
 const arrange = () => {
   wide = canvas.parentElement.clientWidth;
+  const headings = data.panels.map(headingOf);
+  const words = headings.reduce((sum, { lines }) => sum + LINE * (lines - 1), 0);
   let y = TOP;
   const least = (panel) => (panel.lanes ? 21 * panel.curves.length : 88);
   // a tall window is filled
-  const room = window.innerHeight - 130 - FOOT - TOP - GAP * data.panels.length;
+  const room = window.innerHeight - 130 - FOOT - TOP - GAP * data.panels.length - words;
   const stretch = Math.min(Math.max(room / data.panels.reduce((sum, panel) => sum + least(panel), 1), 1), 2.2);
-  layout = data.panels.map((panel) => {
-    const tall = stretch * least(panel);
-    const place = { panel, top: y + GAP - 6, tall };
-    y += tall + GAP;
+  layout = data.panels.map((panel, index) => {
+    const tall = stretch * least(panel), heading = headings[index], above = GAP + LINE * (heading.lines - 1);
+    const place = { panel, heading, top: y + above - 6, tall };
+    y += tall + above;
     return place;
   });
   high = y + FOOT;
@@ -161,7 +183,7 @@ const drawCurves = () => {
   g.clearRect(0, 0, wide, high);
   g.font = "11px system-ui, sans-serif";
   const foot = high - FOOT;
-  for (const { panel, top, tall } of layout) {
+  for (const { panel, heading, top, tall } of layout) {
     g.font = "11px system-ui, sans-serif";
     g.lineWidth = 0.7;
     for (const [tick] of ticks(1e3 * shownTime[0], 1e3 * shownTime[1], Math.max(2, Math.floor(wide / 80)))) {
@@ -176,7 +198,7 @@ const drawCurves = () => {
     g.lineWidth = 0.8;
     g.strokeStyle = colour("--rule");
     g.strokeRect(LEFT, top, wide - LEFT - RIGHT, tall);
-    heading(g, panel, top - 5);
+    drawHeading(g, panel, heading, top - 5 - LINE * (heading.lines - 1));
   }
   g.font = "11px system-ui, sans-serif";
   g.fillStyle = colour("--soft");
@@ -188,24 +210,19 @@ const drawCurves = () => {
 };
 
 // The panel's quantity and unit, and which curve is which.
-const heading = (g, panel, y) => {
-  g.font = "12px system-ui, sans-serif";
+const drawHeading = (g, panel, { names }, y) => {
+  g.font = HEADING;
   g.textAlign = "left";
   g.fillStyle = colour("--ink");
-  const title = `${panel.quantity} (${panel.unit}${panel.lanes ? ", logarithmic" : ""})`;
-  g.fillText(title, LEFT, y);
-  if (panel.lanes) return;
-  let x = LEFT + g.measureText(title).width + 14;
-  for (const curve of panel.curves) {
-    const room = wide - RIGHT - x - 24;
-    if (room < 12) break;
+  g.fillText(titleOf(panel), LEFT, y);
+  for (const { curve, x, line } of names) {
+    const at = y + LINE * line;
     g.setLineDash(curve.dash);
     g.lineWidth = 2;
-    rule(g, curveColour(curve), x, y - 4, x + 18, y - 4);
+    rule(g, curveColour(curve), x, at - 4, x + 18, at - 4);
     g.setLineDash([]);
     g.fillStyle = colour("--soft");
-    g.fillText(curve.label, x + 22, y, room);
-    x += 34 + g.measureText(curve.label).width;
+    g.fillText(curve.label, x + 22, at, wide - RIGHT - x - 22);
   }
 };
 

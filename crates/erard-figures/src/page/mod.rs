@@ -145,7 +145,7 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
                 escape(&one.name)
             );
         }
-        which.push_str("<label><input type=\"checkbox\" id=\"beside\"> side by side</label>\n");
+        which.push_str("<label><input type=\"checkbox\" id=\"beside\" checked> side by side</label>\n");
     }
     if shown.iter().any(|one| !one.pins.is_empty()) {
         which.push_str("<label><input type=\"checkbox\" id=\"pin-forces\" checked> pin forces</label>\n");
@@ -346,7 +346,7 @@ mod tests {
     fn two_actions_can_stand_side_by_side() {
         let (instrument, run) = (two_levers(), two_levers_run(50));
         let pair = [Shown::new(&instrument, &run), Shown::new(&instrument, &run)];
-        assert!(pair_html("two", &pair, &SummaryTable::default()).contains("id=\"beside\""));
+        assert!(pair_html("two", &pair, &SummaryTable::default()).contains("id=\"beside\" checked"));
         assert!(!page_html(&pair[0], "mf", &[]).contains("id=\"beside\""));
     }
 }

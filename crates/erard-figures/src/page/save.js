@@ -66,7 +66,7 @@ const permalink = () => {
   const round = (value, digits) => +value.toFixed(digits);
   const parts = [`t=${round(now, 7)}`, `shown=${shownTime.map((t) => round(t, 7))}`, `view=${view.map((v) => round(v, 2))}`];
   if ($("naming").checked) parts.push("names=1");
-  if (isBeside()) parts.push("beside=1");
+  if (sideBySide && !isBeside()) parts.push("beside=0");
   if (pinForces && !pinForces.checked) parts.push("pins=0");
   return `#${parts.join("&")}`;
 };

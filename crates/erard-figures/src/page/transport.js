@@ -21,7 +21,9 @@ const go = (t) => {
 
 const speeds = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
 for (const slower of speeds) $("speed").add(new Option(slower === 1 ? "1 (real time)" : `1/${slower}`, 1 / slower));
-$("speed").value = 1 / 50;
+$("speed").value = 1 / 10;
+// The first time the page plays by itself, and stops where what it shows ends.
+let once = false;
 
 const tick = (at) => {
   if (!playing) return;
@@ -33,7 +35,7 @@ const tick = (at) => {
   const [from, to] = inside ? [Math.max(shownTime[0], begin), Math.min(shownTime[1], end)] : [begin, end];
   let next = now + passed;
   if (next > to) {
-    if ($("loop").checked) next = from;
+    if ($("loop").checked && !once) next = from;
     else {
       next = to;
       play(false);
@@ -47,7 +49,10 @@ const play = (on) => {
   playing = on;
   $("play").textContent = on ? "Pause" : "Play";
   $("play").setAttribute("aria-label", on ? "Pause" : "Play");
-  if (!on) return;
+  if (!on) {
+    once = false;
+    return;
+  }
   if (now >= Math.min(shownTime[1], end) - 1e-9) now = Math.max(shownTime[0], begin);
   drawnAt = performance.now();
   requestAnimationFrame(tick);
@@ -202,8 +207,8 @@ addEventListener("resize", redraw);
 dark.addEventListener("change", redraw);
 
 // #t=0.123 opens the page at that time (s); shown=from,to at that stretch of the curves; view=whole, or
-// left,top,width,height in millimetres of the picture, at that view; names=1 with the parts' names; beside=1 with two
-// actions side by side; pins=0 without the forces of the pins.
+// left,top,width,height in millimetres of the picture, at that view; names=1 with the parts' names; beside=0 with two
+// actions over each other; pins=0 without the forces of the pins.
 const open = () => {
   const hash = new URLSearchParams(location.hash.slice(1));
   const numbers = (key, count) => {
@@ -214,8 +219,7 @@ const open = () => {
   if (pinForces && hash.has("pins")) pinForces.checked = hash.get("pins") === "1";
   const asked = numbers("view", 4);
   if (asked) look(asked);
-  else if (hash.get("view") === "whole" || data.views.close === null || matchMedia("(max-width: 600px)").matches) wholeView();
-  else closeUp();
+  else wholeView();
   const stretch = numbers("shown", 2);
   if (stretch && stretch[1] > stretch[0]) showTime(...stretch);
   if (hash.has("names")) $("naming").checked = hash.get("names") === "1";
@@ -225,6 +229,11 @@ const open = () => {
 };
 redraw();
 open();
+// Who follows no link sees the touch first: the whole action, once, ten times slower than it is.
+if (!location.hash && frames > 1 && !matchMedia("(prefers-reduced-motion: reduce)").matches) {
+  play(true);
+  once = true;
+}
 addEventListener("hashchange", open);
 $("what").textContent = `${data.actions.length > 1 ? "Two simulated runs" : "A simulated run"} of ${milliseconds(end - begin)}, ${frames} frames${
   frames < data.rows ? ` of ${data.rows} rows` : ""}.`;

@@ -104,7 +104,12 @@ fn zones(instrument: &Instrument) -> Vec<Value> {
             Curve::Disc { center_m, radius_m } => json!({ "disc": { "center_m": center_m, "radius_m": radius_m } }),
         };
         let moreau::Loss::Quadratic(papers) = z.felt.loss else {
-            panic!("{}: the other programs know the papers' loss only", z.name);
+            eprintln!(
+                "error: zone `{}`: its felt has another loss than the papers' (`damping_N_s_per_m3`), the only one that the \
+                 other programs know",
+                z.name
+            );
+            std::process::exit(2);
         };
         json!({
             "name": z.name,
