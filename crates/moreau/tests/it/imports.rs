@@ -6,12 +6,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates from bottom to top: one may depend on those before it.
-const FLOORS: [&str; 13] = [
+const FLOORS: [&str; 14] = [
     "moreau",
     "moreau-kernels",
     "moreau-linkage",
     "moreau-rigid",
     "moreau-conformance",
+    "erard-midi",
     "erard",
     "erard-workshop",
     "erard-figures",

@@ -1,0 +1,59 @@
+//! Standard MIDI Files: a piece as notes of the piano's keys, in seconds, and back.
+
+mod read;
+mod write;
+
+use std::string::String;
+use std::vec::Vec;
+
+pub use read::{ReadError, read};
+pub use write::{WriteError, write};
+
+use crate::Velocity;
+
+/// A note of a piece.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Note {
+    /// The key, from 1, the lowest A.
+    pub key: usize,
+    /// When the hammer is to meet the string, s from the piece's first instant.
+    pub start_s: f64,
+    /// When the key, coming up, is to set its damper down, s.
+    pub end_s: f64,
+    /// The note-on's velocity, with the fractions of controller 88 where there are any.
+    pub velocity: Velocity,
+    /// The note-off's; `None` where the file does not say: note-ons of velocity 0, and note-offs of 0 or 64, which
+    /// senders that measure no release use.
+    pub release: Option<Velocity>,
+}
+
+/// Where a pedal is from an instant on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PedalChange {
+    /// The instant, s.
+    pub time_s: f64,
+    /// The pedal's controller: [`SUSTAIN`](crate::message::SUSTAIN), [`SOSTENUTO`](crate::message::SOSTENUTO) or
+    /// [`SOFT`](crate::message::SOFT).
+    pub controller: u8,
+    /// Where it is, 0 up to 127 down.
+    pub value: u8,
+}
+
+/// A piece for one piano: what all tracks and channels play.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Piece {
+    /// The notes in the order of their beginnings, then of their keys. Notes of one key do not overlap.
+    pub notes: Vec<Note>,
+    /// The pedals in the order of time.
+    pub pedals: Vec<PedalChange>,
+    /// What of the file is left out or was mended, a sentence each.
+    pub remarks: Vec<String>,
+}
+
+impl Piece {
+    /// When the last note ends, s; 0 without a note.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.notes.iter().map(|note| note.end_s).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,124 @@
+//! When a note begins and ends, from what a key's action does.
+
+/// What a key's action did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event {
+    /// The hammer met the string: a note-on.
+    On {
+        /// When, s.
+        time_s: f64,
+        /// How fast, m/s.
+        hammer_m_per_s: f64,
+    },
+    /// The key, coming up, passed where it sets its damper down: a note-off.
+    Off {
+        /// When, s.
+        time_s: f64,
+        /// How fast the key's front came up there, m/s.
+        release_m_per_s: f64,
+    },
+}
+
+/// Where a key sets its damper down.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing {
+    /// Travel of the key's front from rest, m, down positive, at which the key, coming up, sets its damper down while
+    /// the pedal is up. Keys without a damper take the same: on any key a note-off belongs there.
+    pub damper_m: f64,
+}
+
+/// The note of one key, from step to step. It needs no heap and a few dozen bytes.
+///
+/// A note begins with the hammer's impact and ends where the key, coming up, passes [`Crossing::damper_m`]. A repetition
+/// through the double escapement strikes again before the key comes up so far: the note-ons follow each other, and one
+/// note-off ends them. A key that is pressed too gently to strike makes no note at all, and its way up no note-off. A
+/// hammer in flight may strike after its key has come up: that note ends as it begins, for the damper lies on the string.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KeyNotes {
+    crossing: Crossing,
+    sounds: bool,
+    /// The instant, s, and the key's travel, m, that a step ended with.
+    before: Option<[f64; 2]>,
+    /// How fast the key came up when it passed last, m/s.
+    release_m_per_s: f64,
+}
+
+impl KeyNotes {
+    /// A key at rest.
+    #[must_use]
+    pub fn new(crossing: Crossing) -> Self {
+        KeyNotes { crossing, sounds: false, before: None, release_m_per_s: 0.0 }
+    }
+
+    /// Whether a note has begun and not ended.
+    #[must_use]
+    pub fn sounds(&self) -> bool {
+        self.sounds
+    }
+
+    /// Takes what a step ended with: the instant, s, the travel of the key's front, m, down positive, and the impact in
+    /// the step, if there was one: its instant, s, and the hammer's speed, m/s. Instants ascend, an impact's with them.
+    /// Gives what happened in the step, the earlier first.
+    pub fn update(&mut self, time_s: f64, key_m: f64, impact: Option<[f64; 2]>) -> [Option<Event>; 3] {
+        let at_m = self.crossing.damper_m;
+        let [t0, x0] = self.before.replace([time_s, key_m]).unwrap_or([time_s, key_m]);
+        let passed_s = (x0 > at_m && key_m <= at_m && time_s > t0).then(|| {
+            self.release_m_per_s = (x0 - key_m) / (time_s - t0);
+            t0 + (x0 - at_m) / self.release_m_per_s
+        });
+        let Some([on_s, hammer_m_per_s]) = impact else {
+            return [passed_s.and_then(|at| self.ended(at)), None, None];
+        };
+        let on = Some(Event::On { time_s: on_s, hammer_m_per_s });
+        match passed_s {
+            // It struck and was let go at once.
+            Some(at_s) if on_s <= at_s => {
+                self.sounds = true;
+                [on, self.ended(at_s), None]
+            }
+            // The key is up already.
+            Some(at_s) => {
+                let before = self.ended(at_s);
+                self.sounds = true;
+                [before, on, self.ended(on_s)]
+            }
+            None if x0.max(key_m) <= at_m => {
+                self.sounds = true;
+                [on, self.ended(on_s), None]
+            }
+            None => {
+                self.sounds = true;
+                [on, None, None]
+            }
+        }
+    }
+
+    /// The note's end, if there is a note.
+    fn ended(&mut self, time_s: f64) -> Option<Event> {
+        let off = Event::Off { time_s, release_m_per_s: self.release_m_per_s };
+        core::mem::take(&mut self.sounds).then_some(off)
+    }
+}
+
+/// A pedal, which travels as a continuous controller and as nothing else: values are sent where they change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pedal {
+    value: u8,
+}
+
+impl Pedal {
+    /// A pedal that is up, as a receiver takes it to be at first.
+    #[must_use]
+    pub fn up() -> Self {
+        Pedal { value: 0 }
+    }
+
+    /// Where it is, 0 up to 1 down; returns the controller's value if that is another. What is not a number is up.
+    pub fn update(&mut self, down: f64) -> Option<u8> {
+        let share = if down > 0.0 { down.min(1.0) } else { 0.0 };
+        let value = libm::round(127.0 * share) as u8;
+        let changed = value != self.value;
+        self.value = value;
+        changed.then_some(value)
+    }
+}
