@@ -18,8 +18,8 @@ pub enum Law<'a> {
         /// The speed of 127 counts, m/s, positive.
         full_m_per_s: f64,
     },
-    /// One's own points, straight lines between them in counts and the logarithm of the speed; beyond the ends the first
-    /// and the last line go on.
+    /// One's own points, straight lines between them in counts and the logarithm of the speed; beyond the ends the
+    /// first and the last line go on.
     Table(Table<'a>),
 }
 
@@ -56,8 +56,8 @@ impl core::error::Error for LawError {}
 
 impl<'a> Law<'a> {
     /// The convention of a Bösendorfer SE290: 52 + 25 log2(v). Its recordings agree with an accelerometer at the hammer
-    /// to 14 % of the speed, for velocities of 20 to 120 [Goebl, *The Role of Timing and Intensity in the Production and
-    /// Perception of Melody in Expressive Piano Performance*, TR-2003-28, eq. 3.2].
+    /// to 14 % of the speed, for velocities of 20 to 120 [Goebl, *The Role of Timing and Intensity in the Production
+    /// and Perception of Melody in Expressive Piano Performance*, TR-2003-28, eq. 3.2].
     pub const GOEBL: Law<'static> = Law::Logarithmic { at_one: 52.0, per_octave: 25.0 };
 
     /// A law of one's own points: hammer speed, m/s, and counts.
@@ -125,8 +125,8 @@ fn piece(points: &[[f64; 2]], is_below: impl Fn(&[f64; 2]) -> bool) -> [[f64; 2]
 /// How fast a key comes up where its damper is set down, as a release velocity.
 ///
 /// No publication was found that says which speed belongs to which release velocity. This law is a convention of this
-/// project: in proportion to the speed of the key's front, with 64 for 0.2 m/s, which is about the speed of a key that is
-/// let go. 64 is also what a sender that measures nothing sends.
+/// project: in proportion to the speed of the key's front, with 64 for 0.2 m/s, which is about the speed of a key that
+/// is let go. 64 is also what a sender that measures nothing sends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReleaseLaw {
     /// The speed of 64 counts, m/s at the key's front, upward, positive.

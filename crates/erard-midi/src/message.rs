@@ -21,8 +21,8 @@ pub const SOSTENUTO: u8 = 66;
 /// The controller of the left pedal.
 pub const SOFT: u8 = 67;
 
-/// One or two messages of MIDI 1.0 that belong together: a note with the controller 88 before it, if it has one, so that
-/// nothing comes between them.
+/// One or two messages of MIDI 1.0 that belong together: a note with the controller 88 before it, if it has one, so
+/// that nothing comes between them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Message {
     bytes: [u8; 6],
@@ -80,8 +80,8 @@ impl Message {
     }
 }
 
-/// A channel voice message of MIDI 2.0 as a Universal MIDI Packet of two words, the first one first. On a wire each word
-/// goes with its highest byte first ([`Packet::bytes`]).
+/// A channel voice message of MIDI 2.0 as a Universal MIDI Packet of two words, the first one first. On a wire each
+/// word goes with its highest byte first ([`Packet::bytes`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Packet(pub [u32; 2]);
 

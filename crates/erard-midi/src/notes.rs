@@ -29,10 +29,11 @@ pub struct Crossing {
 
 /// The note of one key, from step to step. It needs no heap and a few dozen bytes.
 ///
-/// A note begins with the hammer's impact and ends where the key, coming up, passes [`Crossing::damper_m`]. A repetition
-/// through the double escapement strikes again before the key comes up so far: the note-ons follow each other, and one
-/// note-off ends them. A key that is pressed too gently to strike makes no note at all, and its way up no note-off. A
-/// hammer in flight may strike after its key has come up: that note ends as it begins, for the damper lies on the string.
+/// A note begins with the hammer's impact and ends where the key, coming up, passes [`Crossing::damper_m`]. A
+/// repetition through the double escapement strikes again before the key comes up so far: the note-ons follow each
+/// other, and one note-off ends them. A key that is pressed too gently to strike makes no note at all, and its way up
+/// no note-off. A hammer in flight may strike after its key has come up: that note ends as it begins, for the damper
+/// lies on the string.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeyNotes {
     crossing: Crossing,

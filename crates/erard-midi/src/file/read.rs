@@ -48,8 +48,8 @@ impl std::error::Error for ReadError {}
 /// bytes but for sorting.
 ///
 /// What a piano does not play is left out, and a remark says so: notes of the percussion channel, notes that are not on
-/// the keyboard. A key that one track or channel presses while another holds it is struck again, and held until the last
-/// of them lets go. A note that no note-off ends is held to the file's last event.
+/// the keyboard. A key that one track or channel presses while another holds it is struck again, and held until the
+/// last of them lets go. A note that no note-off ends is held to the file's last event.
 ///
 /// # Errors
 /// [`ReadError`].

@@ -44,8 +44,8 @@ impl std::fmt::Display for WriteError {
 
 impl std::error::Error for WriteError {}
 
-/// Writes a piece as a Standard MIDI File of format 0, on channel 1, in ticks of 1/20 ms. A release that is not known is
-/// written as 64. Of one instant note-offs come first, then pedals, then note-ons.
+/// Writes a piece as a Standard MIDI File of format 0, on channel 1, in ticks of 1/20 ms. A release that is not known
+/// is written as 64. Of one instant note-offs come first, then pedals, then note-ons.
 ///
 /// # Errors
 /// [`WriteError`].

@@ -70,8 +70,8 @@ fn a_hammer_that_strikes_after_its_key_has_come_up_leaves_no_note() {
     assert!(times.is_sorted(), "{times:?}");
 }
 
-/// Whatever a key does, instants ascend, note-offs do not outnumber note-ons, and a note that sounds is one whose key is
-/// down.
+/// Whatever a key does, instants ascend, note-offs do not outnumber note-ons, and a note that sounds is one whose key
+/// is down.
 #[test]
 fn whatever_a_key_does_notes_are_in_order() {
     let mut rng = fastrand::Rng::with_seed(34);
