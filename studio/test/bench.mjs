@@ -251,7 +251,7 @@ export const scenes = async ({ visit }) => {
   assert((await page.evaluate(() => studio.poses[0].hammer_m)) > 0.0465, "the hammer stays at the string");
   await go(3);
   await page.waitForTimeout(500);
-  await once("A soft blow", "once");
+  await once("A loud note", "once");
   await once("2 mm more punching", "twice");
   await go(5);
   await page.waitForTimeout(500);

@@ -108,14 +108,15 @@ export class Played {
     this.library.done(this.library.raw.erard_watch_look(this.watch, this.action));
   }
 
-  /** A stroke begins. @returns what was done to a recording to make it ready, a line each. */
-  beginStroke(stroke: { nuance: string; struck: boolean } | { csv: string }): string[] {
+  /** A stroke begins. The hand of a level is the one that reaches it on `reference`, so that two actions that are
+   * compared are played by one hand. @returns what was done to a recording to make it ready, a line each. */
+  beginStroke(stroke: { nuance: string; struck: boolean } | { csv: string }, reference: Played): string[] {
     const { raw } = this.library;
     this.endStroke();
     this.stroke = this.library.made(
       "csv" in stroke
         ? this.library.given(stroke.csv, (at, length) => raw.erard_stroke_new(this.instrument, at, length, 0))
-        : this.library.given(stroke.nuance, (at) => raw.erard_stroke_builtin(this.instrument, at, stroke.struck ? 1 : 0, 0)),
+        : this.library.given(stroke.nuance, (at) => raw.erard_stroke_builtin(reference.instrument, at, stroke.struck ? 1 : 0, 0)),
     );
     this.strokeLeft_s = raw.erard_stroke_duration(this.stroke);
     this.begin();

@@ -85,7 +85,7 @@ export class Player {
   begin(stroke: Stroke): string[] {
     this.owed_s = 0;
     this.resting = false;
-    return this.actions.map((one) => one.beginStroke("csv" in stroke ? { csv: stroke.csv } : stroke))[0] ?? [];
+    return this.actions.map((one) => one.beginStroke("csv" in stroke ? { csv: stroke.csv } : stroke, this.actions[0]!))[0] ?? [];
   }
 
   /** Sends the sustain pedal's rail to a lift, m. */

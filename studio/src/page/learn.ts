@@ -92,13 +92,13 @@ const SCENES: Scene[] = [
     title: "What aftertouch is",
     text: [
       "When the jack has escaped, the key has about one more millimetre to go before its front punching: the aftertouch, which makes sure that the jack gets out of the way even in a soft blow.",
-      "A thicker punching takes it away. The jack is then not clear of the knuckle when the hammer comes back, and a soft note sounds twice.",
+      "A thicker punching takes it away. The back check, which stands on the key, then comes up too little to catch the hammer at once, and a loud note sounds twice.",
     ],
     a: GRAND,
     close: false,
     tries: [
-      { label: "A soft note", act: slowly("pp", false, 1 / 20) },
-      { label: "2 mm more punching", act: turned("front_punching", 1.8, slowly("pp", false, 1 / 20)) },
+      { label: "A loud note", act: slowly("f", false, 1 / 20) },
+      { label: "2 mm more punching", act: turned("front_punching", 1.8, slowly("f", false, 1 / 20)) },
       { label: "As it was", act: turned("front_punching", null) },
     ],
     watch: "Count the impacts, in the numbers and in the string\u2019s curve.",
