@@ -7,8 +7,8 @@ use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::KEYS;
 use erard::run::{Setup, simulate};
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
+use erard_levers::{Design, LinkageFile, derive};
 use erard_workshop::distances::Protocol;
-use erard_workshop::kinematics::{Design, LinkageFile, derive};
 use erard_workshop::measure::norms::{Line, MIDDLE_C, lines};
 use erard_workshop::measure::{measure_key, measure_some};
 use erard_workshop::regulate::{

@@ -117,7 +117,7 @@ pub fn action(error: &ActionError) -> PyErr {
 
 pub fn measure(error: &MeasureError) -> PyErr {
     match error {
-        MeasureError::NotAnAction(_) | MeasureError::Anatomy(_) | MeasureError::Levers(_) => wrong(error),
+        MeasureError::NotAnAction(_) | MeasureError::Anatomy(_) => wrong(error),
         error => failed(error),
     }
 }

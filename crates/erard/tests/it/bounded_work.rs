@@ -2,7 +2,7 @@
 
 use erard::instrument::Instrument;
 use erard::mechanism::{mechanism, open_ledger, take_stock};
-use erard_workshop::benchmarks::grand;
+use erard_timing::grand;
 use moreau::{Input, Outcome, Settings};
 use moreau_kernels::Lanes;
 
