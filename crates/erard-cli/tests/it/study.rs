@@ -44,6 +44,19 @@ fn a_level_may_be_found_for_each() {
     assert!(said.contains("--each") && said.contains("--model one-dof"), "{said}");
 }
 
+/// A screw that is set and the distance that it sets have a title each.
+#[test]
+fn a_screw_and_what_it_sets_are_two_columns() {
+    let folder = Folder::new("study-titles");
+    folder.good(&["study", "--vary", "let_off=0,0.2mm", "--measure", "let_off_mm", "--force-step", "5"]);
+    let [set, measured] =
+        ["let_off_mm", "measured_let_off_mm"].map(|title| column(&folder, "erard-out-study/study.csv", title));
+    assert_eq!(set, [Some(0.0), Some(0.2)]);
+    assert!(measured.iter().all(|value| value.is_some_and(|mm| (0.5..4.0).contains(&mm))), "{measured:?}");
+    let titles: Vec<String> = columns(&folder, "erard-out-study/study.csv").into_iter().map(|(name, _)| name).collect();
+    assert_eq!(titles.iter().filter(|title| *title == "let_off_mm").count(), 1, "{titles:?}");
+}
+
 /// Every combination is a row, the last axis fastest; the unmoved one is what `press` computes of the same stroke.
 #[test]
 fn a_study_is_many_presses() {

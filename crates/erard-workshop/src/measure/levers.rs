@@ -5,9 +5,9 @@
 //! knuckle, which the repetition lever carries) is closed first, because the levers work only once that play is taken
 //! up. Jack and repetition lever turn with the whippen, as they do until the jack's toe meets its button.
 //!
-//! Contacts are the engine's own: the whippen is turned until the capstan is compressed as it is at rest, and the hammer
-//! until the knuckle is. The linkage that follows from the graph of the same levers (`erard-levers`) gives the same
-//! ratios; a test compares them.
+//! Contacts are the engine's own: the whippen is turned until the capstan is compressed as it is at rest, and the
+//! hammer until the knuckle is. The linkage that follows from the graph of the same levers (`erard-levers`) gives the
+//! same ratios; a test compares them.
 
 use moreau_kernels::{EveryBody, LaneObserver, lane_observer};
 
@@ -43,7 +43,8 @@ pub(crate) struct Levers {
 }
 
 impl Levers {
-    /// Finds the levers of an instrument. Of several zones between key and whippen the most compressed is the capstan's.
+    /// Finds the levers of an instrument. Of several zones between key and whippen the most compressed is the
+    /// capstan's.
     ///
     /// # Errors
     /// When it is no grand action, or finds no rest, or its levers do not reach each other.
