@@ -11,12 +11,11 @@ use erard_cli::failure::Failure;
 use erard_cli::inputs::shown;
 use erard_cli::progress::Progress;
 use erard_cli::say;
-use erard_cli::table::Table as Columns;
 use erard_figures::figure::chart_svg;
 use serde::Serialize;
 
 use crate::page::{Reproduced, page};
-use crate::subjects::{Claim, ReproduceError, Subject, subjects};
+use crate::subjects::{Claim, ReproduceError, Subject, Table, subjects};
 
 #[derive(Serialize)]
 struct Subjects {
@@ -106,6 +105,20 @@ fn failure(error: ReproduceError) -> Failure {
     }
 }
 
+/// A table's lines: what is named in the first column to the left, the rest to the right.
+fn printed(table: &Table) -> Vec<String> {
+    let rows = || [&table.header].into_iter().chain(&table.rows);
+    let width = |column: usize| rows().filter_map(|row| Some(row.get(column)?.chars().count())).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..table.header.len()).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).enumerate();
+        let cells =
+            cells.map(|(n, (cell, &wide))| if n == 0 { format!("{cell:<wide$}") } else { format!("{cell:>wide$}") });
+        format!("  {}", cells.collect::<Vec<_>>().join("  "))
+    };
+    rows().map(line).collect()
+}
+
 impl Reproduce {
     fn run(&self) -> Result<(), Failure> {
         if self.list {
@@ -134,7 +147,8 @@ impl Reproduce {
             }
             for table in section.tables.iter().filter(|table| self.tables && !table.clock) {
                 say!("{}", table.caption);
-                say!("{}", Columns::of(table.header.iter().map(String::as_str), table.rows.iter().cloned()));
+                printed(table).iter().for_each(|line| say!("{line}"));
+                say!();
             }
             reproduced.push(Reproduced { subject, section });
         }
