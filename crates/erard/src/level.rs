@@ -28,7 +28,7 @@ pub const HOLD_N: f64 = 3.0;
 /// The hand leaves the key at this instant, s, its force gone within [`RELEASE_S`].
 pub const LET_GO_S: f64 = 0.5;
 /// Within what time the force is gone, s.
-pub(crate) const RELEASE_S: f64 = 0.030;
+pub const RELEASE_S: f64 = 0.030;
 /// How long a stroke lasts with its release, s.
 pub const DURATION_S: f64 = 1.0;
 

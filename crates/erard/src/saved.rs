@@ -17,7 +17,7 @@ use thiserror::Error;
 pub use crate::fnv1a::{FNV1A, fnv1a};
 
 /// The version of the layout that this program writes, and the only one that it reads.
-pub(crate) const VERSION: u32 = 2;
+pub const VERSION: u32 = 2;
 
 /// Why bytes are no saved state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
