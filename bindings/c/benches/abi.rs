@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use erard::{Input, Instrument};
 use erard_c::*;
-use erard_workshop::benchmarks::callgrind::instructions;
+use erard_timing::callgrind::instructions;
 
 const STEPS: usize = 20_000;
 const ROUNDS: usize = 30;

@@ -3,18 +3,18 @@
 use moreau::{Body, Curve, Exponent, Felt, GROUND, Iwan, Loss, Scalar, Site, Spring, Zone};
 
 pub const BODIES: usize = 8;
-pub const SPRINGS: usize = 4;
+pub(crate) const SPRINGS: usize = 4;
 pub const ZONES: usize = 16;
 /// Room for the set-valued laws.
-pub const LAWS: usize = 12;
-pub const GRAVITY: f64 = 9.81;
+pub(crate) const LAWS: usize = 12;
+pub(crate) const GRAVITY: f64 = 9.81;
 /// Where it rests, friction included, rad.
-pub const REST: [f64; BODIES] = [5.735467284728282e-6, 0.00013704375925987548, 0.0015699274201893382, 0.000531231431379199, -0.000907045409491228, -0.3541561938289256, -0.3545366226020138, 0.002670394010193593];
+pub(crate) const REST: [f64; BODIES] = [5.735467284728282e-6, 0.00013704375925987548, 0.0015699274201893382, 0.000531231431379199, -0.000907045409491228, -0.3541561938289256, -0.3545366226020138, 0.002670394010193593];
 /// The body that strikes.
-pub const HAMMER: usize = 6;
+pub(crate) const HAMMER: usize = 6;
 
 #[rustfmt::skip]
-pub fn bodies<T: Scalar>() -> [Body<T>; BODIES] {
+pub(crate) fn bodies<T: Scalar>() -> [Body<T>; BODIES] {
     let t = T::from_f64;
     [
         Body { parent: GROUND, pivot: [t(0.0), t(0.0)], mass: t(0.054020000000000006), inertia: t(0.001273), center_of_mass: [t(0.13648), t(0.01)], dry: t(0.01), viscous: t(0.0002) },
@@ -29,7 +29,7 @@ pub fn bodies<T: Scalar>() -> [Body<T>; BODIES] {
 }
 
 #[rustfmt::skip]
-pub fn springs<T: Scalar>() -> [Spring<T>; SPRINGS] {
+pub(crate) fn springs<T: Scalar>() -> [Spring<T>; SPRINGS] {
     let t = T::from_f64;
     [
         Spring { body: 1, torque: t(0.0), stiffness: t(1000.0), reference: t(0.0) },
@@ -40,7 +40,7 @@ pub fn springs<T: Scalar>() -> [Spring<T>; SPRINGS] {
 }
 
 #[rustfmt::skip]
-pub fn zones<T: Scalar>() -> [Zone<T>; ZONES] {
+pub(crate) fn zones<T: Scalar>() -> [Zone<T>; ZONES] {
     let t = T::from_f64;
     [
         Zone { disc_body: 1, center: [t(-0.265), t(0.0)], radius: t(0.0), curve_body: GROUND, curve: Curve::Line { point: [t(-0.265), t(-0.009340499999999998)], normal: [t(0.0), t(1.0)] }, felt: Felt { stiffness: t(2000000000.0), exponent: Exponent::TwoAndHalf, loss: Loss::Iwan(Iwan { damping: t(260000000.0), eta: t(0.5), slip: t(0.1) }) }, friction: None },
@@ -63,7 +63,7 @@ pub fn zones<T: Scalar>() -> [Zone<T>; ZONES] {
 }
 
 #[rustfmt::skip]
-pub fn site<T: Scalar>() -> Site<T> {
+pub(crate) fn site<T: Scalar>() -> Site<T> {
     let t = T::from_f64;
     Site { body: 1, point: [t(-0.265), t(0.022)], direction: [t(0.0), t(-1.0)], stiffness: t(20000.0), damping: t(20.0) }
 }

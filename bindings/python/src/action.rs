@@ -17,7 +17,7 @@ use crate::setup::Steps;
 
 /// A grand action. Two threads may step it: one waits for the other.
 #[pyclass(frozen, module = "erard._erard")]
-pub struct Action {
+pub(crate) struct Action {
     player: Mutex<Player>,
     instrument: Arc<Inner>,
     hand: Option<Hand>,
@@ -26,7 +26,7 @@ pub struct Action {
 /// What there is to be read after a step.
 #[pyclass(frozen, module = "erard._erard", get_all, eq)]
 #[derive(Clone, PartialEq)]
-pub struct Reading {
+pub(crate) struct Reading {
     time_s: f64,
     key_m: f64,
     key_m_per_s: f64,

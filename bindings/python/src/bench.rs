@@ -7,8 +7,8 @@ use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::KEYS;
 use erard::run::{Setup, simulate};
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
+use erard_levers::{Design, LinkageFile, derive};
 use erard_workshop::distances::Protocol;
-use erard_workshop::kinematics::{Design, LinkageFile, derive};
 use erard_workshop::measure::norms::{Line, MIDDLE_C, lines};
 use erard_workshop::measure::{measure_key, measure_some};
 use erard_workshop::regulate::{
@@ -35,7 +35,7 @@ pub fn measure_lines() -> Vec<(&'static str, &'static str, &'static str, usize, 
 /// The sheet as JSON, or only some lines of it.
 #[pyfunction]
 #[pyo3(signature = (instrument, key, only, progress))]
-pub fn measure(
+pub(crate) fn measure(
     py: Python<'_>,
     instrument: &Instrument,
     key: Option<usize>,
@@ -67,7 +67,7 @@ pub fn measure(
 /// Turns screws until goals are met: the new instrument, and what became of each goal and screw.
 #[pyfunction]
 #[pyo3(signature = (instrument, goals, norms, follow, progress))]
-pub fn regulate<'py>(
+pub(crate) fn regulate<'py>(
     py: Python<'py>,
     instrument: &Instrument,
     goals: Vec<(String, Value)>,
@@ -157,7 +157,7 @@ const PIECE: usize = 20_000;
 /// Leverage and sliding over the key's travel, of an instrument or of a linkage (a file or a built-in one).
 #[pyfunction]
 #[pyo3(signature = (instrument, linkage, from_m, to_m, steps))]
-pub fn kinematics<'py>(
+pub(crate) fn kinematics<'py>(
     py: Python<'py>,
     instrument: Option<&Instrument>,
     linkage: Option<&str>,
@@ -240,7 +240,7 @@ fn linkage_design(asked: &str) -> PyResult<Design> {
 /// The keys of a keyboard, weighed: columns.
 #[pyfunction]
 #[pyo3(signature = (asked, keys, progress))]
-pub fn keyboard<'py>(
+pub(crate) fn keyboard<'py>(
     py: Python<'py>,
     asked: &str,
     keys: Vec<usize>,
@@ -282,7 +282,7 @@ pub fn keyboard<'py>(
 #[pyfunction]
 #[pyo3(signature = (instrument, stroke, at_s, steps, labels, forces, caption))]
 #[allow(clippy::too_many_arguments)]
-pub fn draw(
+pub(crate) fn draw(
     py: Python<'_>,
     instrument: &Instrument,
     stroke: &Stroke,

@@ -37,31 +37,31 @@ fn input(message: String, place: &Place<'_>) -> PyErr {
 }
 
 /// Something that the caller gave is wrong.
-pub fn wrong(message: impl std::fmt::Display) -> PyErr {
+pub(crate) fn wrong(message: impl std::fmt::Display) -> PyErr {
     input(message.to_string(), &Place::default())
 }
 
 /// The same of an argument by its name.
-pub fn wrong_argument(key: &str, message: impl std::fmt::Display) -> PyErr {
+pub(crate) fn wrong_argument(key: &str, message: impl std::fmt::Display) -> PyErr {
     input(format!("{key}: {message}"), &Place { key, ..Place::default() })
 }
 
 /// Something came of it that is no result.
-pub fn failed(message: impl std::fmt::Display) -> PyErr {
+pub(crate) fn failed(message: impl std::fmt::Display) -> PyErr {
     python::SimulationError::new_err(message.to_string())
 }
 
-pub fn file(error: &FileError) -> PyErr {
+pub(crate) fn file(error: &FileError) -> PyErr {
     let FileError { file, line, key, found, expected, .. } = error;
     input(error.to_string(), &Place { file, line: *line as u64, key, found, expected })
 }
 
-pub fn stroke(error: &StrokeError) -> PyErr {
+pub(crate) fn stroke(error: &StrokeError) -> PyErr {
     let StrokeError { file, line, column, found, expected, .. } = error;
     input(error.to_string(), &Place { file, line: *line, key: column, found, expected })
 }
 
-pub fn asked(error: &InstrumentSpecError) -> PyErr {
+pub(crate) fn asked(error: &InstrumentSpecError) -> PyErr {
     match error {
         InstrumentSpecError::File(error) => file(error),
         InstrumentSpecError::NoKey { key, .. } => input(error.to_string(), &Place { found: key, ..Place::default() }),
@@ -79,7 +79,7 @@ pub fn asked(error: &InstrumentSpecError) -> PyErr {
     }
 }
 
-pub fn change(error: &ChangeError) -> PyErr {
+pub(crate) fn change(error: &ChangeError) -> PyErr {
     let message = error.to_string();
     match error {
         ChangeError::File(error) => file(error),
@@ -93,7 +93,7 @@ pub fn change(error: &ChangeError) -> PyErr {
 }
 
 /// Of a run: what the caller asked for names the argument.
-pub fn simulation(error: &SimulationError) -> PyErr {
+pub(crate) fn simulation(error: &SimulationError) -> PyErr {
     let key = match error {
         SimulationError::Step { .. } => "step",
         SimulationError::Theta { .. } => "theta",
@@ -108,16 +108,16 @@ pub fn simulation(error: &SimulationError) -> PyErr {
 }
 
 /// Of an action that is made.
-pub fn action(error: &ActionError) -> PyErr {
+pub(crate) fn action(error: &ActionError) -> PyErr {
     match error {
         ActionError::Step { .. } => wrong_argument("step", error),
         error => failed(error),
     }
 }
 
-pub fn measure(error: &MeasureError) -> PyErr {
+pub(crate) fn measure(error: &MeasureError) -> PyErr {
     match error {
-        MeasureError::NotAnAction(_) | MeasureError::Anatomy(_) | MeasureError::Levers(_) => wrong(error),
+        MeasureError::NotAnAction(_) | MeasureError::Anatomy(_) => wrong(error),
         error => failed(error),
     }
 }

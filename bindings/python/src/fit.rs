@@ -26,7 +26,7 @@ const EVERY: Duration = Duration::from_millis(50);
 /// Residuals of recordings over the parameters of an instrument. Points are inner ones: logarithms of factors, turns of
 /// screws over half their bounds, then delays in ms.
 #[pyclass(frozen, module = "erard._erard")]
-pub struct Problem {
+pub(crate) struct Problem {
     inner: Mutex<Inner>,
 }
 

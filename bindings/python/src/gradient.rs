@@ -25,7 +25,7 @@ type Sides<'py> = (Bound<'py, Instrument>, Bound<'py, Instrument>, f64);
 #[pyfunction]
 #[pyo3(signature = (instrument, by, stroke, duration, steps, every, threads, progress))]
 #[allow(clippy::too_many_arguments)]
-pub fn gradient<'py>(
+pub(crate) fn gradient<'py>(
     py: Python<'py>,
     instrument: &Instrument,
     by: Vec<(String, Option<Sides<'py>>)>,
@@ -87,7 +87,7 @@ pub fn gradient<'py>(
     Ok(all)
 }
 
-pub fn told(error: &SensitivityError) -> PyErr {
+pub(crate) fn told(error: &SensitivityError) -> PyErr {
     match error {
         SensitivityError::Simulation(error) | SensitivityError::Gradient(GradientError::Simulation(error)) => {
             fault::simulation(error)

@@ -6,7 +6,7 @@ use erard::instrument::{Certainty, Instrument as Inner, InstrumentFile, Provenan
 use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::Keyboard;
 use erard::stroke::NUANCES;
-use erard_workshop::kinematics::LinkageFile;
+use erard_levers::LinkageFile;
 use erard_workshop::study::{Change, quantities, varied};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,7 +15,7 @@ use crate::fault;
 
 /// A change of a number: a name, and a number or a text.
 #[derive(FromPyObject, IntoPyObject, Clone)]
-pub enum Value {
+pub(crate) enum Value {
     Number(f64),
     Text(String),
 }
@@ -32,7 +32,7 @@ impl From<Value> for Change {
 /// An instrument. It is what its file's text says, with the changes done to it one after the other: that is how it is
 /// pickled.
 #[pyclass(frozen, module = "erard._erard")]
-pub struct Instrument {
+pub(crate) struct Instrument {
     text: Arc<str>,
     file_name: Arc<str>,
     changes: Vec<(String, Value)>,
@@ -44,7 +44,7 @@ pub struct Instrument {
 #[pymethods]
 impl Instrument {
     #[new]
-    pub fn new(text: &str, file_name: &str, changes: Vec<(String, Value)>) -> PyResult<Self> {
+    pub(crate) fn new(text: &str, file_name: &str, changes: Vec<(String, Value)>) -> PyResult<Self> {
         Self::made(text.into(), file_name.into(), changes)
     }
 
@@ -151,7 +151,7 @@ impl Instrument {
 
 impl Instrument {
     /// The instrument with the sources of its numbers.
-    pub fn file(&self) -> InstrumentFile {
+    pub(crate) fn file(&self) -> InstrumentFile {
         InstrumentFile {
             instrument: (*self.inner).clone(),
             description: String::new(),
@@ -174,7 +174,7 @@ impl Instrument {
     }
 
     /// The instrument with its screws turned as in another, which was made of it by turning screws.
-    pub fn turned(&self, regulated: &Inner, title: &str, note: &str) -> PyResult<Self> {
+    pub(crate) fn turned(&self, regulated: &Inner, title: &str, note: &str) -> PyResult<Self> {
         let text = regulated.rewrite(&self.text, title, note).map_err(fault::failed)?;
         let is_screw = |name: &String| self.inner.screws.iter().any(|screw| screw.name == *name);
         let changes = self.changes.iter().filter(|(name, _)| !is_screw(name)).cloned().collect();

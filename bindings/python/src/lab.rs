@@ -18,7 +18,7 @@ use crate::watch::watched;
 #[pyfunction]
 #[pyo3(signature = (instrument, recording, drives, models, duration, steps, progress))]
 #[allow(clippy::too_many_arguments, clippy::type_complexity)]
-pub fn compare<'py>(
+pub(crate) fn compare<'py>(
     py: Python<'py>,
     instrument: &Instrument,
     recording: &Recording,
@@ -113,7 +113,7 @@ fn which(name: &str) -> PyResult<Which> {
 /// Holds an instrument against what has been measured on real pianos: a row for each published number.
 #[pyfunction]
 #[pyo3(signature = (instrument, progress))]
-pub fn validate<'py>(
+pub(crate) fn validate<'py>(
     py: Python<'py>,
     instrument: &Instrument,
     progress: Option<Py<PyAny>>,

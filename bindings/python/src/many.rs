@@ -23,7 +23,7 @@ use crate::watch::watched;
 
 /// Who does the work, and what is kept.
 #[derive(FromPyObject)]
-pub struct Work {
+pub(crate) struct Work {
     #[pyo3(item)]
     threads: Option<usize>,
     #[pyo3(item)]
@@ -187,7 +187,7 @@ const BETWEEN_SIGNALS: usize = 256;
 #[pyfunction]
 #[pyo3(signature = (instruments, kind, values, dt, steps, work, progress))]
 #[allow(clippy::too_many_arguments)]
-pub fn rollout<'py>(
+pub(crate) fn rollout<'py>(
     py: Python<'py>,
     instruments: Vec<Bound<'py, Instrument>>,
     kind: &str,
@@ -229,7 +229,7 @@ pub fn rollout<'py>(
 #[pyfunction]
 #[pyo3(signature = (instruments, strokes, jobs, duration, steps, work, progress))]
 #[allow(clippy::too_many_arguments)]
-pub fn play_all<'py>(
+pub(crate) fn play_all<'py>(
     py: Python<'py>,
     instruments: Vec<Bound<'py, Instrument>>,
     strokes: Vec<Bound<'py, Stroke>>,
@@ -264,7 +264,7 @@ pub fn play_all<'py>(
 #[pyfunction]
 #[pyo3(signature = (instrument, names, values, stroke, forces, duration, steps, work, progress))]
 #[allow(clippy::too_many_arguments)]
-pub fn study<'py>(
+pub(crate) fn study<'py>(
     py: Python<'py>,
     instrument: &Instrument,
     names: Vec<String>,

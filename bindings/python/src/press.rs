@@ -20,7 +20,7 @@ use crate::stroke::Stroke;
 use crate::watch::watched;
 
 /// An array that holds Rust's own memory, read-only.
-pub fn array(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
+pub(crate) fn array(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
     let array = values.into_pyarray(py);
     array.readwrite().make_nonwriteable();
     array
@@ -37,7 +37,7 @@ pub fn unit(name: &str) -> &'static str {
 #[pyfunction]
 #[pyo3(signature = (instrument, stroke, steps, model, duration, record_every, tolerance, reactions, losses, progress))]
 #[allow(clippy::too_many_arguments)]
-pub fn press<'py>(
+pub(crate) fn press<'py>(
     py: Python<'py>,
     instrument: &Instrument,
     stroke: &Stroke,
@@ -170,7 +170,7 @@ fn energy<'py>(py: Python<'py>, run: &Run) -> PyResult<Option<Bound<'py, PyDict>
 
 /// The figure of a run, SVG: as `erard press` draws it.
 #[pyfunction]
-pub fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, title: &str) -> PyResult<String> {
+pub(crate) fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, title: &str) -> PyResult<String> {
     let column = |name: &str| -> PyResult<Vec<f64>> {
         match columns.get_item(name)? {
             Some(values) => Ok(values.extract::<PyReadonlyArray1<'_, f64>>()?.to_vec()?),

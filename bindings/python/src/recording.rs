@@ -12,7 +12,7 @@ use crate::fault::{self, wrong, wrong_argument};
 
 /// A prepared recording.
 #[pyclass(frozen, module = "erard._erard")]
-pub struct Recording {
+pub(crate) struct Recording {
     name: String,
     pub inner: Inner,
     /// How it was prepared.
@@ -58,7 +58,7 @@ impl Recording {
     }
 
     #[getter]
-    pub fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
@@ -168,7 +168,7 @@ impl Recording {
     }
 
     /// What can drive a key.
-    pub fn series(&self) -> PyResult<(String, Series, PositionOf)> {
+    pub(crate) fn series(&self) -> PyResult<(String, Series, PositionOf)> {
         Ok((self.name.clone(), self.prepared.series.clone(), self.position_of))
     }
 }

@@ -11,7 +11,7 @@ use crate::fault::wrong_argument;
 
 /// The arguments that every simulation shares.
 #[derive(FromPyObject)]
-pub struct Steps {
+pub(crate) struct Steps {
     #[pyo3(item)]
     step: Option<f64>,
     #[pyo3(item)]
@@ -29,7 +29,7 @@ pub struct Steps {
 
 impl Steps {
     /// The engine's settings for an instrument.
-    pub fn settings(&self, instrument: &Instrument) -> PyResult<Settings<f64>> {
+    pub(crate) fn settings(&self, instrument: &Instrument) -> PyResult<Settings<f64>> {
         let width = self.friction_width;
         if !(width.is_finite() && width > 0.0) {
             return Err(wrong_argument(
@@ -57,7 +57,7 @@ impl Steps {
     }
 
     /// The hand between stroke and key.
-    pub fn hand(&self) -> PyResult<Option<Hand>> {
+    pub(crate) fn hand(&self) -> PyResult<Option<Hand>> {
         let Some((mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_s)) = self.hand else {
             return Ok(None);
         };
@@ -67,7 +67,7 @@ impl Steps {
     }
 
     /// Whether derivatives are supported.
-    pub fn for_derivatives(&self) -> PyResult<()> {
+    pub(crate) fn for_derivatives(&self) -> PyResult<()> {
         if self.friction == "set-valued" {
             return Ok(());
         }
@@ -79,12 +79,17 @@ impl Steps {
     }
 
     /// A run of an instrument from an instant on.
-    pub fn setup(&self, instrument: &Instrument, start_s: f64, duration_s: f64) -> PyResult<Setup> {
+    pub(crate) fn setup(&self, instrument: &Instrument, start_s: f64, duration_s: f64) -> PyResult<Setup> {
         Ok(Setup { settings: self.settings(instrument)?, start_s, hand: self.hand()?, ..Setup::new(duration_s) })
     }
 
     /// The same for a stroke: a touch brings its own hand.
-    pub fn setup_of(&self, instrument: &Instrument, stroke: &Stroke, duration_s: Option<f64>) -> PyResult<Setup> {
+    pub(crate) fn setup_of(
+        &self,
+        instrument: &Instrument,
+        stroke: &Stroke,
+        duration_s: Option<f64>,
+    ) -> PyResult<Setup> {
         let setup = self.setup(instrument, stroke.start_s, duration_s.unwrap_or(stroke.duration_s))?;
         Ok(Setup { hand: stroke.hand().or(setup.hand), ..setup })
     }

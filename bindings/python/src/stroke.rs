@@ -17,7 +17,7 @@ use crate::watch::watched;
 
 /// A stroke, ready to drive.
 #[pyclass(frozen, module = "erard._erard")]
-pub struct Stroke {
+pub(crate) struct Stroke {
     pub inner: Arc<Inner>,
     /// What is to be known of it.
     #[pyo3(get)]
@@ -25,7 +25,7 @@ pub struct Stroke {
 }
 
 /// What is prescribed, by its name.
-pub fn prescribed(name: &str) -> PyResult<Prescribed> {
+pub(crate) fn prescribed(name: &str) -> PyResult<Prescribed> {
     match name {
         "force" => Ok(Prescribed::Force),
         "motion" => Ok(Prescribed::Motion),
@@ -44,7 +44,7 @@ fn touched(name: &str) -> PyResult<Touch> {
 }
 
 /// A series of samples from the instant 0 on, one every `dt` s, that prescribes a force or a position.
-pub fn sampled(kind: Prescribed, values: &[f64], dt: f64, name: &str) -> PyResult<Series> {
+pub(crate) fn sampled(kind: Prescribed, values: &[f64], dt: f64, name: &str) -> PyResult<Series> {
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(wrong_argument("dt", format!("found {dt}, expected a positive number of seconds")));
     }

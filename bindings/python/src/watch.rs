@@ -10,7 +10,7 @@ const EVERY: Duration = Duration::from_millis(50);
 
 /// Does the work without the lock. `progress` is called with the share done; what it raises, or a signal's handler,
 /// ends the work and is raised.
-pub fn watched<T: Send, E: Send>(
+pub(crate) fn watched<T: Send, E: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
     work: impl FnOnce(&mut Progress<'_>) -> Result<T, E> + Send,

@@ -1,6 +1,7 @@
 //! A comparison in numbers: printed, and as `compare.json`.
 
 use erard::recording::{ChannelReport, Report, Whence};
+use erard::stroke::Quantity;
 use erard_workshop::compare::{Band, Comparison, Errors, RATE_HZ, Trial, outcome, share};
 use serde_json::{Value, json};
 
@@ -25,9 +26,9 @@ struct Finding<'a> {
 fn findings(c: &Comparison) -> Vec<Finding<'_>> {
     let mut findings = Vec::new();
     for trial in &c.trials {
-        let length = ("m", (1e3, "mm"));
+        let length = ("m", Quantity::Length.shown());
         let quantity = outcome(trial.driven);
-        let (unit, shown) = if quantity == "position" { length } else { ("N", (1.0, "N")) };
+        let (unit, shown) = if quantity == "position" { length } else { ("N", Quantity::Force.shown()) };
         let measured = c.measured(trial.driven).is_some();
         let (told_to_hz, errors) = (trial.told_to_hz, trial.errors.as_ref());
         findings.push(Finding { trial, quantity, unit, shown, told_to_hz, measured, errors });

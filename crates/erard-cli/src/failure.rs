@@ -11,7 +11,6 @@ use erard::one_dof::OneDofError;
 use erard::run::SimulationError;
 use erard::stroke::StrokeError;
 use erard_workshop::compare::CompareError;
-use erard_workshop::kinematics::DeriveError;
 use erard_workshop::measure::MeasureError;
 use erard_workshop::regulate::RegulateError;
 use erard_workshop::worklist::WorklistError;
@@ -34,9 +33,6 @@ pub enum Failure {
     /// A comparison cannot be made.
     #[error(transparent)]
     Compare(#[from] CompareError),
-    /// An instrument has no three levers.
-    #[error(transparent)]
-    Levers(#[from] DeriveError),
     /// An action cannot be measured.
     #[error("{label}: {error}")]
     Measure {

@@ -68,7 +68,7 @@ fn quoted(word: &str) -> String {
 }
 
 /// Remembers what results are made from; `file` as it was given, `bytes` as they were read.
-pub(crate) fn used(kind: &str, name: &str, file: Option<&str>, bytes: &[u8]) {
+pub fn used(kind: &str, name: &str, file: Option<&str>, bytes: &[u8]) {
     push(kind, name, file, Some(hex(&Sha256::digest(bytes))));
 }
 

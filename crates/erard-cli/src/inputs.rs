@@ -27,7 +27,7 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
 ///
 /// # Errors
 /// Where it cannot be read, or is longer than any such file; then no more of it is read.
-pub(crate) fn bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
+pub fn bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
     let name = shown(path);
     let bytes = file_bytes(open(path), &name)?;
     Ok((name, bytes))

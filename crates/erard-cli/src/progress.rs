@@ -54,7 +54,7 @@ impl Progress {
     }
 
     /// Says what is going on now.
-    pub(crate) fn say(&mut self, what: &str) {
+    pub fn say(&mut self, what: &str) {
         if self.bar.message() != what {
             self.bar.set_message(what.to_owned());
         }

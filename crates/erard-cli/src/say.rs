@@ -54,12 +54,12 @@ pub fn line(text: String) {
 }
 
 /// Bytes on standard output as they are: a file, not words.
-pub(crate) fn verbatim(text: &str) {
+pub fn verbatim(text: &str) {
     keep(io::stdout().write_all(text.as_bytes()));
 }
 
 /// A line on standard error. Where even that cannot be written, nobody is left to tell.
-pub(crate) fn aside(text: String) {
+pub fn aside(text: String) {
     let _ = writeln!(io::stderr(), "{}", printable(&text));
 }
 

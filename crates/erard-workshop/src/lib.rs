@@ -4,13 +4,11 @@
 //! An instrument comes from [`erard`]; what is measured, regulated or studied here is simulated by it.
 
 pub mod balance;
-pub mod benchmarks;
 pub mod compare;
 pub mod cores;
 pub mod distances;
 pub mod fit;
 pub mod fmu;
-pub mod kinematics;
 pub mod measure;
 pub mod regulate;
 pub mod sample;

@@ -5,7 +5,7 @@
 //! same note on grands of other weight and stiffness) and a fortissimo tremolo in which every lane is in another phase
 //! of its stroke. Times are per step of one grand; a ratio is one of medians.
 
-use erard_workshop::benchmarks::{Effort, Load, Times, instruction_sets, load_times};
+use erard_timing::{Effort, Load, Times, instruction_sets, load_times};
 use erard_workshop::cores;
 use moreau_kernels::Lanes;
 

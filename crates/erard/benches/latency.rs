@@ -5,8 +5,8 @@
 //! The slowest steps by the clock are those that the operating system interrupts; the slowest by work (Newton
 //! iterations, active sets) is printed beside, because it repeats.
 
-use erard_workshop::benchmarks::Effort;
-use erard_workshop::benchmarks::latency::{Latency, clock_ns, of_group_steps, of_steps};
+use erard_timing::Effort;
+use erard_timing::latency::{Latency, clock_ns, of_group_steps, of_steps};
 use moreau_kernels::Lanes;
 
 fn main() {

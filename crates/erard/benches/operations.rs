@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use erard::assembly;
-use erard_workshop::benchmarks::{STEP_S, STEPS, grand, instrument, note};
+use erard_timing::{STEP_S, STEPS, grand, instrument, note};
 use moreau::{Input, Model, Real, Scalar, Settings, State, Workspace, step};
 
 /// The kinds that are counted.

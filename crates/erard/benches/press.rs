@@ -9,7 +9,7 @@
 
 use divan::{Bencher, black_box};
 use erard::{Action, Drive, Input, Setup};
-use erard_workshop::benchmarks::{MF_N, STEP_S, STEPS, grand, instrument, press};
+use erard_timing::{MF_N, STEP_S, STEPS, grand, instrument, press};
 use moreau::{Settings, Solver};
 
 fn main() {

@@ -1,6 +1,7 @@
 //! Files, and their names, of which nobody vouches for what is in them.
 
 use std::borrow::Cow;
+use std::fmt;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -29,6 +30,16 @@ pub fn printable(text: &str) -> Cow<'_, str> {
 pub fn steers(c: char) -> bool {
     (c.is_control() && !matches!(c, '\n' | '\t'))
         || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// Writes what is wrong and, where they are not empty, what was found and what was expected.
+pub(crate) fn write_fault(f: &mut fmt::Formatter<'_>, message: &str, found: &str, expected: &str) -> fmt::Result {
+    match (found.is_empty(), expected.is_empty()) {
+        (false, false) => write!(f, "{message} (found {found}, expected {expected})"),
+        (false, true) => write!(f, "{message} (found {found})"),
+        (true, false) => write!(f, "{message} (expected {expected})"),
+        (true, true) => write!(f, "{message}"),
+    }
 }
 
 /// What a reader holds; `None` where that is more than so many bytes, of which no more are read than tell.

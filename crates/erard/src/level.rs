@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use crate::instrument::Instrument;
 use crate::mechanism::Impact;
-use crate::player::{Action, ActionError, HandError, Snapshot};
+use crate::player::{Action, ActionError, HandError, Snapshot, SnapshotError};
 use crate::progress::{ASK_EVERY, Progress};
 use crate::stroke::{HandStroke, Touch};
 
@@ -40,7 +40,7 @@ const FALLEN_M: f64 = 5e-3;
 /// Fisette (Machines 8 (2020) 76) ask of an actuator that is to play as a pianist does.
 pub const FORCES_N: [f64; 2] = [0.2, 100.0];
 /// The speeds with which a struck hand arrives, m/s. An estimate: faster than any finger.
-pub const ARRIVALS_M_S: [f64; 2] = [0.02, 5.0];
+pub(crate) const ARRIVALS_M_S: [f64; 2] = [0.02, 5.0];
 /// A bracket grows by this factor.
 const GROWS: f64 = 1.4;
 /// A bracket this narrow, as a ratio, that does not hold the speed holds a jump.
@@ -139,6 +139,9 @@ pub enum LevelError {
     /// The instrument cannot be played.
     #[error(transparent)]
     Action(#[from] ActionError),
+    /// The rest is not this action's own: a fault of the program.
+    #[error(transparent)]
+    Rest(#[from] SnapshotError),
     /// A number became infinite.
     #[error("at {time_s:.6} s a number became infinite")]
     NonFinite {
@@ -151,7 +154,7 @@ pub enum LevelError {
 }
 
 /// The hammer speeds that may be asked for, m/s: slower ones do not reach a string, faster ones belong to no piano.
-pub const SPEEDS_M_S: [f64; 2] = [0.01, 20.0];
+pub(crate) const SPEEDS_M_S: [f64; 2] = [0.01, 20.0];
 
 /// A touch with the mass of its hand, without the number that makes it louder.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -165,7 +168,7 @@ pub struct Kind {
 impl Kind {
     /// The stroke with this number: the muscle's force, N, or the speed of arrival, m/s.
     #[must_use]
-    pub fn stroke(&self, louder: f64) -> HandStroke {
+    pub(crate) fn stroke(&self, louder: f64) -> HandStroke {
         match self.touch {
             Touch::Pressed => HandStroke::pressed(self.mass_kg, louder),
             Touch::Struck => HandStroke::struck(self.mass_kg, louder),
@@ -174,7 +177,7 @@ impl Kind {
 
     /// The numbers between which a hand plays.
     #[must_use]
-    pub fn ends(&self) -> [f64; 2] {
+    pub(crate) fn ends(&self) -> [f64; 2] {
         match self.touch {
             Touch::Pressed => FORCES_N,
             Touch::Struck => ARRIVALS_M_S,
@@ -220,10 +223,10 @@ impl Reference {
     /// The first impact of a stroke; `None` where it does not sound.
     ///
     /// # Errors
-    /// [`LevelError::Hand`], [`LevelError::NonFinite`], [`LevelError::Interrupted`].
+    /// [`LevelError::Hand`], [`LevelError::NonFinite`], [`LevelError::Interrupted`], [`LevelError::Rest`].
     pub fn impact(&mut self, stroke: &HandStroke, progress: &mut Progress<'_>) -> Result<Option<Impact>, LevelError> {
         stroke.hand.check()?;
-        self.action.restore(&self.rest).map_err(|_| LevelError::Interrupted)?;
+        self.action.restore(&self.rest)?;
         self.action.begin_at(0.0);
         self.action.place_hand(stroke.hand.start_m, stroke.hand.start_m_s);
         let Settings { step: h, theta, .. } = *self.action.settings();

@@ -13,8 +13,8 @@ use std::hint::black_box;
 use std::process::ExitCode;
 
 use erard::{Action, Input, Instrument, Outcome, Reading};
-use erard_workshop::benchmarks::callgrind::{CountError, instructions, is_available};
-use erard_workshop::benchmarks::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note};
+use erard_timing::callgrind::{CountError, instructions, is_available};
+use erard_timing::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note};
 use moreau::{Settings, step};
 use moreau_kernels::{Lanes, WorkspaceOfSix};
 

@@ -647,6 +647,10 @@ impl<const B: usize, const Z: usize, const N: usize> Observation for Engine<B, Z
         self.pose().compression_row(&self.core.model, zone)[..self.core.bodies].to_vec()
     }
 
+    fn contact_point(&self, zone: usize) -> [f64; 2] {
+        self.pose().contact_point(&self.core.model, zone)
+    }
+
     fn velocity_row(&self, body: usize, point: [f64; 2], n: [f64; 2]) -> Vec<f64> {
         self.pose().velocity_row(&self.core.model, body, point, n)[..self.core.bodies].to_vec()
     }

@@ -20,6 +20,8 @@ pub trait Observation {
     fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2];
     /// Rate of a zone's compression per unit angular velocity of every body, m. Allocates.
     fn compression_row(&self, zone: usize) -> Vec<f64>;
+    /// Where a zone's disc touches its curve, or would: the point of the curve in the world, m.
+    fn contact_point(&self, zone: usize) -> [f64; 2];
     /// Velocity of a point along `n` per unit angular velocity of every body, m. Allocates.
     fn velocity_row(&self, body: usize, point: [f64; 2], n: [f64; 2]) -> Vec<f64>;
 }
@@ -159,6 +161,10 @@ impl<const B: usize, const Z: usize> Observation for Observed<B, Z> {
 
     fn compression_row(&self, zone: usize) -> Vec<f64> {
         self.pose().compression_row(&self.model, zone)[..self.bodies].to_vec()
+    }
+
+    fn contact_point(&self, zone: usize) -> [f64; 2] {
+        self.pose().contact_point(&self.model, zone)
     }
 
     fn velocity_row(&self, body: usize, point: [f64; 2], n: [f64; 2]) -> Vec<f64> {

@@ -45,6 +45,13 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         model.tree.row_to_angles(&mut row);
         row
     }
+
+    /// Where a zone's disc touches its curve, or would, m: the point of the curve, in the world.
+    pub fn contact_point<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> Vector<T> {
+        let zone = &model.compiled[zone];
+        let (compression, normal) = zone.compression_and_normal(self, zone.center(self));
+        zone.contact_point(self, compression, normal)
+    }
 }
 
 impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {

@@ -3,7 +3,7 @@
 use moreau::{Body, Input, Model, Outcome, Settings, State, Workspace, step};
 
 /// A model, where it is, and how it is stepped.
-pub struct Mechanism<const B: usize, const Z: usize, const N: usize> {
+pub(crate) struct Mechanism<const B: usize, const Z: usize, const N: usize> {
     pub model: Model<f64, B, Z>,
     pub state: State<f64, B, Z>,
     pub settings: Settings<f64>,
@@ -14,31 +14,31 @@ pub struct Mechanism<const B: usize, const Z: usize, const N: usize> {
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Mechanism<B, Z, N> {
-    pub fn new(model: Model<f64, B, Z>, angle: [f64; B], velocity: [f64; B], settings: Settings<f64>) -> Self {
+    pub(crate) fn new(model: Model<f64, B, Z>, angle: [f64; B], velocity: [f64; B], settings: Settings<f64>) -> Self {
         let mut state = State::at_rest(angle);
         state.velocity = velocity;
         Mechanism { model, state, settings, workspace: Workspace::new(), time: 0.0, sound: true }
     }
 
-    pub fn step(&mut self) {
+    pub(crate) fn step(&mut self) {
         let report = step(&self.model, &self.settings, &Input::Free, &mut self.state, &mut self.workspace);
         self.sound &= report.outcome == Outcome::Converged;
         self.time += self.settings.step;
     }
 
-    pub fn run(&mut self, duration: f64) {
+    pub(crate) fn run(&mut self, duration: f64) {
         for _ in 0..(duration / self.settings.step).round() as usize {
             self.step();
         }
     }
 
     /// A number of this run, or not a number if a step failed.
-    pub fn value(&self, x: f64) -> f64 {
+    pub(crate) fn value(&self, x: f64) -> f64 {
         if self.sound { x } else { f64::NAN }
     }
 }
 
 /// A hinge on the ground at the origin with nothing but inertia.
-pub fn hinge(inertia: f64) -> Body<f64> {
+pub(crate) fn hinge(inertia: f64) -> Body<f64> {
     Body { inertia, ..Body::inert() }
 }

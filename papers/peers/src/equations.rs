@@ -10,7 +10,7 @@ use crate::number::Number;
 
 /// A state has the bodies' angles, then their angular velocities: S is 2 B everywhere, which the compiler cannot work
 /// out by itself.
-pub const fn is_size(bodies: usize, states: usize) -> bool {
+pub(crate) const fn is_size(bodies: usize, states: usize) -> bool {
     states == 2 * bodies
 }
 
@@ -18,7 +18,7 @@ type Vector<T> = [T; 2];
 
 /// Widths of tanh(u / width), which represents the set-valued sign.
 #[derive(Debug, Clone, Copy)]
-pub struct Widths {
+pub(crate) struct Widths {
     /// Of the pivots, rad/s.
     pub pivot: f64,
     /// Of the sliding contacts, m/s.
@@ -26,7 +26,7 @@ pub struct Widths {
 }
 
 /// The mechanism, ready to be evaluated.
-pub struct Equations<'a, const B: usize, const S: usize> {
+pub(crate) struct Equations<'a, const B: usize, const S: usize> {
     mechanism: &'a Mechanism,
     widths: Widths,
     parent: [Option<usize>; B],
@@ -112,7 +112,7 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
     const SIZE: () = assert!(is_size(B, S), "a state is two numbers for every body");
 
     /// The equations of a mechanism.
-    pub fn new(mechanism: &'a Mechanism, widths: Widths) -> Self {
+    pub(crate) fn new(mechanism: &'a Mechanism, widths: Widths) -> Self {
         let () = Self::SIZE;
         let (mut spring_torque, mut spring_stiffness) = ([0.0; B], [0.0; B]);
         for s in &mechanism.springs {
@@ -124,12 +124,12 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
     }
 
     /// At rest.
-    pub fn rest(&self) -> [f64; S] {
+    pub(crate) fn rest(&self) -> [f64; S] {
         std::array::from_fn(|i| self.mechanism.bodies.get(i).map_or(0.0, |b| b.rest_angle_rad))
     }
 
     /// dy/dt under a finger force, N.
-    pub fn rates<T: Number>(&self, force: f64, y: &[T; S]) -> [T; S] {
+    pub(crate) fn rates<T: Number>(&self, force: f64, y: &[T; S]) -> [T; S] {
         let pose = Pose::<_, B>::of(self.mechanism, y);
         let (mut mass, mut torque) = self.inertia(&pose);
         self.pivots(y, &mut torque);
@@ -311,14 +311,14 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
     }
 
     /// How far the strike point is beyond where it meets the string, m.
-    pub fn beyond_string(&self, y: &[f64; S]) -> f64 {
+    pub(crate) fn beyond_string(&self, y: &[f64; S]) -> f64 {
         let strike = &self.mechanism.strike;
         let at = Pose::<_, B>::of(self.mechanism, y).point(Some(strike.body), strike.point_m);
         dot(at, strike.direction) - strike.meets_m
     }
 
     /// Speed of the strike point, m/s.
-    pub fn hammer_speed(&self, y: &[f64; S]) -> f64 {
+    pub(crate) fn hammer_speed(&self, y: &[f64; S]) -> f64 {
         let (strike, pose) = (&self.mechanism.strike, Pose::<_, B>::of(self.mechanism, y));
         let [x, y] = pose.velocity(Some(strike.body), pose.point(Some(strike.body), strike.point_m));
         x.hypot(y)

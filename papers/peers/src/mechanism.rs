@@ -4,11 +4,11 @@
 use serde::Deserialize;
 
 /// A point or direction in the plane.
-pub type Vector = [f64; 2];
+pub(crate) type Vector = [f64; 2];
 
 /// Format `erard-mechanism/2`.
 #[derive(Debug, Clone, Deserialize)]
-pub struct Mechanism {
+pub(crate) struct Mechanism {
     /// The format's name.
     pub format: String,
     /// m/s2, toward -y.
@@ -31,7 +31,7 @@ pub struct Mechanism {
 
 /// A hinged body.
 #[derive(Debug, Clone, Deserialize)]
-pub struct Body {
+pub(crate) struct Body {
     /// What it is hinged on; `None` is the ground.
     pub parent: Option<usize>,
     /// In the parent's frame.
@@ -54,7 +54,7 @@ pub struct Body {
 
 /// A torsion spring between a body and its parent.
 #[derive(Debug, Clone, Deserialize)]
-pub struct Spring {
+pub(crate) struct Spring {
     /// The child.
     pub body: usize,
     /// Torque at the reference.
@@ -69,7 +69,7 @@ pub struct Spring {
 
 /// A felt between a disc and a curve.
 #[derive(Debug, Clone, Deserialize)]
-pub struct Zone {
+pub(crate) struct Zone {
     /// The disc.
     pub disc: Disc,
     /// Carrier of the curve; `None` is the ground.
@@ -84,7 +84,7 @@ pub struct Zone {
 
 /// The disc of a zone.
 #[derive(Debug, Clone, Deserialize)]
-pub struct Disc {
+pub(crate) struct Disc {
     /// Carrier; `None` is the ground.
     pub body: Option<usize>,
     /// In its carrier's frame.
@@ -97,7 +97,7 @@ pub struct Disc {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[allow(missing_docs, reason = "see the schema")]
-pub enum Curve {
+pub(crate) enum Curve {
     /// A straight line.
     Line { point_m: Vector, normal: Vector },
     /// A rounded segment.
@@ -108,7 +108,7 @@ pub enum Curve {
 
 /// F = max(0, k g^r + b g^2 dg/dt).
 #[derive(Debug, Clone, Deserialize)]
-pub struct Felt {
+pub(crate) struct Felt {
     /// k.
     #[serde(rename = "stiffness_N_per_m_r")]
     pub stiffness: f64,
@@ -121,7 +121,7 @@ pub struct Felt {
 
 /// Where the finger pushes.
 #[derive(Debug, Clone, Deserialize)]
-pub struct Finger {
+pub(crate) struct Finger {
     /// The key.
     pub body: usize,
     /// In its frame.
@@ -132,7 +132,7 @@ pub struct Finger {
 
 /// What meets the string: a point of the hammer.
 #[derive(Debug, Clone, Deserialize)]
-pub struct Strike {
+pub(crate) struct Strike {
     /// The hammer, or its last piece.
     pub body: usize,
     /// The strike point in its frame.
@@ -145,7 +145,7 @@ pub struct Strike {
 
 /// A force in cubic pieces.
 #[derive(Debug, Clone, Deserialize)]
-pub struct Blow {
+pub(crate) struct Blow {
     /// How long it is simulated.
     pub until_s: f64,
     /// Factors that the force is played with.
@@ -162,7 +162,7 @@ pub struct Blow {
 
 /// A constant force.
 #[derive(Debug, Clone, Deserialize)]
-pub struct Hold {
+pub(crate) struct Hold {
     /// The force.
     #[serde(rename = "force_N")]
     pub force: f64,
@@ -174,14 +174,14 @@ pub struct Hold {
 
 impl Hold {
     /// The instants at which the hammer's angle is looked at, s.
-    pub fn instants(&self) -> Vec<f64> {
+    pub(crate) fn instants(&self) -> Vec<f64> {
         (0..=90).map(|k| self.from_s + (self.until_s - self.from_s) * f64::from(k) / 90.0).collect()
     }
 }
 
 impl Blow {
     /// Force at an instant, N: Hermite's cubic between samples, constant outside.
-    pub fn force(&self, t: f64) -> f64 {
+    pub(crate) fn force(&self, t: f64) -> f64 {
         let last = self.times_s.len() - 1;
         if t <= self.times_s[0] {
             return self.forces[0];
@@ -202,7 +202,7 @@ impl Blow {
 ///
 /// # Errors
 /// When the file cannot be read or is not this format.
-pub fn read(path: &str) -> Result<Mechanism, String> {
+pub(crate) fn read(path: &str) -> Result<Mechanism, String> {
     let text = std::fs::read_to_string(path).map_err(|e| format!("{path}: {e}"))?;
     let mechanism: Mechanism = serde_json::from_str(&text).map_err(|e| format!("{path}: {e}"))?;
     if mechanism.format != "erard-mechanism/2" {

@@ -3,7 +3,7 @@
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// What the equations need of a number.
-pub trait Number:
+pub(crate) trait Number:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -63,7 +63,7 @@ impl Number for f64 {
 
 /// A number and its derivative in one direction (forward-mode differentiation).
 #[derive(Debug, Clone, Copy)]
-pub struct Dual {
+pub(crate) struct Dual {
     /// Value.
     pub value: f64,
     /// Derivative.

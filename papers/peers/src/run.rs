@@ -13,7 +13,7 @@ type Solver = NalgebraLU<f64>;
 
 /// Which of diffsol's solvers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
+pub(crate) enum Method {
     /// Variable-order backward differentiation formulas.
     Bdf,
     /// An explicit-first-stage diagonally implicit Runge-Kutta method of order 3(4).
@@ -35,7 +35,7 @@ impl Method {
 
 /// How to run.
 #[derive(Debug, Clone, Copy)]
-pub struct Setup {
+pub(crate) struct Setup {
     /// The solver.
     pub method: Method,
     /// Relative tolerance; the absolute ones are [`ANGLE_TOLERANCE`] and [`RATE_TOLERANCE`] times it.
@@ -45,13 +45,13 @@ pub struct Setup {
 }
 
 /// rad per unit of relative tolerance: a felt is compressed by 1e-4 m at an arm of 0.1 m.
-pub const ANGLE_TOLERANCE: f64 = 1e-3;
+pub(crate) const ANGLE_TOLERANCE: f64 = 1e-3;
 /// rad/s per unit of relative tolerance: a twentieth of the hammer's rate at mf.
-pub const RATE_TOLERANCE: f64 = 1.0;
+pub(crate) const RATE_TOLERANCE: f64 = 1.0;
 
 /// What a run came to.
 #[derive(Debug, Clone)]
-pub struct Run<const S: usize> {
+pub(crate) struct Run<const S: usize> {
     /// Speed of the strike point at the string, m/s, and the instant, s.
     pub strike: Option<[f64; 2]>,
     /// The state at the asked instants.
@@ -66,7 +66,7 @@ pub struct Run<const S: usize> {
 ///
 /// # Errors
 /// diffsol's, in words.
-pub fn run<const B: usize, const S: usize>(
+pub(crate) fn run<const B: usize, const S: usize>(
     mechanism: &Mechanism,
     setup: &Setup,
     force: &dyn Fn(f64) -> f64,

@@ -100,7 +100,7 @@ fn failure(error: ReproduceError) -> Failure {
         ReproduceError::Simulation(error) => error.into(),
         ReproduceError::Compare(error) => error.into(),
         ReproduceError::OneDof(error) => error.into(),
-        ReproduceError::Levers(error) => error.into(),
+        ReproduceError::Levers(error) => Failure::Usage(error.to_string()),
         ReproduceError::Instrument(text) => Failure::Usage(text),
     }
 }

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::{Graded, Grading, KEYS, Keyboard, is_keyboard};
-use erard_workshop::kinematics::LinkageFile;
 use erard_workshop::measure::usual;
 use erard_workshop::validate::Published;
 use serde_json::{Map, Value, json};
@@ -21,7 +20,7 @@ use crate::recordings::RecordingOptions;
 use crate::{say, tell};
 use erard_workshop::trying::try_all;
 
-/// Checks a file and says what it holds: an instrument, keyboard or linkage, a stroke or recording, published
+/// Checks a file and says what it holds: an instrument or keyboard, a stroke or recording, published
 /// measurements, or a result.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
@@ -68,7 +67,7 @@ impl Check {
                 Some((_, text)) => self.toml(&shown(&self.file), text.as_bytes())?,
                 None => {
                     return Err(Failure::Usage(format!(
-                        "{}: cannot tell what this is from its name: instruments, keyboards, linkages and published measurements end in .toml, \
+                        "{}: cannot tell what this is from its name: instruments, keyboards and published measurements end in .toml, \
                          strokes in .csv or .parquet, results in .json; `erard list` names what is built in",
                         shown(&self.file)
                     )));
@@ -92,21 +91,13 @@ impl Check {
         } else if says("format").is_some_and(|format| format.starts_with("erard-usual")) {
             Self::usual(name, &text)
         } else if says("format").is_none() && says("kind").is_some_and(|kind| kind == "three-lever") {
-            Self::linkage(name, bytes)
+            Err(Failure::Usage(format!(
+                "{name}: a linkage of three levers, which a program of its own reads. From a clone of the repository, run\n\n    \
+                 cargo run --release -p erard-kinematics -- {name} --check"
+            )))
         } else {
             Self::instrument(name, bytes)
         }
-    }
-
-    fn linkage(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
-        let file = LinkageFile::parse_bytes(bytes, name)?;
-        let design = file.design().map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
-        say!("{name}: a linkage, \"{}\"", file.name);
-        say!();
-        if let Some(let_off) = &design.let_off {
-            say!("  three levers that reach each other at rest; {}: {}", let_off.name, let_off.what);
-        }
-        Ok(checked("linkage", name, Some(&file.name), []))
     }
 
     fn usual(name: &str, text: &str) -> Result<Value, Failure> {

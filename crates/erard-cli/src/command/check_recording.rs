@@ -40,11 +40,7 @@ pub(super) fn told(ready: &Ready) -> Value {
         );
     }
     for channel in &prepared.report.channels {
-        let (factor, unit) = match channel.role {
-            Role::Force => (1.0, "N"),
-            Role::HammerSpeed => (1.0, "m/s"),
-            Role::Time | Role::Position | Role::HammerHead => (1e3, "mm"),
-        };
+        let (factor, unit) = channel.role.quantity().shown();
         let (low, high) = channel.range;
         say!("  {:<9} {:.4} to {:.4} {unit}", channel.role.name(), low * factor, high * factor);
         for line in channel.lines() {

@@ -113,17 +113,9 @@ fn noise(text: &str) -> Result<(Role, f64), String> {
     let size = size.trim();
     let (number, unit) =
         size.split_at(size.find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E').unwrap_or(size.len()));
-    let si = match (role, unit.trim()) {
-        (Role::Force, "N" | "") => 1.0,
-        (Role::Force, "mN") => 1e-3,
-        (Role::Force, _) => return Err(expected()),
-        (Role::HammerSpeed, "m/s" | "") => 1.0,
-        (Role::HammerSpeed, "mm/s") => 1e-3,
-        (Role::HammerSpeed, _) => return Err(expected()),
-        (_, "m" | "") => 1.0,
-        (_, "mm") => 1e-3,
-        (_, "um" | "\u{b5}m" | "\u{3bc}m") => 1e-6,
-        _ => return Err(expected()),
+    let si = match unit.trim() {
+        "" => 1.0,
+        unit => role.quantity().unit(unit).ok_or_else(expected)?.0,
     };
     let number: f64 = number.trim().parse().map_err(|_| expected())?;
     if !(number.is_finite() && number >= 0.0) {

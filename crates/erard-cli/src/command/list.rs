@@ -4,7 +4,6 @@ use clap::Args;
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
 use erard::stroke::{NUANCES, Series, Touch};
-use erard_workshop::kinematics::LinkageFile;
 use serde::Serialize;
 
 use super::samples::sample_text;
@@ -13,7 +12,7 @@ use crate::failure::Failure;
 use crate::say;
 use crate::say::verbatim;
 
-/// Lists what is built in: instruments, keyboards, strokes, linkages; or prints one of them as the file that it is.
+/// Lists what is built in: instruments, keyboards, strokes; or prints one of them as the file that it is.
 #[derive(Debug, Args)]
 pub(crate) struct List {
     /// Print this one: a name, or a stroke as in `mf-struck`; `keyboard:NAME` where an instrument has the same name; or
@@ -53,9 +52,7 @@ fn all() -> Vec<BuiltIn> {
             entry("stroke", &format!("{nuance}-{how}"), title, Series::builtin_text(nuance, touch))
         })
     });
-    let linkages = LinkageFile::builtin_names()
-        .filter_map(|name| entry("linkage", name, LinkageFile::builtin(name)?.name, LinkageFile::builtin_text(name)));
-    instruments.chain(keyboards).chain(strokes).chain(linkages).collect()
+    instruments.chain(keyboards).chain(strokes).collect()
 }
 
 /// A built-in file by its name, with its kind; the kind may stand before it.

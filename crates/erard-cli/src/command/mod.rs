@@ -1,7 +1,6 @@
 //! The subcommands.
 
 mod bands;
-mod bench;
 mod check;
 mod check_recording;
 mod compare;
@@ -10,7 +9,6 @@ mod fit;
 mod fmu;
 mod hand;
 mod keyboard;
-mod kinematics;
 mod list;
 mod manual;
 mod measure;
@@ -68,8 +66,6 @@ enum Sub {
     Press(Box<press::Press>),
     /// Draws the action in one pose, as SVG and PNG.
     Draw(Box<draw::Draw>),
-    /// Shows leverage and sliding over the key's travel, from the geometry alone.
-    Kinematics(Box<kinematics::Kinematics>),
     /// Plays a stroke on many variants of an instrument: a parameter study.
     Study(Box<study::Study>),
     /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
@@ -88,16 +84,17 @@ enum Sub {
     Fit(Box<fit::Fit>),
     /// The papers are reproduced by a program of their own: `erard-reproduce`.
     #[command(hide = true)]
-    Reproduce {
-        #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
-        arguments: Vec<String>,
-    },
+    Reproduce(Moved),
+    /// This machine's speed is measured by a program of its own: `erard-bench`.
+    #[command(hide = true)]
+    Bench(Moved),
+    /// Leverage and sliding are shown by a program of their own: `erard-kinematics`.
+    #[command(hide = true)]
+    Kinematics(Moved),
     /// Writes an instrument as a unit for simulators: FMI 2.0, co-simulation.
     Fmu(fmu::Fmu),
     /// Opens the studio in the browser: press the key, turn the screws, compare two actions.
     Studio(studio::Studio),
-    /// Measures how fast this machine simulates.
-    Bench(bench::Bench),
     /// Lists what is built in, or prints one of it.
     List(list::List),
     /// Prints a script that completes arguments in a shell.
@@ -117,7 +114,6 @@ impl Sub {
         match self {
             Sub::Press(press) => press.run(),
             Sub::Draw(draw) => draw.run(),
-            Sub::Kinematics(kinematics) => kinematics.run(),
             Sub::Study(study) => study.run(),
             Sub::Measure(measure) => measure.run(),
             Sub::Keyboard(keyboard) => keyboard.run(),
@@ -126,10 +122,11 @@ impl Sub {
             Sub::Check(check) => check.run(),
             Sub::Compare(compare) => compare.run(),
             Sub::Fit(fit) => fit.run(),
-            Sub::Reproduce { arguments } => Err(moved(arguments)),
+            Sub::Reproduce(moved) => Err(moved.to("reproduce")),
+            Sub::Bench(moved) => Err(moved.to("bench")),
+            Sub::Kinematics(moved) => Err(moved.to("kinematics")),
             Sub::Fmu(fmu) => fmu.run(),
             Sub::Studio(studio) => studio.run(),
-            Sub::Bench(bench) => bench.run(),
             Sub::List(list) => list.run(),
             Sub::Completions(completions) => completions.run(),
             Sub::Man(man) => man.run(),
@@ -137,13 +134,23 @@ impl Sub {
     }
 }
 
-/// Where `erard reproduce` went.
-fn moved(arguments: &[String]) -> Failure {
-    let arguments = if arguments.is_empty() { String::new() } else { format!(" -- {}", arguments.join(" ")) };
-    Failure::Usage(format!(
-        "`erard reproduce` is a program of its own. From a clone of the repository, run\n\n    \
-         cargo run --release -p erard-reproduce{arguments}"
-    ))
+/// Arguments of what was a subcommand and is a program of its own, with the same options.
+#[derive(Debug, clap::Args)]
+struct Moved {
+    #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
+    arguments: Vec<String>,
+}
+
+impl Moved {
+    /// How to run it there.
+    fn to(&self, name: &str) -> Failure {
+        let arguments = self.arguments.join(" ");
+        let arguments = if arguments.is_empty() { arguments } else { format!(" -- {arguments}") };
+        Failure::Usage(format!(
+            "`erard {name}` is a program of its own. From a clone of the repository, run\n\n    \
+             cargo run --release -p erard-{name}{arguments}"
+        ))
+    }
 }
 
 /// Runs a program that has this library's manners: arguments parsed by `definition`, requests to end heard, answers as

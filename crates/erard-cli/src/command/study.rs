@@ -2,15 +2,14 @@
 
 use clap::Args;
 use erard::instrument::Instrument;
-use erard::level::LevelError;
 use erard::player::Input;
-use erard::run::{Setup, SimulationError};
+use erard::run::Setup;
 use erard_workshop::compare::Which;
 use erard_workshop::cores;
 use erard_workshop::measure::measure_some;
 use erard_workshop::measure::norms::Line;
 use erard_workshop::sample::SampleError;
-use erard_workshop::study::{Job, Played, Stroke as JobStroke, Workers, play_all};
+use erard_workshop::study::{Job, OwnResult, Stroke as JobStroke, Workers, play_all, play_each};
 
 use super::bands::{self, BandOptions, BandRow};
 use super::options::{
@@ -412,9 +411,6 @@ fn combination(axes: &[Axis], mut k: usize) -> Vec<usize> {
     indices
 }
 
-/// What came of a stroke, or why nothing did.
-type OwnResult = Result<Played, String>;
-
 /// A portion that has been played.
 struct PlayedPortion {
     outcomes: Vec<OwnResult>,
@@ -469,7 +465,9 @@ fn play_portion(
         // Without forces every combination is a variant, in the order of the jobs.
         Some(touch) => {
             let own: Vec<usize> = jobs.iter().map(|job| job.instrument).collect();
-            let found = play_each(&instruments, touch, setup, progress)?;
+            let hand =
+                |instrument: &Instrument, progress: &mut erard::Progress<'_>| touch.touch_on(instrument, progress);
+            let found = play_each(&instruments, &hand, setup, progress)?;
             own.into_iter().map(|index| found[index].clone()).collect()
         }
         None => {
@@ -484,28 +482,6 @@ fn play_portion(
     };
     let outcomes = places.into_iter().map(outcome).collect();
     Ok(PlayedPortion { outcomes, instruments, variants })
-}
-
-/// Plays on each instrument the hand that its own level asks for. A level out of reach is that instrument's result.
-fn play_each(
-    instruments: &[Instrument],
-    touch: &StrokeOptions,
-    setup: &Setup,
-    progress: &mut erard::Progress<'_>,
-) -> Result<Vec<OwnResult>, Failure> {
-    let play = |instrument: &Instrument, progress: &mut erard::Progress<'_>| {
-        let stroke = match touch.touch_on(instrument, progress) {
-            Ok(stroke) => stroke,
-            Err(LevelError::Interrupted) => return Err(SimulationError::Interrupted),
-            Err(error) => return Ok(Err(error.to_string())),
-        };
-        let Ok(inputs) = stroke.inputs(&instrument.finger) else { return Ok(Err("no hand".to_owned())) };
-        let setup = Setup { hand: stroke.hand(), ..*setup };
-        let job = vec![Job { instrument: 0, stroke: inputs }];
-        let mut played = play_all(std::slice::from_ref(instrument), job, &setup, Workers::one(), progress)?;
-        Ok(played.remove(0).map_err(|error| error.to_string()))
-    };
-    Ok(cores::map(instruments, cores::count(), progress, play)?)
 }
 
 /// What was measured of a variant, or why nothing could be.

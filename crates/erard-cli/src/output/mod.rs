@@ -110,7 +110,7 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::Write`].
-    pub(crate) fn table(&mut self, name: &str, table: &Table<'_>) -> Result<(), Failure> {
+    pub fn table(&mut self, name: &str, table: &Table<'_>) -> Result<(), Failure> {
         self.stage(name, |writer| table.write_csv(writer))?;
         answer::offer_table(table);
         self.json(&beside(name), &table.metadata(name))
@@ -128,7 +128,7 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::Write`].
-    pub(crate) fn json(&mut self, name: &str, value: &impl Serialize) -> Result<(), Failure> {
+    pub fn json(&mut self, name: &str, value: &impl Serialize) -> Result<(), Failure> {
         self.stage(name, |writer| {
             serde_json::to_writer_pretty(&mut *writer, value)?;
             writer.write_all(b"\n")
@@ -139,7 +139,7 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::Write`]; [`Failure::Internal`] where it cannot be drawn.
-    pub(crate) fn figure(&mut self, name: &str, svg: &str) -> Result<(), Failure> {
+    pub fn figure(&mut self, name: &str, svg: &str) -> Result<(), Failure> {
         let png = png_from_svg(svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
         self.text(&format!("{name}.svg"), svg)?;
         self.stage(&format!("{name}.png"), |writer| writer.write_all(&png))

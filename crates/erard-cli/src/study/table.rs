@@ -48,7 +48,7 @@ pub(crate) fn columns(axes: &[Axis], measures: &[&Line], rows: &[Row]) -> Vec<Co
     });
     let measured = measures.iter().enumerate().map(|(i, line)| {
         let values = rows.iter().map(|row| *row.measured.as_ref().ok()?.get(i)?).collect();
-        (line.key.to_owned(), values)
+        (measured_title(axes, line), values)
     });
     let solution: [Column; 3] = [
         ("failed".to_owned(), rows.iter().map(|row| flag(row.outcome.is_err())).collect()),
@@ -56,6 +56,13 @@ pub(crate) fn columns(axes: &[Axis], measures: &[&Line], rows: &[Row]) -> Vec<Co
         ("energy_residual_relative".to_owned(), rows.iter().map(|row| played(row, |p| p.energy_residual)).collect()),
     ];
     varied.chain(outcomes).chain(measured).chain(solution).collect()
+}
+
+/// The title of what is measured: its key, and another one where a column of what is varied has that (a screw is set,
+/// and the distance that it sets is measured).
+fn measured_title(axes: &[Axis], line: &Line) -> String {
+    let is_taken = axes.iter().any(|axis| axis.column() == line.key);
+    if is_taken { format!("measured_{}", line.key) } else { line.key.to_owned() }
 }
 
 /// A column's name and its values.
@@ -82,7 +89,7 @@ const SHOWN: [Shown; 5] = [
 pub(crate) fn shown(axes: &[Axis], measures: &[&Line], rows: &[Row], most: usize) -> Table<'static> {
     let heads = axes.iter().map(Axis::column);
     let heads = heads.chain(SHOWN.iter().map(|(name, _)| (*name).to_owned())).chain(["strikes".to_owned()]);
-    let heads = heads.chain(measures.iter().map(|line| line.key.to_owned())).chain([String::new()]);
+    let heads = heads.chain(measures.iter().map(|line| measured_title(axes, line))).chain([String::new()]);
     let shown = most.min(rows.len()).max(1);
     let places = (0..shown).map(|k| k * rows.len().saturating_sub(1) / (shown - 1).max(1));
     let cells = places.filter_map(|place| rows.get(place)).map(|row| {

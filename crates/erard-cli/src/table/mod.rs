@@ -11,7 +11,8 @@ use maud::{Markup, html};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-pub(crate) use text::{WIDEST, decimal, three, wrapped};
+pub use text::three;
+pub(crate) use text::{WIDEST, decimal, wrapped};
 
 /// How the name of a table in text ends.
 pub(crate) const TABLE: &str = ".csv";
@@ -31,7 +32,7 @@ pub(crate) fn is_beside_a_table(name: &str) -> bool {
 
 /// Columns side by side. One that ends early has empty cells below.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Table<'a> {
+pub struct Table<'a> {
     columns: Vec<(Cow<'a, str>, Cells<'a>)>,
 }
 
@@ -45,7 +46,7 @@ enum Cells<'a> {
 
 impl<'a> Table<'a> {
     /// A table of words, row by row: what is printed or shown on a page.
-    pub(crate) fn of<R: IntoIterator<Item = String>>(
+    pub fn of<R: IntoIterator<Item = String>>(
         heads: impl IntoIterator<Item = impl Into<Cow<'a, str>>>,
         rows: impl IntoIterator<Item = R>,
     ) -> Self {
@@ -89,22 +90,14 @@ impl<'a> Table<'a> {
     }
 
     /// One column more, of numbers of which some are missing or not finite: empty cells.
-    pub(crate) fn optional(
-        mut self,
-        name: impl Into<Cow<'a, str>>,
-        values: impl IntoIterator<Item = Option<f64>>,
-    ) -> Self {
+    pub fn optional(mut self, name: impl Into<Cow<'a, str>>, values: impl IntoIterator<Item = Option<f64>>) -> Self {
         let values = values.into_iter().map(|value| value.filter(|x| x.is_finite())).collect();
         self.columns.push((name.into(), Cells::Some(values)));
         self
     }
 
     /// One column more, of words.
-    pub(crate) fn words<W: Into<String>>(
-        mut self,
-        name: impl Into<Cow<'a, str>>,
-        words: impl IntoIterator<Item = W>,
-    ) -> Self {
+    pub fn words<W: Into<String>>(mut self, name: impl Into<Cow<'a, str>>, words: impl IntoIterator<Item = W>) -> Self {
         self.columns.push((name.into(), Cells::Words(words.into_iter().map(Into::into).collect())));
         self
     }

@@ -113,7 +113,7 @@ pub(super) fn shortest(x: f64, text: &mut String) {
 }
 
 /// Three digits that count.
-pub(crate) fn three(x: f64) -> String {
+pub fn three(x: f64) -> String {
     let decimals = (2 - x.abs().max(1e-9).log10().floor() as i32).clamp(0, 3);
     format!("{x:.*}", decimals as usize)
 }

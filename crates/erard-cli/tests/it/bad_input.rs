@@ -156,7 +156,7 @@ fn output_folders() {
     let folder = Folder::new("bad-output");
     folder.file("note.txt", "keep me");
     for out in ["note.txt", "note.txt/below"] {
-        for command in [&["press"][..], &["draw"], &["kinematics"]] {
+        for command in [&["press"][..], &["draw"]] {
             let arguments: Vec<&str> = command.iter().copied().chain(["--out", out]).collect();
             says(&folder.bad(&arguments), &["note.txt", "cannot be written"]);
         }

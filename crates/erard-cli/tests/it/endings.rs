@@ -46,7 +46,7 @@ fn mill() -> String {
     )
 }
 
-/// Control-C while a rest is sought, while levers are computed, while files are written, while many cores work: code
+/// Control-C while a rest is sought, while files are written, while many cores work: code
 /// 130, nothing left.
 #[test]
 fn control_c_is_heard() {
@@ -68,12 +68,9 @@ fn heard(everywhere: bool) {
     for (arguments, delays_ms) in [
         (&["press", "--drive", "force", "--instrument", "mill.toml"][..], &[30_u64][..]),
         (&["press", "--duration", "100000"], &[50, 300]),
-        // Poses, tables, figures: over after some seconds.
-        (&["kinematics", "c7f-like", "--steps", "1000000"], &[100, 500, 900]),
         (&["press", "--duration", "20", "--record-every", "1"], &[1500, 800, 2000]),
         (&["study", "--vary", "let_off=-1mm..1mm:100000"], &[300]),
         (&["measure"], &[200]),
-        (&["bench"], &[200]),
         // Strokes are prepared, played side by side, and with derivatives.
         (&["fit", "concert-grand", "mf.csv", "--vary", "body.hammer.mass"], &[100, 500]),
         (&["fit", "concert-grand", "mf.csv", "--vary", "body.hammer.mass", "--jacobian", "gradient"], &[400, 900]),

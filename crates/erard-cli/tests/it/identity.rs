@@ -121,10 +121,6 @@ fn every_command_s_results() {
     folder.good(&["press", "--duration", "0.05", "--out", "run"]);
     for (arguments, files) in [
         (&["draw", "--at", "20"][..], &["erard-out-draw/action.svg", "erard-out-draw/action.png"][..]),
-        (
-            &["kinematics", "--instrument", "concert-grand", "--steps", "20"],
-            &["erard-out-kinematics/summary.json", "erard-out-kinematics/leverage.svg"],
-        ),
         (&["study", "--vary", "let_off=-0.2..0.2:2", "--duration", "0.1"], &["erard-out-study/study.svg"]),
         (&["compare", "run/run.csv"], &["erard-out-compare/compare.json", "erard-out-compare/compare.png"]),
     ] {
@@ -143,7 +139,6 @@ fn every_command_s_results() {
 fn tables_have_their_metadata_beside_them() {
     metadata_beside(&[
         (&["press", "--duration", "0.05", "--reactions"], "run.csv"),
-        (&["kinematics", "--instrument", "concert-grand", "--steps", "20"], "kinematics.csv"),
         (&["study", "--vary", "let_off=-0.2..0.2:2", "--duration", "0.1"], "study.csv"),
         (&["compare", "run/run.csv", "--no-pictures"], "compare.csv"),
         (&["keyboard", "--every", "87"], "keyboard.csv"),

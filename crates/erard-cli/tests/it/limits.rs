@@ -32,8 +32,6 @@ fn files() {
         "press --instrument comments.toml",
         "press --instrument /dev/zero",
         "keyboard big.toml",
-        "kinematics big.toml",
-        "kinematics --instrument /dev/zero",
         "regulate big.toml",
         "measure big.toml:key=3",
     ] {
@@ -72,7 +70,6 @@ fn rows() {
         ("press --duration 1e6 --record-every 1", ["--record-every", "20000"]),
         ("press --duration 60 --record-every 1", ["--record-every", "from 2"]),
         ("compare long.csv", ["long.csv", "--duration 250"]),
-        ("kinematics c7f-like --steps 1000000 --move capstan=1mm --move knuckle=1mm", ["--steps", "666666"]),
         ("study --vary let_off=0..1:2000 --vary drop=0..1:2000", ["2000000", "fewer values"]),
     ] {
         let said = refused(&folder, arguments);
@@ -169,7 +166,6 @@ fn negative_numbers() {
         &["press", "--record-every", "-1"][..],
         &["press", "--friction-width", "-1"],
         &["press", "--dt", "-1"],
-        &["kinematics", "--steps", "-1"],
         &["keyboard", "--every", "-1"],
         &["keyboard", "--key", "-1"],
         &["compare", "--duration", "-1", "stroke.csv"],

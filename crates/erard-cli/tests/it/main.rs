@@ -5,7 +5,6 @@ mod common;
 mod not_run;
 
 mod bad_input;
-mod bench;
 mod book;
 mod desk;
 mod endings;
@@ -17,7 +16,6 @@ mod identity;
 mod inside;
 mod json;
 mod keyboard;
-mod kinematics;
 mod levels;
 mod limits;
 mod measure;
@@ -31,3 +29,6 @@ mod trust;
 mod validate;
 mod wav;
 mod weigh;
+
+/// What the tests run.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_erard");

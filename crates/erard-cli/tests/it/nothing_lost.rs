@@ -116,14 +116,11 @@ fn results_of_different_commands() {
     let folder = Folder::new("commands");
     folder.good(&SHORT);
     let summary = folder.read("erard-out/summary.json");
-    folder.good(&["kinematics", "c7f-like", "--steps", "5"]);
+    folder.good(&["draw"]);
     assert_eq!(folder.read("erard-out/summary.json"), summary);
-    assert!(folder.read("erard-out-kinematics/summary.json").contains("leverage"));
+    assert!(folder.read("erard-out-draw/action.svg").starts_with("<svg"));
     folder.good(&SHORT);
-    folder.good(&["kinematics", "c7f-like", "--steps", "6"]);
-    refused(&folder, &["kinematics", "c7f-like", "--out", "erard-out"], "summary.json: is a result of `erard press`");
-    // Nothing to show, nothing replaced.
-    refused(&folder, &["kinematics", "--from", "999", "--to", "1000"], "no pose is reached");
+    folder.good(&["draw", "--at", "20"]);
     // A figure belongs to its table.
     let study = |more: &[&str]| {
         folder.good(&[&["study", "--vary", "let_off=-0.1mm,0mm", "--duration", "0.005"], more].concat());
@@ -227,7 +224,6 @@ fn pipes() {
         (&["press", "--duration", "0.005", "--instrument", "/dev/stdin"][..], GRAND),
         (&["press", "--duration", "0.005", "/dev/stdin"], STROKE),
         (&["compare", "/dev/stdin", "--out", "compare"], STROKE),
-        (&["kinematics", "/dev/stdin"], include_str!("../../../../linkages/c7f-like.toml")),
     ] {
         let mut child = folder
             .command(arguments)

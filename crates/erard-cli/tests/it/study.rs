@@ -44,6 +44,23 @@ fn a_level_may_be_found_for_each() {
     assert!(said.contains("--each") && said.contains("--model one-dof"), "{said}");
 }
 
+/// A screw that is set and the distance that it sets have a title each.
+#[test]
+fn a_screw_and_what_it_sets_are_two_columns() {
+    let folder = Folder::new("study-titles");
+    folder.good(&["study", "--vary", "let_off=0,0.1mm", "--measure", "let_off_mm", "--force-step", "5"]);
+    let [set, measured] =
+        ["let_off_mm", "measured_let_off_mm"].map(|title| column(&folder, "erard-out-study/study.csv", title));
+    assert_eq!(set, [Some(0.0), Some(0.1)]);
+    // A tenth of a millimetre at the jack's toe is more at the hammer.
+    assert!(
+        measured[0].zip(measured[1]).is_some_and(|(before, up)| (0.1..1.5).contains(&(before - up))),
+        "{measured:?}"
+    );
+    let titles: Vec<String> = columns(&folder, "erard-out-study/study.csv").into_iter().map(|(name, _)| name).collect();
+    assert_eq!(titles.iter().filter(|title| *title == "let_off_mm").count(), 1, "{titles:?}");
+}
+
 /// Every combination is a row, the last axis fastest; the unmoved one is what `press` computes of the same stroke.
 #[test]
 fn a_study_is_many_presses() {

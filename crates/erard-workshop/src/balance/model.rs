@@ -1,7 +1,7 @@
 //! What a keyboard's model gives where nothing was weighed: lengths, ratios, and the inertia of what no scale tells.
 
-use crate::kinematics::{DeriveError, derive};
-use crate::measure::{MeasureError, NotAnAction};
+use crate::measure::MeasureError;
+use crate::measure::levers::Levers;
 use erard::grand::{Parts, front_weight_g, strike_weight_g, whippen_weight_g};
 use erard::instrument::{Instrument, Vec2};
 use moreau::vector::{dot, sub};
@@ -44,33 +44,26 @@ impl KeyModel {
     /// Of an instrument, unbent.
     ///
     /// # Errors
-    /// When it is no grand action, or has no three levers.
+    /// When it is no grand action, or finds no rest, or its levers do not reach half-way.
     pub fn of(instrument: &Instrument) -> Result<Self, MeasureError> {
         let instrument = &instrument.locked();
         let parts = Parts::of(instrument)?;
-        let levers = derive(instrument)?.levers;
-        let train = levers.assemble().map_err(DeriveError::from)?;
-        let [capstan, _] = levers.contact_points(&train.rest());
-        let front_m = levers.key_front;
-        let heel_m = levers.whippen_pivot[0] - capstan[0];
-        let Some(pose) = train.stroke(HALF_WAY_M, HALF_WAY_M, 0).poses.first().copied() else {
-            return Err(NotAnAction::ShortLevers.into());
-        };
+        let mut levers = Levers::of(instrument)?;
+        let (front_m, capstan_m) = (levers.key_front_m, levers.capstan_m);
+        let [whippen_ratio, _] = levers.ratios(HALF_WAY_M)?;
         let (key, hammer) = (&instrument.bodies[parts.key], &instrument.bodies[parts.hammer]);
         let strike_g = strike_weight_g(instrument, &parts);
         let strike_arm_m = instrument.roles.hammer_head_m[0];
         Ok(KeyModel {
             key_front_mm: front_m * MM,
-            capstan_mm: capstan[0] * MM,
-            heel_mm: heel_m * MM,
-            key_ratio: capstan[0] / front_m,
-            whippen_weight_g: whippen_weight_g(instrument, &parts, -heel_m),
+            capstan_mm: capstan_m * MM,
+            heel_mm: -levers.whippen_arm_m * MM,
+            key_ratio: capstan_m / front_m,
+            whippen_weight_g: whippen_weight_g(instrument, &parts, levers.whippen_arm_m),
             front_weight_g: front_weight_g(instrument, &parts, front_m),
             strike_weight_g: strike_g,
             key_inertia_g: G * key.inertia_kg_m2 / (front_m * front_m),
-            whippen_inertia_g: G
-                * stack_inertia_kg_m2(instrument, parts.whippen)
-                * (pose.whippen_ratio / front_m).powi(2),
+            whippen_inertia_g: G * stack_inertia_kg_m2(instrument, parts.whippen) * (whippen_ratio / front_m).powi(2),
             hammer_factor: hammer.inertia_kg_m2 / (1e-3 * strike_g * strike_arm_m * strike_arm_m),
         })
     }
@@ -160,9 +153,8 @@ mod tests {
         assert!((model.strike_weight_g - 8.7).abs() < 0.01 && (model.key_front_mm - 265.0).abs() < 1.0, "{model:?}");
         let simulated = inertia(&grand, 2.0 * HALF_WAY_M, &mut |_| true).unwrap().half_way;
         let ratio = {
-            let levers = derive(&grand).unwrap().levers;
-            let pose = levers.assemble().unwrap().stroke(HALF_WAY_M, HALF_WAY_M, 0).poses[0];
-            pose.hammer_ratio * levers.head[0] / levers.key_front
+            let mut levers = Levers::of(&grand).unwrap();
+            levers.ratios(HALF_WAY_M).unwrap()[1] * grand.locked().roles.hammer_head_m[0] / levers.key_front_m
         };
         let ours = model.inertia_kg(model.strike_weight_g, model.front_weight_g, ratio);
         assert!((ours / simulated.total_kg() - 1.0).abs() < 0.03, "{ours} {simulated:?}");

@@ -2,14 +2,13 @@
 //! front's speed, as it changes through the stroke.
 //!
 //! Until let-off begins, whippen and hammer follow the key by geometry: their speeds are those of the three levers at
-//! the same key travel ([`crate::kinematics`]), the damper's that of its contact with the key. Afterwards the jack
+//! the same key travel (`levers.rs`), the damper's that of its contact with the key. Afterwards the jack
 //! slips away and the hammer flies by itself; no one mass represents the action any more.
 
 use moreau::Settings;
-use moreau_linkage::three_lever::StrokePose;
 
-use super::{MeasureError, NotAnAction};
-use crate::kinematics::{DeriveError, derive};
+use super::MeasureError;
+use super::levers::Levers;
 use erard::Progress;
 use erard::grand::Parts;
 use erard::instrument::Instrument;
@@ -63,27 +62,29 @@ impl Shares {
 pub fn inertia(instrument: &Instrument, way_m: f64, progress: &mut Progress<'_>) -> Result<InertiaCurve, MeasureError> {
     let instrument = &instrument.locked();
     let parts = Parts::of(instrument)?;
-    let levers = derive(instrument)?.levers;
-    let poses = levers.assemble().map_err(DeriveError::from)?.stroke(0.0, way_m, POINTS).poses;
+    let mut levers = Levers::of(instrument)?;
+    let key_front_m = levers.key_front_m;
+    let mut rates = |key_m: f64| levers.ratios(key_m).map(|ratios| Rates::new(instrument, &parts, ratios));
     let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
+    let key_m: Vec<f64> = (0..=POINTS).map(|point| point as f64 / POINTS as f64 * way_m).collect();
     let (mut pedal_down_kg, mut dampers_down_kg) = (Vec::new(), Vec::new());
     let mut before_m = 0.0;
-    for pose in &poses {
-        carry_on(&mut action, [before_m, pose.key], progress)?;
-        before_m = pose.key;
-        let rates = Rates::new(instrument, &parts, pose);
+    for &key_m in &key_m {
+        carry_on(&mut action, [before_m, key_m], progress)?;
+        before_m = key_m;
+        let rates = rates(key_m)?;
         let m = action.mechanism();
-        pedal_down_kg.push(rates.mass(m, levers.key_front, &rates.all));
-        dampers_down_kg.push(rates.mass(m, levers.key_front, &rates.with_damper(&parts, m)));
+        pedal_down_kg.push(rates.mass(m, key_front_m, &rates.all));
+        dampers_down_kg.push(rates.mass(m, key_front_m, &rates.with_damper(&parts, m)));
     }
     // The shares need no pose of their own: energies of bodies that move alone, at the pose half-way.
-    let half = poses.get(POINTS / 2).ok_or(NotAnAction::ShortLevers)?;
+    let half_m = key_m[POINTS / 2];
     let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
-    carry_on(&mut action, [0.0, half.key], progress)?;
-    let rates = Rates::new(instrument, &parts, half);
+    carry_on(&mut action, [0.0, half_m], progress)?;
+    let rates = rates(half_m)?;
     let share = |of: &dyn Fn(usize) -> bool| {
         let some: Vec<f64> = rates.all.iter().enumerate().map(|(b, rate)| if of(b) { *rate } else { 0.0 }).collect();
-        rates.mass(action.mechanism(), levers.key_front, &some)
+        rates.mass(action.mechanism(), key_front_m, &some)
     };
     let whippen: Vec<usize> = Parts::riders(instrument, parts.whippen).collect();
     let half_way = Shares {
@@ -91,7 +92,7 @@ pub fn inertia(instrument: &Instrument, way_m: f64, progress: &mut Progress<'_>)
         whippen_kg: share(&|b| whippen.contains(&b)),
         hammer_kg: share(&|b| b == parts.hammer),
     };
-    Ok(InertiaCurve { key_m: poses.iter().map(|pose| pose.key).collect(), pedal_down_kg, dampers_down_kg, half_way })
+    Ok(InertiaCurve { key_m, pedal_down_kg, dampers_down_kg, half_way })
 }
 
 /// Angular velocity of every body per unit of the key's.
@@ -100,12 +101,12 @@ struct Rates {
 }
 
 impl Rates {
-    fn new(instrument: &Instrument, parts: &Parts, pose: &StrokePose) -> Self {
+    fn new(instrument: &Instrument, parts: &Parts, [whippen, hammer]: [f64; 2]) -> Self {
         let mut all = vec![0.0; instrument.bodies.len()];
         all[parts.key] = 1.0;
-        all[parts.hammer] = pose.hammer_ratio;
+        all[parts.hammer] = hammer;
         for body in Parts::riders(instrument, parts.whippen) {
-            all[body] = pose.whippen_ratio;
+            all[body] = whippen;
         }
         Rates { all }
     }

@@ -11,6 +11,7 @@ pub mod blocked;
 pub mod flex;
 pub mod flight;
 pub mod inertia;
+pub(crate) mod levers;
 pub mod norms;
 pub mod range;
 pub mod repetition;
@@ -28,7 +29,6 @@ use thiserror::Error;
 
 use crate::cores::Ending;
 use crate::distances;
-use crate::kinematics::DeriveError;
 use erard::grand::AnatomyError;
 use erard::player::equilibrium::EquilibriumError;
 use erard::player::{ActionError, PlayError};
@@ -43,9 +43,6 @@ pub enum MeasureError {
     /// No grand action.
     #[error(transparent)]
     Anatomy(#[from] AnatomyError),
-    /// No three levers.
-    #[error(transparent)]
-    Levers(#[from] DeriveError),
     /// No rest.
     #[error(transparent)]
     Equilibrium(#[from] EquilibriumError),
@@ -88,6 +85,12 @@ pub enum NotAnAction {
     /// The instrument's gravity is zero.
     #[error("there is no gravity, and nothing weighs anything")]
     Weightless,
+    /// Key and whippen do not touch.
+    #[error("no zone stands between the key and its whippen")]
+    NoCapstan,
+    /// The key front lies behind the balance pin.
+    #[error("the finger presses the key behind its pivot")]
+    FingerBehindPivot,
     /// The three levers part before the hammer is let off.
     #[error("its levers do not reach as far as let-off")]
     ShortLevers,

@@ -11,10 +11,10 @@
 //! gives the strike-weight ratio R, which the geometry gives by itself: speed of a mass at the strike weight's place,
 //! with the shank level, over the speed of the key front.
 
+use super::levers::Levers;
 use super::slow_loop::{SlowLoop, slow_loop};
 use super::trial::{largest_that_is_lifted, smallest_that_sinks};
 use super::{MeasureError, NotAnAction};
-use crate::kinematics::{DeriveError, derive};
 use erard::Progress;
 use erard::grand::{Parts, front_weight_g, pedal_down, strike_weight_g, whippen_weight_g};
 use erard::instrument::Instrument;
@@ -243,7 +243,7 @@ pub fn on_the_key(
 /// were decided.
 ///
 /// # Errors
-/// When no three levers are found in it.
+/// When it is no grand action, finds no rest, or its levers do not reach as far as let-off.
 pub fn on_the_scale(
     instrument: &Instrument,
     way_m: f64,
@@ -251,23 +251,17 @@ pub fn on_the_scale(
 ) -> Result<(PartWeights, StrikeRatio), MeasureError> {
     let instrument = &instrument.locked();
     let parts = &Parts::of(instrument)?;
-    let levers = derive(instrument)?.levers;
-    let train = levers.assemble().map_err(DeriveError::from)?;
-    // From the key's pivot, in the world at rest.
-    let [capstan, _] = levers.contact_points(&train.rest());
-    let key_front_m = levers.key_front;
-    let whippen_arm_m = capstan[0] - levers.whippen_pivot[0];
+    let mut levers = Levers::of(instrument)?;
+    let key_front_m = levers.key_front_m;
     let weights = PartWeights {
         front_weight_g: front_weight_g(instrument, parts, key_front_m),
         strike_weight_g: strike_weight_g(instrument, parts),
-        whippen_weight_g: whippen_weight_g(instrument, parts, whippen_arm_m),
-        key_ratio: capstan[0] / key_front_m,
+        whippen_weight_g: whippen_weight_g(instrument, parts, levers.whippen_arm_m),
+        key_ratio: levers.capstan_m / key_front_m,
     };
     // A mass at the strike weight's place: at the hammer's arm with the shank level.
-    let ratio = |key_m: f64| match &train.stroke(key_m, key_m, 0).poses[..] {
-        [pose] => Ok(pose.hammer_ratio * levers.head[0] / levers.key_front),
-        _ => Err(NotAnAction::ShortLevers),
-    };
+    let mut ratio =
+        |key_m: f64| levers.ratios(key_m).map(|[_, hammer]| hammer * instrument.roles.hammer_head_m[0] / key_front_m);
     let ratios = StrikeRatio {
         where_weighed: 0.5 * (ratio(decided_m[0])? + ratio(decided_m[1])?),
         at_rest: ratio(0.0)?,

@@ -26,6 +26,7 @@ use crate::cores::{self, do_all, job};
 use erard::Progress;
 use erard::assembly::describe;
 use erard::instrument::Instrument;
+use erard::level::LevelError;
 use erard::mechanism::Size;
 use erard::player::Input;
 use erard::run::Events;
@@ -126,6 +127,42 @@ pub fn play_all(
     progress: &mut Progress<'_>,
 ) -> Result<Vec<JobResult>, SimulationError> {
     sample_all(instruments, jobs, setup, None, workers, progress)
+}
+
+/// What came of a stroke, or why nothing did.
+pub type OwnResult = Result<Played, String>;
+
+/// Makes the stroke of an instrument's own.
+pub type MakeStroke<'a> =
+    dyn Fn(&Instrument, &mut Progress<'_>) -> Result<erard::stroke::Stroke, LevelError> + Sync + 'a;
+
+/// Plays on each instrument the stroke that `make` makes for it, one after the other on every core. A level out of
+/// reach is that instrument's result.
+///
+/// # Errors
+/// As [`play_all`].
+pub fn play_each(
+    instruments: &[Instrument],
+    make: &MakeStroke<'_>,
+    setup: &Setup,
+    progress: &mut Progress<'_>,
+) -> Result<Vec<OwnResult>, SimulationError> {
+    let play = |instrument: &Instrument, progress: &mut Progress<'_>| {
+        let stroke = match make(instrument, progress) {
+            Ok(stroke) => stroke,
+            Err(LevelError::Interrupted) => return Err(SimulationError::Interrupted),
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        let stroke_inputs = match stroke.inputs(&instrument.finger) {
+            Ok(inputs) => inputs,
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        let setup = Setup { hand: stroke.hand(), ..*setup };
+        let job = vec![Job { instrument: 0, stroke: stroke_inputs }];
+        let mut played = play_all(std::slice::from_ref(instrument), job, &setup, Workers::one(), progress)?;
+        Ok(played.remove(0).map_err(|error| error.to_string()))
+    };
+    cores::map(instruments, cores::count(), progress, play)
 }
 
 /// [`play_all`], and samples of every stroke along its way where they are asked for ([`Played::samples`]).

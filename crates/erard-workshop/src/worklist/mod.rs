@@ -39,19 +39,5 @@ pub enum WorklistError {
     Measure(#[from] MeasureError),
 }
 
-impl WorklistError {
-    /// Whether the caller asked to stop.
-    #[must_use]
-    pub fn is_interruption(&self) -> bool {
-        match self {
-            WorklistError::Measure(error) => error.is_interruption(),
-            WorklistError::Regulate(RegulateError::Measure(error)) => {
-                matches!(error, crate::distances::DistanceError::Interrupted)
-            }
-            WorklistError::Regulate(_) => false,
-        }
-    }
-}
-
 /// What working on a list gives.
-pub type Worked<T> = Result<T, WorklistError>;
+pub(crate) type Worked<T> = Result<T, WorklistError>;

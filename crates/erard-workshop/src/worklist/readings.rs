@@ -139,7 +139,7 @@ impl Quantity {
 
     /// The usual range of a key, ends that are open as infinite.
     #[must_use]
-    pub fn range(self, key: usize) -> [f64; 2] {
+    pub(crate) fn range(self, key: usize) -> [f64; 2] {
         let [low, high] = self.line().range(key);
         [low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)]
     }
@@ -187,7 +187,7 @@ pub struct Readings {
 impl Readings {
     /// No reading, and what the whippen weighs at the key's front, g.
     #[must_use]
-    pub fn none(whippen_at_front_g: f64) -> Self {
+    pub(crate) fn none(whippen_at_front_g: f64) -> Self {
         Readings { values: [None; Quantity::ALL.len()], whippen_at_front_g }
     }
 

@@ -5,8 +5,8 @@ use std::path::Path;
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
 use erard::one_dof;
+use erard_levers::derive;
 use erard_workshop::distances::{self, Protocol};
-use erard_workshop::kinematics::derive;
 use erard_workshop::measure::inertia::inertia;
 use erard_workshop::measure::range::softest;
 use erard_workshop::measure::weights::on_the_scale;
@@ -63,4 +63,27 @@ fn distances_are_found_in_what_bends() {
     let soft = softest(&bent, &mut |_| true).unwrap().unwrap();
     let soft = soft.flight.unwrap();
     near(soft.let_off_speed_m_s, soft.fall_speed_m_s, 0.02, "what the flight takes");
+}
+
+/// The ratios that the sheet's geometry gives by the engine's own contacts are those of the linkage that follows from
+/// the levers' graph, solved by Newton's method: two derivations of one kinematics. Rounding of compressions over lever
+/// arms and of residuals: 1e-9 is generous, and any wrong sign or contact fails by far.
+#[test]
+fn the_sheet_s_geometry_is_the_linkage_s() {
+    for grand in both() {
+        let levers = derive(&grand).unwrap().levers;
+        let train = levers.assemble().unwrap();
+        let (parts, ratios) = on_the_scale(&grand, 6e-3, [1e-3, 5e-3]).unwrap();
+        let ratio =
+            |key_m: f64| train.stroke(key_m, key_m, 0).poses[0].hammer_ratio * levers.head[0] / levers.key_front;
+        for (ours, theirs, what) in [
+            (ratios.at_rest, ratio(0.0), "at rest"),
+            (ratios.half_way, ratio(3e-3), "half-way"),
+            (ratios.at_let_off, ratio(6e-3), "at let-off"),
+            (ratios.where_weighed, 0.5 * (ratio(1e-3) + ratio(5e-3)), "where weighed"),
+            (parts.key_ratio, levers.contact_points(&train.rest())[0][0] / levers.key_front, "key ratio"),
+        ] {
+            near(ours, theirs, 1e-9 * theirs, what);
+        }
+    }
 }

@@ -11,7 +11,6 @@ mod fit;
 mod further_instruments;
 mod fuzz_parsers;
 mod keyboard;
-mod kinematics;
 mod measures;
 mod press_mutants;
 mod real_piano;

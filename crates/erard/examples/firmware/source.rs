@@ -18,10 +18,10 @@ fn source(name: &str, instrument: &Instrument) -> String {
     let mut out = format!(
         "//! The built-in instrument `{name}`. Made by `cargo run --release -p erard --example firmware`: do not edit.\n\n\
          use moreau::{{Body, Curve, Exponent, Felt, GROUND, Iwan, Loss, Scalar, Site, Spring, Zone}};\n\n\
-         pub const BODIES: usize = {};\npub const SPRINGS: usize = {};\npub const ZONES: usize = {};\n\
-         /// Room for the set-valued laws.\npub const LAWS: usize = {};\n\
-         pub const GRAVITY: f64 = {:?};\n/// Where it rests, friction included, rad.\npub const REST: [f64; BODIES] = {:?};\n\
-         /// The body that strikes.\npub const HAMMER: usize = {};\n",
+         pub const BODIES: usize = {};\npub(crate) const SPRINGS: usize = {};\npub const ZONES: usize = {};\n\
+         /// Room for the set-valued laws.\npub(crate) const LAWS: usize = {};\n\
+         pub(crate) const GRAVITY: f64 = {:?};\n/// Where it rests, friction included, rad.\npub(crate) const REST: [f64; BODIES] = {:?};\n\
+         /// The body that strikes.\npub(crate) const HAMMER: usize = {};\n",
         mechanism.bodies.len(),
         mechanism.springs.len(),
         mechanism.zones.len(),
@@ -36,7 +36,7 @@ fn source(name: &str, instrument: &Instrument) -> String {
     let site = site(&mechanism.site.expect("a key"));
     let _ = write!(
         out,
-        "\n#[rustfmt::skip]\npub fn site<T: Scalar>() -> Site<T> {{\n    let t = T::from_f64;\n    {site}\n}}\n"
+        "\n#[rustfmt::skip]\npub(crate) fn site<T: Scalar>() -> Site<T> {{\n    let t = T::from_f64;\n    {site}\n}}\n"
     );
     out
 }
@@ -44,7 +44,7 @@ fn source(name: &str, instrument: &Instrument) -> String {
 fn list(out: &mut String, name: &str, kind: &str, count: &str, items: impl Iterator<Item = String>) {
     let _ = write!(
         out,
-        "\n#[rustfmt::skip]\npub fn {name}<T: Scalar>() -> [{kind}<T>; {count}] {{\n    let t = T::from_f64;\n    [\n"
+        "\n#[rustfmt::skip]\npub(crate) fn {name}<T: Scalar>() -> [{kind}<T>; {count}] {{\n    let t = T::from_f64;\n    [\n"
     );
     for item in items {
         let _ = writeln!(out, "        {item},");

@@ -40,13 +40,7 @@ impl std::fmt::Display for FileError {
         if !self.key.is_empty() {
             write!(f, "`{}`: ", self.key)?;
         }
-        write!(f, "{}", self.message)?;
-        match (self.found.is_empty(), self.expected.is_empty()) {
-            (false, false) => write!(f, " (found {}, expected {})", self.found, self.expected),
-            (false, true) => write!(f, " (found {})", self.found),
-            (true, false) => write!(f, " (expected {})", self.expected),
-            (true, true) => Ok(()),
-        }
+        crate::files::write_fault(f, &self.message, &self.found, &self.expected)
     }
 }
 

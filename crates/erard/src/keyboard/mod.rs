@@ -117,7 +117,7 @@ pub fn note_name(key: usize) -> String {
 
 /// Whether a key is a black one.
 #[must_use]
-pub fn is_sharp(key: usize) -> bool {
+pub(crate) fn is_sharp(key: usize) -> bool {
     note_name(key).contains('#')
 }
 

@@ -9,7 +9,7 @@ use crate::progress::Progress;
 
 /// Step of the settling run, s. It is the same for every run, so that runs with different steps start from the same
 /// pose.
-pub const STEP_S: f64 = 50e-6;
+pub const STEP_S: f64 = crate::strings::STEP_S;
 /// A mechanism that has not come to rest by itself after this time is slowed down by force.
 pub const PATIENCE_S: f64 = 2.0;
 /// Largest settling time in all.

@@ -100,13 +100,11 @@ impl ChannelReport {
         self.begins_at = (self.zero.is_none() && off).then_some(self.first);
     }
 
-    /// Its value as people read it: N or mm.
+    /// Its value as people read it.
     fn shown(&self, value: f64) -> String {
-        match self.role {
-            Role::Force => format!("{value:.4} N"),
-            Role::HammerSpeed => format!("{value:.4} m/s"),
-            _ if value.abs() < 1e-4 => format!("{:.2} um", value * 1e6),
-            _ => format!("{:.4} mm", value * 1e3),
+        match self.role.quantity().shown() {
+            (_, "mm") if value.abs() < 1e-4 => format!("{:.2} um", value * 1e6),
+            (factor, unit) => format!("{:.4} {unit}", value * factor),
         }
     }
 

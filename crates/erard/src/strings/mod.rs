@@ -55,7 +55,7 @@ pub use shape_probe::ShapeProbe;
 use crate::instrument::Instrument;
 
 /// Usual steps, s.
-const STEP_S: f64 = 50e-6;
+pub(crate) const STEP_S: f64 = 50e-6;
 /// Usual steps of an instrument whose strings sound, s.
 const SOUNDING_STEP_S: f64 = 1.0 / 24e3;
 /// How far a string may swing out of its rest toward the hammer, m: a hammer that is farther away is not looked at.

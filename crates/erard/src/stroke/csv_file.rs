@@ -33,7 +33,7 @@ impl Series {
     ///
     /// # Errors
     /// As [`Series::load`].
-    pub fn read_opened(file: std::io::Result<impl Read>, file_name: &str) -> Result<Self, Box<StrokeError>> {
+    pub(crate) fn read_opened(file: std::io::Result<impl Read>, file_name: &str) -> Result<Self, Box<StrokeError>> {
         interpolated(&Recording::read_opened(file, file_name, &Columns::default())?, file_name)
     }
 

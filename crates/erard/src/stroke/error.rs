@@ -27,12 +27,6 @@ impl std::fmt::Display for StrokeError {
         if !self.column.is_empty() {
             write!(f, "column `{}`: ", self.column)?;
         }
-        write!(f, "{}", self.message)?;
-        match (self.found.is_empty(), self.expected.is_empty()) {
-            (false, false) => write!(f, " (found {}, expected {})", self.found, self.expected),
-            (false, true) => write!(f, " (found {})", self.found),
-            (true, false) => write!(f, " (expected {})", self.expected),
-            (true, true) => Ok(()),
-        }
+        crate::files::write_fault(f, &self.message, &self.found, &self.expected)
     }
 }

@@ -1,7 +1,6 @@
 //! Force between samples: a piecewise cubic without overshoot.
 
 use std::borrow::Borrow;
-use std::cell::Cell;
 
 use super::{Cursor, SampleError, check_samples};
 
@@ -36,13 +35,7 @@ impl ForceSeries {
 
     /// The same of a series that is borrowed or shared.
     pub(super) fn driven(series: impl Borrow<Self>) -> impl Fn(f64) -> f64 {
-        let last = Cell::new(Cursor::default());
-        move |t_s| {
-            let mut cursor = last.get();
-            let force = series.borrow().at(t_s, &mut cursor);
-            last.set(cursor);
-            force
-        }
+        Cursor::kept(move |t_s, cursor| series.borrow().at(t_s, cursor))
     }
 
     /// Force at `t_s`, N, pushing positive.

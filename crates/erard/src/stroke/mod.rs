@@ -20,6 +20,8 @@ mod rows;
 mod speed;
 mod units;
 
+use std::cell::Cell;
+
 pub use builtin::{NUANCES, Touch};
 pub use columns::{Column, Columns, ColumnsError, Layout, PositionOf, ROLES, Role};
 pub use driving::{DrivingError, Prescribed, Stroke};
@@ -127,6 +129,17 @@ impl Series {
 pub struct Cursor(usize);
 
 impl Cursor {
+    /// A series at instants that move on: it keeps the cursor.
+    fn kept<T>(at: impl Fn(f64, &mut Cursor) -> T) -> impl Fn(f64) -> T {
+        let last = Cell::new(Cursor::default());
+        move |t_s| {
+            let mut cursor = last.get();
+            let value = at(t_s, &mut cursor);
+            last.set(cursor);
+            value
+        }
+    }
+
     /// The interval `[times[i], times[i + 1]]` that contains `t`, which lies within the series; `times` has two entries
     /// or more.
     fn seek(&mut self, times: &[f64], t: f64) -> usize {

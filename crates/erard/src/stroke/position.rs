@@ -1,7 +1,6 @@
 //! Position between samples: a cubic spline that starts and ends at rest.
 
 use std::borrow::Borrow;
-use std::cell::Cell;
 
 use super::{Cursor, SampleError, check_samples};
 
@@ -34,13 +33,10 @@ impl PositionSeries {
 
     /// The same of a series that is borrowed or shared.
     pub(super) fn driven(series: impl Borrow<Self>) -> impl Fn(f64) -> [f64; 2] {
-        let last = Cell::new(Cursor::default());
-        move |t_s| {
-            let mut cursor = last.get();
-            let (position, velocity, _) = series.borrow().at(t_s, &mut cursor);
-            last.set(cursor);
+        Cursor::kept(move |t_s, cursor| {
+            let (position, velocity, _) = series.borrow().at(t_s, cursor);
             [position, velocity]
-        }
+        })
     }
 
     /// Position (m), velocity (m/s) and acceleration (m/s2) at `t_s`, all positive downward.

@@ -97,7 +97,7 @@ impl Recording {
 
 impl Channel {
     /// Instants and values of the rows that have one, s and N or m.
-    pub fn samples(&self, time_s: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pub(crate) fn samples(&self, time_s: &[f64]) -> (Vec<f64>, Vec<f64>) {
         time_s.iter().zip(&self.values).filter(|(_, value)| !value.is_nan()).unzip()
     }
 

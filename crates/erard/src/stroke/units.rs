@@ -78,7 +78,7 @@ impl Quantity {
     }
 
     /// How much of the SI unit one of these is, and its usual name; capitals and a full stop at the end do not matter.
-    pub(super) fn unit(self, text: &str) -> Option<(f64, &'static str)> {
+    pub fn unit(self, text: &str) -> Option<(f64, &'static str)> {
         let text = text.trim().trim_end_matches('.');
         // A meganewton is not a millinewton, a megasecond no millisecond.
         if text.len() == 2 && text.starts_with('M') {
@@ -87,6 +87,16 @@ impl Quantity {
         let small = text.to_lowercase();
         let named = |(_, name, others): &&Unit| name.to_lowercase() == small || others.contains(&small.as_str());
         self.units().iter().find(named).map(|&(factor, name, _)| (factor, name))
+    }
+
+    /// The unit in which people read it, and how many of these an SI unit is.
+    pub fn shown(self) -> (f64, &'static str) {
+        match self {
+            Quantity::Time => (1e3, "ms"),
+            Quantity::Force => (1.0, "N"),
+            Quantity::Length => (1e3, "mm"),
+            Quantity::Speed => (1.0, "m/s"),
+        }
     }
 
     /// The usual names of all units, for messages.

@@ -4,7 +4,7 @@
 
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
-use erard_workshop::benchmarks::grand;
+use erard_timing::grand;
 use moreau::{Accuracy, FrictionLaw, Input, Outcome, Settings, Solver};
 use moreau_kernels::Lanes;
 

@@ -3,7 +3,7 @@
 use erard::assembly::describe;
 use erard::instrument::Instrument;
 use erard::mechanism::{mechanism, open_ledger, take_stock};
-use erard_workshop::benchmarks::grand;
+use erard_timing::grand;
 use moreau::{Input, Outcome, Settings};
 use moreau_kernels::{Lanes, side_by_side};
 

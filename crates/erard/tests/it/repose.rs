@@ -1,6 +1,6 @@
 //! Steps that would change nothing are left out, and nobody can tell.
 
-use erard_workshop::benchmarks::grand;
+use erard_timing::grand;
 use moreau::{Input, Outcome, Settings, Sleep, step};
 use moreau_kernels::{Lanes, WorkspaceOfSix};
 

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates from bottom to top: one may depend on those before it.
-const FLOORS: [&str; 14] = [
+const FLOORS: [&str; 18] = [
     "moreau",
     "moreau-kernels",
     "moreau-linkage",
@@ -14,20 +14,25 @@ const FLOORS: [&str; 14] = [
     "moreau-conformance",
     "erard-midi",
     "erard",
+    "erard-levers",
     "erard-workshop",
+    "erard-timing",
     "erard-figures",
     "erard-cli",
     "erard-c",
     "erard-python",
+    "erard-bench",
+    "erard-kinematics",
     "erard-reproduce",
     "erard-firmware",
 ];
 
 /// Dependencies of development that go upward, each with its reason.
-const UPWARD: [(&str, &str, &str); 3] = [
-    ("erard", "erard-workshop", "`cargo bench -p erard` times what `erard bench` times"),
+const UPWARD: [(&str, &str, &str); 4] = [
+    ("erard", "erard-timing", "`cargo bench -p erard` times what `erard-bench` times"),
+    ("erard", "erard-workshop", "that benchmark plays on all cores"),
     ("moreau-kernels", "erard", "the benchmark of instructions plays a piano, in the package compiled as one unit"),
-    ("moreau-kernels", "erard-workshop", "that benchmark plays the note of the others"),
+    ("moreau-kernels", "erard-timing", "that benchmark plays the note of the others"),
 ];
 
 fn root() -> PathBuf {

@@ -5,7 +5,7 @@ use moreau_linkage::three_lever::{Drive, Levers, Move, Regulation, StrokePose};
 use super::blow::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
-use erard_workshop::kinematics::{Case, Design, Digest, LinkageFile, derive, slow_press};
+use erard_levers::{Case, Design, Digest, LinkageFile, derive, slow_press};
 
 const POSES: usize = 200;
 
@@ -105,8 +105,7 @@ fn conclusions(cases: &[(&str, Case, Digest)], section: &mut Section) {
         &["case", "leverage at rest", "half-way", "at let-off", "key at let-off", "capstan slides", "knuckle slides"],
     );
     for (name, _, d) in cases {
-        let leverage =
-            |at: Option<erard_workshop::kinematics::Spot>| at.map_or("-".into(), |s| format!("{:.3}", s.leverage));
+        let leverage = |at: Option<erard_levers::Spot>| at.map_or("-".into(), |s| format!("{:.3}", s.leverage));
         table.row([
             (*name).into(),
             format!("{:.3}", d.start.leverage),

@@ -37,8 +37,8 @@ pub(crate) use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash};
 use erard::instrument::Instrument;
 use erard::one_dof::OneDofError;
 use erard::run::SimulationError;
+use erard_levers::DeriveError;
 use erard_workshop::compare::CompareError;
-use erard_workshop::kinematics::DeriveError;
 
 /// Something to reproduce.
 #[derive(Clone, Copy)]

@@ -24,7 +24,7 @@ impl Session {
         let folder = Folder::new(&format!("book-{}", page.replace(['/', '.'], "-")));
         let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         for home in
-            ["erard/instruments", "erard/keyboards", "erard-workshop/linkages", "erard/strokes", "erard/recordings"]
+            ["erard/instruments", "erard/keyboards", "erard-levers/linkages", "erard/strokes", "erard/recordings"]
         {
             let data = Path::new(home).file_name().unwrap();
             fs::create_dir(folder.0.join(data)).unwrap();
@@ -74,8 +74,8 @@ impl Session {
                 (erard.to_owned(), arguments)
             }
             // A program of another package, built beside this one.
-            ["erard-reproduce", ref arguments @ ..] => {
-                (erard.with_file_name(format!("erard-reproduce{EXE_SUFFIX}")), arguments)
+            [program @ ("erard-reproduce" | "erard-kinematics" | "erard-bench"), ref arguments @ ..] => {
+                (erard.with_file_name(format!("{program}{EXE_SUFFIX}")), arguments)
             }
             ["cp", from, to] => {
                 let path = |name| self.folder.0.join(name);
@@ -83,7 +83,7 @@ impl Session {
             }
             _ => {
                 return Err(
-                    "only `erard`, `erard-reproduce`, `cargo run --release --` and `cp` are run; mark the block no_run"
+                    "only `erard`, programs of `papers/`, `cargo run --release --` and `cp` are run; mark the block no_run"
                         .into(),
                 );
             }

@@ -7,7 +7,7 @@ pub mod schema;
 mod signals;
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -49,10 +49,19 @@ impl Folder {
 
     /// The command, with this folder as its working directory.
     pub fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_erard"));
+        let mut command = Command::new(crate::PROGRAM);
         command.current_dir(&self.0).args(self.1).args(arguments);
         // The user's own cache is not touched.
         command.env("XDG_CACHE_HOME", concat!(env!("CARGO_TARGET_TMPDIR"), "/cache"));
+        command
+    }
+
+    /// A program of another package, built beside what the tests run.
+    pub fn beside(&self, program: &str, arguments: &[&str]) -> Command {
+        let program = Path::new(crate::PROGRAM).with_file_name(format!("{program}{}", std::env::consts::EXE_SUFFIX));
+        assert!(program.exists(), "{}: `cargo build --release --workspace` builds it", program.display());
+        let mut command = Command::new(program);
+        command.current_dir(&self.0).args(arguments);
         command
     }
 
