@@ -163,8 +163,8 @@ impl Keys {
         self.bank.let_sleep(sleep);
     }
 
-    /// How often steps are halved while a hammer is near strings that sound, from the next one on: [`Action::halve`], for
-    /// all keys. As these ask, at first; with [`Halving::Never`] the worst step of a chord costs a fifteenth, and
+    /// How often steps are halved while a hammer is near strings that sound, from the next one on: [`Action::halve`],
+    /// for all keys. As these ask, at first; with [`Halving::Never`] the worst step of a chord costs a fifteenth, and
     /// contacts in the treble last too long (the book's chapter "Strings"). Wakes the keys. May allocate.
     pub fn halve(&mut self, halving: Halving) {
         self.bank.halve(halving);

@@ -217,10 +217,10 @@ fn larger_sizes_play() {
     }
 }
 
-/// The hammer's speed is told in total and along the string's normal, over a rigid string and over one that sounds: the
-/// normal is vertical, so that the part along it is how fast the head rises, read in the step before.
+/// The hammer's speed is reported in total and along the string's normal, over a rigid string and over one that sounds.
+/// The normal is vertical, so that the part along it is how fast the head rises, read in the step before.
 #[test]
-fn the_hammers_speed_is_told_in_total_and_along_the_normal() {
+fn the_hammers_speed_is_reported_in_total_and_along_the_normal() {
     for name in ["concert-grand", "concert-grand-rigid", "concert-grand-strings"] {
         let instrument = erard::Instrument::builtin(name).unwrap();
         let mut action = Action::new(&instrument).unwrap();
