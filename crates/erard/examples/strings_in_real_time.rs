@@ -104,7 +104,9 @@ fn top_octave(instruments: &[Instrument], halving: Halving) -> ([f64; 2], usize)
     for _ in 0..8 {
         rest.iter().enumerate().for_each(|(i, state)| keys.restore(i + 1, state).expect("its own state"));
         // What is restored is awake, and soon falls asleep.
-        (0..100).for_each(|_| drop(black_box(keys.step())));
+        for _ in 0..100 {
+            black_box(keys.step());
+        }
         for (n, took) in took.iter_mut().enumerate() {
             match n {
                 0 => (79..=88).for_each(|key| keys.drive(key, Input::Force(20.0))),

@@ -36,8 +36,8 @@ const UP_TO_HZ: f64 = 5e3;
 const GONE_DB: f64 = 60.0;
 /// Partials are compared that begin so near to the strongest, dB.
 const HEARD_DB: f64 = 40.0;
-/// What is usable of the rail's travel: where T60 is more than so many times the damped one, and less than this share of
-/// the free one.
+/// What is usable of the travel of the rail: where T60 is more than so many times the damped one, and less than this
+/// share of the free one.
 const USABLE: [f64; 2] = [2.0, 0.5];
 /// General experience with bass strings; T60, s.
 const BASS_S: [f64; 2] = [0.5, 1.5];

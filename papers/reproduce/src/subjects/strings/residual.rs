@@ -19,8 +19,8 @@ const HELD_S: f64 = 0.15;
 const FOLLOWED_S: f64 = 0.3;
 /// Of the solver: what it leaves unsolved is no error of the scheme.
 const TOLERANCE: f64 = 1e-12;
-/// At least this order is expected: the scheme is of the second order on smooth motion, and of the first across contacts
-/// that open and close.
+/// At least this order is expected: the scheme is of the second order on smooth motion, and of the first across
+/// contacts that open and close.
 const ORDER: f64 = 1.0;
 /// The work that the balance may leave unexplained at the usual step; and what rounding and the solver leave.
 const RESIDUAL: f64 = 1e-4;
