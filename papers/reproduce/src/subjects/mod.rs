@@ -167,7 +167,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
         subject("events", "How events converge, and which of them are chance", 6.0, events::section),
         subject("laid-weight", "A weight laid on the key", 1.0, weight::section),
-        subject("strings", "Strings that yield, their dampers and their bridge", 6.0, strings::section),
+        subject("strings", "Strings that yield, and their bridge", 6.0, strings::section),
         subject(
             "strings-energy",
             "The energy balance of a note with strings over the step",
