@@ -79,6 +79,18 @@
 #define ERARD_MOST_STEPS 1000000
 
 /**
+ * Steps are halved as often as the strings ask while a hammer is near them, as at first. Impacts are converged; the
+ * step in which ten of them happen at once in the top octave takes fifteen times as long.
+ */
+#define ERARD_HALVE_AS_ASKED 0
+
+/**
+ * All steps are whole: every one takes about the same time. Impacts on strings are then as accurate as the step is
+ * short; at 1/24000 s the contact of the top octave lasts a sixth too long.
+ */
+#define ERARD_HALVE_NEVER 1
+
+/**
  * How a call ended. Zero is success, above zero a success with a remark, below zero an error: nothing has changed
  * then.
  */
@@ -628,6 +640,18 @@ ErardStatus erard_keyboard_save(const struct ErardKeyboard *keyboard, uint8_t *b
  * step. Real time: yes.
  */
 ErardStatus erard_keyboard_restore(struct ErardKeyboard *keyboard, const uint8_t *bytes, size_t size);
+
+/**
+ * Whether an action's steps are halved while its hammer is near strings that sound (ERARD_HALVE_AS_ASKED, as at first,
+ * or ERARD_HALVE_NEVER), from the next step on. No saved state holds this: choose it again after making an action.
+ * Without strings that sound it changes nothing. Real time: no (it may allocate); choose before the loop.
+ */
+ErardStatus erard_halve(struct ErardAction *action, uint32_t kind);
+
+/**
+ * The same for all keys of a keyboard; wakes them. Real time: no.
+ */
+ErardStatus erard_keyboard_halve(struct ErardKeyboard *keyboard, uint32_t kind);
 
 /**
  * Reads the text of an instrument file (UTF-8, `length` bytes); NULL and 0: the built-in concert grand. NULL where

@@ -21,7 +21,7 @@ use crate::text::bytes;
 /// A whole keyboard under the caller's control. It belongs to whoever made it, until erard_keyboard_free. One thread at
 /// a time may use it.
 pub struct ErardKeyboard {
-    keys: Keys,
+    pub(crate) keys: Keys,
     inputs: Vec<ErardInput>,
     blows: Vec<(f64, f64, u32)>,
     /// The keyboard's clock less that of its keys, s: a restored state brings its own instant.

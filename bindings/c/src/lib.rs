@@ -10,6 +10,7 @@ mod action;
 mod dials;
 #[cfg(feature = "workshop")]
 mod fmi;
+mod halving;
 mod instrument;
 mod keyboard;
 mod play;
@@ -23,6 +24,7 @@ mod watch;
 mod workshop;
 
 pub use action::*;
+pub use halving::*;
 pub use instrument::*;
 pub use keyboard::*;
 pub use reading::*;

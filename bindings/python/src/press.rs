@@ -111,6 +111,7 @@ fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<
     about.set_item("instrument", &run.instrument)?;
     about.set_item("events", events(py, &run.events)?)?;
     about.set_item("strikes", run.events.impacts.iter().map(|s| (s.time_s, s.hammer_speed_m_s)).collect::<Vec<_>>())?;
+    about.set_item("hammer_speed_normal", run.events.hammer_speed_normal_m_s())?;
     about.set_item("free_flight_s", run.events.free_flight_s())?;
     about.set_item("peak_force_N", run.peak_force_n)?;
     about.set_item("steps", run.work.steps)?;
@@ -183,7 +184,10 @@ pub(crate) fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, tit
     let happened = item("events")?;
     let event = |name: &str| -> PyResult<Option<f64>> { happened.get_item(name)?.extract() };
     let impacts: Vec<(f64, f64)> = item("strikes")?.extract()?;
-    let impacts = impacts.into_iter().map(|(time_s, hammer_speed_m_s)| Impact { time_s, hammer_speed_m_s });
+    let impacts = impacts.into_iter().map(|(time_s, hammer_speed_m_s)| {
+        // The figure shows the total speed only.
+        Impact { time_s, hammer_speed_m_s, hammer_speed_normal_m_s: f64::NAN }
+    });
     let run = Run {
         instrument: item("instrument")?.extract()?,
         time_s: column("time_s")?,

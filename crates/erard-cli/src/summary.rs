@@ -11,8 +11,9 @@ use crate::table::Table;
 
 /// A number of a run: its JSON key, its name, the value of the JSON in the table's unit, that unit, and decimals.
 pub(crate) type Measure = (&'static str, &'static str, f64, &'static str, usize);
-pub(crate) const MEASURES: [Measure; 10] = [
+pub(crate) const MEASURES: [Measure; 11] = [
     ("hammer_speed_m_s", "hammer speed at the string", 1.0, "m/s", 3),
+    ("hammer_speed_normal_m_s", "along the string's normal", 1.0, "m/s", 3),
     ("key_start_s", "key start", 1e3, "ms", 2),
     ("toe_contact_s", "jack toe at let-off button", 1e3, "ms", 2),
     ("let_off_s", "last push on the knuckle", 1e3, "ms", 2),
@@ -58,7 +59,13 @@ impl Summary {
                 "largest_step_s": c.longest_s,
             })
         });
-        let strikes = e.impacts.iter().map(|s| json!({"time_s": s.time_s, "speed_m_s": s.hammer_speed_m_s}));
+        let strikes = e.impacts.iter().map(|s| {
+            json!({
+                "time_s": s.time_s,
+                "speed_m_s": s.hammer_speed_m_s,
+                "speed_normal_m_s": s.hammer_speed_normal_m_s,
+            })
+        });
         let json = json!({
             "instrument": run.instrument,
             "model": model,
@@ -73,6 +80,7 @@ impl Summary {
             "newton_iterations_per_step": w.newton_iterations as f64 / inner_steps as f64,
             "real_time_factor": setup.duration_s / elapsed_s.max(1e-9),
             "hammer_speed_m_s": e.hammer_speed_m_s(),
+            "hammer_speed_normal_m_s": e.hammer_speed_normal_m_s(),
             "key_start_s": e.key_start_s,
             "toe_contact_s": e.toe_contact_s,
             "let_off_s": e.let_off_s,
@@ -116,7 +124,7 @@ impl Summary {
         }
         let strikes = json["strikes"].as_array().map_or(0, Vec::len);
         if strikes > 1 && !one_dof {
-            lines.insert(5, ("impacts on the string", strikes.to_string()));
+            lines.insert(6, ("impacts on the string", strikes.to_string()));
         }
         let residual = json["energy_residual_relative"].as_f64().unwrap_or(f64::NAN);
         lines.push(("energy residual", format!("{residual:.1e} of the work put in")));

@@ -44,6 +44,11 @@ impl Events {
         self.first_impact().map(|impact| impact.hammer_speed_m_s)
     }
 
+    /// Its part along the string's normal, m/s: what presses the felt.
+    pub fn hammer_speed_normal_m_s(&self) -> Option<f64> {
+        self.first_impact().map(|impact| impact.hammer_speed_normal_m_s)
+    }
+
     /// From let-off to the string, s.
     pub fn free_flight_s(&self) -> Option<f64> {
         Some(self.hammer_contact_s()? - self.let_off_s?)

@@ -278,7 +278,11 @@ impl Reference {
             return Err(LevelError::Arrival { found: speed_m_s });
         }
         let stroke = HandStroke::struck(mass_kg, speed_m_s);
-        let impact = self.impact(&stroke, progress)?.unwrap_or(Impact { time_s: PATIENCE_S, hammer_speed_m_s: 0.0 });
+        let impact = self.impact(&stroke, progress)?.unwrap_or(Impact {
+            time_s: PATIENCE_S,
+            hammer_speed_m_s: 0.0,
+            hammer_speed_normal_m_s: 0.0,
+        });
         Ok(Solved { stroke, impact, louder: speed_m_s, trials: 1 })
     }
 

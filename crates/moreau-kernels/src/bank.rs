@@ -27,7 +27,7 @@ pub struct Tick {
 }
 
 /// Many mechanisms of one size, each with an input that holds until it is changed. Indices count from 0. Only [`bank`]
-/// allocates.
+/// allocates, and what says so.
 pub trait Bank: Send {
     /// How many there are.
     fn count(&self) -> usize;
@@ -46,6 +46,9 @@ pub trait Bank: Send {
     /// Whether what nothing changes sleeps, as at first. Otherwise all are stepped in every step, with the same
     /// results.
     fn let_sleep(&mut self, sleep: bool);
+    /// How often steps are halved where something is near a compliant surface, from the next one on; as the surfaces
+    /// ask, at first. Wakes all. May allocate.
+    fn halve(&mut self, halving: Halving);
     /// Steps all that are awake; `impact` is called with every one whose marked point has met its zone.
     fn step(&mut self, impact: &mut dyn FnMut(usize, Impact)) -> Tick;
     /// Output of one's last step.
@@ -93,7 +96,8 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
     });
     let members = each.collect::<Result<Vec<_>, _>>()?;
     let awake = (0..members.len()).collect();
-    Ok(Box::new(Members { members, awake, sleep: true, settings, workspace, clock: Clock::at(0.0) }))
+    let halving = Halving::AsAsked;
+    Ok(Box::new(Members { members, awake, sleep: true, settings, halving, workspace, clock: Clock::at(0.0) }))
 }
 
 struct Member<const B: usize, const Z: usize> {
@@ -112,6 +116,7 @@ struct Members<const B: usize, const Z: usize, const N: usize> {
     awake: Vec<usize>,
     sleep: bool,
     settings: Settings<f64>,
+    halving: Halving,
     workspace: Workspace<f64, B, Z, N>,
     clock: Clock,
 }
@@ -172,8 +177,21 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         }
     }
 
+    fn halve(&mut self, halving: Halving) {
+        if halving == self.halving {
+            return;
+        }
+        self.halving = halving;
+        for index in 0..self.members.len() {
+            self.wake(index);
+            if let Some(under) = &mut self.members[index].core.under {
+                under.prepare(self.settings.step, halving);
+            }
+        }
+    }
+
     fn step(&mut self, impact: &mut dyn FnMut(usize, Impact)) -> Tick {
-        let Members { members, awake, sleep, settings, workspace, clock } = self;
+        let Members { members, awake, sleep, settings, workspace, clock, .. } = self;
         let mut tick = Tick::default();
         let mut place = 0;
         while let Some(&index) = awake.get(place) {
@@ -254,7 +272,7 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
 
     fn set_surfaces(&mut self, index: usize, surfaces: Box<dyn Surfaces>) {
         self.wake(index);
-        let under = Under::new(surfaces, self.settings.step, Halving::AsAsked);
+        let under = Under::new(surfaces, self.settings.step, self.halving);
         self.members[index].core.under = Some(under);
     }
 }

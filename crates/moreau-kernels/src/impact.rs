@@ -7,13 +7,16 @@ use crate::Probes;
 
 /// An impact of the hammer on the string: of the marked point on the marked zone ([`Probes`]).
 ///
-/// This is the one type that carries both numbers from the step that finds them to the report.
+/// This is the one type that carries these numbers from the step that finds them to the report.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impact {
     /// Instant at which the zone begins to be pressed, s.
     pub time_s: f64,
     /// Total speed of the point along its path at that instant, m/s.
     pub hammer_speed_m_s: f64,
+    /// Its part along the zone's normal, toward the zone, m/s: how fast the compression begins to grow where what is
+    /// pressed stands still.
+    pub hammer_speed_normal_m_s: f64,
 }
 
 /// Where a mechanism is at an instant.
@@ -199,8 +202,11 @@ impl Sample {
     /// The impact that follows if the point flies on as it did between `older` and here ([`impact_in_flight`]).
     pub(crate) fn flight(&self, older: &Sample, now: &Sample) -> Option<Impact> {
         let numbers = |s: &Sample| [s.time_s, s.compression_m, s.speed_m_s];
-        impact_in_flight([numbers(older), numbers(self)], now.time_s)
-            .map(|[time_s, hammer_speed_m_s]| Impact { time_s, hammer_speed_m_s })
+        let [time_s, hammer_speed_m_s] = impact_in_flight([numbers(older), numbers(self)], now.time_s)?;
+        // The share of the path that led toward the zone in the step before.
+        let path_m = 0.5 * (older.speed_m_s + self.speed_m_s) * (self.time_s - older.time_s);
+        let hammer_speed_normal_m_s = hammer_speed_m_s * (self.compression_m - older.compression_m) / path_m;
+        Some(Impact { time_s, hammer_speed_m_s, hammer_speed_normal_m_s })
     }
 
     /// The impact where the compression, running linearly from here to `now`, is zero; the speed runs linearly, too.
@@ -210,6 +216,7 @@ impl Sample {
             time_s: self.time_s
                 + (now.time_s - self.time_s) * self.compression_m / (self.compression_m - now.compression_m),
             hammer_speed_m_s: self.speed_m_s + share * (now.speed_m_s - self.speed_m_s),
+            hammer_speed_normal_m_s: (now.compression_m - self.compression_m) / (now.time_s - self.time_s),
         }
     }
 }
@@ -235,6 +242,7 @@ mod tests {
         let t = (v - (v * v + 2.0 * a * 1e-3_f64).sqrt()) / -a;
         assert!((impact.time_s - t).abs() < 1e-15, "{} {t}", impact.time_s);
         assert!((impact.hammer_speed_m_s - (v + a * t)).abs() < 1e-12, "{}", impact.hammer_speed_m_s);
+        assert!((impact.hammer_speed_normal_m_s - 0.98 * (v + a * t)).abs() < 1e-12, "{impact:?}");
         assert!(before.time_s < t && t < now.time_s);
     }
 
@@ -248,5 +256,6 @@ mod tests {
         assert_eq!(before.flight(&fast, &now), None);
         let impact = before.straight(&now);
         assert_eq!((impact.time_s, impact.hammer_speed_m_s), (1.5e-3, 2.5));
+        assert!((impact.hammer_speed_normal_m_s - 0.02).abs() < 1e-15, "{impact:?}");
     }
 }

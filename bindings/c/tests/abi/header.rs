@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-const SOURCES: [&str; 10] = [
+const SOURCES: [&str; 11] = [
     "version.rs",
     "status.rs",
     "text.rs",
     "reading.rs",
     "action.rs",
     "keyboard.rs",
+    "halving.rs",
     "instrument.rs",
     "workshop.rs",
     "watch.rs",

@@ -435,3 +435,37 @@ fn a_hand_plays_as_in_rust() {
     assert!((unsafe { erard_place_hand(own.0, f64::INFINITY, 0.0) } as i32) < 0);
     assert_eq!(reading, before);
 }
+
+/// A caller chooses whole steps for an action and for a keyboard: to the bit what `Action::halve` does; what is no way
+/// to halve is refused, and so is NULL.
+#[test]
+fn steps_are_whole_where_the_caller_says_so() {
+    let text = Instrument::builtin_text("concert-grand-strings").expect("built in");
+    let step_s = 1.0 / 24e3;
+    let instrument = Instrument::builtin("concert-grand-strings").expect("built in");
+    let mut found = Vec::new();
+    for (kind, halving) in [
+        (ERARD_HALVE_AS_ASKED, erard::mechanism::Halving::AsAsked),
+        (ERARD_HALVE_NEVER, erard::mechanism::Halving::Never),
+    ] {
+        let own = unsafe { erard_action_new(text.as_ptr().cast(), text.len(), step_s, null_mut()) };
+        assert!(!own.is_null(), "{}", last_error());
+        assert_eq!(unsafe { erard_halve(own, kind) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_halve(own, 7) }, ErardStatus::Argument);
+        assert!(last_error().contains("ERARD_HALVE_NEVER"), "{}", last_error());
+        let mut action = erard::Action::new(&instrument).expect("it rests");
+        action.halve(halving);
+        let mut reading = ErardReading::default();
+        for _ in 0..2400 {
+            assert_eq!(unsafe { erard_step_force(own, 8.0, &raw mut reading) }, ErardStatus::Ok);
+            action.step(erard::Input::Force(8.0));
+        }
+        let now = action.reading();
+        assert_eq!((reading.key_m, reading.hammer_m, reading.blows), (now.key_m, now.hammer_m, 1));
+        found.push(reading.hammer_m);
+        unsafe { erard_action_free(own) };
+    }
+    assert_ne!(found[0], found[1]);
+    assert_eq!(unsafe { erard_halve(null_mut(), ERARD_HALVE_NEVER) }, ErardStatus::Null);
+    assert_eq!(unsafe { erard_keyboard_halve(null_mut(), ERARD_HALVE_NEVER) }, ErardStatus::Null);
+}

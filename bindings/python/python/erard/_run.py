@@ -28,9 +28,9 @@ class Run(Table):
     ----------
     events : mapping
         Instants in s on the stroke's clock by their names (`key_start`, `toe_contact`, `let_off`, `hammer_contact`, `key_bottom`, `check`) and
-        `hammer_speed` in m/s; only what happened.
+        `hammer_speed` in m/s (total); only what happened.
     strikes : list of (float, float)
-        Instant (s) and speed (m/s) of every blow on the string.
+        Instant (s) and total speed (m/s) of every blow on the string.
     warnings : list of str
         Why the run is not to be trusted; empty if nothing speaks against it.
     notes : list of str
@@ -67,8 +67,19 @@ class Run(Table):
 
     @property
     def hammer_speed(self) -> float | None:
-        """Speed of the strike point where it meets the string, m/s; `None` where it does not."""
+        """Total speed of the strike point where it meets the string, m/s; `None` where it does not."""
         return self._about["events"]["hammer_speed"]  # type: ignore[no-any-return]
+
+    @property
+    def hammer_speed_normal(self) -> float | None:
+        """Its part along the string's normal, m/s, which presses the felt; `None` where the string is not met.
+
+        >>> import erard
+        >>> run = erard.load("concert-grand").press(force=5.0)
+        >>> 0.9 < run.hammer_speed_normal / run.hammer_speed < 1.0
+        True
+        """
+        return self._about["hammer_speed_normal"]  # type: ignore[no-any-return]
 
     @property
     def free_flight_s(self) -> float | None:

@@ -40,7 +40,6 @@ const MISSED: [(&str, &[&str]); 3] = [
             "hammer_ahead_loudest",
             "release_rebound",
             "contact_ff_over_mf",
-            "damped_a0",
         ],
     ),
     (

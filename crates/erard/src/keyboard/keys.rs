@@ -12,7 +12,7 @@ pub use moreau_kernels::Tick;
 use crate::assembly::{describe, probes};
 use crate::identity::Identity;
 use crate::instrument::Instrument;
-use crate::mechanism::{Impact, TellNumbers};
+use crate::mechanism::{Halving, Impact, TellNumbers};
 use crate::player::rest::Rest;
 use crate::player::snapshot::strings_are_finite;
 use crate::player::{Action, ActionError, Input, MechanismState, Reading, Snapshot, SnapshotError};
@@ -161,6 +161,13 @@ impl Keys {
     /// results.
     pub fn let_sleep(&mut self, sleep: bool) {
         self.bank.let_sleep(sleep);
+    }
+
+    /// How often steps are halved while a hammer is near strings that sound, from the next one on: [`Action::halve`],
+    /// for all keys. As these ask, at first; with [`Halving::Never`] the worst step of a chord costs a fifteenth, and
+    /// contacts in the treble last too long (the book's chapter "Strings"). Wakes the keys. May allocate.
+    pub fn halve(&mut self, halving: Halving) {
+        self.bank.halve(halving);
     }
 
     /// Steps all keys that are awake. Never allocates.

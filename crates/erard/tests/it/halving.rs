@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use erard::instrument::Instrument;
-use erard::keyboard::Keyboard;
+use erard::keyboard::{Keyboard, Keys};
 use erard::mechanism::{Halving, mechanism};
 use erard::strings::Strings;
 use erard::trust::Kind;
@@ -251,6 +251,35 @@ fn a_change_of_length_costs_no_energy_and_no_memory() {
         });
         assert!(blows >= 2 && counted.count_total == 0, "{blows} {counted:?}");
     }
+}
+
+/// Whoever steps a keyboard chooses as for an action: whole steps are to the bit those of an action with whole steps,
+/// and back again those of one whose steps are halved.
+#[test]
+fn a_keyboard_can_be_stepped_in_whole_steps() {
+    let instrument = Instrument::builtin("concert-grand-strings").unwrap();
+    let settings = Settings::new(instrument.usual_step_s());
+    let mut found = Vec::new();
+    for halving in [Halving::AsAsked, Halving::Never] {
+        let mut keys = Keys::at_rest(&[instrument.clone(), instrument.clone()], settings).unwrap();
+        keys.halve(Halving::Never);
+        keys.halve(halving);
+        let mut action = Action::new(&instrument).unwrap();
+        action.halve(halving);
+        // The clocks differ by what the keys took to come to rest.
+        let began_s = keys.time_s();
+        keys.drive(2, Input::Force(8.0));
+        let mut impacts = Vec::new();
+        for _ in 0..2400 {
+            keys.step();
+            impacts.extend(keys.impacts().iter().copied());
+            action.step(Input::Force(8.0));
+        }
+        assert_eq!(keys.angles(2), action.angles(), "{halving:?}");
+        assert!(keys.time_s() > began_s && impacts.len() == 1 && impacts[0].key == 2);
+        found.push(action.angles().to_vec());
+    }
+    assert_ne!(found[0], found[1], "halved steps are others");
 }
 
 /// From every instant around a blow an action that was saved goes on to the bit: also where steps begin or cease to be

@@ -8,6 +8,7 @@ mod bends;
 mod bounded_work;
 mod control;
 mod convergence;
+mod damper_compass;
 mod dampers;
 mod determinism;
 mod energy;

@@ -217,6 +217,30 @@ fn larger_sizes_play() {
     }
 }
 
+/// The hammer's speed is reported in total and along the string's normal, over a rigid string and over one that sounds.
+/// The normal is vertical, so that the part along it is how fast the head rises, read in the step before.
+#[test]
+fn the_hammers_speed_is_reported_in_total_and_along_the_normal() {
+    for name in ["concert-grand", "concert-grand-rigid", "concert-grand-strings"] {
+        let instrument = erard::Instrument::builtin(name).unwrap();
+        let mut action = Action::new(&instrument).unwrap();
+        let (mut before, mut found) = (action.reading(), None);
+        for _ in 0..10_000 {
+            let now = action.step(Input::Force(5.0));
+            found = action.impact();
+            if found.is_some() {
+                break;
+            }
+            before = now;
+        }
+        let Impact { hammer_speed_m_s: total, hammer_speed_normal_m_s: normal, .. } = found.expect("it strikes");
+        println!("{name}: {total:.4} m/s, {normal:.4} along the normal, {:.4} of it", normal / total);
+        assert!((normal / before.hammer_m_s - 1.0).abs() < 3e-3, "{name}: {normal} {}", before.hammer_m_s);
+        // The head is 48 mm above the line from the pin, at 130 mm along it.
+        assert!((normal / total - 130.0 / 130.0_f64.hypot(48.0)).abs() < 0.01, "{name}: {}", normal / total);
+    }
+}
+
 /// A file whose laws, bodies or zones do not fit the largest size is an error, never a law left out.
 #[test]
 fn what_does_not_fit_is_an_error() {

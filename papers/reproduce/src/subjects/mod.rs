@@ -10,8 +10,10 @@
 mod blow;
 mod bushings;
 mod conformance_rows;
+mod contact;
 mod control;
 mod convergence;
+mod dampers;
 mod drives;
 mod dynamics;
 mod energy;
@@ -165,7 +167,15 @@ pub fn subjects() -> Vec<Subject> {
         subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
         subject("events", "How events converge, and which of them are chance", 6.0, events::section),
         subject("laid-weight", "A weight laid on the key", 1.0, weight::section),
-        subject("strings", "Strings that yield, their dampers and their bridge", 6.0, strings::section),
+        subject("strings", "Strings that yield, and their bridge", 6.0, strings::section),
+        subject(
+            "strings-energy",
+            "The energy balance of a note with strings over the step",
+            2.0,
+            strings::residual::section,
+        ),
+        subject("dampers", "Dampers over the compass, and half-pedalling", 8.0, dampers::section),
+        subject("contact", "How long the hammer touches, and what decides it", 1.0, contact::section),
         subject("outlook", "What the papers leave for later", 0.1, outlook::section),
     ]
 }

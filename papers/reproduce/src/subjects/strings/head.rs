@@ -37,7 +37,7 @@ string = "string"
 "#;
 
 /// The head before the strings of a grand, with the felt of its hammer, nothing lying on them.
-pub(super) fn before(grand: &Instrument) -> Result<Instrument, ReproduceError> {
+pub(crate) fn before(grand: &Instrument) -> Result<Instrument, ReproduceError> {
     let wrong = |text: String| ReproduceError::Instrument(text);
     let mut head = InstrumentFile::parse(FILE, "head").map_err(|error| wrong(error.to_string()))?.instrument;
     let zone = grand.roles.string.ok_or_else(|| wrong(format!("{} has no string", grand.name)))?;
@@ -56,7 +56,7 @@ pub(super) fn falling(grand: &Instrument, gravity_m_s2: f64) -> Result<Instrumen
 }
 
 /// In flight, at the strings, at a speed upward, m/s.
-pub(super) fn thrown(head: &Instrument, step_s: f64, speed_m_s: f64) -> Result<Box<dyn Mechanism>, ReproduceError> {
+pub(crate) fn thrown(head: &Instrument, step_s: f64, speed_m_s: f64) -> Result<Box<dyn Mechanism>, ReproduceError> {
     let settings = Settings { tolerance: 1e-10, ..Settings::new(step_s) };
     let mut thrown = mechanism(head, settings).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
     // The scheme itself is looked at.

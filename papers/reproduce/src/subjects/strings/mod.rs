@@ -1,12 +1,13 @@
-//! Strings that throw the hammer back, over the compass and the loudness; a note under its damper; two stages of decay
-//! over a bridge that moves; how an impact converges, and what its energy balance lacks.
+//! Strings that throw the hammer back, over the compass and the loudness; two stages of decay over a bridge that moves;
+//! how an impact converges, and what its energy balance lacks.
 
 mod books;
 mod convergence;
-mod head;
+pub(super) mod head;
+pub(super) mod residual;
 
 use super::blow::tell;
-use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
+use super::{Claim, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::keyboard::{Keyboard, note_name};
 use erard::{Action, Input};
@@ -26,10 +27,6 @@ const PUBLISHED: [(usize, &str, [f64; 2], &str); 3] = [
     (40, "about 2", [1.33, 2.67], "KTH lectures"),
     (88, "about 0.5, C7 under 1", [0.33, 0.67], "KTH lectures; A. Chaigne's measurements"),
 ];
-/// Lifts of the pedal's rail, m.
-const LIFTS_MM: [f64; 20] =
-    [0.0, 1.0, 1.6, 1.8, 1.9, 1.95, 2.0, 2.02, 2.04, 2.06, 2.08, 2.1, 2.12, 2.15, 2.2, 2.25, 2.3, 2.4, 3.0, 5.0];
-
 pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let wrong = |error: String| ReproduceError::Instrument(error);
     let keyboard = Keyboard::builtin(NAME).ok_or_else(|| wrong(format!("{NAME} cannot be read")))?;
@@ -37,9 +34,6 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
         text: vec![
             "The built-in keyboard with strings under constant forces. Contact is counted from the hammer's first touch to its last within 10 ms, waves that come back and \
              part hammer and string for a moment among it; return is the hammer's speed at the end, and its share of the speed before. Numbers were published for contact at mf; for other marks, for the largest force and for the return none was found."
-                .into(),
-            "The damper's curve: C4 is struck by 5 N with the pedal down, the key is let go, the pedal's rail goes to a lift, and the level of the force on the bridge is \
-             followed for at most two seconds, from a tenth of a second after on."
                 .into(),
         ],
         ..Section::default()
@@ -116,7 +110,6 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
         ));
     }
     inharmonicity(&keyboard, &mut section)?;
-    damper(&mut section, progress)?;
     bridge(&mut section, progress)?;
     let grand = super::builtin(NAME)?;
     convergence::add(&grand, &mut section, &mut |share| progress(0.7 + 0.25 * share))?;
@@ -163,92 +156,6 @@ fn level_db(action: &mut Action, input: Input) -> f64 {
     }
     let mean = sum / steps as f64;
     10.0 * (squares / steps as f64 - mean * mean).max(1e-30).log10()
-}
-
-/// How long a level takes to fall by 60 dB at the rate at which it falls by 20, or in the time that there is, s.
-fn t60_s(action: &mut Action, input: Input, most_s: f64) -> f64 {
-    let (from, mut windows) = (level_db(action, input), 0);
-    loop {
-        let fallen = from - level_db(action, input);
-        windows += 1;
-        let time_s = f64::from(windows) * 20e-3;
-        if fallen >= 20.0 || time_s >= most_s {
-            return 60.0 * time_s / fallen.max(1e-3);
-        }
-    }
-}
-
-/// The decay of C4 against the pedal's lift.
-fn damper(section: &mut Section, progress: &mut Progress) -> Result<(), ReproduceError> {
-    let instrument = super::builtin(NAME)?;
-    let mut struck = rest(&instrument)?;
-    struck.set_pedal(7e-3);
-    for _ in 0..6000 {
-        struck.step(Input::Force(5.0));
-    }
-    for _ in 0..2000 {
-        struck.step(Input::Free);
-    }
-    let struck = struck.save();
-    let (mut t60, mut lying, mut kept) = (Vec::new(), Vec::new(), Vec::new());
-    for (n, mm) in LIFTS_MM.into_iter().enumerate() {
-        tell(progress, 0.4 + 0.25 * n as f64 / LIFTS_MM.len() as f64)?;
-        let mut still = rest(&instrument)?;
-        still.set_pedal(1e-3 * mm);
-        for _ in 0..4000 {
-            still.step(Input::Free);
-        }
-        let weight_n: f64 = still.strings().map_or(0.0, |strings| strings.damper_n().sum());
-        let mut action = rest(&instrument)?;
-        action.restore(&struck).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
-        action.set_pedal(1e-3 * mm);
-        for _ in 0..2000 {
-            action.step(Input::Free);
-        }
-        kept.push(mm);
-        t60.push(t60_s(&mut action, Input::Free, 2.0));
-        lying.push(weight_n);
-    }
-    let (down, up) = (t60[0], t60[t60.len() - 1]);
-    let half: Vec<f64> =
-        kept.iter().zip(&t60).filter(|(_, t)| **t > 2.0 * down && **t < 0.5 * up).map(|(mm, _)| *mm).collect();
-    section.claims.push(Claim::new(
-        "this program",
-        "half-damping comes out of the contact: between the damper on the string and off it, a range of lifts damps less, the more of the damper's weight the rail carries",
-        match (half.first(), half.last()) {
-            (Some(from), Some(to)) => {
-                format!("T60 {down:.2} s lying, {up:.1} s lifted; more than twice the one and less than half the other from {from} to {to} mm")
-            }
-            _ => format!("T60 {down:.2} s lying, {up:.1} s lifted, nothing between"),
-        },
-        !half.is_empty(),
-    ));
-    let curve = |label: &str, y: Vec<f64>, colour: usize| ChartCurve {
-        label: label.into(),
-        x: kept.clone(),
-        y,
-        colour,
-        mark: Dash::Points,
-    };
-    let panel = |y_label: &str, y_log: bool, curve: ChartCurve| ChartPanel {
-        y_label: y_label.into(),
-        y_log,
-        y_range: None,
-        curves: vec![curve],
-    };
-    section.charts.push(Chart {
-        title: "A note under its damper".into(),
-        caption: "Decay of C4 after a blow of 5 N, and what of the damper's weight lies on its three strings at rest, against the lift of the pedal's rail. The rail has 2 mm of lost \
-                  motion. Above 60 dB / 2 s the time is what the first two seconds tell."
-            .into(),
-        x_label: "lift of the rail, mm".into(),
-        x_log: false,
-        panels: vec![
-            panel("T60, s", true, curve("bridge force", t60, 0)),
-            panel("damper on strings, N", false, curve("at rest", lying, 1)),
-        ],
-    });
-    Ok(())
 }
 
 /// Decay of C4's first second and of its fifth, over a bridge that stands still and over one that moves.
