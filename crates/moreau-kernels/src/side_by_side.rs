@@ -82,8 +82,12 @@ fn one_part(
     }
 }
 
+/// How a group is made of models and states.
+type Grouping<const B: usize, const Z: usize, const N: usize> =
+    fn(&[Model<f64, B, Z>], &[State<f64, B, Z>], &Settings<f64>) -> Group<B, Z, N>;
+
 fn grouped<const B: usize, const Z: usize, const N: usize>(
-    group: fn(&[Model<f64, B, Z>], &[State<f64, B, Z>], &Settings<f64>) -> Group<B, Z, N>,
+    group: Grouping<B, Z, N>,
     descriptions: &[&OwnedDescription],
     states: &[SavedState<f64, 12, 32>],
     settings: &Settings<f64>,

@@ -146,7 +146,7 @@ const SCENES: Scene[] = [
       { label: "pp", act: slowly("pp", false, 1 / 20) },
       { label: "mf", act: slowly("mf", false, 1 / 20) },
       { label: "ff", act: slowly("ff", false, 1 / 50) },
-      { label: "ff, struck", act: slowly("ff", true, 1 / 50) },
+      { label: "mf, struck", act: slowly("mf", true, 1 / 20) },
     ],
     watch: "\u201ckey bottom \u2212 hammer\u201d in the numbers: negative where the key is first.",
   },

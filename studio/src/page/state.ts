@@ -31,7 +31,7 @@ export interface State {
 }
 
 export const FIRST: State = {
-  a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", scene: 0, firmness: 0.4, force: 5, pedal: 0,
+  a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", scene: 0, firmness: 0.8, force: 5, pedal: 0,
   speed: 1 / 50, forces: true, names: false, difference: false, view: null,
 };
 

@@ -12,7 +12,7 @@ use crate::message::{HIGH_RESOLUTION, SOFT, SOSTENUTO, SUSTAIN};
 use crate::{Velocity, key_of_note};
 
 /// The largest file that is read, bytes.
-pub const MOST_BYTES: usize = 16 << 20;
+const MOST_BYTES: usize = 16 << 20;
 /// The channel of percussion, from 0.
 const PERCUSSION: u8 = 9;
 
@@ -21,7 +21,7 @@ const PERCUSSION: u8 = 9;
 pub enum ReadError {
     /// It is no Standard MIDI File, or a broken one: what is wrong.
     Syntax(String),
-    /// It is longer than [`MOST_BYTES`]: so many bytes.
+    /// It is longer than what is read, 16 MiB: so many bytes.
     TooLong(usize),
     /// Its tracks are pieces of their own (format 2), of which this file has so many.
     Sequences(usize),
