@@ -96,6 +96,8 @@ export const link = async ({ visit, address }) => {
   await until(page, () => studio.scenes[0].name === "In the link");
   await page.evaluate(() => document.activeElement.blur());
   await page.click("#link");
+  // The file is compressed first.
+  await until(page, () => location.hash.includes("file:"));
   const long = page.url();
   const other = await visit(long.slice(address.length));
   await until(other, () => studio.scenes[0].name === "In the link");
