@@ -58,8 +58,8 @@ pub(crate) fn columns(axes: &[Axis], measures: &[&Line], rows: &[Row]) -> Vec<Co
     varied.chain(outcomes).chain(measured).chain(solution).collect()
 }
 
-/// The title of what is measured: its key, and another one where a column of what is varied has that (a screw is set,
-/// and the distance that it sets is measured).
+/// The title of a measured column: the line's key. A varied column may have that title already: `let_off_mm` is a screw
+/// that is set and a distance that is measured. The measured one then begins with `measured_`.
 fn measured_title(axes: &[Axis], line: &Line) -> String {
     let is_taken = axes.iter().any(|axis| axis.column() == line.key);
     if is_taken { format!("measured_{}", line.key) } else { line.key.to_owned() }
