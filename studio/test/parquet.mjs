@@ -17,7 +17,7 @@ export const parquet = async ({ visit }) => {
     const press = (...options) => execFileSync(process.env.ERARD, ["press", ...options, "--force", "--quiet"], { stdio: "ignore" });
     press("--stroke", "f", "--out", join(work, "played"));
     press(join(work, "played", "run.parquet"), "--out", join(work, "again"));
-    const expected = Number(readFileSync(join(work, "again", "summary.json"), "utf8").match(/"hammer_speed_m_s": ([-+.e\d]+)/)[1]);
+    const expected = Number(readFileSync(join(work, "again", "summary.json"), "utf8").match(/"hammer_speed_m_per_s": ([-+.e\d]+)/)[1]);
     const page = await visit();
     // Nothing of the reader is there before it is needed.
     const loaded = () => page.evaluate(() => performance.getEntriesByType("resource").some(({ name }) => name.includes("parquet")));

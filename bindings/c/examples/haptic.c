@@ -25,9 +25,9 @@ int main(void) {
     double x = 0, v = 0, before = 0, motor_n = 0, largest_n = 0, largest_m = 0;
     for (int n = 0; n < 500; n++) {
         /* The encoder, and the velocity that can be had from it. */
-        double seen = quantum_m * floor(x / quantum_m + 0.5), seen_m_s = (seen - before) / period_s;
+        double seen = quantum_m * floor(x / quantum_m + 0.5), seen_m_per_s = (seen - before) / period_s;
         before = seen;
-        ErardInput input = {.kind = ERARD_MOTION, .position_m = seen, .velocity_m_s = seen_m_s};
+        ErardInput input = {.kind = ERARD_MOTION, .position_m = seen, .velocity_m_per_s = seen_m_per_s};
         if (erard_advance(action, period_s, &input, &reading) < 0) {
             return 1;
         }
@@ -41,7 +41,7 @@ int main(void) {
         if (x > largest_m) largest_m = x;
     }
     printf("%u blows, the last at %.3f m/s; largest force %.1f N, deepest %.2f mm, at the end %.2f mm and %.2f N\n",
-           reading.blows, reading.blow_m_s, largest_n, 1e3 * largest_m, 1e3 * x, motor_n);
+           reading.blows, reading.hammer_speed_m_per_s, largest_n, 1e3 * largest_m, 1e3 * x, motor_n);
     erard_action_free(action);
     return 0;
 }

@@ -80,9 +80,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (direct, b) = (play_admittance(&grand, 50e-6, 20e3, Finger::Hand), 4.0);
     println!(
         "| the finger on the simulated key itself | - | {:.2} | {:.1} | {:.3} |",
-        1e3 * direct.trembling_m_s,
+        1e3 * direct.trembling_m_per_s,
         direct.largest_n,
-        direct.blow_m_s
+        direct.hammer_speed_m_per_s
     );
     for rate in RATES {
         let device = Device::usual(rate, b);
@@ -94,18 +94,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 rate / 1e3,
                 coupling[0],
                 coupling[1],
-                1e3 * out.trembling_m_s,
+                1e3 * out.trembling_m_per_s,
                 out.largest_n,
-                out.blow_m_s
+                out.hammer_speed_m_per_s
             );
         }
         let out = play(&grand, &device, file, Finger::Hand, true);
         println!(
             "| rigid, {} kHz, b = {b} N s/m | none | {:.2} | {:.1} | {:.3} |",
             rate / 1e3,
-            1e3 * out.trembling_m_s,
+            1e3 * out.trembling_m_per_s,
             out.largest_n,
-            out.blow_m_s
+            out.hammer_speed_m_per_s
         );
     }
     for (rate, bandwidth) in [(1e3, 30.0), (1e3, 100.0), (4e3, 100.0), (4e3, 300.0), (20e3, 300.0), (20e3, 1000.0)] {
@@ -113,9 +113,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!(
             "| admittance, {} kHz, servo of {bandwidth} Hz | - | {:.2} | {:.1} | {:.3} |",
             rate / 1e3,
-            1e3 * out.trembling_m_s,
+            1e3 * out.trembling_m_per_s,
             out.largest_n,
-            out.blow_m_s
+            out.hammer_speed_m_per_s
         );
     }
     Ok(())

@@ -36,7 +36,7 @@ int main(void) {
             return 1;
         }
         for (size_t b = 0; b < blown && b < 8; b++) {
-            printf("key %u at %.4f s with %.3f m/s\n", blows[b].key, blows[b].time_s, blows[b].speed_m_s);
+            printf("key %u at %.4f s with %.3f m/s\n", blows[b].key, blows[b].time_s, blows[b].speed_m_per_s);
         }
     }
     printf("%u keys awake at the end\n", erard_keyboard_awake(keyboard));

@@ -17,7 +17,7 @@ int main(void) {
             return 1;
         }
         if (reading.new_blows) {
-            printf("blow at %.6f s with %.17g m/s, key %.3f mm down\n", reading.blow_time_s, reading.blow_m_s,
+            printf("blow at %.6f s with %.17g m/s, key %.3f mm down\n", reading.blow_time_s, reading.hammer_speed_m_per_s,
                    1e3 * reading.key_m);
         }
     }

@@ -39,7 +39,7 @@
 /**
  * Largest speed that an action takes, m/s, up or down.
  */
-#define ERARD_LARGEST_SPEED_M_S 100.0
+#define ERARD_LARGEST_SPEED_M_PER_S 100.0
 
 /**
  * Longest time that erard_advance takes at once, s.
@@ -120,8 +120,8 @@ enum ErardStatus
    */
   ERARD_STATUS_NOT_FINITE = -3,
   /**
-   * A number is beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, or a step or time
-   * beyond its range.
+   * A number is beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_PER_S, or a step or
+   * time beyond its range.
    */
   ERARD_STATUS_RANGE = -4,
   /**
@@ -210,7 +210,7 @@ typedef struct ErardReading {
   /**
    * Its speed, m/s.
    */
-  double key_m_s;
+  double key_m_per_s;
   /**
    * Force of the finger on the key in the last step, N: what a haptic key has to give back.
    */
@@ -227,7 +227,7 @@ typedef struct ErardReading {
   /**
    * How fast it rises, m/s.
    */
-  double hammer_m_s;
+  double hammer_m_per_s;
   /**
    * Force between hammer and string, N, never negative.
    */
@@ -239,7 +239,7 @@ typedef struct ErardReading {
   /**
    * Its speed then, m/s; 0 before the first.
    */
-  double blow_m_s;
+  double hammer_speed_m_per_s;
   /**
    * Blows so far.
    */
@@ -255,7 +255,7 @@ typedef struct ErardReading {
   /**
    * Its speed, m/s.
    */
-  double hand_m_s;
+  double hand_m_per_s;
 } ErardReading;
 
 /**
@@ -281,7 +281,7 @@ typedef struct ErardInput {
   /**
    * m/s, down positive; of a hand, the velocity toward which its muscle damps it.
    */
-  double velocity_m_s;
+  double velocity_m_per_s;
   /**
    * Of a hand: effective mass at the fingertip, kg, 0.001 to 100.
    */
@@ -315,7 +315,7 @@ typedef struct ErardBlow {
   /**
    * How fast the strike point flew, m/s.
    */
-  double speed_m_s;
+  double speed_m_per_s;
 } ErardBlow;
 
 /**
@@ -347,7 +347,7 @@ typedef struct ErardEvents {
   /**
    * and how fast, m/s.
    */
-  double blow_m_s;
+  double hammer_speed_m_per_s;
   /**
    * The key meets its front punching.
    */
@@ -434,14 +434,14 @@ void erard_action_free(struct ErardAction *action);
 ErardStatus erard_step_force(struct ErardAction *action, double force_n, struct ErardReading *reading);
 
 /**
- * One step under a device that is at `position_m` below the key's rest and moves at `velocity_m_s`, down positive, in
- * the middle of the step (impedance: position in, force out: finger_n of the reading). Between device and key is the
- * fingertip of the instrument's file, a spring and a damper that only push: the virtual coupling. `reading` may be
+ * One step under a device that is at `position_m` below the key's rest and moves at `velocity_m_per_s`, down positive,
+ * in the middle of the step (impedance: position in, force out: finger_n of the reading). Between device and key is
+ * the fingertip of the instrument's file, a spring and a damper that only push: the virtual coupling. `reading` may be
  * NULL. An error leaves the action as it was. Real time: yes.
  */
 ErardStatus erard_step_motion(struct ErardAction *action,
                               double position_m,
-                              double velocity_m_s,
+                              double velocity_m_per_s,
                               struct ErardReading *reading);
 
 /**
@@ -451,7 +451,7 @@ ErardStatus erard_step_motion(struct ErardAction *action,
  */
 ErardStatus erard_step_rigid(struct ErardAction *action,
                              double position_m,
-                             double velocity_m_s,
+                             double velocity_m_per_s,
                              struct ErardReading *reading);
 
 /**
@@ -469,7 +469,7 @@ ErardStatus erard_step_input(struct ErardAction *action, const struct ErardInput
  * Places the hand (ERARD_HAND), m below the key front's rest, with a velocity, m/s, down positive. A new action has it
  * at the key front's rest; it moves in steps that a hand drives only. Real time: yes.
  */
-ErardStatus erard_place_hand(struct ErardAction *action, double position_m, double velocity_m_s);
+ErardStatus erard_place_hand(struct ErardAction *action, double position_m, double velocity_m_per_s);
 
 /**
  * As many steps as `dt_s` has room for, for a device that is slower than the steps (0 to ERARD_LONGEST_ADVANCE_S);
@@ -602,7 +602,7 @@ ErardStatus erard_keyboard_drive(struct ErardKeyboard *keyboard, uint32_t key, c
 ErardStatus erard_keyboard_place_hand(struct ErardKeyboard *keyboard,
                                       uint32_t key,
                                       double position_m,
-                                      double velocity_m_s);
+                                      double velocity_m_per_s);
 
 /**
  * So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their
@@ -786,7 +786,7 @@ char *erard_dials(const struct ErardInstrument *instrument, size_t *length, Erar
 struct ErardInstrument *erard_turned(const struct ErardInstrument *instrument, const char *turns, ErardStatus *status);
 
 /**
- * Presses an instrument once, mezzo forte, and says whether it plays, as JSON: "hammer_speed_m_s" (null where the
+ * Presses an instrument once, mezzo forte, and says whether it plays, as JSON: "hammer_speed_m_per_s" (null where the
  * hammer does not reach the string) and "warnings", sentences about what cannot be trusted or does not work. Takes a
  * tenth of a second. Give the text back with erard_text_free.
  */

@@ -80,11 +80,11 @@ class Action {
         own = detail::owned(p, s);
     }
     [[nodiscard]] ErardStatus force(double n, ErardReading &r) noexcept { return erard_step_force(own.get(), n, &r); }
-    [[nodiscard]] ErardStatus motion(double m, double m_s, ErardReading &r) noexcept {
-        return erard_step_motion(own.get(), m, m_s, &r);
+    [[nodiscard]] ErardStatus motion(double m, double m_per_s, ErardReading &r) noexcept {
+        return erard_step_motion(own.get(), m, m_per_s, &r);
     }
     [[nodiscard]] ErardStatus step(const ErardInput &in, ErardReading &r) noexcept { return erard_step_input(own.get(), &in, &r); }
-    [[nodiscard]] ErardStatus place_hand(double m, double m_s) noexcept { return erard_place_hand(own.get(), m, m_s); }
+    [[nodiscard]] ErardStatus place_hand(double m, double m_per_s) noexcept { return erard_place_hand(own.get(), m, m_per_s); }
     [[nodiscard]] ErardStatus advance(double dt_s, const ErardInput &in, ErardReading &r) noexcept {
         return erard_advance(own.get(), dt_s, &in, &r);
     }

@@ -9,7 +9,7 @@ use erard::{Action, Input, Instrument};
 use crate::instrument::{ErardInstrument, parse};
 use crate::play::{Play, settings};
 use crate::reading::{
-    ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, ErardInput, ErardReading, within,
+    ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_PER_S, ErardInput, ErardReading, within,
 };
 use crate::status::{ErardStatus, Fault, quick, told};
 
@@ -109,8 +109,8 @@ unsafe fn step(action: *mut ErardAction, input: Result<Input, ErardStatus>, read
 
 /// Where something is and how fast, if an action takes it.
 #[inline(always)]
-pub(crate) fn moving(position_m: f64, velocity_m_s: f64) -> Result<[f64; 2], ErardStatus> {
-    Ok([within(position_m, ERARD_LARGEST_POSITION_M)?, within(velocity_m_s, ERARD_LARGEST_SPEED_M_S)?])
+pub(crate) fn moving(position_m: f64, velocity_m_per_s: f64) -> Result<[f64; 2], ErardStatus> {
+    Ok([within(position_m, ERARD_LARGEST_POSITION_M)?, within(velocity_m_per_s, ERARD_LARGEST_SPEED_M_PER_S)?])
 }
 
 /// One step under a force on the key front, N, down positive (admittance: force in, position out). `reading` may be
@@ -125,20 +125,26 @@ pub unsafe extern "C" fn erard_step_force(
     unsafe { step(action, within(force_n, ERARD_LARGEST_FORCE_N).map(Input::Force), reading) }
 }
 
-/// One step under a device that is at `position_m` below the key's rest and moves at `velocity_m_s`, down positive, in
-/// the middle of the step (impedance: position in, force out: finger_n of the reading). Between device and key is the
-/// fingertip of the instrument's file, a spring and a damper that only push: the virtual coupling. `reading` may be
+/// One step under a device that is at `position_m` below the key's rest and moves at `velocity_m_per_s`, down positive,
+/// in the middle of the step (impedance: position in, force out: finger_n of the reading). Between device and key is
+/// the fingertip of the instrument's file, a spring and a damper that only push: the virtual coupling. `reading` may be
 /// NULL. An error leaves the action as it was. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_motion(
     action: *mut ErardAction,
     position_m: f64,
-    velocity_m_s: f64,
+    velocity_m_per_s: f64,
     reading: *mut ErardReading,
 ) -> ErardStatus {
-    let input = moving(position_m, velocity_m_s);
+    let input = moving(position_m, velocity_m_per_s);
     // SAFETY: passed on.
-    unsafe { step(action, input.map(|[position_m, velocity_m_s]| Input::Motion { position_m, velocity_m_s }), reading) }
+    unsafe {
+        step(
+            action,
+            input.map(|[position_m, velocity_m_per_s]| Input::Motion { position_m, velocity_m_per_s }),
+            reading,
+        )
+    }
 }
 
 /// One step with the key front imposed: where it is at the step's end, and how fast. For measured strokes, not for a
@@ -148,12 +154,14 @@ pub unsafe extern "C" fn erard_step_motion(
 pub unsafe extern "C" fn erard_step_rigid(
     action: *mut ErardAction,
     position_m: f64,
-    velocity_m_s: f64,
+    velocity_m_per_s: f64,
     reading: *mut ErardReading,
 ) -> ErardStatus {
-    let input = moving(position_m, velocity_m_s);
+    let input = moving(position_m, velocity_m_per_s);
     // SAFETY: passed on.
-    unsafe { step(action, input.map(|[position_m, velocity_m_s]| Input::Rigid { position_m, velocity_m_s }), reading) }
+    unsafe {
+        step(action, input.map(|[position_m, velocity_m_per_s]| Input::Rigid { position_m, velocity_m_per_s }), reading)
+    }
 }
 
 /// One step with nothing touching the key. `reading` may be NULL. Real time: yes.
@@ -180,15 +188,19 @@ pub unsafe extern "C" fn erard_step_input(
 /// Places the hand (ERARD_HAND), m below the key front's rest, with a velocity, m/s, down positive. A new action has it
 /// at the key front's rest; it moves in steps that a hand drives only. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_place_hand(action: *mut ErardAction, position_m: f64, velocity_m_s: f64) -> ErardStatus {
+pub unsafe extern "C" fn erard_place_hand(
+    action: *mut ErardAction,
+    position_m: f64,
+    velocity_m_per_s: f64,
+) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action.
     let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
-    let [position_m, velocity_m_s] = match moving(position_m, velocity_m_s) {
+    let [position_m, velocity_m_per_s] = match moving(position_m, velocity_m_per_s) {
         Ok(place) => place,
         Err(status) => return status,
     };
     quick(|| {
-        action.play.place_hand(position_m, velocity_m_s);
+        action.play.place_hand(position_m, velocity_m_per_s);
         ErardStatus::Ok
     })
 }

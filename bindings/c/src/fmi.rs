@@ -112,13 +112,13 @@ impl Component {
             Role::Drive | Role::Step | Role::Number(..) => self.values[index],
             Role::Reading(n) => [
                 r.key_m,
-                r.key_m_s,
+                r.key_m_per_s,
                 r.finger_n,
                 r.hammer_m,
-                r.hammer_m_s,
+                r.hammer_m_per_s,
                 r.string_n,
                 if r.blows > 0 { self.start_s + r.blow_time_s } else { 0.0 },
-                r.blow_m_s,
+                r.hammer_speed_m_per_s,
             ][n],
             Role::Blows => f64::from(r.blows),
             Role::Contact(zone) => self.action.as_ref().map_or(0.0, |action| action.play.action.contact_force(zone)),
@@ -155,8 +155,8 @@ impl Component {
             2.0 => ERARD_MOTION,
             other => return Err(format!("`drive` is {other}; expected 0, 1 or 2")),
         };
-        let [force_n, position_m, velocity_m_s] = self.inputs;
-        Ok(ErardInput { kind, force_n, position_m, velocity_m_s, ..ErardInput::default() })
+        let [force_n, position_m, velocity_m_per_s] = self.inputs;
+        Ok(ErardInput { kind, force_n, position_m, velocity_m_per_s, ..ErardInput::default() })
     }
 
     /// The instrument with its parameters, at rest.
@@ -476,7 +476,7 @@ unsafe extern "C" fn fmi2DoStep(
                 // A finger that moves goes on moving within the communication step; the step receives where it is in
                 // its middle.
                 let later_s = (*start_s + (*steps as f64 + 0.5) * step_s - now_s).max(0.0);
-                let position_m = input.position_m + input.velocity_m_s * later_s;
+                let position_m = input.position_m + input.velocity_m_per_s * later_s;
                 let step = ErardInput { position_m, ..input }.checked();
                 match step.map_or_else(|status| status, |input| action.play.step(input)) {
                     ErardStatus::Ok => {}

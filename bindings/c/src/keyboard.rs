@@ -124,19 +124,19 @@ pub unsafe extern "C" fn erard_keyboard_place_hand(
     keyboard: *mut ErardKeyboard,
     key: u32,
     position_m: f64,
-    velocity_m_s: f64,
+    velocity_m_per_s: f64,
 ) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or a keyboard.
     let Some(keyboard) = (unsafe { keyboard.as_mut() }) else { return ErardStatus::Null };
     if key == 0 || key as usize > keyboard.inputs.len() {
         return ErardStatus::NoSuch;
     }
-    let [position_m, velocity_m_s] = match moving(position_m, velocity_m_s) {
+    let [position_m, velocity_m_per_s] = match moving(position_m, velocity_m_per_s) {
         Ok(place) => place,
         Err(status) => return status,
     };
     quick(|| {
-        keyboard.keys.place_hand(key as usize, position_m, velocity_m_s);
+        keyboard.keys.place_hand(key as usize, position_m, velocity_m_per_s);
         ErardStatus::Ok
     })
 }
@@ -171,12 +171,13 @@ pub unsafe extern "C" fn erard_keyboard_step(
                 status = ErardStatus::IterationLimit;
             }
             for blow in keyboard.keys.impacts() {
-                let (time_s, speed_m_s) = (blow.impact.time_s + keyboard.offset_s, blow.impact.hammer_speed_m_s);
+                let (time_s, speed_m_per_s) =
+                    (blow.impact.time_s + keyboard.offset_s, blow.impact.hammer_speed_m_per_s);
                 if let Some(last) = keyboard.blows.get_mut(blow.key - 1) {
-                    *last = (time_s, speed_m_s, last.2.wrapping_add(1));
+                    *last = (time_s, speed_m_per_s, last.2.wrapping_add(1));
                 }
                 if total < capacity {
-                    let told = ErardBlow { key: blow.key as u32, reserved: 0, time_s, speed_m_s };
+                    let told = ErardBlow { key: blow.key as u32, reserved: 0, time_s, speed_m_per_s };
                     // SAFETY: below the capacity.
                     unsafe { blows.add(total).write(told) };
                 }
@@ -203,7 +204,7 @@ pub unsafe extern "C" fn erard_keyboard_read(
     let (Some(keyboard), Some(reading)) = (unsafe { keyboard.as_ref() }, unsafe { reading.as_mut() }) else {
         return ErardStatus::Null;
     };
-    let Some(&(blow_time_s, blow_m_s, blows)) =
+    let Some(&(blow_time_s, hammer_speed_m_per_s, blows)) =
         (key as usize).checked_sub(1).and_then(|index| keyboard.blows.get(index))
     else {
         return ErardStatus::NoSuch;
@@ -213,16 +214,16 @@ pub unsafe extern "C" fn erard_keyboard_read(
         *reading = ErardReading {
             time_s: keyboard.keys.time_s() + keyboard.offset_s,
             key_m: now.key_m,
-            key_m_s: now.key_m_s,
+            key_m_per_s: now.key_m_per_s,
             finger_n: now.finger_n,
             finger_mean_n: now.finger_n,
             hammer_m: now.hammer_m,
-            hammer_m_s: now.hammer_m_s,
+            hammer_m_per_s: now.hammer_m_per_s,
             string_n: now.string_n,
             hand_m: now.hand_m,
-            hand_m_s: now.hand_m_s,
+            hand_m_per_s: now.hand_m_per_s,
             blow_time_s,
-            blow_m_s,
+            hammer_speed_m_per_s,
             blows,
             new_blows: 0,
         };
@@ -291,19 +292,19 @@ fn save(keyboard: &ErardKeyboard, bytes: &mut [u8]) -> usize {
     out.number("step_s", keys.settings().step);
     out.number("time_s", keys.time_s() + keyboard.offset_s);
     let each = keyboard.inputs.iter().zip(&keyboard.blows).enumerate();
-    for (index, (input, (time_s, speed_m_s, blows))) in each {
+    for (index, (input, (time_s, speed_m_per_s, blows))) in each {
         out.group("key", |out| {
             keys.mechanism_state(index + 1).write(out);
             keys.save_strings(index + 1, &mut |name, numbers| out.list(name, numbers));
             out.number("input_kind", f64::from(input.kind));
             out.number("input_force_N", input.force_n);
             out.number("input_position_m", input.position_m);
-            out.number("input_velocity_m_s", input.velocity_m_s);
+            out.number("input_velocity_m_per_s", input.velocity_m_per_s);
             out.number("input_hand_mass_kg", input.hand_mass_kg);
             out.number("input_muscle_N_per_m", input.muscle_n_per_m);
             out.number("input_muscle_N_s_per_m", input.muscle_n_s_per_m);
             out.number("blow_time_s", *time_s);
-            out.number("blow_m_s", *speed_m_s);
+            out.number("hammer_speed_m_per_s", *speed_m_per_s);
             out.number("blows", f64::from(*blows));
         });
     }
@@ -349,7 +350,7 @@ fn restore(keyboard: &mut ErardKeyboard, bytes: &[u8]) -> ErardStatus {
                 reserved: 0,
                 force_n: number("input_force_N"),
                 position_m: number("input_position_m"),
-                velocity_m_s: number("input_velocity_m_s"),
+                velocity_m_per_s: number("input_velocity_m_per_s"),
                 hand_mass_kg: number("input_hand_mass_kg"),
                 muscle_n_per_m: number("input_muscle_N_per_m"),
                 muscle_n_s_per_m: number("input_muscle_N_s_per_m"),
@@ -367,7 +368,7 @@ fn restore(keyboard: &mut ErardKeyboard, bytes: &[u8]) -> ErardStatus {
             }
             if write {
                 keyboard.keys.drive(index + 1, checked);
-                let blow = (number("blow_time_s"), number("blow_m_s"), number("blows") as u32);
+                let blow = (number("blow_time_s"), number("hammer_speed_m_per_s"), number("blows") as u32);
                 let places = keyboard.inputs.get_mut(index).zip(keyboard.blows.get_mut(index));
                 if let Some((last_input, last_blow)) = places {
                     (*last_input, *last_blow) = (input, blow);

@@ -40,18 +40,18 @@ impl Play {
         self.reading = ErardReading {
             time_s: self.action.time_s(),
             key_m: now.key_m,
-            key_m_s: now.key_m_s,
+            key_m_per_s: now.key_m_per_s,
             hammer_m: now.hammer_m,
-            hammer_m_s: now.hammer_m_s,
+            hammer_m_per_s: now.hammer_m_per_s,
             hand_m: now.hand_m,
-            hand_m_s: now.hand_m_s,
+            hand_m_per_s: now.hand_m_per_s,
             ..self.reading
         };
     }
 
     /// Places the hand.
-    pub fn place_hand(&mut self, position_m: f64, velocity_m_s: f64) {
-        self.action.place_hand(position_m, velocity_m_s);
+    pub fn place_hand(&mut self, position_m: f64, velocity_m_per_s: f64) {
+        self.action.place_hand(position_m, velocity_m_per_s);
         self.look();
     }
 
@@ -135,14 +135,14 @@ impl Play {
         };
         let reading = &mut self.reading;
         if let Some(blow) = now.impact {
-            (reading.blow_time_s, reading.blow_m_s) = (blow.time_s, blow.hammer_speed_m_s);
+            (reading.blow_time_s, reading.hammer_speed_m_per_s) = (blow.time_s, blow.hammer_speed_m_per_s);
             reading.blows = reading.blows.wrapping_add(1);
         }
         reading.time_s = self.action.time_s();
-        (reading.key_m, reading.key_m_s) = (now.key_m, now.key_m_s);
-        (reading.hammer_m, reading.hammer_m_s) = (now.hammer_m, now.hammer_m_s);
+        (reading.key_m, reading.key_m_per_s) = (now.key_m, now.key_m_per_s);
+        (reading.hammer_m, reading.hammer_m_per_s) = (now.hammer_m, now.hammer_m_per_s);
         (reading.finger_n, reading.string_n) = (now.finger_n, now.string_n);
-        (reading.hand_m, reading.hand_m_s) = (now.hand_m, now.hand_m_s);
+        (reading.hand_m, reading.hand_m_per_s) = (now.hand_m, now.hand_m_per_s);
         status
     }
 
@@ -238,31 +238,31 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
     let ErardReading {
         time_s,
         key_m,
-        key_m_s,
+        key_m_per_s,
         finger_n,
         finger_mean_n,
         hammer_m,
-        hammer_m_s,
+        hammer_m_per_s,
         string_n,
         hand_m,
-        hand_m_s,
+        hand_m_per_s,
         blow_time_s,
-        blow_m_s,
+        hammer_speed_m_per_s,
         blows,
         new_blows,
     } = reading;
     number("read_time_s", time_s);
     number("read_key_m", key_m);
-    number("read_key_m_s", key_m_s);
+    number("read_key_m_per_s", key_m_per_s);
     number("read_finger_N", finger_n);
     number("read_finger_mean_N", finger_mean_n);
     number("read_hammer_m", hammer_m);
-    number("read_hammer_m_s", hammer_m_s);
+    number("read_hammer_m_per_s", hammer_m_per_s);
     number("read_string_N", string_n);
     number("read_hand_m", hand_m);
-    number("read_hand_m_s", hand_m_s);
+    number("read_hand_m_per_s", hand_m_per_s);
     number("read_blow_time_s", blow_time_s);
-    number("read_blow_m_s", blow_m_s);
+    number("read_blow_m_per_s", hammer_speed_m_per_s);
     for (name, count) in [("read_blows", blows), ("read_new_blows", new_blows)] {
         let mut float = f64::from(*count);
         number(name, &mut float);
@@ -274,14 +274,14 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
 /// the step, an imposed one to its end.
 fn later(input: Input, t: f64, h: f64) -> Input {
     match input {
-        Input::Motion { position_m, velocity_m_s } => {
-            Input::Motion { position_m: position_m + velocity_m_s * (t + 0.5 * h), velocity_m_s }
+        Input::Motion { position_m, velocity_m_per_s } => {
+            Input::Motion { position_m: position_m + velocity_m_per_s * (t + 0.5 * h), velocity_m_per_s }
         }
-        Input::Rigid { position_m, velocity_m_s } => {
-            Input::Rigid { position_m: position_m + velocity_m_s * (t + h), velocity_m_s }
+        Input::Rigid { position_m, velocity_m_per_s } => {
+            Input::Rigid { position_m: position_m + velocity_m_per_s * (t + h), velocity_m_per_s }
         }
         Input::Hand(hand) => {
-            Input::Hand(HandInput { position_m: hand.position_m + hand.velocity_m_s * (t + 0.5 * h), ..hand })
+            Input::Hand(HandInput { position_m: hand.position_m + hand.velocity_m_per_s * (t + 0.5 * h), ..hand })
         }
         held => held,
     }

@@ -14,7 +14,7 @@ pub const ERARD_LARGEST_FORCE_N: f64 = 10000.0;
 /// Largest position that an action takes, m from rest, up or down: ten times a key's dip.
 pub const ERARD_LARGEST_POSITION_M: f64 = 0.1;
 /// Largest speed that an action takes, m/s, up or down.
-pub const ERARD_LARGEST_SPEED_M_S: f64 = 100.0;
+pub const ERARD_LARGEST_SPEED_M_PER_S: f64 = 100.0;
 /// Longest time that erard_advance takes at once, s.
 pub const ERARD_LONGEST_ADVANCE_S: f64 = 1.0;
 
@@ -44,7 +44,7 @@ pub struct ErardInput {
     /// m below the key front's rest; of a hand, where its muscle holds it.
     pub position_m: f64,
     /// m/s, down positive; of a hand, the velocity toward which its muscle damps it.
-    pub velocity_m_s: f64,
+    pub velocity_m_per_s: f64,
     /// Of a hand: effective mass at the fingertip, kg, 0.001 to 100.
     pub hand_mass_kg: f64,
     /// Of a hand: stiffness with which muscle holds it at position_m, N/m, 0 to 1e7; 0 where it does not.
@@ -56,17 +56,17 @@ pub struct ErardInput {
 impl ErardInput {
     /// The input, if it is one that an action takes.
     pub(crate) fn checked(&self) -> Result<Input, ErardStatus> {
-        let Self { kind, force_n, position_m, velocity_m_s, .. } = *self;
+        let Self { kind, force_n, position_m, velocity_m_per_s, .. } = *self;
         match kind {
             ERARD_FREE => Ok(Input::Free),
             ERARD_FORCE => Ok(Input::Force(within(force_n, ERARD_LARGEST_FORCE_N)?)),
             ERARD_MOTION | ERARD_RIGID => {
                 let position_m = within(position_m, ERARD_LARGEST_POSITION_M)?;
-                let velocity_m_s = within(velocity_m_s, ERARD_LARGEST_SPEED_M_S)?;
+                let velocity_m_per_s = within(velocity_m_per_s, ERARD_LARGEST_SPEED_M_PER_S)?;
                 Ok(if kind == ERARD_MOTION {
-                    Input::Motion { position_m, velocity_m_s }
+                    Input::Motion { position_m, velocity_m_per_s }
                 } else {
-                    Input::Rigid { position_m, velocity_m_s }
+                    Input::Rigid { position_m, velocity_m_per_s }
                 })
             }
             ERARD_HAND => {
@@ -87,7 +87,7 @@ impl ErardInput {
                     stiffness_n_per_m: hand.stiffness_n_per_m,
                     damping_n_s_per_m: hand.damping_n_s_per_m,
                     position_m: within(position_m, ERARD_LARGEST_POSITION_M)?,
-                    velocity_m_s: within(velocity_m_s, ERARD_LARGEST_SPEED_M_S)?,
+                    velocity_m_per_s: within(velocity_m_per_s, ERARD_LARGEST_SPEED_M_PER_S)?,
                 }))
             }
             _ => Err(ErardStatus::Argument),
@@ -116,7 +116,7 @@ pub struct ErardReading {
     /// Travel of the key front, m.
     pub key_m: f64,
     /// Its speed, m/s.
-    pub key_m_s: f64,
+    pub key_m_per_s: f64,
     /// Force of the finger on the key in the last step, N: what a haptic key has to give back.
     pub finger_n: f64,
     /// The same in the mean over all steps of the call that made this reading, N: what a device holds that is slower
@@ -125,13 +125,13 @@ pub struct ErardReading {
     /// Rise of the hammer's strike point, m.
     pub hammer_m: f64,
     /// How fast it rises, m/s.
-    pub hammer_m_s: f64,
+    pub hammer_m_per_s: f64,
     /// Force between hammer and string, N, never negative.
     pub string_n: f64,
     /// The last blow: when the hammer met its string, s; 0 before the first.
     pub blow_time_s: f64,
     /// Its speed then, m/s; 0 before the first.
-    pub blow_m_s: f64,
+    pub hammer_speed_m_per_s: f64,
     /// Blows so far.
     pub blows: u32,
     /// Of these, those of the call that made this reading.
@@ -139,7 +139,7 @@ pub struct ErardReading {
     /// Place of the hand, m below the key front's rest; where none presses, where the last one was.
     pub hand_m: f64,
     /// Its speed, m/s.
-    pub hand_m_s: f64,
+    pub hand_m_per_s: f64,
 }
 
 /// A hammer has met its string.
@@ -153,5 +153,5 @@ pub struct ErardBlow {
     /// When, s.
     pub time_s: f64,
     /// How fast the strike point flew, m/s.
-    pub speed_m_s: f64,
+    pub speed_m_per_s: f64,
 }

@@ -20,8 +20,8 @@ pub enum ErardStatus {
     Argument = -2,
     /// A number is not finite, or became so in the step.
     NotFinite = -3,
-    /// A number is beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, or a step or time
-    /// beyond its range.
+    /// A number is beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_PER_S, or a step or
+    /// time beyond its range.
     Range = -4,
     /// There is no such key, body, zone, screw or number.
     NoSuch = -5,

@@ -12,7 +12,9 @@ use serde_json::{Value, json};
 
 use crate::action::ErardAction;
 use crate::instrument::{ErardInstrument, given};
-use crate::reading::{ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S, ErardReading, within};
+use crate::reading::{
+    ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_PER_S, ErardReading, within,
+};
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 use crate::text::{bytes, give, name};
 
@@ -54,13 +56,13 @@ pub unsafe extern "C" fn erard_stroke_builtin(
         // SAFETY: passed on.
         let (instrument, nuance) = (unsafe { given(instrument) }?, unsafe { name(nuance, "the stroke's name") }?);
         let touch = if struck == 0 { Touch::Pressed } else { Touch::Struck };
-        let speed_m_s = level::named(nuance).ok_or_else(|| {
+        let speed_m_per_s = level::named(nuance).ok_or_else(|| {
             let known = level::LEVELS.map(|(name, _)| name).join(", ");
             Fault::new(ErardStatus::NoSuch, format!("no stroke `{nuance}` is built in; there are {known}"))
         })?;
         let kind = level::Kind { touch, mass_kg: level::MASS_KG };
         let found = level::Reference::new(instrument.instrument(), &mut |_| true)
-            .and_then(|mut reference| reference.solve(kind, speed_m_s, &mut |_| true))
+            .and_then(|mut reference| reference.solve(kind, speed_m_per_s, &mut |_| true))
             .map_err(|error| Fault::new(ErardStatus::Argument, error.to_string()))?;
         let stroke = Stroke::by_hand(format!("{nuance}, {}", touch.name()), found.whole(), level::DURATION_S);
         Ok(Box::into_raw(Box::new(ErardStroke::new(stroke, String::new(), instrument)?)))
@@ -173,8 +175,8 @@ pub unsafe extern "C" fn erard_step_stroke(
         // SAFETY: as above.
         let stroke = unsafe { stroke.as_mut() }.ok_or_else(|| Fault::null("the stroke"))?;
         let settings = *action.play.action.settings();
-        if let Some(Hand { start_m, start_m_s, .. }) = stroke.hand.filter(|_| stroke.steps == 0) {
-            action.play.place_hand(start_m, start_m_s);
+        if let Some(Hand { start_m, start_m_per_s, .. }) = stroke.hand.filter(|_| stroke.steps == 0) {
+            action.play.place_hand(start_m, start_m_per_s);
         }
         let begins_s = stroke.start_s + stroke.steps as f64 * settings.step;
         let now = (stroke.drive)(begins_s + settings.theta * settings.step);
@@ -205,9 +207,9 @@ pub unsafe extern "C" fn erard_step_stroke(
 fn allowed(input: &Input) -> Result<(), ErardStatus> {
     match *input {
         Input::Force(force_n) => within(force_n, ERARD_LARGEST_FORCE_N).map(|_| ()),
-        Input::Motion { position_m, velocity_m_s } | Input::Rigid { position_m, velocity_m_s } => {
+        Input::Motion { position_m, velocity_m_per_s } | Input::Rigid { position_m, velocity_m_per_s } => {
             within(position_m, ERARD_LARGEST_POSITION_M)?;
-            within(velocity_m_s, ERARD_LARGEST_SPEED_M_S).map(|_| ())
+            within(velocity_m_per_s, ERARD_LARGEST_SPEED_M_PER_S).map(|_| ())
         }
         _ => Ok(()),
     }

@@ -30,7 +30,7 @@ pub struct ErardEvents {
     /// The hammer meets the string,
     pub blow_s: f64,
     /// and how fast, m/s.
-    pub blow_m_s: f64,
+    pub hammer_speed_m_per_s: f64,
     /// The key meets its front punching.
     pub key_bottom_s: f64,
     /// After the blow, the hammer's tail meets the back check.
@@ -107,7 +107,7 @@ pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut
             toe_contact_s: or_nan(seen.toe_contact_s),
             let_off_s: or_nan(seen.let_off_s),
             blow_s: or_nan(seen.hammer_contact_s()),
-            blow_m_s: or_nan(seen.hammer_speed_m_s()),
+            hammer_speed_m_per_s: or_nan(seen.hammer_speed_m_per_s()),
             key_bottom_s: or_nan(seen.key_bottom_s),
             check_s: or_nan(seen.check_s),
             free_flight_s: or_nan(seen.free_flight_s()),

@@ -261,7 +261,7 @@ pub unsafe extern "C" fn erard_turned(
     })
 }
 
-/// Presses an instrument once, mezzo forte, and says whether it plays, as JSON: "hammer_speed_m_s" (null where the
+/// Presses an instrument once, mezzo forte, and says whether it plays, as JSON: "hammer_speed_m_per_s" (null where the
 /// hammer does not reach the string) and "warnings", sentences about what cannot be trusted or does not work. Takes a
 /// tenth of a second. Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
@@ -276,6 +276,6 @@ pub unsafe extern "C" fn erard_try(
         let tried =
             try_once(instrument, &mut |_| true).map_err(|error| Fault::new(ErardStatus::Model, error.to_string()))?;
         let warnings: Vec<&str> = tried.warnings.iter().map(|warning| warning.what.as_str()).collect();
-        give(json!({ "hammer_speed_m_s": tried.hammer_speed_m_s, "warnings": warnings }).to_string(), length)
+        give(json!({ "hammer_speed_m_per_s": tried.hammer_speed_m_per_s, "warnings": warnings }).to_string(), length)
     })
 }

@@ -66,8 +66,8 @@ impl<T: Scalar> Grand<T> {
     }
 
     /// One step under a device that is so far below the key's rest, m, and moves so fast, m/s, behind a soft fingertip.
-    pub fn step_motion(&mut self, position_m: T, velocity_m_s: T) -> StepReport {
-        let input = Input::Motion { position: self.rest_m + position_m, velocity: velocity_m_s };
+    pub fn step_motion(&mut self, position_m: T, velocity_m_per_s: T) -> StepReport {
+        let input = Input::Motion { position: self.rest_m + position_m, velocity: velocity_m_per_s };
         step(&self.model, &self.settings, &input, &mut self.state, &mut self.workspace)
     }
 
@@ -81,8 +81,8 @@ impl<T: Scalar> Grand<T> {
 
     /// Places the hand, m below the key's rest, with a velocity, m/s, down positive; a new grand has it at the key's
     /// rest.
-    pub fn place_hand(&mut self, position_m: T, velocity_m_s: T) {
-        self.state.hand = [self.rest_m + position_m, velocity_m_s];
+    pub fn place_hand(&mut self, position_m: T, velocity_m_per_s: T) {
+        self.state.hand = [self.rest_m + position_m, velocity_m_per_s];
     }
 
     /// Travel of the key front, m.

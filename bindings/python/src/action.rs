@@ -108,15 +108,15 @@ fn reading(player: &Player) -> Reading {
     Reading {
         time_s: player.time_s(),
         key_m: reading.key_m,
-        key_m_per_s: reading.key_m_s,
+        key_m_per_s: reading.key_m_per_s,
         finger_n: reading.finger_n,
         hammer_m: reading.hammer_m,
-        hammer_m_per_s: reading.hammer_m_s,
+        hammer_m_per_s: reading.hammer_m_per_s,
         string_n: reading.string_n,
         hand_m: reading.hand_m,
-        hand_m_per_s: reading.hand_m_s,
+        hand_m_per_s: reading.hand_m_per_s,
         converged: reading.outcome == Outcome::Converged,
-        blow: player.impact().map(|blow| (blow.time_s, blow.hammer_speed_m_s)),
+        blow: player.impact().map(|blow| (blow.time_s, blow.hammer_speed_m_per_s)),
     }
 }
 
@@ -132,13 +132,13 @@ fn input(force: Option<f64>, motion: Option<(f64, f64)>, rigid: Option<(f64, f64
             finite("force", &[force])?;
             Ok(Input::Force(force))
         }
-        (None, Some((position_m, velocity_m_s)), None) => {
-            finite("motion", &[position_m, velocity_m_s])?;
-            Ok(Input::Motion { position_m, velocity_m_s })
+        (None, Some((position_m, velocity_m_per_s)), None) => {
+            finite("motion", &[position_m, velocity_m_per_s])?;
+            Ok(Input::Motion { position_m, velocity_m_per_s })
         }
-        (None, None, Some((position_m, velocity_m_s))) => {
-            finite("rigid", &[position_m, velocity_m_s])?;
-            Ok(Input::Rigid { position_m, velocity_m_s })
+        (None, None, Some((position_m, velocity_m_per_s))) => {
+            finite("rigid", &[position_m, velocity_m_per_s])?;
+            Ok(Input::Rigid { position_m, velocity_m_per_s })
         }
         _ => Err(wrong("expected one of force, motion and rigid, or none of them")),
     }
@@ -161,7 +161,7 @@ impl Action {
         let hand = steps.hand()?;
         let mut player = py.detach(|| Player::with(&inner, settings)).map_err(|error| fault::action(&error))?;
         if let Some(hand) = &hand {
-            player.place_hand(hand.start_m, hand.start_m_s);
+            player.place_hand(hand.start_m, hand.start_m_per_s);
         }
         Ok(Action { player: Mutex::new(player), instrument: inner, hand })
     }
@@ -189,11 +189,11 @@ impl Action {
     }
 
     /// Places the hand, m below the key front's rest, with a velocity, m/s.
-    fn place_hand(&self, py: Python<'_>, position_m: f64, velocity_m_s: f64) -> PyResult<()> {
+    fn place_hand(&self, py: Python<'_>, position_m: f64, velocity_m_per_s: f64) -> PyResult<()> {
         if self.hand.is_none() {
             return Err(wrong("this action has no hand; expected one that was made with `hand=erard.Hand()`"));
         }
-        self.lock(py).place_hand(position_m, velocity_m_s);
+        self.lock(py).place_hand(position_m, velocity_m_per_s);
         Ok(())
     }
 
@@ -210,7 +210,7 @@ impl Action {
             let mut player = self.lock(py);
             for force in portion {
                 let now = player.step(self.driven(Input::Force(*force))?);
-                let row = [player.time_s(), now.key_m, now.hammer_m, now.hammer_m_s, now.string_n];
+                let row = [player.time_s(), now.key_m, now.hammer_m, now.hammer_m_per_s, now.string_n];
                 columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
             }
         }

@@ -129,8 +129,9 @@ fn arrays<'py>(
     let blows: Vec<Vec<(f64, f64)>> = outcomes
         .iter()
         .map(|one| {
-            got(one)
-                .map_or_else(Vec::new, |p| p.events.impacts.iter().map(|s| (s.time_s, s.hammer_speed_m_s)).collect())
+            got(one).map_or_else(Vec::new, |p| {
+                p.events.impacts.iter().map(|s| (s.time_s, s.hammer_speed_m_per_s)).collect()
+            })
         })
         .collect();
     all.set_item("blows", blows)?;

@@ -110,8 +110,11 @@ fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<
     let about = PyDict::new(py);
     about.set_item("instrument", &run.instrument)?;
     about.set_item("events", events(py, &run.events)?)?;
-    about.set_item("strikes", run.events.impacts.iter().map(|s| (s.time_s, s.hammer_speed_m_s)).collect::<Vec<_>>())?;
-    about.set_item("hammer_speed_normal", run.events.hammer_speed_normal_m_s())?;
+    about.set_item(
+        "strikes",
+        run.events.impacts.iter().map(|s| (s.time_s, s.hammer_speed_m_per_s)).collect::<Vec<_>>(),
+    )?;
+    about.set_item("hammer_speed_normal", run.events.hammer_speed_normal_m_per_s())?;
     about.set_item("free_flight_s", run.events.free_flight_s())?;
     about.set_item("peak_force_N", run.peak_force_n)?;
     about.set_item("steps", run.work.steps)?;
@@ -152,7 +155,7 @@ fn events<'py>(py: Python<'py>, events: &Events) -> PyResult<Bound<'py, PyDict>>
     all.set_item("hammer_contact", events.hammer_contact_s())?;
     all.set_item("key_bottom", events.key_bottom_s)?;
     all.set_item("check", events.check_s)?;
-    all.set_item("hammer_speed", events.hammer_speed_m_s())?;
+    all.set_item("hammer_speed", events.hammer_speed_m_per_s())?;
     Ok(all)
 }
 
@@ -184,9 +187,9 @@ pub(crate) fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, tit
     let happened = item("events")?;
     let event = |name: &str| -> PyResult<Option<f64>> { happened.get_item(name)?.extract() };
     let impacts: Vec<(f64, f64)> = item("strikes")?.extract()?;
-    let impacts = impacts.into_iter().map(|(time_s, hammer_speed_m_s)| {
+    let impacts = impacts.into_iter().map(|(time_s, hammer_speed_m_per_s)| {
         // The figure shows the total speed only.
-        Impact { time_s, hammer_speed_m_s, hammer_speed_normal_m_s: f64::NAN }
+        Impact { time_s, hammer_speed_m_per_s, hammer_speed_normal_m_per_s: f64::NAN }
     });
     let run = Run {
         instrument: item("instrument")?.extract()?,

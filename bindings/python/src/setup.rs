@@ -58,10 +58,10 @@ impl Steps {
 
     /// The hand between stroke and key.
     pub(crate) fn hand(&self) -> PyResult<Option<Hand>> {
-        let Some((mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_s)) = self.hand else {
+        let Some((mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_per_s)) = self.hand else {
             return Ok(None);
         };
-        let hand = Hand { mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_s };
+        let hand = Hand { mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_per_s };
         hand.check().map_err(|error| wrong_argument("hand", error.to_string()))?;
         Ok(Some(hand))
     }

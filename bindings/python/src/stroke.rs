@@ -98,16 +98,16 @@ impl Stroke {
         py: Python<'_>,
         instrument: &Instrument,
         name: &str,
-        speed_m_s: Option<f64>,
+        speed_m_per_s: Option<f64>,
         touch: &str,
         mass_kg: f64,
     ) -> PyResult<Self> {
         let kind = Kind { touch: touched(touch)?, mass_kg };
-        let speed_m_s = speed_m_s.or_else(|| named(name)).ok_or_else(|| {
+        let speed_m_per_s = speed_m_per_s.or_else(|| named(name)).ok_or_else(|| {
             wrong_argument("stroke", format!("found `{name}`, expected pp, p, mf, f, ff or a recording"))
         })?;
         let own = instrument.inner.clone();
-        let solve = |going: &mut erard::Progress<'_>| Reference::new(&own, going)?.solve(kind, speed_m_s, going);
+        let solve = |going: &mut erard::Progress<'_>| Reference::new(&own, going)?.solve(kind, speed_m_per_s, going);
         let found = watched(py, None, solve, |error| wrong_argument("stroke", error))?;
         Ok(Self::of(Inner::by_hand(format!("{name}, {touch}"), found.whole(), DURATION_S)))
     }

@@ -21,7 +21,7 @@ LONG = {
     "rollout": "erard.rollout(grand, force=np.full((4000, 1001), 5.0), dt=1e-3, progress=False)",
     "study": "erard.study(grand, let_off=np.linspace(-1e-4, 1e-4, 4000), force=5.0, progress=False)",
     "gradient": "erard.gradient(grand, force=5.0, progress=False)",
-    "measured study": "erard.study(grand, let_off=np.linspace(-1e-4, 1e-4, 12), force=5.0, duration=0.02, measure=['repetition_rate_hz', 'double_strike_m_s'], progress=False)",
+    "measured study": "erard.study(grand, let_off=np.linspace(-1e-4, 1e-4, 12), force=5.0, duration=0.02, measure=['repetition_rate_hz', 'double_strike_m_per_s'], progress=False)",
     "measure": "grand.measure(progress=False)",
     "regulate": "far_off.regulate(dip='11 mm', blow='43 mm', let_off='3 mm', drop='2.5 mm', check='20 mm', norms=True, follow=True, progress=False)",
     "draw": "grand.draw(240.0, force=forces, dt=1e-3)",

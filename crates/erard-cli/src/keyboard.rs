@@ -42,7 +42,7 @@ fn numbers(weighed: &WeighedKey) -> [f64; 9] {
         number(weighed.touch.up_weight_g),
         number(weighed.touch.balance_weight_g()),
         number(weighed.touch.friction_weight_g()),
-        number(weighed.tried.hammer_speed_m_s),
+        number(weighed.tried.hammer_speed_m_per_s),
         f64::from(u8::from(weighed.tried.warnings.is_empty())),
     ]
 }

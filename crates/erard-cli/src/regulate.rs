@@ -87,17 +87,17 @@ impl fmt::Display for Shown<'_> {
 /// The report: what the workshop reports, and what of it a command knows.
 pub(crate) fn report(
     regulated: &Regulated,
-    double_strike_m_s: [f64; 2],
+    double_strike_m_per_s: [f64; 2],
     input: &str,
     output: &str,
     elapsed: Duration,
 ) -> Value {
-    let [before, after] = double_strike_m_s;
+    let [before, after] = double_strike_m_per_s;
     let mut report = json!({
         "input": input,
         "output": output,
         "elapsed_s": elapsed.as_secs_f64(),
-        "double_strike_m_s": {"before": before, "after": after},
+        "double_strike_m_per_s": {"before": before, "after": after},
     });
     if let (Value::Object(own), Value::Object(more)) = (&mut report, regulated.report()) {
         own.extend(more);

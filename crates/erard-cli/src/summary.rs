@@ -12,8 +12,8 @@ use crate::table::Table;
 /// A number of a run: its JSON key, its name, the value of the JSON in the table's unit, that unit, and decimals.
 pub(crate) type Measure = (&'static str, &'static str, f64, &'static str, usize);
 pub(crate) const MEASURES: [Measure; 11] = [
-    ("hammer_speed_m_s", "hammer speed at the string", 1.0, "m/s", 3),
-    ("hammer_speed_normal_m_s", "along the string's normal", 1.0, "m/s", 3),
+    ("hammer_speed_m_per_s", "hammer speed at the string", 1.0, "m/s", 3),
+    ("hammer_speed_normal_m_per_s", "along the string's normal", 1.0, "m/s", 3),
     ("key_start_s", "key start", 1e3, "ms", 2),
     ("toe_contact_s", "jack toe at let-off button", 1e3, "ms", 2),
     ("let_off_s", "last push on the knuckle", 1e3, "ms", 2),
@@ -62,8 +62,8 @@ impl Summary {
         let strikes = e.impacts.iter().map(|s| {
             json!({
                 "time_s": s.time_s,
-                "speed_m_s": s.hammer_speed_m_s,
-                "speed_normal_m_s": s.hammer_speed_normal_m_s,
+                "speed_m_per_s": s.hammer_speed_m_per_s,
+                "speed_normal_m_per_s": s.hammer_speed_normal_m_per_s,
             })
         });
         let json = json!({
@@ -79,8 +79,8 @@ impl Summary {
             "control": control,
             "newton_iterations_per_step": w.newton_iterations as f64 / inner_steps as f64,
             "real_time_factor": setup.duration_s / elapsed_s.max(1e-9),
-            "hammer_speed_m_s": e.hammer_speed_m_s(),
-            "hammer_speed_normal_m_s": e.hammer_speed_normal_m_s(),
+            "hammer_speed_m_per_s": e.hammer_speed_m_per_s(),
+            "hammer_speed_normal_m_per_s": e.hammer_speed_normal_m_per_s(),
             "key_start_s": e.key_start_s,
             "toe_contact_s": e.toe_contact_s,
             "let_off_s": e.let_off_s,
@@ -115,7 +115,7 @@ impl Summary {
         for measure @ (key, name, _, unit, decimals) in &MEASURES {
             let shown = match value(json, measure) {
                 Some(value) => format!("{value:.decimals$} {unit}"),
-                None if *key == "hammer_speed_m_s" => "- (the string is not reached)".to_owned(),
+                None if *key == "hammer_speed_m_per_s" => "- (the string is not reached)".to_owned(),
                 None => "-".to_owned(),
             };
             if *key != "drive_work_J" && (!one_dof || ["key_start_s", "key_bottom_s", "peak_force_N"].contains(key)) {

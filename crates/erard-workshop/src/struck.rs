@@ -22,7 +22,7 @@ const CLOSE: f64 = 5e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blow {
     /// Speed of the hammer when it meets the string, m/s.
-    pub speed_m_s: f64,
+    pub speed_m_per_s: f64,
     /// From its first touch to its last within 10 ms, waves that come back and part them for a moment among it, s.
     pub contact_s: f64,
     /// In how many pulses.
@@ -30,7 +30,7 @@ pub struct Blow {
     /// The largest force, N.
     pub peak_n: f64,
     /// How fast it leaves, m/s.
-    pub back_m_s: f64,
+    pub back_m_per_s: f64,
 }
 
 /// An action at rest.
@@ -46,11 +46,11 @@ pub fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
         if let (Some(strike), None) = (action.impact(), first) {
             first = Some(n);
             blow = Some(Blow {
-                speed_m_s: strike.hammer_speed_m_s,
+                speed_m_per_s: strike.hammer_speed_m_per_s,
                 contact_s: 0.0,
                 pulses: 0,
                 peak_n: 0.0,
-                back_m_s: 0.0,
+                back_m_per_s: 0.0,
             });
         }
         let (Some(since), Some(blow)) = (first, &mut blow) else {
@@ -64,7 +64,7 @@ pub fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
         }
         if reading.string_n > 0.0 {
             blow.pulses += u32::from(!touching);
-            (blow.contact_s, blow.back_m_s) = ((n - since + 1) as f64 * STEP_S, -reading.hammer_m_s);
+            (blow.contact_s, blow.back_m_per_s) = ((n - since + 1) as f64 * STEP_S, -reading.hammer_m_per_s);
             blow.peak_n = blow.peak_n.max(reading.string_n);
         }
         touching = reading.string_n > 0.0;
@@ -76,7 +76,7 @@ pub fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
 /// is. `progress` ends it by returning false.
 pub(crate) fn blow_of_speed(
     action: &mut Action,
-    speed_m_s: f64,
+    speed_m_per_s: f64,
     progress: &mut Progress<'_>,
 ) -> Result<Option<Blow>, Stopped> {
     let still = action.save();
@@ -85,7 +85,7 @@ pub(crate) fn blow_of_speed(
             return Err(Stopped);
         }
         action.restore(&still).expect("it is the action's own");
-        Ok(blow(action, force_n).filter(|blow| blow.speed_m_s >= speed_m_s))
+        Ok(blow(action, force_n).filter(|blow| blow.speed_m_per_s >= speed_m_per_s))
     };
     let [mut low, mut high] = FORCES_N;
     let Some(mut found) = fast_enough(high)? else { return Ok(None) };

@@ -16,7 +16,7 @@ pub(crate) const NUANCE: &str = "mf";
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tried {
     /// Speed of the strike point at the string, m/s; `None` where it is not reached.
-    pub hammer_speed_m_s: Option<f64>,
+    pub hammer_speed_m_per_s: Option<f64>,
     /// Why the press is not to be trusted: a bound that it broke, or why it could not be played.
     pub warnings: Vec<Warning>,
 }
@@ -27,7 +27,7 @@ pub struct Tried {
 /// # Errors
 /// An interruption, or what is no fault of a run ([`SimulationError::warning`]).
 pub fn try_once(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Tried, SimulationError> {
-    let silent = Tried { hammer_speed_m_s: None, warnings: Vec::new() };
+    let silent = Tried { hammer_speed_m_per_s: None, warnings: Vec::new() };
     // It is there: a test of strokes reads them all.
     let Some(force) = Series::builtin(NUANCE, Touch::Pressed).and_then(|series| series.force) else {
         return Ok(silent);
@@ -38,7 +38,7 @@ pub fn try_once(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<
     let end_s = force.times_s().last().copied().unwrap_or_default();
     let setup = Setup { record_every: Some(100), ..Setup::new(end_s) };
     match simulate(instrument, &player::force(force.drive()), &setup, progress) {
-        Ok(run) => Ok(Tried { hammer_speed_m_s: run.events.hammer_speed_m_s(), warnings: run.warnings }),
+        Ok(run) => Ok(Tried { hammer_speed_m_per_s: run.events.hammer_speed_m_per_s(), warnings: run.warnings }),
         Err(error) => match error.warning() {
             Some(warning) => Ok(Tried { warnings: vec![warning], ..silent }),
             None => Err(error),

@@ -25,7 +25,7 @@ fn main() {
             "{force:5}   {:>15}   {:>20}   {:5.3}   {:>21}   {:>11}   {:5}   {:8.1e}",
             ms(e.key_start_s, e.key_bottom_s),
             ms(e.hammer_contact_s(), e.key_bottom_s),
-            e.hammer_speed_m_s().unwrap_or(0.0),
+            e.hammer_speed_m_per_s().unwrap_or(0.0),
             ms(e.let_off_s, e.hammer_contact_s()),
             ms(e.hammer_contact_s(), e.check_s),
             e.impacts.len(),

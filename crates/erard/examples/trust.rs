@@ -45,7 +45,7 @@ fn go(instrument: &Instrument, play: &Play, theta: f64, step: f64) -> Run {
 }
 
 fn error(run: &Run, exact: &Run) -> f64 {
-    match (run.events.hammer_speed_m_s(), exact.events.hammer_speed_m_s()) {
+    match (run.events.hammer_speed_m_per_s(), exact.events.hammer_speed_m_per_s()) {
         (Some(speed), Some(exact)) => (speed / exact - 1.0).abs(),
         (None, None) => 0.0,
         _ => 1.0,

@@ -40,13 +40,13 @@ impl Events {
     }
 
     /// Total speed of the strike point at the first impact, m/s.
-    pub fn hammer_speed_m_s(&self) -> Option<f64> {
-        self.first_impact().map(|impact| impact.hammer_speed_m_s)
+    pub fn hammer_speed_m_per_s(&self) -> Option<f64> {
+        self.first_impact().map(|impact| impact.hammer_speed_m_per_s)
     }
 
     /// Its part along the string's normal, m/s: what presses the felt.
-    pub fn hammer_speed_normal_m_s(&self) -> Option<f64> {
-        self.first_impact().map(|impact| impact.hammer_speed_normal_m_s)
+    pub fn hammer_speed_normal_m_per_s(&self) -> Option<f64> {
+        self.first_impact().map(|impact| impact.hammer_speed_normal_m_per_s)
     }
 
     /// From let-off to the string, s.

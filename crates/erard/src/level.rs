@@ -40,7 +40,7 @@ const FALLEN_M: f64 = 5e-3;
 /// Fisette (Machines 8 (2020) 76) ask of an actuator that is to play as a pianist does.
 pub const FORCES_N: [f64; 2] = [0.2, 100.0];
 /// The speeds with which a struck hand arrives, m/s. An estimate: faster than any finger.
-pub(crate) const ARRIVALS_M_S: [f64; 2] = [0.02, 5.0];
+pub(crate) const ARRIVALS_M_PER_S: [f64; 2] = [0.02, 5.0];
 /// A bracket grows by this factor.
 const GROWS: f64 = 1.4;
 /// A bracket this narrow, as a ratio, that does not hold the speed holds a jump.
@@ -49,7 +49,7 @@ const NARROW: f64 = 1.0 + 1e-6;
 /// The hammer speed of a level by its name, m/s.
 #[must_use]
 pub fn named(name: &str) -> Option<f64> {
-    LEVELS.iter().find(|(known, _)| *known == name).map(|(_, speed_m_s)| *speed_m_s)
+    LEVELS.iter().find(|(known, _)| *known == name).map(|(_, speed_m_per_s)| *speed_m_per_s)
 }
 
 /// A hand that plays a level.
@@ -84,7 +84,7 @@ impl Solved {
 #[non_exhaustive]
 pub enum LevelError {
     /// The speed is no number that a hammer can have.
-    #[error("a hammer speed of {found} m/s; expected a number from {} to {} m/s", SPEEDS_M_S[0], SPEEDS_M_S[1])]
+    #[error("a hammer speed of {found} m/s; expected a number from {} to {} m/s", SPEEDS_M_PER_S[0], SPEEDS_M_PER_S[1])]
     Speed {
         /// m/s.
         found: f64,
@@ -93,7 +93,7 @@ pub enum LevelError {
     #[error(transparent)]
     Hand(#[from] HandError),
     /// The speed of arrival is no hand's.
-    #[error("a hand that arrives with {found} m/s; expected a number from {} to {} m/s", ARRIVALS_M_S[0], ARRIVALS_M_S[1])]
+    #[error("a hand that arrives with {found} m/s; expected a number from {} to {} m/s", ARRIVALS_M_PER_S[0], ARRIVALS_M_PER_S[1])]
     Arrival {
         /// m/s.
         found: f64,
@@ -154,7 +154,7 @@ pub enum LevelError {
 }
 
 /// The hammer speeds that may be asked for, m/s: slower ones do not reach a string, faster ones belong to no piano.
-pub(crate) const SPEEDS_M_S: [f64; 2] = [0.01, 20.0];
+pub(crate) const SPEEDS_M_PER_S: [f64; 2] = [0.01, 20.0];
 
 /// A touch with the mass of its hand, without the number that makes it louder.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -180,17 +180,17 @@ impl Kind {
     pub(crate) fn ends(&self) -> [f64; 2] {
         match self.touch {
             Touch::Pressed => FORCES_N,
-            Touch::Struck => ARRIVALS_M_S,
+            Touch::Struck => ARRIVALS_M_PER_S,
         }
     }
 
     /// Where the bracket begins: half of what work and momentum ask of a key that is as heavy as 0.3 kg at its front,
     /// weighs 0.5 N and turns the hammer 5.5 times as fast. It moves the number of trials only.
-    fn begins(&self, speed_m_s: f64) -> f64 {
-        let key_m_s = speed_m_s / 5.5;
+    fn begins(&self, speed_m_per_s: f64) -> f64 {
+        let key_m_per_s = speed_m_per_s / 5.5;
         let full = match self.touch {
-            Touch::Pressed => 0.5 + (self.mass_kg + 0.3) * key_m_s * key_m_s / (2.0 * 8e-3),
-            Touch::Struck => key_m_s * (self.mass_kg + 0.3) / self.mass_kg,
+            Touch::Pressed => 0.5 + (self.mass_kg + 0.3) * key_m_per_s * key_m_per_s / (2.0 * 8e-3),
+            Touch::Struck => key_m_per_s * (self.mass_kg + 0.3) / self.mass_kg,
         };
         let [least, most] = self.ends();
         (0.5 * full).clamp(least, most)
@@ -228,7 +228,7 @@ impl Reference {
         stroke.hand.check()?;
         self.action.restore(&self.rest)?;
         self.action.begin_at(0.0);
-        self.action.place_hand(stroke.hand.start_m, stroke.hand.start_m_s);
+        self.action.place_hand(stroke.hand.start_m, stroke.hand.start_m_per_s);
         let Settings { step: h, theta, .. } = *self.action.settings();
         let mut highest_m: f64 = 0.0;
         for n in 0..(PATIENCE_S / h) as u64 {
@@ -255,12 +255,12 @@ impl Reference {
     ///
     /// # Errors
     /// See [`LevelError`].
-    pub fn solve(&mut self, kind: Kind, speed_m_s: f64, progress: &mut Progress<'_>) -> Result<Solved, LevelError> {
-        if !(SPEEDS_M_S[0]..=SPEEDS_M_S[1]).contains(&speed_m_s) {
-            return Err(LevelError::Speed { found: speed_m_s });
+    pub fn solve(&mut self, kind: Kind, speed_m_per_s: f64, progress: &mut Progress<'_>) -> Result<Solved, LevelError> {
+        if !(SPEEDS_M_PER_S[0]..=SPEEDS_M_PER_S[1]).contains(&speed_m_per_s) {
+            return Err(LevelError::Speed { found: speed_m_per_s });
         }
         kind.stroke(kind.ends()[0]).hand.check()?;
-        let mut search = Search { reference: self, kind, wanted: speed_m_s, trials: 0, progress };
+        let mut search = Search { reference: self, kind, wanted: speed_m_per_s, trials: 0, progress };
         match search.bracket()? {
             Bracket::Found(solved) => Ok(solved),
             Bracket::Between(low, high) => search.close(low, high),
@@ -273,17 +273,22 @@ impl Reference {
     ///
     /// # Errors
     /// See [`LevelError`]: [`LevelError::Arrival`], and none of a level.
-    pub fn strike(&mut self, mass_kg: f64, speed_m_s: f64, progress: &mut Progress<'_>) -> Result<Solved, LevelError> {
-        if !(ARRIVALS_M_S[0]..=ARRIVALS_M_S[1]).contains(&speed_m_s) {
-            return Err(LevelError::Arrival { found: speed_m_s });
+    pub fn strike(
+        &mut self,
+        mass_kg: f64,
+        speed_m_per_s: f64,
+        progress: &mut Progress<'_>,
+    ) -> Result<Solved, LevelError> {
+        if !(ARRIVALS_M_PER_S[0]..=ARRIVALS_M_PER_S[1]).contains(&speed_m_per_s) {
+            return Err(LevelError::Arrival { found: speed_m_per_s });
         }
-        let stroke = HandStroke::struck(mass_kg, speed_m_s);
+        let stroke = HandStroke::struck(mass_kg, speed_m_per_s);
         let impact = self.impact(&stroke, progress)?.unwrap_or(Impact {
             time_s: PATIENCE_S,
-            hammer_speed_m_s: 0.0,
-            hammer_speed_normal_m_s: 0.0,
+            hammer_speed_m_per_s: 0.0,
+            hammer_speed_normal_m_per_s: 0.0,
         });
-        Ok(Solved { stroke, impact, louder: speed_m_s, trials: 1 })
+        Ok(Solved { stroke, impact, louder: speed_m_per_s, trials: 1 })
     }
 
     /// The softest and the loudest stroke of a kind of hand: the softest to a thousandth of its number, the loudest of
@@ -293,7 +298,7 @@ impl Reference {
     /// See [`LevelError`]; [`LevelError::Silent`] where the strongest does not sound.
     pub fn range(&mut self, kind: Kind, progress: &mut Progress<'_>) -> Result<[Solved; 2], LevelError> {
         kind.stroke(kind.ends()[0]).hand.check()?;
-        let mut search = Search { reference: self, kind, wanted: SPEEDS_M_S[0], trials: 0, progress };
+        let mut search = Search { reference: self, kind, wanted: SPEEDS_M_PER_S[0], trials: 0, progress };
         search.range()
     }
 }
@@ -324,7 +329,7 @@ impl Search<'_, '_> {
         let impact = self.reference.impact(&stroke, self.progress)?;
         self.trials += 1;
         let solved = impact.map(|impact| Solved { stroke, impact, louder, trials: self.trials });
-        Ok(([louder, impact.map_or(0.0, |impact| impact.hammer_speed_m_s)], solved))
+        Ok(([louder, impact.map_or(0.0, |impact| impact.hammer_speed_m_per_s)], solved))
     }
 
     /// A trial that is close enough.
@@ -394,7 +399,7 @@ impl Search<'_, '_> {
             match self.play(louder)?.1 {
                 Some(solved) => {
                     softest = solved;
-                    if solved.impact.hammer_speed_m_s > loudest.impact.hammer_speed_m_s {
+                    if solved.impact.hammer_speed_m_per_s > loudest.impact.hammer_speed_m_per_s {
                         loudest = solved;
                     }
                 }
@@ -419,7 +424,7 @@ impl Search<'_, '_> {
     }
 
     fn out_of_reach(&mut self) -> Result<LevelError, LevelError> {
-        let range = self.range()?.map(|solved| digits(solved.impact.hammer_speed_m_s));
+        let range = self.range()?.map(|solved| digits(solved.impact.hammer_speed_m_per_s));
         let (instrument, touch, grams) = self.names();
         Ok(LevelError::OutOfReach { instrument, touch, grams, wanted: self.wanted, range })
     }

@@ -293,10 +293,10 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     pub(crate) fn output(&self, drive_n: f64, zone_n: f64, report: StepReport) -> StepOutput {
         let SavedState { angle, velocity, hand, .. } = &*self.state;
         let (site, [dx, dy]) = &self.site;
-        let [[x, v], [point_m, point_m_s]] = TrackedPoint::motions([site, self.predictor.point()], angle, velocity);
-        let [site_m, site_m_s] = [dx * x[0] + dy * x[1], dx * v[0] + dy * v[1]];
+        let [[x, v], [point_m, point_m_per_s]] = TrackedPoint::motions([site, self.predictor.point()], angle, velocity);
+        let [site_m, site_m_per_s] = [dx * x[0] + dy * x[1], dx * v[0] + dy * v[1]];
         let (hand, impact) = (*hand, self.impact());
-        StepOutput { site_m, site_m_s, drive_n, hand, point_m, point_m_s, zone_n, impact, report }
+        StepOutput { site_m, site_m_per_s, drive_n, hand, point_m, point_m_per_s, zone_n, impact, report }
     }
 
     /// All that the steps from the present instant on depend on.

@@ -13,10 +13,10 @@ pub struct Impact {
     /// Instant at which the zone begins to be pressed, s.
     pub time_s: f64,
     /// Total speed of the point along its path at that instant, m/s.
-    pub hammer_speed_m_s: f64,
+    pub hammer_speed_m_per_s: f64,
     /// Its part along the zone's normal, toward the zone, m/s: how fast the compression begins to grow where what is
     /// pressed stands still.
-    pub hammer_speed_normal_m_s: f64,
+    pub hammer_speed_normal_m_per_s: f64,
 }
 
 /// Where a mechanism is at an instant.
@@ -34,7 +34,7 @@ pub(crate) struct Sample {
     /// Compression, m; negative apart.
     pub compression_m: f64,
     /// Speed of the point, m/s.
-    pub speed_m_s: f64,
+    pub speed_m_per_s: f64,
 }
 
 /// Predicts an impact from the marked point's flight. While the point is out of the zone's reach, an update costs one
@@ -126,7 +126,7 @@ impl<const B: usize> ImpactPredictor<B> {
         let now = Sample {
             time_s: now.time_s,
             compression_m: Pose::of(model, &now.angle).compression(model, zone),
-            speed_m_s: libm::hypot(velocity[0], velocity[1]),
+            speed_m_per_s: libm::hypot(velocity[0], velocity[1]),
         };
         let impact =
             self.before.filter(|before| before.compression_m <= 0.0 && now.compression_m > 0.0).map(|before| {
@@ -160,14 +160,14 @@ impl<const B: usize> ImpactPredictor<B> {
                 now.sample(model, zone, moment);
             }
         }
-        [now.older, now.before].map(|s| s.map(|s| [s.time_s, s.compression_m, s.speed_m_s]))
+        [now.older, now.before].map(|s| s.map(|s| [s.time_s, s.compression_m, s.speed_m_per_s]))
     }
 
     /// Goes on from what [`ImpactPredictor::samples`] gave.
     pub(crate) fn resume(&mut self, samples: [Option<[f64; 3]>; 2]) {
         self.forget();
-        [self.older, self.before] =
-            samples.map(|s| s.map(|[time_s, compression_m, speed_m_s]| Sample { time_s, compression_m, speed_m_s }));
+        [self.older, self.before] = samples
+            .map(|s| s.map(|[time_s, compression_m, speed_m_per_s]| Sample { time_s, compression_m, speed_m_per_s }));
     }
 }
 
@@ -193,20 +193,20 @@ pub fn impact_in_flight<T: Scalar>([older, before]: [[T; 3]; 2], now_s: T) -> Op
     if square <= T::ZERO {
         return None;
     }
-    let speed_m_s = Real::sqrt(square);
-    let flight_s = two * distance_m / (v1 + speed_m_s);
-    Some([Real::min(before_s + flight_s, now_s), speed_m_s])
+    let speed_m_per_s = Real::sqrt(square);
+    let flight_s = two * distance_m / (v1 + speed_m_per_s);
+    Some([Real::min(before_s + flight_s, now_s), speed_m_per_s])
 }
 
 impl Sample {
     /// The impact that follows if the point flies on as it did between `older` and here ([`impact_in_flight`]).
     pub(crate) fn flight(&self, older: &Sample, now: &Sample) -> Option<Impact> {
-        let numbers = |s: &Sample| [s.time_s, s.compression_m, s.speed_m_s];
-        let [time_s, hammer_speed_m_s] = impact_in_flight([numbers(older), numbers(self)], now.time_s)?;
+        let numbers = |s: &Sample| [s.time_s, s.compression_m, s.speed_m_per_s];
+        let [time_s, hammer_speed_m_per_s] = impact_in_flight([numbers(older), numbers(self)], now.time_s)?;
         // The share of the path that led toward the zone in the step before.
-        let path_m = 0.5 * (older.speed_m_s + self.speed_m_s) * (self.time_s - older.time_s);
-        let hammer_speed_normal_m_s = hammer_speed_m_s * (self.compression_m - older.compression_m) / path_m;
-        Some(Impact { time_s, hammer_speed_m_s, hammer_speed_normal_m_s })
+        let path_m = 0.5 * (older.speed_m_per_s + self.speed_m_per_s) * (self.time_s - older.time_s);
+        let hammer_speed_normal_m_per_s = hammer_speed_m_per_s * (self.compression_m - older.compression_m) / path_m;
+        Some(Impact { time_s, hammer_speed_m_per_s, hammer_speed_normal_m_per_s })
     }
 
     /// The impact where the compression, running linearly from here to `now`, is zero; the speed runs linearly, too.
@@ -215,8 +215,8 @@ impl Sample {
         Impact {
             time_s: self.time_s
                 + (now.time_s - self.time_s) * self.compression_m / (self.compression_m - now.compression_m),
-            hammer_speed_m_s: self.speed_m_s + share * (now.speed_m_s - self.speed_m_s),
-            hammer_speed_normal_m_s: (now.compression_m - self.compression_m) / (now.time_s - self.time_s),
+            hammer_speed_m_per_s: self.speed_m_per_s + share * (now.speed_m_per_s - self.speed_m_per_s),
+            hammer_speed_normal_m_per_s: (now.compression_m - self.compression_m) / (now.time_s - self.time_s),
         }
     }
 }
@@ -225,8 +225,8 @@ impl Sample {
 mod tests {
     use super::*;
 
-    fn sample(time_s: f64, compression_m: f64, speed_m_s: f64) -> Sample {
-        Sample { time_s, compression_m, speed_m_s }
+    fn sample(time_s: f64, compression_m: f64, speed_m_per_s: f64) -> Sample {
+        Sample { time_s, compression_m, speed_m_per_s }
     }
 
     /// A head thrown with 2 m/s and uniformly slowed: what the string did to it by the end of the step plays no part.
@@ -241,8 +241,8 @@ mod tests {
         // 1 mm = v t + a t^2/2.
         let t = (v - (v * v + 2.0 * a * 1e-3_f64).sqrt()) / -a;
         assert!((impact.time_s - t).abs() < 1e-15, "{} {t}", impact.time_s);
-        assert!((impact.hammer_speed_m_s - (v + a * t)).abs() < 1e-12, "{}", impact.hammer_speed_m_s);
-        assert!((impact.hammer_speed_normal_m_s - 0.98 * (v + a * t)).abs() < 1e-12, "{impact:?}");
+        assert!((impact.hammer_speed_m_per_s - (v + a * t)).abs() < 1e-12, "{}", impact.hammer_speed_m_per_s);
+        assert!((impact.hammer_speed_normal_m_per_s - 0.98 * (v + a * t)).abs() < 1e-12, "{impact:?}");
         assert!(before.time_s < t && t < now.time_s);
     }
 
@@ -255,7 +255,7 @@ mod tests {
         let fast = sample(0.0, -3e-5, 20.0);
         assert_eq!(before.flight(&fast, &now), None);
         let impact = before.straight(&now);
-        assert_eq!((impact.time_s, impact.hammer_speed_m_s), (1.5e-3, 2.5));
-        assert!((impact.hammer_speed_normal_m_s - 0.02).abs() < 1e-15, "{impact:?}");
+        assert_eq!((impact.time_s, impact.hammer_speed_m_per_s), (1.5e-3, 2.5));
+        assert!((impact.hammer_speed_normal_m_per_s - 0.02).abs() < 1e-15, "{impact:?}");
     }
 }

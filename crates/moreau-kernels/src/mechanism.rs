@@ -17,7 +17,7 @@ pub struct StepOutput {
     /// World coordinate of the driven point along the drive's direction, m.
     pub site_m: f64,
     /// Its speed in that direction, m/s.
-    pub site_m_s: f64,
+    pub site_m_per_s: f64,
     /// Force of the drive on the mechanism, N.
     pub drive_n: f64,
     /// World coordinate of the hand along the drive's direction, m, and its velocity, m/s.
@@ -25,7 +25,7 @@ pub struct StepOutput {
     /// The marked point in the world, m.
     pub point_m: [f64; 2],
     /// Its velocity, m/s.
-    pub point_m_s: [f64; 2],
+    pub point_m_per_s: [f64; 2],
     /// Normal force of the marked zone, N.
     pub zone_n: f64,
     /// The impact of the marked point on the marked zone in the step, if there was one.

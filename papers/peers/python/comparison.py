@@ -61,7 +61,7 @@ class Comparison:
         self.radius_m = mechanism["strike"]["radius_m"]
         reference = next(row for row in rows if row["task"] == "reference")
         self.reference_step_s = reference["step_s"]
-        self.reference = {blow["scale"]: blow["speed_m_s"] for blow in reference["blows"]}
+        self.reference = {blow["scale"]: blow["speed_m_per_s"] for blow in reference["blows"]}
         self.contacts = [blow["contact_s"] for blow in reference["blows"]]
         self.agreement = {row["peer"]: row["largest_relative_difference"] for row in rows if row["task"] == "agreement"}
         self.limit = [self.point(row) for row in rows if row["task"] == "limit"]
@@ -72,11 +72,11 @@ class Comparison:
         """A row with its error: the root mean square of the relative errors of the hammer speeds of all blows."""
         point = {"name": name(row), "setting": setting(row)} | {k: v for k, v in row.items() if k not in ("blows", "task")}
         blows = row.get("blows")
-        if blows is not None and any(blow["speed_m_s"] is None for blow in blows):
+        if blows is not None and any(blow["speed_m_per_s"] is None for blow in blows):
             point["failed"] = "the hammer does not reach the string"
         if "failed" in point:
             return point
-        errors = [blow["speed_m_s"] / self.reference[blow["scale"]] - 1.0 for blow in blows]
+        errors = [blow["speed_m_per_s"] / self.reference[blow["scale"]] - 1.0 for blow in blows]
         point["error"] = math.sqrt(sum(error * error for error in errors) / len(errors))
         point["worst_error"] = max(map(abs, errors))
         point["mean_error"] = statistics.fmean(errors)
@@ -171,7 +171,7 @@ class Comparison:
             "instrument": self.instrument,
             "bodies": self.bodies,
             "simulated_s": self.until_s,
-            "reference": {"step_s": self.reference_step_s, "hammer_speeds_m_s": list(self.reference.values())},
+            "reference": {"step_s": self.reference_step_s, "hammer_speeds_m_per_s": list(self.reference.values())},
             "agreement_of_accelerations": self.agreement,
             "sharper_friction": self.limit,
             "targets": self.targets(),

@@ -196,7 +196,7 @@ class Peer:
             blows.append(
                 {
                     "scale": scale,
-                    "speed_m_s": self.shared[SPEED] if hit else None,
+                    "speed_m_per_s": self.shared[SPEED] if hit else None,
                     "contact_s": self.shared[CONTACT] if hit else None,
                     "seconds": min(seconds),
                     "callback_seconds": self.callback_seconds * self.shared[CALLS],

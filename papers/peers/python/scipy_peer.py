@@ -87,7 +87,7 @@ class Peer:
             blows.append(
                 {
                     "scale": scale,
-                    "speed_m_s": self.action.speed(solution.y_events[0][0]) if hit else None,
+                    "speed_m_per_s": self.action.speed(solution.y_events[0][0]) if hit else None,
                     "contact_s": solution.t_events[0][0] if hit else None,
                     "seconds": min(seconds for _, seconds in runs),
                     "evaluations": solution.nfev,

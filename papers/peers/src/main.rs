@@ -125,7 +125,7 @@ fn blows<const B: usize, const S: usize>(mechanism: &Mechanism, task: &str, plan
             let best = &runs[0];
             Ok(json!({
                 "scale": scale,
-                "speed_m_s": best.strike.map(|s| s[0]),
+                "speed_m_per_s": best.strike.map(|s| s[0]),
                 "contact_s": best.strike.map(|s| s[1]),
                 "seconds": best.seconds,
                 "steps": best.steps,

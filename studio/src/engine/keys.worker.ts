@@ -12,7 +12,7 @@ const INPUT_BYTES = 56;
 const FREE = 0, FORCE = 1, MOTION = 2;
 /** A fingertip's way within a frame is taken in so many steps at a time: a millisecond. */
 const STRIDE = 20;
-const FASTEST_M_S = 2;
+const FASTEST_M_PER_S = 2;
 let library: Library;
 let keyboard = 0, keys = 0, input = 0, blows = 0, count = 0, reading = 0;
 let last_ms: number | null = null;
@@ -72,10 +72,10 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
   last_ms = wall_ms;
   const steps = Math.floor(owed_s / STEP_S + 1e-6);
   owed_s = Math.max(owed_s - steps * STEP_S, 0);
-  const struck: { key: number; speed_m_s: number }[] = [];
+  const struck: { key: number; speed_m_per_s: number }[] = [];
   const from_m = finger_m ?? to_m;
   const wanted = to_m === null || from_m === null || !steps ? 0 : (to_m - from_m) / (steps * STEP_S);
-  const velocity = Math.min(Math.max(wanted, -FASTEST_M_S), FASTEST_M_S);
+  const velocity = Math.min(Math.max(wanted, -FASTEST_M_PER_S), FASTEST_M_PER_S);
   if (shown && to_m === null && finger_m !== null) drive(shown.key, FREE, 0, 0, 0);
   for (let done = 0; done < steps; ) {
     const some = to_m === null ? steps : Math.min(STRIDE, steps - done);
@@ -84,7 +84,7 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
     const many = Math.min(library.u32(count, 1)[0]!, MOST_BLOWS);
     for (let n = 0; n < many; n++) {
       const at = blows + BLOW_BYTES * n;
-      struck.push({ key: library.u32(at, 1)[0]!, speed_m_s: library.f64(at + 16, 1)[0]! });
+      struck.push({ key: library.u32(at, 1)[0]!, speed_m_per_s: library.f64(at + 16, 1)[0]! });
     }
     done += some;
   }

@@ -11,14 +11,14 @@ const KEPT_S = 3;
 /** Bytes of ErardReading. */
 export const READING_BYTES = 104;
 const EVENTS = [
-  "key_start_s", "toe_contact_s", "let_off_s", "blow_s", "blow_m_s", "key_bottom_s", "check_s", "free_flight_s", "key_bottom_after_blow_s",
+  "key_start_s", "toe_contact_s", "let_off_s", "blow_s", "hammer_speed_m_per_s", "key_bottom_s", "check_s", "free_flight_s", "key_bottom_after_blow_s",
 ] as const;
 
 /** What drives a key in a step. */
 export type Drive =
   | { kind: "free" }
   | { kind: "force"; force_n: number }
-  | { kind: "finger"; position_m: number; velocity_m_s: number }
+  | { kind: "finger"; position_m: number; velocity_m_per_s: number }
   | { kind: "stroke" };
 
 /** Numbers at the head of a row of the ring: then the angles, then five of every zone, then the string's shape. */
@@ -138,7 +138,7 @@ export class Played {
   step(drive: Drive): void {
     const { raw } = this.library;
     let status: number;
-    if (drive.kind === "finger") status = raw.erard_step_motion(this.action, drive.position_m, drive.velocity_m_s, this.reading);
+    if (drive.kind === "finger") status = raw.erard_step_motion(this.action, drive.position_m, drive.velocity_m_per_s, this.reading);
     else if (drive.kind === "force") status = raw.erard_step_force(this.action, drive.force_n, this.reading);
     else if (drive.kind === "stroke" && this.stroke) {
       status = raw.erard_step_stroke(this.action, this.stroke, this.reading);
@@ -180,7 +180,7 @@ export class Played {
     return this.library.u32(this.reading + 80, 1)[0]!;
   }
 
-  get blow_m_s(): number {
+  get hammer_speed_m_per_s(): number {
     return this.library.f64(this.reading, 10)[9]!;
   }
 
@@ -214,7 +214,7 @@ export class Played {
     }
     return {
       time_s: time === null ? from : from + share * (to - from),
-      key_m: mixed[0]!, hammer_m: mixed[1]!, finger_n: mixed[2]!, string_n: mixed[3]!, hammer_m_s: mixed[4]!,
+      key_m: mixed[0]!, hammer_m: mixed[1]!, finger_n: mixed[2]!, string_n: mixed[3]!, hammer_m_per_s: mixed[4]!,
       angles: mixed.slice(HEAD, HEAD + bodies),
       contacts: mixed.slice(HEAD + bodies, last),
       string: mixed.slice(last),

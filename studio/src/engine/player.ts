@@ -11,7 +11,7 @@ const LONGEST_S = 0.1;
 /** A force grows and fades over this time, s: what a finger that is already on the key takes. */
 const RAMP_S = 0.012;
 /** How much a fingertip may move at most, m/s: pointers jump. */
-const FASTEST_M_S = 2;
+const FASTEST_M_PER_S = 2;
 
 /** Which of the instruments could not be loaded, and why. */
 export class LoadError extends Error {
@@ -123,7 +123,7 @@ export class Player {
     this.pedalled = false;
     const from = this.finger_m ?? to;
     const wanted = to === null || from === null ? 0 : (to - from) / (steps * STEP_S);
-    const velocity = Math.min(Math.max(wanted, -FASTEST_M_S), FASTEST_M_S);
+    const velocity = Math.min(Math.max(wanted, -FASTEST_M_PER_S), FASTEST_M_PER_S);
     const target_n = touch.kind === "force" ? touch.force_n : 0;
     const rate = (Math.max(target_n, this.force_n, 1) * STEP_S) / RAMP_S;
     let force = this.force_n;
@@ -131,12 +131,12 @@ export class Player {
       force += Math.min(Math.max(target_n - force, -rate), rate);
       let drive: Drive = { kind: "free" };
       if (to !== null && from !== null) {
-        drive = { kind: "finger", position_m: from + velocity * (n + 0.5) * STEP_S, velocity_m_s: velocity };
+        drive = { kind: "finger", position_m: from + velocity * (n + 0.5) * STEP_S, velocity_m_per_s: velocity };
       } else if (force > 0) drive = { kind: "force", force_n: force };
       this.actions.forEach((one, action) => {
         const before = one.blows;
         one.step(one.strokeLeft_s > 0 ? { kind: "stroke" } : drive);
-        if (one.blows !== before) this.fresh.push({ action, time_s: one.time_s, speed_m_s: one.blow_m_s });
+        if (one.blows !== before) this.fresh.push({ action, time_s: one.time_s, speed_m_per_s: one.hammer_speed_m_per_s });
       });
     }
     this.steps += steps;

@@ -25,7 +25,7 @@ export interface Events {
   toe_contact_s: number;
   let_off_s: number;
   blow_s: number;
-  blow_m_s: number;
+  hammer_speed_m_per_s: number;
   key_bottom_s: number;
   check_s: number;
   free_flight_s: number;
@@ -41,7 +41,7 @@ export interface Pose {
   hammer_m: number;
   finger_n: number;
   string_n: number;
-  hammer_m_s: number;
+  hammer_m_per_s: number;
   angles: Float32Array;
   contacts: Float32Array;
   /** How far the string is from its rest at its places, m; none where it is rigid. */
@@ -52,7 +52,7 @@ export interface Pose {
 export interface Blow {
   action: number;
   time_s: number;
-  speed_m_s: number;
+  speed_m_per_s: number;
 }
 
 /** What presses the key: the fingertip somewhere (null: lifted), or a force that grows and fades within
@@ -146,7 +146,7 @@ export type FromKeys =
   | { kind: "ready"; keys: number; took_ms: number }
   | { kind: "shown"; key: number; scene: Scene }
   | {
-      kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_m: Float32Array; finger_n: Float32Array; blows: { key: number; speed_m_s: number }[];
+      kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_m: Float32Array; finger_n: Float32Array; blows: { key: number; speed_m_per_s: number }[];
       awake: number; steps: number; cost_ms: number; late_s: number; shown: { key: number; angles: Float32Array } | null;
     }
   | { kind: "fault"; message: string };

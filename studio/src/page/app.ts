@@ -353,7 +353,7 @@ export class App {
 
   /** The first blow of the last press, m/s. */
   blowOf(which: number): number | undefined {
-    const speed = this.events[which]?.blow_m_s;
+    const speed = this.events[which]?.hammer_speed_m_per_s;
     return Number.isFinite(speed) ? speed : undefined;
   }
 

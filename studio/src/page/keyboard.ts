@@ -91,7 +91,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     if (scene && data.shown && data.shown.key === drawn) {
       const at = data.shown.key - 1;
       picture.draw([{
-        time_s: 0, key_m: data.key_m[at]!, hammer_m: data.hammer_m[at]!, finger_n: data.finger_n[at]!, string_n: 0, hammer_m_s: 0,
+        time_s: 0, key_m: data.key_m[at]!, hammer_m: data.hammer_m[at]!, finger_n: data.finger_n[at]!, string_n: 0, hammer_m_per_s: 0,
         angles: data.shown.angles, contacts: new Float32Array(5 * scene.zones.length), string: new Float32Array(),
       }]);
       const text = `key ${fixed(1e3 * data.key_m[at]!, 2)} mm, hammer ${fixed(1e3 * data.hammer_m[at]!, 1)} mm, finger ${fixed(data.finger_n[at]!, 2)} N`;
@@ -100,7 +100,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     const now = performance.now();
     for (const blow of data.blows) {
       struck[blow.key] = now;
-      list.prepend(h("li", {}, `${nameOf(blow.key)} ${fixed(blow.speed_m_s, 2)} m/s`));
+      list.prepend(h("li", {}, `${nameOf(blow.key)} ${fixed(blow.speed_m_per_s, 2)} m/s`));
     }
     while (list.children.length > 12) list.lastChild!.remove();
     if (data.steps > 0) app.keysTiming.push([data.cost_ms, data.steps, data.awake]);

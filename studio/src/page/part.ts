@@ -32,7 +32,7 @@ const numbersOf = (scene: Scene, pose: Pose | undefined, part: string, body: num
   if (part === "finger" && pose) all.push(["force on the key", `${fixed(pose.finger_n, 2)} N`]);
   if (part === "key" && pose) all.push(["travel of its front", `${fixed(1e3 * pose.key_m, 2)} mm`]);
   if (part.startsWith("hammer") && body !== null && pose) {
-    all.push(["rise of its head", `${fixed(1e3 * pose.hammer_m, 2)} mm`], ["speed of its head", `${fixed(pose.hammer_m_s, 2)} m/s`]);
+    all.push(["rise of its head", `${fixed(1e3 * pose.hammer_m, 2)} mm`], ["speed of its head", `${fixed(pose.hammer_m_per_s, 2)} m/s`]);
   }
   for (const zone of zonesOf(scene, part, body)) {
     const force = pose?.contacts[5 * zone] ?? 0;

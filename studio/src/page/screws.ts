@@ -118,9 +118,9 @@ export const screwsPanel = (app: App, into: HTMLElement): void => {
     const text = app.loaded[0]?.text;
     if (!text || app.refused) return;
     try {
-      const { hammer_speed_m_s, warnings } = await app.bench.ask<{ hammer_speed_m_s: number | null; warnings: string[] }>({ kind: "try", text });
+      const { hammer_speed_m_per_s, warnings } = await app.bench.ask<{ hammer_speed_m_per_s: number | null; warnings: string[] }>({ kind: "try", text });
       if (text !== app.loaded[0]?.text || app.refused) return;
-      const said = [...(hammer_speed_m_s === null ? ["A mezzo forte does not bring the hammer to the string"] : []), ...warnings];
+      const said = [...(hammer_speed_m_per_s === null ? ["A mezzo forte does not bring the hammer to the string"] : []), ...warnings];
       why.replaceChildren(...said.map((one) => h("p", {}, `${one}.`)));
       why.hidden = !said.length;
     } catch (error) {

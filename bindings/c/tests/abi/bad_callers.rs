@@ -63,7 +63,7 @@ fn numbers_that_no_action_takes() {
 #[test]
 fn the_largest_numbers_that_it_takes() {
     let action = Action::grand();
-    let (f, x, v) = (ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_S);
+    let (f, x, v) = (ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_PER_S);
     let extremes = [pushed(f), pushed(-f), moving(x, v), moving(-x, -v), moving(x, -v)];
     let rigid = extremes.iter().skip(2).map(|input| ErardInput { kind: ERARD_RIGID, ..*input });
     for input in extremes.iter().copied().chain(rigid) {
@@ -72,7 +72,7 @@ fn the_largest_numbers_that_it_takes() {
         for n in 0..2000 {
             let status = unsafe { erard_advance(action.0, 50e-6, &raw const input, &raw mut r) };
             assert_ne!(status, ErardStatus::Internal, "{input:?}, step {n}");
-            let all = [r.key_m, r.key_m_s, r.finger_n, r.hammer_m, r.hammer_m_s, r.string_n];
+            let all = [r.key_m, r.key_m_per_s, r.finger_n, r.hammer_m, r.hammer_m_per_s, r.string_n];
             assert!(all.iter().all(|number| number.is_finite()), "{input:?}, step {n}: {r:?}");
         }
         assert_eq!(unsafe { erard_reset(action.0) }, ErardStatus::Ok);

@@ -13,7 +13,8 @@ fn stroke(n: usize) -> f64 {
 }
 
 fn bits(r: &ErardReading) -> [u64; 8] {
-    [r.time_s, r.key_m, r.key_m_s, r.finger_n, r.hammer_m, r.hammer_m_s, r.string_n, r.blow_m_s].map(f64::to_bits)
+    [r.time_s, r.key_m, r.key_m_per_s, r.finger_n, r.hammer_m, r.hammer_m_per_s, r.string_n, r.hammer_speed_m_per_s]
+        .map(f64::to_bits)
 }
 
 /// Every number of every step is the native action's, force and motion, blows among it.
@@ -26,28 +27,37 @@ fn steps_are_the_native_actions() {
         for n in 0..10_000 {
             let t = n as f64 * 50e-6;
             let (input, native) = if by_motion {
-                let (position_m, velocity_m_s) = (0.006 * (1.0 - (20.0 * t).cos()), 0.12 * (20.0 * t).sin());
-                (moving(position_m, velocity_m_s), Input::Motion { position_m, velocity_m_s })
+                let (position_m, velocity_m_per_s) = (0.006 * (1.0 - (20.0 * t).cos()), 0.12 * (20.0 * t).sin());
+                (moving(position_m, velocity_m_per_s), Input::Motion { position_m, velocity_m_per_s })
             } else {
                 (pushed(stroke(n)), Input::Force(stroke(n)))
             };
             let mut r = ErardReading::default();
             let status = if by_motion {
-                unsafe { erard_step_motion(here.0, input.position_m, input.velocity_m_s, &raw mut r) }
+                unsafe { erard_step_motion(here.0, input.position_m, input.velocity_m_per_s, &raw mut r) }
             } else {
                 unsafe { erard_step_force(here.0, input.force_n, &raw mut r) }
             };
             let native = there.step(native);
             assert_eq!(status == ErardStatus::Ok, native.outcome == erard::Outcome::Converged);
-            let found = [r.key_m, r.key_m_s, r.finger_n, r.hammer_m, r.hammer_m_s, r.string_n];
-            let expected =
-                [native.key_m, native.key_m_s, native.finger_n, native.hammer_m, native.hammer_m_s, native.string_n];
+            let found = [r.key_m, r.key_m_per_s, r.finger_n, r.hammer_m, r.hammer_m_per_s, r.string_n];
+            let expected = [
+                native.key_m,
+                native.key_m_per_s,
+                native.finger_n,
+                native.hammer_m,
+                native.hammer_m_per_s,
+                native.string_n,
+            ];
             assert_eq!(found.map(f64::to_bits), expected.map(f64::to_bits), "step {n}");
             assert_eq!(r.time_s, there.time_s());
             assert_eq!(r.new_blows == 1, there.impact().is_some(), "step {n}");
             if let Some(blow) = there.impact() {
                 blows += 1;
-                assert_eq!((r.blow_time_s, r.blow_m_s, r.blows), (blow.time_s, blow.hammer_speed_m_s, blows));
+                assert_eq!(
+                    (r.blow_time_s, r.hammer_speed_m_per_s, r.blows),
+                    (blow.time_s, blow.hammer_speed_m_per_s, blows)
+                );
             }
         }
         assert!(blows >= 2, "{blows} blows");
@@ -278,7 +288,12 @@ fn a_strung_keyboard_goes_on() {
             // before it.
             let (here, there) = (first.read(key), second.read(key));
             assert_eq!(bits(&here)[1..7], bits(&there)[1..7], "key {key} in round {round}");
-            assert!((here.blow_m_s - there.blow_m_s).abs() < 1e-9, "{} {}", here.blow_m_s, there.blow_m_s);
+            assert!(
+                (here.hammer_speed_m_per_s - there.hammer_speed_m_per_s).abs() < 1e-9,
+                "{} {}",
+                here.hammer_speed_m_per_s,
+                there.hammer_speed_m_per_s
+            );
         }
     }
     let mut bad = bytes.clone();
@@ -323,7 +338,7 @@ fn a_keyboard_plays() {
     assert_eq!(unsafe { erard_keyboard_awake(keyboard.0) }, 2);
     let mine = blows.iter().find(|blow| blow.key == 40).expect("key 40 sounds");
     let (_, blow) = alone_blow.expect("alone, too");
-    assert_eq!(mine.speed_m_s.to_bits(), blow.hammer_speed_m_s.to_bits());
+    assert_eq!(mine.speed_m_per_s.to_bits(), blow.hammer_speed_m_per_s.to_bits());
     assert!((mine.time_s - began_s - blow.time_s).abs() < 1e-12);
 
     let other = Keyboard::new();
@@ -337,7 +352,7 @@ fn a_keyboard_plays() {
             assert_eq!(a.key, b.key);
             // Its place in the flight is computed from instants that were moved: rounding of the clock.
             assert!(
-                (a.time_s - b.time_s).abs() < 1e-11 && (a.speed_m_s / b.speed_m_s - 1.0).abs() < 1e-9,
+                (a.time_s - b.time_s).abs() < 1e-11 && (a.speed_m_per_s / b.speed_m_per_s - 1.0).abs() < 1e-9,
                 "{a:?} {b:?}"
             );
         }

@@ -59,7 +59,7 @@ fn fmpy_plays_it() {
     let mut run = Command::new(python);
     run.arg(script).arg(folder.path()).arg(format!("{mass_g:?}"));
     for blow in expected {
-        run.arg(format!("{:?}", blow.hammer_speed_m_s)).arg(format!("{:?}", blow.time_s));
+        run.arg(format!("{:?}", blow.hammer_speed_m_per_s)).arg(format!("{:?}", blow.time_s));
     }
     let output = run.output().expect("it runs");
     let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));

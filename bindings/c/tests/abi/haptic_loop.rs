@@ -88,7 +88,7 @@ pub enum Finger {
 struct Pressing {
     finger: Finger,
     at_m: f64,
-    speed_m_s: f64,
+    speed_m_per_s: f64,
 }
 
 impl Pressing {
@@ -99,10 +99,10 @@ impl Pressing {
             Finger::Force(force_n) => force_n,
             Finger::Hand => {
                 // Through a fingertip of its own, which only pushes.
-                let tip_n = (2e4 * (self.at_m - x) + 20.0 * (self.speed_m_s - v)).max(0.0);
-                let muscle_n = 1500.0 * (12e-3 - self.at_m) - 5.0 * self.speed_m_s;
-                self.speed_m_s += (muscle_n - tip_n) / 0.2 * FINE_S;
-                self.at_m += self.speed_m_s * FINE_S;
+                let tip_n = (2e4 * (self.at_m - x) + 20.0 * (self.speed_m_per_s - v)).max(0.0);
+                let muscle_n = 1500.0 * (12e-3 - self.at_m) - 5.0 * self.speed_m_per_s;
+                self.speed_m_per_s += (muscle_n - tip_n) / 0.2 * FINE_S;
+                self.at_m += self.speed_m_per_s * FINE_S;
                 tip_n
             }
         }
@@ -113,13 +113,13 @@ impl Pressing {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// Root mean square of the device's speed in the last tenth of it, m/s.
-    pub trembling_m_s: f64,
+    pub trembling_m_per_s: f64,
     /// The same half a second earlier.
-    pub earlier_m_s: f64,
+    pub earlier_m_per_s: f64,
     /// The largest force that was asked of the motor, N.
     pub largest_n: f64,
     /// Speed of the fastest blow, m/s; 0 without one.
-    pub blow_m_s: f64,
+    pub hammer_speed_m_per_s: f64,
     /// Whether the force of the motor was at its limit.
     pub saturated: bool,
 }
@@ -129,7 +129,7 @@ impl Outcome {
     /// or that dies away. What a soft coupling on a device of little damping does for a while is no trembling of the
     /// loop.
     pub fn is_still(&self) -> bool {
-        self.trembling_m_s < 1e-3 || self.trembling_m_s < 0.8 * self.earlier_m_s
+        self.trembling_m_per_s < 1e-3 || self.trembling_m_per_s < 0.8 * self.earlier_m_per_s
     }
 }
 
@@ -151,10 +151,16 @@ pub fn play(instrument: &Instrument, device: &Device, coupling: [f64; 2], finger
     let fine = (device.period_s / FINE_S).round() as usize;
     let window = (device.window_s / device.period_s).round().max(1.0) as usize;
     let (mut x, mut v, mut motor_n) = (0.0_f64, 0.0_f64, 0.0_f64);
-    let mut pressing = Pressing { finger, at_m: 0.0, speed_m_s: 0.0 };
+    let mut pressing = Pressing { finger, at_m: 0.0, speed_m_per_s: 0.0 };
     let mut told = std::collections::VecDeque::from(vec![0.0; device.latency]);
     let mut seen = std::collections::VecDeque::from(vec![0.0; window]);
-    let mut out = Outcome { trembling_m_s: 0.0, earlier_m_s: 0.0, largest_n: 0.0, blow_m_s: 0.0, saturated: false };
+    let mut out = Outcome {
+        trembling_m_per_s: 0.0,
+        earlier_m_per_s: 0.0,
+        largest_n: 0.0,
+        hammer_speed_m_per_s: 0.0,
+        saturated: false,
+    };
     let mut squares = [(0.0, 0_u32); 2];
     for n in 0..(END_S / device.period_s) as usize {
         let t = n as f64 * device.period_s;
@@ -167,13 +173,13 @@ pub fn play(instrument: &Instrument, device: &Device, coupling: [f64; 2], finger
             let later = (k as f64 + if rigid { 1.0 } else { 0.5 }) * STEP_S;
             let position_m = at + speed * later;
             let input = if rigid {
-                Input::Rigid { position_m, velocity_m_s: speed }
+                Input::Rigid { position_m, velocity_m_per_s: speed }
             } else {
-                Input::Motion { position_m, velocity_m_s: speed }
+                Input::Motion { position_m, velocity_m_per_s: speed }
             };
             let reading = action.step(input);
             if let Some(blow) = action.impact() {
-                out.blow_m_s = out.blow_m_s.max(blow.hammer_speed_m_s);
+                out.hammer_speed_m_per_s = out.hammer_speed_m_per_s.max(blow.hammer_speed_m_per_s);
             }
             sum += reading.finger_n;
         }
@@ -205,7 +211,7 @@ pub fn play(instrument: &Instrument, device: &Device, coupling: [f64; 2], finger
             }
         }
     }
-    [out.earlier_m_s, out.trembling_m_s] = squares.map(|(sum, count)| (sum / f64::from(count.max(1))).sqrt());
+    [out.earlier_m_per_s, out.trembling_m_per_s] = squares.map(|(sum, count)| (sum / f64::from(count.max(1))).sqrt());
     out
 }
 
@@ -217,9 +223,15 @@ pub fn play_admittance(instrument: &Instrument, period_s: f64, bandwidth_hz: f64
     let sub_steps = (period_s / STEP_S).round() as usize;
     let fine = (period_s / FINE_S).round() as usize;
     let (mut x, mut v, mut measured_n) = (0.0_f64, 0.0_f64, 0.0);
-    let mut pressing = Pressing { finger, at_m: 0.0, speed_m_s: 0.0 };
+    let mut pressing = Pressing { finger, at_m: 0.0, speed_m_per_s: 0.0 };
     let own = 2.0 * std::f64::consts::PI * bandwidth_hz;
-    let mut out = Outcome { trembling_m_s: 0.0, earlier_m_s: 0.0, largest_n: 0.0, blow_m_s: 0.0, saturated: false };
+    let mut out = Outcome {
+        trembling_m_per_s: 0.0,
+        earlier_m_per_s: 0.0,
+        largest_n: 0.0,
+        hammer_speed_m_per_s: 0.0,
+        saturated: false,
+    };
     let mut squares = [(0.0, 0_u32); 2];
     for n in 0..(END_S / period_s) as usize {
         let t = n as f64 * period_s;
@@ -227,7 +239,7 @@ pub fn play_admittance(instrument: &Instrument, period_s: f64, bandwidth_hz: f64
         for _ in 0..sub_steps {
             key_m = action.step(Input::Force(measured_n)).key_m;
             if let Some(blow) = action.impact() {
-                out.blow_m_s = out.blow_m_s.max(blow.hammer_speed_m_s);
+                out.hammer_speed_m_per_s = out.hammer_speed_m_per_s.max(blow.hammer_speed_m_per_s);
             }
         }
         let mut sum = 0.0;
@@ -247,7 +259,7 @@ pub fn play_admittance(instrument: &Instrument, period_s: f64, bandwidth_hz: f64
         measured_n = sum / fine as f64;
         out.largest_n = out.largest_n.max(measured_n);
     }
-    [out.earlier_m_s, out.trembling_m_s] = squares.map(|(sum, count)| (sum / f64::from(count.max(1))).sqrt());
+    [out.earlier_m_per_s, out.trembling_m_per_s] = squares.map(|(sum, count)| (sum / f64::from(count.max(1))).sqrt());
     out
 }
 

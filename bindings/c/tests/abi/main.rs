@@ -98,8 +98,8 @@ pub(crate) fn taken(text: *mut std::ffi::c_char) -> String {
     own
 }
 
-pub(crate) fn moving(position_m: f64, velocity_m_s: f64) -> ErardInput {
-    ErardInput { kind: ERARD_MOTION, position_m, velocity_m_s, ..ErardInput::default() }
+pub(crate) fn moving(position_m: f64, velocity_m_per_s: f64) -> ErardInput {
+    ErardInput { kind: ERARD_MOTION, position_m, velocity_m_per_s, ..ErardInput::default() }
 }
 
 pub(crate) fn pushed(force_n: f64) -> ErardInput {

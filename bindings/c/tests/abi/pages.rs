@@ -101,14 +101,14 @@ fn numbers_are_looked_up_and_changed() {
         for _ in 0..3000 {
             action.force(5.0);
         }
-        action.read().blow_m_s
+        action.read().hammer_speed_m_per_s
     };
     let (light, heavy) = (Action::grand(), unsafe { erard_action_of(grand.0, 50e-6, null_mut()) });
     for _ in 0..3000 {
         light.force(5.0);
     }
     let heavy = blow(heavy);
-    assert!(heavy > 0.0 && heavy < light.read().blow_m_s, "{heavy} {}", light.read().blow_m_s);
+    assert!(heavy > 0.0 && heavy < light.read().hammer_speed_m_per_s, "{heavy} {}", light.read().hammer_speed_m_per_s);
 
     let json: Value =
         serde_json::from_str(&taken(unsafe { erard_instrument_json(grand.0, null_mut(), null_mut()) })).unwrap();

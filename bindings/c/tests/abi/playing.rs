@@ -104,7 +104,7 @@ fn strokes_are_those_of_press() {
                 toe_contact_s: 0.0,
                 let_off_s: 0.0,
                 blow_s: 0.0,
-                blow_m_s: 0.0,
+                hammer_speed_m_per_s: 0.0,
                 key_bottom_s: 0.0,
                 check_s: 0.0,
                 free_flight_s: 0.0,
@@ -117,7 +117,7 @@ fn strokes_are_those_of_press() {
                 (seen.toe_contact_s, e.toe_contact_s),
                 (seen.let_off_s, e.let_off_s),
                 (seen.blow_s, e.hammer_contact_s()),
-                (seen.blow_m_s, e.hammer_speed_m_s()),
+                (seen.hammer_speed_m_per_s, e.hammer_speed_m_per_s()),
                 (seen.key_bottom_s, e.key_bottom_s),
                 (seen.check_s, e.check_s),
                 (seen.free_flight_s, e.free_flight_s()),
@@ -153,7 +153,7 @@ fn recordings_are_played() {
         for _ in 0..4000 {
             assert!(unsafe { erard_step_stroke(action.0, stroke, null_mut()) } as i32 >= 0);
         }
-        speeds.push(action.read().blow_m_s.to_bits());
+        speeds.push(action.read().hammer_speed_m_per_s.to_bits());
         assert_eq!(unsafe { erard_stroke_rewind(stroke) }, ErardStatus::Ok);
     }
     assert!(f64::from_bits(speeds[0]) > 1.0 && speeds[0] == speeds[1]);
@@ -293,7 +293,7 @@ fn scenes_sheets_and_trials() {
         serde_json::from_str(&taken(unsafe { erard_try(instrument, null_mut(), null_mut()) })).unwrap()
     };
     let sound = tried(grand.0);
-    assert!(sound["hammer_speed_m_s"].as_f64().unwrap() > 1.0 && sound["warnings"] == json!([]), "{sound}");
+    assert!(sound["hammer_speed_m_per_s"].as_f64().unwrap() > 1.0 && sound["warnings"] == json!([]), "{sound}");
     let high = turned(grand.0, &json!({ "string_height": 5.0, "let_off": -4.0, "hammer": 13.0 })).unwrap();
     let lame = tried(high.0);
     assert_ne!(lame, sound);
@@ -368,7 +368,7 @@ fn recordings_are_made_ready() {
             assert!(unsafe { erard_step_stroke(action.0, stroke, null_mut()) } as i32 >= 0);
         }
         unsafe { erard_stroke_free(stroke) };
-        (action.read().blow_m_s, told)
+        (action.read().hammer_speed_m_per_s, told)
     };
     let (plain, said) = blow(&rows(0.0), &mut status);
     let (offset, told) = blow(&rows(0.75), &mut status);
@@ -423,7 +423,7 @@ fn a_hand_plays_as_in_rust() {
             "{n}"
         );
     }
-    assert!(reading.blows == 1 && reading.hand_m_s < 0.0, "{reading:?}");
+    assert!(reading.blows == 1 && reading.hand_m_per_s < 0.0, "{reading:?}");
     let before = reading;
     for wrong in [
         pressed(f64::NAN),

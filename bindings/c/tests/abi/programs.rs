@@ -111,7 +111,7 @@ fn presses(said: &str) {
         last = Some(action.step(Input::Force(if n < 5000 { 5.0 } else { 0.0 })));
         blow = action.impact().or(blow);
     }
-    assert_eq!(number_after(said, " with ").to_bits(), blow.unwrap().hammer_speed_m_s.to_bits(), "{said}");
+    assert_eq!(number_after(said, " with ").to_bits(), blow.unwrap().hammer_speed_m_per_s.to_bits(), "{said}");
     assert_eq!(number_after(said, "ends at ").to_bits(), last.unwrap().key_m.to_bits(), "{said}");
 }
 
@@ -215,10 +215,10 @@ int main() {
         if (n == 400) saved = action.save();
         if (action.force(9.0, r) < 0) return 1;
     }
-    double first = r.blow_m_s;
+    double first = r.hammer_speed_m_per_s;
     if (action.restore(saved) < 0) return 2;
     for (int n = 400; n < 4000; n++) if (action.force(9.0, r) < 0) return 3;
-    if (r.blows != 1 || r.blow_m_s != first || !(first > 0)) return 4;
+    if (r.blows != 1 || r.hammer_speed_m_per_s != first || !(first > 0)) return 4;
     try {
         heavy.set("body.hammer.mass_g", -1);
         return 5;

@@ -70,8 +70,8 @@ impl HandOptions {
                 None => Ok(None),
             };
         };
-        let start_m_s = self.hand_speed.unwrap_or(0.0);
-        let hand = Hand { mass_kg: grams * 1e-3, start_m_s, ..Hand::default() };
+        let start_m_per_s = self.hand_speed.unwrap_or(0.0);
+        let hand = Hand { mass_kg: grams * 1e-3, start_m_per_s, ..Hand::default() };
         hand.check().map_err(|error| Failure::Usage(error.to_string()))?;
         Ok(Some(hand))
     }
@@ -98,16 +98,17 @@ impl HandOptions {
         let kind = Kind { touch, mass_kg: self.mass_kg() };
         let mut reference = Reference::new(reference, progress)?;
         let (name, found) = match self.hand_speed {
-            Some(speed_m_s) => {
-                (format!("arriving with {speed_m_s} m/s"), reference.strike(kind.mass_kg, speed_m_s, progress)?.whole())
-            }
+            Some(speed_m_per_s) => (
+                format!("arriving with {speed_m_per_s} m/s"),
+                reference.strike(kind.mass_kg, speed_m_per_s, progress)?.whole(),
+            ),
             None => {
                 let level = self.stroke.as_deref().unwrap_or("mf");
-                let (name, speed_m_s) = match self.hammer_speed {
-                    Some(speed_m_s) => (format!("{speed_m_s} m/s"), speed_m_s),
+                let (name, speed_m_per_s) = match self.hammer_speed {
+                    Some(speed_m_per_s) => (format!("{speed_m_per_s} m/s"), speed_m_per_s),
                     None => (level.to_owned(), named(level).unwrap_or(LEVELS[2].1)),
                 };
-                (name, reference.solve(kind, speed_m_s, progress)?.whole())
+                (name, reference.solve(kind, speed_m_per_s, progress)?.whole())
             }
         };
         let mass = self.hand.map_or_else(String::new, |grams| format!(", hand of {grams} g"));
@@ -136,7 +137,7 @@ fn exact(stroke: &Stroke) -> String {
         _ => f64::NAN,
     };
     let impact_s = played.relaxes.map_or(f64::NAN, |relax| relax.at_s);
-    format!("{} {} {force_n} {impact_s}", played.hand.mass_kg, played.hand.start_m_s)
+    format!("{} {} {force_n} {impact_s}", played.hand.mass_kg, played.hand.start_m_per_s)
 }
 
 /// What plays, in a line; `None` where no built-in touch does.
@@ -148,7 +149,7 @@ pub(crate) fn described(stroke: &Stroke) -> Option<String> {
             format!("{grams} g on the key, muscle {force_n:.2} N within {:.0} ms", within_s * 1e3)
         }
         Muscle::Steady { force_n } => {
-            format!("{grams} g arriving with {:.3} m/s, muscle {force_n:.2} N", played.hand.start_m_s)
+            format!("{grams} g arriving with {:.3} m/s, muscle {force_n:.2} N", played.hand.start_m_per_s)
         }
         _ => return None,
     })

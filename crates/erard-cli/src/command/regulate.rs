@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use erard::instrument::Instrument;
 use erard_workshop::distances::Protocol;
-use erard_workshop::measure::range::{HARDLY_HEARD_M_S, double_strike};
+use erard_workshop::measure::range::{HARDLY_HEARD_M_PER_S, double_strike};
 use erard_workshop::regulate::{
     Goal, Regulated, Specification, Status, disturbed, parse_value, regulate, regulate_following,
 };
@@ -176,7 +176,7 @@ impl Regulate {
         );
         say!();
         say!("{}", Shown(&regulated, self.lengths));
-        if soft[1] > HARDLY_HEARD_M_S {
+        if soft[1] > HARDLY_HEARD_M_PER_S {
             tell!(
                 "warning: a soft note strikes twice, the second time at {:.2} m/s (before: {:.2} m/s): a weaker repetition spring (--spring) or a \
                  longer drop (--drop) helps",

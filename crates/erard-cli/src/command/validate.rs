@@ -138,8 +138,8 @@ struct BlowReport {
     rate_N_s: Option<f64>,
     key_stroke_ms: Option<f64>,
     hammer_before_key_bottom_ms: Option<f64>,
-    hammer_speed_m_s: Option<f64>,
-    key_speed_m_s: f64,
+    hammer_speed_m_per_s: Option<f64>,
+    key_speed_m_per_s: f64,
     string_contact_ms: Option<f64>,
 }
 
@@ -212,8 +212,8 @@ impl<'a> Report<'a> {
             rate_N_s: if let Drive::Pressed(rate) = b.drive { Some(rate) } else { None },
             key_stroke_ms: ms(b.key_stroke_s),
             hammer_before_key_bottom_ms: ms(b.hammer_ahead_s),
-            hammer_speed_m_s: b.hammer_speed_m_s,
-            key_speed_m_s: b.key_speed_m_s,
+            hammer_speed_m_per_s: b.hammer_speed_m_per_s,
+            key_speed_m_per_s: b.key_speed_m_per_s,
             string_contact_ms: ms(b.contact_s),
         };
         Report {
@@ -398,7 +398,7 @@ fn print_table(rows: &[RowReport]) {
 const MARKS: [(f64, &str); 6] = [(0.5, "pp"), (0.79, "p"), (1.26, "mp"), (1.99, "mf"), (3.15, "f"), (5.0, "ff")];
 
 /// Half the width of a bar, m/s.
-const BAR_M_S: f64 = 0.12;
+const BAR_M_PER_S: f64 = 0.12;
 
 /// A published value with its range, drawn as a bar at a hammer speed.
 struct Bar {
@@ -422,7 +422,7 @@ impl<'a> Curve<'a> {
             blows.iter().map(|b| get(b).map_or(f64::NAN, |s| 1e3 * s)).collect()
         };
         Curve {
-            speeds: blows.iter().filter_map(|b| b.hammer_speed_m_s).collect(),
+            speeds: blows.iter().filter_map(|b| b.hammer_speed_m_per_s).collect(),
             ahead_ms: ms(|b| b.hammer_ahead_s),
             stroke_ms: ms(|b| b.key_stroke_s),
             blows,
@@ -431,20 +431,20 @@ impl<'a> Curve<'a> {
 
     /// The hammer speed of the first blow of which something holds.
     fn speed(&self, holds: impl Fn(&PressedBlow) -> bool) -> Option<f64> {
-        self.blows.iter().find(|b| holds(b)).and_then(|b| b.hammer_speed_m_s)
+        self.blows.iter().find(|b| holds(b)).and_then(|b| b.hammer_speed_m_per_s)
     }
 }
 
 /// The order of events against loudness: simulated blows, and the published points as bars.
 fn order_svg(validation: &Validation, published: &Published) -> String {
     let [constant, pressed] = [&validation.blows, &validation.pressed]
-        .map(|blows| Curve::of(blows.iter().filter(|b| b.hammer_speed_m_s.is_some())));
+        .map(|blows| Curve::of(blows.iter().filter(|b| b.hammer_speed_m_per_s.is_some())));
     // Where a row's published number stands: at the hammer speed of the simulated blow that it was compared with.
     let bar = |name: &str, speed: Option<f64>| -> Option<Bar> {
         let row = published.rows.iter().find(|row| row.name == name)?;
         let v = speed?;
         let (number, low, high) = (row.number?, row.at_least?, row.at_most?);
-        Some(Bar { x: [v - BAR_M_S, v + BAR_M_S], y: [number, number], range: [[v, v], [low, high]] })
+        Some(Bar { x: [v - BAR_M_PER_S, v + BAR_M_PER_S], y: [number, number], range: [[v, v], [low, high]] })
     };
     let near = |force: f64| constant.speed(|b| matches!(b.drive, Drive::Constant(n) if n >= force));
     let quick = |b: &PressedBlow| b.key_stroke_s.is_some_and(|t| t <= 0.025);
@@ -454,7 +454,7 @@ fn order_svg(validation: &Validation, published: &Published) -> String {
         bar("hammer_ahead_p", near(0.8)),
         bar("hammer_ahead_f", pressed.speed(quick)),
         bar("hammer_ahead_ff", Some(5.0)),
-        bar("hammer_ahead_loudest", pressed.blows.last().and_then(|b| b.hammer_speed_m_s)),
+        bar("hammer_ahead_loudest", pressed.blows.last().and_then(|b| b.hammer_speed_m_per_s)),
     ]);
     let strokes = bars([
         bar("key_stroke_at_0_8_N", near(0.8)),

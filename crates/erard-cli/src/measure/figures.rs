@@ -157,7 +157,7 @@ fn range(measured: &[Measured]) -> String {
         .collect()
     };
     let panels = vec![
-        Panel::new("hammer speed", "m/s", 240.0, curves(&|l| l.hammer_speed_m_s)),
+        Panel::new("hammer speed", "m/s", 240.0, curves(&|l| l.hammer_speed_m_per_s)),
         Panel::new("MIDI velocity", "1-127", 180.0, curves(&|l| l.midi_velocity.map(f64::from))).within(0.0, 127.0),
     ];
     let far = largest(forces.iter().flatten());
@@ -169,9 +169,9 @@ fn range(measured: &[Measured]) -> String {
 fn timing(measured: &[Measured]) -> String {
     // A row that did not sound has no place on this axis.
     let sounded = |one: &Measured, touch: &str| -> Vec<TimingRow> {
-        let rows = one.sheet.timing.iter().filter(|row| row.touch == touch && row.hammer_speed_m_s.is_some());
+        let rows = one.sheet.timing.iter().filter(|row| row.touch == touch && row.hammer_speed_m_per_s.is_some());
         let mut rows: Vec<TimingRow> = rows.cloned().collect();
-        rows.sort_by(|a, b| a.hammer_speed_m_s.unwrap_or(0.0).total_cmp(&b.hammer_speed_m_s.unwrap_or(0.0)));
+        rows.sort_by(|a, b| a.hammer_speed_m_per_s.unwrap_or(0.0).total_cmp(&b.hammer_speed_m_per_s.unwrap_or(0.0)));
         rows
     };
     let touches = [("pressed", Dash::Solid), ("struck", Dash::Dashed)];
@@ -186,7 +186,7 @@ fn timing(measured: &[Measured]) -> String {
     for (index, one) in measured.iter().enumerate() {
         for (touch, dash) in touches {
             let rows = sounded(one, touch);
-            let speeds = rows.iter().filter_map(|row| row.hammer_speed_m_s).collect();
+            let speeds = rows.iter().filter_map(|row| row.hammer_speed_m_per_s).collect();
             series.push(Strokes { label: label(measured, index, touch), colour: index, dash, speeds, rows });
         }
     }

@@ -30,7 +30,7 @@ const USUAL: [(&str, &str); 15] = [
     ("let_off_mm", "let-off mm"),
     ("drop_mm", "drop mm"),
     ("check_mm", "check mm"),
-    ("repetition_spring_m_s", "rise m/s"),
+    ("repetition_spring_m_per_s", "rise m/s"),
     ("repetition_rate_half_hz", "rep. Hz"),
 ];
 

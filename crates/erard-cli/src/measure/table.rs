@@ -77,7 +77,7 @@ pub(crate) fn timing(one: &Measured) -> Table<'static> {
             decimal(row.key_bottom_ms, 1),
             decimal(row.free_flight_ms, 1),
             decimal(row.hammer_before_bottom_ms, 1),
-            decimal(row.hammer_speed_m_s, 2),
+            decimal(row.hammer_speed_m_per_s, 2),
             decimal(row.midi_velocity.map(f64::from), 0),
         ]
     });

@@ -39,7 +39,7 @@ const REGULATION: [Value; 11] = [
     ("drop_mm", "drop"),
     ("aftertouch_mm", "aftertouch"),
     ("check_mm", "checking distance"),
-    ("repetition_spring_m_s", "rise from the check"),
+    ("repetition_spring_m_per_s", "rise from the check"),
     ("damper_start_share", "damper start, of the dip"),
     ("lost_motion_mm", "lost motion"),
 ];

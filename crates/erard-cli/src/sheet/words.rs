@@ -39,7 +39,7 @@ fn comes_from(key: &str) -> &'static str {
     match key {
         "whippen_weight_g" => "no screw changes it: weigh it off the key, and compare its neighbours",
         "key_ratio" => "the key's wood and the capstan's place decide it",
-        "double_strike_m_s" => "back check, repetition spring and lever decide it: measure again after this list",
+        "double_strike_m_per_s" => "back check, repetition spring and lever decide it: measure again after this list",
         "repetition_rate_hz" | "repetition_rate_half_hz" => {
             "friction, spring and check decide it: measure again after this list"
         }

@@ -12,7 +12,7 @@ const MOST_CURVES: usize = 6;
 type Quantity = (&'static str, fn(&Events) -> Option<f64>);
 
 const QUANTITIES: [Quantity; 3] = [
-    ("hammer speed (m/s)", Events::hammer_speed_m_s),
+    ("hammer speed (m/s)", Events::hammer_speed_m_per_s),
     ("key start to hammer (ms)", |e| Some((e.hammer_contact_s()? - e.key_start_s?) * 1e3)),
     ("hammer before key bottom (ms)", |e| Some((e.key_bottom_s? - e.hammer_contact_s()?) * 1e3)),
 ];

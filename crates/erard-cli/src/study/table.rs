@@ -78,7 +78,7 @@ pub(crate) fn table_of(columns: &[Column]) -> Table<'static> {
 type Shown = (&'static str, fn(&Events) -> Option<f64>);
 
 const SHOWN: [Shown; 5] = [
-    ("hammer m/s", Events::hammer_speed_m_s),
+    ("hammer m/s", Events::hammer_speed_m_per_s),
     ("at ms", |e| e.hammer_contact_s().map(|s| s * 1e3)),
     ("last push ms", |e| e.let_off_s.map(|s| s * 1e3)),
     ("bottom ms", |e| e.key_bottom_s.map(|s| s * 1e3)),

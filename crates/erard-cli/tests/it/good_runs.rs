@@ -116,7 +116,7 @@ fn every_drive_and_model() {
             folder.good(&["press", "--model", model, "--drive", drive, "--duration", "0.2"]);
             let summary = json(&folder, "erard-out/summary.json");
             assert_eq!((summary["model"].as_str(), summary["drive"].as_str()), (Some(model), Some(drive)));
-            assert_eq!(summary["hammer_speed_m_s"].is_null(), model == "one-dof", "{model} {drive}");
+            assert_eq!(summary["hammer_speed_m_per_s"].is_null(), model == "one-dof", "{model} {drive}");
         }
     }
     // A table of its own without the piano's columns.
@@ -135,7 +135,7 @@ fn a_stroke_from_a_file() {
         folder.good(&["press", &format!("{name}.csv"), "--out", name]);
     }
     assert_eq!(folder.read("tidy/run.csv"), folder.read("other/run.csv"));
-    assert!(json(&folder, "tidy/summary.json")["hammer_speed_m_s"].as_f64().unwrap() > 1.0);
+    assert!(json(&folder, "tidy/summary.json")["hammer_speed_m_per_s"].as_f64().unwrap() > 1.0);
 }
 
 /// A run's own table, played back: the hammer's column is held against the models too.

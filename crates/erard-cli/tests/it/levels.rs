@@ -9,7 +9,7 @@ fn summary(folder: &Folder, arguments: &[&str]) -> Value {
 }
 
 fn speed(summary: &Value) -> f64 {
-    summary["hammer_speed_m_s"].as_f64().unwrap()
+    summary["hammer_speed_m_per_s"].as_f64().unwrap()
 }
 
 /// Each level comes out as it was named, by any hand and touch; the same force curve does not.

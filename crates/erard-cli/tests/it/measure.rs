@@ -205,7 +205,7 @@ fn the_technicians_sheet() {
     }
     let sheets: Value = serde_json::from_slice(&fs::read(out.join("sheet.json")).unwrap()).unwrap();
     let out_of_norm = sheets[0]["out_of_the_norm"].as_array().unwrap();
-    for key in ["let_off_mm", "drop_mm", "repetition_spring_m_s"] {
+    for key in ["let_off_mm", "drop_mm", "repetition_spring_m_per_s"] {
         assert!(out_of_norm.iter().any(|one| one == key), "{key}: {sheets}");
     }
     // What is out and no line of work is for is said, once: other readings of the same weight or ratio are not.

@@ -239,7 +239,7 @@ fn runs_are_strokes() {
     let speed = |arguments: &[&str]| {
         folder.good(&[&["press"], arguments].concat());
         let summary: Value = serde_json::from_str(&folder.read("erard-out/summary.json")).unwrap();
-        summary["hammer_speed_m_s"].as_f64().unwrap()
+        summary["hammer_speed_m_per_s"].as_f64().unwrap()
     };
     let force = speed(&["run/run.csv"]);
     assert_eq!(force, speed(&["run/run.parquet"]));
@@ -279,7 +279,7 @@ fn zstandard_is_read() {
     let speed = |file: &str| {
         folder.good(&["press", file, "--duration", "0.25"]);
         let summary: Value = serde_json::from_str(&folder.read("erard-out/summary.json")).unwrap();
-        summary["hammer_speed_m_s"].as_f64().unwrap()
+        summary["hammer_speed_m_per_s"].as_f64().unwrap()
     };
     let plain = speed("plain.csv");
     for name in ["pages-1.parquet", "pages-2.parquet"] {

@@ -3,7 +3,7 @@
 use crate::common::Folder;
 use erard::instrument::Instrument;
 use erard_workshop::distances::{Protocol, measure};
-use erard_workshop::measure::range::{HARDLY_HEARD_M_S, double_strike};
+use erard_workshop::measure::range::{HARDLY_HEARD_M_PER_S, double_strike};
 use serde_json::Value;
 
 fn folder(test: &str) -> Folder {
@@ -47,7 +47,7 @@ fn a_mis_set_file_is_put_right() {
     ] {
         assert!((value.unwrap() - asked).abs() < 0.05e-3, "{asked}: {d:?}");
     }
-    assert!((d.spring_m_s.unwrap() / 0.25 - 1.0).abs() < 0.02);
+    assert!((d.spring_m_per_s.unwrap() / 0.25 - 1.0).abs() < 0.02);
 
     let report: Value = serde_json::from_str(&folder.read("right.json")).unwrap();
     assert_eq!(report["all_met"], true);
@@ -60,8 +60,8 @@ fn a_mis_set_file_is_put_right() {
     );
     assert!((dip["after"].as_f64().unwrap() - d.dip_m.unwrap() * 1e3).abs() < 1e-6, "{dip}");
     let second_blow = double_strike(&right, &mut |_| true).unwrap();
-    assert!((report["double_strike_m_s"]["after"].as_f64().unwrap() - second_blow).abs() < 1e-9, "{report}");
-    assert!(second_blow < HARDLY_HEARD_M_S, "the norms leave soft notes that sound once");
+    assert!((report["double_strike_m_per_s"]["after"].as_f64().unwrap() - second_blow).abs() < 1e-9, "{report}");
+    assert!(second_blow < HARDLY_HEARD_M_PER_S, "the norms leave soft notes that sound once");
     let screw = report["screws"].as_array().unwrap().iter().find(|s| s["screw"] == "front_punching").unwrap();
     assert_eq!((&screw["way"], &screw["from"]), (&"down".into(), &1.9.into()));
     assert!(table.contains("front_punching") && table.contains("(down)") && table.contains("simulations"), "{table}");
@@ -107,8 +107,8 @@ fn soft_notes_that_strike_twice_are_told() {
     let told = String::from_utf8(output.stderr).unwrap();
     assert!(told.contains("strikes twice") && told.contains("--spring"), "{told}");
     let report: Value = serde_json::from_str(&folder.read("strong.json")).unwrap();
-    let [before, after] = ["before", "after"].map(|key| report["double_strike_m_s"][key].as_f64().unwrap());
-    assert!(before < HARDLY_HEARD_M_S && after > 1.5 * HARDLY_HEARD_M_S, "{report}");
+    let [before, after] = ["before", "after"].map(|key| report["double_strike_m_per_s"][key].as_f64().unwrap());
+    assert!(before < HARDLY_HEARD_M_PER_S && after > 1.5 * HARDLY_HEARD_M_PER_S, "{report}");
 }
 
 /// Comments and layout stay; only settings and the source of the new ones are different.

@@ -71,7 +71,7 @@ mod nightly {
             rows.as_array().unwrap().clone()
         };
         let press = rows(&["press"], "press");
-        let speed = press.iter().find(|row| row["name"] == "hammer_speed_m_s").unwrap();
+        let speed = press.iter().find(|row| row["name"] == "hammer_speed_m_per_s").unwrap();
         let number = |row: &Value, key: &str| row[key].as_f64().unwrap();
         assert!(number(speed, "low") < number(speed, "high") && speed["samples"] == 3, "{speed}");
         // The band of three is that of the three pressed one by one.
@@ -81,7 +81,7 @@ mod nightly {
                 let output = cached(&folder, &["press", "--instrument", &instrument, "--out", "alone", "--force"]);
                 assert!(output.status.success());
                 let summary: Value = serde_json::from_str(&folder.read("alone/summary.json")).unwrap();
-                number(&summary, "hammer_speed_m_s")
+                number(&summary, "hammer_speed_m_per_s")
             })
             .collect();
         alone.sort_by(f64::total_cmp);

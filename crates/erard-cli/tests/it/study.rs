@@ -86,7 +86,7 @@ fn a_study_is_many_presses() {
     folder.good(&["press", "--stroke", "f", "--drive", "force", "--duration", "0.2", "--out", "press"]);
     let summary: Value = serde_json::from_str(&folder.read("press/summary.json")).unwrap();
     for (ours, theirs) in [
-        ("hammer_speed_m_per_s", "hammer_speed_m_s"),
+        ("hammer_speed_m_per_s", "hammer_speed_m_per_s"),
         ("hammer_contact_s", "hammer_contact_s"),
         ("key_bottom_s", "key_bottom_s"),
         ("let_off_s", "let_off_s"),

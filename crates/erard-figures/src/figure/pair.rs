@@ -71,7 +71,7 @@ pub(crate) fn pair_figure<'a>(title: &str, runs: [(&str, &'a Run); 2]) -> Figure
         });
     }
     let speed =
-        |run: &Run| run.events.hammer_speed_m_s().map_or("no impact".to_owned(), |speed| format!("{speed:.2} m/s"));
+        |run: &Run| run.events.hammer_speed_m_per_s().map_or("no impact".to_owned(), |speed| format!("{speed:.2} m/s"));
     let blow = |(name, run): (&str, &Run)| {
         Some(Marker {
             x: run.events.hammer_contact_s()?,

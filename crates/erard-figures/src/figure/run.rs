@@ -36,7 +36,7 @@ pub(crate) fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
     if let Some(forces) = contact_forces(run) {
         panels.push(forces);
     }
-    let speed = run.events.hammer_speed_m_s().filter(|speed| speed.is_finite());
+    let speed = run.events.hammer_speed_m_per_s().filter(|speed| speed.is_finite());
     let title = if stroke.is_empty() { run.instrument.clone() } else { format!("{}: {stroke}", run.instrument) };
     let subtitle = speed.map_or(String::new(), |speed| format!("hammer at the string: {speed:.2} m/s"));
     over_run(run, title, subtitle, panels)

@@ -91,7 +91,7 @@ pub(crate) fn two_levers_run(frames: usize) -> Run {
     stop.normal_n = (0..frames).map(|i| if i == hit { 25.0 } else { 0.0 }).collect();
     stop.tangential_n.clear();
     stop.contact = vec![[0.16, 0.01, 0.0, 1.0]; frames];
-    let impact = |time_s: &f64| Impact { time_s: *time_s, hammer_speed_m_s: 1.0, hammer_speed_normal_m_s: 1.0 };
+    let impact = |time_s: &f64| Impact { time_s: *time_s, hammer_speed_m_per_s: 1.0, hammer_speed_normal_m_per_s: 1.0 };
     run.events.impacts = time_s.get(hit).map(impact).into_iter().collect();
     run.time_s = time_s;
     run

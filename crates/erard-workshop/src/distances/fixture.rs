@@ -25,7 +25,7 @@ pub(super) struct View {
     /// Strike point to string, m.
     pub below_string_m: f64,
     /// Speed of the strike point toward the string, m/s.
-    pub rise_m_s: f64,
+    pub rise_m_per_s: f64,
     /// Force of the finger, N.
     pub force_n: f64,
 }
@@ -38,7 +38,7 @@ pub(super) struct Fixture<'i> {
     /// The finger's position as the key front's would be, m below rest.
     finger_m: f64,
     /// The finger's speed, m/s, down positive.
-    speed_m_s: f64,
+    speed_m_per_s: f64,
     before: View,
     steps: u64,
     /// Steps that reached an iteration limit.
@@ -50,13 +50,13 @@ impl<'i> Fixture<'i> {
     pub(crate) fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, DistanceError> {
         let action = Action::with(instrument, Settings::new(step_s))?;
         let view =
-            View { key_m: 0.0, below_string_m: -action.compression(anatomy.string), rise_m_s: 0.0, force_n: 0.0 };
+            View { key_m: 0.0, below_string_m: -action.compression(anatomy.string), rise_m_per_s: 0.0, force_n: 0.0 };
         Ok(Fixture {
             instrument,
             anatomy,
             action,
             finger_m: 0.0,
-            speed_m_s: 0.0,
+            speed_m_per_s: 0.0,
             before: view,
             steps: 0,
             unconverged: 0,
@@ -98,7 +98,7 @@ impl<'i> Fixture<'i> {
         self.before = View {
             key_m: self.action.reading().key_m,
             below_string_m,
-            rise_m_s: (self.before.below_string_m - below_string_m) / step_s,
+            rise_m_per_s: (self.before.below_string_m - below_string_m) / step_s,
             force_n: self.action.reading().finger_n,
         };
         Ok(())
@@ -107,19 +107,19 @@ impl<'i> Fixture<'i> {
     /// One step of a finger that is at, or on its way to, a speed.
     fn finger_step(
         &mut self,
-        to_m_s: f64,
+        to_m_per_s: f64,
         over_s: f64,
-        cruise_m_s: f64,
+        cruise_m_per_s: f64,
         progress: &mut Progress<'_>,
     ) -> Result<(), DistanceError> {
         let Settings { step, theta, .. } = *self.action.settings();
-        let most = cruise_m_s.abs() * step / over_s;
-        let speed = self.speed_m_s + (to_m_s - self.speed_m_s).clamp(-most, most);
-        let middle = 0.5 * (self.speed_m_s + speed);
+        let most = cruise_m_per_s.abs() * step / over_s;
+        let speed = self.speed_m_per_s + (to_m_per_s - self.speed_m_per_s).clamp(-most, most);
+        let middle = 0.5 * (self.speed_m_per_s + speed);
         let position_m = self.finger_m + theta * step * middle;
-        self.take(Input::Motion { position_m, velocity_m_s: middle }, progress)?;
+        self.take(Input::Motion { position_m, velocity_m_per_s: middle }, progress)?;
         self.finger_m += step * middle;
-        self.speed_m_s = speed;
+        self.speed_m_per_s = speed;
         Ok(())
     }
 
@@ -127,13 +127,13 @@ impl<'i> Fixture<'i> {
     /// reached `until_m`. Whether it was `seen`.
     pub(crate) fn move_finger(
         &mut self,
-        speed_m_s: f64,
+        speed_m_per_s: f64,
         until_m: f64,
         seen: &mut dyn FnMut(&Self) -> bool,
         progress: &mut Progress<'_>,
     ) -> Result<bool, DistanceError> {
-        while (until_m - self.finger_m) * speed_m_s > 0.0 {
-            self.finger_step(speed_m_s, GATHERING_S, speed_m_s, progress)?;
+        while (until_m - self.finger_m) * speed_m_per_s > 0.0 {
+            self.finger_step(speed_m_per_s, GATHERING_S, speed_m_per_s, progress)?;
             if seen(self) {
                 return Ok(true);
             }
@@ -148,7 +148,7 @@ impl<'i> Fixture<'i> {
         seen: &mut dyn FnMut(&Self) -> bool,
         progress: &mut Progress<'_>,
     ) -> Result<(), DistanceError> {
-        let cruise = self.speed_m_s;
+        let cruise = self.speed_m_per_s;
         let until = self.time_s() + for_s;
         while self.time_s() < until {
             self.finger_step(0.0, BRAKING_S, cruise, progress)?;
@@ -176,26 +176,26 @@ impl<'i> Fixture<'i> {
         }
         // A finger that takes over from here stands where its flesh gives this force.
         self.finger_m = self.before.key_m + force_n / self.instrument.finger.stiffness_n_per_m;
-        self.speed_m_s = 0.0;
+        self.speed_m_per_s = 0.0;
         Ok(())
     }
 }
 
-/// Sees that the hammer has come to rest: slower than `below_m_s` for `for_s` without a break.
+/// Sees that the hammer has come to rest: slower than `below_m_per_s` for `for_s` without a break.
 pub(super) struct Still {
-    below_m_s: f64,
+    below_m_per_s: f64,
     for_s: f64,
     since_s: Option<f64>,
 }
 
 impl Still {
-    pub(crate) fn new(below_m_s: f64, for_s: f64) -> Self {
-        Still { below_m_s, for_s, since_s: None }
+    pub(crate) fn new(below_m_per_s: f64, for_s: f64) -> Self {
+        Still { below_m_per_s, for_s, since_s: None }
     }
 
     pub(crate) fn seen(&mut self, fixture: &Fixture<'_>) -> bool {
         let now = fixture.time_s();
-        if fixture.view().rise_m_s.abs() > self.below_m_s {
+        if fixture.view().rise_m_per_s.abs() > self.below_m_per_s {
             self.since_s = None;
             return false;
         }

@@ -18,7 +18,7 @@ use erard::player::ActionError;
 pub struct Protocol {
     /// Speed of the slow finger, m/s: slow enough that what the hammer swings on its felts moves no distance by more
     /// than 0.02 mm.
-    pub slow_m_s: f64,
+    pub slow_m_per_s: f64,
     /// Force of the firm press that dip is measured under, N: half a kilogram of finger.
     pub firm_n: f64,
     /// Force of the medium blow, N, put on at once and held: the hammer meets the string at about 2 m/s, mf.
@@ -31,7 +31,7 @@ pub struct Protocol {
 
 impl Default for Protocol {
     fn default() -> Self {
-        Protocol { slow_m_s: 2e-3, firm_n: 5.0, blow_n: 4.0, slow_step_s: 2e-4, blow_step_s: 5e-5 }
+        Protocol { slow_m_per_s: 2e-3, firm_n: 5.0, blow_n: 4.0, slow_step_s: 2e-4, blow_step_s: 5e-5 }
     }
 }
 
@@ -70,7 +70,7 @@ pub struct Distances {
     pub repetition_rise_m: Option<f64>,
     /// Strength of the repetition spring, by what it does: the largest speed of the strike point during that rise, m/s.
     /// Technicians judge it by eye: a brisk rise that can be followed, without a jump.
-    pub spring_m_s: Option<f64>,
+    pub spring_m_per_s: Option<f64>,
     /// Steps of the trials that reached an iteration limit.
     pub unconverged_steps: u64,
 }
@@ -90,7 +90,7 @@ const BLOW_S: f64 = 0.5;
 /// Longest time that a hammer may take to rise from the check, s.
 const RISE_S: f64 = 1.0;
 /// A hammer is at rest when it has been slower than this, m/s, for [`STILL_S`].
-const STILL_M_S: f64 = 2e-4;
+const STILL_M_PER_S: f64 = 2e-4;
 /// s.
 const STILL_S: f64 = 0.03;
 
@@ -200,7 +200,7 @@ fn slow_key(
 
     let mut dip_m = None;
     let let_off = fixture.move_finger(
-        protocol.slow_m_s,
+        protocol.slow_m_per_s,
         DEEPEST_M,
         &mut |fixture| {
             let view = follow(fixture);
@@ -216,7 +216,7 @@ fn slow_key(
         progress,
     )? && dip_m.is_none();
     if let_off {
-        let mut still = Still::new(STILL_M_S, STILL_S);
+        let mut still = Still::new(STILL_M_PER_S, STILL_S);
         fixture.hold(
             DROP_S,
             &mut |fixture| {
@@ -227,7 +227,7 @@ fn slow_key(
         )?;
         distances.drop_m = Some(fixture.view().below_string_m - nearest_m);
         fixture.move_finger(
-            protocol.slow_m_s,
+            protocol.slow_m_per_s,
             DEEPEST_M,
             &mut |fixture| {
                 let view = follow(fixture);
@@ -307,7 +307,7 @@ fn medium_blow(
     distances: &mut Distances,
     progress: &mut Progress<'_>,
 ) -> Result<(), DistanceError> {
-    (distances.check_m, distances.repetition_rise_m, distances.spring_m_s) = (None, None, None);
+    (distances.check_m, distances.repetition_rise_m, distances.spring_m_per_s) = (None, None, None);
     let Some(check) = anatomy.check else { return Ok(()) };
     let mut fixture = Fixture::at_rest(instrument, anatomy, protocol.blow_step_s)?;
     blow_and_let_up(&mut fixture, anatomy, check, protocol, distances, progress)?;
@@ -323,7 +323,7 @@ fn blow_and_let_up(
     distances: &mut Distances,
     progress: &mut Progress<'_>,
 ) -> Result<(), DistanceError> {
-    let (mut struck, mut still) = (false, Still::new(STILL_M_S, STILL_S));
+    let (mut struck, mut still) = (false, Still::new(STILL_M_PER_S, STILL_S));
     fixture.press(
         protocol.blow_n,
         BLOW_S,
@@ -339,20 +339,20 @@ fn blow_and_let_up(
     let caught_m = fixture.view().below_string_m;
     distances.check_m = Some(caught_m);
     let free =
-        fixture.move_finger(-protocol.slow_m_s, 0.0, &mut |fixture| fixture.compression(check) <= 0.0, progress)?;
+        fixture.move_finger(-protocol.slow_m_per_s, 0.0, &mut |fixture| fixture.compression(check) <= 0.0, progress)?;
     if !free {
         return Ok(());
     }
-    let (mut fastest_m_s, mut still) = (0.0_f64, Still::new(STILL_M_S, STILL_S));
+    let (mut fastest_m_per_s, mut still) = (0.0_f64, Still::new(STILL_M_PER_S, STILL_S));
     fixture.hold(
         RISE_S,
         &mut |fixture| {
-            fastest_m_s = fastest_m_s.max(fixture.view().rise_m_s);
+            fastest_m_per_s = fastest_m_per_s.max(fixture.view().rise_m_per_s);
             still.seen(fixture)
         },
         progress,
     )?;
     distances.repetition_rise_m = Some(caught_m - fixture.view().below_string_m);
-    distances.spring_m_s = Some(fastest_m_s);
+    distances.spring_m_per_s = Some(fastest_m_per_s);
     Ok(())
 }

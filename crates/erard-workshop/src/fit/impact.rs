@@ -11,7 +11,7 @@ const SPEED_OVER_S: f64 = 2e-3;
 const FEWEST: usize = 4;
 /// A string turns the hammer's speed by more than this within that time, m/s; gravity takes 0.04, and springs and
 /// felts under a hammer that flies freely nothing.
-const TURNED_M_S: f64 = 0.15;
+const TURNED_M_PER_S: f64 = 0.15;
 /// Standard deviations of noise that a turn exceeds besides.
 const CHANCE: f64 = 6.0;
 
@@ -64,7 +64,7 @@ impl Data {
         }
         // Of a speed the path is the integral, whose noise is small.
         let speed = series.hammer_speed.as_ref()?;
-        let (times, speeds) = (speed.times_s(), speed.speeds_m_s());
+        let (times, speeds) = (speed.times_s(), speed.speeds_m_per_s());
         let mut rise = vec![0.0];
         for (k, pair) in speeds.windows(2).enumerate() {
             rise.push(rise[k] + 0.5 * (pair[0] + pair[1]) * (times[k + 1] - times[k]));
@@ -84,7 +84,7 @@ fn thrown_back_s(times: &[f64], rise: &[f64], noise: f64) -> Option<f64> {
         let (before, unsure) = slope(&times[from..=n], &rise[from..=n]);
         let (after, also) = slope(&times[n..to], &rise[n..to]);
         let turned = before - after;
-        let beyond = TURNED_M_S + CHANCE * noise * unsure.hypot(also);
+        let beyond = TURNED_M_PER_S + CHANCE * noise * unsure.hypot(also);
         (before > 0.0 && after < 0.0 && turned > beyond).then_some(turned)
     };
     let turns: Vec<Option<f64>> = (0..times.len()).map(turn).collect();

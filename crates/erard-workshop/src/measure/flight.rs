@@ -70,7 +70,7 @@ mod tests {
         let height = |t: f64| if t < off { v * t } else { v * t - 0.5 * g * (t - off) * (t - off) };
         let time_s: Vec<f64> = (0..=700).map(|i| f64::from(i) * 50e-6).collect();
         let head_m: Vec<f64> = time_s.iter().map(|&t| height(t)).collect();
-        let impacts = vec![Impact { time_s: blow, hammer_speed_m_s: 1.0, hammer_speed_normal_m_s: 1.0 }];
+        let impacts = vec![Impact { time_s: blow, hammer_speed_m_per_s: 1.0, hammer_speed_normal_m_per_s: 1.0 }];
         let events = Events { let_off_s: Some(off), impacts, ..Events::default() };
         let found = flights(&time_s, &head_m, &events).unwrap();
         let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-3, "{found} {expected}");

@@ -133,7 +133,7 @@ fn carry_on(action: &mut Action, [from_m, to_m]: [f64; 2], progress: &mut Progre
     let mut middles = (0..steps).map(|n| (n as f64 + 0.5) / steps as f64);
     action.play(progress, &mut |_| {
         let position_m = from_m + middles.next()? * (to_m - from_m);
-        Some(Input::Motion { position_m, velocity_m_s: (to_m - from_m) / BETWEEN_S })
+        Some(Input::Motion { position_m, velocity_m_per_s: (to_m - from_m) / BETWEEN_S })
     })?;
     Ok(())
 }

@@ -98,7 +98,7 @@ const VALUES: [Value; 46] = [
     ("aftertouch_mm", |s| s.aftertouch_mm),
     ("check_mm", |s| s.check_mm),
     ("repetition_rise_mm", |s| s.repetition_rise_mm),
-    ("repetition_spring_m_s", |s| s.repetition_spring_m_s),
+    ("repetition_spring_m_per_s", |s| s.repetition_spring_m_per_s),
     ("damper_start_share", |s| s.damper_start_share),
     ("effective_inertia_kg", |s| Some(s.effective_inertia_kg)),
     ("effective_inertia_key_kg", |s| Some(s.effective_inertia_key_kg)),
@@ -109,9 +109,9 @@ const VALUES: [Value; 46] = [
     ("blocked_front_mm", |s| s.blocked_front_mm),
     ("blocked_back_mm", |s| s.blocked_back_mm),
     ("softest_force_N", |s| s.softest_force_N),
-    ("softest_let_off_speed_m_s", |s| s.softest_let_off_speed_m_s),
-    ("softest_fall_speed_m_s", |s| s.softest_fall_speed_m_s),
-    ("double_strike_m_s", |s| s.double_strike_m_s),
+    ("softest_let_off_speed_m_per_s", |s| s.softest_let_off_speed_m_per_s),
+    ("softest_fall_speed_m_per_s", |s| s.softest_fall_speed_m_per_s),
+    ("double_strike_m_per_s", |s| s.double_strike_m_per_s),
     ("repetition_rate_hz", |s| s.repetition_rate_hz),
     ("repetition_rate_half_hz", |s| s.repetition_rate_half_hz),
 ];
@@ -250,15 +250,15 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::range::HARDLY_HEARD_M_S;
+    use crate::measure::range::HARDLY_HEARD_M_PER_S;
 
     /// Every line of the file has a value in the sheet, and every value a line.
     #[test]
     fn lines_and_values_belong_together() {
         let (keys, values) = (lines().map(|line| line.key), VALUES.iter().map(|(key, _)| *key));
         assert_eq!(keys.collect::<Vec<_>>(), values.collect::<Vec<_>>());
-        let twice = lines().find(|line| line.key == "double_strike_m_s").unwrap();
-        assert_eq!(twice.range(40), [None, Some(HARDLY_HEARD_M_S)]);
+        let twice = lines().find(|line| line.key == "double_strike_m_per_s").unwrap();
+        assert_eq!(twice.range(40), [None, Some(HARDLY_HEARD_M_PER_S)]);
     }
 
     /// At the keys of the sources their numbers, between them a straight line, beyond them the nearest; middle C's are

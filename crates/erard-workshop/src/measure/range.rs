@@ -22,7 +22,7 @@ pub(crate) const DOUBLE_STRIKE_N: [f64; 2] = [0.7, 1.3];
 /// Steps between them.
 const DOUBLE_STRIKES: u32 = 12;
 /// A second blow that is hardly heard, m/s. Ours: no number is published.
-pub const HARDLY_HEARD_M_S: f64 = 0.15;
+pub const HARDLY_HEARD_M_PER_S: f64 = 0.15;
 /// Softest force: searched below this, to this, N.
 const LARGEST_SOFT_N: f64 = 10.0;
 const CLOSE_N: f64 = 2e-4;
@@ -34,7 +34,7 @@ pub struct Loudness {
     #[serde(rename = "force_N")]
     pub force_n: f64,
     /// Speed of the strike point at the string, m/s; `None` where it does not reach it.
-    pub hammer_speed_m_s: Option<f64>,
+    pub hammer_speed_m_per_s: Option<f64>,
     /// The same as MIDI velocity; see `midi_velocity`.
     pub midi_velocity: Option<u8>,
     /// Why the press is not to be trusted.
@@ -55,13 +55,13 @@ pub struct Softest {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SoftFlight {
     /// Speed of the strike point when it was pushed for the last time, m/s.
-    pub let_off_speed_m_s: f64,
+    pub let_off_speed_m_per_s: f64,
     /// How far it then had to fly, m.
     pub flight_m: f64,
     /// How long it flew, s.
     pub flight_s: f64,
     /// What the hammer's own fall makes of that distance: sqrt(2 a d), m/s; see `fall_m_s2`.
-    pub fall_speed_m_s: f64,
+    pub fall_speed_m_per_s: f64,
 }
 
 /// MIDI velocity of a hammer speed (m/s): 52 + 25 log2(speed), from 1 to 127.
@@ -70,8 +70,8 @@ pub struct SoftFlight {
 /// Expressive Piano Performance (thesis, University of Graz, 2003, section 3.7, eq. 3.2) turned hammer speeds of a
 /// Bösendorfer SE290 into MIDI velocities. Other instruments have others: it is declared, not measured.
 #[must_use]
-pub(crate) fn midi_velocity(speed_m_s: f64) -> Option<u8> {
-    (speed_m_s > 0.0).then(|| (52.0 + 25.0 * speed_m_s.log2()).round().clamp(1.0, 127.0) as u8)
+pub(crate) fn midi_velocity(speed_m_per_s: f64) -> Option<u8> {
+    (speed_m_per_s > 0.0).then(|| (52.0 + 25.0 * speed_m_per_s.log2()).round().clamp(1.0, 127.0) as u8)
 }
 
 /// What that map is, for people.
@@ -99,9 +99,9 @@ pub(crate) fn speed_against_force(
         .into_iter()
         .map(|force_n| {
             let run = press(instrument, force_n, true, progress)?;
-            let hammer_speed_m_s = run.events.hammer_speed_m_s();
-            let midi_velocity = hammer_speed_m_s.and_then(midi_velocity);
-            Ok(Loudness { force_n, hammer_speed_m_s, midi_velocity, warnings: run.warnings })
+            let hammer_speed_m_per_s = run.events.hammer_speed_m_per_s();
+            let midi_velocity = hammer_speed_m_per_s.and_then(midi_velocity);
+            Ok(Loudness { force_n, hammer_speed_m_per_s, midi_velocity, warnings: run.warnings })
         })
         .collect()
 }
@@ -117,7 +117,7 @@ pub fn double_strike(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
     for n in 0..=DOUBLE_STRIKES {
         let force_n = from + (to - from) * f64::from(n) / f64::from(DOUBLE_STRIKES);
         let run = press(instrument, force_n, false, progress)?;
-        fastest = run.events.impacts.iter().skip(1).map(|impact| impact.hammer_speed_m_s).fold(fastest, f64::max);
+        fastest = run.events.impacts.iter().skip(1).map(|impact| impact.hammer_speed_m_per_s).fold(fastest, f64::max);
     }
     Ok(fastest)
 }
@@ -154,10 +154,10 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
     // flight.
     let rate = blow.bodies[instrument.first_piece(parts.hammer)].rate_rad_per_s[row(off)];
     let flight = SoftFlight {
-        let_off_speed_m_s: rate.abs() * along.hypot(above),
+        let_off_speed_m_per_s: rate.abs() * along.hypot(above),
         flight_m,
         flight_s: contact - off,
-        fall_speed_m_s: (2.0 * fall_m_s2(&rigid, rigid_hammer) * flight_m.max(0.0)).sqrt(),
+        fall_speed_m_per_s: (2.0 * fall_m_s2(&rigid, rigid_hammer) * flight_m.max(0.0)).sqrt(),
     };
     Ok(Some(Softest { force_n: high, flight: Some(flight) }))
 }

@@ -27,7 +27,7 @@ pub(crate) const PRESS_N: f64 = 8.0;
 /// Strokes of a trial; the first one starts from rest and does not count.
 const STROKES: usize = 9;
 /// A blow that is softer does not speak, m/s: published hammer speeds begin at 0.5 m/s (pp).
-const SPEAKS_M_S: f64 = 0.5;
+const SPEAKS_M_PER_S: f64 = 0.5;
 /// How long the finger stays below and waits above, together: tried from nothing, in steps of this, to so many, s.
 const STAY_STEP_S: f64 = 2e-3;
 const STAYS: usize = 100;
@@ -52,7 +52,7 @@ pub struct Repetition {
     /// From bottom until the key is up, s.
     pub return_s: f64,
     /// The softest of the blows, m/s.
-    pub softest_m_s: f64,
+    pub softest_m_per_s: f64,
 }
 
 /// The fastest rate at which every stroke sounds; `None` where none does. `up_m`: the finger presses again when the key
@@ -143,12 +143,12 @@ fn held(
         return Ok(None);
     }
     let blows = detector.finish().impacts;
-    let mut softest_m_s = f64::INFINITY;
+    let mut softest_m_per_s = f64::INFINITY;
     for stroke in presses[1..].windows(2) {
         let mut own = blows.iter().filter(|blow| (stroke[0]..stroke[1]).contains(&blow.time_s));
         match (own.next(), own.next()) {
-            (Some(blow), None) if blow.hammer_speed_m_s >= SPEAKS_M_S => {
-                softest_m_s = softest_m_s.min(blow.hammer_speed_m_s)
+            (Some(blow), None) if blow.hammer_speed_m_per_s >= SPEAKS_M_PER_S => {
+                softest_m_per_s = softest_m_per_s.min(blow.hammer_speed_m_per_s)
             }
             _ => return Ok(None),
         }
@@ -159,6 +159,6 @@ fn held(
         stay_s,
         wait_s,
         return_s: returns[1..].iter().sum::<f64>() / counted,
-        softest_m_s,
+        softest_m_per_s,
     }))
 }

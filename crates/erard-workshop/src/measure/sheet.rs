@@ -93,7 +93,7 @@ pub struct Sheet {
     /// How far the repetition spring lifts the hammer from the check, mm.
     pub repetition_rise_mm: Option<f64>,
     /// How fast, m/s: the strength of the spring as the eye judges it.
-    pub repetition_spring_m_s: Option<f64>,
+    pub repetition_spring_m_per_s: Option<f64>,
     /// Key travel when the damper starts, a share of the dip.
     pub damper_start_share: Option<f64>,
     /// Effective mass at the key front, half-way to where let-off begins, pedal down, kg.
@@ -113,11 +113,11 @@ pub struct Sheet {
     /// Smallest constant force that sounds the note, N.
     pub softest_force_N: Option<f64>,
     /// The hammer's speed when it is then let off, m/s.
-    pub softest_let_off_speed_m_s: Option<f64>,
+    pub softest_let_off_speed_m_per_s: Option<f64>,
     /// What sqrt(2 a d) makes of the way that it then flies, m/s.
-    pub softest_fall_speed_m_s: Option<f64>,
+    pub softest_fall_speed_m_per_s: Option<f64>,
     /// The fastest second blow after a soft first one, the key held, m/s; 0 where there is none.
-    pub double_strike_m_s: Option<f64>,
+    pub double_strike_m_per_s: Option<f64>,
     /// Largest force on the slow way from where let-off begins to the bottom less that before it, N: what the finger
     /// feels of let-off.
     pub let_off_resistance_N: Option<f64>,
@@ -245,7 +245,7 @@ pub struct TimingRow {
     /// Hammer contact before key bottom, ms; negative: after it.
     pub hammer_before_bottom_ms: Option<f64>,
     /// m/s.
-    pub hammer_speed_m_s: Option<f64>,
+    pub hammer_speed_m_per_s: Option<f64>,
     /// Of that speed.
     pub midi_velocity: Option<u8>,
 }
@@ -266,8 +266,8 @@ impl From<&Timing> for TimingRow {
             free_flight_ms: ms(e.free_flight_s()),
             flights: t.flights,
             hammer_before_bottom_ms: ms(t.hammer_before_bottom_s()),
-            hammer_speed_m_s: e.hammer_speed_m_s(),
-            midi_velocity: e.hammer_speed_m_s().and_then(midi_velocity),
+            hammer_speed_m_per_s: e.hammer_speed_m_per_s(),
+            midi_velocity: e.hammer_speed_m_per_s().and_then(midi_velocity),
         }
     }
 }
@@ -380,7 +380,7 @@ impl Need {
             key if key.starts_with("dampers_down.") => &[Need::Damped],
             key if key.starts_with("effective_inertia") => &[Need::Inertia],
             key if key.starts_with("softest_") => &[Need::Softest],
-            "double_strike_m_s" => &[Need::DoubleStrike],
+            "double_strike_m_per_s" => &[Need::DoubleStrike],
             "front_weight_g" | "strike_weight_g" | "whippen_weight_g" | "key_ratio" => &[Need::Scale],
             key if key.starts_with("strike_weight_ratio") => &[Need::Touch, Need::Scale],
             _ => &[Need::Distances],
@@ -518,7 +518,7 @@ impl Results {
             aftertouch_mm: mm(distances.aftertouch_m),
             check_mm: mm(distances.check_m),
             repetition_rise_mm: mm(distances.repetition_rise_m),
-            repetition_spring_m_s: distances.spring_m_s,
+            repetition_spring_m_per_s: distances.spring_m_per_s,
             damper_start_share: distances.damper_start,
             effective_inertia_kg: share(|c| c.half_way.total_kg()),
             effective_inertia_key_kg: share(|c| c.half_way.key_kg),
@@ -528,9 +528,9 @@ impl Results {
             repetition_rate_half_hz: half.map(|r| r.rate_hz),
             repetition_force_N: PRESS_N,
             softest_force_N: soft.map(|s| s.force_n),
-            softest_let_off_speed_m_s: soft.and_then(|s| s.flight).map(|f| f.let_off_speed_m_s),
-            softest_fall_speed_m_s: soft.and_then(|s| s.flight).map(|f| f.fall_speed_m_s),
-            double_strike_m_s: self.double_strike,
+            softest_let_off_speed_m_per_s: soft.and_then(|s| s.flight).map(|f| f.let_off_speed_m_per_s),
+            softest_fall_speed_m_per_s: soft.and_then(|s| s.flight).map(|f| f.fall_speed_m_per_s),
+            double_strike_m_per_s: self.double_strike,
             let_off_resistance_N: resistance,
             loop_loss_mJ: self.hysteresis.as_ref().map_or(NONE, |slow| slow.lost_j() * 1e3),
             blocked_front_mm: self.blocked.as_ref().and_then(|rows| Some(rows.last()?.front_mm)),

@@ -75,8 +75,9 @@ pub(crate) fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
         Err(error) => return failed(error).map(|()| sheet),
     };
     for touch in [Touch::Pressed, Touch::Struck] {
-        for (nuance, speed_m_s) in LEVELS {
-            let solved = match reference.solve(Kind { touch, mass_kg: MASS_KG }, speed_m_s, &mut |_| progress(0.0)) {
+        for (nuance, speed_m_per_s) in LEVELS {
+            let solved = match reference.solve(Kind { touch, mass_kg: MASS_KG }, speed_m_per_s, &mut |_| progress(0.0))
+            {
                 Ok(solved) => solved,
                 Err(error) => {
                     failed(error)?;

@@ -20,7 +20,7 @@ const PATIENCE_S: f64 = 40.0;
 const STUCK_S: f64 = 0.1;
 /// A key that is faster than this is caught, m/s. At this speed the whole action, 0.3 kg at the key front, has the
 /// energy to carry a tenth of a gram too little over a sixth of a millimetre.
-const CAUGHT_M_S: f64 = 0.001;
+const CAUGHT_M_PER_S: f64 = 0.001;
 /// A key that has arrived is caught there, too, and must go on by itself by so much, m.
 const FURTHER_M: f64 = 2e-5;
 /// The finger takes so long to bring the key to where it is let go, s.
@@ -119,7 +119,7 @@ fn moves(
         let speed = (at_m - before_m) / STEP_S;
         before_m = at_m;
         still_s = if speed == 0.0 { still_s + STEP_S } else { 0.0 };
-        if speed.abs() > CAUGHT_M_S {
+        if speed.abs() > CAUGHT_M_PER_S {
             action.stop();
         }
         (still_s <= STUCK_S).then_some(Input::Force(force_n))
@@ -139,9 +139,9 @@ fn hold_at(
     action.play(progress, &mut |_| {
         let s = middles.next()?;
         let position_m = travel_m * s * s * (3.0 - 2.0 * s);
-        Some(Input::Motion { position_m, velocity_m_s: travel_m * 6.0 * s * (1.0 - s) / APPROACH_S })
+        Some(Input::Motion { position_m, velocity_m_per_s: travel_m * 6.0 * s * (1.0 - s) / APPROACH_S })
     })?;
-    let finger = Input::Motion { position_m: travel_m, velocity_m_s: 0.0 };
+    let finger = Input::Motion { position_m: travel_m, velocity_m_per_s: 0.0 };
     action.settle(instrument, finger, progress)?;
     Ok(())
 }

@@ -127,7 +127,7 @@ impl Limit {
 mod tests {
     use super::*;
     use crate::measure::norms::lines;
-    use crate::measure::range::HARDLY_HEARD_M_S;
+    use crate::measure::range::HARDLY_HEARD_M_PER_S;
 
     /// Every range belongs to a line of the sheet; a number that stands in code and in the table is one number.
     #[test]
@@ -135,7 +135,7 @@ mod tests {
         for key in keys() {
             assert!(lines().any(|line| line.key == key), "{key}");
         }
-        assert_eq!(usual("double_strike_m_s").unwrap().at(40), [None, Some(HARDLY_HEARD_M_S)]);
+        assert_eq!(usual("double_strike_m_per_s").unwrap().at(40), [None, Some(HARDLY_HEARD_M_PER_S)]);
     }
 
     /// A damaged table says what is wrong and where.

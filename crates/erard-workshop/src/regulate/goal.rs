@@ -24,7 +24,7 @@ pub enum Goal {
     Check,
     /// [`Distances::repetition_rise_m`].
     RepetitionRise,
-    /// [`Distances::spring_m_s`].
+    /// [`Distances::spring_m_per_s`].
     Spring,
     /// [`Distances::damper_start`].
     Damper,
@@ -70,7 +70,7 @@ const KNOWN: [Known; 10] = [
     known("drop", Length, Some(1.5e-3), [0.2e-3, 20e-3], |d| d.drop_m),
     known("check", Length, Some(15e-3), [2e-3, 40e-3], |d| d.check_m),
     known("repetition rise", Length, None, [0.5e-3, 40e-3], |d| d.repetition_rise_m),
-    known("spring", Speed, Some(0.25), [0.02, 2.0], |d| d.spring_m_s),
+    known("spring", Speed, Some(0.25), [0.02, 2.0], |d| d.spring_m_per_s),
     known("damper", Share, Some(0.5), [0.05, 0.95], |d| d.damper_start),
 ];
 

@@ -182,7 +182,7 @@ fn come_to_rest(
 fn alone(instrument: &Instrument, settings: Settings<f64>, begins_at_m: f64) -> Result<State, ActionError> {
     let mut action = Action::with(instrument, settings)?;
     if begins_at_m > 0.0 {
-        let finger = player::Input::Motion { position_m: begins_at_m, velocity_m_s: 0.0 };
+        let finger = player::Input::Motion { position_m: begins_at_m, velocity_m_per_s: 0.0 };
         action.settle(instrument, finger, &mut |_| true)?;
     }
     // What the felts remember belongs to the pose.
@@ -261,14 +261,14 @@ impl<'a> Lane<'a> {
             _ => 0.0,
         };
         let roles = &self.player.instrument.roles;
-        let head_m_s = match roles.hammer.filter(|_| sampled.has_speed()) {
+        let head_m_per_s = match roles.hammer.filter(|_| sampled.has_speed()) {
             Some(hammer) => {
                 let up = self.observer.velocity_row(hammer, roles.hammer_head_m, [0.0, 1.0]);
                 up.iter().zip(velocities).map(|(row, velocity)| row * velocity).sum()
             }
             None => 0.0,
         };
-        let travels = [force_n, now.site_m - self.rest.site_m, now.head_m - self.rest.head_m, head_m_s];
+        let travels = [force_n, now.site_m - self.rest.site_m, now.head_m - self.rest.head_m, head_m_per_s];
         sampled.push(travels, angles, velocities);
     }
 
@@ -434,7 +434,7 @@ fn first_states(
     let mut at_rest: Vec<State> = own.iter().map(|lane| lane.at_rest.state).collect();
     if let Some(hand) = setup.hand {
         for (state, lane) in at_rest.iter_mut().zip(own.iter()) {
-            state.hand = [lane.rest.site_m + hand.start_m, hand.start_m_s];
+            state.hand = [lane.rest.site_m + hand.start_m, hand.start_m_per_s];
         }
         return Ok(at_rest);
     }

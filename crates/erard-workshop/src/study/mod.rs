@@ -100,7 +100,7 @@ pub const OUTCOMES: [(&str, Outcome); 10] = [
     ("toe_contact_s", |p| p.events.toe_contact_s),
     ("let_off_s", |p| p.events.let_off_s),
     ("hammer_contact_s", |p| p.events.hammer_contact_s()),
-    ("hammer_speed_m_per_s", |p| p.events.hammer_speed_m_s()),
+    ("hammer_speed_m_per_s", |p| p.events.hammer_speed_m_per_s()),
     ("key_bottom_s", |p| p.events.key_bottom_s),
     ("check_s", |p| p.events.check_s),
     ("strikes", |p| Some(p.events.impacts.len() as f64)),

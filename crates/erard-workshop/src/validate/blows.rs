@@ -39,7 +39,7 @@ const QUICKEST_S: f64 = 0.02;
 const RAMP_S: f64 = 0.010;
 /// Fortissimo, by a paper that gives its force, N, and by others that give the hammer's speed, m/s.
 const FF_FORCE_N: f64 = 15.0;
-const FF_LEAST_M_S: f64 = 4.5;
+const FF_LEAST_M_PER_S: f64 = 4.5;
 /// A force is found when it is known to this share.
 const CLOSE: f64 = 1e-3;
 /// A key that has gone so far has started, m: past the cloths on which it breathes.
@@ -47,11 +47,11 @@ const STARTED_M: f64 = 1e-3;
 /// Forces of the curve against loudness, from the softest to the largest.
 const POINTS: usize = 25;
 /// Hammer speeds of the marks, m/s: equal ratios from pp, 0.5, to ff, 5 (see the published table).
-pub(super) const PP_M_S: f64 = 0.5;
-pub(super) const FF_M_S: f64 = 5.0;
-pub(super) const MF_M_S: f64 = 1.99;
-const P_M_S: f64 = 0.79;
-const F_M_S: f64 = 3.15;
+pub(super) const PP_M_PER_S: f64 = 0.5;
+pub(super) const FF_M_PER_S: f64 = 5.0;
+pub(super) const MF_M_PER_S: f64 = 1.99;
+const P_M_PER_S: f64 = 0.79;
+const F_M_PER_S: f64 = 3.15;
 /// The key stroke that a published f has, s.
 const F_STROKE_S: f64 = 0.025;
 
@@ -82,9 +82,9 @@ pub struct PressedBlow {
     /// How long before key bottom the hammer meets the string, s; negative: after it.
     pub hammer_ahead_s: Option<f64>,
     /// Speed of the hammer at the string, m/s.
-    pub hammer_speed_m_s: Option<f64>,
+    pub hammer_speed_m_per_s: Option<f64>,
     /// Largest speed of the key front before the hammer meets the string, m/s.
-    pub key_speed_m_s: f64,
+    pub key_speed_m_per_s: f64,
     /// Largest force of the finger before the hammer meets the string, N.
     pub peak_n: f64,
     /// How long the hammer touches the string the first time, s.
@@ -119,7 +119,7 @@ pub struct Loudness {
     /// The constant force with the key stroke of a published f.
     pub f_by_stroke: Option<PressedBlow>,
     /// Hammer speed where hammer and key bottom come together under constant forces, m/s.
-    pub crossover_m_s: Option<f64>,
+    pub crossover_m_per_s: Option<f64>,
     /// The curve of constant forces against loudness.
     pub blows: Vec<PressedBlow>,
     /// What hands do.
@@ -142,7 +142,7 @@ pub struct ByHand {
     /// Pressed as fast as a hand can.
     pub loudest: PressedBlow,
     /// Hammer speed where hammer and key bottom come together, pressed, m/s.
-    pub crossover_m_s: Option<f64>,
+    pub crossover_m_per_s: Option<f64>,
     /// The curve of pressed touches against loudness.
     pub blows: Vec<PressedBlow>,
 }
@@ -156,7 +156,7 @@ fn blow(instrument: &Instrument, drive: Drive, progress: &mut Progress<'_>) -> R
             let rises = |t: f64| force_n * (0.5 - 0.5 * libm::cos(PI * (t / RAMP_S).clamp(0.0, 1.0)));
             simulate(instrument, &player::force(rises), &setup, progress)?
         }
-        Drive::Struck(m_s) => press_by_hand(instrument, &HandStroke::struck(MASS_KG, m_s), &setup, progress)?,
+        Drive::Struck(m_per_s) => press_by_hand(instrument, &HandStroke::struck(MASS_KG, m_per_s), &setup, progress)?,
         Drive::Pressed(force_n) => press_by_hand(instrument, &HandStroke::pressed(MASS_KG, force_n), &setup, progress)?,
         Drive::Led(duration_s) => press_by_hand(instrument, &HandStroke::led(duration_s), &setup, progress)?,
     };
@@ -170,7 +170,7 @@ impl PressedBlow {
         let between = |from: Option<f64>, to: Option<f64>| Some(to? - from?);
         let until = run.time_s.partition_point(|&t| t < e.hammer_contact_s().unwrap_or(f64::INFINITY));
         let speeds = run.key_m[..until].windows(2).zip(run.time_s.windows(2));
-        let key_speed_m_s = speeds.map(|(y, t)| (y[1] - y[0]) / (t[1] - t[0])).fold(0.0, f64::max);
+        let key_speed_m_per_s = speeds.map(|(y, t)| (y[1] - y[0]) / (t[1] - t[0])).fold(0.0, f64::max);
         let peak_n = run.force_n[..until].iter().copied().fold(0.0, f64::max);
         let string = instrument.roles.string.map(|zone| &run.zones[zone].normal_n[until.min(run.time_s.len())..]);
         let contact_s = string.filter(|_| e.hammer_contact_s().is_some()).map(|normal| {
@@ -184,8 +184,8 @@ impl PressedBlow {
             key_stroke_s: between(e.key_start_s, e.key_bottom_s),
             to_string_s: between(e.key_start_s, e.hammer_contact_s()),
             hammer_ahead_s: between(e.hammer_contact_s(), e.key_bottom_s),
-            hammer_speed_m_s: e.hammer_speed_m_s(),
-            key_speed_m_s,
+            hammer_speed_m_per_s: e.hammer_speed_m_per_s(),
+            key_speed_m_per_s,
             peak_n,
             contact_s,
             deepest_m: run.key_m.iter().copied().fold(0.0, f64::max),
@@ -239,11 +239,11 @@ fn smallest(
 pub(super) fn hand_at(
     instrument: &Instrument,
     touch: Touch,
-    speed_m_s: f64,
+    speed_m_per_s: f64,
     progress: &mut Progress<'_>,
 ) -> Result<Option<Solved>, SimulationError> {
     let solved = Reference::new(instrument, progress)
-        .and_then(|mut reference| reference.solve(Kind { touch, mass_kg: MASS_KG }, speed_m_s, progress));
+        .and_then(|mut reference| reference.solve(Kind { touch, mass_kg: MASS_KG }, speed_m_per_s, progress));
     match solved {
         Ok(solved) => Ok(Some(solved)),
         Err(LevelError::Interrupted) => Err(SimulationError::Interrupted),
@@ -256,11 +256,11 @@ pub(super) fn hand_at(
 /// that arrives too fast throws the hammer off the jack, and is softer.
 fn struck_at(
     instrument: &Instrument,
-    speed_m_s: f64,
+    speed_m_per_s: f64,
     progress: &mut Progress<'_>,
 ) -> Result<Option<PressedBlow>, SimulationError> {
     // The search is not counted: its trials end at the impact.
-    let Some(found) = hand_at(instrument, Touch::Struck, speed_m_s, &mut |_| true)? else { return Ok(None) };
+    let Some(found) = hand_at(instrument, Touch::Struck, speed_m_per_s, &mut |_| true)? else { return Ok(None) };
     blow(instrument, Drive::Struck(found.louder), progress).map(Some)
 }
 
@@ -286,14 +286,14 @@ pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<L
         done += 1.0 / (1.0 + (DURATION_S / STEP_S / 8192.0).floor());
         progress((done / BLOWS).min(1.0))
     };
-    let speed = |at_least: f64| move |b: &PressedBlow| b.hammer_speed_m_s.is_some_and(|v| v >= at_least);
+    let speed = |at_least: f64| move |b: &PressedBlow| b.hammer_speed_m_per_s.is_some_and(|v| v >= at_least);
     let stroke = |at_most: f64| move |b: &PressedBlow| b.key_stroke_s.is_some_and(|t| t <= at_most);
     let starting = smallest(instrument, &CONSTANT, &|b| b.deepest_m > STARTED_M, progress)?;
     let softest = smallest(instrument, &CONSTANT, &PressedBlow::whole, progress)?;
     let quick = smallest(instrument, &CONSTANT, &stroke(0.020), progress)?;
     let f_by_stroke = smallest(instrument, &CONSTANT, &stroke(F_STROKE_S), progress)?;
-    let mf = smallest(instrument, &CONSTANT, &speed(MF_M_S), progress)?;
-    let f = smallest(instrument, &CONSTANT, &speed(F_M_S), progress)?;
+    let mf = smallest(instrument, &CONSTANT, &speed(MF_M_PER_S), progress)?;
+    let f = smallest(instrument, &CONSTANT, &speed(F_M_PER_S), progress)?;
     let force = |blow: &Option<PressedBlow>| match blow {
         Some(PressedBlow { drive: Drive::Constant(force_n) | Drive::Ramped(force_n), .. }) => Some(*force_n),
         _ => None,
@@ -301,18 +301,18 @@ pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<L
     let blows = curve(instrument, &CONSTANT, force(&softest).unwrap_or(FORCES_N[0]), progress)?;
     let pressed = curve(instrument, &PRESSED, HAND_FORCES_N[0], progress)?;
     let mut struck = [None; 4];
-    for (blow, speed_m_s) in struck.iter_mut().zip([PP_M_S, P_M_S, MF_M_S, FF_M_S]) {
-        *blow = struck_at(instrument, speed_m_s, progress)?;
+    for (blow, speed_m_per_s) in struck.iter_mut().zip([PP_M_PER_S, P_M_PER_S, MF_M_PER_S, FF_M_PER_S]) {
+        *blow = struck_at(instrument, speed_m_per_s, progress)?;
     }
-    let ramped = smallest(instrument, &RAMPED, &speed(FF_LEAST_M_S), progress)?;
+    let ramped = smallest(instrument, &RAMPED, &speed(FF_LEAST_M_PER_S), progress)?;
     let by_hand = ByHand {
         struck,
         softest: smallest(instrument, &LED, &PressedBlow::whole, progress)?,
-        pp: smallest(instrument, &LED, &speed(PP_M_S), progress)?,
+        pp: smallest(instrument, &LED, &speed(PP_M_PER_S), progress)?,
         f_by_stroke: smallest(instrument, &PRESSED, &stroke(F_STROKE_S), progress)?,
-        ff: smallest(instrument, &PRESSED, &speed(FF_M_S), progress)?,
+        ff: smallest(instrument, &PRESSED, &speed(FF_M_PER_S), progress)?,
         loudest: blow(instrument, Drive::Pressed(HAND_FORCES_N[1]), progress)?,
-        crossover_m_s: crossover(&pressed),
+        crossover_m_per_s: crossover(&pressed),
         blows: pressed,
     };
     Ok(Loudness {
@@ -327,7 +327,7 @@ pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<L
         mf,
         f,
         f_by_stroke,
-        crossover_m_s: crossover(&blows),
+        crossover_m_per_s: crossover(&blows),
         blows,
         by_hand,
     })
@@ -335,7 +335,8 @@ pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<L
 
 /// Hammer speed at which the last change from hammer first to key bottom first lies, m/s: by linear interpolation.
 fn crossover(blows: &[PressedBlow]) -> Option<f64> {
-    let points: Vec<[f64; 2]> = blows.iter().filter_map(|b| Some([b.hammer_speed_m_s?, b.hammer_ahead_s?])).collect();
+    let points: Vec<[f64; 2]> =
+        blows.iter().filter_map(|b| Some([b.hammer_speed_m_per_s?, b.hammer_ahead_s?])).collect();
     let last = points.windows(2).rev().find(|pair| pair[0][1] > 0.0 && pair[1][1] <= 0.0)?;
     let [[slow, ahead], [fast, behind]] = [last[0], last[1]];
     Some(slow + (fast - slow) * ahead / (ahead - behind))
@@ -351,8 +352,8 @@ mod tests {
             key_stroke_s: None,
             to_string_s: None,
             hammer_ahead_s: Some(ahead),
-            hammer_speed_m_s: Some(speed),
-            key_speed_m_s: 0.0,
+            hammer_speed_m_per_s: Some(speed),
+            key_speed_m_per_s: 0.0,
             peak_n: 0.0,
             contact_s: None,
             deepest_m: 0.0,

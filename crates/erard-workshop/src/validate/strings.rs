@@ -1,6 +1,6 @@
 //! Hammer and strings over the compass: contact, largest force, return, inharmonicity.
 
-use super::blows::{FF_M_S, MF_M_S, PP_M_S};
+use super::blows::{FF_M_PER_S, MF_M_PER_S, PP_M_PER_S};
 use crate::measure::MeasureError;
 use crate::struck::{Blow, STEP_S, Stopped, blow_of_speed, rest};
 use erard::Progress;
@@ -100,13 +100,13 @@ impl Strung {
             done += 1.0 / (SEARCHES * TRIES);
             progress(f64::min(done, 1.0))
         };
-        let mut play = |one: &Instrument, speed_m_s: f64| -> Result<Option<Blow>, MeasureError> {
+        let mut play = |one: &Instrument, speed_m_per_s: f64| -> Result<Option<Blow>, MeasureError> {
             let mut action = rest(one)?;
-            blow_of_speed(&mut action, speed_m_s, &mut going).map_err(|Stopped| SimulationError::Interrupted.into())
+            blow_of_speed(&mut action, speed_m_per_s, &mut going).map_err(|Stopped| SimulationError::Interrupted.into())
         };
         let mut found = Found::default();
-        for (blow, speed_m_s) in found.c4.iter_mut().zip([PP_M_S, MF_M_S, FF_M_S]) {
-            *blow = play(instrument, speed_m_s)?;
+        for (blow, speed_m_per_s) in found.c4.iter_mut().zip([PP_M_PER_S, MF_M_PER_S, FF_M_PER_S]) {
+            *blow = play(instrument, speed_m_per_s)?;
         }
         if yields {
             found.cents[0] = cents(instrument);
@@ -115,11 +115,11 @@ impl Strung {
         if let Some(keyboard) = keyboard.filter(|_| yields) {
             let key = |key: usize| keyboard.key(key).ok().filter(Instrument::has_yielding_strings);
             if let Some(one) = key(A0) {
-                found.a0 = play(&one, MF_M_S)?;
+                found.a0 = play(&one, MF_M_PER_S)?;
                 found.t60_s[0] = t60_s(&one)?;
             }
             if let Some(one) = key(C8) {
-                found.c8 = play(&one, MF_M_S)?;
+                found.c8 = play(&one, MF_M_PER_S)?;
             }
             if let Some(one) = key(C6) {
                 found.t60_s[2] = t60_s(&one)?;
@@ -144,7 +144,7 @@ impl Strung {
         }
         let contact = |blow: &Option<Blow>| blow.map(|blow| 1e3 * blow.contact_s);
         let peak = |blow: &Option<Blow>| blow.map(|blow| blow.peak_n);
-        let back = |blow: &Option<Blow>| blow.map(|blow| blow.back_m_s / blow.speed_m_s);
+        let back = |blow: &Option<Blow>| blow.map(|blow| blow.back_m_per_s / blow.speed_m_per_s);
         let found = &self.found;
         let [pp, mf, ff] = &found.c4;
         Some(Ok(match name {

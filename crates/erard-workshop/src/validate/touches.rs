@@ -6,7 +6,7 @@
 
 use moreau::Settings;
 
-use super::blows::{Drive, MF_M_S, PressedBlow, hand_at};
+use super::blows::{Drive, MF_M_PER_S, PressedBlow, hand_at};
 use crate::measure::MeasureError;
 use erard::Progress;
 use erard::grand::Anatomy;
@@ -54,7 +54,7 @@ fn mezzo_forte(
     touch: Touch,
     progress: &mut Progress<'_>,
 ) -> Result<Option<Run>, SimulationError> {
-    let Some(found) = hand_at(instrument, touch, MF_M_S, progress)? else { return Ok(None) };
+    let Some(found) = hand_at(instrument, touch, MF_M_PER_S, progress)? else { return Ok(None) };
     let setup = Setup { settings: Settings::new(STEP_S), ..Setup::new(DURATION_S) };
     press_by_hand(instrument, &found.held(), &setup, progress).map(Some)
 }

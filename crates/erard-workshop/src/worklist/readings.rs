@@ -97,7 +97,7 @@ impl Quantity {
             Aftertouch => ("aftertouch_mm", 0.1, None),
             Check => ("check_mm", 0.25, None),
             // Not the middle: a spring that is brisker makes soft notes strike twice.
-            Spring => ("repetition_spring_m_s", 0.02, Some(0.25)),
+            Spring => ("repetition_spring_m_per_s", 0.02, Some(0.25)),
             Damper => ("damper_start_share", 0.025, None),
         }
     }

@@ -62,7 +62,7 @@ fn distances_are_found_in_what_bends() {
     near(found.blow_m.unwrap(), 47.5e-3, 1e-4, "blow");
     let soft = softest(&bent, &mut |_| true).unwrap().unwrap();
     let soft = soft.flight.unwrap();
-    near(soft.let_off_speed_m_s, soft.fall_speed_m_s, 0.02, "what the flight takes");
+    near(soft.let_off_speed_m_per_s, soft.fall_speed_m_per_s, 0.02, "what the flight takes");
 }
 
 /// The ratios that the sheet's geometry gives by the engine's own contacts are those of the linkage that follows from

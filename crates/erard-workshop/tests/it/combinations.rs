@@ -71,7 +71,7 @@ impl Asked {
             Ok(events) => events,
             Err(_) => return "refused".to_owned(),
         };
-        assert!((1.0..4.0).contains(&alone.hammer_speed_m_s().unwrap()), "{:?}: {alone:?}", self.both);
+        assert!((1.0..4.0).contains(&alone.hammer_speed_m_per_s().unwrap()), "{:?}: {alone:?}", self.both);
         if self.has("losses") || self.has("reactions") {
             let mut inside = Inside {
                 reactions: self.has("reactions").then(|| ReactionRecorder::new(&self.instrument)),
@@ -101,7 +101,7 @@ impl Asked {
             Ok(played) => played.events,
             Err(_) => return "refused".to_owned(),
         };
-        let [here, there] = [alone.unwrap(), events].map(|events| events.hammer_speed_m_s().unwrap());
+        let [here, there] = [alone.unwrap(), events].map(|events| events.hammer_speed_m_per_s().unwrap());
         assert!((here / there - 1.0).abs() < 1e-6, "{:?}: {here} {there}", self.both);
         // Lanes round products and sums at once; what is played alone has the bits of a press. Where the processor has
         // no lanes, nothing can be told.
@@ -121,9 +121,9 @@ impl Asked {
         match followed {
             Err(_) => "refused".to_owned(),
             Ok(followed) => {
-                let speed = followed.instants.hammer_speed_m_s.unwrap();
+                let speed = followed.instants.hammer_speed_m_per_s.unwrap();
                 let events = self.press().unwrap();
-                assert!((speed.value / events.hammer_speed_m_s().unwrap() - 1.0).abs() < 1e-3, "{:?}", self.both);
+                assert!((speed.value / events.hammer_speed_m_per_s().unwrap() - 1.0).abs() < 1e-3, "{:?}", self.both);
                 // A stronger finger is faster.
                 assert!(speed.slope[0] > 0.0, "{speed:?}");
                 "yes".to_owned()

@@ -98,7 +98,7 @@ fn they_play() {
             assert!(e.check_s.is_some(), "{name}, {force} N");
             assert_eq!(run.work.unconverged_steps, 0, "{name}, {force} N");
             if force == 5.0 {
-                speeds.push(e.hammer_speed_m_s().unwrap());
+                speeds.push(e.hammer_speed_m_per_s().unwrap());
             }
         }
     }

@@ -91,7 +91,7 @@ fn every_key_escapes_checks_and_repeats() {
         assert!(events.check_s.is_some_and(|check| (0.0..0.06).contains(&(check - contact))), "{name} is caught");
         assert_eq!(run.work.unconverged_steps, 0, "{name}");
         // The hammers get lighter toward the treble, and faster for the same finger: mf is 1.5 to 3.5 m/s.
-        let speed = events.hammer_speed_m_s().expect("strikes");
+        let speed = events.hammer_speed_m_per_s().expect("strikes");
         assert!((1.5..3.5).contains(&speed) && speed > before - 0.01, "{name}: {speed} m/s after {before}");
         before = speed;
     }
@@ -160,7 +160,7 @@ fn in_regulation(keys: &[usize]) {
         distance("drop", found.drop_m, 1.0, 2.0);
         distance("aftertouch", found.aftertouch_m, 0.5, 1.5);
         distance("check", found.check_m, 12.0, 15.0);
-        let spring = found.spring_m_s.expect("lifts");
+        let spring = found.spring_m_per_s.expect("lifts");
         assert!((0.2..0.35).contains(&spring), "key {key}: {spring} m/s");
     }
 }
@@ -177,7 +177,7 @@ fn keys_with_strings_check_between_regulated_ones() {
         let mm = 1e3 * found.check_m.expect("is caught");
         println!("key {key}: check {mm:.2} mm");
         assert!((12.0..=15.0).contains(&mm), "key {key}: {mm} mm");
-        let spring = found.spring_m_s.expect("lifts");
+        let spring = found.spring_m_per_s.expect("lifts");
         assert!((0.2..0.35).contains(&spring), "key {key}: {spring} m/s");
     }
 }

@@ -395,10 +395,10 @@ fn twice_the_let_off_needs_a_faster_hammer() {
     near("let-off distance", reached, 2.0 * distance, 0.1 * distance);
     let [a, b] = [&near_string, &far].map(|instrument| softest(instrument, &mut go).unwrap().unwrap().flight.unwrap());
     println!("let-off {:.2} mm: {a:?}\nlet-off {:.2} mm: {b:?}", distance * 1e3, reached * 1e3);
-    for SoftFlight { let_off_speed_m_s, fall_speed_m_s, .. } in [a, b] {
-        near("speed at let-off", let_off_speed_m_s, fall_speed_m_s, 0.05 * fall_speed_m_s);
+    for SoftFlight { let_off_speed_m_per_s, fall_speed_m_per_s, .. } in [a, b] {
+        near("speed at let-off", let_off_speed_m_per_s, fall_speed_m_per_s, 0.05 * fall_speed_m_per_s);
     }
-    assert!(b.flight_s > a.flight_s && b.flight_m > a.flight_m && b.let_off_speed_m_s > a.let_off_speed_m_s);
+    assert!(b.flight_s > a.flight_s && b.flight_m > a.flight_m && b.let_off_speed_m_per_s > a.let_off_speed_m_per_s);
 }
 
 /// The double escapement is worth its name: from half-way the note repeats faster than fully released, and as fast as
@@ -434,9 +434,9 @@ fn an_action_without_a_damper_has_a_sheet() {
     near("down-weight", sheet.down_weight_g.unwrap(), down(grand_weighed()), SCALE_G);
     // Every row is its level.
     let levels = erard::level::LEVELS.iter().cycle();
-    for (row, (name, speed_m_s)) in sheet.timing.iter().zip(levels) {
+    for (row, (name, speed_m_per_s)) in sheet.timing.iter().zip(levels) {
         assert_eq!(row.nuance, *name);
-        near(name, row.hammer_speed_m_s.unwrap(), *speed_m_s, 2e-3 * speed_m_s);
+        near(name, row.hammer_speed_m_per_s.unwrap(), *speed_m_per_s, 2e-3 * speed_m_per_s);
     }
     assert_eq!(sheet.timing.len(), 10);
     // Every line of the printed sheet stands in the JSON under its key, with the same value.

@@ -247,8 +247,13 @@ fn assert_sane(instrument: &Instrument, run: &Run) -> Fate {
         assert!(values.is_empty() || values.len() == rows, "series differ in length");
     }
     let events = &run.events;
-    let told =
-        [events.key_start_s, events.hammer_contact_s(), events.hammer_speed_m_s(), events.key_bottom_s, events.check_s];
+    let told = [
+        events.key_start_s,
+        events.hammer_contact_s(),
+        events.hammer_speed_m_per_s(),
+        events.key_bottom_s,
+        events.check_s,
+    ];
     assert!(told.into_iter().flatten().all(f64::is_finite), "{events:?}");
     for warning in &run.warnings {
         assert!(warning.value.is_finite() && warning.bound.is_finite() && !warning.what.is_empty(), "{warning:?}");

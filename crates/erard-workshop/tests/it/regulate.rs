@@ -60,7 +60,7 @@ fn a_mis_set_action_is_put_right() {
     let mut nearer = wrong.clone();
     turn_on(&mut nearer, &[("back_check", 2.5)]);
     let weak = measure(&nearer, &Protocol::default(), &mut |_| true).unwrap();
-    assert!(before.check_m.is_none() && weak.spring_m_s.is_none_or(|speed| speed < 0.1), "{before:?} {weak:?}");
+    assert!(before.check_m.is_none() && weak.spring_m_per_s.is_none_or(|speed| speed < 0.1), "{before:?} {weak:?}");
     assert_ne!(blows_at_eight_hertz(&wrong, before.dip_m.unwrap()), 16);
 
     let regulated = regulated(&wrong, &Goal::norms());

@@ -126,7 +126,7 @@ fn columns_have_derivatives() {
     let setup = Setup { ledger: false, ..Setup::new(0.05) };
     let motion = |t: f64| {
         let (sine, cosine) = (std::f64::consts::PI * (t / 0.05).clamp(0.0, 1.0)).sin_cos();
-        Input::Motion { position_m: 4e-3 * (1.0 - cosine), velocity_m_s: 4e-3 * std::f64::consts::PI / 0.05 * sine }
+        Input::Motion { position_m: 4e-3 * (1.0 - cosine), velocity_m_per_s: 4e-3 * std::f64::consts::PI / 0.05 * sine }
     };
     let by = |name: &&str| Variable::named(&instrument, text, name).unwrap();
     let found =

@@ -132,7 +132,7 @@ fn what_is_remembered_is_remembered_in_lanes() {
             let (a, b) = (&played.events.impacts, &run.events.impacts);
             assert_eq!(a.len(), b.len(), "{k}");
             assert!(
-                !b.is_empty() && (a[0].hammer_speed_m_s / b[0].hammer_speed_m_s - 1.0).abs() < 1e-7,
+                !b.is_empty() && (a[0].hammer_speed_m_per_s / b[0].hammer_speed_m_per_s - 1.0).abs() < 1e-7,
                 "{k}: {a:?} {b:?}"
             );
             let own = run.ledger.as_ref().expect("kept").residual_relative();
@@ -186,7 +186,7 @@ fn compare(lanes: Lanes, plan: &[(usize, usize, f64)], runs: &[Run]) -> Apart {
         }
         for (x, y) in a.impacts.iter().zip(&b.impacts) {
             apart.seconds = apart.seconds.max((x.time_s - y.time_s).abs());
-            apart.speed = apart.speed.max((x.hammer_speed_m_s / y.hammer_speed_m_s - 1.0).abs());
+            apart.speed = apart.speed.max((x.hammer_speed_m_per_s / y.hammer_speed_m_per_s - 1.0).abs());
         }
         strikes += b.impacts.len();
         checks += usize::from(b.check_s.is_some());
@@ -229,7 +229,10 @@ fn the_order_does_not_matter() {
     for (a, b) in a.iter().zip(b.iter().rev()) {
         assert_eq!(a.events.impacts.len(), b.events.impacts.len());
         for (x, y) in a.events.impacts.iter().zip(&b.events.impacts) {
-            assert!((x.time_s - y.time_s).abs() < 1e-9 && (x.hammer_speed_m_s / y.hammer_speed_m_s - 1.0).abs() < 1e-7);
+            assert!(
+                (x.time_s - y.time_s).abs() < 1e-9
+                    && (x.hammer_speed_m_per_s / y.hammer_speed_m_per_s - 1.0).abs() < 1e-7
+            );
         }
     }
 }

@@ -59,7 +59,7 @@ fn named(task: &str, steps: Steps) -> serde_json::Map<String, Value> {
 fn blow(scale: f64, strike: Option<[f64; 2]>, seconds: f64, steps: u64) -> Value {
     json!({
         "scale": scale,
-        "speed_m_s": strike.map(|s| s[0]),
+        "speed_m_per_s": strike.map(|s| s[0]),
         "contact_s": strike.map(|s| s[1]),
         "seconds": seconds,
         "steps": steps,

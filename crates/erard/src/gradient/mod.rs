@@ -197,7 +197,7 @@ pub fn follow(
         all = all.and(settle(mechanism.as_mut(), rest_step_s, &finger, progress)?);
     }
     if let Some(hand) = &setup.hand {
-        mechanism.place_hand([site + Number::constant(hand.start_m), Number::constant(hand.start_m_s)]);
+        mechanism.place_hand([site + Number::constant(hand.start_m), Number::constant(hand.start_m_per_s)]);
     }
     let settings = Settings { tolerance: setup.settings.tolerance.min(TOLERANCE), ..setup.settings };
     let h = settings.step;
@@ -255,8 +255,8 @@ impl Places {
         match drive(t) {
             player::Input::Free => Number::ZERO,
             player::Input::Force(force_n) => Number { value: force_n, slope: self.force },
-            player::Input::Motion { position_m, velocity_m_s } => {
-                mechanism.push(self.site + Number::constant(position_m), Number::constant(velocity_m_s))
+            player::Input::Motion { position_m, velocity_m_per_s } => {
+                mechanism.push(self.site + Number::constant(position_m), Number::constant(velocity_m_per_s))
             }
             player::Input::Rigid { .. } => Number::constant(f64::NAN),
             player::Input::Hand(_) => {
@@ -271,14 +271,14 @@ impl Places {
         match drive(t0 + theta * h) {
             player::Input::Free => Input::Free,
             player::Input::Force(force_n) => Input::Force(Number { value: force_n, slope: self.force }),
-            player::Input::Motion { position_m, velocity_m_s } => Input::Motion {
+            player::Input::Motion { position_m, velocity_m_per_s } => Input::Motion {
                 position: self.site + Number::constant(position_m),
-                velocity: Number::constant(velocity_m_s),
+                velocity: Number::constant(velocity_m_per_s),
             },
             player::Input::Rigid { .. } => {
                 let behind = self.site + Number::constant(drive(t0).position_m()) - at;
                 let velocity = match drive(t0 + h) {
-                    player::Input::Rigid { velocity_m_s, .. } => velocity_m_s,
+                    player::Input::Rigid { velocity_m_per_s, .. } => velocity_m_per_s,
                     _ => 0.0,
                 };
                 let back = Number::constant(player::rest::RIGID_CORRECTION / correction_s);
@@ -290,7 +290,7 @@ impl Places {
                 stiffness: Number::constant(hand.stiffness_n_per_m),
                 damping: Number::constant(hand.damping_n_s_per_m),
                 position: self.site + Number::constant(hand.position_m),
-                velocity: Number::constant(hand.velocity_m_s),
+                velocity: Number::constant(hand.velocity_m_per_s),
             }),
         }
     }

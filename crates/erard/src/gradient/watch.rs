@@ -19,7 +19,7 @@ pub struct Instants {
     /// The hammer meets the string.
     pub hammer_contact_s: Option<Number>,
     /// Speed of the strike point at that instant, m/s.
-    pub hammer_speed_m_s: Option<Number>,
+    pub hammer_speed_m_per_s: Option<Number>,
     /// The key meets its front punching.
     pub key_bottom_s: Option<Number>,
 }
@@ -29,7 +29,7 @@ type Get = fn(&Instants) -> Option<Number>;
 
 /// What is differentiated, by the names that a study's columns have.
 pub const QUANTITIES: [(&str, Get); 9] = [
-    ("hammer_speed_m_per_s", |i| i.hammer_speed_m_s),
+    ("hammer_speed_m_per_s", |i| i.hammer_speed_m_per_s),
     ("let_off_s", |i| i.let_off_s),
     ("hammer_contact_s", |i| i.hammer_contact_s),
     ("key_bottom_s", |i| i.key_bottom_s),
@@ -179,9 +179,9 @@ impl DualEventDetector {
             self.highest_m = hammer_m;
             self.released_at_apex_s = self.released_s;
         }
-        if let Some([time_s, speed_m_s]) = impact.filter(|_| instants.hammer_contact_s.is_none()) {
+        if let Some([time_s, speed_m_per_s]) = impact.filter(|_| instants.hammer_contact_s.is_none()) {
             instants.hammer_contact_s = Some(time_s);
-            instants.hammer_speed_m_s = Some(speed_m_s);
+            instants.hammer_speed_m_per_s = Some(speed_m_per_s);
             instants.let_off_s = self.released_s;
         }
     }

@@ -129,7 +129,7 @@ impl Keys {
     /// # Panics
     /// If there is no such key; keys count from 1.
     pub fn drive(&mut self, key: usize, input: Input) {
-        let imposed = || if let Input::Rigid { velocity_m_s, .. } = input { velocity_m_s } else { 0.0 };
+        let imposed = || if let Input::Rigid { velocity_m_per_s, .. } = input { velocity_m_per_s } else { 0.0 };
         let input = self.own[key - 1].rest.engine_input(&input, imposed);
         self.bank.drive(key - 1, &input);
     }
@@ -138,9 +138,9 @@ impl Keys {
     ///
     /// # Panics
     /// If there is no such key.
-    pub fn place_hand(&mut self, key: usize, position_m: f64, velocity_m_s: f64) {
+    pub fn place_hand(&mut self, key: usize, position_m: f64, velocity_m_per_s: f64) {
         let site_m = self.own[key - 1].rest.site_m;
-        self.bank.place_hand(key - 1, [site_m + position_m, velocity_m_s]);
+        self.bank.place_hand(key - 1, [site_m + position_m, velocity_m_per_s]);
     }
 
     /// Sends the sustain pedal's rail to a lift, m, under all keys that have one; see [`Strings::set_pedal`]. Wakes

@@ -60,17 +60,17 @@ pub struct Reading {
     /// Travel of the key front, m.
     pub key_m: f64,
     /// Its speed, m/s.
-    pub key_m_s: f64,
+    pub key_m_per_s: f64,
     /// Force of the finger on the key, N: what a haptic key has to give back.
     pub finger_n: f64,
     /// Rise of the hammer's strike point, m; 0 without a hammer.
     pub hammer_m: f64,
     /// How fast it rises, m/s.
-    pub hammer_m_s: f64,
+    pub hammer_m_per_s: f64,
     /// Place of the hand ([`Input::Hand`]), m below the key front's rest; where none presses, where the last one was.
     pub hand_m: f64,
     /// Its speed, m/s.
-    pub hand_m_s: f64,
+    pub hand_m_per_s: f64,
     /// Force between hammer and string, N, never negative.
     pub string_n: f64,
     /// The impact of the hammer on the string in the step, if there was one.
@@ -85,12 +85,12 @@ impl Reading {
     pub(crate) fn of(output: &StepOutput, rest: &Rest) -> Self {
         Reading {
             key_m: output.site_m - rest.site_m,
-            key_m_s: output.site_m_s,
+            key_m_per_s: output.site_m_per_s,
             finger_n: output.drive_n,
             hammer_m: output.point_m[1] - rest.head_m,
-            hammer_m_s: output.point_m_s[1],
+            hammer_m_per_s: output.point_m_per_s[1],
             hand_m: output.hand[0] - rest.site_m,
-            hand_m_s: output.hand[1],
+            hand_m_per_s: output.hand[1],
             string_n: output.zone_n,
             impact: output.impact,
             outcome: output.report.outcome,
@@ -116,7 +116,7 @@ impl Reading {
 ///     impact = impact.or(reading.impact);
 /// }
 /// let impact = impact.expect("5 N in 50 ms are a mezzo forte");
-/// assert!((1.0..3.0).contains(&impact.hammer_speed_m_s));
+/// assert!((1.0..3.0).contains(&impact.hammer_speed_m_per_s));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Action {
@@ -194,8 +194,8 @@ impl Action {
 
     /// Places the hand ([`Input::Hand`]), m below the key front's rest, with a velocity, m/s, down positive; a new
     /// action has it at the key front's rest. It moves in steps that a hand drives only.
-    pub fn place_hand(&mut self, position_m: f64, velocity_m_s: f64) {
-        self.mechanism.set(Part::Hand([self.rest.site_m + position_m, velocity_m_s]));
+    pub fn place_hand(&mut self, position_m: f64, velocity_m_per_s: f64) {
+        self.mechanism.set(Part::Hand([self.rest.site_m + position_m, velocity_m_per_s]));
     }
 
     /// One step of the settings' length under an input. Where strings sound it may be taken in parts
@@ -470,14 +470,14 @@ impl Action {
     fn engine_input(&mut self, input: Input) -> moreau::Input<f64> {
         let Action { mechanism, rest, aimed_m, .. } = self;
         rest.engine_input(&input, || {
-            let Input::Rigid { position_m, velocity_m_s } = input else { return 0.0 };
+            let Input::Rigid { position_m, velocity_m_per_s } = input else { return 0.0 };
             let now = mechanism.readout();
             let h = now.stepping.settings.step;
             // What the key lags behind the motion is taken back little by little.
-            let aimed = aimed_m.unwrap_or(position_m - velocity_m_s * h);
+            let aimed = aimed_m.unwrap_or(position_m - velocity_m_per_s * h);
             let behind_m = rest.site_m + aimed - now.output.site_m;
             *aimed_m = position_m.is_finite().then_some(position_m);
-            velocity_m_s + RIGID_CORRECTION * behind_m / h
+            velocity_m_per_s + RIGID_CORRECTION * behind_m / h
         })
     }
 

@@ -20,13 +20,13 @@ pub struct Hand {
     /// Where the fingertip is at first, m below the key front's rest; negative in the air.
     pub start_m: f64,
     /// How fast it is then, m/s, down positive.
-    pub start_m_s: f64,
+    pub start_m_per_s: f64,
 }
 
 impl Default for Hand {
     /// 0.2 kg on the key, at rest; muscle of 1500 N/m and 14 N s/m, which damps the hand by 0.4 of what is critical.
     fn default() -> Self {
-        Hand { mass_kg: 0.2, stiffness_n_per_m: 1500.0, damping_n_s_per_m: 14.0, start_m: 0.0, start_m_s: 0.0 }
+        Hand { mass_kg: 0.2, stiffness_n_per_m: 1500.0, damping_n_s_per_m: 14.0, start_m: 0.0, start_m_per_s: 0.0 }
     }
 }
 
@@ -43,8 +43,8 @@ impl Hand {
         Ok(Input::Hand(match *muscle {
             Input::Free => free,
             Input::Force(force_n) => HandInput { force_n, ..free },
-            Input::Motion { position_m, velocity_m_s } => {
-                HandInput { stiffness_n_per_m, damping_n_s_per_m, position_m, velocity_m_s, ..free }
+            Input::Motion { position_m, velocity_m_per_s } => {
+                HandInput { stiffness_n_per_m, damping_n_s_per_m, position_m, velocity_m_per_s, ..free }
             }
             Input::Hand(muscle) => HandInput { mass_kg, ..muscle },
             Input::Rigid { .. } => return Err(HandError::Stroke),
@@ -62,7 +62,7 @@ impl Hand {
             ("stiffness of the muscle, N/m", self.stiffness_n_per_m, 0.0, 1e7),
             ("damping of the muscle, N s/m", self.damping_n_s_per_m, 0.0, 1e5),
             ("place, m", self.start_m, -1.0, 1.0),
-            ("speed, m/s", self.start_m_s, -20.0, 20.0),
+            ("speed, m/s", self.start_m_per_s, -20.0, 20.0),
         ] {
             if !(from..=to).contains(&found) {
                 return Err(bad(what, found, from, to));
@@ -104,12 +104,12 @@ pub struct HandInput {
     pub force_n: f64,
     /// Stiffness with which muscle holds the hand at `position_m`, N/m; 0 where it does not.
     pub stiffness_n_per_m: f64,
-    /// Damping of the muscle toward `velocity_m_s`, N s/m.
+    /// Damping of the muscle toward `velocity_m_per_s`, N s/m.
     pub damping_n_s_per_m: f64,
     /// Where muscle holds the hand, m.
     pub position_m: f64,
     /// The velocity that goes with it, m/s.
-    pub velocity_m_s: f64,
+    pub velocity_m_per_s: f64,
 }
 
 impl HandInput {
@@ -122,7 +122,7 @@ impl HandInput {
             stiffness: self.stiffness_n_per_m,
             damping: self.damping_n_s_per_m,
             position: rest_m + self.position_m,
-            velocity: self.velocity_m_s,
+            velocity: self.velocity_m_per_s,
         })
     }
 }
@@ -188,7 +188,7 @@ mod tests {
     ) -> (Vec<f64>, Vec<f64>, [f64; 2]) {
         let key = Instrument::parse(KEY, "key").unwrap();
         let mut action = Action::as_drawn(&key, Settings::new(h)).unwrap();
-        action.place_hand(hand.start_m, hand.start_m_s);
+        action.place_hand(hand.start_m, hand.start_m_per_s);
         let (mut key_m, mut finger_n) = (Vec::new(), Vec::new());
         for n in 0..(seconds / h).round() as usize {
             let reading = action.step(hand.input(&stroke((n as f64 + 0.5) * h)).unwrap());
@@ -196,7 +196,7 @@ mod tests {
             finger_n.push(reading.finger_n);
         }
         let reading = action.reading();
-        (key_m, finger_n, [reading.hand_m, reading.hand_m_s])
+        (key_m, finger_n, [reading.hand_m, reading.hand_m_per_s])
     }
 
     /// The hand that the step eliminates moves the key as one does that is a body of the mechanism.
@@ -222,14 +222,14 @@ mod tests {
     /// oscillator, to h^2.
     #[test]
     fn in_the_air_it_is_a_mass_on_muscle() {
-        let hand = Hand { start_m: -0.5, start_m_s: 0.3, ..Hand::default() };
+        let hand = Hand { start_m: -0.5, start_m_per_s: 0.3, ..Hand::default() };
         let (_, finger_n, [x, v]) = pressed(hand, |_| Input::Force(1.5), 0.1);
         let (t, a) = (0.1, 1.5 / 0.2);
         assert!(finger_n.iter().all(|n| *n == 0.0));
         assert!((x - (-0.5 + 0.3 * t + 0.5 * a * t * t)).abs() < 1e-12 && (v - (0.3 + a * t)).abs() < 1e-12);
 
         let hand = Hand { start_m: -0.5, ..Hand::default() };
-        let still = |_| Input::Motion { position_m: -0.4, velocity_m_s: 0.0 };
+        let still = |_| Input::Motion { position_m: -0.4, velocity_m_per_s: 0.0 };
         let (_, _, [x, v]) = pressed(hand, still, 0.05);
         let (decay, own) = (14.0 / 0.4, 1500.0 / 0.2);
         let w = f64::sqrt(own - decay * decay);
@@ -256,7 +256,7 @@ mod tests {
     #[test]
     fn what_a_hand_cannot_do_is_said() {
         let hand = Hand::default();
-        let rigid = Input::Rigid { position_m: 0.0, velocity_m_s: 0.0 };
+        let rigid = Input::Rigid { position_m: 0.0, velocity_m_per_s: 0.0 };
         assert_eq!(hand.input(&rigid).unwrap_err(), HandError::Stroke);
         let heavy = HandInput { mass_kg: 9.0, force_n: 1.0, ..HandInput::default() };
         assert_eq!(hand.input(&Input::Hand(heavy)).unwrap(), Input::Hand(HandInput { mass_kg: 0.2, ..heavy }));

@@ -20,14 +20,14 @@ pub enum Input {
         /// m.
         position_m: f64,
         /// m/s.
-        velocity_m_s: f64,
+        velocity_m_per_s: f64,
     },
     /// Where the key front itself is, imposed.
     Rigid {
         /// m.
         position_m: f64,
         /// m/s.
-        velocity_m_s: f64,
+        velocity_m_per_s: f64,
     },
     /// A hand ([`super::Hand::input`]): a mass that muscle moves, whose fingertip is the instrument's `[finger]`. Its
     /// place and speed are part of the action's state; [`crate::Action::place_hand`] sets them.
@@ -55,15 +55,15 @@ pub fn force(force_n: impl Fn(f64) -> f64) -> impl Fn(f64) -> Input {
 /// The inputs of a soft finger's motion, s to m and m/s.
 pub fn motion(position: impl Fn(f64) -> [f64; 2]) -> impl Fn(f64) -> Input {
     move |t| {
-        let [position_m, velocity_m_s] = position(t);
-        Input::Motion { position_m, velocity_m_s }
+        let [position_m, velocity_m_per_s] = position(t);
+        Input::Motion { position_m, velocity_m_per_s }
     }
 }
 
 /// The inputs of a motion that is imposed on the key front, s to m and m/s.
 pub fn rigid(position: impl Fn(f64) -> [f64; 2]) -> impl Fn(f64) -> Input {
     move |t| {
-        let [position_m, velocity_m_s] = position(t);
-        Input::Rigid { position_m, velocity_m_s }
+        let [position_m, velocity_m_per_s] = position(t);
+        Input::Rigid { position_m, velocity_m_per_s }
     }
 }

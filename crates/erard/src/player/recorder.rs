@@ -187,7 +187,7 @@ impl Recorder {
         to.key_m[row] = key_m;
         if self.has_hammer {
             to.hammer_head_m[row] = hammer_m;
-            to.hammer_head_m_per_s[row] = now.output.point_m_s[1];
+            to.hammer_head_m_per_s[row] = now.output.point_m_per_s[1];
         }
         if let (Some(series), Some(strings)) = (&mut to.strings, Strings::read(now)) {
             series.displacement_m[row] = strings.displacement_m();

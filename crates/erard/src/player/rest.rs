@@ -43,7 +43,7 @@ impl Rest {
         self.engine_input(&input, || {
             let behind = self.site_m + drive(t0).position_m() - site_m();
             let velocity = match drive(t0 + h) {
-                input::Input::Rigid { velocity_m_s, .. } => velocity_m_s,
+                input::Input::Rigid { velocity_m_per_s, .. } => velocity_m_per_s,
                 _ => 0.0,
             };
             velocity + RIGID_CORRECTION * behind / correction_s
@@ -57,8 +57,8 @@ impl Rest {
         match *input {
             input::Input::Free => Input::Free,
             input::Input::Force(force_n) => Input::Force(force_n),
-            input::Input::Motion { position_m, velocity_m_s } => {
-                Input::Motion { position: self.site_m + position_m, velocity: velocity_m_s }
+            input::Input::Motion { position_m, velocity_m_per_s } => {
+                Input::Motion { position: self.site_m + position_m, velocity: velocity_m_per_s }
             }
             input::Input::Rigid { .. } => Input::Rigid { velocity: imposed() },
             input::Input::Hand(ref hand) => hand.engine_input(self.site_m),

@@ -155,7 +155,7 @@ impl MechanismState {
         list("tangential_N", tangential);
         list("side", side);
         list("rigid_force_N", std::slice::from_mut(rigid_force));
-        list("hand_m_and_m_s", hand);
+        list("hand_m_and_m_per_s", hand);
         list("felt_memory", memory.as_flattened_mut());
         list("pivot_rested", pivot_rested);
         list("zone_rested", rested);
@@ -327,7 +327,7 @@ mod tests {
     fn pressed() -> Snapshot {
         let mut action = Action::new(&Instrument::builtin("concert-grand-rigid").unwrap()).unwrap();
         for n in 0..700 {
-            action.step(Input::Rigid { position_m: f64::from(n) * 1e-5, velocity_m_s: 0.2 });
+            action.step(Input::Rigid { position_m: f64::from(n) * 1e-5, velocity_m_per_s: 0.2 });
         }
         action.save()
     }

@@ -84,11 +84,11 @@ fn simulate_before(
     }
     put_pedal(&mut action, instrument, setup, progress)?;
     if let Some(hand) = &setup.hand {
-        action.place_hand(hand.start_m, hand.start_m_s);
+        action.place_hand(hand.start_m, hand.start_m_per_s);
     } else if let Input::Motion { position_m, .. } | Input::Rigid { position_m, .. } = first
         && position_m > 0.0
     {
-        let finger = Input::Motion { position_m, velocity_m_s: 0.0 };
+        let finger = Input::Motion { position_m, velocity_m_per_s: 0.0 };
         action.settle(instrument, finger, progress).map_err(SimulationError::settling)?;
     }
 

@@ -49,7 +49,7 @@ mod rows;
 mod shape_probe;
 
 pub use modal::Strings;
-pub use pedal::{PEDAL_M_S, PEDAL_MOST_M, Pedal, PedalError};
+pub use pedal::{PEDAL_M_PER_S, PEDAL_MOST_M, Pedal, PedalError};
 pub use shape_probe::ShapeProbe;
 
 use crate::instrument::Instrument;

@@ -9,7 +9,7 @@ use thiserror::Error;
 pub const PEDAL_MOST_M: f64 = 10e-3;
 /// How fast it follows what it is set to, m/s: a foot that stamps moves it by 10 mm in 20 ms. So that a number that
 /// jumps is no blow with a hammer.
-pub const PEDAL_M_S: f64 = 0.5;
+pub const PEDAL_M_PER_S: f64 = 0.5;
 
 /// Where the rail is, m above its place with the pedal up.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -32,7 +32,7 @@ impl Rail {
 
     /// Where it is after a step.
     pub(crate) fn after(&self, step_s: f64) -> f64 {
-        let most_m = PEDAL_M_S * step_s;
+        let most_m = PEDAL_M_PER_S * step_s;
         let left_m = self.aim_m - self.lift_m;
         if left_m.abs() <= most_m { self.aim_m } else { self.lift_m + most_m.copysign(left_m) }
     }

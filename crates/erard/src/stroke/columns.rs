@@ -58,7 +58,7 @@ const FINGERTIPS: &[&str] = &[
 const HAMMERS: &[&str] = &["hammer_head", "hammer_head_position", "hammer_head_travel", "hammer_head_displacement"];
 const HAMMER_SPEEDS: &[&str] = &["hammer_head_speed", "hammer_head_velocity", "hammer_speed", "hammer_velocity"];
 /// The largest speed that can be true, m/s: hammers reach 10.
-const MAX_SPEED_M_S: f64 = 100.0;
+const MAX_SPEED_M_PER_S: f64 = 100.0;
 
 impl Role {
     /// What it is called in [`Columns`], and where a file's title alone is not worth more.
@@ -99,7 +99,7 @@ impl Role {
             Role::Time => (MAX_TIME_S, "seconds from the start of the stroke, at most 86400 (milliseconds?)"),
             Role::Force => (MAX_FORCE_N, "newtons, at most 10000 (another unit?)"),
             Role::Position | Role::HammerHead => (MAX_POSITION_M, "metres, at most 1 (millimetres?)"),
-            Role::HammerSpeed => (MAX_SPEED_M_S, "metres per second, at most 100 (another unit?)"),
+            Role::HammerSpeed => (MAX_SPEED_M_PER_S, "metres per second, at most 100 (another unit?)"),
         }
     }
 

@@ -131,9 +131,14 @@ impl HandStroke {
     /// The struck touch: a hand of so many kg arrives at the key with a speed, m/s, and its muscle presses on by
     /// [`STRUCK_N_S_M`].
     #[must_use]
-    pub fn struck(mass_kg: f64, speed_m_s: f64) -> Self {
-        let hand = Hand { mass_kg, start_m_s: speed_m_s, ..Hand::default() };
-        HandStroke { hand, muscle: Muscle::Steady { force_n: STRUCK_N_S_M * speed_m_s }, relaxes: None, leaves: None }
+    pub fn struck(mass_kg: f64, speed_m_per_s: f64) -> Self {
+        let hand = Hand { mass_kg, start_m_per_s: speed_m_per_s, ..Hand::default() };
+        HandStroke {
+            hand,
+            muscle: Muscle::Steady { force_n: STRUCK_N_S_M * speed_m_per_s },
+            relaxes: None,
+            leaves: None,
+        }
     }
 
     /// A hand that rests on the key while its muscle's force rises at this rate, N/s, without end. The hand is
@@ -200,7 +205,7 @@ impl HandStroke {
                 let way = depth_m + LEFT_M;
                 Input::Motion {
                     position_m: depth_m * x - way * up,
-                    velocity_m_s: depth_m * v / duration_s - way * up_v / back,
+                    velocity_m_per_s: depth_m * v / duration_s - way * up_v / back,
                 }
             }
         }

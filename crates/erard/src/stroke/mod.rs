@@ -81,7 +81,7 @@ impl Series {
             ForceSeries::new(times, values)
         };
         let speed = |s: &SpeedSeries| {
-            let (times, values) = begun(s.times_s(), s.speeds_m_s(), s.at(end_s, &mut Cursor::default()));
+            let (times, values) = begun(s.times_s(), s.speeds_m_per_s(), s.at(end_s, &mut Cursor::default()));
             SpeedSeries::new(times, values)
         };
         Ok(Self {

@@ -14,9 +14,9 @@ impl SpeedSeries {
     ///
     /// # Errors
     /// [`SampleError`]: fewer than two, not as many, not increasing, or not finite.
-    pub fn new(times_s: Vec<f64>, speeds_m_s: Vec<f64>) -> Result<Self, SampleError> {
-        check_samples(&times_s, &speeds_m_s)?;
-        Ok(SpeedSeries { times: times_s, values: speeds_m_s })
+    pub fn new(times_s: Vec<f64>, speeds_m_per_s: Vec<f64>) -> Result<Self, SampleError> {
+        check_samples(&times_s, &speeds_m_per_s)?;
+        Ok(SpeedSeries { times: times_s, values: speeds_m_per_s })
     }
 
     /// The instants, s.
@@ -25,7 +25,7 @@ impl SpeedSeries {
     }
 
     /// The speeds at these, m/s.
-    pub fn speeds_m_s(&self) -> &[f64] {
+    pub fn speeds_m_per_s(&self) -> &[f64] {
         &self.values
     }
 

@@ -39,7 +39,7 @@ pub const ENERGY_RESIDUAL: f64 = 0.01;
 pub(crate) const UNCONVERGED_STEPS: u64 = 0;
 /// Fastest blow, m/s: four times the fastest that was measured on a piano, and as far as the engine looks ahead for
 /// what may be touched within a step.
-pub(crate) const HAMMER_SPEED_M_S: f64 = 20.0;
+pub(crate) const HAMMER_SPEED_M_PER_S: f64 = 20.0;
 /// Steps with a force that the loudest blow on strings that sound has to have: with as many its contact, its largest
 /// force and the hammer's return are right to a hundredth.
 pub(crate) const CONTACT_STEPS: u32 = 60;
@@ -183,18 +183,18 @@ fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
 /// What is wrong with the fastest blow.
 #[must_use]
 pub fn of_blows(events: &Events) -> Option<Warning> {
-    let fastest = events.impacts.iter().max_by(|a, b| a.hammer_speed_m_s.total_cmp(&b.hammer_speed_m_s))?;
-    (fastest.hammer_speed_m_s > HAMMER_SPEED_M_S).then(|| Warning {
+    let fastest = events.impacts.iter().max_by(|a, b| a.hammer_speed_m_per_s.total_cmp(&b.hammer_speed_m_per_s))?;
+    (fastest.hammer_speed_m_per_s > HAMMER_SPEED_M_PER_S).then(|| Warning {
         kind: Kind::HammerSpeed,
         what: format!(
             "the hammer meets the string with {} m/s at {}, and no hammer is faster than {} m/s",
-            rounded(fastest.hammer_speed_m_s),
+            rounded(fastest.hammer_speed_m_per_s),
             instant(fastest.time_s),
-            rounded(HAMMER_SPEED_M_S)
+            rounded(HAMMER_SPEED_M_PER_S)
         ),
         part: None,
-        value: fastest.hammer_speed_m_s,
-        bound: HAMMER_SPEED_M_S,
+        value: fastest.hammer_speed_m_per_s,
+        bound: HAMMER_SPEED_M_PER_S,
         unit: "m/s",
         time_s: Some(fastest.time_s),
     })

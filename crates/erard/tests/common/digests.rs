@@ -74,9 +74,9 @@ pub fn long_level_run() -> u64 {
     let mut reference = Reference::new(&grand, &mut |_| true).expect("the concert grand plays");
     let touches = [Touch::Pressed, Touch::Struck].map(|touch| Kind { touch, mass_kg: MASS_KG });
     let levels = touches.into_iter().flat_map(|kind| [0, 2, 4].map(|level| (kind, LEVELS[level].1)));
-    levels.fold(0, |all: u64, (kind, speed_m_s)| {
-        let found = reference.solve(kind, speed_m_s, &mut |_| true).expect("a level of the concert grand");
-        let numbers = [found.louder, found.impact.time_s, found.impact.hammer_speed_m_s];
+    levels.fold(0, |all: u64, (kind, speed_m_per_s)| {
+        let found = reference.solve(kind, speed_m_per_s, &mut |_| true).expect("a level of the concert grand");
+        let numbers = [found.louder, found.impact.time_s, found.impact.hammer_speed_m_per_s];
         let setup = Setup { record_every: Some(100), ..Setup::new(DURATION_S) };
         let run = press_by_hand(&grand, &found.whole(), &setup, &mut |_| true).expect("the concert grand runs");
         all.rotate_left(5) ^ fnv1a(digest(&run), numbers.iter().flat_map(|x| x.to_bits().to_le_bytes()))

@@ -29,7 +29,7 @@ pub struct FirstBlow {
 pub fn blow(instrument: &Instrument, play: &Play, settings: Settings<f64>, duration_s: f64) -> FirstBlow {
     let run = play.run_every(instrument, settings, duration_s, Some(u64::MAX));
     FirstBlow {
-        speed: run.events.hammer_speed_m_s().expect("the string is struck"),
+        speed: run.events.hammer_speed_m_per_s().expect("the string is struck"),
         contact: run.events.hammer_contact_s().expect("the string is struck"),
         newton: run.work.newton_iterations as f64 / run.work.steps as f64,
         unconverged: run.work.unconverged_steps,

@@ -196,11 +196,11 @@ pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, dura
             Stroke::Force(f) => Input::Force(f(t + theta * h)),
             Stroke::Motion(p) => {
                 let [y, velocity] = p(t + theta * h);
-                Input::Motion { position_m: y, velocity_m_s: velocity }
+                Input::Motion { position_m: y, velocity_m_per_s: velocity }
             }
             Stroke::Rigid(p) => {
-                let [position_m, velocity_m_s] = p(t + h);
-                Input::Rigid { position_m, velocity_m_s }
+                let [position_m, velocity_m_per_s] = p(t + h);
+                Input::Rigid { position_m, velocity_m_per_s }
             }
         };
         match action.step(input).outcome {

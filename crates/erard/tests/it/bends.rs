@@ -95,7 +95,7 @@ fn energies_of_frozen_pieces_are_those_of_the_locked_part() {
 }
 
 fn speed(instrument: &Instrument, play: &Play) -> f64 {
-    play.run(instrument, Settings::new(25e-6), 0.2).events.hammer_speed_m_s().expect("a blow")
+    play.run(instrument, Settings::new(25e-6), 0.2).events.hammer_speed_m_per_s().expect("a blow")
 }
 
 /// The stiffer the bends, the nearer the blow is to that of the locked action: a thousandth of the give makes less than
@@ -129,7 +129,7 @@ fn the_dry_torque_of_bends_moves_no_blow() {
                 body.friction_torque_n_m *= by;
             }
             let events = Play::ForceStep(force_n, 0.4).run(&bent, Settings::new(25e-6), 0.4).events;
-            [events.hammer_speed_m_s(), events.hammer_contact_s(), events.key_bottom_s].map(Option::unwrap)
+            [events.hammer_speed_m_per_s(), events.hammer_contact_s(), events.key_bottom_s].map(Option::unwrap)
         };
         let usual = blow(1.0);
         for by in [0.5, 2.0] {

@@ -12,7 +12,7 @@ fn controlled(play: &Play, tolerance: f64, until_s: f64, record_every: u64) -> R
 }
 
 fn speed(run: &Run) -> f64 {
-    run.events.hammer_speed_m_s().expect("the string is struck")
+    run.events.hammer_speed_m_per_s().expect("the string is struck")
 }
 
 /// The hammer's speed against fixed steps of 0.2 and 0.1 us, extrapolated by their first order (they differ by some

@@ -90,14 +90,14 @@ fn strings(m: &dyn Mechanism) -> &Strings {
 }
 
 /// Sets the speed of the first modes of every string.
-pub(crate) fn swing(m: &mut dyn Mechanism, speeds_m_s: &[f64]) {
+pub(crate) fn swing(m: &mut dyn Mechanism, speeds_m_per_s: &[f64]) {
     let (modes, all) = (strings(m).modes(), strings(m).strings().len());
     let surfaces = m.surfaces_mut().unwrap();
     let mut lists: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     surfaces.save(&mut |name, list| drop(lists.insert(name, list.collect())));
     let numbers = lists.get_mut("string_modes").unwrap();
     for string in 0..all {
-        for (i, speed) in speeds_m_s.iter().enumerate() {
+        for (i, speed) in speeds_m_per_s.iter().enumerate() {
             numbers[2 * (string * modes / all + i) + 1] = *speed;
         }
     }
@@ -120,7 +120,7 @@ struct Books {
 /// The modes' equations with the same felt, and with the bridge's modes where there are any, as ordinary differential
 /// equations, by the classical Runge-Kutta method in steps of 1 us, at some instants, s. What dashpots take are further
 /// unknowns. Nothing of the engine is in it.
-fn by_runge_kutta(instrument: &Instrument, speeds_m_s: &[f64], instants_s: &[f64]) -> Vec<Books> {
+fn by_runge_kutta(instrument: &Instrument, speeds_m_per_s: &[f64], instants_s: &[f64]) -> Vec<Books> {
     const MODES: usize = 53;
     let string = &instrument.strings[0];
     let (k, b) = (6.667e6, 2.667e7);
@@ -194,7 +194,7 @@ fn by_runge_kutta(instrument: &Instrument, speeds_m_s: &[f64], instants_s: &[f64
     };
     let all = parts.iter().sum::<usize>();
     let mut y = vec![0.0; all + 3];
-    y[MODES..MODES + speeds_m_s.len()].copy_from_slice(speeds_m_s);
+    y[MODES..MODES + speeds_m_per_s.len()].copy_from_slice(speeds_m_per_s);
     let (h, mut now, mut found) = (1e-6, 0_u64, Vec::new());
     for instant in instants_s {
         while now < (instant / h).round() as u64 {
@@ -358,7 +358,9 @@ fn the_books_close_over_dampers_and_pedal() {
         println!("{pedal:?}: residual {:.1e}, in strings and felt {:.3e}", ledger.residual_relative(), ledger.surface);
         assert!(ledger.residual_relative() < 1e-4, "{:e}", ledger.residual_relative());
         assert!(
-            ledger.smallest_term >= 0.0 && run.work.unconverged_steps == 0 && run.events.hammer_speed_m_s().is_some()
+            ledger.smallest_term >= 0.0
+                && run.work.unconverged_steps == 0
+                && run.events.hammer_speed_m_per_s().is_some()
         );
     }
     let rigid = instrument.with_rigid_string();
@@ -466,10 +468,10 @@ fn the_books_close_over_rocking_dampers_and_a_bridge_that_moves() {
 }
 
 /// What strings, bridge and rocked felts have lost, J, in the engine after a time, and what they have lost together.
-fn lost(instrument: &Instrument, h: f64, speeds_m_s: &[f64], time_s: f64) -> ([f64; 3], f64) {
+fn lost(instrument: &Instrument, h: f64, speeds_m_per_s: &[f64], time_s: f64) -> ([f64; 3], f64) {
     let mut m = mechanism(instrument, Settings { tolerance: 1e-10, ..Settings::new(h) }).unwrap();
     m.configure(Stepping { halving: Halving::Never, ..*m.readout().stepping });
-    swing(m.as_mut(), speeds_m_s);
+    swing(m.as_mut(), speeds_m_per_s);
     let (start, before) = (strings(m.as_ref()).losses(), m.readout().surfaces.unwrap().lost());
     for _ in 0..(time_s / h).round() as usize {
         m.step(&moreau::Input::Free);

@@ -51,7 +51,7 @@ fn the_books_close() {
                 ledger.smallest_term,
                 run.work.newton_iterations,
                 run.work.unconverged_steps,
-                run.events.hammer_speed_m_s()
+                run.events.hammer_speed_m_per_s()
             );
             assert_eq!(run.work.unconverged_steps, 0, "{name}");
             assert!(ledger.residual_relative() < 3e-4, "{name}: {:.1e}", ledger.residual_relative());
@@ -59,7 +59,7 @@ fn the_books_close() {
             // second order in the step only.
             let least = if name == "hereditary" { -1e-4 * ledger.felt_damping } else { -1e-15 };
             assert!(ledger.smallest_term >= least, "{name}: {:.1e}", ledger.smallest_term);
-            assert!(run.events.hammer_speed_m_s().is_some_and(|speed| speed > 1.0), "{name}");
+            assert!(run.events.hammer_speed_m_per_s().is_some_and(|speed| speed > 1.0), "{name}");
         }
     }
 }
@@ -84,11 +84,11 @@ fn a_set_valued_loss_plays_but_not_every_step_is_settled() {
                 ledger.residual_relative(),
                 run.work.unconverged_steps,
                 run.work.steps,
-                run.events.hammer_speed_m_s()
+                run.events.hammer_speed_m_per_s()
             );
             assert!(ledger.residual_relative() < 1e-2, "{name}");
         }
-        let speeds = runs.each_ref().map(|run| run.events.hammer_speed_m_s().unwrap());
+        let speeds = runs.each_ref().map(|run| run.events.hammer_speed_m_per_s().unwrap());
         assert!(runs[0].work.unconverged_steps * 20 < runs[0].work.steps, "{name}");
         assert!((speeds[0] / speeds[1] - 1.0).abs() < 1e-3, "{name}: {speeds:?}");
     }
@@ -123,7 +123,7 @@ fn solvers_agree_on_the_motion() {
         let speed = |solver| {
             let settings = Settings { solver, ..Settings::new(USUAL_STEP_S) };
             let run = Play::Stroke("mf", Touch::Pressed).run(&instrument, settings, 0.3);
-            run.events.hammer_speed_m_s().unwrap()
+            run.events.hammer_speed_m_per_s().unwrap()
         };
         let speeds = [Solver::ActiveSet, Solver::ProjectedGaussSeidel].map(speed);
         assert!((speeds[0] / speeds[1] - 1.0).abs() < 1e-6, "{name}: {speeds:?}");
@@ -199,10 +199,14 @@ fn friction_that_grows_at_rest_plays() {
         let settings = Settings { solver, ..Settings::new(USUAL_STEP_S) };
         let run = Play::Stroke("mf", Touch::Pressed).run(&instrument, settings, 1.0);
         let ledger = run.ledger.as_ref().unwrap();
-        println!("{solver:?}: {:?} m/s, residual {:.1e}", run.events.hammer_speed_m_s(), ledger.residual_relative());
+        println!(
+            "{solver:?}: {:?} m/s, residual {:.1e}",
+            run.events.hammer_speed_m_per_s(),
+            ledger.residual_relative()
+        );
         assert!(run.work.unconverged_steps == 0 || solver == Solver::ProjectedGaussSeidel);
         assert!(ledger.residual_relative() < 3e-4 && ledger.smallest_term >= 0.0);
-        assert!(run.events.hammer_speed_m_s().is_some_and(|speed| speed > 1.0));
+        assert!(run.events.hammer_speed_m_per_s().is_some_and(|speed| speed > 1.0));
     }
     // What rested takes more force to move: the hammer leaves its rest later, under a force that grows by 1 N in 0.1 s.
     let shank = instrument.bodies.iter().position(|body| body.name == "shank").unwrap();
@@ -247,7 +251,7 @@ fn bushings() {
     let speed = |instrument: &Instrument| {
         let run = Play::Stroke("mf", Touch::Pressed).run(instrument, Settings::new(USUAL_STEP_S), 0.5);
         assert_eq!(run.work.unconverged_steps, 0);
-        run.events.hammer_speed_m_s().unwrap()
+        run.events.hammer_speed_m_per_s().unwrap()
     };
     let (soft, hard) = (speed(&with), speed(&without));
     println!("{soft} m/s with the bushing, {hard} without");

@@ -11,16 +11,16 @@ use erard::trust::Kind;
 use erard::{Action, Input, Settings, Setup, press};
 
 /// Speeds of the hammer when it meets the string, m/s: pp, mf and ff of `validation/published.toml`, nearly.
-const SPEEDS_M_S: [f64; 3] = [0.5, 2.0, 5.0];
+const SPEEDS_M_PER_S: [f64; 3] = [0.5, 2.0, 5.0];
 /// Partials are looked at so long after the blow began, and once more so long after that, s.
 const LOOKS_S: [f64; 2] = [10e-3, 25e-3];
 
 /// What a blow left.
 struct Blow {
-    speed_m_s: f64,
+    speed_m_per_s: f64,
     peak_n: f64,
     contact_s: f64,
-    back_m_s: f64,
+    back_m_per_s: f64,
     /// Of the first string's partials below 20 kHz: force on the bridge, N, real and imaginary, at both looks.
     partials: [Vec<[f64; 2]>; 2],
     steps_of_contact: usize,
@@ -28,7 +28,7 @@ struct Blow {
 
 /// The hammer of a key at rest, thrown at strings whose dampers are lifted: to the bit the same flight however steps
 /// are halved near the strings.
-fn thrown(instrument: &Instrument, speed_m_s: f64, halving: Halving) -> Blow {
+fn thrown(instrument: &Instrument, speed_m_per_s: f64, halving: Halving) -> Blow {
     let mut action = Action::new(instrument).unwrap();
     if action.strings().unwrap().pedal_m().is_some() {
         action.set_pedal(7e-3);
@@ -36,7 +36,7 @@ fn thrown(instrument: &Instrument, speed_m_s: f64, halving: Halving) -> Blow {
     }
     action.halve(halving);
     // What gravity and friction take on the way up is made up for, roughly; the head turns about the shank's pin.
-    let rad_s = (1.04 * speed_m_s * speed_m_s + 1.22).sqrt() / 0.1386;
+    let rad_s = (1.04 * speed_m_per_s * speed_m_per_s + 1.22).sqrt() / 0.1386;
     let mut body = instrument.roles.hammer;
     while let Some(one) = body {
         action.add_velocity(one, rad_s);
@@ -51,9 +51,9 @@ fn thrown(instrument: &Instrument, speed_m_s: f64, halving: Halving) -> Blow {
         action.mechanism_mut().step_in_parts(&mut |_, _, _| moreau::Input::Free, &mut |m, _| {
             let now = m.readout();
             if let (Some(impact), None) = (now.output.impact, struck) {
-                struck = Some((impact.hammer_speed_m_s, steps));
+                struck = Some((impact.hammer_speed_m_per_s, steps));
             }
-            series.push([now.now_s - 0.5 * now.last_step_s, now.output.zone_n, now.output.point_m_s[1]]);
+            series.push([now.now_s - 0.5 * now.last_step_s, now.output.zone_n, now.output.point_m_per_s[1]]);
         });
         for (look, found) in looks.iter().zip(&mut partials) {
             if struck.is_some_and(|(_, since)| steps == since + look) {
@@ -78,10 +78,10 @@ fn thrown(instrument: &Instrument, speed_m_s: f64, halving: Halving) -> Blow {
     let last = (top..series.len() - 1).filter(soon).rfind(|&i| force(i) >= level && force(i + 1) < level).unwrap();
     let after = series.iter().find(|[time_s, ..]| *time_s > series[last][0] + 1e-3).unwrap();
     Blow {
-        speed_m_s: struck.unwrap().0,
+        speed_m_per_s: struck.unwrap().0,
         peak_n,
         contact_s: crossing(last).1 - crossing(first).1,
-        back_m_s: -after[2],
+        back_m_per_s: -after[2],
         partials,
         steps_of_contact: last - first,
     }
@@ -102,11 +102,16 @@ fn bridge_partials(strings: &Strings) -> Vec<[f64; 2]> {
 /// errors of the partials within 40 dB of the strongest: of their levels, dB, and of their frequencies, cents.
 fn worst(blow: &Blow, exact: &Blow, hz: &dyn Fn(u32) -> f64) -> [f64; 3] {
     // The flight is the same; only the impact that is worked out from it depends on the step.
-    assert!((blow.speed_m_s / exact.speed_m_s - 1.0).abs() < 1e-5, "{} {}", blow.speed_m_s, exact.speed_m_s);
+    assert!(
+        (blow.speed_m_per_s / exact.speed_m_per_s - 1.0).abs() < 1e-5,
+        "{} {}",
+        blow.speed_m_per_s,
+        exact.speed_m_per_s
+    );
     let off = |a: f64, b: f64| (a / b - 1.0).abs();
     let pulse = off(blow.peak_n, exact.peak_n)
         .max(off(blow.contact_s, exact.contact_s))
-        .max(off(blow.back_m_s, exact.back_m_s));
+        .max(off(blow.back_m_per_s, exact.back_m_per_s));
     let amplitude = |of: &[f64; 2]| of[0].hypot(of[1]);
     let strongest = exact.partials[0].iter().map(amplitude).fold(0.0, f64::max);
     let (mut db, mut cents) = (0.0_f64, 0.0_f64);
@@ -131,18 +136,18 @@ fn compass(keys: &[usize]) {
     for &key in keys {
         let instrument = keyboard.key(key).unwrap();
         let hz = |n: u32| instrument.strings[0].partial_hz(n);
-        for speed_m_s in SPEEDS_M_S {
-            let exact = thrown(&instrument, speed_m_s, Halving::Further(3));
-            let own = thrown(&instrument, speed_m_s, Halving::AsAsked);
+        for speed_m_per_s in SPEEDS_M_PER_S {
+            let exact = thrown(&instrument, speed_m_per_s, Halving::Further(3));
+            let own = thrown(&instrument, speed_m_per_s, Halving::AsAsked);
             let [pulse, db, cents] = worst(&own, &exact, &hz);
             println!(
                 "key {key}, {:.2} m/s: {:.2} ms in {} steps, off by {:.3} %, {db:.3} dB, {cents:.1e} cents",
-                own.speed_m_s,
+                own.speed_m_per_s,
                 1e3 * own.contact_s,
                 own.steps_of_contact,
                 100.0 * pulse
             );
-            assert!(pulse < 0.01 && db < 0.1 && cents < 0.1, "key {key}, {speed_m_s} m/s: {pulse} {db} {cents}");
+            assert!(pulse < 0.01 && db < 0.1 && cents < 0.1, "key {key}, {speed_m_per_s} m/s: {pulse} {db} {cents}");
         }
     }
 }

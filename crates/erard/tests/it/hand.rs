@@ -20,7 +20,7 @@ fn a_hand_of_a_gram_is_a_force() {
     let hand = Hand { mass_kg: 1e-3, ..Hand::default() };
     let setup = Setup::new(0.4);
     let force = erard::press(&grand(), &player::force(|t| if t < 0.2 { 5.0 } else { 0.0 }), &setup).unwrap();
-    let [by_hand, by_force] = [pressed(hand, 5.0, 50e-6), force].map(|run| run.events.hammer_speed_m_s().unwrap());
+    let [by_hand, by_force] = [pressed(hand, 5.0, 50e-6), force].map(|run| run.events.hammer_speed_m_per_s().unwrap());
     // A gram beside the 0.3 kg that the finger feels.
     assert!((by_hand / by_force - 1.0).abs() < 5e-3, "{by_hand} {by_force}");
 }
@@ -34,7 +34,7 @@ fn its_mass_is_felt_at_the_bottom() {
         println!(
             "peak {:.1} N, hammer {:.2} m/s, bottom after {:.1} ms",
             run.peak_force_n,
-            run.events.hammer_speed_m_s().unwrap(),
+            run.events.hammer_speed_m_per_s().unwrap(),
             1e3 * run.events.key_bottom_s.unwrap()
         );
     }
@@ -56,7 +56,7 @@ fn struck(t: f64) -> Input {
 }
 
 const STRIKES: Hand =
-    Hand { mass_kg: 0.2, stiffness_n_per_m: 0.0, damping_n_s_per_m: 0.0, start_m: -1e-3, start_m_s: 0.3 };
+    Hand { mass_kg: 0.2, stiffness_n_per_m: 0.0, damping_n_s_per_m: 0.0, start_m: -1e-3, start_m_per_s: 0.3 };
 
 /// Adaptive steps carry the hand along: they arrive at the speed of short fixed ones, and a tighter tolerance arrives
 /// closer.
@@ -65,7 +65,7 @@ fn adaptive_steps_take_a_hand() {
     let speed = |setup: Setup| {
         let run = erard::press(&grand(), &struck, &Setup { hand: Some(STRIKES), ..setup }).unwrap();
         assert!(run.is_trusted(), "{:?}", run.warnings);
-        run.events.hammer_speed_m_s().unwrap()
+        run.events.hammer_speed_m_per_s().unwrap()
     };
     let fine = speed(Setup { settings: Settings::new(2e-6), ..Setup::new(0.06) });
     let off = [1e-3, 1e-5]
@@ -116,20 +116,20 @@ fn a_saved_state_has_the_hand() {
         steps.map(|n| action.step(at(n))).last().unwrap()
     };
     let mut action = Action::new(&grand).unwrap();
-    action.place_hand(STRIKES.start_m, STRIKES.start_m_s);
+    action.place_hand(STRIKES.start_m, STRIKES.start_m_per_s);
     press(&mut action, 0..700);
     let saved = action.save();
     let through = press(&mut action, 700..3000);
     let mut other = Action::new(&grand).unwrap();
     other.restore(&Snapshot::from_bytes(&saved.to_vec()).unwrap()).unwrap();
     assert_eq!(press(&mut other, 700..3000), through);
-    assert!(through.hand_m != 0.0 && through.hand_m_s < 0.0, "{through:?}");
+    assert!(through.hand_m != 0.0 && through.hand_m_per_s < 0.0, "{through:?}");
     let mut text: serde_json::Map<String, serde_json::Value> =
         serde_json::from_str(&serde_json::to_string(&saved).unwrap()).unwrap();
-    text.remove("hand_m_and_m_s").unwrap();
+    text.remove("hand_m_and_m_per_s").unwrap();
     let without: Snapshot = serde_json::from_value(text.into()).unwrap();
     other.restore(&without).unwrap();
-    assert_eq!((other.reading().hand_m + other.rest().site_m, other.reading().hand_m_s), (0.0, 0.0));
+    assert_eq!((other.reading().hand_m + other.rest().site_m, other.reading().hand_m_per_s), (0.0, 0.0));
 }
 
 /// Ten hands of ten masses play ten keys at once, each as it plays its action alone, to the bit. Held notes fall asleep
@@ -198,13 +198,13 @@ fn derivatives_take_a_hand() {
         .unwrap()
         .join()
         .unwrap();
-    let derived = found.instants.hammer_speed_m_s.unwrap().slope[0];
+    let derived = found.instants.hammer_speed_m_per_s.unwrap().slope[0];
     let speed = |more: f64| {
         let stroke = move |t: f64| match stroke(t) {
             Input::Force(force_n) => Input::Force(force_n + more),
             other => other,
         };
-        erard::press(&rigid, &stroke, &setup).unwrap().events.hammer_speed_m_s().unwrap()
+        erard::press(&rigid, &stroke, &setup).unwrap().events.hammer_speed_m_per_s().unwrap()
     };
     let differenced = (speed(0.02) - speed(-0.02)) / 0.04;
     println!("d(hammer speed)/d(muscle force) {derived}, by differences {differenced} m/s per N");

@@ -22,7 +22,7 @@ fn keys() -> Keys {
 
 /// What an observer of the tremolo sees in a tick.
 fn observed(tremolo: &Tremolo) -> (Vec<(usize, u64)>, Vec<u64>) {
-    let blows = tremolo.keys().impacts().iter().map(|b| (b.key, b.impact.hammer_speed_m_s.to_bits()));
+    let blows = tremolo.keys().impacts().iter().map(|b| (b.key, b.impact.hammer_speed_m_per_s.to_bits()));
     let mut blows: Vec<_> = blows.collect();
     blows.sort_unstable();
     (blows, (1..=KEYS).map(|key| tremolo.keys().string_force(key).to_bits()).collect())
@@ -42,7 +42,7 @@ fn ten_fingers_play_all_keys() {
         assert_eq!((tick.unconverged, tick.non_finite), (0, 0));
         most_awake = most_awake.max(tick.stepped);
         for blow in tremolo.keys().impacts() {
-            speeds[blow.key].push(blow.impact.hammer_speed_m_s);
+            speeds[blow.key].push(blow.impact.hammer_speed_m_per_s);
         }
     }
     let all = || speeds.iter().flatten().copied();
@@ -134,7 +134,7 @@ fn a_key_wakes_at_any_change() {
     assert_eq!(keys.awake(), 0, "at rest all sleep");
     keys.drive(40, Input::Free);
     assert_eq!(keys.awake(), 0, "as it was driven before");
-    let half_way = Input::Motion { position_m: 0.005, velocity_m_s: 0.0 };
+    let half_way = Input::Motion { position_m: 0.005, velocity_m_per_s: 0.0 };
     for input in [Input::Force(0.0), Input::Force(-0.0), Input::Force(5e-324), half_way, Input::Force(10.0)] {
         keys.drive(40, input);
         assert_eq!(keys.awake(), 1, "{input:?}");
@@ -176,7 +176,7 @@ fn come_to_rest(rounds: usize) {
             let held = match round % 4 {
                 0 => Input::Force(40.0 * x),
                 1 => Input::Force(0.0),
-                2 => Input::Motion { position_m: 0.014 * x, velocity_m_s: 0.0 },
+                2 => Input::Motion { position_m: 0.014 * x, velocity_m_per_s: 0.0 },
                 _ => Input::Free,
             };
             keys.drive(key, held);

@@ -19,8 +19,8 @@ fn reference(instrument: &Instrument) -> Reference {
     Reference::new(instrument, &mut |_| true).unwrap()
 }
 
-fn solve(reference: &mut Reference, kind: Kind, speed_m_s: f64) -> Solved {
-    reference.solve(kind, speed_m_s, &mut |_| true).unwrap()
+fn solve(reference: &mut Reference, kind: Kind, speed_m_per_s: f64) -> Solved {
+    reference.solve(kind, speed_m_per_s, &mut |_| true).unwrap()
 }
 
 fn played(instrument: &Instrument, stroke: &HandStroke, seconds: f64) -> Run {
@@ -36,9 +36,9 @@ static GRAND: LazyLock<Vec<Level>> = LazyLock::new(|| {
     let grand = grand();
     let mut reference = reference(&grand);
     let each = TOUCHES.into_iter().flat_map(|touch| LEVELS.map(|(name, speed)| (touch, name, speed)));
-    each.map(|(touch, name, speed_m_s)| {
-        let solved = solve(&mut reference, kind(touch), speed_m_s);
-        (touch, name, speed_m_s, solved, played(&grand, &solved.whole(), 1.0))
+    each.map(|(touch, name, speed_m_per_s)| {
+        let solved = solve(&mut reference, kind(touch), speed_m_per_s);
+        (touch, name, speed_m_per_s, solved, played(&grand, &solved.whole(), 1.0))
     })
     .collect()
 });
@@ -47,17 +47,17 @@ static GRAND: LazyLock<Vec<Level>> = LazyLock::new(|| {
 /// take more of the hand and less time.
 #[test]
 fn a_hand_plays_the_level_that_it_was_found_for() {
-    for (touch, name, speed_m_s, solved, run) in GRAND.iter() {
+    for (touch, name, speed_m_per_s, solved, run) in GRAND.iter() {
         let impact = run.events.impacts[0];
         println!(
-            "{} {name}: {:.4} for {speed_m_s} m/s, {} trials",
+            "{} {name}: {:.4} for {speed_m_per_s} m/s, {} trials",
             touch.name(),
-            impact.hammer_speed_m_s,
+            impact.hammer_speed_m_per_s,
             solved.trials
         );
-        assert_eq!(impact.hammer_speed_m_s.to_bits(), solved.impact.hammer_speed_m_s.to_bits());
+        assert_eq!(impact.hammer_speed_m_per_s.to_bits(), solved.impact.hammer_speed_m_per_s.to_bits());
         assert_eq!(impact.time_s.to_bits(), solved.impact.time_s.to_bits());
-        assert!((impact.hammer_speed_m_s / speed_m_s - 1.0).abs() <= CLOSE);
+        assert!((impact.hammer_speed_m_per_s / speed_m_per_s - 1.0).abs() <= CLOSE);
         assert!(solved.trials <= 16, "{}", solved.trials);
         assert!(run.is_trusted(), "{:?}", run.warnings);
     }
@@ -136,7 +136,7 @@ fn what_is_out_of_reach_is_answered_with_the_range() {
             other => panic!("{other:?}"),
         };
         assert!(range[0] < 0.1 && (5.0..9.0).contains(&range[1]), "{range:?}");
-        assert!(solve(&mut reference, kind(touch), 0.99 * range[1]).impact.hammer_speed_m_s < range[1]);
+        assert!(solve(&mut reference, kind(touch), 0.99 * range[1]).impact.hammer_speed_m_per_s < range[1]);
         solve(&mut reference, kind(touch), 1.5 * range[0]);
         assert!(reference.solve(kind(touch), 1.02 * range[1], &mut |_| true).is_err());
     }
@@ -162,12 +162,12 @@ fn without_a_string_there_is_no_level() {
 fn all_levels(instrument: &Instrument) {
     let mut reference = reference(instrument);
     for touch in TOUCHES {
-        let solved = LEVELS.map(|(_, speed_m_s)| solve(&mut reference, kind(touch), speed_m_s));
+        let solved = LEVELS.map(|(_, speed_m_per_s)| solve(&mut reference, kind(touch), speed_m_per_s));
         assert!(solved.windows(2).all(|pair| pair[0].louder < pair[1].louder), "{}", instrument.name);
-        for (solved, (name, speed_m_s)) in solved.iter().zip(LEVELS) {
+        for (solved, (name, speed_m_per_s)) in solved.iter().zip(LEVELS) {
             let run = played(instrument, &solved.held(), 0.3);
-            let speed = run.events.hammer_speed_m_s().unwrap();
-            assert!((speed / speed_m_s - 1.0).abs() <= CLOSE, "{} {name}: {speed}", instrument.name);
+            let speed = run.events.hammer_speed_m_per_s().unwrap();
+            assert!((speed / speed_m_per_s - 1.0).abs() <= CLOSE, "{} {name}: {speed}", instrument.name);
         }
     }
 }
@@ -192,14 +192,14 @@ mod nightly {
     fn doubles(instrument: &Instrument, touch: Touch) -> [usize; 2] {
         let mut reference = reference(instrument);
         let [softest, _] = reference.range(kind(touch), &mut |_| true).unwrap();
-        let from = softest.impact.hammer_speed_m_s.max(0.05);
+        let from = softest.impact.hammer_speed_m_per_s.max(0.05);
         let (mut doubled, mut unreached) = (0, 0);
         for n in 0..200 {
-            let speed_m_s = from * (5.0 / from).powf(f64::from(n) / 199.0);
-            match reference.solve(kind(touch), speed_m_s, &mut |_| true) {
+            let speed_m_per_s = from * (5.0 / from).powf(f64::from(n) / 199.0);
+            match reference.solve(kind(touch), speed_m_per_s, &mut |_| true) {
                 Ok(solved) => {
                     let impacts = played(instrument, &solved.held(), 0.6).events.impacts;
-                    doubled += usize::from(impacts.iter().skip(1).any(|one| one.hammer_speed_m_s > 0.1));
+                    doubled += usize::from(impacts.iter().skip(1).any(|one| one.hammer_speed_m_per_s > 0.1));
                 }
                 Err(LevelError::Jump { .. } | LevelError::OutOfReach { .. }) => unreached += 1,
                 Err(error) => panic!("{error}"),

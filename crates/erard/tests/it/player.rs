@@ -38,7 +38,7 @@ fn readings_are_a_runs_rows() {
     }
     assert!(!blows.is_empty());
     assert_eq!(blows, run.events.impacts);
-    assert_eq!(Some(blows[0].hammer_speed_m_s), run.events.hammer_speed_m_s());
+    assert_eq!(Some(blows[0].hammer_speed_m_per_s), run.events.hammer_speed_m_per_s());
 }
 
 /// The speeds of a reading are the derivatives of its places: by central differences of 50 us, whose own error is the
@@ -50,12 +50,12 @@ fn speeds_are_derivatives() {
     let slope = |a: f64, b: f64| (b - a) / (2.0 * USUAL_STEP_S);
     let mut worst = [0.0_f64; 2];
     for three in readings.windows(3) {
-        worst[0] = worst[0].max((slope(three[0].key_m, three[2].key_m) - three[1].key_m_s).abs());
-        worst[1] = worst[1].max((slope(three[0].hammer_m, three[2].hammer_m) - three[1].hammer_m_s).abs());
+        worst[0] = worst[0].max((slope(three[0].key_m, three[2].key_m) - three[1].key_m_per_s).abs());
+        worst[1] = worst[1].max((slope(three[0].hammer_m, three[2].hammer_m) - three[1].hammer_m_per_s).abs());
     }
     println!("{worst:?} m/s");
     assert!(worst[0] < 1e-3 && worst[1] < 1e-2, "{worst:?}");
-    assert!(readings.iter().any(|r| r.hammer_m_s > 1.0));
+    assert!(readings.iter().any(|r| r.hammer_m_per_s > 1.0));
 }
 
 /// A snapshot taken one step before a blow, restored in another action: the same blow and, many steps later, the same
@@ -155,10 +155,10 @@ fn bad_inputs_leave_the_action_as_it_was() {
     let bad = [
         Input::Force(f64::NAN),
         Input::Force(f64::INFINITY),
-        Input::Motion { position_m: f64::NAN, velocity_m_s: 0.0 },
-        Input::Motion { position_m: 0.0, velocity_m_s: f64::NEG_INFINITY },
-        Input::Rigid { position_m: f64::NAN, velocity_m_s: 0.0 },
-        Input::Rigid { position_m: 0.0, velocity_m_s: f64::NAN },
+        Input::Motion { position_m: f64::NAN, velocity_m_per_s: 0.0 },
+        Input::Motion { position_m: 0.0, velocity_m_per_s: f64::NEG_INFINITY },
+        Input::Rigid { position_m: f64::NAN, velocity_m_per_s: 0.0 },
+        Input::Rigid { position_m: 0.0, velocity_m_per_s: f64::NAN },
     ];
     for bad in bad {
         let mut action = Action::new(&grand()).unwrap();
@@ -172,7 +172,7 @@ fn bad_inputs_leave_the_action_as_it_was() {
         let next = action.step(Input::Force(5.0));
         assert_eq!(next.outcome, Outcome::Converged, "{bad:?}");
         assert!(next.key_m.is_finite() && next.finger_n.is_finite());
-        let rigid = action.step(Input::Rigid { position_m: next.key_m, velocity_m_s: 0.0 });
+        let rigid = action.step(Input::Rigid { position_m: next.key_m, velocity_m_per_s: 0.0 });
         assert_eq!(rigid.outcome, Outcome::Converged, "{bad:?}");
     }
 }
@@ -186,7 +186,7 @@ fn nothing_allocates() {
     let counted = allocation_counter::measure(|| {
         for n in 0..20_000 {
             let r = action.step(force(n));
-            sum += r.key_m + r.key_m_s + r.finger_n + r.hammer_m + r.hammer_m_s + r.string_n;
+            sum += r.key_m + r.key_m_per_s + r.finger_n + r.hammer_m + r.hammer_m_per_s + r.string_n;
             sum += action.angles()[0] + action.velocities()[1] + action.contact_force(3) + action.tangential_force(3);
             blows += usize::from(action.impact().is_some());
             if n % 1000 == 500 {
@@ -208,10 +208,10 @@ fn larger_sizes_play() {
         let run = Play::Stroke("mf", Touch::Pressed).run(&instrument, Settings::new(USUAL_STEP_S), 0.5);
         let ledger = run.ledger.expect("it is kept");
         println!("{bodies} bodies: {:?}, residual {:.1e}", run.events.impacts, ledger.residual_relative());
-        let Some(Impact { hammer_speed_m_s: speed_m_s, .. }) = run.events.impacts.first().copied() else {
+        let Some(Impact { hammer_speed_m_per_s: speed_m_per_s, .. }) = run.events.impacts.first().copied() else {
             panic!("{bodies} strikes")
         };
-        assert!((0.5..4.0).contains(&speed_m_s), "{bodies}: {speed_m_s}");
+        assert!((0.5..4.0).contains(&speed_m_per_s), "{bodies}: {speed_m_per_s}");
         assert_eq!(run.work.unconverged_steps, 0, "{bodies}");
         assert!(ledger.residual_relative() < 1e-3, "{bodies}: {}", ledger.residual_relative());
     }
@@ -233,9 +233,10 @@ fn the_hammers_speed_is_reported_in_total_and_along_the_normal() {
             }
             before = now;
         }
-        let Impact { hammer_speed_m_s: total, hammer_speed_normal_m_s: normal, .. } = found.expect("it strikes");
+        let Impact { hammer_speed_m_per_s: total, hammer_speed_normal_m_per_s: normal, .. } =
+            found.expect("it strikes");
         println!("{name}: {total:.4} m/s, {normal:.4} along the normal, {:.4} of it", normal / total);
-        assert!((normal / before.hammer_m_s - 1.0).abs() < 3e-3, "{name}: {normal} {}", before.hammer_m_s);
+        assert!((normal / before.hammer_m_per_s - 1.0).abs() < 3e-3, "{name}: {normal} {}", before.hammer_m_per_s);
         // The head is 48 mm above the line from the pin, at 130 mm along it.
         assert!((normal / total - 130.0 / 130.0_f64.hypot(48.0)).abs() < 0.01, "{name}: {}", normal / total);
     }

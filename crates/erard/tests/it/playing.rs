@@ -83,7 +83,7 @@ fn the_softest_blow_keeps_its_times() {
     let ahead = bottom - e.hammer_contact_s().unwrap();
     assert!((0.130..0.165).contains(&stroke), "{stroke}");
     assert!((0.008..0.016).contains(&ahead), "{ahead}");
-    assert!((0.45..0.65).contains(&e.hammer_speed_m_s().unwrap()), "{e:?}");
+    assert!((0.45..0.65).contains(&e.hammer_speed_m_per_s().unwrap()), "{e:?}");
 }
 
 /// Softly, the hammer is first; loudly, the key bottoms first (Askenfelt and Jansson's order of events). Speeds rise
@@ -96,8 +96,8 @@ fn the_order_of_events_reverses() {
         let e = press(&grand, force).events;
         let (blow, bottom) = (e.hammer_contact_s().unwrap(), e.key_bottom_s.unwrap());
         assert_eq!(blow < bottom, hammer_first, "{force} N: {e:?}");
-        assert!(e.hammer_speed_m_s().unwrap() > speed);
-        speed = e.hammer_speed_m_s().unwrap();
+        assert!(e.hammer_speed_m_per_s().unwrap() > speed);
+        speed = e.hammer_speed_m_per_s().unwrap();
     }
     assert!((5.0..8.0).contains(&speed), "35 N: {speed} m/s");
 }
@@ -199,7 +199,7 @@ fn a_second_press_from_half_way_sounds() {
         let run = simulate(&grand, &player::motion(&motion), &setup, &mut |_| true).unwrap();
         let blows = &run.events.impacts;
         assert_eq!(blows.len(), 2, "{wait}: {blows:?}");
-        assert!(blows[1].time_s > 0.26 + wait && blows[1].hammer_speed_m_s > 0.8, "{wait}: {blows:?}");
+        assert!(blows[1].time_s > 0.26 + wait && blows[1].hammer_speed_m_per_s > 0.8, "{wait}: {blows:?}");
         let top = run.key_m[row_at(&run, 0.1)..].iter().fold(f64::INFINITY, |a, b| a.min(*b));
         assert!(top > 4.8e-3, "{wait}: the key comes up to {top}");
     }

@@ -25,7 +25,7 @@ fn compare(play: &Play, theta: f64) -> [Run; 2] {
     assert_eq!(a.events.impacts.len(), b.events.impacts.len(), "{at}");
     assert!(!a.events.impacts.is_empty(), "{at}");
     for (x, y) in a.events.impacts.iter().zip(&b.events.impacts) {
-        assert!((x.hammer_speed_m_s / y.hammer_speed_m_s - 1.0).abs() < SPEED, "{at}: {x:?} {y:?}");
+        assert!((x.hammer_speed_m_per_s / y.hammer_speed_m_per_s - 1.0).abs() < SPEED, "{at}: {x:?} {y:?}");
         assert!((x.time_s - y.time_s).abs() < USUAL_STEP_S, "{at}: {x:?} {y:?}");
     }
     for (x, y) in instants(&a.events).into_iter().zip(instants(&b.events)) {

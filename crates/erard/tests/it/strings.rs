@@ -83,14 +83,14 @@ struct Blow {
     /// How long the force is above a tenth of its peak, from the first time on to the last, between the steps' middles
     /// by straight lines, s.
     contact_s: f64,
-    back_m_s: f64,
+    back_m_per_s: f64,
     pulses: usize,
 }
 
 fn blow(instrument: &Instrument, h: f64, speed: f64) -> Blow {
     let mut m = thrown(instrument, h, speed);
     let (mut blow, mut touching) =
-        (Blow { peak_n: 0.0, until_s: 0.0, contact_s: 0.0, back_m_s: 0.0, pulses: 0 }, false);
+        (Blow { peak_n: 0.0, until_s: 0.0, contact_s: 0.0, back_m_per_s: 0.0, pulses: 0 }, false);
     let mut forces = Vec::new();
     for n in 0..(8e-3 / h) as usize {
         m.step(&moreau::Input::Free);
@@ -102,7 +102,7 @@ fn blow(instrument: &Instrument, h: f64, speed: f64) -> Blow {
         }
         touching = force > 0.0;
     }
-    blow.back_m_s = -m.readout().velocities[0];
+    blow.back_m_per_s = -m.readout().velocities[0];
     // The peak between samples: a parabola through three.
     let top = (1..forces.len() - 1).max_by(|&a, &b| forces[a].total_cmp(&forces[b])).unwrap();
     let [a, b, c] = [forces[top - 1], forces[top], forces[top + 1]];
@@ -124,18 +124,18 @@ fn a_blow_is_the_one_of_an_independent_solution() {
     let reference =
         [(0.5, 5.8183, 2.5178e-3, 0.36994), (2.5, 36.0947, 2.0030e-3, 1.60647), (5.0, 77.9063, 1.8617e-3, 3.10823)];
     let instrument = bare("0", 0.0);
-    for (speed, peak_n, until_s, back_m_s) in reference {
+    for (speed, peak_n, until_s, back_m_per_s) in reference {
         let found = blow(&instrument, 12.5e-6, speed);
         println!(
             "{speed}: {:.4} N, {:.4} ms, {:.5} m/s, {} pulses",
             found.peak_n,
             1e3 * found.until_s,
-            found.back_m_s,
+            found.back_m_per_s,
             found.pulses
         );
         assert!((found.peak_n / peak_n - 1.0).abs() < 0.006, "{} {peak_n}", found.peak_n);
         assert!((found.until_s - until_s).abs() < 20e-6, "{} {until_s}", found.until_s);
-        assert!((found.back_m_s / back_m_s - 1.0).abs() < 0.002, "{} {back_m_s}", found.back_m_s);
+        assert!((found.back_m_per_s / back_m_per_s - 1.0).abs() < 0.002, "{} {back_m_per_s}", found.back_m_per_s);
     }
 }
 
@@ -197,7 +197,7 @@ fn blows_converge_with_the_second_order() {
             let error = [
                 (b.peak_n / exact.peak_n - 1.0).abs(),
                 apart(&spectrum(h, speed), &exactly),
-                (b.back_m_s / exact.back_m_s - 1.0).abs(),
+                (b.back_m_per_s / exact.back_m_per_s - 1.0).abs(),
                 (b.contact_s / exact.contact_s - 1.0).abs(),
             ];
             println!(
@@ -336,7 +336,7 @@ fn the_books_of_a_whole_action_close() {
         let peak = run.zones[string].normal_n.iter().fold(0.0, |a: f64, b| a.max(*b));
         println!(
             "{nuance}: {:.2} m/s, contact {:.2} ms, peak {peak:.1} N, residual {:.1e}, strings {:.2e} J, lost in them {:.2e} J",
-            run.events.hammer_speed_m_s().unwrap_or(0.0),
+            run.events.hammer_speed_m_per_s().unwrap_or(0.0),
             touching as f64 * 0.05,
             ledger.residual_relative(),
             ledger.now.surface,
@@ -420,7 +420,7 @@ fn keys_and_actions_are_the_same_bits() {
         keys.step();
         action.step(input);
         if n % 500 == 0 {
-            let [a, b] = [keys.reading(1), action.reading()].map(|r| [r.key_m, r.hammer_m, r.hammer_m_s]);
+            let [a, b] = [keys.reading(1), action.reading()].map(|r| [r.key_m, r.hammer_m, r.hammer_m_per_s]);
             assert_eq!(a, b, "step {n}");
         }
     }

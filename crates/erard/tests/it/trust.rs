@@ -193,10 +193,14 @@ fn no_rest_is_a_warning_of_its_own() {
 /// A blow that is faster than any hammer is reported, and the fastest of several.
 #[test]
 fn a_blow_faster_than_any_is_told() {
-    let events = |speed_m_s: f64| erard::Events {
+    let events = |speed_m_per_s: f64| erard::Events {
         impacts: vec![
-            erard::Impact { time_s: 0.1, hammer_speed_m_s: 3.0, hammer_speed_normal_m_s: 2.8 },
-            erard::Impact { time_s: 0.2, hammer_speed_m_s: speed_m_s, hammer_speed_normal_m_s: speed_m_s },
+            erard::Impact { time_s: 0.1, hammer_speed_m_per_s: 3.0, hammer_speed_normal_m_per_s: 2.8 },
+            erard::Impact {
+                time_s: 0.2,
+                hammer_speed_m_per_s: speed_m_per_s,
+                hammer_speed_normal_m_per_s: speed_m_per_s,
+            },
         ],
         ..erard::Events::default()
     };

@@ -124,7 +124,7 @@ pub(crate) fn blow(
     let run = play.run(instrument, settings, until, u64::MAX)?;
     let took_s = started.elapsed().as_secs_f64();
     Ok(FirstBlow {
-        speed: run.events.hammer_speed_m_s().unwrap_or(f64::NAN),
+        speed: run.events.hammer_speed_m_per_s().unwrap_or(f64::NAN),
         contact: run.events.hammer_contact_s().unwrap_or(f64::NAN),
         newton: run.work.newton_iterations as f64,
         unconverged: run.work.unconverged_steps,

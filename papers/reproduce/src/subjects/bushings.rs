@@ -21,7 +21,7 @@ fn forte(instrument: &Instrument) -> Result<Option<[f64; 2]>, ReproduceError> {
     Ok(events
         .key_bottom_s
         .zip(events.hammer_contact_s())
-        .zip(events.hammer_speed_m_s())
+        .zip(events.hammer_speed_m_per_s())
         .map(|((bottom, contact), speed)| [1e3 * (bottom - contact), speed]))
 }
 

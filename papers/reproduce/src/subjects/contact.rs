@@ -13,7 +13,7 @@ const MIDDLE: usize = 40;
 /// Keys: A0, C1, C4, C7, C8.
 const KEYS: [usize; 5] = [1, 4, MIDDLE, 76, 88];
 /// The marks' hammer speeds, m/s: pp, mf, ff of `validation/published.toml`.
-const SPEEDS_M_S: [f64; 3] = [0.5, 1.99, 5.0];
+const SPEEDS_M_PER_S: [f64; 3] = [0.5, 1.99, 5.0];
 /// A contact is followed for so long after the first touch, s.
 const FOLLOWED_S: f64 = 10e-3;
 /// A contact may also be counted while the force is above this share of its peak.
@@ -58,14 +58,14 @@ impl Contact {
 }
 
 /// The hammer of a key at rest, its dampers up, thrown so that it meets the string at about a speed; that speed.
-fn thrown(instrument: &Instrument, speed_m_s: f64) -> Result<(f64, Contact), ReproduceError> {
+fn thrown(instrument: &Instrument, speed_m_per_s: f64) -> Result<(f64, Contact), ReproduceError> {
     let mut action = Action::new(instrument).map_err(wrong)?;
     if action.strings().is_some_and(|strings| strings.pedal_m().is_some()) {
         action.set_pedal(7e-3);
         action.settle(instrument, Input::Free, &mut |_| true).map_err(wrong)?;
     }
     // What gravity and friction take on the way up is made up for, roughly; the head turns about the shank's pin.
-    let rad_s = (1.04 * speed_m_s * speed_m_s + 1.22).sqrt() / 0.1386;
+    let rad_s = (1.04 * speed_m_per_s * speed_m_per_s + 1.22).sqrt() / 0.1386;
     let mut body = instrument.roles.hammer;
     while let Some(one) = body {
         action.add_velocity(one, rad_s);
@@ -84,12 +84,12 @@ fn thrown(instrument: &Instrument, speed_m_s: f64) -> Result<(f64, Contact), Rep
         }
     }
     let contact = Contact::of(&series).ok_or_else(|| wrong("the hammer does not touch the string"))?;
-    Ok((struck.map_or(f64::NAN, |impact| impact.hammer_speed_m_s), contact))
+    Ok((struck.map_or(f64::NAN, |impact| impact.hammer_speed_m_per_s), contact))
 }
 
 /// A head alone before C4's strings.
-fn alone(head: &Instrument, speed_m_s: f64) -> Result<Contact, ReproduceError> {
-    let mut m = head::thrown(head, HEAD_STEP_S, speed_m_s)?;
+fn alone(head: &Instrument, speed_m_per_s: f64) -> Result<Contact, ReproduceError> {
+    let mut m = head::thrown(head, HEAD_STEP_S, speed_m_per_s)?;
     let mut series = vec![[0.0, 0.0]];
     for n in 1..=(FOLLOWED_S / HEAD_STEP_S) as usize {
         m.step(&moreau::Input::Free);
@@ -117,7 +117,7 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
     for (n, number) in KEYS.into_iter().enumerate() {
         tell(progress, 0.4 * n as f64 / KEYS.len() as f64)?;
         let instrument = key(number)?;
-        let found = SPEEDS_M_S.map(|speed_m_s| thrown(&instrument, speed_m_s));
+        let found = SPEEDS_M_PER_S.map(|speed_m_per_s| thrown(&instrument, speed_m_per_s));
         let [pp, mf, ff] = found;
         let [pp, mf, ff] = [pp?.1, mf?.1, ff?.1];
         let (_, says, range) = PUBLISHED_MS.into_iter().find(|(of, ..)| *of == number).unwrap_or((0, "", [0.0; 2]));
@@ -185,8 +185,8 @@ fn variants(c4: &Instrument, section: &mut Section, progress: &mut Progress) -> 
         let mut head = head::before(c4)?;
         change(&mut head);
         let mut found = [0.0; 3];
-        for (found, speed_m_s) in found.iter_mut().zip(SPEEDS_M_S) {
-            *found = alone(&head, speed_m_s)?.touch_s;
+        for (found, speed_m_per_s) in found.iter_mut().zip(SPEEDS_M_PER_S) {
+            *found = alone(&head, speed_m_per_s)?.touch_s;
         }
         let ratio = found[2] / found[1];
         (own, still) = (if n == 0 { ratio } else { own }, ratio);
@@ -198,7 +198,7 @@ fn variants(c4: &Instrument, section: &mut Section, progress: &mut Progress) -> 
         );
     }
     section.tables.push(table);
-    let speeds = SPEEDS_M_S[2] / SPEEDS_M_S[1];
+    let speeds = SPEEDS_M_PER_S[2] / SPEEDS_M_PER_S[1];
     let closed = speeds.powf(-(2.5 - 1.0) / (2.5 + 1.0));
     section.claims.push(Claim::new(
         "this program",
@@ -218,7 +218,7 @@ fn felts_of_a0(a0: &Instrument, section: &mut Section, progress: &mut Progress) 
         tell(progress, n as f64 / 5.0)?;
         let mut softer = a0.clone();
         softer.zones[zone].felt.stiffness *= factor;
-        let (_, contact) = thrown(&softer, SPEEDS_M_S[1])?;
+        let (_, contact) = thrown(&softer, SPEEDS_M_PER_S[1])?;
         table.row([format!("x {factor}"), format!("{:.2}", 1e3 * contact.touch_s)]);
         points.push((factor, contact.touch_s));
     }

@@ -89,7 +89,7 @@ impl Press {
             body.angle_rad.iter().zip(&body.rate_rad_per_s).map(|(q, v)| [*q, *v]).collect()
         });
         Press {
-            speed: run.events.hammer_speed_m_s().unwrap_or(f64::NAN),
+            speed: run.events.hammer_speed_m_per_s().unwrap_or(f64::NAN),
             time_s: run.time_s.clone(),
             motion: motion.into(),
             newton: work.newton_iterations as f64,

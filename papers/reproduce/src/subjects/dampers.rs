@@ -84,7 +84,7 @@ impl Note {
         action.restore(&self.sounding).map_err(wrong)?;
         action.set_pedal(lift_m);
         let step_s = instrument.usual_step_s();
-        let waits = ((UP_M - lift_m) / erard::strings::PEDAL_M_S / step_s).ceil() as u32;
+        let waits = ((UP_M - lift_m) / erard::strings::PEDAL_M_PER_S / step_s).ceil() as u32;
         for _ in 0..waits {
             action.step(Input::Free);
             if action.strings().is_some_and(|strings| strings.damper_n().any(|force_n| force_n > 0.0)) {
@@ -129,14 +129,14 @@ struct Partial {
     string: usize,
     n: u32,
     /// Force on the bridge per velocity, N s/m.
-    per_m_s: f64,
+    per_m_per_s: f64,
 }
 
 impl Partial {
     /// The square of its force on the bridge, N^2, by its velocity: where it rests plays no part.
     fn squared_n2(&self, strings: &Strings) -> f64 {
         let [_, v] = strings.partial(self.string, self.n).unwrap_or_default();
-        (self.per_m_s * v) * (self.per_m_s * v)
+        (self.per_m_per_s * v) * (self.per_m_per_s * v)
     }
 }
 
@@ -148,7 +148,7 @@ fn partials(strings: &Strings) -> Vec<Partial> {
             let order = f64::from(n);
             let per_m =
                 string.tension_n * (1.0 + string.inharmonicity() * order * order) * order * PI / string.length_m;
-            Partial { string: index, n, per_m_s: per_m / (2.0 * PI * string.partial_hz(n)) }
+            Partial { string: index, n, per_m_per_s: per_m / (2.0 * PI * string.partial_hz(n)) }
         })
     };
     strings.strings().iter().enumerate().flat_map(of).collect()

@@ -17,12 +17,12 @@ const HELD_S: f64 = 0.7;
 /// Levels from gentle to loud.
 const STEPS: usize = 24;
 /// The gentlest and the loudest hammer speed, m/s.
-const SPEEDS_M_S: [f64; 2] = [0.4, 5.0];
+const SPEEDS_M_PER_S: [f64; 2] = [0.4, 5.0];
 /// The hands, kg. That of 200 g is the built-in one.
 const MASSES_KG: [f64; 3] = [0.05, 0.2, 1.0];
 const OWN_KG: f64 = 0.2;
 /// A second impact is heard from this speed on, m/s.
-const HEARD_M_S: f64 = 0.1;
+const HEARD_M_PER_S: f64 = 0.1;
 /// What two neighbouring steps may differ by more than the mean of their own neighbours' differences, for a curve that
 /// is called smooth: a tenth of its whole range.
 const SMOOTH: f64 = 0.1;
@@ -32,13 +32,13 @@ const THROWN_MS: f64 = 8.0;
 /// What came of a touch.
 struct Touched {
     louder: f64,
-    speed_m_s: f64,
+    speed_m_per_s: f64,
     travel_ms: f64,
     ahead_ms: f64,
     /// From let-off to the string.
     flight_ms: f64,
     /// The fastest impact after the first, m/s.
-    second_m_s: f64,
+    second_m_per_s: f64,
     is_checked: bool,
 }
 
@@ -48,11 +48,11 @@ impl Touched {
         let ms = |a: Option<f64>, b: Option<f64>| a.zip(b).map_or(f64::NAN, |(a, b)| (a - b) * 1e3);
         Touched {
             louder,
-            speed_m_s: events.hammer_speed_m_s().unwrap_or(f64::NAN),
+            speed_m_per_s: events.hammer_speed_m_per_s().unwrap_or(f64::NAN),
             travel_ms: ms(events.hammer_contact_s(), events.key_start_s),
             ahead_ms: ms(events.key_bottom_s, events.hammer_contact_s()),
             flight_ms: ms(events.hammer_contact_s(), events.let_off_s),
-            second_m_s: events.impacts.iter().skip(1).map(|one| one.hammer_speed_m_s).fold(0.0, f64::max),
+            second_m_per_s: events.impacts.iter().skip(1).map(|one| one.hammer_speed_m_per_s).fold(0.0, f64::max),
             is_checked: events.check_s.is_some(),
         }
     }
@@ -63,9 +63,9 @@ fn played(
     instrument: &Instrument,
     reference: &mut Reference,
     kind: Kind,
-    speed_m_s: f64,
+    speed_m_per_s: f64,
 ) -> Result<Option<Touched>, ReproduceError> {
-    let solved = match reference.solve(kind, speed_m_s, &mut |_| true) {
+    let solved = match reference.solve(kind, speed_m_per_s, &mut |_| true) {
         Ok(solved) => solved,
         Err(LevelError::OutOfReach { .. } | LevelError::Jump { .. }) => return Ok(None),
         Err(error) => return Err(ReproduceError::Instrument(error.to_string())),
@@ -82,13 +82,13 @@ fn name(kind: Kind) -> String {
 fn claims(kind: &str, steps: &[Touched]) -> [Claim; 2] {
     let own = |says: String, measured: String, holds| Claim::new("this program", says, measured, holds);
     let all = steps.len();
-    let single = steps.iter().filter(|touched| touched.second_m_s < HEARD_M_S).count();
+    let single = steps.iter().filter(|touched| touched.second_m_per_s < HEARD_M_PER_S).count();
     let values: [fn(&Touched) -> f64; 1] = [|t| t.travel_ms];
     let roughest =
         values.into_iter().map(|value| roughness(&steps.iter().map(value).collect::<Vec<_>>())).fold(0.0, f64::max);
     [
         own(
-            format!("{kind}: no second impact above {HEARD_M_S} m/s"),
+            format!("{kind}: no second impact above {HEARD_M_PER_S} m/s"),
             format!("{} of {all} levels have one", all - single),
             single == all,
         ),
@@ -112,8 +112,8 @@ fn thrown(kind: &str, steps: &[Touched]) -> Option<String> {
         "{kind}: {} of {} levels, from {:.2} to {:.2} m/s, are played by a hammer that the first jerk throws off the jack; it flies for {longest_ms:.0} ms at most.",
         thrown.len(),
         steps.len(),
-        first.speed_m_s,
-        last.speed_m_s
+        first.speed_m_per_s,
+        last.speed_m_per_s
     ))
 }
 
@@ -125,14 +125,16 @@ fn roughness(values: &[f64]) -> f64 {
 }
 
 /// Travel times at a hammer speed, between the two nearest levels, ms.
-fn travel_at(steps: &[Touched], speed_m_s: f64) -> Option<f64> {
-    let pair = steps.windows(2).find(|pair| pair[0].speed_m_s <= speed_m_s && speed_m_s <= pair[1].speed_m_s)?;
-    let share = (speed_m_s / pair[0].speed_m_s).ln() / (pair[1].speed_m_s / pair[0].speed_m_s).ln();
+fn travel_at(steps: &[Touched], speed_m_per_s: f64) -> Option<f64> {
+    let pair = steps
+        .windows(2)
+        .find(|pair| pair[0].speed_m_per_s <= speed_m_per_s && speed_m_per_s <= pair[1].speed_m_per_s)?;
+    let share = (speed_m_per_s / pair[0].speed_m_per_s).ln() / (pair[1].speed_m_per_s / pair[0].speed_m_per_s).ln();
     Some(pair[0].travel_ms + share * (pair[1].travel_ms - pair[0].travel_ms))
 }
 
 /// The hammer speeds of the comparison, m/s.
-const COMPARED_M_S: [f64; 5] = [0.5, 0.79, 1.99, 3.15, 4.9];
+const COMPARED_M_PER_S: [f64; 5] = [0.5, 0.79, 1.99, 3.15, 4.9];
 
 pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let instrument = &bending(asked)?;
@@ -146,8 +148,8 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
              depends on the hammer's speed and clearly on the touch, and little on the piano: 20 ms to some 200 ms, the struck touch about 20 ms sooner at equal loudness. \
              Here the travel time counts from the key's start, 0.1 mm down: the finger of a pressed touch has rested on the key before.",
             1e3 * RISE_S,
-            SPEEDS_M_S[0],
-            SPEEDS_M_S[1]
+            SPEEDS_M_PER_S[0],
+            SPEEDS_M_PER_S[1]
         )],
         ..Section::default()
     };
@@ -173,9 +175,9 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         let mut steps = Vec::new();
         for n in 0..STEPS {
             tell(progress, (k as f64 + n as f64 / STEPS as f64) / (2.0 * MASSES_KG.len() as f64))?;
-            let [from, to] = SPEEDS_M_S;
-            let speed_m_s = from * (to / from).powf(n as f64 / (STEPS - 1) as f64);
-            steps.extend(played(instrument, &mut reference, kind, speed_m_s)?);
+            let [from, to] = SPEEDS_M_PER_S;
+            let speed_m_per_s = from * (to / from).powf(n as f64 / (STEPS - 1) as f64);
+            steps.extend(played(instrument, &mut reference, kind, speed_m_per_s)?);
         }
         let name = name(kind);
         if kind.mass_kg == OWN_KG {
@@ -187,7 +189,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         for (curve, value) in curves.iter_mut().zip(values) {
             curve.push(ChartCurve {
                 label: name.clone(),
-                x: steps.iter().map(|touched| touched.speed_m_s).collect(),
+                x: steps.iter().map(|touched| touched.speed_m_per_s).collect(),
                 y: steps.iter().map(value).collect(),
                 colour: k,
                 mark: Dash::Points,
@@ -197,10 +199,10 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
             table.row([
                 name.clone(),
                 format!("{:.3}", touched.louder),
-                format!("{:.2}", touched.speed_m_s),
+                format!("{:.2}", touched.speed_m_per_s),
                 format!("{:.1}", touched.travel_ms),
                 format!("{:.2}", touched.ahead_ms),
-                format!("{:.2}", touched.second_m_s),
+                format!("{:.2}", touched.second_m_per_s),
                 if touched.is_checked { "yes" } else { "no" }.into(),
             ]);
         }
@@ -230,16 +232,16 @@ fn compared(all: &[(Kind, Vec<Touched>)]) -> Table {
         "Travel time from key start to the string, ms; published: 20 to some 200, struck about 20 sooner at mf",
         &["hammer (m/s)", "hand (g)", "pressed", "struck", "struck sooner by"],
     );
-    for speed_m_s in COMPARED_M_S {
+    for speed_m_per_s in COMPARED_M_PER_S {
         for mass_kg in MASSES_KG {
             let of = |touch: Touch| {
                 let (_, steps) = all.iter().find(|(kind, _)| *kind == Kind { touch, mass_kg })?;
-                travel_at(steps, speed_m_s)
+                travel_at(steps, speed_m_per_s)
             };
             let [pressed, struck] = [Touch::Pressed, Touch::Struck].map(of);
             let shown = |ms: Option<f64>| ms.map_or_else(|| "-".to_owned(), |ms| format!("{ms:.1}"));
             table.row([
-                format!("{speed_m_s}"),
+                format!("{speed_m_per_s}"),
                 format!("{:.0}", mass_kg * 1e3),
                 shown(pressed),
                 shown(struck),

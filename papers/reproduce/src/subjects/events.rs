@@ -92,8 +92,8 @@ fn levels(instrument: &Instrument) -> Result<Vec<Played>, ReproduceError> {
     PLAYED
         .into_iter()
         .map(|level| {
-            let (name, speed_m_s) = LEVELS[level];
-            let solved = reference.solve(kind, speed_m_s, &mut |_| true).map_err(failed)?;
+            let (name, speed_m_per_s) = LEVELS[level];
+            let solved = reference.solve(kind, speed_m_per_s, &mut |_| true).map_err(failed)?;
             Ok(Played { name, stroke: solved.held(), until_s: solved.impact.time_s + AFTER_S })
         })
         .collect()
@@ -189,7 +189,7 @@ type Outcome = fn(&Run) -> Option<f64>;
 /// The first so many belong to the note up to impact and key bottom.
 const UP_TO_IMPACT: usize = 4;
 const RESULTS: [(&str, &str, Outcome); 7] = [
-    ("hammer speed", "m/s", |run| run.events.hammer_speed_m_s()),
+    ("hammer speed", "m/s", |run| run.events.hammer_speed_m_per_s()),
     ("key start to last push", "ms", |run| after_start_ms(run, run.events.let_off_s)),
     ("key start to impact", "ms", |run| after_start_ms(run, run.events.hammer_contact_s())),
     ("key start to key bottom", "ms", |run| after_start_ms(run, run.events.key_bottom_s)),

@@ -174,7 +174,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
             law.name.to_owned(),
             format!("{frequency:.1}"),
             format!("{left:.2}"),
-            run.events.hammer_speed_m_s().map_or_else(String::new, |speed| format!("{speed:.3}")),
+            run.events.hammer_speed_m_per_s().map_or_else(String::new, |speed| format!("{speed:.3}")),
             format!("{:.2}", 1e3 * ledger.felt_damping),
             format!("{:.2}", key_rebound_mm(&run, released)),
             format!("{:.0e}", ledger.residual_relative()),

@@ -267,11 +267,11 @@ pub(super) fn finger(instrument: &Instrument, progress: &mut Progress) -> Result
             table.row([
                 play.label(),
                 format!("{:.0}", soft.finger.stiffness_n_per_m),
-                told(run.events.hammer_speed_m_s(), 4),
+                told(run.events.hammer_speed_m_per_s(), 4),
                 told(run.events.hammer_contact_s().map(|t| t * 1e3), 2),
                 format!("{:.2}", run.peak_force_n),
             ]);
-            speeds.push(run.events.hammer_speed_m_s().unwrap_or(f64::NAN));
+            speeds.push(run.events.hammer_speed_m_per_s().unwrap_or(f64::NAN));
             forces.push(run.peak_force_n);
         }
         let stiffness: Vec<f64> = factors.iter().map(|f| f * own.stiffness_n_per_m).collect();

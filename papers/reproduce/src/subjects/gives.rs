@@ -81,10 +81,10 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         ("pressed f: hammer before key bottom, ms", |l| ms(l.by_hand.f_by_stroke?.hammer_ahead_s)),
         ("pressed ff, ms", |l| ms(l.by_hand.ff?.hammer_ahead_s)),
         ("pressed, loudest, ms", |l| ms(l.by_hand.loudest.hammer_ahead_s)),
-        ("pressed: come together at, m/s", |l| l.by_hand.crossover_m_s),
+        ("pressed: come together at, m/s", |l| l.by_hand.crossover_m_per_s),
         ("led, pp, ms", |l| ms(l.by_hand.pp?.hammer_ahead_s)),
         ("constant force, key stroke of 25 ms, ms", |l| ms(l.f_by_stroke?.hammer_ahead_s)),
-        ("constant force: come together at, m/s", |l| l.crossover_m_s),
+        ("constant force: come together at, m/s", |l| l.crossover_m_per_s),
     ];
     for (name, value) in rows {
         let cells = found.iter().map(|one| value(one).map_or_else(|| "-".into(), |x| format!("{x:.2}")));

@@ -36,7 +36,7 @@ struct Course {
     rebound_m: f64,
     again_s: f64,
     /// Its speeds at its cloth, m/s: up, and down again.
-    speeds_m_s: [f64; 2],
+    speeds_m_per_s: [f64; 2],
 }
 
 impl Course {
@@ -66,7 +66,7 @@ impl Course {
             landed_s: since(landed),
             rebound_m: key_m[back..again].iter().copied().fold(0.0, f64::max),
             again_s: since(again),
-            speeds_m_s: [-speed(time_s[home] - SPEED_S), speed(time_s[home] + BOUNCED_S)],
+            speeds_m_per_s: [-speed(time_s[home] - SPEED_S), speed(time_s[home] + BOUNCED_S)],
         })
     }
 }
@@ -155,7 +155,7 @@ pub(super) fn add(instrument: &Instrument, free: &Released, section: &mut Sectio
         courses.iter().all(|c| c.head_m > 0.8 * c.hung_m && c.landed_s > fall_s(c)),
     ));
     let [_, _, model] = &courses;
-    let [up, down] = model.speeds_m_s;
+    let [up, down] = model.speeds_m_per_s;
     let longest = courses.iter().map(|c| c.again_s - c.home_s).fold(0.0, f64::max);
     let shortest = courses.iter().map(|c| c.again_s - c.home_s).fold(f64::INFINITY, f64::min);
     section.claims.push(Claim::new(

@@ -28,7 +28,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         tell(progress, i as f64 / plays.len() as f64)?;
         let go = |solver| play.run(instrument, Settings { solver, ..settings }, 1.0, u64::MAX);
         let (a, b) = (go(Solver::ActiveSet)?, go(Solver::ProjectedGaussSeidel)?);
-        let speeds = [&a, &b].map(|run| run.events.hammer_speed_m_s().unwrap_or(f64::NAN));
+        let speeds = [&a, &b].map(|run| run.events.hammer_speed_m_per_s().unwrap_or(f64::NAN));
         let apart = (speeds[0] / speeds[1] - 1.0).abs();
         worst = if apart.is_nan() { f64::NAN } else { worst.max(apart) };
         late[0] += a.work.unconverged_steps;

@@ -58,7 +58,7 @@ fn felt_m(hz: f64) -> f64 {
 /// The difference of the forces under one motion.
 struct FineStructure {
     within_s: f64,
-    speed_m_s: f64,
+    speed_m_per_s: f64,
     time_s: Vec<f64>,
     whole_n: Vec<f64>,
     one_n: Vec<f64>,
@@ -76,8 +76,8 @@ impl FineStructure {
         let played = press_by_hand(instrument, &HandStroke::led(within_s), &setup, &mut |_| true)?;
         let missing =
             || ReproduceError::Instrument(format!("a hand that is led down within {within_s} s does not sound"));
-        let (Some(start), Some(landed), Some(speed_m_s)) =
-            (played.events.key_start_s, played.events.key_bottom_s, played.events.hammer_speed_m_s())
+        let (Some(start), Some(landed), Some(speed_m_per_s)) =
+            (played.events.key_start_s, played.events.key_bottom_s, played.events.hammer_speed_m_per_s())
         else {
             return Err(missing());
         };
@@ -96,7 +96,7 @@ impl FineStructure {
         let met = first.unwrap_or(down.end);
         Ok(FineStructure {
             within_s,
-            speed_m_s,
+            speed_m_per_s,
             time_s: whole.time_s,
             whole_n: whole.force_n,
             one_n: one.force_n,
@@ -187,7 +187,7 @@ pub(super) fn fine_structure(instrument: &Instrument, progress: &mut Progress) -
         let felt = bands.iter().filter(|band| above(band) > 1.0).count();
         let most = bands.iter().max_by(|a, b| above(a).total_cmp(&above(b))).copied().unwrap_or_default();
         table.row([
-            format!("led down within {:.0} ms: {:.2} m/s", 1e3 * found.within_s, found.speed_m_s),
+            format!("led down within {:.0} ms: {:.2} m/s", 1e3 * found.within_s, found.speed_m_per_s),
             format!("{whole:.2}"),
             format!("{before:.2}"),
             format!("{difference:.2}"),
@@ -280,7 +280,7 @@ const RATES_N_S: [f64; 3] = [40.0, 150.0, 600.0];
 #[derive(Clone, Copy)]
 struct Hit {
     at_s: f64,
-    speed_m_s: f64,
+    speed_m_per_s: f64,
 }
 
 /// What is played: an action, or one degree of freedom, whose hammer goes with the key.
@@ -300,12 +300,13 @@ impl Model<'_> {
         match self {
             Model::Action(instrument) => {
                 let run = press_by_hand(instrument, gesture, &setup, &mut |_| true)?;
-                let (Some(at_s), Some(speed_m_s)) = (run.events.hammer_contact_s(), run.events.hammer_speed_m_s())
+                let (Some(at_s), Some(speed_m_per_s)) =
+                    (run.events.hammer_contact_s(), run.events.hammer_speed_m_per_s())
                 else {
                     return Ok(None);
                 };
                 let row = run.time_s.partition_point(|&t| t < at_s).min(run.time_s.len() - 1);
-                Ok(Some((Hit { at_s, speed_m_s }, run.hammer_head_m[row] - run.hammer_head_m[0])))
+                Ok(Some((Hit { at_s, speed_m_per_s }, run.hammer_head_m[row] - run.hammer_head_m[0])))
             }
             Model::OneDegree { one, ratio, way_m } => {
                 let run = press_by_hand(one, gesture, &setup, &mut |_| true)?;
@@ -315,7 +316,7 @@ impl Model<'_> {
                 };
                 let (below, above) = (run.key_m[row - 1], run.key_m[row]);
                 let at_s = run.time_s[row - 1] + STEP_S * (depth - below) / (above - below);
-                Ok(Some((Hit { at_s, speed_m_s: ratio * (above - below) / STEP_S }, *way_m)))
+                Ok(Some((Hit { at_s, speed_m_per_s: ratio * (above - below) / STEP_S }, *way_m)))
             }
         }
     }
@@ -390,7 +391,7 @@ pub(super) fn scatter(instrument: &Instrument, progress: &mut Progress) -> Resul
                 tell(progress, (n as f64 + of_model) / RATES_N_S.len() as f64)?;
                 hits.extend(model.hit(&touch(rate_n_s, &mut rng))?.map(|(hit, _)| hit));
             }
-            let [speed, speed_sd] = statistics(hits.iter().map(|hit| hit.speed_m_s));
+            let [speed, speed_sd] = statistics(hits.iter().map(|hit| hit.speed_m_per_s));
             let [at, at_sd] = statistics(hits.iter().map(|hit| hit.at_s));
             if m == 0 {
                 worst_gain = worst_gain.max(speed_sd / speed / SCATTER);
@@ -444,7 +445,7 @@ mod tests {
         let whole_n = time_s.iter().map(|t| 3.0 + 0.2 * (2.0 * PI * 200.0 * t).sin()).collect();
         let found = FineStructure {
             within_s: 0.1,
-            speed_m_s: 1.0,
+            speed_m_per_s: 1.0,
             one_n: vec![1.0; count],
             time_s,
             whole_n,

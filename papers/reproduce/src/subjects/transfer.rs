@@ -21,7 +21,7 @@ use erard::run::{Setup, simulate};
 /// Step, s: the sampling too.
 const STEP_S: f64 = 50e-6;
 /// Speed of the slow press, m/s.
-const SPEED_M_S: f64 = 0.02;
+const SPEED_M_PER_S: f64 = 0.02;
 /// How far the finger goes, m.
 const DEPTH_M: f64 = 9.0e-3;
 /// Length of the windows, s; half of it is 1 mm of the key's way.
@@ -82,16 +82,19 @@ impl Tremble {
 
 /// The slow press with or without a tremble; forces are read in the middle of steps, so the tremble is tabled there.
 fn press(instrument: &Instrument, tremble: Option<&Tremble>) -> Result<Run, ReproduceError> {
-    let duration_s = DEPTH_M / SPEED_M_S;
+    let duration_s = DEPTH_M / SPEED_M_PER_S;
     let instants = (duration_s / STEP_S).ceil() as usize + 2;
     let table = tremble.map(|t| t.series(instants, STEP_S));
     let finger = |t: f64| {
         // The speed rises over the first 20 ms.
         let rise = 0.02;
         let (mut y, mut v) = if t < rise {
-            (0.5 * SPEED_M_S * (t - rise / PI * (PI * t / rise).sin()), 0.5 * SPEED_M_S * (1.0 - (PI * t / rise).cos()))
+            (
+                0.5 * SPEED_M_PER_S * (t - rise / PI * (PI * t / rise).sin()),
+                0.5 * SPEED_M_PER_S * (1.0 - (PI * t / rise).cos()),
+            )
         } else {
-            (SPEED_M_S * (t - 0.5 * rise), SPEED_M_S)
+            (SPEED_M_PER_S * (t - 0.5 * rise), SPEED_M_PER_S)
         };
         if let Some(table) = &table {
             let n = ((t / STEP_S).floor().max(0.0) as usize).min(table.len() - 1);
@@ -116,7 +119,7 @@ fn responses(instrument: &Instrument, progress: &mut Progress) -> Result<Vec<Res
         tell(progress, (k + 1) as f64 / (TREMBLES + 1) as f64)?;
         let trembling = press(instrument, Some(&Tremble::new(k as u64 + 1)))?;
         for (place, sum) in PLACES_M.iter().zip(&mut sums) {
-            let first = ((place / SPEED_M_S - 0.5 * WINDOW_S) / STEP_S).round() as usize;
+            let first = ((place / SPEED_M_PER_S - 0.5 * WINDOW_S) / STEP_S).round() as usize;
             let spectrum = |a: &[f64], b: &[f64]| {
                 let hann = |n: usize| 0.5 * (1.0 - (TAU * n as f64 / samples as f64).cos());
                 let mut z: Vec<Complex<f64>> =
@@ -189,7 +192,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         text: vec![format!(
             "A soft finger presses at {} mm/s and trembles by {} um (rms, {} to {} Hz, {TREMBLES} times) on top. Displacement of the key over \
              force of the finger, and its inverse, in Hann windows of {} ms around {} mm of travel; slopes by least squares from {} to {} Hz.",
-            SPEED_M_S * 1e3,
+            SPEED_M_PER_S * 1e3,
             TREMBLE_M * 1e6,
             BAND_HZ.0,
             BAND_HZ.1,

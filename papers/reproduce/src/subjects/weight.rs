@@ -80,7 +80,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         let number = |value: f64| Some(value).filter(|value| value.is_finite());
         table.row([
             format!("{:.0}", 1e3 * weight_kg),
-            shown(events.hammer_speed_m_s(), 2),
+            shown(events.hammer_speed_m_per_s(), 2),
             shown(events.key_bottom_s.map(|s| 1e3 * s), 0),
             shown(number(1e3 * laid.leaves_m), 2),
             shown(number(1e3 * laid.stays_m), 2),

@@ -45,7 +45,7 @@ fn the_hammer_s_speed_is_the_rate_of_its_rise() {
         fastest = fastest.max(rate);
     }
     // What the event says of the impact's speed is the speed at the string.
-    let impact = run.events.hammer_speed_m_s().unwrap();
+    let impact = run.events.hammer_speed_m_per_s().unwrap();
     assert!(fastest > 0.9 * impact && fastest < 1.1 * impact, "{fastest} {impact}");
 }
 
@@ -60,8 +60,8 @@ fn the_hammer_s_speed_is_a_column() {
     assert_eq!(found.channels[0].title, "hammer_head_m_per_s");
     assert!(found.doubts.iter().any(|doubt| doubt.kind == DoubtKind::BeyondImpact), "{:?}", found.doubts);
     // It is fastest as it reaches the string.
-    let speeds_m_s = &whole.channels[1].values;
-    let fastest = (0..speeds_m_s.len()).max_by(|a, b| speeds_m_s[*a].total_cmp(&speeds_m_s[*b])).unwrap();
+    let speeds_m_per_s = &whole.channels[1].values;
+    let fastest = (0..speeds_m_per_s.len()).max_by(|a, b| speeds_m_per_s[*a].total_cmp(&speeds_m_per_s[*b])).unwrap();
     let found = fit(&[speeds(whole.time_s[fastest] + 3e-3)], &asks).unwrap();
     let (x, std) = (found.x[0], found.std[0]);
     assert!((x - 1.05).abs() < 4.0 * std && std < 0.01, "{x} +- {std}");

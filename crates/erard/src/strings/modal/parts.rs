@@ -25,9 +25,9 @@ const LONGEST_S: f64 = 50e-6;
 /// note is a twentieth too low after half a second, in steps of 25 us an eightieth (`tests/it/dampers.rs`).
 const LONGEST_ON_A_BRIDGE_S: f64 = 1.0 / 48e3;
 /// Hammers are not faster, m/s, nor does anything else come nearer to a string faster.
-const FASTEST_M_S: f64 = 20.0;
+const FASTEST_M_PER_S: f64 = 20.0;
 /// A fortissimo, m/s.
-const FORTISSIMO_M_S: f64 = 5.0;
+const FORTISSIMO_M_PER_S: f64 = 5.0;
 /// Steps for which a hammer would touch a wall then, at least: with so many, partials within 40 dB of the strongest are
 /// right to 0.1 dB at a fortissimo on every key of the concert grand, and all else to a hundredth
 /// (`tests/it/halving.rs`). The hardest are partials of the sixth octave that the strike point leaves weak.
@@ -56,9 +56,9 @@ fn wall_contact_s(instrument: &Instrument) -> Option<f64> {
     let [x, y] = instrument.roles.hammer_head_m;
     let (felt, mass_kg) = (&instrument.zones[zone].felt, instrument.bodies[hammer].inertia_kg_m2 / (x * x + y * y));
     let n = felt.exponent + 1.0;
-    let deep_m = libm::pow(0.5 * n * mass_kg * FORTISSIMO_M_S * FORTISSIMO_M_S / felt.stiffness, 1.0 / n);
+    let deep_m = libm::pow(0.5 * n * mass_kg * FORTISSIMO_M_PER_S * FORTISSIMO_M_PER_S / felt.stiffness, 1.0 / n);
     let flight = PI.sqrt() * libm::tgamma(1.0 + 1.0 / n) / libm::tgamma(0.5 + 1.0 / n);
-    let time_s = 2.0 * deep_m / FORTISSIMO_M_S * flight;
+    let time_s = 2.0 * deep_m / FORTISSIMO_M_PER_S * flight;
     (time_s.is_finite() && time_s > 0.0).then_some(time_s)
 }
 
@@ -70,7 +70,7 @@ impl Strings {
         };
         let apart = halvings(if self.bridge_modes.is_empty() { LONGEST_S } else { LONGEST_ON_A_BRIDGE_S });
         let near = halvings(self.blow_step_s).max(apart);
-        Parts { apart: 1 << apart, near: 1 << near, reach_m: FASTEST_M_S * step_s }
+        Parts { apart: 1 << apart, near: 1 << near, reach_m: FASTEST_M_PER_S * step_s }
     }
 
     /// For steps of a length, s, and their parts. What vibrates goes on.

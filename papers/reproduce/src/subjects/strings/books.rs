@@ -13,7 +13,7 @@ use erard_workshop::struck::STEP_S;
 /// The work that the energy balance may leave unexplained.
 const RESIDUAL: f64 = 1e-4;
 /// The head falls on the strings at this speed, m/s, and is kept there by a weight of 2 N.
-const FALLS_M_S: f64 = 2.0;
+const FALLS_M_PER_S: f64 = 2.0;
 const GRAVITY_M_S2: f64 = 225.0;
 /// Steps at which it stays there, s, and how long.
 const STEPS_S: [f64; 3] = [20e-6, 50e-6, 200e-6];
@@ -43,7 +43,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
     let mut holds = true;
     for (n, step_s) in STEPS_S.into_iter().enumerate() {
         tell(progress, 0.5 + n as f64 / 6.0)?;
-        let mut head = head::thrown(&falling, step_s, -FALLS_M_S)?;
+        let mut head = head::thrown(&falling, step_s, -FALLS_M_PER_S)?;
         let mut ledger = open_ledger(head.as_mut());
         let (mut lost, mut won) = (0.0, 0.0_f64);
         for _ in 0..(STAYS_S / step_s) as usize {

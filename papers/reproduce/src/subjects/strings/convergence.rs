@@ -18,7 +18,7 @@ const COARSE: usize = 4;
 /// The step for which errors are reported.
 const USUAL_STEP_S: f64 = 50e-6;
 /// Speed of the head, m/s, and force on the key, N: mf.
-const SPEED_M_S: f64 = 2.0;
+const SPEED_M_PER_S: f64 = 2.0;
 const FORCE_N: f64 = 4.0;
 /// When the partials are taken, s: the head has left; the key of the action is at its bottom and the hammer in the
 /// check.
@@ -43,7 +43,7 @@ const QUANTITIES: [&str; 4] = ["contact time", "largest force", "return", "parti
 struct Blow {
     contact_s: f64,
     peak_n: f64,
-    back_m_s: f64,
+    back_m_per_s: f64,
     /// Amplitudes of all strings' partials, m/s.
     partials: Vec<f64>,
 }
@@ -51,7 +51,7 @@ struct Blow {
 impl Blow {
     /// From the force of every step, and the speed upward at the end of every step. Times lie between the steps'
     /// middles by straight lines, the peak on a parabola through three, so that nothing hangs on where the grid lies.
-    fn of(forces_n: &[f64], speeds_m_s: &[f64], step_s: f64, partials: Vec<f64>) -> Option<Blow> {
+    fn of(forces_n: &[f64], speeds_m_per_s: &[f64], step_s: f64, partials: Vec<f64>) -> Option<Blow> {
         let top = (1..forces_n.len() - 1).max_by(|&a, &b| forces_n[a].total_cmp(&forces_n[b]))?;
         let [a, b, c] = [forces_n[top - 1], forces_n[top], forces_n[top + 1]];
         let bend = a - 2.0 * b + c;
@@ -65,8 +65,8 @@ impl Blow {
         // A speed belongs to the end of its step, half a step after the middle.
         let before = (last - 0.5).floor().max(0.0) as usize;
         let share = last - 0.5 - before as f64;
-        let back_m_s = -(speeds_m_s[before] + share * (speeds_m_s[before + 1] - speeds_m_s[before]));
-        Some(Blow { contact_s: (last - first) * step_s, peak_n, back_m_s, partials })
+        let back_m_per_s = -(speeds_m_per_s[before] + share * (speeds_m_per_s[before + 1] - speeds_m_per_s[before]));
+        Some(Blow { contact_s: (last - first) * step_s, peak_n, back_m_per_s, partials })
     }
 
     /// Relative errors against an exact one.
@@ -76,7 +76,7 @@ impl Blow {
         [
             (self.contact_s / exact.contact_s - 1.0).abs(),
             (self.peak_n / exact.peak_n - 1.0).abs(),
-            (self.back_m_s / exact.back_m_s - 1.0).abs(),
+            (self.back_m_per_s / exact.back_m_per_s - 1.0).abs(),
             apart / norm(&mut exact.partials.iter().copied()),
         ]
     }
@@ -97,16 +97,16 @@ fn amplitudes(strings: &Strings, late_s: f64) -> Vec<f64> {
 }
 
 fn head_alone(head: &Instrument, step_s: f64) -> Result<Option<Blow>, ReproduceError> {
-    let mut thrown = head::thrown(head, step_s, SPEED_M_S)?;
+    let mut thrown = head::thrown(head, step_s, SPEED_M_PER_S)?;
     let steps = (HEAD_S / step_s).round();
-    let (mut forces_n, mut speeds_m_s) = (Vec::new(), Vec::new());
+    let (mut forces_n, mut speeds_m_per_s) = (Vec::new(), Vec::new());
     for _ in 0..steps as usize {
         thrown.step(&moreau::Input::Free);
         forces_n.push(thrown.normal_force(0));
-        speeds_m_s.push(thrown.readout().velocities[0]);
+        speeds_m_per_s.push(thrown.readout().velocities[0]);
     }
     let partials = Strings::under(thrown.as_ref()).map(|strings| amplitudes(strings, steps * step_s - HEAD_S));
-    Ok(partials.and_then(|partials| Blow::of(&forces_n, &speeds_m_s, step_s, partials)))
+    Ok(partials.and_then(|partials| Blow::of(&forces_n, &speeds_m_per_s, step_s, partials)))
 }
 
 fn whole_action(grand: &Instrument, step_s: f64) -> Result<Option<Blow>, ReproduceError> {
@@ -114,14 +114,14 @@ fn whole_action(grand: &Instrument, step_s: f64) -> Result<Option<Blow>, Reprodu
         Action::with(grand, Settings::new(step_s)).map_err(|error| ReproduceError::Simulation(error.into()))?;
     action.halve(Halving::Never);
     let steps = (ACTION_S / step_s).round();
-    let (mut forces_n, mut speeds_m_s) = (Vec::new(), Vec::new());
+    let (mut forces_n, mut speeds_m_per_s) = (Vec::new(), Vec::new());
     for _ in 0..steps as usize {
         let reading = action.step(Input::Force(FORCE_N));
         forces_n.push(reading.string_n);
-        speeds_m_s.push(reading.hammer_m_s);
+        speeds_m_per_s.push(reading.hammer_m_per_s);
     }
     let partials = action.strings().map(|strings| amplitudes(strings, steps * step_s - ACTION_S));
-    Ok(partials.and_then(|partials| Blow::of(&forces_n, &speeds_m_s, step_s, partials)))
+    Ok(partials.and_then(|partials| Blow::of(&forces_n, &speeds_m_per_s, step_s, partials)))
 }
 
 /// Errors of what is compared at every step of the ladder, each the root mean square over eight steps that are nearly
@@ -173,11 +173,11 @@ fn taken(head: &Instrument, step_s: f64) -> Result<f64, ReproduceError> {
     let mut head = head.clone();
     head.zones[0].felt.loss = moreau::Loss::none();
     head.strings.iter_mut().for_each(|string| (string.loss_per_s, string.loss_s) = (0.0, 0.0));
-    let mut thrown = head::thrown(&head, step_s, SPEED_M_S)?;
+    let mut thrown = head::thrown(&head, step_s, SPEED_M_PER_S)?;
     for _ in 0..(HEAD_S / step_s).round() as usize {
         thrown.step(&moreau::Input::Free);
     }
-    let whole_j = 0.5 * head.bodies[0].inertia_kg_m2 * SPEED_M_S * SPEED_M_S;
+    let whole_j = 0.5 * head.bodies[0].inertia_kg_m2 * SPEED_M_PER_S * SPEED_M_PER_S;
     Ok(thrown.readout().surfaces.map_or(f64::NAN, |surfaces| surfaces.lost()) / whole_j)
 }
 
@@ -197,7 +197,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
     let (told, holds) = converges(&alone);
     section.claims.push(Claim::new(
         "this program",
-        format!("a head alone, {SPEED_M_S:.0} m/s at C4's strings: the second order, until what is left are the modes above 20 kHz, which follow the force half a step late: the first order"),
+        format!("a head alone, {SPEED_M_PER_S:.0} m/s at C4's strings: the second order, until what is left are the modes above 20 kHz, which follow the force half a step late: the first order"),
         told,
         holds,
     ));
@@ -253,7 +253,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
     section.charts.push(Chart {
         title: "A blow on strings converges".into(),
         caption: format!(
-            "Errors over the length of the step: a head of 8.9 g that is thrown at C4's strings at {SPEED_M_S:.0} m/s, and the whole action under {FORCE_N:.0} N (mf)."
+            "Errors over the length of the step: a head of 8.9 g that is thrown at C4's strings at {SPEED_M_PER_S:.0} m/s, and the whole action under {FORCE_N:.0} N (mf)."
         ),
         x_label: "step, us".into(),
         x_log: true,

@@ -56,13 +56,13 @@ pub(super) fn falling(grand: &Instrument, gravity_m_s2: f64) -> Result<Instrumen
 }
 
 /// In flight, at the strings, at a speed upward, m/s.
-pub(crate) fn thrown(head: &Instrument, step_s: f64, speed_m_s: f64) -> Result<Box<dyn Mechanism>, ReproduceError> {
+pub(crate) fn thrown(head: &Instrument, step_s: f64, speed_m_per_s: f64) -> Result<Box<dyn Mechanism>, ReproduceError> {
     let settings = Settings { tolerance: 1e-10, ..Settings::new(step_s) };
     let mut thrown = mechanism(head, settings).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
     // The scheme itself is looked at.
     thrown.configure(Stepping { halving: Halving::Never, ..*thrown.readout().stepping });
     let mut saved = thrown.save();
-    saved.state.velocity[0] = speed_m_s;
+    saved.state.velocity[0] = speed_m_per_s;
     thrown.restore(&saved);
     Ok(thrown)
 }

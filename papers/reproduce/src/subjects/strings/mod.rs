@@ -63,12 +63,12 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
             let found = blow(&mut action, force_n);
             let cells = match &found {
                 Some(b) => vec![
-                    format!("{:.2}", b.speed_m_s),
+                    format!("{:.2}", b.speed_m_per_s),
                     format!("{:.2}", 1e3 * b.contact_s),
                     b.pulses.to_string(),
                     format!("{:.1}", b.peak_n),
-                    format!("{:.2}", b.back_m_s),
-                    format!("{:.2}", b.back_m_s / b.speed_m_s),
+                    format!("{:.2}", b.back_m_per_s),
+                    format!("{:.2}", b.back_m_per_s / b.speed_m_per_s),
                 ],
                 None => vec!["does not sound".into()],
             };
@@ -85,7 +85,7 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
                 mf.push((key, b.contact_s * 1e3));
             }
             if let (Some(b), 40) = (&found, key) {
-                peaks.push((b.speed_m_s, b.peak_n));
+                peaks.push((b.speed_m_per_s, b.peak_n));
             }
         }
     }

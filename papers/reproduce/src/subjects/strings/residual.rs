@@ -26,7 +26,7 @@ const ORDER: f64 = 1.0;
 const RESIDUAL: f64 = 1e-4;
 const ROUNDING: f64 = 1e-9;
 /// A head alone, m/s, followed for so long, s.
-const HEAD_M_S: f64 = 2.0;
+const HEAD_M_PER_S: f64 = 2.0;
 const HEAD_S: f64 = 20e-3;
 /// What is changed of the grand, and how steps are taken.
 type Way = (&'static str, fn(&mut Instrument), Halving);
@@ -107,12 +107,12 @@ fn order(steps: &[f64], found: &[[f64; 1]]) -> f64 {
 
 /// What the balance of a head alone that strikes C4's strings lacks, as a share of its energy.
 fn of_a_head(head: &Instrument, step_s: f64) -> Result<f64, ReproduceError> {
-    let mut m = head::thrown(head, step_s, HEAD_M_S)?;
+    let mut m = head::thrown(head, step_s, HEAD_M_PER_S)?;
     let mut ledger = open_ledger(m.as_mut());
     for _ in 0..(HEAD_S / step_s) as usize {
         m.step(&moreau::Input::Free);
         m.book(&mut ledger);
     }
     take_stock(m.as_ref(), &mut ledger);
-    Ok(ledger.residual().abs() / (0.5 * head.bodies[0].inertia_kg_m2 * HEAD_M_S * HEAD_M_S))
+    Ok(ledger.residual().abs() / (0.5 * head.bodies[0].inertia_kg_m2 * HEAD_M_PER_S * HEAD_M_PER_S))
 }
