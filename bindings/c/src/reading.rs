@@ -15,6 +15,10 @@ pub const ERARD_LARGEST_FORCE_N: f64 = 10000.0;
 pub const ERARD_LARGEST_POSITION_M: f64 = 0.1;
 /// Largest speed that an action takes, m/s, up or down.
 pub const ERARD_LARGEST_SPEED_M_PER_S: f64 = 100.0;
+// The ranges of every front.
+const _: () = assert!(ERARD_LARGEST_FORCE_N == erard::player::LARGEST_FORCE_N);
+const _: () = assert!(ERARD_LARGEST_POSITION_M == erard::player::LARGEST_POSITION_M);
+const _: () = assert!(ERARD_LARGEST_SPEED_M_PER_S == erard::player::LARGEST_SPEED_M_PER_S);
 /// Longest time that erard_advance takes at once, s.
 pub const ERARD_LONGEST_ADVANCE_S: f64 = 1.0;
 

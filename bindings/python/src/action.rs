@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use erard::instrument::Instrument as Inner;
-use erard::player::{Action as Player, Hand, Input, Snapshot};
+use erard::player::{self, Action as Player, Hand, Input, Snapshot};
 use erard::{Outcome, SimulationError};
 use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
@@ -122,26 +122,17 @@ fn reading(player: &Player) -> Reading {
 
 /// A force, a fingertip's motion or the key's own (position and velocity), or none of them.
 fn input(force: Option<f64>, motion: Option<(f64, f64)>, rigid: Option<(f64, f64)>) -> PyResult<Input> {
-    let finite = |name: &str, numbers: &[f64]| match numbers.iter().find(|x| !x.is_finite()) {
-        Some(found) => Err(wrong_argument(name, format!("found {found}, expected a finite number"))),
-        None => Ok(()),
-    };
-    match (force, motion, rigid) {
-        (None, None, None) => Ok(Input::Free),
-        (Some(force), None, None) => {
-            finite("force", &[force])?;
-            Ok(Input::Force(force))
-        }
+    let (name, input) = match (force, motion, rigid) {
+        (None, None, None) => return Ok(Input::Free),
+        (Some(force), None, None) => ("force", Input::Force(force)),
         (None, Some((position_m, velocity_m_per_s)), None) => {
-            finite("motion", &[position_m, velocity_m_per_s])?;
-            Ok(Input::Motion { position_m, velocity_m_per_s })
+            ("motion", Input::Motion { position_m, velocity_m_per_s })
         }
-        (None, None, Some((position_m, velocity_m_per_s))) => {
-            finite("rigid", &[position_m, velocity_m_per_s])?;
-            Ok(Input::Rigid { position_m, velocity_m_per_s })
-        }
-        _ => Err(wrong("expected one of force, motion and rigid, or none of them")),
-    }
+        (None, None, Some((position_m, velocity_m_per_s))) => ("rigid", Input::Rigid { position_m, velocity_m_per_s }),
+        _ => return Err(wrong("expected one of force, motion and rigid, or none of them")),
+    };
+    player::check(&input).map_err(|error| wrong_argument(name, error))?;
+    Ok(input)
 }
 
 impl Action {
@@ -200,19 +191,25 @@ impl Action {
     /// One step for each force, N.
     fn play<'py>(&self, py: Python<'py>, forces: PyReadonlyArray1<'py, f64>) -> PyResult<Bound<'py, PyDict>> {
         let forces = forces.as_slice().map_err(wrong)?;
-        if let Some((at, found)) = forces.iter().enumerate().find(|(_, x)| !x.is_finite()) {
-            return Err(wrong_argument("force", format!("sample {at} is {found}; expected finite numbers")));
+        for (at, force) in forces.iter().enumerate() {
+            player::check(&Input::Force(*force))
+                .map_err(|error| wrong_argument("force", format!("sample {at}: {error}")))?;
         }
         let mut columns: [Vec<f64>; 5] = Default::default();
         for portion in forces.chunks(4096) {
             // A signal's handler may step the action itself: nothing is locked then.
             py.check_signals()?;
-            let mut player = self.lock(py);
-            for force in portion {
-                let now = player.step(self.driven(Input::Force(*force))?);
-                let row = [player.time_s(), now.key_m, now.hammer_m, now.hammer_m_per_s, now.string_n];
-                columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
-            }
+            let inputs: Vec<Input> =
+                portion.iter().map(|force| self.driven(Input::Force(*force))).collect::<PyResult<_>>()?;
+            // Without Python's lock, so that other threads go on.
+            py.detach(|| {
+                let mut player = self.player.lock().unwrap_or_else(PoisonError::into_inner);
+                for input in inputs {
+                    let now = player.step(input);
+                    let row = [player.time_s(), now.key_m, now.hammer_m, now.hammer_m_per_s, now.string_n];
+                    columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+                }
+            });
         }
         let all = PyDict::new(py);
         for (name, values) in

@@ -38,6 +38,26 @@ pub fn give(value: &impl Serialize) -> Result<(), Failure> {
     Ok(())
 }
 
+/// A text that a command prints as it is, such as a built-in file: with `--json`, the answer's `text`.
+///
+/// # Errors
+/// As [`give`].
+pub(crate) fn text(text: &str) -> Result<(), Failure> {
+    if say::wants_json() {
+        return give(&serde_json::json!({ "text": text }));
+    }
+    say::verbatim(text);
+    Ok(())
+}
+
+/// What went wrong, as the answer: nothing was answered before.
+pub(crate) fn print_error(message: &str, exit_code: u8) {
+    let error = serde_json::json!({ "error": { "message": message, "exit_code": exit_code } });
+    if let Ok(text) = serde_json::to_string_pretty(&error) {
+        say::verbatim(&format!("{text}\n"));
+    }
+}
+
 /// Takes a JSON result that is written to a file: it is the answer unless another was given. Metadata of a table are
 /// none.
 pub(crate) fn offer(name: &str, bytes: &[u8]) {

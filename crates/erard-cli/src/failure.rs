@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use crate::excerpt::excerpt;
-use crate::inputs::shown;
-use crate::{signals, tell};
+use crate::inputs::{clipped, shown};
+use crate::{answer, say, signals, tell};
 use erard::instrument::FileError;
 use erard::one_dof::OneDofError;
 use erard::run::SimulationError;
@@ -93,15 +93,30 @@ impl Failure {
     /// program.
     pub(crate) fn report(&self) -> ExitCode {
         signals::yield_to_the_end();
-        tell!("error: {self}");
+        let code = self.exit_code();
+        let message = clipped(&self.to_string()).into_owned();
+        tell!("error: {message}");
+        // A command that failed although everything went well has answered.
+        if say::wants_json() && !self.has_answered() {
+            answer::print_error(&message, code);
+        }
         if let Failure::Instrument(error) = self
             && let Some(excerpt) = excerpt(error)
         {
             tell!("{excerpt}");
         }
-        ExitCode::from(match self {
+        ExitCode::from(code)
+    }
+
+    fn exit_code(&self) -> u8 {
+        match self {
             Failure::Internal(_) | Failure::Unmet(_) | Failure::Doubtful(_) => 1,
             _ => 2,
-        })
+        }
+    }
+
+    /// Whether all was done and written, and the failure is what came out.
+    pub(crate) fn has_answered(&self) -> bool {
+        matches!(self, Failure::Unmet(_) | Failure::Doubtful(_) | Failure::Reach(_))
     }
 }

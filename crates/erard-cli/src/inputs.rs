@@ -2,11 +2,11 @@
 //! replaced.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-pub use erard::files::shown;
+pub use erard::files::{clipped, shown};
 use erard::instrument::{FileError, file_bytes};
 use same_file::Handle;
 
@@ -31,6 +31,26 @@ pub fn bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
     let name = shown(path);
     let bytes = file_bytes(open(path), &name)?;
     Ok((name, bytes))
+}
+
+/// Most bytes of a library.
+const MOST_LIBRARY_BYTES: u64 = 256 << 20;
+
+/// The bytes of a library.
+///
+/// # Errors
+/// Why it cannot be one: no file, too large, or an error of the file system.
+pub(crate) fn library(path: &Path) -> Result<Vec<u8>, String> {
+    let found = path.metadata().map_err(|error| error.to_string())?;
+    if !found.is_file() {
+        return Err("is no file; expected a library".into());
+    }
+    if found.len() > MOST_LIBRARY_BYTES {
+        return Err(format!("larger than {} MiB: this is no liberard", MOST_LIBRARY_BYTES >> 20));
+    }
+    let mut bytes = Vec::new();
+    let read = open(path).and_then(|file| file.take(MOST_LIBRARY_BYTES).read_to_end(&mut bytes));
+    read.map(|_| bytes).map_err(|error| error.to_string())
 }
 
 /// Remembers a file that somebody else reads for this process.

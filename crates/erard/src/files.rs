@@ -25,6 +25,29 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     shown.into()
 }
 
+/// Longest word of a message, in characters: no number, name or path that a person wrote is longer.
+const LONGEST_WORD: usize = 1024;
+
+/// A message in which a word that nobody reads to its end is cut, with its length.
+#[must_use]
+pub fn clipped(text: &str) -> Cow<'_, str> {
+    let too_long = |word: &str| word.len() > LONGEST_WORD && word.chars().nth(LONGEST_WORD).is_some();
+    if !text.split(char::is_whitespace).any(too_long) {
+        return text.into();
+    }
+    let mut shown = String::new();
+    for piece in text.split_inclusive(char::is_whitespace) {
+        if too_long(piece) {
+            shown.extend(piece.chars().take(40));
+            shown.push_str(&format!("... ({} characters)", piece.trim_end().chars().count()));
+            shown.extend(piece.chars().last().filter(|last| last.is_whitespace()));
+        } else {
+            shown.push_str(piece);
+        }
+    }
+    shown.into()
+}
+
 /// Control characters, and the marks by which right-to-left text is embedded.
 #[must_use]
 pub fn steers(c: char) -> bool {
@@ -61,6 +84,15 @@ mod tests {
         assert_eq!(printable("a\n\tb é"), "a\n\tb é");
         assert_eq!(printable("\u{1b}[31mred\u{202e}"), "\\u{1b}[31mred\\u{202e}");
         assert_eq!(shown(Path::new("a\nb\u{7}.toml")), "a\\nb\\u{7}.toml");
+    }
+
+    #[test]
+    fn endless_words_are_cut() {
+        let digits = "9".repeat(1_000_000);
+        let cut = format!("{}... (1000000 characters)", "9".repeat(40));
+        assert_eq!(clipped(&format!("found {digits} here")), format!("found {cut} here"));
+        assert_eq!(clipped(&digits), cut);
+        assert_eq!(clipped("short, \u{e9}  and\nplain"), "short, \u{e9}  and\nplain");
     }
 
     #[test]

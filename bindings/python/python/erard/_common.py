@@ -125,6 +125,18 @@ def names_of(key: str, values: Iterable[str] | None) -> list[str]:
     return [str(value) for value in values or ()]
 
 
+def unmasked(key: str, values: Any) -> Any:
+    """The values; masked ones are an error, for nothing else says what stands in their place."""
+    if np.ma.is_masked(values):
+        hidden = f"{int(np.ma.count_masked(values))} masked values"
+        raise InputError(
+            f"{key}: found {hidden}, expected numbers everywhere (the array's `filled` or `compressed` decides what stands for them)",
+            key=key,
+            found=hidden,
+        )
+    return values
+
+
 def real(values: Any) -> NDArray[np.float64]:
     """An array of doubles, contiguous. What is complex or no number is a TypeError or a ValueError."""
     array = np.asarray(values)
@@ -135,6 +147,7 @@ def real(values: Any) -> NDArray[np.float64]:
 
 def floats(key: str, values: ArrayLike, dimensions: int) -> Floats:
     """An array of doubles of so many dimensions, contiguous and finite."""
+    values = unmasked(key, values)
     try:
         array = real(values)
     except (TypeError, ValueError):

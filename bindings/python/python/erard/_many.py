@@ -366,7 +366,7 @@ def study(
     if force is not None:
         if stroke is not None:
             raise InputError("force and stroke are given; expected one of them", key="stroke")
-        forces = floats("force", np.atleast_1d(np.asarray(force)), 1)
+        forces = floats("force", np.atleast_1d(force), 1)
         if not forces.size:
             raise InputError("force: found none, expected one or more", key="force")
         if bad := [f for f in forces if not 0 <= f <= 1e4]:
@@ -405,7 +405,7 @@ def study(
 
 def axis(instrument: Instrument, name: str, values: Any) -> NDArray[np.float64]:
     """The values of what is varied as bare numbers mean it; texts are made into such."""
-    given = np.atleast_1d(np.asarray(values))
+    given = np.atleast_1d(unmasked(name, values))
     if given.dtype.kind not in "USO" or not any(isinstance(value, str) for value in given.ravel()):
         return floats(name, given, 1)
     known = instrument.parameters.get(name)

@@ -144,7 +144,7 @@ class Recording(Table):
         ndarray of shape (T,)
             N, m or m/s.
         """
-        found = self._inner.at(column, floats("time_s", np.atleast_1d(np.asarray(time_s)), 1))
+        found = self._inner.at(column, floats("time_s", np.atleast_1d(time_s), 1))
         if found is None:
             raise KeyError(f"{column} was not recorded; there are {', '.join(self)}")
         return found

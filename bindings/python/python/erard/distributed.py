@@ -250,12 +250,12 @@ def study(
     -------
     Parts
     """
-    axes = {str(name): floats(str(name), np.atleast_1d(np.asarray(values)), 1) for name, values in vary.items()}
+    axes = {str(name): floats(str(name), np.atleast_1d(values), 1) for name, values in vary.items()}
     known = instrument.parameters
     if unknown := [name for name in axes if name not in known]:
         instrument.vary({unknown[0]: 1.0})  # It says what there is.
         raise InputError(f"{unknown[0]} is a number of the file; expected screws and parameters", key=unknown[0])
-    several = None if force is None else floats("force", np.atleast_1d(np.asarray(force)), 1)
+    several = None if force is None else floats("force", np.atleast_1d(force), 1)
     if several is not None and stroke is not None:
         raise InputError("force and stroke are given; expected one of them", key="stroke")
     shape = [len(values) for values in axes.values()] + ([] if several is None else [len(several)])

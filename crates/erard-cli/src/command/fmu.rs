@@ -14,7 +14,7 @@ use rawzip::{CompressionMethod, ZipArchiveWriter};
 use super::options::load_instrument_and_text;
 use super::out::OwnFile;
 use crate::failure::Failure;
-use crate::inputs::shown;
+use crate::inputs::{self, shown};
 use crate::output::Output;
 use crate::say;
 
@@ -88,7 +88,7 @@ impl Fmu {
             Some(path) => path.clone(),
             None => self.beside(end)?,
         };
-        let bytes = std::fs::read(&path).map_err(|error| Failure::Usage(format!("{}: {error}", shown(&path))))?;
+        let bytes = inputs::library(&path).map_err(|why| Failure::Usage(format!("{}: {why}", shown(&path))))?;
         if let Some(mark) = MARKS.iter().find(|mark| !bytes.windows(mark.len()).any(|window| window == **mark)) {
             let mark = String::from_utf8_lossy(mark);
             return Err(Failure::Usage(format!("{}: is no liberard: there is no {mark} in it", shown(&path))));

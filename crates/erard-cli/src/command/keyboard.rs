@@ -8,11 +8,11 @@ use erard_workshop::weighing::weigh;
 use super::options::{KeyboardKey, load_keyboard};
 use super::out::OutOptions;
 use super::weigh::WeighOptions;
+use crate::answer;
 use crate::failure::Failure;
 use crate::keyboard::{doubts, pair, table, text, weighed_svg};
 use crate::progress::Progress;
 use crate::say;
-use crate::say::verbatim;
 use crate::tell;
 
 /// What stands below the options.
@@ -47,8 +47,7 @@ impl Keyboard {
         let keyboard = load_keyboard(keyboard)?;
         if let Some(key) = self.key {
             let one = KeyboardKey { keyboard, key: usize::from(key) };
-            verbatim(&format!("{}\n", one.text()?.trim_end_matches('\n')));
-            return Ok(());
+            return answer::text(&format!("{}\n", one.text()?.trim_end_matches('\n')));
         }
         if let Some(path) = self.weigh.asked() {
             return self.weigh.run(path, &keyboard, &self.out);

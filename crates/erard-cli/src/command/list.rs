@@ -10,7 +10,6 @@ use super::samples::sample_text;
 use crate::answer;
 use crate::failure::Failure;
 use crate::say;
-use crate::say::verbatim;
 
 /// Lists what is built in: instruments, keyboards, strokes; or prints one of them as the file that it is.
 #[derive(Debug, Args)]
@@ -69,15 +68,13 @@ impl List {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         if let Some(name) = &self.name {
             if let Some(text) = sample_text(name)? {
-                verbatim(&text);
-                return Ok(());
+                return answer::text(&text);
             }
             let (_, text) = built_in(name).ok_or_else(|| {
                 let names: Vec<String> = all().into_iter().map(|one| one.name).collect();
                 Failure::Usage(format!("nothing built in is called `{name}` (built in: {})", names.join(", ")))
             })?;
-            verbatim(text);
-            return Ok(());
+            return answer::text(text);
         }
         let mut kind = "";
         let built_in = all();

@@ -6,10 +6,10 @@ use clap::Args;
 use clap_complete::Shell;
 use clap_mangen::Man as Page;
 
+use crate::answer;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::say;
-use crate::say::verbatim;
 
 /// Prints a script that completes this program's arguments in a shell.
 #[derive(Debug, Args)]
@@ -24,8 +24,7 @@ impl Completions {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut super::definition(), "erard", &mut script);
-        verbatim(&String::from_utf8_lossy(&script));
-        Ok(())
+        answer::text(&String::from_utf8_lossy(&script))
     }
 }
 
@@ -74,7 +73,6 @@ impl Man {
         };
         let mut page = Vec::new();
         Page::new(command).render(&mut page).map_err(Failure::Said)?;
-        verbatim(&String::from_utf8_lossy(&page));
-        Ok(())
+        answer::text(&String::from_utf8_lossy(&page))
     }
 }

@@ -31,6 +31,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use erard::files::steers;
 
 use crate::failure::Failure;
+use crate::inputs::clipped;
 use crate::{answer, identity, output, progress, say, signals};
 
 /// Simulates the grand piano action: a key press goes in, and out comes everything the mechanism does.
@@ -144,6 +145,9 @@ struct Moved {
 impl Moved {
     /// How to run it there.
     fn to(&self, name: &str) -> Failure {
+        // Its arguments were not parsed.
+        let has = |option: &str| self.arguments.iter().any(|one| one == option);
+        say::how(has("--quiet"), has("--json"));
         let arguments = self.arguments.join(" ");
         let arguments = if arguments.is_empty() { arguments } else { format!(" -- {arguments}") };
         Failure::Usage(format!(
@@ -168,11 +172,11 @@ pub fn run_program<P: FromArgMatches>(
         P::from_arg_matches(&matches)
     }) {
         Ok(program) => program,
-        Err(error) => return usage(&error),
+        Err(error) => return usage(&error, &arguments),
     };
     say::how(speech(&program).quiet, speech(&program).json);
     let result = work(&program);
-    if matches!(result, Ok(()) | Err(Failure::Unmet(_) | Failure::Doubtful(_) | Failure::Reach(_))) {
+    if result.as_ref().err().is_none_or(Failure::has_answered) {
         answer::print();
     }
     // A failure is worth more than words that did not arrive.
@@ -188,16 +192,21 @@ pub fn definition() -> clap::Command {
 }
 
 /// Help, the version, or what is wrong with the arguments.
-fn usage(error: &clap::Error) -> ExitCode {
+fn usage(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
     let text = error.to_string();
-    if error.use_stderr() && text.contains(|c: char| steers(c)) {
+    let code = u8::try_from(error.exit_code()).unwrap_or(2);
+    let clip = clipped(&text);
+    if error.use_stderr() && arguments.iter().take_while(|one| *one != "--").any(|one| one == "--json") {
+        answer::print_error(clip.trim_start_matches("error: ").trim_end(), code);
+    }
+    if error.use_stderr() && (text.contains(|c: char| steers(c)) || clip != text) {
         // In colours it would steer the terminal as the arguments will.
-        say::aside(text.trim_end().to_owned());
+        say::aside(clip.trim_end().to_owned());
     } else if let Err(fault) = error.print()
         && !error.use_stderr()
         && fault.kind() != ErrorKind::BrokenPipe
     {
         return Failure::Said(fault).report();
     }
-    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
+    ExitCode::from(code)
 }

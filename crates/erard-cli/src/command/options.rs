@@ -437,7 +437,7 @@ impl From<DrivingError> for Failure {
             DrivingError::NoKeyPosition { title } => format!(
                 "{title}: --drive rigid needs the key's position; the fingertip's gives it where a column `force_N` is there too"
             ),
-            error @ DrivingError::Samples { .. } => error.to_string(),
+            error @ (DrivingError::Samples { .. } | DrivingError::Pulls { .. }) => error.to_string(),
         })
     }
 }

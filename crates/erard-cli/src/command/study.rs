@@ -123,6 +123,12 @@ impl Study {
         let model = self.instrument.model;
         let varied = Varied { instrument: &instrument, source: &source, model, axes: &axes, each };
         let rows = play(&varied, &measures, &stroke, &setup, workers)?;
+        if rows.iter().all(|row| row.outcome.is_err())
+            && let Some(Err(first)) = rows.first().map(|row| &row.outcome)
+        {
+            let strokes = if rows.len() == 1 { "the stroke".to_owned() } else { format!("all {} strokes", rows.len()) };
+            return Err(Failure::Usage(format!("{strokes} failed, and nothing is written; the first: {first}")));
+        }
 
         let mut columns = columns(&axes, &measures, &rows);
         let banded = match self.bands.bands {

@@ -13,6 +13,8 @@ use super::mark::is_plain;
 use super::stage::OLD;
 
 const NAME: &str = "journal.json";
+/// What it is called until it is whole.
+const DRAFT: &str = "journal.draft";
 const FORMAT: &str = "erard-journal/1";
 
 /// What is to be done.
@@ -23,6 +25,11 @@ struct Journal {
     install: Vec<String>,
     /// Files that go, and nothing in their place.
     remove: Vec<String>,
+}
+
+/// Whether a file of a stage is a journal.
+pub(crate) fn is_file(name: &str) -> bool {
+    [NAME, DRAFT].contains(&name)
 }
 
 /// Renames the files of a stage into a folder. A failure names the file, and leaves the folder as it was.
@@ -58,7 +65,7 @@ impl Journal {
     /// Appears whole or not at all.
     fn write(&self, stage: &Path) -> io::Result<()> {
         fs::create_dir(stage.join(OLD))?;
-        let draft = stage.join("journal.draft");
+        let draft = stage.join(DRAFT);
         let mut file = fs::File::create_new(&draft)?;
         file.write_all(&serde_json::to_vec(self)?)?;
         file.sync_all()?;

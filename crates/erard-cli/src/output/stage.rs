@@ -1,7 +1,7 @@
 //! A folder of an unpredictable name in which files are written before they appear.
 //!
 //! ```text
-//! .NAME.XXXXXX.part/      beside the folder NAME, or .erard.XXXXXX.part/ within it
+//! .NAME.XXXXXX.erard.part/   beside the folder NAME, or .erard.XXXXXX.erard.part/ within it
 //!     lock                held while its process lives: who can take it may clear the stage away
 //!     results/            what is to appear
 //!     old/                what was there before
@@ -18,7 +18,8 @@ use tempfile::TempDir;
 use super::exchange::exchange;
 use super::journal;
 
-const END: &str = ".part";
+/// How its name ends: a user's folder is not likely to be called so, and what a stage does not hold is checked too.
+const END: &str = ".erard.part";
 /// How a stage within a folder begins.
 const WITHIN: &str = ".erard.";
 const LOCK: &str = "lock";
@@ -189,6 +190,13 @@ pub(crate) fn recover(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// Whether a folder holds nothing but what a stage may hold: nothing of a user's is removed with it.
+fn is_stage(folder: &Path) -> bool {
+    let known = |name: &str| [LOCK, RESULTS, OLD].contains(&name) || journal::is_file(name);
+    let Ok(mut entries) = fs::read_dir(folder) else { return false };
+    entries.all(|entry| entry.is_ok_and(|entry| entry.file_name().to_str().is_some_and(known)))
+}
+
 /// The lock of a stage whose process lives no more; `None` where it lives, or where nobody can tell.
 fn take_over(stage: &Path) -> Option<Option<File>> {
     match File::open(stage.join(LOCK)) {
@@ -209,6 +217,7 @@ fn stages(folder: &Path, prefix: &str) -> Vec<PathBuf> {
         let random = name.to_str().and_then(|name| name.strip_prefix(prefix)?.strip_suffix(END));
         random.is_some_and(|random| random.len() == 6 && random.chars().all(|c| c.is_ascii_alphanumeric()))
             && entry.file_type().is_ok_and(|kind| kind.is_dir())
+            && is_stage(&entry.path())
     });
     named.map(|entry| entry.path()).collect()
 }

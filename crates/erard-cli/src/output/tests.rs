@@ -175,7 +175,7 @@ fn killed_after(folder: &Path, renames: usize) -> PathBuf {
     for (name, text) in OLD {
         fs::write(folder.join(name), text).unwrap();
     }
-    let stage = folder.join(".erard.AbCd12.part");
+    let stage = folder.join(".erard.AbCd12.erard.part");
     for below in ["results", "old"] {
         fs::create_dir_all(stage.join(below)).unwrap();
     }
@@ -249,7 +249,7 @@ fn a_folder_that_went_aside_comes_back() {
     let root = root();
     let folder = root.path().join("out");
     put(&folder, "press", false, &[("a", "1")]).unwrap();
-    let stage = root.path().join(".out.AbCd12.part");
+    let stage = root.path().join(".out.AbCd12.erard.part");
     fs::create_dir_all(stage.join("results")).unwrap();
     fs::write(stage.join("lock"), "").unwrap();
     fs::rename(&folder, stage.join("old")).unwrap();
@@ -265,12 +265,17 @@ fn stages_of_the_living_stay() {
     let folder = root.path().join("out");
     let mut one = Output::results(&folder, "press", false, &[]).unwrap();
     write(&mut one, "a", "one").unwrap();
-    fs::create_dir(root.path().join(".out.mine.part")).unwrap();
+    // Names that a user may have chosen, the last one of a stage's own form.
+    let users = [".out.mine.part", ".out.backup.part", ".out.backup.erard.part"].map(|name| root.path().join(name));
+    for folder in &users {
+        fs::create_dir(folder).unwrap();
+        fs::write(folder.join("kept"), "mine").unwrap();
+    }
     put(&folder, "press", false, &[("a", "two")]).unwrap();
     assert_eq!(held(&folder), files(&[("a", "two")]));
     one.commit().unwrap();
     assert_eq!(held(&folder), files(&[("a", "one")]));
-    assert!(root.path().join(".out.mine.part").exists());
+    assert!(users.iter().all(|folder| fs::read_to_string(folder.join("kept")).unwrap() == "mine"));
 }
 
 /// A folder that the journal would have to follow out of its own is refused.

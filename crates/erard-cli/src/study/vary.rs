@@ -255,7 +255,7 @@ impl Axis {
 
     fn allows(&self, shown: f64) -> bool {
         match &self.target {
-            Target::Force => shown.abs() <= MAX_FORCE_N,
+            Target::Force => (0.0..=MAX_FORCE_N).contains(&shown),
             // The reader of the file knows what can be.
             Target::Key | Target::Number(..) | Target::Grading(..) => true,
             Target::Parameter(parameter) => {
@@ -267,7 +267,7 @@ impl Axis {
 
     fn allowed(&self) -> String {
         match &self.target {
-            Target::Force => format!("at most {MAX_FORCE_N} N"),
+            Target::Force => format!("from 0 to {MAX_FORCE_N} N: a finger pushes the key down, and cannot pull it up"),
             Target::Key | Target::Number(..) | Target::Grading(..) => "a number".into(),
             Target::Parameter(parameter) if parameter.is_factor() => "a factor from 0.001 to 1000".into(),
             Target::Parameter(_) if self.unit == "degrees" => format!("at most {MOST_TURNED_DEG} degrees either way"),

@@ -4,6 +4,8 @@ mod common;
 #[path = "../../../erard/tests/common/not_run.rs"]
 mod not_run;
 
+#[cfg(target_os = "linux")]
+mod attack;
 mod bad_input;
 mod book;
 mod desk;

@@ -73,29 +73,33 @@ fn a_sample_is_one_plausible_grand() {
     }
 }
 
-/// A sample is the same every time. Its key is a key of that sample's piano: numbers that are not graded and not put
-/// right are those of its base.
-#[test]
-#[ignore = "ci: three samples"]
-fn keys_of_a_sample_are_one_piano() {
-    let keyboard = Keyboard::builtin(GRAND).unwrap();
-    let sample =
-        || Sampled::of_file(keyboard.base_text(), GRAND, &mut |_| true).unwrap().text(2, &mut |_| true).unwrap();
-    let base = sample();
-    assert_eq!(base, sample());
-    let key = Sampled::of_key(&keyboard, 88, &mut |_| true).unwrap().text(2, &mut |_| true).unwrap();
-    for path in [
-        "body.whippen.mass_g",
-        "zone.capstan_heel.felt.stiffness_N_per_m_r",
-        "zone.check.friction_coefficient",
-        "body.jack.friction_torque_N_m",
-    ] {
-        let [of_key, of_base] = [&key, &base].map(|text| numbers_at(text, path).unwrap());
-        assert_eq!(of_key, of_base, "{path}");
-        assert_ne!(of_base, numbers_at(grand(), path).unwrap(), "{path}");
+mod nightly {
+    use super::*;
+
+    /// A sample is the same every time. Its key is a key of that sample's piano: numbers that are not graded and not put
+    /// right are those of its base.
+    #[test]
+    #[ignore = "nightly: three samples"]
+    fn keys_of_a_sample_are_one_piano() {
+        let keyboard = Keyboard::builtin(GRAND).unwrap();
+        let sample =
+            || Sampled::of_file(keyboard.base_text(), GRAND, &mut |_| true).unwrap().text(2, &mut |_| true).unwrap();
+        let base = sample();
+        assert_eq!(base, sample());
+        let key = Sampled::of_key(&keyboard, 88, &mut |_| true).unwrap().text(2, &mut |_| true).unwrap();
+        for path in [
+            "body.whippen.mass_g",
+            "zone.capstan_heel.felt.stiffness_N_per_m_r",
+            "zone.check.friction_coefficient",
+            "body.jack.friction_torque_N_m",
+        ] {
+            let [of_key, of_base] = [&key, &base].map(|text| numbers_at(text, path).unwrap());
+            assert_eq!(of_key, of_base, "{path}");
+            assert_ne!(of_base, numbers_at(grand(), path).unwrap(), "{path}");
+        }
+        let name = InstrumentFile::parse(&key, "key").unwrap().instrument.name;
+        assert!(name.contains("key 88") && name.ends_with("sample 2"), "{name}");
     }
-    let name = InstrumentFile::parse(&key, "key").unwrap().instrument.name;
-    assert!(name.contains("key 88") && name.ends_with("sample 2"), "{name}");
 }
 
 /// What cannot be drawn says why; who interrupts is heard.

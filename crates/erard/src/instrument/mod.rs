@@ -50,7 +50,7 @@ pub use placement::Placement;
 pub use provenance::{Certainty, Citation, CitedNumber, Provenance, Source, Spread};
 pub use rewrite::{RewriteError, cited};
 pub use schema::json_schema;
-pub(crate) use tuning::REACH_HZ;
+pub(crate) use tuning::{REACH_HZ, STEEL_DENSITY_KG_M3};
 
 use moreau::{LawNumber, Loss, Range};
 

@@ -67,3 +67,41 @@ pub fn rigid(position: impl Fn(f64) -> [f64; 2]) -> impl Fn(f64) -> Input {
         Input::Rigid { position_m, velocity_m_per_s }
     }
 }
+
+/// Largest force that one step takes, N, up or down: a hundred times a fortissimo.
+pub const LARGEST_FORCE_N: f64 = crate::stroke::MAX_FORCE_N;
+/// Largest position that one step takes, m from rest, up or down: ten times a key's dip.
+pub const LARGEST_POSITION_M: f64 = 0.1;
+/// Largest speed that one step takes, m/s, up or down.
+pub const LARGEST_SPEED_M_PER_S: f64 = 100.0;
+
+/// A number that no step takes.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("found {found}; expected a number of at most {most} {unit} either way")]
+pub struct InputRange {
+    /// What was given, in `unit`.
+    pub found: f64,
+    /// The largest, in `unit`.
+    pub most: f64,
+    /// `N`, `m` or `m/s`.
+    pub unit: &'static str,
+}
+
+/// Checks what drives a key for one step: force, fingertip's or key's motion. Whoever takes numbers from outside asks
+/// this; the step itself does not. A hand's input is checked by its numbers' owner.
+///
+/// # Errors
+/// [`InputRange`] with the number that is not finite or beyond its range.
+pub fn check(input: &Input) -> Result<(), InputRange> {
+    let within = |found: f64, most: f64, unit: &'static str| {
+        if found.abs() <= most { Ok(()) } else { Err(InputRange { found, most, unit }) }
+    };
+    match *input {
+        Input::Force(n) => within(n, LARGEST_FORCE_N, "N"),
+        Input::Motion { position_m, velocity_m_per_s } | Input::Rigid { position_m, velocity_m_per_s } => {
+            within(position_m, LARGEST_POSITION_M, "m")?;
+            within(velocity_m_per_s, LARGEST_SPEED_M_PER_S, "m/s")
+        }
+        _ => Ok(()),
+    }
+}

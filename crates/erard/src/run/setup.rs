@@ -17,6 +17,8 @@ pub const MOST_ROWS_ASKED: u64 = 1_000_000;
 /// Tolerances that an error-controlled run accepts: below, rounding is seen as error; above, the largest step limits
 /// the error.
 pub const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
+/// Longest run, s: more than eleven days.
+pub const LONGEST_S: f64 = 1e6;
 /// How to run.
 #[derive(Debug, Clone, Copy)]
 pub struct Setup {
@@ -65,7 +67,7 @@ pub enum SimulationError {
         found: f64,
     },
     /// The duration is out of range.
-    #[error("the duration is {found} s; expected a positive number of at most {longest} s (2^40 steps)")]
+    #[error("the duration is {found} s; expected a positive number of at most {longest} s")]
     Duration {
         /// s.
         found: f64,
@@ -207,7 +209,7 @@ impl Setup {
         if let Some(hand) = &self.hand {
             hand.check()?;
         }
-        let longest = step * (1u64 << 40) as f64;
+        let longest = LONGEST_S;
         if !(self.duration_s > 0.0 && self.duration_s <= longest) {
             return Err(SimulationError::Duration { found: self.duration_s, longest });
         }

@@ -44,7 +44,7 @@ impl Prescribed {
 }
 
 /// Why a recording cannot drive so.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DrivingError {
     /// What it would drive with was not recorded.
     #[error("{title}: driving by {} needs a column `{}`, and there is none", .drive.name(), .drive.column())]
@@ -53,6 +53,17 @@ pub enum DrivingError {
         title: String,
         /// What was asked for.
         drive: Prescribed,
+    },
+    /// A force that only pulls.
+    #[error(
+        "{title}: the force is never above 0, down to {least_n} N: a finger pushes the key down, and cannot pull it up (a sensor of the other sign \
+         is turned round, in the command with --invert force)"
+    )]
+    Pulls {
+        /// The stroke.
+        title: String,
+        /// The smallest force, N.
+        least_n: f64,
     },
     /// The fingertip's position without a force does not tell the key's.
     #[error(
@@ -188,6 +199,13 @@ impl Stroke {
         };
         if missing {
             return Err(DrivingError::Missing { title, drive });
+        }
+        if drive == Prescribed::Force
+            && let Some([least_n, most_n]) = series.force.as_ref().map(ForceSeries::range_n)
+            && least_n < 0.0
+            && most_n <= 0.0
+        {
+            return Err(DrivingError::Pulls { title, least_n });
         }
         let note = match (drive, position_of) {
             (Prescribed::Motion, PositionOf::Key) if series.force.is_none() => Some(

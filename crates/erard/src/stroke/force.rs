@@ -28,6 +28,11 @@ impl ForceSeries {
         Ok(Self { times_s, forces_n, slopes })
     }
 
+    /// The smallest and the largest sample, N.
+    pub(super) fn range_n(&self) -> [f64; 2] {
+        self.forces_n.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], n| [least.min(*n), most.max(*n)])
+    }
+
     /// The force as a run asks for it, at instants that move on: time in s to force in N.
     pub fn drive(&self) -> impl Fn(f64) -> f64 {
         Self::driven(self)

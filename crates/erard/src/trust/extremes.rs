@@ -38,6 +38,8 @@ pub struct Extremes {
     pub turned: Vec<[Furthest; 2]>,
     /// Of every zone: the deepest compression, m, at least 0.
     pub deepest: Vec<Furthest>,
+    /// Of every body: the same angle at the first instant, rad; empty before it.
+    pub first: Vec<f64>,
     /// Of every body: what it is hinged on, and the angle as drawn against that, rad.
     hinges: Vec<(Option<usize>, f64)>,
 }
@@ -51,6 +53,7 @@ impl Extremes {
         Extremes {
             turned: vec![[Furthest::NOT_YET; 2]; instrument.bodies.len()],
             deepest: vec![Furthest::NOT_YET; instrument.zones.len()],
+            first: Vec::new(),
             hinges: hinges.collect(),
         }
     }
@@ -67,8 +70,12 @@ impl Extremes {
 
     /// Absolute angles of the bodies at an instant, rad.
     pub fn note_angles(&mut self, time_s: f64, angles: &[f64]) {
+        let is_first = self.first.is_empty();
         for ((turned, (parent, drawn)), angle) in self.turned.iter_mut().zip(&self.hinges).zip(angles) {
             let by = angle - parent.map_or(0.0, |parent| angles[parent]) - drawn;
+            if is_first {
+                self.first.push(by);
+            }
             turned[0].down(by, time_s);
             turned[1].up(by, time_s);
         }

@@ -30,7 +30,7 @@ use moreau::Ledger;
 use serde::Serialize;
 
 use crate::events::Events;
-use crate::instrument::{Instrument, PianoString, REACH_HZ};
+use crate::instrument::{Instrument, PianoString, REACH_HZ, STEEL_DENSITY_KG_M3};
 use crate::player::Work;
 
 /// Largest energy that the energy balance may leave unexplained, over the energy turned over ([`energy_residual`]).
@@ -43,6 +43,11 @@ pub(crate) const HAMMER_SPEED_M_PER_S: f64 = 20.0;
 /// Steps with a force that the loudest blow on strings that sound has to have: with as many its contact, its largest
 /// force and the hammer's return are right to a hundredth.
 pub(crate) const CONTACT_STEPS: u32 = 60;
+/// Tensile strength of steel wire, Pa: the thinnest music wire breaks at 3.0e9 (ASTM A228: 2.9e9 to 3.2e9 at 0.3 mm), that
+/// of treble strings at 2.5e9.
+pub(crate) const STEEL_STRENGTH_PA: f64 = 3.2e9;
+/// Furthest that a body may rest from as drawn, rad. Actions are drawn at rest; regulation turns no part by half of it.
+pub(crate) const REST_RAD: f64 = 10.0 * core::f64::consts::PI / 180.0;
 /// Turnover below which the residual is measured against this, J: a thousandth of the softest blow's.
 pub const LEAST_TURNOVER_J: f64 = 1e-6;
 
@@ -65,6 +70,10 @@ pub enum Kind {
     ContactSteps,
     /// Strings have partials that the steps of a blow are too long for.
     PartialsBeyondStep,
+    /// A string would bear more than steel does.
+    StringTension,
+    /// The rest lies far from how the action is drawn.
+    RestFarFromDrawing,
     /// No rest was found to start from, and nothing was played.
     NoRest,
     /// A number became infinite, and the run ended there.
@@ -83,6 +92,8 @@ impl Kind {
             Kind::HammerSpeed => "hammer_speed",
             Kind::ContactSteps => "contact_steps",
             Kind::PartialsBeyondStep => "partials_beyond_step",
+            Kind::StringTension => "string_tension",
+            Kind::RestFarFromDrawing => "rest_far_from_drawing",
             Kind::NoRest => "no_rest",
             Kind::NonFinite => "non_finite",
         }
@@ -102,7 +113,7 @@ pub struct Warning {
     pub value: f64,
     /// What there may be at most (for a turn the other way and for a contact's steps: at least), in `unit`.
     pub bound: f64,
-    /// Of both: `m`, `rad`, `steps`, `partials`, `m/s`, `rad/s`, or nothing for a share.
+    /// Of both: `m`, `rad`, `N`, `steps`, `partials`, `m/s`, `rad/s`, or nothing for a share.
     pub unit: &'static str,
     /// When it was worst, on the stroke's clock, s; `None` where it is the whole run's.
     pub time_s: Option<f64>,
@@ -137,6 +148,7 @@ pub(crate) fn assess(
     warnings.extend(of_extremes(instrument, extremes));
     warnings.extend(of_blows(events));
     warnings.extend(of_strings(instrument, struck));
+    warnings.extend(of_tensions(instrument));
     warnings
 }
 
@@ -202,7 +214,49 @@ pub fn of_blows(events: &Events) -> Option<Warning> {
 
 /// What is wrong with how deep felts were pressed and how far bodies turned.
 pub fn of_extremes<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iterator<Item = Warning> + 'a {
-    of_felts(instrument, extremes).chain(of_turns(instrument, extremes))
+    of_felts(instrument, extremes).chain(of_turns(instrument, extremes)).chain(of_rest(instrument, extremes))
+}
+
+/// The body that rests furthest from as drawn, where that is far.
+fn of_rest(instrument: &Instrument, extremes: &Extremes) -> Option<Warning> {
+    let turned = instrument.bodies.iter().zip(&extremes.first);
+    let (body, by) = turned.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    (by.abs() > REST_RAD).then(|| Warning {
+        kind: Kind::RestFarFromDrawing,
+        what: format!(
+            "the body `{}` rests {} degrees from as drawn (at most {}): does the normal of a line point the wrong way?",
+            body.name,
+            rounded(by.to_degrees()),
+            rounded(REST_RAD.to_degrees())
+        ),
+        part: Some(body.name.clone()),
+        value: *by,
+        bound: REST_RAD.copysign(*by),
+        unit: "rad",
+        time_s: None,
+    })
+}
+
+/// The string that bears most, where no steel would. A wound string's core is thinner than its mass says, and bears
+/// more.
+fn of_tensions(instrument: &Instrument) -> Option<Warning> {
+    let most = |string: &PianoString| STEEL_STRENGTH_PA * string.mass_kg_m / STEEL_DENSITY_KG_M3;
+    let excess = |string: &&PianoString| string.tension_n / most(string);
+    let string = instrument.strings.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
+    (string.tension_n > most(string)).then(|| Warning {
+        kind: Kind::StringTension,
+        what: format!(
+            "the string `{}` is pulled by {} N, and steel wire of its mass breaks at {} N at most",
+            string.name,
+            rounded(string.tension_n),
+            rounded(most(string))
+        ),
+        part: Some(string.name.clone()),
+        value: string.tension_n,
+        bound: most(string),
+        unit: "N",
+        time_s: None,
+    })
 }
 
 /// What is wrong with such a residual.
@@ -358,6 +412,8 @@ mod tests {
             Kind::HammerSpeed,
             Kind::ContactSteps,
             Kind::PartialsBeyondStep,
+            Kind::StringTension,
+            Kind::RestFarFromDrawing,
             Kind::NoRest,
             Kind::NonFinite,
         ] {

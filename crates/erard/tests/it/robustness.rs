@@ -29,9 +29,23 @@ fn nothing_breaks_at_random() {
 }
 
 #[test]
-#[ignore = "ci: 800 random instruments"]
+#[ignore = "ci: 200 random instruments"]
 fn nothing_of_much_breaks_at_random() {
-    nothing_breaks(400);
+    nothing_breaks(100);
+}
+
+mod nightly {
+    #[test]
+    #[ignore = "nightly: 800 random instruments"]
+    fn nothing_of_most_breaks_at_random() {
+        super::nothing_breaks(400);
+    }
+
+    #[test]
+    #[ignore = "nightly: 400 random instruments"]
+    fn nothing_of_most_breaks_at_random_with_theta_one() {
+        super::nothing_breaks_with_theta_one(400);
+    }
 }
 
 fn nothing_breaks(count: u64) {
@@ -53,9 +67,9 @@ fn nothing_breaks_at_random_with_theta_one() {
 }
 
 #[test]
-#[ignore = "ci: 400 random instruments"]
+#[ignore = "ci: 150 random instruments"]
 fn nothing_of_much_breaks_at_random_with_theta_one() {
-    nothing_breaks_with_theta_one(400);
+    nothing_breaks_with_theta_one(150);
 }
 
 fn nothing_breaks_with_theta_one(count: u64) {

@@ -176,6 +176,34 @@ fn a_body_beyond_its_stops_is_told() {
     assert!(warning.what.contains("`shank`") && warning.what.contains("stop"), "{warning}");
 }
 
+/// A line that points the wrong way, and lets the wippen fall.
+#[test]
+fn a_rest_far_from_the_drawing_is_told() {
+    let mut instrument = grand();
+    let rest = instrument.zones.iter().position(|zone| zone.name == "capstan_heel").unwrap();
+    let erard::instrument::Curve::Line { normal, .. } = &mut instrument.zones[rest].curve else { panic!("a line") };
+    *normal = normal.map(|x| -x);
+    let run = erard::press(&instrument, &|_| erard::Input::Free, &erard::Setup::new(0.02)).unwrap();
+    let far = run.warnings.iter().find(|warning| warning.kind == Kind::RestFarFromDrawing).unwrap();
+    assert!(far.value.abs() > 0.8 && far.what.contains("wrong way"), "{far}");
+    assert!(!run.is_trusted());
+}
+
+/// A string that no steel can be, and one at the limit of what pianos have.
+#[test]
+fn a_string_that_would_break_is_told() {
+    let strings = Instrument::builtin("concert-grand-strings").unwrap();
+    let breaks = |factor: f64| {
+        let mut instrument = strings.clone();
+        instrument.strings.iter_mut().for_each(|string| string.tension_n *= factor);
+        let run = erard::press(&instrument, &|_| erard::Input::Free, &erard::Setup::new(0.01)).unwrap();
+        run.warnings.iter().find(|warning| warning.kind == Kind::StringTension).cloned()
+    };
+    assert_eq!(breaks(1.0), None);
+    let told = breaks(2000.0).unwrap();
+    assert!(told.value > 1e6 && told.bound < 1e4 && told.unit == "N", "{told}");
+}
+
 /// Where there is no rest there is no run, and who plays many can still say why.
 #[test]
 fn no_rest_is_a_warning_of_its_own() {

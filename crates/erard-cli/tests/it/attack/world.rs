@@ -1,0 +1,253 @@
+//! The folder in which command lines are played: inputs of every kind, and what stands in the way of outputs.
+
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command};
+
+use serde_json::Value;
+
+use super::line::Line;
+use crate::common::Folder;
+
+const GRAND: &str = include_str!("../../../../../instruments/concert-grand-rigid.toml");
+const STROKE: &str = "time_s,force_N,position_m\n0,0,0\n0.01,3,0.001\n0.02,3,0.003\n";
+
+/// What is read.
+pub const INPUTS: [&str; 24] = [
+    "in/good.toml",
+    "in/good.csv",
+    "in/empty.toml",
+    "in/empty.csv",
+    "in/bytes.csv",
+    "in/bytes.toml",
+    "in/half.toml",
+    "in/nan.csv",
+    "in/digits.csv",
+    "in/titles.csv",
+    "in/keys.csv",
+    "in/wide.csv",
+    "in/utf16.csv",
+    "in/keyboard.toml",
+    "in/link.toml",
+    "in/loop.toml",
+    "in/\u{1b}[2J.toml",
+    "in/none.csv",
+    "in",
+    "/dev/null",
+    "/dev/zero",
+    "in/pipe.csv",
+    "earlier/run.csv",
+    "earlier/summary.json",
+];
+
+/// Where results are to go.
+pub const OUTPUTS: [&str; 16] = [
+    "new",
+    "new/er/est",
+    "earlier",
+    "mine",
+    "in",
+    ".",
+    "",
+    "mine/note.txt",
+    "mine/note.txt/below",
+    "/dev/full",
+    "/proc/no/such",
+    "in/good.toml",
+    "new.toml",
+    "new.fmu",
+    "mine/.erard.backup.part",
+    "linked",
+];
+
+/// A folder with all that.
+pub struct World {
+    folder: Folder,
+    /// What stands there at first; the folder is made anew where it has changed.
+    first: Look,
+    changed: Cell<bool>,
+}
+
+/// What stands under a path.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Thing {
+    Folder,
+    File(Vec<u8>),
+    Link(PathBuf),
+    Other,
+}
+
+/// Everything below the folder.
+type Look = BTreeMap<PathBuf, Thing>;
+
+impl World {
+    pub fn new() -> Self {
+        let folder = Folder::new("attack");
+        make(&folder);
+        let first = look(&folder.0);
+        World { folder, first, changed: Cell::new(false) }
+    }
+
+    /// As it was at first.
+    pub fn restore(&self) {
+        if self.changed.take() {
+            for entry in fs::read_dir(&self.folder.0).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() && !path.is_symlink() { fs::remove_dir_all(path) } else { fs::remove_file(path) }
+                    .unwrap();
+            }
+            make(&self.folder);
+        }
+    }
+
+    pub fn look(&self) -> Look {
+        look(&self.folder.0)
+    }
+
+    /// The command within so much address space.
+    pub fn command(&self, room_kib: u32, arguments: &[String]) -> Command {
+        let plain = self.folder.command(&[]);
+        let mut command = Command::new("bash");
+        command.args(["-c", &format!("ulimit -v {room_kib}; exec \"$0\" \"$@\""), crate::PROGRAM]).args(arguments);
+        command.current_dir(&self.folder.0);
+        command.envs(plain.get_envs().filter_map(|(name, value)| Some((name, value?))));
+        command
+    }
+
+    /// What has changed that must not: see the rules of `erard_cli::output`.
+    pub fn faults(&self, before: &Look, line: &Line, code: Option<i32>) -> Vec<String> {
+        let after = self.look();
+        self.changed.set(after != self.first);
+        let mut faults = Vec::new();
+        let mut fault = |path: &Path, what: &str| faults.push(format!("{} {what} (code {code:?})", path.display()));
+        for path in before.keys().chain(after.keys().filter(|path| !before.contains_key(*path))) {
+            let (old, new) = (before.get(path), after.get(path));
+            if old == new {
+                continue;
+            }
+            let name = path.to_string_lossy();
+            if matches!(code, None | Some(2)) {
+                fault(path, "has changed");
+            } else if name.ends_with(".part") || name.contains(".part/") {
+                fault(path, "is left");
+            } else if old.is_some() && is_read(line, &name) {
+                fault(path, "is an input, and has changed");
+            } else if old.is_some_and(|old| *old != Thing::Folder)
+                && !line.may_force()
+                && !is_mark(path)
+                && owner(before, path).as_deref() != Some(line.command())
+            {
+                fault(path, "belongs to somebody else, and has changed");
+            } else if old.is_some_and(|old| *old != Thing::Folder)
+                && !is_mark(path)
+                && new.is_none()
+                && owner(before, path).as_deref() != Some(line.command())
+            {
+                fault(path, "is gone");
+            } else if old.is_some_and(|old| *old != Thing::Folder)
+                && line.may_force()
+                && !is_mark(path)
+                && owner(&after, path).as_deref() != Some(line.command())
+                && !line.arguments.iter().any(|one| one.ends_with(&*name))
+                && line.command() != "man"
+            {
+                fault(path, "is no result, and has changed");
+            }
+        }
+        faults
+    }
+}
+
+/// Asks a process to end.
+pub fn end(child: &Child) {
+    let pid = child.id().to_string();
+    // It may have ended meanwhile.
+    let _ = Command::new("kill").args(["-TERM", &pid]).output();
+}
+
+/// Whether a path is one of the inputs that the line names.
+fn is_read(line: &Line, path: &str) -> bool {
+    let names = |one: &String| one == path || one.ends_with(&format!("={path}"));
+    let out = line.arguments.iter().position(|one| one == "--out");
+    let given = line.arguments.iter().enumerate().any(|(i, one)| names(one) && out.is_none_or(|out| i != out + 1));
+    given && !line.arguments.iter().any(|one| *one == format!("--out={path}"))
+}
+
+fn is_mark(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name == ".erard.json")
+}
+
+/// The command whose result a file is, by the mark beside it.
+fn owner(look: &Look, path: &Path) -> Option<String> {
+    let Some(Thing::File(bytes)) = look.get(&path.with_file_name(".erard.json")) else { return None };
+    let mark: Value = serde_json::from_slice(bytes).ok()?;
+    let name = path.file_name()?.to_str()?;
+    let results = mark["results"].as_object()?;
+    let own = results.iter().find(|(_, files)| files.as_array().is_some_and(|all| all.iter().any(|one| one == name)));
+    own.map(|(command, _)| command.clone())
+}
+
+fn make(folder: &Folder) {
+    fs::create_dir(folder.0.join("in")).unwrap();
+    fs::create_dir(folder.0.join("mine")).unwrap();
+    let write = |name: &str, bytes: &[u8]| fs::write(folder.0.join(name), bytes).unwrap();
+    write("in/good.toml", GRAND.as_bytes());
+    write("in/good.csv", STROKE.as_bytes());
+    write("in/empty.toml", b"");
+    write("in/empty.csv", b"");
+    let bytes: Vec<u8> = (0..4000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+    write("in/bytes.csv", &bytes);
+    write("in/bytes.toml", &bytes);
+    write("in/half.toml", &GRAND.as_bytes()[..GRAND.len() / 2]);
+    write("in/nan.csv", b"time_s,force_N\n0,nan\n0.1,inf\n");
+    write("in/digits.csv", format!("time_s,force_N\n0,{}\n0.1,1\n", "9".repeat(60_000)).as_bytes());
+    write("in/titles.csv", format!("time_s,{}\n0,1\n0.1,1\n", "k".repeat(60_000)).as_bytes());
+    write("in/keys.csv", b"key,down_g,up_g\nC4,52,28\nA0,10,90\n99,1,1\n");
+    let wide = |cell: &dyn Fn(usize) -> String| (0..4000).map(cell).collect::<Vec<_>>().join(",");
+    let rows =
+        format!("time_s,{}\n0,{}\n0.1,{}\n", wide(&|i| format!("c{i}")), wide(&|_| "1".into()), wide(&|_| "2".into()));
+    write("in/wide.csv", rows.as_bytes());
+    let utf16: Vec<u8> = STROKE.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    write("in/utf16.csv", &[&[0xff, 0xfe], &utf16[..]].concat());
+    let keyboard = "format = \"erard-keyboard/1\"\nname = \"K\"\ninstrument = \"concert-grand\"\ninstrument_key = 40\n";
+    write("in/keyboard.toml", keyboard.as_bytes());
+    write("in/\u{1b}[2J.toml", GRAND.as_bytes());
+    write("mine/note.txt", b"keep me");
+    for name in ["run.csv", "summary.json", "action.svg", "study.csv", "measure.json", "press-erard.1"] {
+        write(&format!("mine/{name}"), b"mine");
+    }
+    fs::create_dir(folder.0.join("mine/.erard.backup.part")).unwrap();
+    write("mine/.erard.backup.part/kept", b"mine");
+    fs::create_dir(folder.0.join(".mine.backup.part")).unwrap();
+    write(".mine.backup.part/kept", b"mine");
+    std::os::unix::fs::symlink("good.toml", folder.0.join("in/link.toml")).unwrap();
+    std::os::unix::fs::symlink("loop.toml", folder.0.join("in/loop.toml")).unwrap();
+    std::os::unix::fs::symlink("mine", folder.0.join("linked")).unwrap();
+    assert!(Command::new("mkfifo").arg(folder.0.join("in/pipe.csv")).status().unwrap().success());
+    folder.good(&["press", "--duration", "0.005", "--out", "earlier"]);
+}
+
+fn look(folder: &Path) -> Look {
+    fn below(folder: &Path, root: &Path, found: &mut Look) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let kind = path.symlink_metadata().unwrap().file_type();
+            let thing = if kind.is_symlink() {
+                Thing::Link(fs::read_link(&path).unwrap())
+            } else if kind.is_dir() {
+                below(&path, root, found);
+                Thing::Folder
+            } else if kind.is_file() {
+                Thing::File(fs::read(&path).unwrap())
+            } else {
+                Thing::Other
+            };
+            found.insert(path.strip_prefix(root).unwrap().to_path_buf(), thing);
+        }
+    }
+    let mut found = Look::new();
+    below(folder, folder, &mut found);
+    found
+}
