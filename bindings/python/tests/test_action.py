@@ -35,9 +35,13 @@ def test_goes_on_to_the_bit(grand: erard.Instrument) -> None:
 def test_wrong_inputs(grand: erard.Instrument) -> None:
     action = erard.Action(grand)
     before = action.save()
-    for wrong in ({"force": float("nan")}, {"motion": (0.0, float("inf"))}, {"force": 1.0, "rigid": (0.0, 0.0)}):
+    # What C refuses, too: more than 10 000 N, 0.1 m, 100 m/s.
+    ranges = ({"force": 1e9}, {"force": -10001.0}, {"motion": (0.2, 0.0)}, {"rigid": (0.0, 101.0)})
+    for wrong in (*ranges, {"force": float("nan")}, {"motion": (0.0, float("inf"))}, {"force": 1.0, "rigid": (0.0, 0.0)}):
         with pytest.raises(erard.InputError):
             action.step(**wrong)
+    with pytest.raises(erard.InputError, match=r"sample 1.*10000 N"):
+        action.play([1.0, 1e9])
     assert action.save() == before
     with pytest.raises(erard.InputError, match="step"):
         erard.Action(grand, step=1.0)

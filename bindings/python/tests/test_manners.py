@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import erard
+import numpy as np
 import pytest
 
 #: What takes longer than an interrupt may. The forces never hold still, for an action at rest is simulated in no time;
@@ -98,16 +99,49 @@ def test_everything_pickles_compares_and_says_what_it_is(grand: erard.Instrument
             wrong("concert-grand")
 
 
-def test_other_threads_go_on(grand: erard.Instrument) -> None:
-    """Python's lock is free while a press runs."""
+@pytest.mark.parametrize("what", ["press", "play"])
+def test_other_threads_go_on(grand: erard.Instrument, what: str) -> None:
+    """Python's lock is free while a press runs, and while an action plays."""
     done = threading.Event()
-    thread = threading.Thread(target=lambda: (grand.press(force=5.0, duration=20.0, progress=False), done.set()))
+    action = erard.Action(grand)
+    # Forces that never hold still: an action at rest is simulated in no time.
+    forces = np.tile([1.0, 2.0], 200_000)
+    work = {"press": lambda: grand.press(force=5.0, duration=20.0, progress=False), "play": lambda: action.play(forces)}
+    thread = threading.Thread(target=lambda: (work[what](), done.set()))
     thread.start()
     turns = 0
     while not done.wait(0.001):
         turns += 1
     thread.join()
     assert turns > 20
+
+
+def test_what_numpy_masks_is_not_played(grand: erard.Instrument) -> None:
+    """A mask says that a number is none; nothing else may stand in its place unasked."""
+    masked = np.ma.masked_array([1.0, 1e6, 2.0], mask=[False, True, False])
+    plays = (
+        lambda: grand.press(force=masked, dt=0.01, progress=False),
+        lambda: erard.rollout(grand, force=masked[None, :], dt=0.01, progress=False),
+        lambda: erard.study(grand, let_off=masked, force=5.0, progress=False),
+        lambda: erard.Action(grand).play(masked),
+    )
+    for play in plays:
+        with pytest.raises(erard.InputError, match="1 masked value"):
+            play()
+    # A mask that hides nothing is none.
+    grand.press(force=np.ma.masked_array([1.0, 2.0], mask=False), dt=0.01, progress=False)
+
+
+def test_forces_that_only_pull_are_refused(grand: erard.Instrument) -> None:
+    """As the command refuses them: in a constant force, in samples, in rollouts."""
+    plays = (
+        lambda: grand.press(force=-5.0, duration=0.02, progress=False),
+        lambda: grand.press(force=[-5.0, -1.0], dt=0.01, progress=False),
+        lambda: erard.rollout(grand, force=[[-5.0, -5.0]], dt=0.01, progress=False),
+    )
+    for play in plays:
+        with pytest.raises(erard.InputError, match="cannot pull it up"):
+            play()
 
 
 def test_progress_is_told_and_may_raise(grand: erard.Instrument, capsys: pytest.CaptureFixture[str]) -> None:
