@@ -76,8 +76,8 @@ fn a_sample_is_one_plausible_grand() {
 mod nightly {
     use super::*;
 
-    /// A sample is the same every time. Its key is a key of that sample's piano: numbers that are not graded and not put
-    /// right are those of its base.
+    /// A sample is the same every time. Its key is a key of that sample's piano: numbers that are not graded and not
+    /// put right are those of its base.
     #[test]
     #[ignore = "nightly: three samples"]
     fn keys_of_a_sample_are_one_piano() {

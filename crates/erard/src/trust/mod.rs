@@ -43,8 +43,8 @@ pub(crate) const HAMMER_SPEED_M_PER_S: f64 = 20.0;
 /// Steps with a force that the loudest blow on strings that sound has to have: with as many its contact, its largest
 /// force and the hammer's return are right to a hundredth.
 pub(crate) const CONTACT_STEPS: u32 = 60;
-/// Tensile strength of steel wire, Pa: the thinnest music wire breaks at 3.0e9 (ASTM A228: 2.9e9 to 3.2e9 at 0.3 mm), that
-/// of treble strings at 2.5e9.
+/// Tensile strength of steel wire, Pa: the thinnest music wire breaks at 3.0e9 (ASTM A228: 2.9e9 to 3.2e9 at 0.3 mm),
+/// that of treble strings at 2.5e9.
 pub(crate) const STEEL_STRENGTH_PA: f64 = 3.2e9;
 /// Furthest that a body may rest from as drawn, rad. Actions are drawn at rest; regulation turns no part by half of it.
 pub(crate) const REST_RAD: f64 = 10.0 * core::f64::consts::PI / 180.0;

@@ -55,8 +55,8 @@ fn one_seed() {
     attack(seed..seed + 1);
 }
 
-/// Plays the command lines of these seeds, after which nothing may be wrong. How many were done, refused, and ended from
-/// outside.
+/// Plays the command lines of these seeds, after which nothing may be wrong. How many were done, refused, and ended
+/// from outside.
 fn attack(seeds: std::ops::Range<u64>) -> [usize; 3] {
     let next = AtomicU64::new(seeds.start);
     let ends = [const { AtomicUsize::new(0) }; 3];
