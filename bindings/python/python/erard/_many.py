@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Union, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Stepping, bar, floats, names_of, number, step_of, steps, whole
+from ._common import Stepping, bar, floats, names_of, number, step_of, steps, unmasked, whole
 from ._errors import InputError
 from ._instrument import Instrument, instrument_of, stroke_of
 from ._table import Table
