@@ -18,6 +18,7 @@ fn decimals(value: f64, error: f64) -> Option<usize> {
 /// A number with so many decimals.
 fn shown(x: f64, decimals: Option<usize>) -> String {
     match decimals {
+        _ if !x.is_finite() => "unknown".to_owned(),
         Some(decimals) => format!("{x:.decimals$}"),
         None => format!("{x:.3e}"),
     }

@@ -173,8 +173,11 @@ pub(crate) fn figure(all: &Sensitivities, title: &str) -> String {
 
 /// Three digits of a number of any size.
 fn digits(x: f64) -> String {
-    if x == 0.0 || !x.is_finite() {
+    if x == 0.0 {
         return "0".to_owned();
+    }
+    if !x.is_finite() {
+        return "unknown".to_owned();
     }
     let places = (2 - x.abs().log10().floor() as i32).clamp(0, 9) as usize;
     if x.abs() < 1e-6 { format!("{x:.1e}") } else { format!("{x:.places$}") }
