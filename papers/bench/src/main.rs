@@ -26,7 +26,7 @@ const AFTER: &str = include_str!("help.txt");
 #[derive(Debug, Parser)]
 #[command(name = "erard-bench", version = version(), about, after_help = AFTER, max_term_width = 100)]
 struct Bench {
-    /// Take a second instead of half a minute: shows that everything works, and little more
+    /// Take one second instead of half a minute. The times are rough
     #[arg(long)]
     quick: bool,
     #[command(flatten)]

@@ -28,42 +28,42 @@ const AFTER: &str = include_str!("help.txt");
 #[derive(Debug, Parser)]
 #[command(name = "erard-kinematics", version = version(), about, after_help = AFTER, max_term_width = 100)]
 struct Kinematics {
-    /// Three levers by their lengths: a TOML file of kind `three-lever`, or c7f-like or steinway-o-like
+    /// Linkage of three levers: a TOML file of kind `three-lever`, or the built-in c7f-like or steinway-o-like
     #[arg(value_name = "LINKAGE.toml", conflicts_with = "instrument")]
     linkage: Option<String>,
-    /// Instrument: a TOML file, or the name of a built-in one [default: concert-grand]
+    /// Instrument: a TOML file, or a built-in name [default: concert-grand]
     #[arg(long, value_name = "FILE-OR-NAME")]
     instrument: Option<String>,
-    /// A part moved, as a case beside the unmoved one; may be repeated. Negative is toward the player (x) or down.
+    /// Move a part and show it with the unmoved case; can be repeated. Negative is toward the player (x) or down.
     /// Parts: capstan, knuckle, capstan-height, heel-depth, knuckle-depth, jack-height, whippen-x, whippen-y, hammer-x,
-    /// hammer-y; several at once with commas
+    /// hammer-y; commas move several at once
     #[arg(long = "move", value_name = "capstan=-10mm", value_parser = moves::parse)]
     moves: Vec<MoveOption>,
-    /// Leave moved cases as they are, instead of screwing the capstan until the hammer rests where it did
+    /// Do not turn the capstan screw to bring the hammer of a moved case back to its rest height
     #[arg(long)]
     no_regulate: bool,
-    /// Key travel to begin at, mm
+    /// First key travel, mm
     #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true)]
     from: f64,
-    /// Key travel to end at, mm [default: let-off of the unmoved case]
+    /// Last key travel, mm [default: let-off of the unmoved case]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     to: Option<f64>,
-    /// Steps between the two
+    /// Number of steps between the two
     #[arg(long, value_name = "N", default_value_t = 200, allow_negative_numbers = true)]
     steps: i64,
-    /// Print the closure equations, and do nothing else
+    /// Print the closure equations and stop
     #[arg(long, conflicts_with_all = ["moves", "no_regulate", "from", "to", "steps", "out", "force"])]
     equations: bool,
-    /// Print them as LaTeX
+    /// Print the equations as LaTeX
     #[arg(long, requires = "equations")]
     latex: bool,
-    /// List the built-in linkages, and do nothing else
+    /// List the built-in linkages and stop
     #[arg(long, conflicts_with_all = ["linkage", "instrument", "moves", "equations", "check", "print", "out", "force"])]
     list: bool,
-    /// Check the linkage file and say what it holds, and do nothing else
+    /// Check the linkage file, show its contents and stop
     #[arg(long, requires = "linkage", conflicts_with_all = ["moves", "equations", "print", "out", "force"])]
     check: bool,
-    /// Print the file of a built-in linkage, to be changed, and do nothing else
+    /// Print the file of a built-in linkage, as a start for your own, and stop
     #[arg(long, requires = "linkage", conflicts_with_all = ["moves", "equations", "out", "force"])]
     print: bool,
     #[command(flatten)]

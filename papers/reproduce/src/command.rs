@@ -59,26 +59,26 @@ impl ClaimReport {
     }
 }
 
-/// Computes the papers' figures and claims anew, and writes one page that shows which hold.
+/// Computes the figures and claims of the papers again, and writes a page that shows which claims hold.
 #[derive(Debug, Parser)]
 #[command(name = "erard-reproduce", version = version(), about, max_term_width = 100)]
 pub(crate) struct Reproduce {
-    /// Instrument: a TOML file, or the name of a built-in one
+    /// Instrument: a TOML file, or a built-in name
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand-rigid")]
     instrument: String,
-    /// Only these subjects, or all whose names start so: separated by commas, or given again
+    /// Only these subjects, by names or their beginnings, with commas
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     only: Vec<String>,
-    /// List the subjects, and do nothing else
+    /// List the subjects and stop
     #[arg(long, conflicts_with_all = ["only", "figures", "tables", "out", "force"])]
     list: bool,
-    /// End with code 1 when a claim does not hold
+    /// Exit with code 1 if a claim does not hold
     #[arg(long)]
     fail_on_miss: bool,
-    /// Write every figure as a file of its own too, NAME-0.svg and so on
+    /// Also write each figure as a file: NAME-0.svg and so on
     #[arg(long)]
     figures: bool,
-    /// Print the tables in place of the claims, but for those with times on the clock
+    /// Print the tables instead of the claims, without those of measured computing times
     #[arg(long)]
     tables: bool,
     #[command(flatten)]

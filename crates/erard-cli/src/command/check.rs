@@ -20,12 +20,11 @@ use crate::recordings::RecordingOptions;
 use crate::{say, tell};
 use erard_workshop::trying::try_all;
 
-/// Checks a file and says what it holds: an instrument or keyboard, a stroke or recording, published
-/// measurements, or a result.
+/// Checks a file and shows its contents: instrument, keyboard, stroke, recording, published measurements, or result.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// The file, or the name of something built in: what ends in `.toml` says itself what it is, a stroke ends in
-    /// `.csv` or `.parquet`, a result in `.json`
+    /// File, or a built-in name: `.toml` for instruments, keyboards and measurements, `.csv` or `.parquet` for strokes
+    /// and recordings, `.json` for results
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]

@@ -20,26 +20,25 @@ use crate::say;
 use crate::table::{Table, WIDEST, wrapped};
 use erard_figures::figure::{Dash, Figure, Panel, Trace, Window, figure_svg};
 
-/// Holds a measured stroke against the models: what drives it, what comes out, what is missed.
+/// Compares a recording with the models: one run for each drive and model, and its errors.
 #[derive(Debug, Args)]
 pub(crate) struct Compare {
-    /// Recording: CSV or Parquet with columns for the time, for force and/or position (down is positive), and for the
-    /// hammer if it was measured too, as `time_s`, `force_N` or `Force (gf)`, `position_m` or `Travel [mm]`,
-    /// `hammer_head_m`
+    /// Recording, CSV or Parquet: a time column, a force or position column or both, and the hammer if measured, with
+    /// the unit in the title (`time_s`, `Force (gf)`, `Travel [mm]`, `hammer_head_m`). Down is positive
     #[arg(value_name = "MEASURED.csv")]
     file: PathBuf,
     #[command(flatten)]
     recording: RecordingOptions,
-    /// Drives to try [default: all that the recording has]
+    /// Drives to try [default: all that the recording allows]
     #[arg(long, value_parser = one_of(&options::DRIVES), value_name = "DRIVES", value_delimiter = ',')]
     drive: Vec<Prescribed>,
     /// Models to run [default: both]
     #[arg(long, value_parser = one_of(&MODELS), value_name = "MODELS", value_delimiter = ',')]
     model: Vec<Which>,
-    /// Write the numbers only, no figure
+    /// Write numbers only, no figures
     #[arg(long)]
     no_pictures: bool,
-    /// Instrument: a TOML file, or the name of a built-in one
+    /// Instrument: a TOML file, or a built-in name
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
     #[command(flatten)]
@@ -47,7 +46,7 @@ pub(crate) struct Compare {
     /// Compare only the first S seconds
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// Compare only the way up: until the hammer is highest, or, where it was not recorded, until the key is down
+    /// Compare only until the hammer is highest, or, if the hammer was not recorded, until the key is down
     #[arg(long)]
     way_up: bool,
     #[command(flatten)]

@@ -21,17 +21,17 @@ pub(crate) struct Draw {
     stroke: StrokeOptions,
     #[command(flatten)]
     instrument: InstrumentOption,
-    /// Instant of the stroke to draw: ms after its start, where 0 is rest, or an event: key-start, toe-contact,
-    /// let-off, hammer-contact, key-bottom, check
+    /// Instant to draw: ms after the start of the stroke (0 is rest), or an event: key-start, toe-contact, let-off,
+    /// hammer-contact, key-bottom, check
     #[arg(long, value_name = "MILLISECONDS-OR-EVENT", default_value = "0", value_parser = parse_at, allow_negative_numbers = true)]
     at: At,
-    /// Name the main parts
+    /// Label the main parts
     #[arg(long)]
     labels: bool,
-    /// Show contact forces as arrows
+    /// Draw contact forces as arrows
     #[arg(long)]
     forces: bool,
-    /// Show what the pins do to the parts that turn about them as arrows
+    /// Draw the forces of the pins on their parts as arrows
     #[arg(long)]
     reactions: bool,
     #[command(flatten)]

@@ -21,17 +21,17 @@ use crate::say;
 /// What stands below the options.
 const AFTER: &str = include_str!("help/fmu.txt");
 
-/// Writes an instrument as a unit for simulators: FMI 2.0, co-simulation.
+/// Exports an instrument for simulators, as an FMI 2.0 unit for co-simulation.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Fmu {
-    /// Instrument: a TOML file, or the name of a built-in one
+    /// Instrument: a TOML file, or a built-in name
     #[arg(value_name = "INSTRUMENT", default_value = "concert-grand")]
     instrument: String,
-    /// The unit's file [default: INSTRUMENT.fmu in this folder]
+    /// File of the unit [default: INSTRUMENT.fmu in this folder]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// The library that goes into it
+    /// The library liberard to pack into it
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
     /// Replace FILE if it exists

@@ -12,11 +12,11 @@ use crate::failure::Failure;
 use crate::say;
 use crate::say::verbatim;
 
-/// Lists what is built in: instruments, keyboards, strokes; or prints one of them as the file that it is.
+/// Lists the built-in instruments, keyboards and strokes, or prints the file of one.
 #[derive(Debug, Args)]
 pub(crate) struct List {
-    /// Print this one: a name, or a stroke as in `mf-struck`; `keyboard:NAME` where an instrument has the same name; or
-    /// a sample, as in `concert-grand:sample=17` or `concert-grand:key=88:sample=17`
+    /// Name to print: an instrument, a stroke (`mf-struck`), `keyboard:NAME`, or a sample (`concert-grand:sample=17`,
+    /// `concert-grand:key=88:sample=17`)
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }

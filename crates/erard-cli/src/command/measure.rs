@@ -36,38 +36,38 @@ const AFTER: &str = include_str!("help/measure.txt");
 
 /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
 ///
-/// Several instruments stand side by side.
+/// Several instruments get a column each.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Measure {
-    /// Instruments: TOML files, names of built-in ones, or keys of a keyboard (concert-grand:key=88); many keys
-    /// (concert-grand:key=1..88, concert-grand:key=1,40,88) make one row each [default: concert-grand]
+    /// Instruments: TOML files, built-in names, or keys of a keyboard (concert-grand:key=88). Many keys
+    /// (concert-grand:key=1..88, concert-grand:key=1,40,88) get a row each [default: concert-grand]
     #[arg(value_name = "INSTRUMENT")]
     instruments: Vec<String>,
-    /// One more instrument; may be repeated
+    /// One more instrument; can be repeated
     #[arg(long = "instrument", value_name = "FILE-OR-NAME")]
     more: Vec<String>,
-    /// One row per instrument, and these quantities only: keys of measure.json with commas [default of many keys:
+    /// Print a row per instrument with these quantities only: keys of measure.json with commas [default for many keys:
     /// weights, ratio, inertia, distances, repetition]
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',', conflicts_with = "sheet")]
     only: Vec<String>,
-    /// Write the technician's sheet, too: one page each, to be printed, with what to turn and by how much (sheet.html,
+    /// Also write the technician's sheet, one page per instrument to print: what to turn, and by how much (sheet.html,
     /// sheet.json)
     #[arg(long)]
     sheet: bool,
-    /// With --sheet: what stays where dip and aftertouch cannot both come right; the other changes within its range,
+    /// With --sheet: which one stays if dip and aftertouch cannot both be in range. The other changes within its range,
     /// then the blow
     #[arg(long, value_name = "WHAT", value_enum, default_value = "aftertouch", requires = "sheet")]
     priority: Stays,
-    /// With --sheet: the key's leads, g@mm in front of the balance pin with commas (14@165,14@147; behind it
-    /// negative); they are moved or taken out before others are put in
+    /// With --sheet: the leads in the key, as grams at mm in front of the balance pin (14@165,14@147; negative is
+    /// behind it). The work list moves or removes them before it adds new ones
     #[arg(long, value_name = "G@MM,..", value_delimiter = ',', requires = "sheet", allow_hyphen_values = true)]
     leads: Vec<String>,
-    /// With --sheet: write the instrument file on which the list has been carried out, too (carried-out.toml)
+    /// With --sheet: also write the instrument file as it is after the work (carried-out.toml)
     #[arg(long, requires = "sheet")]
     carry_out: bool,
-    /// Which key of the piano it is, for the usual ranges there, 1 (A0) to 88 (C8), where the instrument's name does
-    /// not say [default: 40]
+    /// Key number of the instrument, 1 (A0) to 88 (C8), which selects the usual ranges [default: that of the
+    /// instrument, else 40]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88), allow_negative_numbers = true)]
     key: Option<u8>,
     #[command(flatten)]

@@ -47,21 +47,21 @@ impl From<Stays> for Priority {
 /// Which instrument.
 #[derive(Debug, Args)]
 pub(crate) struct InstrumentOption {
-    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88; with
-    /// :sample=17, one plausible grand around it
+    /// Instrument: a TOML file, a built-in name, or one key of a keyboard (concert-grand:key=88). `:sample=17` at the
+    /// end takes a random grand within the spreads of the file
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
-    /// Which model of it
+    /// Model of the instrument
     #[arg(long, value_parser = one_of(&MODELS), default_value = "action")]
     pub model: Which,
 }
 
 /// The models of an instrument.
 pub(crate) const MODELS: [Name<Which>; 2] = [
-    (Which::Action.name(), "All bodies and zones of the file", Which::Action),
+    (Which::Action.name(), "All bodies and contact zones of the file", Which::Action),
     (
         Which::OneDof.name(),
-        "One degree of freedom: the whole action as inertia and constant moment on the key",
+        "One degree of freedom: the action reduced to an inertia and a constant moment on the key",
         Which::OneDof,
     ),
 ];
@@ -113,11 +113,11 @@ pub(crate) struct Noted {
 /// One instrument, or two to be laid beside each other.
 #[derive(Debug, Args)]
 pub(crate) struct InstrumentsOption {
-    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88.
-    /// Given twice, both are played and shown on one page
+    /// Instrument: a TOML file, a built-in name, or one key of a keyboard (concert-grand:key=88). Give it twice to show
+    /// two instruments on one page
     #[arg(long = "instrument", value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instruments: Vec<String>,
-    /// Which model of it
+    /// Model of the instrument
     #[arg(long, value_parser = one_of(&MODELS), default_value = "action")]
     pub model: Which,
 }
@@ -294,18 +294,18 @@ pub(crate) fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
 /// What the player does.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct StrokeOptions {
-    /// Stroke file: CSV or Parquet with columns for the time and for force and/or position (down is positive), as
-    /// `time_s`, `force_N` or `Force (gf)`, `position_m` or `Travel [mm]`; a run's own run.csv is one
+    /// Stroke file, CSV or Parquet: a time column and a force or position column or both, with the unit in the title
+    /// (`time_s`, `Force (gf)`, `Travel [mm]`). Down is positive. The run.csv of a run is a stroke file
     #[arg(value_name = "STROKE.csv", conflicts_with_all = ["stroke", "force_step"])]
     file: Option<PathBuf>,
     #[command(flatten)]
     hand: HandOptions,
-    /// A constant force from the start on, N
+    /// Constant force on the key front, N
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     force_step: Option<f64>,
-    /// What is prescribed: the finger's force, the motion of a soft finger, or the key's own motion. Default: force
-    /// where the stroke has one, else the motion of whatever was recorded (see --position): rigid for a key's, motion
-    /// for a fingertip's. With a built-in touch it plays the force curve of that name (`erard list`) instead of a hand
+    /// What drives the key. Default: the force if the stroke has one; else `rigid` for a recorded key position and
+    /// `motion` for a recorded fingertip position (see --position). With --stroke it plays the stored force curve of
+    /// that level (see `erard list`) instead of a hand
     #[arg(long, value_parser = one_of(&DRIVES), conflicts_with = "hammer_speed")]
     drive: Option<Prescribed>,
     #[command(flatten)]
@@ -314,9 +314,9 @@ pub(crate) struct StrokeOptions {
 
 /// What is prescribed.
 pub(crate) const DRIVES: [Name<Prescribed>; 3] = [
-    (Prescribed::Force.name(), "The force on the key", Prescribed::Force),
-    (Prescribed::Motion.name(), "The motion of a soft finger that can only push", Prescribed::Motion),
-    (Prescribed::Rigid.name(), "The motion of the key itself", Prescribed::Rigid),
+    (Prescribed::Force.name(), "Force on the key", Prescribed::Force),
+    (Prescribed::Motion.name(), "Motion of a soft fingertip, which can only push", Prescribed::Motion),
+    (Prescribed::Rigid.name(), "Motion of the key itself", Prescribed::Rigid),
 ];
 
 impl StrokeOptions {
@@ -445,20 +445,20 @@ impl From<DrivingError> for Failure {
 /// How to step.
 #[derive(Debug, Args)]
 pub(crate) struct StepOptions {
-    /// Step, s, halved as often as needed while the hammer is near strings that sound; usual: 0.00005, and 1/24000
-    /// where strings sound
+    /// Time step, s. `usual` is 0.00005, or 1/24000 with modal strings. While the hammer is near modal strings the step
+    /// is halved as often as necessary
     #[arg(long, value_name = "SECONDS", default_value = USUAL, value_parser = step, allow_negative_numbers = true)]
     dt: Step,
-    /// Theta of the time-stepping scheme, 0.5 (second order) to 1 (damped)
+    /// Theta of the time-stepping scheme, from 0.5 (second order) to 1 (damped)
     #[arg(long, value_name = "T", default_value_t = 0.5, allow_negative_numbers = true)]
     theta: f64,
     /// Solver of the one-step problem
     #[arg(long, value_parser = one_of(&SOLVERS), default_value = "active-set")]
     solver: Solver,
-    /// Friction law: the true one, or the regularised one that is kept for comparison
+    /// Friction law
     #[arg(long, value_parser = one_of(&FRICTIONS), default_value = "set-valued")]
     friction: Friction,
-    /// Width of the regularised law at the pivots, rad/s (at sliding contacts a tenth of it, m/s)
+    /// Width of the regularised law: this at pivots, rad/s, and a tenth of it at sliding contacts, m/s
     #[arg(long, value_name = "RAD/S", default_value_t = 0.1, allow_negative_numbers = true)]
     friction_width: f64,
 }
@@ -478,16 +478,16 @@ fn step(text: &str) -> Result<Step, String> {
 }
 
 const SOLVERS: [Name<Solver>; 2] = [
-    ("active-set", "Active set on the velocities", Solver::ActiveSet),
-    ("projected-gauss-seidel", "The papers' projected Gauss-Seidel", Solver::ProjectedGaussSeidel),
+    ("active-set", "Active set on the velocities: exact", Solver::ActiveSet),
+    ("projected-gauss-seidel", "Projected Gauss-Seidel, as in the papers: iterative", Solver::ProjectedGaussSeidel),
 ];
 
 /// A law of friction, of the regularised one's width at the pivots, rad/s.
 type Friction = fn(f64) -> FrictionLaw<f64>;
 
 const FRICTIONS: [Name<Friction>; 2] = [
-    ("set-valued", "Set-valued: holds at rest", |_| FrictionLaw::SetValued),
-    ("tanh", "Regularised by tanh: creeps", |width| FrictionLaw::Regularised {
+    ("set-valued", "Coulomb friction that holds parts at rest", |_| FrictionLaw::SetValued),
+    ("tanh", "Regularised by tanh, for comparison: parts creep", |width| FrictionLaw::Regularised {
         pivot_width: width,
         sliding_width: 0.1 * width,
     }),

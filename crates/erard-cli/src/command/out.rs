@@ -17,7 +17,7 @@ pub struct OutOptions {
     /// Output folder
     #[arg(id = "out", long = "out", value_name = "DIR", default_value = DEFAULT)]
     folder: PathBuf,
-    /// Replace what stands in the way there: results of another command, or files that this command did not write
+    /// Overwrite files in the output folder that this command did not write
     #[arg(long)]
     force: bool,
 }

@@ -34,45 +34,44 @@ use erard_workshop::sample::SampleError;
 pub(crate) struct Press {
     #[command(flatten)]
     stroke: StrokeOptions,
-    /// A second stroke, to be laid beside the first: pp, p, mf, f, ff, a constant force such as 3N, or a file
+    /// Second stroke, shown with the first: pp, p, mf, f, ff, a constant force such as 3N, or a file
     #[arg(long, value_name = "STROKE")]
     against: Option<String>,
-    /// The columns of the second stroke's file, as --columns those of the first [default: what --columns says; that
-    /// belongs to the second where the first is no file]
+    /// Columns of the second stroke's file, written as in --columns [default: those of --columns]
     #[arg(long, value_name = "NAME=TITLE,..", requires = "against")]
     against_columns: Option<Columns>,
     #[command(flatten)]
     instrument: InstrumentsOption,
     #[command(flatten)]
     step: StepOptions,
-    /// Simulated time, s [default: the stroke's, and a little more]
+    /// Simulated time, s [default: the stroke's duration and a little more]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// Keep a row every so many steps [default: every step, in long runs fewer]
+    /// Steps from one row of the output to the next [default: 1, in long runs more]
     #[arg(long, value_name = "STEPS", value_parser = steps, allow_negative_numbers = true)]
     record_every: Option<u64>,
-    /// Control the error: steps between two rows are as long as the error of each may be, relative to 1 rad/s +
-    /// |velocity|, 1e-9 to 0.1 [default: all steps are as long as --dt says]
+    /// Adaptive steps: the largest error of a step, relative to 1 rad/s + |velocity|, from 1e-9 to 0.1 [default: fixed
+    /// steps of --dt]
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Record what the pins carry (both components) and how the parts accelerate, too: more columns, and reactions.svg
-    /// and reactions.png
+    /// Also record the forces in the pins (both components) and the accelerations of the parts: more columns,
+    /// reactions.svg and reactions.png
     #[arg(long)]
     reactions: bool,
-    /// Show where the energy goes, by pin and by contact: losses.json, losses.svg and losses.png
+    /// Show the energy lost at each pin and contact: losses.json, losses.svg and losses.png
     #[arg(long)]
     losses: bool,
-    /// Write the force of the note's strings on the bridge as sound, too, into a file of this name in the output
-    /// folder: 48 kHz, 16 bit, its peak at 0.9 of full scale (it is that force, not a piano), and its spectrogram,
-    /// spectrogram.svg and spectrogram.png. Played once more in steps of 1/96000 s [default: note.wav]
+    /// Write the strings' force on the bridge as sound, NAME.wav in the output folder, and its spectrogram (SVG and
+    /// PNG). Needs modal strings. 48 kHz, 16 bit, peak at 0.9 of full scale. There is no soundboard: it does not sound
+    /// like a piano. The note is simulated again for it in steps of 1/96000 s [default: note.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "note.wav", value_parser = wav_name)]
     wav: Option<String>,
-    /// Hold the sustain pedal down so that its rail is lifted so far (7mm), or move it: instants on the stroke's clock
-    /// with lifts, straight lines between them (0s=0mm,0.2s=7mm,1s=0mm) [default: up]. For instruments with strings
+    /// Sustain pedal, as the lift of its rail: held (7mm), or moved in straight lines between instants of the stroke
+    /// (0s=0mm,0.2s=7mm,1s=0mm). For instruments with modal strings [default: up]
     #[arg(long, value_name = "LIFT", allow_hyphen_values = true, default_value = "0mm", hide_default_value = true)]
     pedal: Pedal,
-    /// Find the hand of a level for each instrument, and for each sample of --bands, instead of playing the hand of the
-    /// first on all
+    /// Find the hand that reaches the level for each instrument and each sample of --bands. Otherwise all are played by
+    /// the hand found for the first
     #[arg(long)]
     each: bool,
     #[command(flatten)]

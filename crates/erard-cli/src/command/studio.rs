@@ -25,13 +25,13 @@ const AFTER: &str = include_str!("help/studio.txt");
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Studio {
-    /// The port on this machine; 0 takes any that is free
+    /// Port on this machine; 0 takes any free one
     #[arg(long, value_name = "NUMBER", default_value_t = 8088)]
     port: u16,
-    /// The folder of the built page
+    /// Folder of the built page
     #[arg(long, value_name = "FOLDER")]
     folder: Option<PathBuf>,
-    /// Only say the address
+    /// Print the address and do not open a browser
     #[arg(long)]
     no_open: bool,
 }

@@ -17,14 +17,14 @@ use serde::Serialize;
 /// What stands below the options.
 const AFTER: &str = include_str!("help/validate.txt");
 
-/// Holds an instrument against what has been measured on real pianos.
+/// Compares an instrument with published measurements of real pianos.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Validate {
-    /// Instrument: a TOML file, or the name of a built-in one
+    /// Instrument: a TOML file, or a built-in name
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
-    /// End with code 1 when a row is missed
+    /// Exit with code 1 if a row is missed
     #[arg(long)]
     fail_on_miss: bool,
     #[command(flatten)]
