@@ -58,7 +58,7 @@ pub(crate) unsafe fn parse(text: *const c_char, length: usize) -> Result<(Instru
 fn builtin(name: &str) -> Result<&'static str, Fault> {
     Instrument::builtin_text(name).ok_or_else(|| {
         let known = Instrument::builtin_names().collect::<Vec<_>>().join(", ");
-        Fault::new(ErardStatus::NoSuch, format!("no instrument `{name}` is built in; there are {known}"))
+        Fault::new(ErardStatus::NoSuch, format!("there is no built-in instrument `{name}`; expected one of {known}"))
     })
 }
 

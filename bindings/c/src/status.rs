@@ -106,7 +106,7 @@ pub(crate) fn told<T>(none: T, status: *mut ErardStatus, work: impl FnOnce() -> 
     let done = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().cloned().or(panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
         let said = said.unwrap_or_default();
-        Err(Fault::new(ErardStatus::Internal, format!("a fault of the library: {said}")))
+        Err(Fault::new(ErardStatus::Internal, format!("internal error of the library: {said}")))
     });
     let (result, code) = match done {
         Ok(result) => (result, ErardStatus::Ok),

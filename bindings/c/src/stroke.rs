@@ -58,7 +58,7 @@ pub unsafe extern "C" fn erard_stroke_builtin(
         let touch = if struck == 0 { Touch::Pressed } else { Touch::Struck };
         let speed_m_per_s = level::named(nuance).ok_or_else(|| {
             let known = level::LEVELS.map(|(name, _)| name).join(", ");
-            Fault::new(ErardStatus::NoSuch, format!("no stroke `{nuance}` is built in; there are {known}"))
+            Fault::new(ErardStatus::NoSuch, format!("there is no built-in stroke `{nuance}`; expected one of {known}"))
         })?;
         let kind = level::Kind { touch, mass_kg: level::MASS_KG };
         let found = level::Reference::new(instrument.instrument(), &mut |_| true)

@@ -162,7 +162,7 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
     let each = goals.into_iter().map(|(name, value)| {
         let goal = Goal::ALL.into_iter().find(|goal| goal.name() == name).ok_or_else(|| {
             let known = Goal::ALL.map(Goal::name).join(", ");
-            wrong(format!("there is no goal `{name}`; there are {known}"))
+            wrong(format!("there is no goal `{name}`; expected one of {known}"))
         })?;
         let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         let target =

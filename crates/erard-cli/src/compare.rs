@@ -59,7 +59,7 @@ pub(crate) fn print_table(comparison: &Comparison) {
         };
         let why = match errors {
             Some(_) => "",
-            None if *measured => "the recording tells of nothing here",
+            None if *measured => "the recording holds nothing here",
             None => "not measured",
         };
         let names = [trial.driven.name(), trial.which.name(), quantity].map(str::to_owned);
@@ -70,7 +70,7 @@ pub(crate) fn print_table(comparison: &Comparison) {
     if limit < 0.5 * RATE_HZ {
         let all = findings.iter().all(|f| f.told_to_hz == limit);
         say!(
-            "  (all of it up to {limit:.0} Hz{}: above, the recording tells of noise or of nothing)",
+            "  (all up to {limit:.0} Hz{}: above, the recording holds only noise or nothing)",
             if all { "" } else { " or more" }
         );
     }

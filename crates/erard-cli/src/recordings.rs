@@ -184,7 +184,7 @@ impl RecordingOptions {
             .chain(self.delay.iter().map(|(role, _)| (role, "--delay")))
         {
             if recording.channel(*role).is_none() {
-                return Err(Failure::Usage(format!("{option} {}: {name} has no such channel", role.name())));
+                return Err(Failure::Usage(format!("{option} {}: {name} does not have this channel", role.name())));
             }
         }
         Ok(self.position.unwrap_or(recording.position_of))
@@ -272,7 +272,7 @@ fn read_parquet(file: io::Result<File>, name: &str, columns: &Columns) -> Result
         return Err(fault(
             name,
             "",
-            "Parquet is read from the end of a file, which a pipe has not".to_owned(),
+            "Parquet cannot be read from a pipe; expected a file".to_owned(),
             "a file",
         ));
     }

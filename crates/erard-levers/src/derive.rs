@@ -46,7 +46,7 @@ pub enum NotThreeLevers {
         role: &'static str,
     },
     /// The key front lies behind the balance pin.
-    #[error("the finger presses the key behind its pivot")]
+    #[error("the finger presses the key behind its pivot; expected a point in front of it")]
     FingerBehindPivot,
     /// A lever that rides on another.
     #[error("`{body}` is not hinged on the ground")]

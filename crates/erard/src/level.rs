@@ -99,7 +99,7 @@ pub enum LevelError {
         found: f64,
     },
     /// The instrument has no key, no hammer or no string: there is no speed at the string.
-    #[error("{instrument}: no hammer meets a string under a hand; expected an action with key, hammer and string")]
+    #[error("{instrument}: the hammer never reaches a string; expected an action with key, hammer and string")]
     Silent {
         /// Its name.
         instrument: String,

@@ -29,7 +29,7 @@ pub enum Unreadable {
     #[error("the saved state is of version {0}; expected {VERSION}")]
     Version(u32),
     /// They were changed or cut off since they were written.
-    #[error("the saved state is damaged: its check sum is wrong")]
+    #[error("the saved state is damaged: wrong checksum")]
     Damaged,
 }
 

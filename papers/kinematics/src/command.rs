@@ -232,7 +232,7 @@ impl Kinematics {
         let to = self.to.map_or(unmoved.let_off_key_m.unwrap_or(USUAL_DIP_M), |to| to / 1000.0);
         if to <= from {
             return Err(Failure::Usage(format!(
-                "--from {}: expected less than where the hammer is let off, {:.2} mm, or a larger --to",
+                "--from {}: expected less than the key travel at let-off, {:.2} mm, or a larger --to",
                 self.from,
                 to * 1e3
             )));
@@ -308,7 +308,7 @@ fn list() -> Result<(), Failure> {
 fn print(asked: &str) -> Result<(), Failure> {
     let text = LinkageFile::builtin_text(asked).ok_or_else(|| {
         let names: Vec<&str> = LinkageFile::builtin_names().collect();
-        Failure::Usage(format!("no linkage called `{asked}` is built in (built in: {})", names.join(", ")))
+        Failure::Usage(format!("there is no built-in linkage `{asked}` (built in: {})", names.join(", ")))
     })?;
     say::verbatim(text);
     Ok(())
@@ -344,7 +344,7 @@ fn press(instrument: &Instrument, derived: &Derived, unmoved: &Shown) -> Option<
             Some((press, agreement))
         }
         Err(error) => {
-            tell!("warning: the geometry could not be checked by a slow press: {error}");
+            tell!("warning: the slow press that checks the geometry failed: {error}");
             None
         }
     }

@@ -196,7 +196,7 @@ impl Reproduce {
             if name.is_empty() || !known.iter().any(|s| s.name.starts_with(name.as_str())) {
                 let names: Vec<&str> = known.iter().map(|s| s.name).collect();
                 return Err(Failure::Usage(format!(
-                    "--only {name}: there is no such subject; expected one of {}, or how some of them begin",
+                    "--only {name}: unknown subject; expected one of {}, or the beginning of some",
                     names.join(", ")
                 )));
             }

@@ -187,7 +187,7 @@ class Run(Table):
         ms = {name: 1e3 * at for name, at in self.events.items() if name != "hammer_speed"}
         told = ", ".join(f"{name.replace('_', ' ')} {at:.1f} ms" for name, at in ms.items())
         speed = quantity(self.hammer_speed, "m/s") if self.hammer_speed else "the string is not reached"
-        doubt = "" if self.trusted else f"; not to be trusted: {self.warnings[0]}"
+        doubt = "" if self.trusted else f"; cannot be trusted: {self.warnings[0]}"
         return f"<erard.Run {self.instrument}, {self.title}: hammer {speed}; {told}; {len(self['time_s'])} rows{doubt}>"
 
     def _repr_html_(self) -> str:

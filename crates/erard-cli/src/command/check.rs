@@ -66,8 +66,7 @@ impl Check {
                 Some((_, text)) => self.toml(&shown(&self.file), text.as_bytes())?,
                 None => {
                     return Err(Failure::Usage(format!(
-                        "{}: cannot tell what this is from its name: instruments, keyboards and published measurements end in .toml, \
-                         strokes in .csv or .parquet, results in .json; `erard list` names what is built in",
+                        "{}: unknown file type; expected .toml (instrument, keyboard, published measurements), .csv or .parquet (stroke, recording), .json (result), or a built-in name (`erard list`)",
                         shown(&self.file)
                     )));
                 }
@@ -123,7 +122,7 @@ impl Check {
 
     /// What this program writes, and its schemas.
     fn json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
-        let wrong = |error: &dyn std::fmt::Display| Failure::Usage(format!("{name}: no JSON: {error}"));
+        let wrong = |error: &dyn std::fmt::Display| Failure::Usage(format!("{name}: is not JSON: {error}"));
         let value: Value = serde_json::from_slice(bytes).map_err(|error| wrong(&error))?;
         let first = value.as_array().and_then(|list| list.first()).unwrap_or(&value);
         let text = |pointer: &str| first.pointer(pointer).and_then(Value::as_str);
@@ -151,8 +150,8 @@ impl Check {
         } else if text("/$schema").is_some() {
             say!("{name}: a JSON Schema, \"{}\"", text("/title").unwrap_or("without a title"));
         } else {
-            let expected = "a result of this program with `made_by`, a file with `format`, or a JSON Schema";
-            return Err(Failure::Usage(format!("{name}: JSON of no kind that is known here; expected {expected}")));
+            let expected = "a result of Erard (with `made_by`), a file with `format`, or a JSON Schema";
+            return Err(Failure::Usage(format!("{name}: unknown kind of JSON; expected {expected}")));
         }
         let title = text("/made_by/command").or(text("/format")).or(text("/title"));
         Ok(checked("JSON", name, title, []))
@@ -215,7 +214,7 @@ impl Check {
         }
         say!();
         say!(
-            "  {} bodies, {} springs, {} zones, {} screws, {} outlines of its own; {} numbers, {} of them without a source",
+            "  {} bodies, {} springs, {} zones, {} screws, {} outlines of its own; {} numbers, {} without a source",
             i.bodies.len(),
             i.springs.len(),
             i.zones.len(),
@@ -227,7 +226,7 @@ impl Check {
         let outlived = file.provenance.outlived_notes();
         if !outlived.is_empty() {
             say!();
-            say!("  Changed, while the note beside it still speaks of a built-in instrument's value:");
+            say!("  Changed numbers whose notes still describe the value of a built-in instrument:");
         }
         for one in outlived {
             let note = one.number.citation.and_then(|citation| citation.note).unwrap_or_default();
@@ -276,7 +275,7 @@ impl Check {
             points().filter(|point| point.citation.is_none()).count(),
             match tried.iter().filter(|one| !one.warnings.is_empty()).count() {
                 0 => format!("the instruments of all {KEYS} keys are sound"),
-                doubtful => format!("{doubtful} of the {KEYS} keys are not to be trusted"),
+                doubtful => format!("{doubtful} of the {KEYS} keys cannot be trusted"),
             }
         );
         for doubt in doubts((1..).zip(&tried)) {

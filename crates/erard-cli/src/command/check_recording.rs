@@ -27,7 +27,7 @@ pub(super) fn told(ready: &Ready) -> Value {
     let decimals = if decimal_comma { ", decimal commas" } else { "" };
     let skipped = match skipped_rows {
         0 => String::new(),
-        rows => format!(", {rows} rows above the header passed over"),
+        rows => format!(", {rows} rows above the header skipped"),
     };
     say!("  table     {separated}{decimals}{skipped}");
     say!();
@@ -36,7 +36,7 @@ pub(super) fn told(ready: &Ready) -> Value {
     say!("  time      sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
     if end_s - start_s > LONGEST_S {
         say!(
-            "            too long for `compare` as a whole: `--duration {LONGEST_S}` compares its first {LONGEST_S} s"
+            "            longer than `compare` takes: `--duration {LONGEST_S}` compares its first {LONGEST_S} s"
         );
     }
     for channel in &prepared.report.channels {

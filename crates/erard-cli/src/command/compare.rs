@@ -128,7 +128,7 @@ impl Compare {
         let series = if self.way_up { self.way_up(&series)? } else { series };
         if series.end_s() - series.start_s() > LONGEST_S {
             return Err(Failure::Usage(format!(
-                "{}: lasts {lasts_s} s; at most {LONGEST_S} s are compared: --duration {LONGEST_S} compares its first",
+                "{}: lasts {lasts_s} s; expected at most {LONGEST_S} s. Compare its beginning with --duration {LONGEST_S}",
                 shown(&self.file)
             )));
         }
@@ -138,7 +138,7 @@ impl Compare {
     /// As much of it as is the way up.
     fn way_up(&self, series: &Series) -> Result<Series, Failure> {
         let refused = |why: &str| Failure::Usage(format!("--way-up: {}: {why}", shown(&self.file)));
-        let end_s = way_up_ends_s(series).ok_or_else(|| refused("neither hammer nor key moves in it"))?;
+        let end_s = way_up_ends_s(series).ok_or_else(|| refused("the hammer and the key do not move; --way-up needs a stroke with motion"))?;
         series.first(end_s - series.start_s()).map_err(|error| refused(&error.to_string()))
     }
 }

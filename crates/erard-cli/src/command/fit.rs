@@ -204,7 +204,7 @@ impl Fit {
         let rows = recording.time_s.partition_point(|t| *t <= recording.time_s[0] + s);
         if !s.is_finite() || rows < 2 {
             return Err(Failure::Usage(format!(
-                "--duration {s}: expected so many seconds that there are two rows or more"
+                "--duration {s}: shorter than two rows of the recording; expected a longer time"
             )));
         }
         recording.time_s.truncate(rows);
@@ -246,7 +246,7 @@ impl Fit {
 
     fn named_once<T>(&self, option: &str, all: Asked<T>) -> Result<Asked<T>, Failure> {
         match (1..all.len()).find(|at| all[..*at].iter().any(|(name, _)| *name == all[*at].0)) {
-            Some(at) => Err(Failure::Usage(format!("{option}: `{}` is there twice", all[at].0))),
+            Some(at) => Err(Failure::Usage(format!("{option}: `{}` is given twice", all[at].0))),
             None => Ok(all),
         }
     }
@@ -258,9 +258,9 @@ fn doubtful(found: &FitResult) -> Result<(), Failure> {
     kinds.dedup();
     match found.doubts.len() {
         0 => Ok(()),
-        1 => Err(Failure::Doubtful(format!("the fit is doubtful ({}); all files are written", kinds[0]))),
+        1 => Err(Failure::Doubtful(format!("the fit is doubtful ({}); all files were written", kinds[0]))),
         n => Err(Failure::Doubtful(format!(
-            "the fit is doubtful for {n} reasons ({}); all files are written",
+            "the fit is doubtful for {n} reasons ({}); all files were written",
             kinds.join(", ")
         ))),
     }

@@ -82,7 +82,7 @@ impl Fmu {
     /// The library: its path, its bytes, and its place in the archive.
     fn library(&self) -> Result<(PathBuf, Vec<u8>, String), Failure> {
         let Some((platform, end)) = PLATFORM else {
-            return Err(Failure::Usage("FMI 2.0 names no folder for libraries of this platform".into()));
+            return Err(Failure::Usage("FMI 2.0 does not support this platform".into()));
         };
         let path = match &self.library {
             Some(path) => path.clone(),
@@ -91,7 +91,7 @@ impl Fmu {
         let bytes = std::fs::read(&path).map_err(|error| Failure::Usage(format!("{}: {error}", shown(&path))))?;
         if let Some(mark) = MARKS.iter().find(|mark| !bytes.windows(mark.len()).any(|window| window == **mark)) {
             let mark = String::from_utf8_lossy(mark);
-            return Err(Failure::Usage(format!("{}: is no liberard: there is no {mark} in it", shown(&path))));
+            return Err(Failure::Usage(format!("{}: is not the library liberard: {mark} is missing in it", shown(&path))));
         }
         Ok((path, bytes, format!("binaries/{platform}/{MODEL}.{end}")))
     }
@@ -105,8 +105,7 @@ impl Fmu {
         places.iter().find(|path| path.is_file()).cloned().ok_or_else(|| {
             let looked: Vec<String> = places.iter().map(|path| shown(path)).collect();
             Failure::Usage(format!(
-                "the unit needs the library liberard, which is not at {}; build it with `cargo build --release -p erard-c`, or say where it is with \
-                 --library",
+                "the library liberard was not found at {}. Build it with `cargo build --release -p erard-c`, or name it with --library",
                 looked.join(" or ")
             ))
         })

@@ -87,7 +87,7 @@ impl Keyboard {
     /// Two keyboards beside each other.
     fn pair(&self, asked: [&String; 2]) -> Result<(), Failure> {
         if self.key.is_some() || self.weigh.asked().is_some() {
-            return Err(Failure::Usage("--key and --weigh take one keyboard; two are laid beside each other".into()));
+            return Err(Failure::Usage("--key and --weigh need one keyboard; found two".into()));
         }
         let keyboards = [load_keyboard(asked[0])?, load_keyboard(asked[1])?];
         let keys = [self.keys(&keyboards[0])?, self.keys(&keyboards[1])?];

@@ -74,7 +74,7 @@ impl List {
             }
             let (_, text) = built_in(name).ok_or_else(|| {
                 let names: Vec<String> = all().into_iter().map(|one| one.name).collect();
-                Failure::Usage(format!("nothing built in is called `{name}` (built in: {})", names.join(", ")))
+                Failure::Usage(format!("there is no built-in `{name}`; expected one of {}", names.join(", ")))
             })?;
             verbatim(text);
             return Ok(());
@@ -90,7 +90,7 @@ impl List {
         }
         say!();
         say!(
-            "`erard list NAME > FILE` makes a file of one, to be changed; every key of a keyboard is an instrument: NAME:key=1 to 88"
+            "Copy one to edit it: `erard list NAME > FILE`. Each key of a keyboard is an instrument: NAME:key=1 to 88"
         );
         answer::give(&Listed { built_in })
     }

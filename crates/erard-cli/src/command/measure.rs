@@ -158,7 +158,7 @@ impl Measure {
         say!();
         for one in &measured {
             for doubt in doubts(&one.sheet) {
-                tell!("warning: {}: not to be trusted: {doubt}", one.label);
+                tell!("warning: {}: this result cannot be trusted: {doubt}", one.label);
             }
         }
         for one in &advised {
@@ -206,10 +206,10 @@ impl Measure {
     /// The lines of one instrument's sheet with their bands.
     fn banded(&self, asked: &[String], count: u32) -> Result<(), Failure> {
         let [asked] = asked else {
-            return Err(Failure::Usage(format!("--bands: found {} instruments, expected one", asked.len())));
+            return Err(Failure::Usage(format!("--bands needs one instrument; found {}", asked.len())));
         };
         if self.sheet {
-            return Err(Failure::Usage("--bands and --sheet: a sheet is of one piano; ask for either".into()));
+            return Err(Failure::Usage("--bands and --sheet cannot be combined: a sheet describes one piano".into()));
         }
         let lines = if self.only.is_empty() { all_lines().collect() } else { measured_lines("--only", &self.only)? };
         let named = self.named(std::slice::from_ref(asked))?;
@@ -239,7 +239,7 @@ impl Measure {
     /// One row per instrument.
     fn rows(&self, asked: &[String]) -> Result<(), Failure> {
         if self.sheet {
-            return Err(Failure::Usage("--sheet: a page for every one of many keys; name them one by one".into()));
+            return Err(Failure::Usage("--sheet writes one page per instrument; found a range of keys. Name the keys one by one: concert-grand:key=1 concert-grand:key=2".into()));
         }
         let lines = if self.only.is_empty() { rows::usual() } else { measured_lines("--only", &self.only)? };
         let named = self.named(asked)?;
@@ -270,7 +270,7 @@ impl Measure {
     /// All instruments of a few, read before anything is measured, by labels that tell them apart.
     fn load(&self, asked: &[String]) -> Result<Vec<Named>, Failure> {
         if asked.len() > MOST {
-            return Err(Failure::Usage(format!("{} instruments: expected {MOST} at most side by side", asked.len())));
+            return Err(Failure::Usage(format!("{} instruments; expected at most {MOST}", asked.len())));
         }
         self.named(asked)
     }
@@ -307,7 +307,7 @@ fn lead(text: &str) -> Result<Lead, Failure> {
     });
     let sound = |lead: &Lead| (0.5..=60.0).contains(&lead.mass_g) && (-250.0..=400.0).contains(&lead.at_mm);
     read.filter(sound).ok_or_else(|| {
-        Failure::Usage(format!("--leads {text}: expected grams (0.5 to 60) and millimetres before the pin, as 14@165"))
+        Failure::Usage(format!("--leads {text}: expected grams (0.5 to 60), @ and millimetres in front of the balance pin, e.g. 14@165"))
     })
 }
 

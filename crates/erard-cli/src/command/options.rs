@@ -138,7 +138,7 @@ impl InstrumentsOption {
     pub(crate) fn load(&self) -> Result<Vec<Noted>, Failure> {
         if self.instruments.len() > 2 {
             return Err(Failure::Usage(format!(
-                "--instrument is given {} times; expected one instrument, or two to be laid beside each other",
+                "--instrument is given {} times; expected once, or twice to compare two",
                 self.instruments.len()
             )));
         }
@@ -157,7 +157,7 @@ fn load_file(path: &Path) -> Result<(InstrumentFile, String), Failure> {
     let (name, bytes) = inputs::bytes(path)?;
     let text = utf8(&bytes, &name)?;
     if is_keyboard(text) {
-        return Err(Failure::Usage(format!("{name}: this is a keyboard; name one of its keys, as in {name}{KEY}40")));
+        return Err(Failure::Usage(format!("{name}: is a keyboard; expected an instrument. Name one of its keys: {name}{KEY}40")));
     }
     let file = InstrumentFile::parse(text, &name)?;
     identity::used("instrument", &file.instrument.name, Some(&name), &bytes);
@@ -253,7 +253,7 @@ pub(crate) fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
         };
         let Some((from, to)) = range else {
             let expected = format!("keys from 1 to {KEYS}, as in `1..88` or `1,40,88`");
-            return Err(Failure::Usage(format!("{asked}: `{part}` are no keys; expected {expected}")));
+            return Err(Failure::Usage(format!("{asked}: found keys `{part}`; expected {expected}")));
         };
         all.extend((from..=to).map(|key| format!("{keyboard}{KEY}{key}")));
     }
@@ -265,7 +265,7 @@ pub(crate) fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'stat
     let find = |key: &String| {
         lines().find(|line| line.key == key.trim()).ok_or_else(|| {
             let known: Vec<&str> = lines().map(|line| line.key).collect();
-            Failure::Usage(format!("{option} {key}: nothing of that name is measured; expected {}", known.join(", ")))
+            Failure::Usage(format!("{option} {key}: unknown quantity; expected one of {}", known.join(", ")))
         })
     };
     keys.iter().map(find).collect()
@@ -352,7 +352,7 @@ impl StrokeOptions {
     pub(crate) fn load_constant(&self) -> Result<Stroke, Failure> {
         let is_level = self.hand.stroke.is_some() || self.hand.hammer_speed.is_some();
         if self.file.is_some() || is_level || self.drive.is_some_and(|d| d != Prescribed::Force) {
-            return Err(Failure::Usage("--vary force plays constant forces; it goes with no other stroke".into()));
+            return Err(Failure::Usage("--vary force plays constant forces; remove the stroke (file, --stroke or --hammer-speed)".into()));
         }
         self.through(Stroke::constant("constant forces".into(), 0.0))
     }
@@ -391,13 +391,13 @@ impl StrokeOptions {
             }
             identity::used_without_file("stroke", &format!("a constant force of {force_n} N"));
             if self.drive.is_some_and(|d| d != Prescribed::Force) {
-                return Err(Failure::Usage("--force-step prescribes a force; it has no motion to drive with".into()));
+                return Err(Failure::Usage("--force-step needs --drive force: a constant force has no motion. Leave --drive out, or give a stroke file with a position".into()));
             }
             return self.through(Stroke::constant(format!("{force_n} N"), force_n));
         }
         if self.file.is_none() && self.recording.are_given() {
             return Err(Failure::Usage(
-                "--columns, --position, --zero, --invert, --delay, --low-pass and --order belong to a stroke file"
+                "--columns, --position, --zero, --invert, --delay, --low-pass and --order need a stroke file; none is given"
                     .into(),
             ));
         }
@@ -432,10 +432,10 @@ impl From<DrivingError> for Failure {
     fn from(error: DrivingError) -> Self {
         Failure::Usage(match error {
             DrivingError::Missing { title, drive } => {
-                format!("{title}: --drive {} needs a column `{}`, and the file has none", drive.name(), drive.column())
+                format!("{title}: --drive {} needs a column `{}`; the file has none. Leave --drive out, or name the column with --columns", drive.name(), drive.column())
             }
             DrivingError::NoKeyPosition { title } => format!(
-                "{title}: --drive rigid needs the key's position; the fingertip's gives it where a column `force_N` is there too"
+                "{title}: --drive rigid needs the key's position; found the fingertip's and no force. Use --drive motion, or add a column `force_N`"
             ),
             error @ DrivingError::Samples { .. } => error.to_string(),
         })

@@ -90,7 +90,7 @@ fn wav_name(text: &str) -> Result<String, String> {
     let is_sound = text.len() > 4 && text.to_ascii_lowercase().ends_with(".wav");
     if !is_sound || text.contains(['/', '\\', ':']) {
         return Err(format!(
-            "`{text}` is no name for it; expected one that ends in .wav, without a folder: --out says where all results go, and a stroke's file stands before --wav"
+            "found `{text}`; expected a file name that ends in .wav, without a folder (--out names the folder; write a stroke file before --wav)"
         ));
     }
     Ok(text.to_owned())
@@ -127,7 +127,7 @@ impl Press {
         check(&setup)?;
         if self.wav.is_some() && !instrument.has_yielding_strings() {
             let message =
-                "--wav needs strings that yield; this instrument's string is rigid (`concert-grand-strings` has some)";
+                "--wav needs modal strings; this instrument's string is rigid. Use --instrument concert-grand-strings";
             return Err(Failure::Usage(message.into()));
         }
         let mut output =
@@ -196,11 +196,11 @@ impl Press {
             say!("{}", report.table());
         }
         if let Some((name, sound)) = &sound {
-            say!("{name} is the force on the bridge, {:.2} N at most, not a piano; steps of 1/96000 s", sound.peak_n());
+            say!("{name} is the force on the bridge, {:.2} N at most, without a soundboard; steps of 1/96000 s", sound.peak_n());
             say!();
         }
         for warning in &summary.warnings {
-            tell!("warning: not to be trusted: {warning}");
+            tell!("warning: this run cannot be trusted: {warning}");
         }
         say!("{written}");
         Ok(())
@@ -246,7 +246,7 @@ impl Press {
     ) -> Result<Vec<Stroke>, Failure> {
         match (against, instruments) {
             (Some(_), [_, _]) => Err(Failure::Usage(
-                "two instruments and --against at once would be two differences in one picture; lay either beside the first".into(),
+                "--against with two instruments: expected either two instruments or two strokes, so that the page shows one difference".into(),
             )),
             (Some(other), _) => Ok(vec![stroke, other.load(reference)?]),
             (None, [_, second]) if self.stroke.is_touch() && (self.each || self.instrument.are_keys()) => {
@@ -264,10 +264,10 @@ impl Press {
         setup: impl Fn(&Stroke) -> Setup,
     ) -> Result<(), Failure> {
         if self.bands.bands.is_some() {
-            return Err(Failure::Usage("--bands belong to one run; play the two one by one".into()));
+            return Err(Failure::Usage("--bands needs a single run; leave out --against and the second --instrument".into()));
         }
         if self.reactions || self.losses || self.wav.is_some() {
-            return Err(Failure::Usage("--reactions, --losses and --wav show one run; play the two one by one".into()));
+            return Err(Failure::Usage("--reactions, --losses and --wav need a single run; leave out --against and the second --instrument".into()));
         }
         let mut setups: Vec<Setup> = strokes.iter().map(setup).collect();
         // One clock: both are played as long as the longer one.
@@ -292,7 +292,7 @@ impl Press {
         press_pair::tell(&played);
         for (one, name) in played.iter().zip(press_pair::names(&played)) {
             for warning in &one.summary.warnings {
-                tell!("warning: {name}: not to be trusted: {warning}");
+                tell!("warning: {name}: this run cannot be trusted: {warning}");
             }
         }
         say!("{written}");

@@ -193,7 +193,7 @@ impl Regulate {
             Some(settled) => settled_text(settled, self.lengths).iter().for_each(|line| say!("{line}")),
             None if !is_usual_aftertouch(&regulated.after) => {
                 say!("{}", aftertouch_text(&regulated, self.lengths));
-                say!("--priority dip changes the blow for it, --priority aftertouch the dip first.");
+                say!("To change that, add --priority dip (changes the blow) or --priority aftertouch (changes the dip first).");
                 say!();
             }
             None => {}
@@ -206,7 +206,7 @@ impl Regulate {
                 after.map_or("none".to_owned(), |after| shown_value(goal, after, self.lengths))
             });
             let text = aftertouch_text(&settled.regulated, self.lengths);
-            format!("{text}; dip is {dip}, blow {blow}, and neither may change further for it")
+            format!("{text}; dip ({dip}) and blow ({blow}) are at the ends of their usual ranges")
         });
         match [misses(&regulated), unsettled.into_iter().collect()].concat() {
             misses if misses.is_empty() => Ok(()),
@@ -247,7 +247,7 @@ fn moved(regulated: &Regulated, lengths: Lengths) -> Vec<String> {
         return Vec::new();
     }
     vec![
-        format!("This moved {}; --follow brings it back with the screws that set it.", moved.join(", ")),
+        format!("This moved {}; add --follow to bring it back with the screws that set it.", moved.join(", ")),
         String::new(),
     ]
 }
@@ -264,5 +264,5 @@ fn must_follow(specification: &Specification, followed: &Regulated, lengths: Len
             format!("{} ({turned}; it stays at {})", goal.name(), shown_value(goal, achieved.target, lengths))
         })
         .collect();
-    format!("it is met when another screw follows: {}; --follow turns it, too", each.join(", "))
+    format!("reachable if another screw follows: {}; add --follow", each.join(", "))
 }

@@ -56,13 +56,13 @@ impl Studio {
         let page = self.page()?;
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, self.port)).map_err(|error| {
             Failure::Usage(format!(
-                "port {} cannot be had: {error}; --port takes another, 0 any that is free",
+                "port {} cannot be opened: {error}. Choose another with --port, or --port 0 for any free one",
                 self.port
             ))
         })?;
         let port = listener.local_addr().map_err(|error| Failure::Internal(error.to_string()))?.port();
         let address = format!("http://localhost:{port}/");
-        say!("The studio is at {address} - Control-C ends it.");
+        say!("The studio runs at {address}. Stop it with Control-C.");
         say::finish().map_err(Failure::Said)?;
         if !self.no_open {
             open(&address);
@@ -86,7 +86,7 @@ impl Studio {
             } else {
                 let folder = shown(folder);
                 Err(Failure::Usage(format!(
-                    "{folder}: is no built studio: there is no index.html with an engine.bin in it"
+                    "{folder}: is not a built studio; expected index.html and engine.bin in it. Build one with studio/build"
                 )))
             };
         }
@@ -99,7 +99,7 @@ impl Studio {
         places.extend(beside.ancestors().map(|folder| folder.join("studio/dist")));
         places.into_iter().find(|place| is_page(place)).map(Page::Folder).ok_or_else(|| {
             Failure::Usage(format!(
-                "the studio's page is not built into this command, and not in {}; studio/build in the project's source builds it, --folder says where it is",
+                "the studio's page was not found in this command nor in {}. Build it with studio/build from the source, or name its folder with --folder",
                 shown(&beside.join("studio"))
             ))
         })

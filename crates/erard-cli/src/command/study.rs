@@ -157,7 +157,7 @@ impl Study {
             banded.iter().for_each(|line| say!("{line}"));
         }
         for doubt in doubts(&rows) {
-            tell!("warning: not to be trusted: {doubt}");
+            tell!("warning: this result cannot be trusted: {doubt}");
         }
         let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
         say!();
@@ -178,14 +178,14 @@ impl Study {
     ) -> Result<Vec<BandRow>, Failure> {
         let Source::Text(_) = varied.source else {
             return Err(Failure::Usage(
-                "--bands are of one instrument or key; --vary key and gradings vary a keyboard".into(),
+                "--bands needs one instrument or one key; remove --vary key and gradings".into(),
             ));
         };
         let axes = varied.axes;
         let strokes = columns.first().map_or(0, |(_, values)| values.len()) * count as usize;
         if strokes > MOST {
             return Err(Failure::Usage(format!(
-                "{strokes} strokes; expected {MOST} at most: give fewer values or samples"
+                "{strokes} strokes; expected at most {MOST}. Give --vary fewer values or --bands fewer samples"
             )));
         }
         let flat = |columns: &[Column]| -> Vec<Option<f64>> {
@@ -250,7 +250,7 @@ impl Study {
         say!();
         let [switches, unresolved] = found.switches;
         if switches > 0 {
-            say!("{switches} switches of friction on the way, {unresolved} of them not told apart");
+            say!("{switches} switches of friction during the stroke, {unresolved} of them unresolved");
         }
         say!("{written}");
         Ok(())
@@ -261,11 +261,11 @@ impl Study {
         let is_touch = self.stroke.is_touch() && !axes.iter().any(|axis| axis.target == Target::Force);
         let has_levels = self.instrument.model == Which::Action;
         if self.each && !is_touch {
-            return Err(Failure::Usage("--each finds the hand of a level; expected --stroke or --hammer-speed".into()));
+            return Err(Failure::Usage("--each needs a level to reach; add --stroke or --hammer-speed".into()));
         }
         if self.each && !has_levels {
             return Err(Failure::Usage(
-                "--each finds the hand of a level, and --model one-dof has no hammer; leave one of them out".into(),
+                "--each needs a hammer, and --model one-dof has none; remove one of them".into(),
             ));
         }
         let wanted = self.each || axes.iter().any(|axis| axis.target == Target::Key);
@@ -313,12 +313,12 @@ impl Study {
             .map_err(Failure::Usage)?;
         for (i, axis) in axes.iter().enumerate() {
             if axes[..i].iter().any(|other| other.name == axis.name) {
-                return Err(Failure::Usage(format!("`{}` is varied twice", axis.name)));
+                return Err(Failure::Usage(format!("--vary: `{}` is given twice", axis.name)));
             }
         }
         let strokes = axes.iter().try_fold(1_usize, |product, axis| product.checked_mul(axis.shown.len()));
         if strokes.is_none_or(|strokes| strokes > MOST) {
-            return Err(Failure::Usage(format!("more than {MOST} strokes; give fewer values")));
+            return Err(Failure::Usage(format!("--vary: more than {MOST} strokes; expected fewer values")));
         }
         Ok(axes)
     }

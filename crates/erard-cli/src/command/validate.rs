@@ -83,9 +83,9 @@ impl Validate {
             report.set.judged
         );
         if report.undecided > 0 {
-            say!("{} rows cannot be told: their bands are wider than what was published", report.undecided);
+            say!("{} rows cannot be judged: their bands are wider than the published ranges", report.undecided);
         }
-        say!("{} that the model cannot speak to, {} for which nothing published was found", report.silent, report.open);
+        say!("{} rows are beyond the model, {} have no published value", report.silent, report.open);
         say!();
         say!("{written}");
         match report.missed {
@@ -96,7 +96,7 @@ impl Validate {
                     .filter(|row| [MISSED, ABSENT].contains(&row.verdict))
                     .map(|row| row.name)
                     .collect();
-                Err(Failure::Unmet(format!("{missed} rows are missed: {}", names.join(", "))))
+                Err(Failure::Unmet(format!("{missed} rows missed: {}", names.join(", "))))
             }
             _ => Ok(()),
         }
@@ -324,7 +324,7 @@ impl<'a> RowReport<'a> {
 }
 
 /// Why a row cannot be told.
-const WIDE: &str = "the band of plausible grands is wider than what was published: numbers of the instrument have to be known better first";
+const WIDE: &str = "the band over random grands is wider than the published range: numbers of the instrument must be known better first";
 
 impl Validate {
     /// The simulated values of all rows with their bands.

@@ -43,7 +43,7 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
             Some((reduced, expected)) => {
                 format!("  reduced chi2 {reduced:.3}; the noise of sensors and drive explains {expected:.3}")
             }
-            None => "  reduced chi2: no verdict, because noise is estimated from the residuals".to_owned(),
+            None => "  reduced chi2: not a test, because the noise is estimated from the residuals".to_owned(),
         },
         String::new(),
     ]);
@@ -106,7 +106,7 @@ fn misfits(found: &FitResult, problem: &Problem) -> Vec<String> {
     let late = problem.channels().zip(&found.channels).filter_map(|((recording, column), channel)| {
         let (delay, std) = channel.delay_s?;
         let (name, delay, std) = (&problem.data[recording].name, delay * 1e3, std * 1e3);
-        Some(format!("  {column} of {name}: written down {delay:.3} +- {std:.3} ms later than what drives"))
+        Some(format!("  {column} of {name}: delayed by {delay:.3} +- {std:.3} ms behind the drive"))
     });
     lines.extend(late);
     lines

@@ -30,7 +30,7 @@ pub(crate) fn value(instrument: &Instrument, text: &str, name: &str, written: &s
         let turn: Option<f64> = bare.trim().parse().ok();
         return turn.map(|turn| turn / per_si).ok_or_else(|| {
             format!(
-                "found `{written}`, expected how far the screw is turned, in {unit}, as in `-0.5{}`",
+                "found `{written}`, expected a change of the screw in {unit}, e.g. `-0.5{}`",
                 unit.replace(' ', "")
             )
         });

@@ -146,8 +146,7 @@ impl Axis {
             let Some((_, parameter)) = all.iter().find(|(known, _)| known == name) else {
                 let known: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
                 return Err(format!(
-                    "`{name}` is nothing that can be varied here; expected {FORCE}, {}, {KEY} or {GRADING}NAME (of a keyboard), or the path of a number in \
-                     the file, as in `body.hammer.mass_g` or `zone.string.disc.center_mm.x`",
+                    "--vary: unknown name `{name}`; expected {FORCE}, {}, {KEY} or {GRADING}NAME (of a keyboard), or the path of a number in the file, e.g. `body.hammer.mass_g` or `zone.string.disc.center_mm.x`",
                     known.join(", ")
                 ));
             };
@@ -280,7 +279,7 @@ impl Axis {
 fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), String> {
     let Source::Keyboard(keyboard, _) = source else {
         return Err(format!(
-            "`{GRADING}{name}`: gradings belong to a keyboard; expected one as the instrument, with {KEY} varied or as in `concert-grand:key=88`"
+            "`{GRADING}{name}`: only a keyboard has gradings; vary {KEY} too, or use --instrument concert-grand:key=88"
         ));
     };
     let place = |name: &str| keyboard.gradings.iter().position(|grading| grading.name == name);
@@ -291,7 +290,7 @@ fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), Str
     let Some((index, key)) = point else {
         let known: Vec<&str> = keyboard.gradings.iter().map(|grading| grading.name.as_str()).collect();
         return Err(format!(
-            "`{GRADING}{name}`: the keyboard grades nothing of that name; expected one of `{}`, and behind it `.` and a key for one point",
+            "`{GRADING}{name}`: the keyboard has no grading of that name; expected one of `{}`, with `.KEY` at the end for one point",
             known.join("`, `")
         ));
     };
@@ -301,7 +300,7 @@ fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), Str
     let Some(at) = at else {
         let known: Vec<String> = keys().filter(|key| *key != keyboard.base_key).map(|key| key.to_string()).collect();
         return Err(format!(
-            "`{GRADING}{name}`: `{}` has no point at key `{key}` that can be varied; expected one of {} (key {} is the instrument's own)",
+            "`{GRADING}{name}`: `{}` has no point at key `{key}`; expected one of {} (key {} is the instrument itself and cannot vary)",
             grading.name,
             known.join(", "),
             keyboard.base_key

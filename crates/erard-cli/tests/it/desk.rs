@@ -149,7 +149,7 @@ fn misses_can_fail() {
     let output = folder.erard(&[&arguments[..], &["--fail-on-miss"]].concat());
     assert_eq!(output.status.code(), Some(1));
     let error = String::from_utf8(output.stderr).unwrap();
-    assert!(error.contains("rows are missed: "), "{error}");
+    assert!(error.contains(" rows missed: "), "{error}");
     assert!(folder.0.join("erard-out-validate/validate.json").exists());
 }
 

@@ -10,7 +10,7 @@ fn a_validated_grand() {
     let folder = Folder::for_command("validate", "grand");
     let output = folder.erard(&["--out", "out", "--fail-on-miss"]);
     let (told, said) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
-    assert!(output.status.code() == Some(1) && said.contains("rows are missed: "), "{said}");
+    assert!(output.status.code() == Some(1) && said.contains(" rows missed: "), "{said}");
     let report: Value = serde_json::from_str(&folder.read("out/validate.json")).unwrap();
     let rows = report["rows"].as_array().unwrap();
     let count = |verdict: &str| rows.iter().filter(|row| row["verdict"] == verdict).count() as u64;

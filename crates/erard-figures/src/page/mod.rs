@@ -188,7 +188,7 @@ fn doubts(shown: &Shown<'_>, of_two: bool) -> String {
     let each: String = run.warnings.iter().map(|w| format!("<li>{}</li>", escape(&w.what))).collect();
     let which = if of_two { format!("{}: t", escape(&shown.name)) } else { "T".to_owned() };
     format!(
-        "<section class=\"warning\" role=\"alert\"><strong>{which}his run is not to be trusted</strong><ul>{each}</ul></section>\n"
+        "<section class=\"warning\" role=\"alert\"><strong>{which}his run cannot be trusted</strong><ul>{each}</ul></section>\n"
     )
 }
 

@@ -197,7 +197,7 @@ pub const LONGEST_S: f64 = 250.0;
 #[derive(Debug, Error)]
 pub enum CompareError {
     /// The measured series is too short to say anything.
-    #[error("the measured series lasts {found_s:.4} s; at least {least_s} s are needed to compare anything")]
+    #[error("the recording lasts {found_s:.4} s; expected at least {least_s} s")]
     TooShort {
         /// s.
         found_s: f64,
@@ -205,14 +205,14 @@ pub enum CompareError {
         least_s: f64,
     },
     /// The measured series would not fit into memory beside what the models make of it.
-    #[error("the measured series lasts {found_s} s; at most {LONGEST_S} s are compared")]
+    #[error("the recording lasts {found_s} s; expected at most {LONGEST_S} s")]
     TooLong {
         /// s.
         found_s: f64,
     },
     /// None of the drives that were chosen is in the series.
     #[error(
-        "none of the drives that are chosen can be tried: a force drives by `force`, a position by `motion` and `rigid`"
+        "the recording does not allow the chosen drives; expected a force for the drive `force`, a position for `motion` or `rigid`"
     )]
     NoDrive,
     /// Force and position together give no series of the fingertip or of the key.
@@ -271,15 +271,14 @@ pub fn compare_chosen(
     let (mut fingertip, key) = (position(PositionOf::Fingertip)?, position(PositionOf::Key)?);
     if fingertip.is_none() && key.is_some() {
         notes.push(
-            "motion driven: no force was recorded, so that the fingertip's position is not known; the key's stands for it, \
-             which is behind it by F/k"
+            "motion driven: without a recorded force the fingertip's position is unknown. The key's position is used instead; it lags by F/k"
                 .into(),
         );
         fingertip = key.clone();
     }
     if key.is_none() && fingertip.is_some() {
         notes.push(
-            "rigidly driven: no force was recorded, so that the key's position is not known from the fingertip's"
+            "rigidly driven: without a recorded force the key's position cannot be computed from the fingertip's"
                 .into(),
         );
     }
@@ -408,7 +407,7 @@ impl Comparison {
         told.flatten()
             .map(|(driven, what, rest)| {
                 format!(
-                    "{} driven: {} of the {what}'s variance is the rest before the touch; without it the action explains {}",
+                    "{} driven: {} of the {what}'s variance is rest before the touch; without the rest the action explains {}",
                     driven.name(),
                     share(rest.share, 0),
                     share(rest.explained_without, 1)
@@ -430,10 +429,10 @@ impl Comparison {
                 trials.iter().filter_map(|trial| Some((*trial, trial.errors.as_ref()?))).collect();
             if self.measured(driven).is_none() {
                 verdicts.push(format!(
-                    "{name} driven: the file has no column `{missing}`, so that the {what} that comes out stands alone"
+                    "{name} driven: the file has no column `{missing}` to compare the simulated {what} with"
                 ));
             } else if told.is_empty() {
-                verdicts.push(format!("{name} driven: of the {what} nothing can be told, for above {LOWEST_LIMIT_HZ} Hz the recording tells of noise or of nothing"));
+                verdicts.push(format!("{name} driven: nothing can be concluded on the {what}: above {LOWEST_LIMIT_HZ} Hz the recording holds only noise or nothing"));
             } else {
                 let shares: Vec<String> = told
                     .iter()
@@ -496,7 +495,7 @@ impl Comparison {
                 && off.abs() > 0.02 * errors.rms / errors.rms_of_range.max(1e-12)
             {
                 warnings.push(format!(
-                    "the measured {what} stands {:+.3} {} off the simulated one throughout",
+                    "the measured {what} differs from the simulated one by a constant {:+.3} {}",
                     off * unit.1,
                     unit.0
                 ));

@@ -101,7 +101,7 @@ impl Data {
         let mut columns = Vec::new();
         for column in wanted {
             let (own, ..) = recorded(column)
-                .ok_or_else(|| FitError::asked("columns", format!("`{column}` was not recorded in {name}")))?;
+                .ok_or_else(|| FitError::asked("columns", format!("{name}: has no `{column}` to compare")))?;
             if *own != driving && !columns.contains(own) {
                 columns.push(*own);
             }
@@ -111,7 +111,7 @@ impl Data {
         if columns.is_empty() {
             let by = stroke.drive.name();
             return Err(wrong(format!(
-                "driven by its {by} nothing else is there to be fitted (recorded: {})",
+                "nothing to fit: the {by} drives the model and no other channel was recorded (recorded: {})",
                 told.join(", ")
             )));
         }

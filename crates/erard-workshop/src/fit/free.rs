@@ -102,7 +102,7 @@ pub fn free(file: &InstrumentFile, names: &[String], bounds: &Asked<[f64; 2]>) -
     for name in names {
         let own = known.iter().find(|quantity| quantity.name == *name).ok_or_else(|| unknown(name, &known))?;
         if found.iter().any(|other| other.name == *name) {
-            return Err(FitError::asked("vary", format!("`{name}` is there twice; expected each name once")));
+            return Err(FitError::asked("vary", format!("`{name}` is given twice; expected once")));
         }
         found.push(one(own, bounds)?);
     }
@@ -138,7 +138,7 @@ fn unknown(name: &str, known: &[Quantity]) -> FitError {
     let what = if is_number {
         "is a number of the file; expected a screw or a parameter"
     } else {
-        "is nothing that can be fitted; expected one of"
+        "cannot be fitted: unknown name; expected one of"
     };
     let message = format!(
         "`{name}` {what}{}, nearest {}",

@@ -124,7 +124,7 @@ impl Problem {
         for (column, sigma) in sigma {
             let compared = channels.iter().any(|(_, own)| own == column);
             if !compared && !problem.data.iter().any(|one| one.driving == column) {
-                return Err(FitError::asked("sigma", format!("{column} is not compared and does not drive")));
+                return Err(FitError::asked("sigma", format!("{column} is neither compared nor the drive; expected no noise (sigma) for it")));
             }
             if !(sigma.is_finite() && *sigma >= 0.0 && (*sigma > 0.0 || !compared)) {
                 return Err(FitError::asked("sigma", format!("{column} is {sigma}; expected positive numbers")));
@@ -139,7 +139,7 @@ impl Problem {
             let column = channels[at].1;
             return Err(FitError::asked(
                 "sigma",
-                format!("{column} shows no noise at all; expected its noise to be said"),
+                format!("{column} shows no noise; expected its noise (sigma) to be given"),
             ));
         }
         let uncertain = |(i, column): &(usize, &'static str)| match known(column) {

@@ -23,7 +23,7 @@ pub enum Change {
 pub enum ChangeError {
     /// No such number.
     #[error(
-        "`{name}` is nothing that can be varied here; {nearest}, or the path of a number in the file, as in `body.hammer.mass_g`"
+        "unknown name `{name}`; {nearest}, or the path of a number in the file, e.g. `body.hammer.mass_g`"
     )]
     Unknown {
         /// What was asked for.

@@ -107,7 +107,7 @@ impl<'a> Reader<'a> {
                     (Some(_), Some(factor)) => {
                         return Err(Fault::at(
                             factor.span(),
-                            "a number has `spread` or `spread_factor`, not both",
+                            "found both `spread` and `spread_factor`",
                             "one of the two",
                         ));
                     }
@@ -127,7 +127,7 @@ impl<'a> Reader<'a> {
                     let expected = "`spread` or `spread_factor` beside it";
                     return Err(Fault::at(
                         together.span(),
-                        "`together` says with what a number is off, but not how far",
+                        "`together` needs a spread",
                         expected,
                     ));
                 }

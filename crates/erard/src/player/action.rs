@@ -19,7 +19,7 @@ use crate::strings::Strings;
 pub enum ActionError {
     /// The step is out of range.
     #[error(
-        "the step is {found} s; expected a number from {:e} to {:e} s",
+        "the step is {found} s; expected {:e} to {:e} s",
         crate::mechanism::SMALLEST_STEP_S,
         crate::mechanism::LARGEST_STEP_S
     )]

@@ -48,7 +48,7 @@ pub struct MechanismState {
 #[non_exhaustive]
 pub enum SnapshotError {
     /// Of another instrument.
-    #[error("the snapshot was taken of another instrument")]
+    #[error("the snapshot belongs to another instrument")]
     Instrument,
     /// A number is not finite.
     #[error("a number of the snapshot is not finite")]

@@ -62,10 +62,10 @@ impl Preparation {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum PrepareError {
     /// The order of the filter.
-    #[error("a low-pass of order {0}; expected a number from 1 to 10")]
+    #[error("the order of the low-pass is {0}; expected 1 to 10")]
     Order(usize),
     /// The cutoff.
-    #[error("a low-pass at {cutoff_hz} Hz; the {} has {rate_hz:.0} samples per second, and half of that is the limit", .role.name())]
+    #[error("low-pass at {cutoff_hz} Hz: the {} has {rate_hz:.0} samples per second; expected less than half of that", .role.name())]
     Cutoff {
         /// Which channel.
         role: Role,
@@ -75,7 +75,7 @@ pub enum PrepareError {
         rate_hz: f64,
     },
     /// Sampled so unevenly that an even series of the same fineness would be too long.
-    #[error("the {} is sampled too unevenly to be filtered", .0.name())]
+    #[error("the {} is sampled too unevenly for a low-pass; expected even sampling, or no low-pass", .0.name())]
     Uneven(Role),
     /// A channel cannot be interpolated.
     #[error(transparent)]

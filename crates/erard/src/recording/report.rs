@@ -123,11 +123,11 @@ impl ChannelReport {
             lines.push("its sign is turned".into());
         }
         if self.late_s != 0.0 {
-            lines.push(format!("moved by {:.3} ms: it was written down so much later", -self.late_s * 1e3));
+            lines.push(format!("delay: {:.3} ms removed", -self.late_s * 1e3));
         }
         if let Some(zero) = self.zero {
             lines.push(format!(
-                "zero: {} taken away, the mean of {} samples of rest until {:.4} s",
+                "zero: {} subtracted, the mean of {} samples of rest until {:.4} s",
                 self.shown(zero.offset),
                 zero.samples,
                 zero.until_s
@@ -140,14 +140,14 @@ impl ChannelReport {
             };
             let tells = match self.band_hz {
                 Some(band) if band <= 0.0 => "it tells of nothing else".to_owned(),
-                Some(band) => format!("it tells of more than that up to {band:.0} Hz"),
+                Some(band) => format!("signal above noise up to {band:.0} Hz"),
                 None => "up to where is not known".to_owned(),
             };
             lines.push(format!("noise: {} rms {whence}; {tells}", self.shown(noise.rms)));
         }
         if let Some(filter) = self.low_pass {
             lines.push(format!(
-                "low-pass: Butterworth's, order {}, forth and back, {:.0} Hz (an amplitude is halved there)",
+                "low-pass: Butterworth, order {}, forward and backward, {:.0} Hz (amplitude halved there)",
                 filter.order, filter.cutoff_hz
             ));
         }
@@ -158,7 +158,7 @@ impl ChannelReport {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.misread();
         if self.noise.is_some() && self.low_pass.is_none() && self.role == Role::Position {
-            let what = "noise is not filtered: a model that is driven by it turns it into force";
+            let what = "noise is not filtered: as a drive it becomes force";
             warnings.push(format!("the {}'s {what}", self.role.name()));
         }
         warnings

@@ -241,7 +241,7 @@ impl FromStr for Columns {
         while !rest.trim().is_empty() {
             let (role, after) = role_of(rest).ok_or_else(|| {
                 ColumnsError(format!(
-                    "{} begins with none of time=, force=, position=, hammer=, hammer_speed=",
+                    "found {}; expected time=, force=, position=, hammer= or hammer_speed= in front of a title",
                     excerpt(rest)
                 ))
             })?;
@@ -257,7 +257,7 @@ impl FromStr for Columns {
                 _ => title.to_owned(),
             };
             if title.is_empty() {
-                return Err(ColumnsError(format!("`{}=` is followed by no title", role.name())));
+                return Err(ColumnsError(format!("`{}=` lacks a title", role.name())));
             }
             let place = &mut columns.asked[role as usize];
             if place.is_some() {
@@ -266,7 +266,7 @@ impl FromStr for Columns {
             *place = Some(if title == "none" { Asked::None } else { Asked::Named(title) });
         }
         if columns.asked[Role::Time as usize] == Some(Asked::None) {
-            return Err(ColumnsError("a stroke without time is none".into()));
+            return Err(ColumnsError("the file has no time column".into()));
         }
         if columns == Columns::default() {
             return Err(ColumnsError("no column is named".into()));
@@ -377,7 +377,7 @@ impl Layout {
         }
         if !columns.iter().any(|column| matches!(column.role, Role::Force | Role::Position)) {
             let expected = "`force_N`, `position_m` or both beside `time_s`";
-            return Err(place.fault(Role::Force.title(), "there is neither force nor position", all(), expected));
+            return Err(place.fault(Role::Force.title(), "the file has neither a force nor a position column", all(), expected));
         }
         let fingertip = |column: &Column| {
             column.role == Role::Position

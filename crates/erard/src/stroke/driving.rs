@@ -47,7 +47,7 @@ impl Prescribed {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DrivingError {
     /// What it would drive with was not recorded.
-    #[error("{title}: driving by {} needs a column `{}`, and there is none", .drive.name(), .drive.column())]
+    #[error("{title}: driving by {} needs a column `{}`; there is none", .drive.name(), .drive.column())]
     Missing {
         /// The stroke.
         title: String,
@@ -56,7 +56,7 @@ pub enum DrivingError {
     },
     /// The fingertip's position without a force does not tell the key's.
     #[error(
-        "{title}: driving the key itself needs its position; the fingertip's gives it where a column `force_N` is there too"
+        "{title}: driving the key itself needs its position; found the fingertip's and no force. Add a column `force_N`, or drive by motion"
     )]
     NoKeyPosition {
         /// The stroke.
@@ -191,12 +191,10 @@ impl Stroke {
         }
         let note = match (drive, position_of) {
             (Prescribed::Motion, PositionOf::Key) if series.force.is_none() => Some(
-                "no force was recorded, so that the fingertip's position is not known: the key's stands for it (--position fingertip if it is \
-                 the fingertip's; --drive rigid plays the key's)",
+                "without a recorded force the fingertip's position is unknown; the key's position is used instead (--position fingertip: it is the fingertip's; --drive rigid: play the key's position)",
             ),
             (Prescribed::Motion, PositionOf::Key) if series.begins_with_n() > PRESSED_N => Some(
-                "it begins with a force: a fingertip that begins in touch has pressed the key down before the run starts, so that this is not the \
-                 recorded stroke from its rest again (--drive force or --drive rigid gives that)",
+                "the recording begins with a force on the key: the run starts with the key already pressed, not from rest as recorded (--drive force and --drive rigid start as recorded)",
             ),
             (Prescribed::Rigid, PositionOf::Fingertip) if series.force.is_none() => {
                 return Err(DrivingError::NoKeyPosition { title });

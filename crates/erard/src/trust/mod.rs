@@ -148,7 +148,7 @@ fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
         warnings.push(Warning {
             kind: Kind::ContactSteps,
             what: format!(
-                "the hammer's contact with the strings at {} was taken in {} steps (at least {CONTACT_STEPS}); a smaller step may help",
+                "the hammer's contact with the strings at {} took {} steps; expected at least {CONTACT_STEPS}. Try a smaller step",
                 instant(contact.since_s),
                 contact.steps
             ),
@@ -166,7 +166,7 @@ fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
         warnings.push(Warning {
             kind: Kind::PartialsBeyondStep,
             what: format!(
-                "{count} partials of the strings lie between {} Hz, up to which steps of {} us can tell one from another, and 20 kHz; a smaller step may help",
+                "{count} partials of the strings lie between {} Hz and 20 kHz, too high to be resolved by steps of {} us. Try a smaller step",
                 rounded(reach_hz),
                 rounded(contact.longest_s * 1e6)
             ),
@@ -187,7 +187,7 @@ pub fn of_blows(events: &Events) -> Option<Warning> {
     (fastest.hammer_speed_m_per_s > HAMMER_SPEED_M_PER_S).then(|| Warning {
         kind: Kind::HammerSpeed,
         what: format!(
-            "the hammer meets the string with {} m/s at {}, and no hammer is faster than {} m/s",
+            "the hammer reaches the string with {} m/s at {}; real hammers reach at most {} m/s",
             rounded(fastest.hammer_speed_m_per_s),
             instant(fastest.time_s),
             rounded(HAMMER_SPEED_M_PER_S)
@@ -215,7 +215,7 @@ pub fn of_energy(residual: f64) -> Option<Warning> {
     Some(Warning {
         kind: Kind::EnergyResidual,
         what: format!(
-            "the energy books do not close: {} of the work put in is not explained (at most {}); a smaller step may help",
+            "the energy balance has an error of {} of the work put in; expected at most {}. Try a smaller step",
             percent(residual),
             percent(ENERGY_RESIDUAL)
         ),
@@ -232,7 +232,7 @@ pub fn of_energy(residual: f64) -> Option<Warning> {
 pub fn of_steps(unconverged: u64, steps: u64) -> Option<Warning> {
     (unconverged > UNCONVERGED_STEPS).then(|| Warning {
         kind: Kind::UnconvergedSteps,
-        what: format!("{unconverged} of {steps} steps did not converge; a smaller step may help"),
+        what: format!("{unconverged} of {steps} steps did not converge. Try a smaller step"),
         part: None,
         value: unconverged as f64,
         bound: UNCONVERGED_STEPS as f64,
@@ -248,7 +248,7 @@ fn of_felts<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iter
         (deepest.value > thickness_m).then(|| Warning {
             kind: Kind::FeltBeyondThickness,
             what: format!(
-                "the felt `{}` is pressed {} mm deep at {}, and is {} mm thick",
+                "the felt `{}` is compressed by {} mm at {}, but it is {} mm thick",
                 zone.name,
                 rounded(deepest.value * 1e3),
                 instant(deepest.time_s),
@@ -274,7 +274,7 @@ fn of_turns<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iter
         beyond.then(|| Warning {
             kind: Kind::TurnBeyondStops,
             what: format!(
-                "the body `{}` has turned {} degrees from as drawn at {}, and its stops let it turn {}: is a stop missing?",
+                "the body `{}` has turned by {} degrees at {}; its stops allow {}. Is a stop missing?",
                 body.name,
                 rounded(furthest.value.to_degrees()),
                 instant(furthest.time_s),

@@ -330,13 +330,13 @@ fn names_of_nothing_and_names_taken() {
             ("name = \"pendulum\"", "name = \"pendulum\"\nhinged_on = \"pallet\""),
             "hinged_on = \"pallet\"",
             "body.pendulum.hinged_on",
-            ["\"pallet\"", "`ground`", "back to itself"],
+            ["\"pallet\"", "`ground`", "in a circle"],
         ),
         slip(
             ("name = \"lever\"", "name = \"lever\"\nhinged_on = \"lever\""),
             "hinged_on = \"lever\"",
             "body.lever.hinged_on",
-            ["\"lever\"", "`ground`", "back to itself"],
+            ["\"lever\"", "`ground`", "in a circle"],
         ),
         slip(
             ("name = \"lever\"", "name = \"pallet\""),
@@ -382,7 +382,7 @@ fn names_of_nothing_and_names_taken() {
 fn faults_in_roles_screws_parts_segments_and_citations() {
     let cases: &[(&str, &str, &str, &str)] = &[
         ("[roles]\nkey = \"lever\"\n", "[roles]", "roles.key_front_mm", "missing"),
-        ("[roles]\nkey = \"lever\"\nkey_front_mm = [0, 0]\n", "key = \"lever\"", "roles.key", "no finger"),
+        ("[roles]\nkey = \"lever\"\nkey_front_mm = [0, 0]\n", "key = \"lever\"", "roles.key", "no [finger]"),
         ("[roles]\nhammer = \"lever\"\n", "[roles]", "roles.hammer_head_mm", "missing"),
         ("[roles]\nhammer = \"mallet\"\nhammer_head_mm = [0, 0]\n", "mallet", "roles.hammer", "no such body"),
         ("[roles]\nstring = \"lever\"\n", "string =", "roles.string", "no such zone"),

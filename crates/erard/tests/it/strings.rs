@@ -504,7 +504,7 @@ fn wrong_strings_are_told() {
             "frequency_Hz = { value = 261.626",
             "frequency_Hz = { value = 10",
             "string.left.frequency_Hz",
-            "stiffness alone",
+            "below 1 N",
         ),
     ] {
         let (found, line, message, text) = error(from, to);
@@ -520,7 +520,7 @@ fn wrong_strings_are_told() {
     // What nothing strikes, and a felt that cannot.
     let text = good.replacen("string = \"string\"\n", "", 1);
     let message = InstrumentFile::parse(&text, "mine.toml").unwrap_err().to_string();
-    assert!(message.contains("nothing strikes"), "{message}");
+    assert!(message.contains("no zone strikes"), "{message}");
     let felt = "damping_N_s_per_m3 = { value = 2e7,";
     let at = good.find(felt).unwrap();
     let text = format!("{}dry_loss = {{ value = 0.2,{}", &good[..at], &good[at + felt.len()..]);
