@@ -91,7 +91,7 @@ pub unsafe extern "C" fn erard_stroke_new(
         let prepared = prepare(&recording, &Preparation::default()).map_err(|error| wrong(&error))?;
         let recorded = Stroke::recorded("recording".into(), prepared.series, recording.position_of, None);
         let (stroke, note) = recorded.map_err(|error| undriven(&error))?;
-        let lines = prepared.report.told().into_iter().chain(note.map(|note| format!("look: {note}")));
+        let lines = prepared.report.told().into_iter().chain(note.map(|note| format!("warning: {note}")));
         let lines: Vec<String> = lines.collect();
         Ok(Box::into_raw(Box::new(ErardStroke::new(stroke, lines.join("\n"), instrument)?)))
     })

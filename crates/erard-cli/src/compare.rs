@@ -98,7 +98,7 @@ fn by_frequency(band: &Band, factor: f64, told_to_hz: f64) -> String {
     }
     let share = 100.0 * band.error_rms / band.measured_rms.max(f64::MIN_POSITIVE);
     // A band in which next to nothing was measured has no share worth reading.
-    let share = if share < 1e3 { format!("{share:.1} %") } else { "> 1000 %".to_owned() };
+    let share = if share < 1e3 { format!("{share:.0} %") } else { "> 1000 %".to_owned() };
     format!("{:.4} ({share})", band.error_rms * factor)
 }
 

@@ -55,9 +55,7 @@ pub(crate) fn doubts<'a>(tried: impl Iterator<Item = (usize, &'a Tried)> + Clone
         .into_iter()
         .map(|(count, worst)| {
             let key = tried.clone().find(|(_, one)| one.warnings.contains(worst)).map_or(0, |(key, _)| key);
-            format!(
-                "{count} of {all} keys pressed mezzo forte cannot be trusted; the worst, key {key}: {worst}"
-            )
+            format!("{count} of {all} keys pressed mezzo forte cannot be trusted; the worst, key {key}: {worst}")
         })
         .collect()
 }

@@ -269,12 +269,7 @@ fn read_parquet(file: io::Result<File>, name: &str, columns: &Columns) -> Result
     let file = file.map_err(|error| unreadable(&error))?;
     let regular = file.metadata().map_err(|error| unreadable(&error))?;
     if !regular.is_file() {
-        return Err(fault(
-            name,
-            "",
-            "Parquet cannot be read from a pipe; expected a file".to_owned(),
-            "a file",
-        ));
+        return Err(fault(name, "", "Parquet cannot be read from a pipe; expected a file".to_owned(), "a file"));
     }
     if regular.len() > MAX_BYTES {
         return Err(fault(name, "", format!("larger than {} MiB", MAX_BYTES >> 20), ""));

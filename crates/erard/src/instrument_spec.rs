@@ -69,9 +69,7 @@ pub enum InstrumentSpecError {
         sample: String,
     },
     /// A sample where only files and names are understood.
-    #[error(
-        "{asked}: only the command draws samples. Write one as a file: `erard list {asked} > sample.toml`"
-    )]
+    #[error("{asked}: only the command draws samples. Write one as a file: `erard list {asked} > sample.toml`")]
     Sampled {
         /// As it was asked for.
         asked: String,

@@ -9,6 +9,7 @@ use erard_cli::command::options::load_instrument;
 use erard_cli::command::out::OutOptions;
 use erard_cli::command::{Speech, run_program, version};
 use erard_cli::failure::Failure;
+use erard_cli::table::Table;
 use erard_cli::{answer, identity, inputs, say, tell};
 use erard_levers::{Agreement, Derived, Design, LinkageFile, SlowPress, derive, slow_press};
 use moreau_linkage::three_lever::{Drive, Levers, Move, Regulation};
@@ -299,7 +300,10 @@ impl Kinematics {
 fn list() -> Result<(), Failure> {
     let titled = |name| Some((name, LinkageFile::builtin(name)?.name));
     let all: Vec<(&str, String)> = LinkageFile::builtin_names().filter_map(titled).collect();
-    all.iter().for_each(|(name, title)| say!("  {name:<18} {title}"));
+    say!(
+        "{}",
+        Table::of(["", ""], all.iter().map(|(name, title)| [(*name).to_owned(), title.clone()])).to_string().trim_end()
+    );
     let listed = all.iter().map(|(name, title)| json!({"kind": "linkage", "name": name, "title": title}));
     answer::give(&json!({"built_in": listed.collect::<Value>()}))
 }

@@ -11,11 +11,12 @@ use erard_cli::failure::Failure;
 use erard_cli::inputs::shown;
 use erard_cli::progress::Progress;
 use erard_cli::say;
+use erard_cli::table::Table as Lines;
 use erard_figures::figure::chart_svg;
 use serde::Serialize;
 
 use crate::page::{Reproduced, page};
-use crate::subjects::{Claim, ReproduceError, Subject, Table, subjects};
+use crate::subjects::{Claim, ReproduceError, Subject, subjects};
 
 #[derive(Serialize)]
 struct Subjects {
@@ -105,26 +106,11 @@ fn failure(error: ReproduceError) -> Failure {
     }
 }
 
-/// A table's lines: what is named in the first column to the left, the rest to the right.
-fn printed(table: &Table) -> Vec<String> {
-    let rows = || [&table.header].into_iter().chain(&table.rows);
-    let width = |column: usize| rows().filter_map(|row| Some(row.get(column)?.chars().count())).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..table.header.len()).map(width).collect();
-    let line = |row: &Vec<String>| {
-        let cells = row.iter().zip(&widths).enumerate();
-        let cells =
-            cells.map(|(n, (cell, &wide))| if n == 0 { format!("{cell:<wide$}") } else { format!("{cell:>wide$}") });
-        format!("  {}", cells.collect::<Vec<_>>().join("  "))
-    };
-    rows().map(line).collect()
-}
-
 impl Reproduce {
     fn run(&self) -> Result<(), Failure> {
         if self.list {
-            for subject in subjects() {
-                say!("{:<20} {}", subject.name, subject.title);
-            }
+            let rows = subjects().into_iter().map(|subject| [subject.name.to_owned(), subject.title.to_owned()]);
+            say!("{}", Lines::of(["", ""], rows).to_string().trim_end_matches('\n'));
             let named = |subject: &Subject| Listed { name: subject.name, title: subject.title };
             return answer::give(&Subjects { subjects: subjects().iter().map(named).collect() });
         }
@@ -142,13 +128,12 @@ impl Reproduce {
             done += subject.weight;
             for claim in section.claims.iter().filter(|_| !self.tables) {
                 let verdict = if claim.holds { "holds" } else { "DOES NOT HOLD" };
-                say!("{:<18} {verdict:<13} {}: {}", subject.name, claim.source, claim.says);
-                say!("{:<18} {:<13} {}", "", "", claim.measured);
+                say!("{}: {verdict}: {}: {}", subject.name, claim.source, claim.says);
+                say!("  measured: {}", claim.measured);
             }
             for table in section.tables.iter().filter(|table| self.tables && !table.clock) {
                 say!("{}", table.caption);
-                printed(table).iter().for_each(|line| say!("{line}"));
-                say!();
+                say!("{}", Lines::of(table.header.iter().map(String::as_str), table.rows.clone()));
             }
             reproduced.push(Reproduced { subject, section });
         }

@@ -162,57 +162,7 @@ impl Check {
         let i: &Instrument = &file.instrument;
         say!("{name}: an instrument, \"{}\"", i.name);
         say!();
-        for body in &i.bodies {
-            let on = body.parent.map_or("the ground", |p| &i.bodies[p].name);
-            say!(
-                "  body    {:<18} on {:<10} {:>7.1} g  {:>10.3e} kg m2  friction {:>8.2e} N m",
-                body.name,
-                on,
-                body.mass_kg * 1e3,
-                body.inertia_kg_m2,
-                body.friction_torque_n_m
-            );
-        }
-        for spring in &i.springs {
-            say!("  spring  {:<18} {:>9.4} N m on {}", spring.name, spring.torque_n_m, i.bodies[spring.body].name);
-        }
-        for string in &i.strings {
-            say!(
-                "  string  {:<18} {:>6.1} mm  {:>7.3} g/m  {:>6.1} N  {:>8.2} Hz, B {:.2e}, struck at {:.1} mm{}",
-                string.name,
-                string.length_m * 1e3,
-                string.mass_kg_m * 1e3,
-                string.tension_n,
-                string.partial_hz(1),
-                string.inharmonicity(),
-                string.strike_m * 1e3,
-                if i.roles.rigid_string { ", held rigid" } else { "" }
-            );
-        }
-        for zone in &i.zones {
-            let name = |b: Option<usize>| b.map_or("ground", |b| &i.bodies[b].name);
-            let friction = if zone.friction_coefficient > 0.0 {
-                format!(", friction {}", zone.friction_coefficient)
-            } else {
-                String::new()
-            };
-            let felt = &zone.felt;
-            let numbers = felt.loss.table().iter().zip(felt.loss.numbers());
-            let said = numbers.filter(|(number, value)| number.needed || *value != 0.0).map(|(number, value)| {
-                let unit = if number.unit == "1" { String::new() } else { format!(" {}", number.unit) };
-                format!(", {} {}{unit}", number.name, short(value * number.units_per_si))
-            });
-            let loss: String = said.collect();
-            say!(
-                "  zone    {:<18} {} - {}, k {:.1e}, r {}{loss}{friction}",
-                zone.name,
-                name(zone.disc_body),
-                name(zone.curve_body),
-                felt.stiffness,
-                felt.exponent
-            );
-        }
-        say!();
+        Self::parts(i);
         say!(
             "  {} bodies, {} springs, {} zones, {} screws, {} outlines of its own; {} numbers, {} without a source",
             i.bodies.len(),
@@ -247,6 +197,59 @@ impl Check {
         Ok(checked("instrument", name, Some(&i.name), counts))
     }
 
+    /// The tables of bodies, springs, strings and zones.
+    fn parts(i: &Instrument) {
+        let name = |body: Option<usize>| body.map_or("ground", |body| &i.bodies[body].name);
+        let bodies = i.bodies.iter().map(|body| {
+            [
+                body.name.clone(),
+                name(body.parent).to_owned(),
+                format!("{:.1} g", body.mass_kg * 1e3),
+                format!("{:.3e} kg m2", body.inertia_kg_m2),
+                format!("{:.2e} N m", body.friction_torque_n_m),
+            ]
+        });
+        say!("{}", Table::of(["body", "hinged on", "mass", "inertia", "friction of its pin"], bodies));
+        if !i.springs.is_empty() {
+            let springs = i.springs.iter().map(|spring| {
+                [spring.name.clone(), name(Some(spring.body)).to_owned(), format!("{:.4} N m", spring.torque_n_m)]
+            });
+            say!("{}", Table::of(["spring", "on", "torque"], springs));
+        }
+        if !i.strings.is_empty() {
+            let strings = i.strings.iter().map(|string| {
+                [
+                    format!("{}{}", string.name, if i.roles.rigid_string { " (held rigid)" } else { "" }),
+                    format!("{:.1} mm", string.length_m * 1e3),
+                    format!("{:.3} g/m", string.mass_kg_m * 1e3),
+                    format!("{:.1} N", string.tension_n),
+                    format!("{:.2} Hz", string.partial_hz(1)),
+                    format!("{:.2e}", string.inharmonicity()),
+                    format!("{:.1} mm", string.strike_m * 1e3),
+                ]
+            });
+            let heads = ["string", "length", "mass", "tension", "first partial", "B", "struck at"];
+            say!("{}", Table::of(heads, strings));
+        }
+        let zones = i.zones.iter().map(|zone| {
+            let felt = &zone.felt;
+            let numbers = felt.loss.table().iter().zip(felt.loss.numbers());
+            let losses = numbers.filter(|(number, value)| number.needed || *value != 0.0).map(|(number, value)| {
+                let unit = if number.unit == "1" { String::new() } else { format!(" {}", number.unit) };
+                format!("{} {}{unit}", number.name, short(value * number.units_per_si))
+            });
+            let friction = (zone.friction_coefficient > 0.0).then(|| format!("friction {}", zone.friction_coefficient));
+            [
+                zone.name.clone(),
+                format!("{} - {}", name(zone.disc_body), name(zone.curve_body)),
+                format!("{:.1e}", felt.stiffness),
+                felt.exponent.to_string(),
+                losses.chain(friction).collect::<Vec<_>>().join(", "),
+            ]
+        });
+        say!("{}", Table::of(["zone", "between", "k", "r", "losses"], zones));
+    }
+
     /// Every key's instrument is read and pressed once, so that a file that is called sound has none that is not.
     fn keyboard(&self, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let keyboard = Keyboard::parse_bytes(bytes, name, self.file.parent().unwrap_or(Path::new("")))?;
@@ -258,16 +261,16 @@ impl Check {
         say!("{name}: a keyboard, \"{}\", around key {}", keyboard.name, keyboard.base_key);
         say!();
         let points = || keyboard.gradings.iter().flat_map(|grading| &grading.curve.points);
-        for Grading { name, graded, curve } in &keyboard.gradings {
+        let gradings = keyboard.gradings.iter().map(|Grading { name, graded, curve }| {
             let (kind, unit) = match graded {
                 Graded::AddedMass { .. } => ("mass", " g"),
                 Graded::Factor { .. } => ("factor", ""),
                 Graded::Shift { .. } => ("shift", " mm"),
             };
-            let [low, high] = [1, KEYS].map(|key| curve.at(key));
-            say!("  {kind:<8}{name:<40} {low}{unit} in the bass, {high}{unit} in the treble");
-        }
-        say!();
+            let [low, high] = [1, KEYS].map(|key| format!("{}{unit}", curve.at(key)));
+            [name.clone(), kind.to_owned(), low, high]
+        });
+        say!("{}", Table::of(["grading", "kind", "at key 1", "at key 88"], gradings));
         say!(
             "  {} gradings of {} points, {} of them without a source; {}",
             keyboard.gradings.len(),

@@ -17,7 +17,7 @@ use crate::names::one_of;
 use crate::progress::Progress;
 use crate::recordings::{Ready, RecordingOptions};
 use crate::say;
-use crate::table::{Table, WIDEST, wrapped};
+use crate::table::Table;
 use erard_figures::figure::{Dash, Figure, Panel, Trace, Window, figure_svg};
 
 /// Compares a recording with the models: one run for each drive and model, and its errors.
@@ -81,20 +81,20 @@ impl Compare {
         }
         let written = output.commit()?;
 
-        say!("{title} beside {}", instrument.name);
+        say!("{title} compared with {}", instrument.name);
         say!();
         let (verdicts, rests) = (comparison.verdicts(), comparison.rests());
         for line in verdicts.iter().chain(&rests).chain(&comparison.notes) {
-            wrapped(line, WIDEST).iter().for_each(|line| say!("{line}"));
+            say!("{line}");
         }
         for warning in comparison.warnings() {
-            wrapped(&format!("look: {warning}"), WIDEST).iter().for_each(|line| say!("{line}"));
+            say!("warning: {warning}");
         }
         say!();
         print_table(&comparison);
         say!("  how the recording was prepared");
         for line in prepared.report.told() {
-            say!("  {}", wrapped(&line, WIDEST - 4).join("\n    "));
+            say!("  {line}");
         }
         say!();
         say!("{written}");
@@ -138,7 +138,8 @@ impl Compare {
     /// As much of it as is the way up.
     fn way_up(&self, series: &Series) -> Result<Series, Failure> {
         let refused = |why: &str| Failure::Usage(format!("--way-up: {}: {why}", shown(&self.file)));
-        let end_s = way_up_ends_s(series).ok_or_else(|| refused("the hammer and the key do not move; --way-up needs a stroke with motion"))?;
+        let end_s = way_up_ends_s(series)
+            .ok_or_else(|| refused("the hammer and the key do not move; --way-up needs a stroke with motion"))?;
         series.first(end_s - series.start_s()).map_err(|error| refused(&error.to_string()))
     }
 }

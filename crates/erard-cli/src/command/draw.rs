@@ -126,7 +126,10 @@ impl Draw {
             At::Ms(ms) => Ok(if ms > 0.0 { run.time_s.len() - 1 } else { 0 }),
             At::Event((name, time_s)) => {
                 let time_s = time_s(&run.events).ok_or_else(|| {
-                    Failure::Usage(format!("--at {name}: this stroke has no {}. Name another event or a time in ms", name.replace('-', " ")))
+                    Failure::Usage(format!(
+                        "--at {name}: this stroke has no {}. Name another event or a time in ms",
+                        name.replace('-', " ")
+                    ))
                 })?;
                 // The first row that is not before it.
                 Ok(run.time_s.partition_point(|&t| t < time_s).min(run.time_s.len() - 1))

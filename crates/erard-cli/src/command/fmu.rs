@@ -91,7 +91,10 @@ impl Fmu {
         let bytes = std::fs::read(&path).map_err(|error| Failure::Usage(format!("{}: {error}", shown(&path))))?;
         if let Some(mark) = MARKS.iter().find(|mark| !bytes.windows(mark.len()).any(|window| window == **mark)) {
             let mark = String::from_utf8_lossy(mark);
-            return Err(Failure::Usage(format!("{}: is not the library liberard: {mark} is missing in it", shown(&path))));
+            return Err(Failure::Usage(format!(
+                "{}: is not the library liberard: {mark} is missing in it",
+                shown(&path)
+            )));
         }
         Ok((path, bytes, format!("binaries/{platform}/{MODEL}.{end}")))
     }

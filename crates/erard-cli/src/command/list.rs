@@ -11,6 +11,7 @@ use crate::answer;
 use crate::failure::Failure;
 use crate::say;
 use crate::say::verbatim;
+use crate::table::Table;
 
 /// Lists the built-in instruments, keyboards and strokes, or prints the file of one.
 #[derive(Debug, Args)]
@@ -79,16 +80,17 @@ impl List {
             verbatim(text);
             return Ok(());
         }
-        let mut kind = "";
         let built_in = all();
-        for one in &built_in {
-            if one.kind != kind {
-                kind = one.kind;
-                say!("{}{kind}s", if std::ptr::eq(one, &built_in[0]) { "" } else { "\n" });
+        let mut rows: Vec<[String; 2]> = Vec::new();
+        for (at, one) in built_in.iter().enumerate() {
+            let before = at.checked_sub(1).map(|before| built_in[before].kind);
+            if before != Some(one.kind) {
+                rows.extend(before.map(|_| Default::default()));
+                rows.push([format!("{}s", one.kind), String::new()]);
             }
-            say!("  {:<18} {}", one.name, one.title);
+            rows.push([format!("  {}", one.name), one.title.clone()]);
         }
-        say!();
+        say!("{}", Table::of(["", ""], rows));
         say!(
             "Copy one to edit it: `erard list NAME > FILE`. Each key of a keyboard is an instrument: NAME:key=1 to 88"
         );

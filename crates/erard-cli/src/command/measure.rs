@@ -307,7 +307,9 @@ fn lead(text: &str) -> Result<Lead, Failure> {
     });
     let sound = |lead: &Lead| (0.5..=60.0).contains(&lead.mass_g) && (-250.0..=400.0).contains(&lead.at_mm);
     read.filter(sound).ok_or_else(|| {
-        Failure::Usage(format!("--leads {text}: expected grams (0.5 to 60), @ and millimetres in front of the balance pin, e.g. 14@165"))
+        Failure::Usage(format!(
+            "--leads {text}: expected grams (0.5 to 60), @ and millimetres in front of the balance pin, e.g. 14@165"
+        ))
     })
 }
 

@@ -157,7 +157,9 @@ fn load_file(path: &Path) -> Result<(InstrumentFile, String), Failure> {
     let (name, bytes) = inputs::bytes(path)?;
     let text = utf8(&bytes, &name)?;
     if is_keyboard(text) {
-        return Err(Failure::Usage(format!("{name}: is a keyboard; expected an instrument. Name one of its keys: {name}{KEY}40")));
+        return Err(Failure::Usage(format!(
+            "{name}: is a keyboard; expected an instrument. Name one of its keys: {name}{KEY}40"
+        )));
     }
     let file = InstrumentFile::parse(text, &name)?;
     identity::used("instrument", &file.instrument.name, Some(&name), &bytes);
@@ -352,7 +354,9 @@ impl StrokeOptions {
     pub(crate) fn load_constant(&self) -> Result<Stroke, Failure> {
         let is_level = self.hand.stroke.is_some() || self.hand.hammer_speed.is_some();
         if self.file.is_some() || is_level || self.drive.is_some_and(|d| d != Prescribed::Force) {
-            return Err(Failure::Usage("--vary force plays constant forces; remove the stroke (file, --stroke or --hammer-speed)".into()));
+            return Err(Failure::Usage(
+                "--vary force plays constant forces; remove the stroke (file, --stroke or --hammer-speed)".into(),
+            ));
         }
         self.through(Stroke::constant("constant forces".into(), 0.0))
     }
@@ -432,7 +436,11 @@ impl From<DrivingError> for Failure {
     fn from(error: DrivingError) -> Self {
         Failure::Usage(match error {
             DrivingError::Missing { title, drive } => {
-                format!("{title}: --drive {} needs a column `{}`; the file has none. Leave --drive out, or name the column with --columns", drive.name(), drive.column())
+                format!(
+                    "{title}: --drive {} needs a column `{}`; the file has none. Leave --drive out, or name the column with --columns",
+                    drive.name(),
+                    drive.column()
+                )
             }
             DrivingError::NoKeyPosition { title } => format!(
                 "{title}: --drive rigid needs the key's position; found the fingertip's and no force. Use --drive motion, or add a column `force_N`"

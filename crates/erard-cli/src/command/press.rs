@@ -196,7 +196,10 @@ impl Press {
             say!("{}", report.table());
         }
         if let Some((name, sound)) = &sound {
-            say!("{name} is the force on the bridge, {:.2} N at most, without a soundboard; steps of 1/96000 s", sound.peak_n());
+            say!(
+                "{name} is the force on the bridge, {:.2} N at most, without a soundboard; steps of 1/96000 s",
+                sound.peak_n()
+            );
             say!();
         }
         for warning in &summary.warnings {
@@ -264,10 +267,15 @@ impl Press {
         setup: impl Fn(&Stroke) -> Setup,
     ) -> Result<(), Failure> {
         if self.bands.bands.is_some() {
-            return Err(Failure::Usage("--bands needs a single run; leave out --against and the second --instrument".into()));
+            return Err(Failure::Usage(
+                "--bands needs a single run; leave out --against and the second --instrument".into(),
+            ));
         }
         if self.reactions || self.losses || self.wav.is_some() {
-            return Err(Failure::Usage("--reactions, --losses and --wav need a single run; leave out --against and the second --instrument".into()));
+            return Err(Failure::Usage(
+                "--reactions, --losses and --wav need a single run; leave out --against and the second --instrument"
+                    .into(),
+            ));
         }
         let mut setups: Vec<Setup> = strokes.iter().map(setup).collect();
         // One clock: both are played as long as the longer one.

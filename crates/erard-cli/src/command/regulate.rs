@@ -193,7 +193,9 @@ impl Regulate {
             Some(settled) => settled_text(settled, self.lengths).iter().for_each(|line| say!("{line}")),
             None if !is_usual_aftertouch(&regulated.after) => {
                 say!("{}", aftertouch_text(&regulated, self.lengths));
-                say!("To change that, add --priority dip (changes the blow) or --priority aftertouch (changes the dip first).");
+                say!(
+                    "To change that, add --priority dip (changes the blow) or --priority aftertouch (changes the dip first)."
+                );
                 say!();
             }
             None => {}

@@ -69,10 +69,8 @@ impl Validate {
         output.figure("order-of-events", &svg)?;
         let written = output.commit()?;
 
-        say!("{} beside measured pianos", validation.instrument);
+        say!("{} compared with measured pianos", validation.instrument);
         say!();
-        print_table(&report.rows);
-        print_groups(&report.groups);
         say!(
             "Predicted: {} of {} rows met; {} of {} groups without a miss. Set: {} of {} met.",
             report.predicted.met,
@@ -87,6 +85,8 @@ impl Validate {
         }
         say!("{} rows are beyond the model, {} have no published value", report.silent, report.open);
         say!();
+        print_groups(&report.groups);
+        print_table(&report.rows);
         say!("{written}");
         match report.missed {
             missed if missed > 0 && self.fail_on_miss => {

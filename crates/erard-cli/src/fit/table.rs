@@ -3,7 +3,7 @@
 use erard_workshop::fit::{Channel, FitResult, Meaning, Problem, misfit_unit};
 
 use super::values::unit_shown;
-use crate::table::{Table, WIDEST, wrapped};
+use crate::table::Table;
 
 /// Decimals with which a number with this error is shown: two digits of the error, at most six places behind the point;
 /// `None` where only powers of ten do.
@@ -31,8 +31,7 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
     } else {
         String::new()
     };
-    let mut lines: Vec<String> =
-        found.doubts.iter().flat_map(|doubt| wrapped(&format!("Doubtful: {}.", doubt.text), WIDEST)).collect();
+    let mut lines: Vec<String> = found.doubts.iter().map(|doubt| format!("Doubtful: {}.", doubt.text)).collect();
     if !lines.is_empty() {
         lines.push(String::new());
     }
@@ -62,7 +61,7 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
         let places = decimals(*value, *std);
         let [value, std, before] = [*value, *std, *before].map(|x| shown(x, places));
         let text = format!("{name} is {explanation}: {quantity} {value} +- {std} {unit}, at the start {before} {unit}");
-        lines.extend(wrapped(&text, WIDEST - 2).iter().map(|line| format!("  {line}")));
+        lines.push(format!("  {text}"));
     }
     lines.push(String::new());
     lines.extend(misfits(found, problem));

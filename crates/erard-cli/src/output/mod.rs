@@ -25,7 +25,7 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::inputs;
 use crate::signals;
-use crate::table::{TABLE, Table, WIDEST, beside, is_beside_a_table, wrapped};
+use crate::table::{TABLE, Table, beside, is_beside_a_table};
 use crate::{answer, identity};
 pub(crate) use mark::Mark;
 use stage::Stage;
@@ -213,8 +213,7 @@ pub struct Written {
 
 impl std::fmt::Display for Written {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let line = format!("Written to {}: {}", inputs::shown(&self.folder), self.names.join(", "));
-        f.write_str(&wrapped(&line, WIDEST).join("\n  "))
+        write!(f, "Written to {}: {}", inputs::shown(&self.folder), self.names.join(", "))
     }
 }
 
@@ -233,7 +232,10 @@ impl Place<'_> {
         for name in names.iter().chain(&self.stale(names)) {
             let path = self.folder.join(name);
             if inputs::is_one(&path) {
-                return wrong(&path, "is an input of this command and is never overwritten; name another folder with --out");
+                return wrong(
+                    &path,
+                    "is an input of this command and is never overwritten; name another folder with --out",
+                );
             }
         }
         for name in names {

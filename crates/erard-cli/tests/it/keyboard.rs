@@ -87,7 +87,10 @@ fn wrong_input_is_told() {
         (&["keyboard", "broken.toml"], "broken.toml:9:9: `added_mass.hammer head.at_mm`"),
         (&["keyboard", "--key", "0"], "0 is not in 1..=88"),
         (&["keyboard", "--every", "0"], "0 is not in 1..=87"),
-        (&["press", "--instrument", "mine.toml"], "mine.toml: is a keyboard; expected an instrument. Name one of its keys: mine.toml:key=40"),
+        (
+            &["press", "--instrument", "mine.toml"],
+            "mine.toml: is a keyboard; expected an instrument. Name one of its keys: mine.toml:key=40",
+        ),
         (&["press", "--instrument", "mine.toml:key=C4"], "found key `C4`; expected a number from 1 to 88"),
         (&["measure", "concert-grand:key=0"], "found key `0`"),
         (&["measure", "steinway-o:key=1"], "there is no file and no built-in keyboard `steinway-o`"),

@@ -356,7 +356,5 @@ fn a_second_stroke_has_columns_too() {
     let found = strokes(&["a.csv", "--columns", &a, "--against", "a.csv"]);
     assert!((peak(&found, 1) - newtons[0]).abs() < 1e-6);
     // Options of recordings without a recording are refused as before.
-    assert!(
-        folder.bad(&["press", "--against", "f", "--columns", &a, "--out", "none"]).contains("need a stroke file")
-    );
+    assert!(folder.bad(&["press", "--against", "f", "--columns", &a, "--out", "none"]).contains("need a stroke file"));
 }

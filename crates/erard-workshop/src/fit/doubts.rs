@@ -27,7 +27,10 @@ pub(super) fn doubts(problem: &mut Problem, found: &FitResult, disturbed: &Distu
         let recorded_s = one.recorded_impact_s();
         let (first_s, last_s) = (one.time_s[0], one.time_s[one.compared.end - 1]);
         if let (Some(s), None) = (recorded_s, modelled_s) {
-            let text = format!("{}: the recorded hammer reaches the string at {s:.4} s; in the fitted model it never does", one.name);
+            let text = format!(
+                "{}: the recorded hammer reaches the string at {s:.4} s; in the fitted model it never does",
+                one.name
+            );
             doubts.push(Doubt { kind: DoubtKind::NoImpact, text });
         }
         let impact_s = recorded_s.or(*modelled_s).filter(|s| last_s > s + BEYOND_S);
@@ -106,9 +109,7 @@ fn from_sample_to_sample(residuals: &[f64]) -> f64 {
 fn restarts(found: &FitResult) -> Option<Doubt> {
     let [attempts, good] = found.attempts;
     let text = if attempts > 1 && good == 1 {
-        format!(
-            "{attempts} starts led to different results, and only one of them to the best"
-        )
+        format!("{attempts} starts led to different results, and only one of them to the best")
     } else if found.apart > APART {
         format!(
             "{good} of {attempts} starts fit equally well but differ by up to {:.0} standard deviations",

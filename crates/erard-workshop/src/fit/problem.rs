@@ -124,7 +124,10 @@ impl Problem {
         for (column, sigma) in sigma {
             let compared = channels.iter().any(|(_, own)| own == column);
             if !compared && !problem.data.iter().any(|one| one.driving == column) {
-                return Err(FitError::asked("sigma", format!("{column} is neither compared nor the drive; expected no noise (sigma) for it")));
+                return Err(FitError::asked(
+                    "sigma",
+                    format!("{column} is neither compared nor the drive; expected no noise (sigma) for it"),
+                ));
             }
             if !(sigma.is_finite() && *sigma >= 0.0 && (*sigma > 0.0 || !compared)) {
                 return Err(FitError::asked("sigma", format!("{column} is {sigma}; expected positive numbers")));

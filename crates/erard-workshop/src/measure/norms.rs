@@ -240,7 +240,8 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
         if let (Some(tried), Some(read)) = (tried, read)
             && (tried - read).abs() > WAYS_AGREE_G
         {
-            let message = format!("{what} measured with weights ({tried:.1} g) and from the slow loop ({read:.1} g) disagree");
+            let message =
+                format!("{what} measured with weights ({tried:.1} g) and from the slow loop ({read:.1} g) disagree");
             flags.push(Flag { key, message });
         }
     }

@@ -34,9 +34,7 @@ const ATTEMPTS: u32 = 40;
 #[derive(Debug, Error)]
 pub enum SampleError {
     /// No number of the file has a spread.
-    #[error(
-        "{file}: no number has a `spread` or `spread_factor`; expected one at least to draw samples from"
-    )]
+    #[error("{file}: no number has a `spread` or `spread_factor`; expected one at least to draw samples from")]
     Certain {
         /// The file.
         file: String,

@@ -22,9 +22,7 @@ pub enum Change {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ChangeError {
     /// No such number.
-    #[error(
-        "unknown name `{name}`; {nearest}, or the path of a number in the file, e.g. `body.hammer.mass_g`"
-    )]
+    #[error("unknown name `{name}`; {nearest}, or the path of a number in the file, e.g. `body.hammer.mass_g`")]
     Unknown {
         /// What was asked for.
         name: String,

@@ -45,7 +45,9 @@ pub enum GradientError {
     )]
     SetValuedFelt,
     /// A modal string.
-    #[error("derivatives are not supported with modal strings; expected a rigid string (`rigid_string = true` in [roles])")]
+    #[error(
+        "derivatives are not supported with modal strings; expected a rigid string (`rigid_string = true` in [roles])"
+    )]
     Yielding,
     /// Something of the engine that is not derived.
     #[error("{what} has no derivatives here")]
@@ -54,10 +56,7 @@ pub enum GradientError {
         what: &'static str,
     },
     /// It does not come to rest by itself.
-    #[error(
-        "the action does not come to rest within {:.0} s; its rest has no derivatives",
-        equilibrium::PATIENCE_S
-    )]
+    #[error("the action does not come to rest within {:.0} s; its rest has no derivatives", equilibrium::PATIENCE_S)]
     NoRest,
     /// Changing the number changes what the mechanism is made of.
     #[error("a small change of the number changes what the mechanism is made of")]

@@ -195,7 +195,7 @@ impl Report {
             let name = channel.role.name();
             channel.lines().into_iter().map(move |line| format!("{name}: {line}"))
         });
-        done.chain(self.warnings().into_iter().map(|warning| format!("look: {warning}"))).collect()
+        done.chain(self.warnings().into_iter().map(|warning| format!("warning: {warning}"))).collect()
     }
 
     /// What should be looked at, all channels.

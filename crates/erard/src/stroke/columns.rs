@@ -377,7 +377,12 @@ impl Layout {
         }
         if !columns.iter().any(|column| matches!(column.role, Role::Force | Role::Position)) {
             let expected = "`force_N`, `position_m` or both beside `time_s`";
-            return Err(place.fault(Role::Force.title(), "the file has neither a force nor a position column", all(), expected));
+            return Err(place.fault(
+                Role::Force.title(),
+                "the file has neither a force nor a position column",
+                all(),
+                expected,
+            ));
         }
         let fingertip = |column: &Column| {
             column.role == Role::Position

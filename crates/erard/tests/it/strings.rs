@@ -500,12 +500,7 @@ fn wrong_strings_are_told() {
         ("frequency_Hz", "tension_N = 670\nfrequency_Hz", "string.left.tension_N", "tuned once"),
         ("name = \"middle\"", "name = \"left\"", "string.left.name", "two strings of this name"),
         ("loss_per_s", "losses_per_s", "string.left.losses_per_s", "unknown"),
-        (
-            "frequency_Hz = { value = 261.626",
-            "frequency_Hz = { value = 10",
-            "string.left.frequency_Hz",
-            "below 1 N",
-        ),
+        ("frequency_Hz = { value = 261.626", "frequency_Hz = { value = 10", "string.left.frequency_Hz", "below 1 N"),
     ] {
         let (found, line, message, text) = error(from, to);
         println!("{message}");
