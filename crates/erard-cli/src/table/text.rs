@@ -118,8 +118,8 @@ fn wide(text: &str) -> usize {
     text.chars().count()
 }
 
-/// Lines of two spaces, then columns two spaces apart; a head only where one is named. Heads and words are wrapped where
-/// the table would be wider than a terminal.
+/// Lines of two spaces, then columns two spaces apart; a head only if one is named. Heads and words wrap in a table that
+/// would be wider than a terminal.
 impl fmt::Display for Table<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let columns = self.shown();
