@@ -17,6 +17,7 @@ use crate::inputs::{self, shown};
 use crate::keyboard::doubts;
 use crate::progress::Progress;
 use crate::recordings::RecordingOptions;
+use crate::table::Table;
 use crate::{say, tell};
 use erard_workshop::trying::try_all;
 
