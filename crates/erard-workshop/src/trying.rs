@@ -46,7 +46,7 @@ pub fn try_once(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<
     }
 }
 
-/// The same for many, on all cores. `progress` receives the share that is done, and ends the work by returning false.
+/// Tries many instruments on all cores. `progress` receives the share done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`try_once`].

@@ -8,10 +8,10 @@ use crate::files::shown;
 use crate::instrument::{FileError, Instrument, UnknownInstrument, file_bytes, utf8};
 use crate::keyboard::{KEYS, Keyboard, is_keyboard};
 
-/// What stands between a keyboard and the number of a key, as in `concert-grand:key=88`.
+/// Text between a keyboard and the number of a key, as in `concert-grand:key=88`.
 pub const KEY: &str = ":key=";
 
-/// What stands before the number of a sample, as in `concert-grand:sample=17`.
+/// Text before the number of a sample, as in `concert-grand:sample=17`.
 pub const SAMPLE: &str = ":sample=";
 /// The last sample.
 pub(crate) const LAST_SAMPLE: u32 = 1_000_000;
@@ -31,7 +31,7 @@ pub fn split_sample(asked: &str) -> Result<(String, Option<u32>), InstrumentSpec
     }
 }
 
-/// What was asked for.
+/// An instrument as a user names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InstrumentSpec<'a> {
     /// A file.

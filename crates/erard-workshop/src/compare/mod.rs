@@ -29,7 +29,7 @@ pub const RATE_HZ: f64 = 4000.0;
 /// All drives, in the order in which they are tried and shown.
 pub const DRIVES: [Prescribed; 3] = [Prescribed::Force, Prescribed::Motion, Prescribed::Rigid];
 
-/// What comes out where this drives.
+/// Name of the quantity that results from a drive.
 pub fn outcome(driven: Prescribed) -> &'static str {
     match driven {
         Prescribed::Force => "position",
@@ -37,7 +37,7 @@ pub fn outcome(driven: Prescribed) -> &'static str {
     }
 }
 
-/// Which model ran.
+/// Model of an instrument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
     /// All bodies.
@@ -67,7 +67,7 @@ impl Which {
 /// Both models.
 pub(crate) const MODELS: [Which; 2] = [Which::Action, Which::OneDof];
 
-/// What is compared with what.
+/// What to compare.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
     /// Drives to try, of those that the series has.
@@ -121,9 +121,9 @@ const LOWEST_LIMIT_HZ: f64 = 10.0;
 /// One run of a comparison, on the common time axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
-    /// What drove it.
+    /// The drive.
     pub driven: Prescribed,
-    /// Which model.
+    /// The model.
     pub which: Which,
     /// Travel of the key front, m, down positive.
     pub key_m: Vec<f64>,
@@ -138,12 +138,12 @@ pub struct Trial {
     pub hammer_m: Vec<f64>,
     /// Errors of the hammer are reported up to here, Hz.
     pub hammer_told_to_hz: f64,
-    /// The same against what was measured, where both exist.
+    /// Errors of the hammer's motion, if it was both simulated and measured.
     pub hammer_errors: Option<Errors>,
 }
 
 impl Trial {
-    /// What came out: the key's travel, m, or the finger's force, N.
+    /// The simulated result: the key's travel, m, or the finger's force, N.
     pub fn simulated(&self) -> &[f64] {
         match self.driven {
             Prescribed::Force => &self.key_m,
@@ -167,7 +167,7 @@ pub struct Comparison {
     pub measured_hammer_m: Option<Vec<f64>>,
     /// In the order of [`DRIVES`], the action before the one-degree-of-freedom model.
     pub trials: Vec<Trial>,
-    /// What was taken for granted, or could not be tried, in words.
+    /// Assumptions, and drives that could not be tried, in words.
     pub notes: Vec<String>,
 }
 
@@ -388,7 +388,7 @@ impl Comparison {
         self.trials.iter().find(|t| t.driven == driven && t.which == which)
     }
 
-    /// What was measured of what comes out where this drives.
+    /// The measured series of the quantity that results from this drive.
     pub fn measured(&self, driven: Prescribed) -> Option<&Vec<f64>> {
         match driven {
             Prescribed::Force => self.measured_position_m.as_ref(),
@@ -471,8 +471,7 @@ impl Comparison {
         verdicts
     }
 
-    /// What a comparison gives away about the recording: a trace that goes the other way, stands off, or comes at
-    /// another time.
+    /// Warnings about the recording: an inverted trace, an offset, or a delay.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         for (what, unit, driven) in [

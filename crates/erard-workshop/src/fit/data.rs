@@ -12,7 +12,7 @@ use super::FitError;
 use crate::balance::median;
 use erard::recording::{Butterworth, ChannelReport, LowPass, Preparation, Prepared, prepare};
 
-/// What can be fitted of a recording, and the noise that is taken where nothing tells it, N, m and m/s.
+/// Columns that can be fitted, and their noise if it is not known, N, m and m/s.
 pub const COLUMNS: [(&str, Role, f64); 4] = [
     ("force_N", Role::Force, 0.02),
     ("key_m", Role::Position, 10e-6),
@@ -37,11 +37,11 @@ const SPLINE_ENDS: usize = 10;
 /// A recording, ready to be fitted.
 #[derive(Debug)]
 pub struct Data {
-    /// What it is called.
+    /// Name.
     pub name: String,
-    /// What drives.
+    /// The stroke that drives.
     pub stroke: Stroke,
-    /// Where it does not drive quite as it says.
+    /// Remark, if the stroke does not drive exactly as recorded.
     pub note: Option<&'static str>,
     /// The column that drives.
     pub driving: &'static str,
@@ -51,11 +51,11 @@ pub struct Data {
     pub time_s: Vec<f64>,
     /// Those of them that are compared.
     pub compared: Range<usize>,
-    /// What was measured there, column by column.
+    /// Measured values there, column by column.
     pub measured: Vec<Vec<f64>>,
-    /// What was done to what drives, and what was seen of its noise.
+    /// Preparation of the driving channel, and its noise.
     pub driven: Prepared,
-    /// The same of what is compared.
+    /// Preparation of the compared channels.
     pub prepared: Prepared,
     pub(super) settings: Settings<f64>,
     pub(super) every: u64,

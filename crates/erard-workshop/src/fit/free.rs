@@ -20,7 +20,7 @@ const USUAL_TURN: f64 = 0.02;
 pub struct Free {
     /// Its name ([`Parameter::all`]).
     pub name: String,
-    /// What it is.
+    /// The parameter.
     pub parameter: Parameter,
     /// Its value where the fit starts from the instrument as it is, in `unit`.
     pub value: f64,
@@ -88,7 +88,7 @@ impl Free {
     }
 }
 
-/// What is asked for by name.
+/// Values by name.
 pub type Asked<T> = Vec<(String, T)>;
 
 /// The free parameters by their names, with bounds: those asked for, else as far as the file says that the number may

@@ -60,7 +60,7 @@ pub enum MeasureError {
     Lost,
 }
 
-/// What keeps an instrument from being measured as a piano action.
+/// Reason why an instrument cannot be measured as a piano action.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotAnAction {

@@ -43,12 +43,12 @@ fn no_value() -> fn(&Sheet) -> Option<f64> {
     |_| None
 }
 
-/// What is out of the norm.
+/// A value outside its usual range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Flag {
     /// The line's key.
     pub key: &'static str,
-    /// What is wrong, a line for people.
+    /// The fault, a line for people.
     pub message: String,
 }
 

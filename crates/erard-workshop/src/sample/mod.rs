@@ -77,7 +77,7 @@ impl Ending for SampleError {
     }
 }
 
-/// What samples are drawn of.
+/// Base of the samples.
 #[derive(Debug, Clone)]
 pub struct Sampled {
     /// What messages call it.

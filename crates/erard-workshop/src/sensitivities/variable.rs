@@ -55,7 +55,7 @@ pub enum VariableError {
         /// What there is.
         known: String,
     },
-    /// It stands at an end of what it may be.
+    /// The number is at an end of its range.
     #[error("`{name}` has no derivative here, because it cannot change a little in both directions: {why}")]
     Stuck {
         /// Name of the number.
@@ -103,7 +103,7 @@ impl Variable {
         })
     }
 
-    /// Whatever two instruments differ in, the second one being so many units `apart` from the first.
+    /// The direction between two instruments, the second being so many units `apart` from the first.
     ///
     /// # Errors
     /// [`VariableError::Stuck`], where they are not made of the same things.

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::Parameter;
 
-/// What is done to a number.
+/// Change of a number.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Change {
     /// As `study --vary`: a screw is turned by so many m, rad or N m; another parameter is multiplied by it; a number
@@ -49,7 +49,7 @@ pub enum ChangeError {
         /// What is possible.
         expected: String,
     },
-    /// What the reader says of the changed file.
+    /// Error of the reader in the changed file.
     #[error(transparent)]
     File(#[from] Box<FileError>),
 }
@@ -68,7 +68,7 @@ impl std::fmt::Display for Change {
 pub struct Quantity {
     /// Its name ([`Parameter::all`]).
     pub name: String,
-    /// What it is.
+    /// The parameter.
     pub parameter: Parameter,
     /// Its value, in `unit`.
     pub value: f64,

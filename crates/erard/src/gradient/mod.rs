@@ -55,7 +55,7 @@ pub enum GradientError {
         /// What.
         what: &'static str,
     },
-    /// It does not come to rest by itself.
+    /// The action does not come to rest by itself.
     #[error("the action does not come to rest within {:.0} s; its rest has no derivatives", equilibrium::PATIENCE_S)]
     NoRest,
     /// Changing the number changes what the mechanism is made of.

@@ -19,7 +19,7 @@ use crate::stroke::{
 };
 use thiserror::Error;
 
-/// What is done to a recording.
+/// How a recording is prepared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Preparation {
     /// Take the mean of the rest before the touch from every channel that has one.
@@ -34,10 +34,10 @@ pub struct Preparation {
     pub order: usize,
 }
 
-/// Where the low-pass begins.
+/// Cutoff of the low-pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LowPass {
-    /// Where a channel's own noise begins; a channel without noise passes as it is.
+    /// The frequency at which a channel's own noise begins; a channel without noise passes unchanged.
     Own,
     /// Nothing is filtered.
     Off,
@@ -85,9 +85,9 @@ pub enum PrepareError {
 /// A prepared recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prepared {
-    /// What can drive a key, and be compared.
+    /// The prepared series.
     pub series: Series,
-    /// What was done and noticed.
+    /// Report of the changes and remarks.
     pub report: Report,
 }
 

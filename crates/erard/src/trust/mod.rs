@@ -46,7 +46,7 @@ pub(crate) const CONTACT_STEPS: u32 = 60;
 /// Turnover below which the residual is measured against this, J: a thousandth of the softest blow's.
 pub const LEAST_TURNOVER_J: f64 = 1e-6;
 
-/// What is doubtful about a run.
+/// Kind of doubt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -92,17 +92,17 @@ impl Kind {
 /// A bound that a run has broken.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Warning {
-    /// What is doubtful.
+    /// Kind of doubt.
     pub kind: Kind,
-    /// The same as a sentence, without a full stop.
+    /// The doubt as a sentence, without a full stop.
     pub what: String,
     /// The zone or body, where it is one's.
     pub part: Option<String>,
-    /// What was found, in `unit`.
+    /// Value found, in `unit`.
     pub value: f64,
-    /// What there may be at most (for a turn the other way and for a contact's steps: at least), in `unit`.
+    /// Largest allowed value, in `unit` (smallest, for a negative turn and for the steps of a contact).
     pub bound: f64,
-    /// Of both: `m`, `rad`, `steps`, `partials`, `m/s`, `rad/s`, or nothing for a share.
+    /// Unit of value and bound: `m`, `rad`, `steps`, `partials`, `m/s`, `rad/s`, or empty for a share.
     pub unit: &'static str,
     /// When it was worst, on the stroke's clock, s; `None` where it is the whole run's.
     pub time_s: Option<f64>,
@@ -180,7 +180,7 @@ fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
     warnings
 }
 
-/// What is wrong with the fastest blow.
+/// Doubts about the fastest impact.
 #[must_use]
 pub fn of_blows(events: &Events) -> Option<Warning> {
     let fastest = events.impacts.iter().max_by(|a, b| a.hammer_speed_m_per_s.total_cmp(&b.hammer_speed_m_per_s))?;
@@ -200,12 +200,12 @@ pub fn of_blows(events: &Events) -> Option<Warning> {
     })
 }
 
-/// What is wrong with how deep felts were pressed and how far bodies turned.
+/// Doubts about the compression of felts and the turning of bodies.
 pub fn of_extremes<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iterator<Item = Warning> + 'a {
     of_felts(instrument, extremes).chain(of_turns(instrument, extremes))
 }
 
-/// What is wrong with such a residual.
+/// Doubts about an energy residual.
 #[must_use]
 pub fn of_energy(residual: f64) -> Option<Warning> {
     // What is not a number is beyond every bound.
@@ -227,7 +227,7 @@ pub fn of_energy(residual: f64) -> Option<Warning> {
     })
 }
 
-/// What is wrong with so many unconverged steps of all.
+/// Doubts about unconverged steps.
 #[must_use]
 pub fn of_steps(unconverged: u64, steps: u64) -> Option<Warning> {
     (unconverged > UNCONVERGED_STEPS).then(|| Warning {
@@ -289,7 +289,7 @@ fn of_turns<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iter
     })
 }
 
-/// Of warnings of many runs: how many there are of each kind and part, and the worst of them.
+/// Counts the warnings of many runs by kind and part, and keeps the worst of each.
 pub fn worst_of_each<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<(usize, &'a Warning)> {
     let beyond = |w: &Warning| (w.value - w.bound).abs();
     let mut kinds: BTreeMap<(Kind, Option<&str>), (usize, &Warning)> = BTreeMap::new();
