@@ -118,7 +118,7 @@ fn wide(text: &str) -> usize {
     text.chars().count()
 }
 
-/// Lines of two spaces, then columns two spaces apart; a head only if one is named. Heads and words wrap where the table
+/// Lines of two spaces, then columns two spaces apart; a head only if one is named. Heads and words wrap if the table
 /// would be wider than a terminal.
 impl fmt::Display for Table<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
