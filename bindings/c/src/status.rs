@@ -136,16 +136,16 @@ pub(crate) fn quick(work: impl FnOnce() -> ErardStatus) -> ErardStatus {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or(ErardStatus::Internal)
 }
 
-/// What went wrong in the last call of this thread that failed and was none of the real-time functions (these return a
-/// status and keep no text): a line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the
-/// library's, and lasts until the next such call fails.
+/// The error of this thread's last failed call, the real-time functions excepted (they return a status and keep no
+/// text): a line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the library's, and lasts
+/// until the next such call fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_last_error() -> *const c_char {
     // Where a thread ends its own storage is gone: there is nothing to say then.
     LAST.try_with(|last| last.borrow().as_ref().map_or(c"".as_ptr(), |text| text.as_ptr())).unwrap_or(c"".as_ptr())
 }
 
-/// What a status means, a line in English; never NULL. Real time: yes.
+/// Meaning of a status, a line in English; never NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_status_text(status: i32) -> *const c_char {
     ErardStatus::text(status).as_ptr()
