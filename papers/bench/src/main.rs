@@ -19,7 +19,7 @@ use erard_cli::{answer, say};
 use erard_timing::{Effort, PARTS, measure};
 use serde_json::Value;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help.txt");
 
 /// Measures how fast this machine simulates: a step, a press, many at once, a keyboard, the worst step, the kinematics.

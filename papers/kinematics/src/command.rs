@@ -20,7 +20,7 @@ use crate::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
 use crate::summary::Summary;
 use crate::{Shown, figures, table};
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help.txt");
 
 /// Shows leverage and sliding over the key's travel, from the geometry alone.

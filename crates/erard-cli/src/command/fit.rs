@@ -19,7 +19,7 @@ use crate::progress::Progress;
 use crate::recordings::RecordingOptions;
 use crate::say;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/fit.txt");
 
 /// Fits parameters of an instrument to recordings, with error bars, and names those that the recordings do not

@@ -18,7 +18,7 @@ use crate::inputs::shown;
 use crate::output::Output;
 use crate::say;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/fmu.txt");
 
 /// Exports an instrument for simulators, as an FMI 2.0 unit for co-simulation.

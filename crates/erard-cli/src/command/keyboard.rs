@@ -15,7 +15,7 @@ use crate::say;
 use crate::say::verbatim;
 use crate::tell;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/keyboard.txt");
 
 /// Weighs the keys of a keyboard from bass to treble, prints one key's instrument file, or balances the keys of a real

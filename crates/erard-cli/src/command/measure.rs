@@ -31,7 +31,7 @@ use crate::tell;
 use crate::units::Lengths;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/measure.txt");
 
 /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.

@@ -35,7 +35,7 @@ use crate::{answer, identity, output, progress, say, signals};
 
 /// Simulates the grand piano action: from a key press to the hammer's impact on the string.
 #[derive(Debug, Parser)]
-#[command(name = "erard", version = version(), about, max_term_width = 100)]
+#[command(name = "erard", version = version(), max_term_width = 100)]
 pub(crate) struct Command {
     #[command(subcommand)]
     subcommand: Sub,

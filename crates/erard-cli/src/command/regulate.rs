@@ -23,7 +23,7 @@ use crate::regulate::{
 use crate::units::Lengths;
 use crate::{say, tell};
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/regulate.txt");
 
 /// Turns an instrument's screws until its action meets a specification.

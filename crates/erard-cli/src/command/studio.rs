@@ -18,7 +18,7 @@ mod built_in {
     include!(concat!(env!("OUT_DIR"), "/studio.rs"));
 }
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/studio.txt");
 
 /// Opens the studio in the browser: press the key, turn the screws, compare two actions.

@@ -26,7 +26,7 @@ use crate::table::Table;
 use crate::tell;
 use erard_figures::figure::chart_svg;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/study.txt");
 
 /// Plays a stroke on many variants of an instrument: a parameter study.
@@ -84,7 +84,7 @@ pub(crate) struct Study {
     /// unvaried instrument. Each key always has its own hand
     #[arg(long, conflicts_with = "sensitivities")]
     each: bool,
-    /// Compute in single precision: twice as fast, hammer speeds to about 1e-4
+    /// Compute in single precision: twice as many strokes at a time, hammer speeds to about 1e-4
     #[arg(long)]
     single: bool,
     #[command(flatten)]

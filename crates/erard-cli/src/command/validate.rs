@@ -14,7 +14,7 @@ use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg};
 use erard_workshop::validate::{Drive, GroupResult, PressedBlow, Published, Row, Tally, Validation, Verdict, validate};
 use serde::Serialize;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/validate.txt");
 
 /// Compares an instrument with published measurements of real pianos.
