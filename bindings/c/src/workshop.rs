@@ -217,8 +217,8 @@ pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardSt
     })
 }
 
-/// Screws and parameters of an instrument that can be changed, as JSON: dials, each with "name", "label", "note", "group",
-/// "unit", "decimals", "value", "from" and "to". Give the text back with erard_text_free.
+/// Screws and parameters of an instrument that can be changed, as JSON: dials, each with "name", "label", "note",
+/// "group", "unit", "decimals", "value", "from" and "to". Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_dials(
     instrument: *const ErardInstrument,

@@ -133,7 +133,8 @@ fn told_columns(recording: &Recording, position_of: PositionOf) {
         .collect();
     let instead = layout.columns.last().map_or("position", |column| column.role.name());
     let name = free.first().copied().unwrap_or(instead);
-    say!("  to use one, give its meaning, title and unit: --columns '{name}={example}:{}'", example_unit(name));
+    say!("  to use one, give its meaning, title and unit:");
+    say!("    --columns '{name}={example}:{}'", example_unit(name));
     if free.len() > 1 {
         say!("  no column yet for {}", free.join(", "));
     }

@@ -19,6 +19,8 @@ pub(super) struct Shown<'t> {
     pub right: bool,
     /// Its widest cell, headings of rows left out.
     cell: usize,
+    /// Its widest word, with the indent of its cell.
+    word: usize,
 }
 
 impl Table<'_> {
@@ -36,13 +38,14 @@ impl Table<'_> {
                 cells.iter().filter(|cell| !cell.is_empty() && *cell != "-").partition(|cell| is_number(cell));
             let widest = |cells: &[&String]| cells.iter().map(|cell| wide(cell)).max().unwrap_or(0);
             let right = numbers.len() > words.len() && widest(&words) <= widest(&numbers);
-            Shown { head: name.as_ref(), cells, right, cell: 0 }
+            Shown { head: name.as_ref(), cells, right, cell: 0, word: 0 }
         });
         let mut columns: Vec<Shown<'_>> = columns.collect();
         let headings: Vec<bool> = (0..self.rows()).map(|row| is_heading(&columns, row)).collect();
         for column in &mut columns {
             let cells = column.cells.iter().zip(&headings).filter(|(_, heading)| !**heading);
-            column.cell = cells.map(|(cell, _)| wide(cell)).max().unwrap_or(0);
+            let cells = cells.map(|(cell, _)| (wide(cell), further(cell) + widest_word(cell)));
+            (column.cell, column.word) = cells.fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
         }
         columns
     }
@@ -61,12 +64,13 @@ impl Shown<'_> {
 
     /// The narrowest that it can be with its head wrapped.
     fn head_wrapped(&self) -> usize {
-        self.head.split(' ').map(wide).max().unwrap_or(0).max(self.cell)
+        widest_word(self.head).max(self.cell)
     }
 
     /// The narrowest that it can be with its words wrapped, too, but for `least` characters.
     fn words_wrapped(&self, least: usize) -> usize {
-        if self.right { self.head_wrapped() } else { self.head_wrapped().min(least) }
+        let words = self.head_wrapped().min(least).max(self.word).max(widest_word(self.head));
+        if self.right { self.head_wrapped() } else { words }
     }
 
     /// A cell or the head in lines of at most so many characters; what goes on begins two characters further in.
@@ -74,12 +78,25 @@ impl Shown<'_> {
         if wide(text) <= width {
             return vec![text.to_owned()];
         }
-        let indent = text.len() - text.trim_start().len();
-        let (first, further) = (" ".repeat(indent), if indent > 0 { " ".repeat(indent + 2) } else { String::new() });
+        let (first, further) = (" ".repeat(indent(text)), " ".repeat(further(text)));
         let room = width.saturating_sub(further.len()).max(1);
         let parts = wrapped(text.trim_start(), room).into_iter().enumerate();
         parts.map(|(at, part)| format!("{}{part}", if at == 0 { &first } else { &further })).collect()
     }
+}
+
+/// Blanks before a cell's words.
+fn indent(text: &str) -> usize {
+    text.len() - text.trim_start().len()
+}
+
+/// Blanks before what goes on of a cell: two more, where there are any.
+fn further(text: &str) -> usize {
+    if indent(text) > 0 { indent(text) + 2 } else { 0 }
+}
+
+fn widest_word(text: &str) -> usize {
+    text.split(' ').map(wide).max().unwrap_or(0)
 }
 
 /// The widths of columns: their natural ones in a table of at most [`USUAL`] characters; else heads are wrapped, then
