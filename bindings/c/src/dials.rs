@@ -31,7 +31,7 @@ pub(crate) enum Group {
 pub(crate) struct Dial {
     /// Its name, which no other dial of the instrument has: a screw's own, else e.g. `knuckle`.
     name: String,
-    /// What it is called at the bench.
+    /// Name at the bench.
     label: String,
     /// What more of it does.
     note: String,

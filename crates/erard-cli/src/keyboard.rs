@@ -47,7 +47,7 @@ fn numbers(weighed: &WeighedKey) -> [f64; 9] {
     ]
 }
 
-/// Why keys are not to be trusted, each tried with its number: of every kind and part how many keys, and the worst of
+/// Why keys cannot be trusted, each tried with its number: of every kind and part how many keys, and the worst of
 /// them.
 pub(crate) fn doubts<'a>(tried: impl Iterator<Item = (usize, &'a Tried)> + Clone) -> Vec<String> {
     let all = tried.clone().count();

@@ -169,7 +169,7 @@ pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
     })
 }
 
-/// Who is who among bodies and zones.
+/// Roles of bodies and zones.
 struct Parts {
     key: usize,
     whippen: usize,

@@ -32,7 +32,7 @@ class Run(Table):
     strikes : list of (float, float)
         Instant (s) and total speed (m/s) of every blow on the string.
     warnings : list of str
-        Why the run is not to be trusted; empty if nothing speaks against it.
+        Why the run cannot be trusted; empty if nothing speaks against it.
     notes : list of str
         Where the stroke does not drive quite as it says.
 

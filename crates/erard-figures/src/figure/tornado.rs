@@ -27,7 +27,7 @@ pub struct Bar {
     pub effect: f64,
     /// Its error.
     pub error: f64,
-    /// Whether it is drawn hollow: not to be trusted as it stands.
+    /// Whether it is drawn hollow: cannot be trusted as it stands.
     pub marked: bool,
 }
 

@@ -179,7 +179,7 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
     out
 }
 
-/// Why a run is not to be trusted; nothing where nothing speaks against it. Of two, it says which.
+/// Why a run cannot be trusted; nothing where nothing speaks against it. Of two, it says which.
 fn doubts(shown: &Shown<'_>, of_two: bool) -> String {
     let run = shown.run;
     if run.is_trusted() {

@@ -367,8 +367,8 @@ pub fn compare_chosen(
     Ok(Comparison { time_s, measured_force_n, measured_position_m, position_of, measured_hammer_m, trials, notes })
 }
 
-/// The errors up to a frequency, Hz: both series go through the same low-pass, forth and back. `None` where that leaves
-/// nothing to compare.
+/// The errors up to a frequency, Hz: both series go through the same low-pass, forward and backward. `None` where that
+/// leaves nothing to compare.
 fn errors_within(measured: &[f64], simulated: &[f64], resting: usize, told_to_hz: f64) -> Option<Errors> {
     if told_to_hz >= 0.5 * RATE_HZ {
         return Some(Errors::new(measured, simulated, resting));

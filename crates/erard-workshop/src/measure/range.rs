@@ -37,7 +37,7 @@ pub struct Loudness {
     pub hammer_speed_m_per_s: Option<f64>,
     /// Hammer speed as MIDI velocity; see `midi_velocity`.
     pub midi_velocity: Option<u8>,
-    /// Why the press is not to be trusted.
+    /// Why the press cannot be trusted.
     #[serde(skip)]
     pub warnings: Vec<Warning>,
 }

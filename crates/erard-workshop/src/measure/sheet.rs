@@ -148,7 +148,7 @@ pub struct Sheet {
     pub warnings: Vec<Doubt>,
 }
 
-/// Why a press of the sheet is not to be trusted.
+/// Why a press of the sheet cannot be trusted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Doubt {
     /// The press: `ff struck`, or `30 N`.

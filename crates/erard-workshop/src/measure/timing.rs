@@ -30,7 +30,7 @@ pub(crate) struct Timing {
     pub events: Events,
     /// How the hammer flew.
     pub flights: Option<Flights>,
-    /// Why the run is not to be trusted.
+    /// Why the run cannot be trusted.
     pub warnings: Vec<Warning>,
 }
 

@@ -85,7 +85,7 @@ pub struct Played {
     /// Error of the energy balance, a share of the energy turned over ([`erard::trust`]); `None` without the setup's
     /// ledger.
     pub energy_residual: Option<f64>,
-    /// Why the stroke is not to be trusted; without the setup's ledger neither energy nor felts are judged.
+    /// Why the stroke cannot be trusted; without the setup's ledger neither energy nor felts are judged.
     pub warnings: Vec<Warning>,
     /// Samples, column by column ([`sample_all`]); empty without sampling, or if the run ended early.
     pub samples: Vec<Vec<f64>>,

@@ -438,7 +438,7 @@ impl Planner<'_, '_> {
             work.carry_out(&mut worked, self.progress)?;
             let own_after = Readings::of(&worked, self.progress)?;
             let after = now.moved(&own_now, &own_after);
-            // Of what was turned forth and back there may be nothing left to see.
+            // Turns in both directions may cancel.
             if can_be_seen(quantity, &now, &after) {
                 items.push(Item { quantity, work, instead, before: now, after });
                 (copy, own_now, now) = (worked, own_after, after);

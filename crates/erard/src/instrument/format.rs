@@ -281,7 +281,7 @@ pub(crate) struct SegmentToml {
     pub rounding_mm: Option<Num<NonNegative>>,
 }
 
-/// Who is who: names of bodies and zones.
+/// Roles: names of bodies and zones.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Roles")]

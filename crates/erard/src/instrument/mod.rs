@@ -128,7 +128,7 @@ pub struct Body {
     /// of one part, and the hinge represents its bending.
     pub is_bend: bool,
     /// How far its stops let it turn against what it is hinged on, from as drawn, rad counter-clockwise: the lowest and
-    /// the highest. It moves nothing: a run that goes further is not to be trusted ([`crate::trust`]). `None`: not
+    /// the highest. It moves nothing: a run that goes further cannot be trusted ([`crate::trust`]). `None`: not
     /// known.
     pub turn_rad: Option<[f64; 2]>,
 }
@@ -266,8 +266,8 @@ pub struct Felt {
     pub exponent: f64,
     /// How it loses energy.
     pub loss: Loss<f64>,
-    /// Thickness of what is compressed, of both sides together, m. It moves nothing: a run that presses it deeper is
-    /// not to be trusted ([`crate::trust`]). `None`: not known.
+    /// Thickness of what is compressed, of both sides together, m. It moves nothing: a run that presses it deeper
+    /// cannot be trusted ([`crate::trust`]). `None`: not known.
     pub thickness_m: Option<f64>,
 }
 

@@ -1,9 +1,9 @@
 //! A prepared recording: its zero, its sign, its clock and its noise.
 //!
 //! What a sensor delivers is seldom what a model can be driven by. [`prepare`] takes the zero from the rest before the
-//! touch, turns signs, moves one channel's clock against the other's, and filters noise by Butterworth's low-pass forth
-//! and back; a derivative is that of the filtered series. It reports all that it has done, and what it has noticed and
-//! not done.
+//! touch, turns signs, moves one channel's clock against the other's, and filters noise by Butterworth's low-pass
+//! forward and backward; a derivative is that of the filtered series. It reports all that it has done, and what it has
+//! noticed and not done.
 
 mod butterworth;
 mod noise;

@@ -22,7 +22,7 @@ pub struct Zero {
     pub samples: usize,
 }
 
-/// A low-pass that was applied forth and back.
+/// A low-pass that was applied forward and backward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Filtered {
     /// Order of the filter in one pass.
