@@ -4,7 +4,7 @@ use erard::instrument::{Instrument, with_numbers};
 use erard::keyboard::{Between, Graded, KEYS, Keyboard};
 use erard::stroke::MAX_FORCE_N;
 use erard_workshop::regulate::screw_unit;
-use erard_workshop::study::{Parameter, number_of};
+use erard_workshop::study::{Parameter, nearest, number_of};
 
 /// What a value is given to.
 #[derive(Debug, Clone, PartialEq)]
@@ -144,10 +144,9 @@ impl Axis {
         } else {
             let all = Parameter::all(instrument);
             let Some((_, parameter)) = all.iter().find(|(known, _)| known == name) else {
-                let known: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
                 return Err(format!(
-                    "--vary: unknown name `{name}`; expected {FORCE}, {}, {KEY} or {GRADING}NAME (of a keyboard), or the path of a number in the file, e.g. `body.hammer.mass_g` or `zone.string.disc.center_mm.x`",
-                    known.join(", ")
+                    "--vary: unknown name `{name}`, nearest {}; expected a screw or parameter, {FORCE}, {KEY} or {GRADING}NAME (of a keyboard), or the path of a number in the file, e.g. `body.hammer.mass_g`",
+                    nearest(name, all.iter().map(|(known, _)| known))
                 ));
             };
             let (per_si, unit) = match parameter {

@@ -329,7 +329,7 @@ fn unknown(name: &str, all: &[(String, Parameter)]) -> ChangeError {
 }
 
 /// The three names that are most like one.
-pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a String>) -> String {
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a String>) -> String {
     let mut near: Vec<(f64, &String)> = known.map(|known| (strsim::jaro_winkler(name, known), known)).collect();
     near.sort_by(|a, b| b.0.total_cmp(&a.0));
     near.iter().take(3).map(|(_, name)| format!("`{name}`")).collect::<Vec<_>>().join(", ")

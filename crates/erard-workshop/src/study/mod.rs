@@ -13,9 +13,9 @@ mod parameter;
 mod sampling;
 mod topology;
 
-pub use change::{Change, ChangeError, number_of, quantities, varied};
+pub use change::{Change, ChangeError, nearest, number_of, quantities, varied};
 
-pub(crate) use change::{Quantity, nearest};
+pub(crate) use change::Quantity;
 pub use parameter::Parameter;
 pub(crate) use parameter::ten_digits;
 pub use sampling::{Sampling, SamplingError};
