@@ -76,9 +76,9 @@ pub(crate) fn print_table(comparison: &Comparison) {
     }
     say!();
     if findings.iter().any(|f| f.errors.is_some()) {
-        say!("  error by frequency (rms; in brackets, of what was measured in the band)");
+        say!("  error by frequency band in Hz (rms; in brackets, share of the signal there)");
         let Some(edges) = findings.iter().find_map(|finding| Some(&finding.errors?.bands)) else { return };
-        let bands: Vec<String> = edges.iter().map(|band| format!("{:.0}-{:.0} Hz", band.from_hz, band.to_hz)).collect();
+        let bands: Vec<String> = edges.iter().map(|band| format!("{:.0}-{:.0}", band.from_hz, band.to_hz)).collect();
         let heads = ["drive", "model", "of"].into_iter().chain(bands.iter().map(String::as_str));
         let rows = findings.iter().filter_map(|finding| {
             let Finding { trial, quantity, shown: (factor, unit), told_to_hz, errors, .. } = finding;

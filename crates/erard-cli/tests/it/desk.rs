@@ -41,7 +41,7 @@ fn checked(folder: &Folder, home: &str, kind: &str) -> usize {
         let path = entry.unwrap().path();
         let kind = if path.ends_with("usual.toml") { "usual ranges" } else { kind };
         let kind = if path.extension().is_some_and(|e| e == "json") { "a JSON Schema" } else { kind };
-        let said = folder.good(&["check", path.to_str().unwrap()]);
+        let said = folder.good_words(&["check", path.to_str().unwrap()]);
         assert!(said.contains(kind), "{}: {said}", path.display());
         files += 1;
     }

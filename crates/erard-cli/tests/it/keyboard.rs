@@ -64,7 +64,7 @@ fn a_key_is_an_instrument_file() {
 #[test]
 fn keyboards_are_checked() {
     let folder = with_mine("checked");
-    let said = folder.good(&["check", "mine.toml"]);
+    let said = folder.good_words(&["check", "mine.toml"]);
     assert!(said.contains("a keyboard, \"Mine\"") && said.contains("all 88 keys are sound"), "{said}");
     // 30 g less at 131 mm: the hammer's inertia of 1.4e-4 kg m2 is used up by 8.1 g, at key 40 + 48 x 8.1 / 30.
     folder.file("mine.toml", &MINE.replace("value = -3", "value = -30"));

@@ -104,7 +104,7 @@ fn a_laboratory_s_recording_in_one_command() {
             assert_eq!(band["told"].as_bool(), Some(band["to_Hz"].as_f64().unwrap() <= told_to));
         }
     }
-    let by_frequency: Vec<&str> = said.lines().skip_while(|line| !line.contains("200-1000 Hz")).skip(1).collect();
+    let by_frequency: Vec<&str> = said.lines().skip_while(|line| !line.contains("200-1000")).skip(1).collect();
     let by_frequency = &by_frequency[..by_frequency.iter().position(|line| line.trim().is_empty()).unwrap()];
     assert_eq!(by_frequency.len(), 6, "{said}");
     let untold = |line: &&str| line.split_whitespace().rev().take(2).all(|cell| cell == "-");

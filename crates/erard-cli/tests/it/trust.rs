@@ -75,7 +75,7 @@ fn runs_that_cannot_be_trusted_say_so() {
             assert!(said.contains(warning["what"].as_str().unwrap()), "{warning}: {said}");
         }
         let page = folder.read("out/run.html");
-        assert!(page.contains("This run is not to be trusted"), "{arguments:?}");
+        assert!(page.contains("This run cannot be trusted"), "{arguments:?}");
     }
     // The hammer begins ten metres within its string: that is no doubt, but an error.
     let said = folder.bad(&["press", "--instrument", "far.toml"]);
