@@ -33,7 +33,7 @@ export const serve = (port, folder = fileURLToPath(new URL("dist", import.meta.u
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const port = Number(process.argv[2] ?? 8088);
   const server = await serve(port, process.argv[3]).catch((error) => {
-    console.error(`port ${process.argv[2] ?? 8088} cannot be had: ${error.code ?? error.message}; studio/run NUMBER takes another, 0 any that is free`);
+    console.error(`port ${process.argv[2] ?? 8088} cannot be opened: ${error.code ?? error.message}; studio/run NUMBER takes another, 0 any that is free`);
     process.exit(2);
   });
   console.log(`the studio is at http://localhost:${server.address().port}/ (Ctrl-C ends it)`);

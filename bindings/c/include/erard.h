@@ -184,8 +184,8 @@ typedef struct ErardInstrument ErardInstrument;
 typedef struct ErardKeyboard ErardKeyboard;
 
 /**
- * What a player did over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever
- * made it, until erard_stroke_free. One thread at a time may use it.
+ * A stroke over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever made it,
+ * until erard_stroke_free. One thread at a time may use it.
  */
 typedef struct ErardStroke ErardStroke;
 
@@ -196,7 +196,7 @@ typedef struct ErardStroke ErardStroke;
 typedef struct ErardWatch ErardWatch;
 
 /**
- * What there is to be read after a step: places and speeds at its end, from rest; forces as they acted in it.
+ * Reading after a step: positions and speeds at its end, from rest; forces as they acted in it.
  */
 typedef struct ErardReading {
   /**
@@ -216,8 +216,8 @@ typedef struct ErardReading {
    */
   double finger_n;
   /**
-   * The same in the mean over all steps of the call that made this reading, N: what a device holds that is slower
-   * than the steps.
+   * Mean finger force over all steps of the call that made this reading, N: for a device that is slower than the
+   * steps.
    */
   double finger_mean_n;
   /**
@@ -245,7 +245,7 @@ typedef struct ErardReading {
    */
   uint32_t blows;
   /**
-   * Of these, those of the call that made this reading.
+   * Number of these in the call that made this reading.
    */
   uint32_t new_blows;
   /**
@@ -259,7 +259,7 @@ typedef struct ErardReading {
 } ErardReading;
 
 /**
- * What drives a key. Fields that its kind does not use are not looked at.
+ * Input of a key. Fields that its kind does not use are ignored.
  */
 typedef struct ErardInput {
   /**
@@ -283,15 +283,15 @@ typedef struct ErardInput {
    */
   double velocity_m_per_s;
   /**
-   * Of a hand: effective mass at the fingertip, kg, 0.001 to 100.
+   * Hand: effective mass at the fingertip, kg, 0.001 to 100.
    */
   double hand_mass_kg;
   /**
-   * Of a hand: stiffness with which muscle holds it at position_m, N/m, 0 to 1e7; 0 where it does not.
+   * Hand: stiffness with which the muscle holds it at position_m, N/m, 0 to 1e7; 0 for none.
    */
   double muscle_n_per_m;
   /**
-   * Of a hand: damping of the muscle, N s/m, 0 to 1e5.
+   * Hand: damping of the muscle, N s/m, 0 to 1e5.
    */
   double muscle_n_s_per_m;
 } ErardInput;
@@ -381,14 +381,14 @@ const char *erard_version(void);
 uint32_t erard_abi(void);
 
 /**
- * What went wrong in the last call of this thread that failed and was none of the real-time functions (these return a
- * status and keep no text): a line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the
- * library's, and lasts until the next such call fails.
+ * The error of this thread's last failed call, the real-time functions excepted (they return a status and keep no
+ * text): a line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the library's, and lasts
+ * until the next such call fails.
  */
 const char *erard_last_error(void);
 
 /**
- * What a status means, a line in English; never NULL. Real time: yes.
+ * Meaning of a status, a line in English; never NULL. Real time: yes.
  */
 const char *erard_status_text(int32_t status);
 
@@ -418,7 +418,7 @@ void erard_memory_free(uint8_t *memory, size_t bytes);
 struct ErardAction *erard_action_new(const char *text, size_t length, double step_s, ErardStatus *status);
 
 /**
- * The same of an instrument. The action does not need it any more. Real time: no.
+ * Makes an action of an instrument; the action does not need the instrument afterwards. Real time: no.
  */
 struct ErardAction *erard_action_of(const struct ErardInstrument *instrument, double step_s, ErardStatus *status);
 
@@ -484,7 +484,7 @@ ErardStatus erard_advance(struct ErardAction *action,
                           struct ErardReading *reading);
 
 /**
- * What there is to be read now: after a step, the same as it wrote. Real time: yes.
+ * Reads the action now: after a step, the reading that the step wrote. Real time: yes.
  */
 ErardStatus erard_read(const struct ErardAction *action, struct ErardReading *reading);
 
@@ -591,8 +591,8 @@ uint32_t erard_keyboard_keys(const struct ErardKeyboard *keyboard);
 uint32_t erard_keyboard_awake(const struct ErardKeyboard *keyboard);
 
 /**
- * What drives a key, from 1, from the next step on until it is driven otherwise. The position of ERARD_MOTION holds,
- * whatever its velocity says: give a new one as often as it moves. Real time: yes.
+ * Sets the input of a key, from 1, from the next step on. The position of ERARD_MOTION holds, whatever its velocity
+ * says: give a new one as often as it moves. Real time: yes.
  */
 ErardStatus erard_keyboard_drive(struct ErardKeyboard *keyboard, uint32_t key, const struct ErardInput *input);
 
@@ -617,8 +617,7 @@ ErardStatus erard_keyboard_step(struct ErardKeyboard *keyboard,
                                 size_t *count);
 
 /**
- * What there is to be read of a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows
- * is 0. Real time: yes.
+ * Reads a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows is 0. Real time: yes.
  */
 ErardStatus erard_keyboard_read(const struct ErardKeyboard *keyboard, uint32_t key, struct ErardReading *reading);
 
@@ -649,7 +648,7 @@ ErardStatus erard_keyboard_restore(struct ErardKeyboard *keyboard, const uint8_t
 ErardStatus erard_halve(struct ErardAction *action, uint32_t kind);
 
 /**
- * The same for all keys of a keyboard; wakes them. Real time: no.
+ * Chooses the halving of steps for all keys of a keyboard; wakes them. Real time: no.
  */
 ErardStatus erard_keyboard_halve(struct ErardKeyboard *keyboard, uint32_t kind);
 
@@ -697,8 +696,8 @@ ErardStatus erard_instrument_get(const struct ErardInstrument *instrument,
 ErardStatus erard_instrument_set(struct ErardInstrument *instrument, const char *path, size_t which, double value);
 
 /**
- * What the instrument is, as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its numbers
- * with path, values, line and source. Give it back with erard_text_free.
+ * The instrument as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its numbers with
+ * path, values, line and source. Give it back with erard_text_free.
  */
 char *erard_instrument_json(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
@@ -711,7 +710,8 @@ char *erard_instrument_json(const struct ErardInstrument *instrument, size_t *le
 char *erard_check(const char *text, size_t length, size_t *json_length, ErardStatus *status);
 
 /**
- * What is built in, as JSON: {"instruments": [...], "keyboards": [...]}. Give it back with erard_text_free.
+ * The built-in instruments and keyboards, as JSON: {"instruments": [...], "keyboards": [...]}. Give it back with
+ * erard_text_free.
  */
 char *erard_builtin(size_t *length, ErardStatus *status);
 
@@ -757,11 +757,11 @@ char *erard_regulate(const struct ErardInstrument *instrument,
                      ErardStatus *status);
 
 /**
- * What a page needs to draw an instrument and move its picture, as JSON: "shapes" and "gradients" (SVG for a g and a
- * defs element; what moves carries `data-body`, or with the pedal's rail, `data-rail`), "bodies" with their hinges,
- * angles as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one), "string"
- * (where it is struck and how high it lies, null where it is rigid), "labels", "views" and the law of arrows; mm of
- * the picture. Give the text back with erard_text_free.
+ * Drawing of an instrument for a page that moves it, as JSON: "shapes" and "gradients" (SVG for a g and a defs
+ * element; what moves carries `data-body`, or with the pedal's rail, `data-rail`), "bodies" with their hinges, angles
+ * as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one), "string" (where
+ * it is struck and how high it lies, null where it is rigid), "labels", "views" and the law of arrows; mm of the
+ * picture. Give the text back with erard_text_free.
  */
 char *erard_scene(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
@@ -773,8 +773,8 @@ char *erard_scene(const struct ErardInstrument *instrument, size_t *length, Erar
 char *erard_sheet(uint32_t key, size_t *length, ErardStatus *status);
 
 /**
- * What can be turned and changed of an instrument, as JSON: dials, each with "name", "label", "note", "group", "unit",
- * "decimals", "value", "from" and "to". Give the text back with erard_text_free.
+ * Screws and parameters of an instrument that can be changed, as JSON: dials, each with "name", "label", "note",
+ * "group", "unit", "decimals", "value", "from" and "to". Give the text back with erard_text_free.
  */
 char *erard_dials(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
@@ -813,7 +813,7 @@ ErardStatus erard_watch_again(struct ErardWatch *watch);
 ErardStatus erard_watch_look(struct ErardWatch *watch, const struct ErardAction *action);
 
 /**
- * What has been seen so far. Real time: no.
+ * Reads the watch's observations so far. Real time: no.
  */
 ErardStatus erard_watch_read(const struct ErardWatch *watch, struct ErardEvents *events);
 
@@ -860,13 +860,13 @@ struct ErardStroke *erard_stroke_new(const struct ErardInstrument *instrument,
                                      ErardStatus *status);
 
 /**
- * What was done to a recorded stroke to make it ready and what was noticed, a line each; empty for one that is built
- * in. Give the text back with erard_text_free.
+ * Changes and remarks from the preparation of a recorded stroke, a line each; empty for one that is built in. Give the
+ * text back with erard_text_free.
  */
 char *erard_stroke_told(const struct ErardStroke *stroke, size_t *length, ErardStatus *status);
 
 /**
- * Which columns of a table are read as a recording, as JSON: an array of "role" ("time", "force", "position",
+ * Columns of a table that are read as a recording, as JSON: an array of "role" ("time", "force", "position",
  * "hammer"), "index" (from 0) and "title", time first. `titles` is a JSON array of all titles. For callers that read
  * tables that are not text, and pass their columns on as CSV. Give the text back with erard_text_free.
  */

@@ -60,7 +60,7 @@ pub unsafe extern "C" fn erard_action_new(
     })
 }
 
-/// The same of an instrument. The action does not need it any more. Real time: no.
+/// Makes an action of an instrument; the action does not need the instrument afterwards. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_of(
     instrument: *const ErardInstrument,
@@ -229,7 +229,7 @@ pub unsafe extern "C" fn erard_advance(
     })
 }
 
-/// What there is to be read now: after a step, the same as it wrote. Real time: yes.
+/// Reads the action now: after a step, the reading that the step wrote. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_read(action: *const ErardAction, reading: *mut ErardReading) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action and a place for a reading.

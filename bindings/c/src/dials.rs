@@ -31,7 +31,7 @@ pub(crate) enum Group {
 pub(crate) struct Dial {
     /// Its name, which no other dial of the instrument has: a screw's own, else e.g. `knuckle`.
     name: String,
-    /// What it is called at the bench.
+    /// Name at the bench.
     label: String,
     /// What more of it does.
     note: String,
@@ -104,7 +104,7 @@ pub(crate) fn turned(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]
     for (name, value) in wanted {
         let dial = all.iter().find(|dial| dial.name == *name).ok_or_else(|| {
             let known = all.iter().map(|dial| dial.name.as_str()).collect::<Vec<_>>().join(", ");
-            format!("there is no dial `{name}`; there are {known}")
+            format!("there is no dial `{name}`; expected one of {known}")
         })?;
         let Dial { from, to, unit, .. } = *dial;
         let slack = 1e-9 * (to - from);
@@ -115,7 +115,7 @@ pub(crate) fn turned(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]
     }
     let borrowed: Vec<(&str, usize, f64)> =
         changes.iter().map(|(path, which, value)| (path.as_str(), *which, *value)).collect();
-    with_numbers(text, &borrowed).ok_or_else(|| "the text has not the numbers of its instrument".to_owned())
+    with_numbers(text, &borrowed).ok_or_else(|| "the text does not hold the numbers of its instrument".to_owned())
 }
 
 impl Dial {

@@ -206,7 +206,7 @@ impl Component {
         let lists = Lists::read(state, SNAPSHOT_MARK).map_err(|error| error.to_string())?;
         let status = action.play.read(&lists);
         if status != ErardStatus::Ok {
-            return Err(format!("the state is none of this instance: {status:?}"));
+            return Err(format!("the state belongs to another instance: {status:?}"));
         }
         self.inputs = [0.0; 3];
         lists.fill(INPUTS, &mut self.inputs);

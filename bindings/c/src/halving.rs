@@ -39,7 +39,7 @@ pub unsafe extern "C" fn erard_halve(action: *mut ErardAction, kind: u32) -> Era
     })
 }
 
-/// The same for all keys of a keyboard; wakes them. Real time: no.
+/// Chooses the halving of steps for all keys of a keyboard; wakes them. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_halve(keyboard: *mut ErardKeyboard, kind: u32) -> ErardStatus {
     tell(|| {

@@ -58,7 +58,7 @@ pub(crate) unsafe fn parse(text: *const c_char, length: usize) -> Result<(Instru
 fn builtin(name: &str) -> Result<&'static str, Fault> {
     Instrument::builtin_text(name).ok_or_else(|| {
         let known = Instrument::builtin_names().collect::<Vec<_>>().join(", ");
-        Fault::new(ErardStatus::NoSuch, format!("no instrument `{name}` is built in; there are {known}"))
+        Fault::new(ErardStatus::NoSuch, format!("there is no built-in instrument `{name}`; expected one of {known}"))
     })
 }
 
@@ -184,8 +184,8 @@ pub unsafe extern "C" fn erard_instrument_set(
     })
 }
 
-/// What the instrument is, as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its numbers
-/// with path, values, line and source. Give it back with erard_text_free.
+/// The instrument as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its numbers with
+/// path, values, line and source. Give it back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_json(
     instrument: *const ErardInstrument,
@@ -263,7 +263,8 @@ pub unsafe extern "C" fn erard_check(
     })
 }
 
-/// What is built in, as JSON: {"instruments": [...], "keyboards": [...]}. Give it back with erard_text_free.
+/// The built-in instruments and keyboards, as JSON: {"instruments": [...], "keyboards": [...]}. Give it back with
+/// erard_text_free.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_builtin(length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
     told(null_mut(), status, || {

@@ -91,8 +91,8 @@ pub unsafe extern "C" fn erard_keyboard_awake(keyboard: *const ErardKeyboard) ->
     unsafe { keyboard.as_ref() }.map_or(0, |keyboard| keyboard.keys.awake() as u32)
 }
 
-/// What drives a key, from 1, from the next step on until it is driven otherwise. The position of ERARD_MOTION holds,
-/// whatever its velocity says: give a new one as often as it moves. Real time: yes.
+/// Sets the input of a key, from 1, from the next step on. The position of ERARD_MOTION holds, whatever its velocity
+/// says: give a new one as often as it moves. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_drive(
     keyboard: *mut ErardKeyboard,
@@ -192,8 +192,7 @@ pub unsafe extern "C" fn erard_keyboard_step(
     })
 }
 
-/// What there is to be read of a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows
-/// is 0. Real time: yes.
+/// Reads a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows is 0. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_read(
     keyboard: *const ErardKeyboard,

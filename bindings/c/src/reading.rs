@@ -35,7 +35,7 @@ pub const ERARD_RIGID: u32 = 3;
 /// action's state; erard_place_hand sets them.
 pub const ERARD_HAND: u32 = 4;
 
-/// What drives a key. Fields that its kind does not use are not looked at.
+/// Input of a key. Fields that its kind does not use are ignored.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ErardInput {
@@ -49,11 +49,11 @@ pub struct ErardInput {
     pub position_m: f64,
     /// m/s, down positive; of a hand, the velocity toward which its muscle damps it.
     pub velocity_m_per_s: f64,
-    /// Of a hand: effective mass at the fingertip, kg, 0.001 to 100.
+    /// Hand: effective mass at the fingertip, kg, 0.001 to 100.
     pub hand_mass_kg: f64,
-    /// Of a hand: stiffness with which muscle holds it at position_m, N/m, 0 to 1e7; 0 where it does not.
+    /// Hand: stiffness with which the muscle holds it at position_m, N/m, 0 to 1e7; 0 for none.
     pub muscle_n_per_m: f64,
-    /// Of a hand: damping of the muscle, N s/m, 0 to 1e5.
+    /// Hand: damping of the muscle, N s/m, 0 to 1e5.
     pub muscle_n_s_per_m: f64,
 }
 
@@ -111,7 +111,7 @@ pub(crate) fn within(number: f64, limit: f64) -> Result<f64, ErardStatus> {
     }
 }
 
-/// What there is to be read after a step: places and speeds at its end, from rest; forces as they acted in it.
+/// Reading after a step: positions and speeds at its end, from rest; forces as they acted in it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ErardReading {
@@ -123,8 +123,8 @@ pub struct ErardReading {
     pub key_m_per_s: f64,
     /// Force of the finger on the key in the last step, N: what a haptic key has to give back.
     pub finger_n: f64,
-    /// The same in the mean over all steps of the call that made this reading, N: what a device holds that is slower
-    /// than the steps.
+    /// Mean finger force over all steps of the call that made this reading, N: for a device that is slower than the
+    /// steps.
     pub finger_mean_n: f64,
     /// Rise of the hammer's strike point, m.
     pub hammer_m: f64,
@@ -138,7 +138,7 @@ pub struct ErardReading {
     pub hammer_speed_m_per_s: f64,
     /// Blows so far.
     pub blows: u32,
-    /// Of these, those of the call that made this reading.
+    /// Number of these in the call that made this reading.
     pub new_blows: u32,
     /// Place of the hand, m below the key front's rest; where none presses, where the last one was.
     pub hand_m: f64,

@@ -106,7 +106,7 @@ pub(crate) fn told<T>(none: T, status: *mut ErardStatus, work: impl FnOnce() -> 
     let done = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().cloned().or(panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
         let said = said.unwrap_or_default();
-        Err(Fault::new(ErardStatus::Internal, format!("a fault of the library: {said}")))
+        Err(Fault::new(ErardStatus::Internal, format!("internal error of the library: {said}")))
     });
     let (result, code) = match done {
         Ok(result) => (result, ErardStatus::Ok),
@@ -136,16 +136,16 @@ pub(crate) fn quick(work: impl FnOnce() -> ErardStatus) -> ErardStatus {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or(ErardStatus::Internal)
 }
 
-/// What went wrong in the last call of this thread that failed and was none of the real-time functions (these return a
-/// status and keep no text): a line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the
-/// library's, and lasts until the next such call fails.
+/// The error of this thread's last failed call, the real-time functions excepted (they return a status and keep no
+/// text): a line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the library's, and lasts
+/// until the next such call fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_last_error() -> *const c_char {
     // Where a thread ends its own storage is gone: there is nothing to say then.
     LAST.try_with(|last| last.borrow().as_ref().map_or(c"".as_ptr(), |text| text.as_ptr())).unwrap_or(c"".as_ptr())
 }
 
-/// What a status means, a line in English; never NULL. Real time: yes.
+/// Meaning of a status, a line in English; never NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_status_text(status: i32) -> *const c_char {
     ErardStatus::text(status).as_ptr()

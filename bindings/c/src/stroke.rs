@@ -18,8 +18,8 @@ use crate::reading::{
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 use crate::text::{bytes, give, name};
 
-/// What a player did over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever
-/// made it, until erard_stroke_free. One thread at a time may use it.
+/// A stroke over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever made it,
+/// until erard_stroke_free. One thread at a time may use it.
 pub struct ErardStroke {
     drive: Box<dyn Fn(f64) -> Input + Send>,
     hand: Option<Hand>,
@@ -58,7 +58,7 @@ pub unsafe extern "C" fn erard_stroke_builtin(
         let touch = if struck == 0 { Touch::Pressed } else { Touch::Struck };
         let speed_m_per_s = level::named(nuance).ok_or_else(|| {
             let known = level::LEVELS.map(|(name, _)| name).join(", ");
-            Fault::new(ErardStatus::NoSuch, format!("no stroke `{nuance}` is built in; there are {known}"))
+            Fault::new(ErardStatus::NoSuch, format!("there is no built-in stroke `{nuance}`; expected one of {known}"))
         })?;
         let kind = level::Kind { touch, mass_kg: level::MASS_KG };
         let found = level::Reference::new(instrument.instrument(), &mut |_| true)
@@ -91,14 +91,14 @@ pub unsafe extern "C" fn erard_stroke_new(
         let prepared = prepare(&recording, &Preparation::default()).map_err(|error| wrong(&error))?;
         let recorded = Stroke::recorded("recording".into(), prepared.series, recording.position_of, None);
         let (stroke, note) = recorded.map_err(|error| undriven(&error))?;
-        let lines = prepared.report.told().into_iter().chain(note.map(|note| format!("look: {note}")));
+        let lines = prepared.report.told().into_iter().chain(note.map(|note| format!("warning: {note}")));
         let lines: Vec<String> = lines.collect();
         Ok(Box::into_raw(Box::new(ErardStroke::new(stroke, lines.join("\n"), instrument)?)))
     })
 }
 
-/// What was done to a recorded stroke to make it ready and what was noticed, a line each; empty for one that is built
-/// in. Give the text back with erard_text_free.
+/// Changes and remarks from the preparation of a recorded stroke, a line each; empty for one that is built in. Give the
+/// text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_told(
     stroke: *const ErardStroke,
@@ -112,7 +112,7 @@ pub unsafe extern "C" fn erard_stroke_told(
     })
 }
 
-/// Which columns of a table are read as a recording, as JSON: an array of "role" ("time", "force", "position",
+/// Columns of a table that are read as a recording, as JSON: an array of "role" ("time", "force", "position",
 /// "hammer"), "index" (from 0) and "title", time first. `titles` is a JSON array of all titles. For callers that read
 /// tables that are not text, and pass their columns on as CSV. Give the text back with erard_text_free.
 #[unsafe(no_mangle)]

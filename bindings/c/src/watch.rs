@@ -92,7 +92,7 @@ pub unsafe extern "C" fn erard_watch_look(watch: *mut ErardWatch, action: *const
     })
 }
 
-/// What has been seen so far. Real time: no.
+/// Reads the watch's observations so far. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut ErardEvents) -> ErardStatus {
     tell(|| {

@@ -162,7 +162,7 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
     let each = goals.into_iter().map(|(name, value)| {
         let goal = Goal::ALL.into_iter().find(|goal| goal.name() == name).ok_or_else(|| {
             let known = Goal::ALL.map(Goal::name).join(", ");
-            wrong(format!("there is no goal `{name}`; there are {known}"))
+            wrong(format!("there is no goal `{name}`; expected one of {known}"))
         })?;
         let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         let target =
@@ -172,11 +172,11 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
     each.collect()
 }
 
-/// What a page needs to draw an instrument and move its picture, as JSON: "shapes" and "gradients" (SVG for a g and a
-/// defs element; what moves carries `data-body`, or with the pedal's rail, `data-rail`), "bodies" with their hinges,
-/// angles as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one), "string"
-/// (where it is struck and how high it lies, null where it is rigid), "labels", "views" and the law of arrows; mm of
-/// the picture. Give the text back with erard_text_free.
+/// Drawing of an instrument for a page that moves it, as JSON: "shapes" and "gradients" (SVG for a g and a defs
+/// element; what moves carries `data-body`, or with the pedal's rail, `data-rail`), "bodies" with their hinges, angles
+/// as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one), "string" (where
+/// it is struck and how high it lies, null where it is rigid), "labels", "views" and the law of arrows; mm of the
+/// picture. Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_scene(
     instrument: *const ErardInstrument,
@@ -217,8 +217,8 @@ pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardSt
     })
 }
 
-/// What can be turned and changed of an instrument, as JSON: dials, each with "name", "label", "note", "group", "unit",
-/// "decimals", "value", "from" and "to". Give the text back with erard_text_free.
+/// Screws and parameters of an instrument that can be changed, as JSON: dials, each with "name", "label", "note",
+/// "group", "unit", "decimals", "value", "from" and "to". Give the text back with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_dials(
     instrument: *const ErardInstrument,

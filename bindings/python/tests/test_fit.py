@@ -126,7 +126,7 @@ def test_noise_of_what_drives_makes_errors_larger(rigid: erard.Instrument) -> No
     # At 1 kHz neither rest nor spectrum tells it.
     coarse = {name: values[::4] for name, values in data.items()}
     assert erard.Recording(coarse, zero=False, low_pass=None).noise("force_N") is None
-    with pytest.warns(erard.DoubtfulFitWarning, match="the noise of force_N, which drives, is not known"):
+    with pytest.warns(erard.DoubtfulFitWarning, match="the noise of force_N, which drives the model, is unknown"):
         unknown = erard.fit(rigid, coarse, vary=["body.hammer.mass"], sigma=NOISE)
     assert "noise_unknown" in [doubt.kind for doubt in unknown.doubts]
     assert str(unknown).startswith("Doubtful: ") and "the noise of force_N, which drives, is not known" in str(unknown)
@@ -157,8 +157,8 @@ def test_a_motion_drives_and_the_force_is_fitted(rigid: erard.Instrument) -> Non
         ({"vary": ["body.hammer.mass_g"]}, "number of the file"),
         ({"vary": ["let_off"], "bounds": {"let_off": (1e-3, -1e-3)}}, "increasing"),
         ({"vary": ["let_off"], "bounds": {"drop": (0, 1e-3)}}, "not varied"),
-        ({"vary": ["let_off"], "columns": ["string_N"]}, "not recorded"),
-        ({"vary": ["let_off"], "sigma": {"string_N": 1.0}}, "not compared"),
+        ({"vary": ["let_off"], "columns": ["string_N"]}, "to compare"),
+        ({"vary": ["let_off"], "sigma": {"string_N": 1.0}}, "neither compared"),
         ({"vary": ["let_off"], "bounds": {"let_off": "1 mm"}}, "two numbers"),
         ({"vary": ["let_off"], "start": {"drop": 0.0}}, "not varied"),
         ({"vary": ["let_off"], "start": {"let_off": 1.0}}, "its bounds"),

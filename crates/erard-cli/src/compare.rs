@@ -59,7 +59,7 @@ pub(crate) fn print_table(comparison: &Comparison) {
         };
         let why = match errors {
             Some(_) => "",
-            None if *measured => "the recording tells of nothing here",
+            None if *measured => "the recording holds nothing here",
             None => "not measured",
         };
         let names = [trial.driven.name(), trial.which.name(), quantity].map(str::to_owned);
@@ -70,15 +70,15 @@ pub(crate) fn print_table(comparison: &Comparison) {
     if limit < 0.5 * RATE_HZ {
         let all = findings.iter().all(|f| f.told_to_hz == limit);
         say!(
-            "  (all of it up to {limit:.0} Hz{}: above, the recording tells of noise or of nothing)",
+            "  (all up to {limit:.0} Hz{}: above, the recording holds only noise or nothing)",
             if all { "" } else { " or more" }
         );
     }
     say!();
     if findings.iter().any(|f| f.errors.is_some()) {
-        say!("  error by frequency (rms; in brackets, of what was measured in the band)");
+        say!("  error by frequency band in Hz (rms; in brackets, share of the signal there)");
         let Some(edges) = findings.iter().find_map(|finding| Some(&finding.errors?.bands)) else { return };
-        let bands: Vec<String> = edges.iter().map(|band| format!("{:.0}-{:.0} Hz", band.from_hz, band.to_hz)).collect();
+        let bands: Vec<String> = edges.iter().map(|band| format!("{:.0}-{:.0}", band.from_hz, band.to_hz)).collect();
         let heads = ["drive", "model", "of"].into_iter().chain(bands.iter().map(String::as_str));
         let rows = findings.iter().filter_map(|finding| {
             let Finding { trial, quantity, shown: (factor, unit), told_to_hz, errors, .. } = finding;
@@ -98,7 +98,7 @@ fn by_frequency(band: &Band, factor: f64, told_to_hz: f64) -> String {
     }
     let share = 100.0 * band.error_rms / band.measured_rms.max(f64::MIN_POSITIVE);
     // A band in which next to nothing was measured has no share worth reading.
-    let share = if share < 1e3 { format!("{share:.1} %") } else { "> 1000 %".to_owned() };
+    let share = if share < 1e3 { format!("{share:.0} %") } else { "> 1000 %".to_owned() };
     format!("{:.4} ({share})", band.error_rms * factor)
 }
 

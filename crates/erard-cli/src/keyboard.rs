@@ -47,7 +47,7 @@ fn numbers(weighed: &WeighedKey) -> [f64; 9] {
     ]
 }
 
-/// Why keys are not to be trusted, each tried with its number: of every kind and part how many keys, and the worst of
+/// Why keys cannot be trusted, each tried with its number: of every kind and part how many keys, and the worst of
 /// them.
 pub(crate) fn doubts<'a>(tried: impl Iterator<Item = (usize, &'a Tried)> + Clone) -> Vec<String> {
     let all = tried.clone().count();
@@ -55,9 +55,7 @@ pub(crate) fn doubts<'a>(tried: impl Iterator<Item = (usize, &'a Tried)> + Clone
         .into_iter()
         .map(|(count, worst)| {
             let key = tried.clone().find(|(_, one)| one.warnings.contains(worst)).map_or(0, |(key, _)| key);
-            format!(
-                "{count} of {all} keys are not to be trusted, pressed with a mezzo forte; the worst, key {key}: {worst}"
-            )
+            format!("{count} of {all} keys pressed mezzo forte cannot be trusted; the worst, key {key}: {worst}")
         })
         .collect()
 }

@@ -13,16 +13,16 @@ const PAPERS: [Name<&str>; 2] = [("a4", "210 mm x 297 mm", "A4"), ("letter", "8.
 /// What stands at the head of a printed page. A page names no day by itself: the same work makes the same page.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct Headed {
-    /// Serial number of the piano, for the head of the printed page
+    /// Serial number of the piano, for the head of the page to print
     #[arg(long, value_name = "TEXT", value_parser = words)]
     pub serial: Option<String>,
-    /// Date for the head of the printed page
+    /// Date for the head of the page to print
     #[arg(long, value_name = "TEXT", value_parser = words)]
     pub date: Option<String>,
-    /// A note for the printed page, at most 400 characters
+    /// Note for the page to print, at most 400 characters
     #[arg(long, value_name = "TEXT", value_parser = words)]
     pub note: Option<String>,
-    /// Paper of the printed page
+    /// Paper of the page to print
     #[arg(long, value_parser = one_of(&PAPERS), default_value = "a4")]
     pub paper: &'static str,
 }

@@ -24,30 +24,28 @@ use crate::zstandard::column_reader;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Recordings")]
 pub(crate) struct RecordingOptions {
-    /// Which columns of the file to read, by their titles, where these do not say it by themselves: as in `time=Time
-    /// (s),position=Displacement (mm),force=F [gf]`; `hammer` is the hammer's; `#3` is the third column, `x:mm` a
-    /// column `x` in mm, `none` no column
+    /// Columns of the file by their titles, if they are not found automatically: `time=Time (s),position=Displacement
+    /// (mm),force=F [gf],hammer=h`. `#3` is the third column, `x:mm` a column `x` in mm, `none` no column
     #[arg(long, value_name = "NAME=TITLE,..")]
     columns: Option<Columns>,
-    /// Whose position was recorded: the key's, or the fingertip's on the driver's side of its softness. Where force was
-    /// recorded too, one gives the other: fingertip = key + F/k, the finger's damper included [default: the key's,
-    /// unless the column's title says otherwise]
+    /// Which position was recorded, the key's or the fingertip's. The two differ by the compression of the fingertip,
+    /// F/k and its damper [default: the key's, unless the column title says otherwise]
     #[arg(long, value_name = "WHOSE", value_parser = one_of(&POSITIONS))]
     position: Option<PositionOf>,
-    /// Take the zero from the rest before the touch, or leave every number as it is
+    /// Zero of the channels
     #[arg(long, action = ArgAction::Set, value_parser = one_of(&ZEROS), default_value = "rest")]
     zero: bool,
-    /// Channels whose sign is to be turned: force, position, hammer
+    /// Channels whose sign to reverse: force, position, hammer
     #[arg(long, value_name = "CHANNELS", value_delimiter = ',', value_parser = channel)]
     invert: Vec<Role>,
-    /// How much later than the others a channel was written down, as in force=1.5ms
+    /// Delay of a channel behind the others, e.g. force=1.5ms; it is removed
     #[arg(long, value_name = "CHANNEL=TIME", value_delimiter = ',', value_parser = delay)]
     delay: Vec<(Role, f64)>,
-    /// Low-pass (Butterworth's, forth and back, so that nothing is delayed): a frequency in Hz at which amplitudes are
-    /// halved, `off`, or `own`: where each channel's own noise begins, if it has any
+    /// Low-pass filter (Butterworth, forward and backward, hence without delay): the frequency in Hz at which
+    /// amplitudes are halved, `own` (where the noise of each channel begins) or `off`
     #[arg(long, value_name = "HZ|own|off", default_value = "own", value_parser = low_pass)]
     low_pass: LowPass,
-    /// Order of the low-pass, of one pass
+    /// Order of the low-pass filter in one pass
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = order)]
     order: usize,
 }
@@ -60,12 +58,12 @@ impl RecordingOptions {
 }
 
 const POSITIONS: [Name<PositionOf>; 2] =
-    [("key", "The key's front", PositionOf::Key), ("fingertip", "The fingertip", PositionOf::Fingertip)];
+    [("key", "Front of the key", PositionOf::Key), ("fingertip", "Fingertip", PositionOf::Fingertip)];
 
 /// Whether the zero is taken from the rest.
 const ZEROS: [Name<bool>; 2] = [
-    ("rest", "The mean of the rest before the touch, where there is one", true),
-    ("off", "As it stands in the file", false),
+    ("rest", "Mean of the rest before the touch, if there is one", true),
+    ("off", "Numbers as they are in the file", false),
 ];
 
 fn channel(text: &str) -> Result<Role, String> {
@@ -186,7 +184,7 @@ impl RecordingOptions {
             .chain(self.delay.iter().map(|(role, _)| (role, "--delay")))
         {
             if recording.channel(*role).is_none() {
-                return Err(Failure::Usage(format!("{option} {}: {name} has no such channel", role.name())));
+                return Err(Failure::Usage(format!("{option} {}: {name} does not have this channel", role.name())));
             }
         }
         Ok(self.position.unwrap_or(recording.position_of))
@@ -271,12 +269,7 @@ fn read_parquet(file: io::Result<File>, name: &str, columns: &Columns) -> Result
     let file = file.map_err(|error| unreadable(&error))?;
     let regular = file.metadata().map_err(|error| unreadable(&error))?;
     if !regular.is_file() {
-        return Err(fault(
-            name,
-            "",
-            "Parquet is read from the end of a file, which a pipe has not".to_owned(),
-            "a file",
-        ));
+        return Err(fault(name, "", "Parquet cannot be read from a pipe; expected a file".to_owned(), "a file"));
     }
     if regular.len() > MAX_BYTES {
         return Err(fault(name, "", format!("larger than {} MiB", MAX_BYTES >> 20), ""));

@@ -2,11 +2,13 @@
 //!
 //! Names and paths come from files and strangers. What could steer a terminal is shown by its code instead.
 
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
 
 use erard::files::printable;
+
+use crate::table::{USUAL, wrapped};
 
 /// Whether words on standard output are left out.
 static QUIET: AtomicBool = AtomicBool::new(false);
@@ -45,12 +47,18 @@ pub(crate) fn wants_json() -> bool {
     JSON.load(Relaxed)
 }
 
-/// Writes a line to standard output. `finish` reports what went wrong.
+/// Writes lines to standard output: sentences in the width of a terminal, rows of tables as they are; in colour what is
+/// out of range, if a terminal shows it. `finish` reports what went wrong.
 pub fn line(text: String) {
     if is_quiet() || wants_json() {
         return;
     }
-    keep(writeln!(io::stdout(), "{}", printable(&text)));
+    let is_coloured = shows_colour(&io::stdout());
+    let lines: Vec<String> = folded(&printable(&text))
+        .split('\n')
+        .map(|line| if is_coloured { marked(line) } else { line.to_owned() })
+        .collect();
+    keep(writeln!(io::stdout(), "{}", lines.join("\n")));
 }
 
 /// Bytes on standard output as they are: a file, not words.
@@ -58,9 +66,70 @@ pub fn verbatim(text: &str) {
     keep(io::stdout().write_all(text.as_bytes()));
 }
 
-/// A line on standard error. Where even that cannot be written, nobody is left to tell.
+/// A line on standard error, folded if a terminal shows it: who searches a log finds a message in one line. Where even
+/// that cannot be written, nobody is left to tell.
 pub fn aside(text: String) {
-    let _ = writeln!(io::stderr(), "{}", printable(&text));
+    let mut text = printable(&text).into_owned();
+    let stderr = io::stderr();
+    // The excerpt of a file is a picture of its lines.
+    if stderr.is_terminal() && !text.contains('\u{256d}') {
+        text = folded(&text);
+    }
+    for (head, colour) in [("error:", RED), ("warning:", YELLOW)] {
+        if let Some(rest) = text.strip_prefix(head)
+            && shows_colour(&stderr)
+        {
+            text = format!("{colour}{head}{PLAIN}{rest}");
+            break;
+        }
+    }
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
+const RED: &str = "\u{1b}[31m";
+const YELLOW: &str = "\u{1b}[33m";
+const PLAIN: &str = "\u{1b}[0m";
+
+/// Whether colours belong there: on a terminal that has them, unless `NO_COLOR` says otherwise (no-color.org).
+fn shows_colour(stream: &impl IsTerminal) -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    stream.is_terminal() && !is_set("NO_COLOR") && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+}
+
+/// Sentences folded to the width of a terminal, what goes on two characters further in. A line with a gap of two spaces
+/// is a row of a table, and stays.
+fn folded(text: &str) -> String {
+    let fold = |line: &str| {
+        let words = line.trim_start();
+        if line.chars().count() <= USUAL || words.contains("  ") {
+            return line.to_owned();
+        }
+        let indent = line.len() - words.len();
+        let further = format!("\n{}", " ".repeat(indent + 2));
+        format!("{}{}", &line[..indent], wrapped(words, USUAL.saturating_sub(indent + 2).max(20)).join(&further))
+    };
+    text.split('\n').map(fold).collect::<Vec<_>>().join("\n")
+}
+
+/// Cells of a row that are out of range, in red: those that end with the mark `!`, and the verdict `missed`.
+fn marked(line: &str) -> String {
+    let mut out = String::new();
+    let mut rest = line;
+    while !rest.is_empty() {
+        let gap = rest.len() - rest.trim_start_matches(' ').len();
+        let end = rest[gap..].find("  ").map_or(rest.len(), |end| gap + end);
+        let cell = &rest[gap..end];
+        out.push_str(&rest[..gap]);
+        let is_out =
+            cell.ends_with(" !") || cell.starts_with("! ") || cell == "missed" || cell.starts_with("missed by");
+        if is_out {
+            out.push_str(&format!("{RED}{cell}{PLAIN}"));
+        } else {
+            out.push_str(cell);
+        }
+        rest = &rest[end..];
+    }
+    out
 }
 
 /// Keeps the first fault. A reader that has gone away, as in `erard check FILE | head -1`, has read enough: that is
@@ -82,5 +151,32 @@ pub(crate) fn finish() -> io::Result<()> {
     match FAULT.lock().unwrap_or_else(PoisonError::into_inner).take() {
         Some(source) => Err(source),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{folded, marked};
+
+    #[test]
+    fn sentences_are_folded_and_rows_are_not() {
+        let sentence = format!("  {}", ["word"; 30].join(" "));
+        let lines = folded(&sentence);
+        assert!(lines.lines().all(|line| line.chars().count() <= 80) && lines.lines().count() == 2, "{lines}");
+        assert!(lines.lines().nth(1).unwrap().starts_with("    word"), "{lines}");
+        assert_eq!(lines.split_whitespace().count(), 30);
+        let row = format!("  {}", ["word"; 30].join("  "));
+        assert_eq!(folded(&row), row);
+        assert_eq!(folded("a\n\nb\n"), "a\n\nb\n");
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_marked() {
+        assert_eq!(
+            marked("  down-weight D    55.9 g !  45.0-55.0"),
+            "  down-weight D    \u{1b}[31m55.9 g !\u{1b}[0m  45.0-55.0"
+        );
+        assert_eq!(marked("    ! dip 11.3 mm"), "    \u{1b}[31m! dip 11.3 mm\u{1b}[0m");
+        assert_eq!(marked("  up-weight U  24.7 g   20.0-25.0"), "  up-weight U  24.7 g   20.0-25.0");
     }
 }

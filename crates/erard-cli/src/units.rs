@@ -8,7 +8,7 @@ pub(crate) const MM_PER_INCH: f64 = 25.4;
 /// Whether lengths are shown in inches.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Args)]
 pub(crate) struct Lengths {
-    /// Show lengths in inches; files for programs (JSON, CSV) stay in millimetres
+    /// Show lengths in inches. JSON and CSV stay in millimetres
     #[arg(long)]
     inches: bool,
 }

@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use crate::svg::escape;
 
-/// What made a result.
+/// Provenance of a result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MadeBy {
     /// Name of the program.
@@ -21,7 +21,7 @@ pub struct MadeBy {
     pub command: String,
     /// All options, those that were not given too.
     pub options: BTreeMap<String, Vec<String>>,
-    /// What it was made from, in the order in which it was read.
+    /// Inputs, in the order in which they were read.
     pub sources: Vec<Source>,
 }
 
@@ -30,7 +30,7 @@ pub struct MadeBy {
 pub struct Source {
     /// `instrument`, `keyboard`, `linkage`, `stroke`, `recording`.
     pub kind: String,
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// Its file, as it was given; `None` for what is built in.
     pub file: Option<String>,

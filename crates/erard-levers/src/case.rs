@@ -7,21 +7,21 @@ use moreau_linkage::three_lever::{
 /// Poses of the stroke that slidings are measured on: differences between neighbours are below a micrometre.
 const DIGEST_STEPS: usize = 400;
 
-/// Where the hammer is let off. It stays at this height whatever is moved: let-off is regulated against the string.
+/// Let-off. It stays at this height whatever is moved: let-off is regulated against the string.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LetOff {
     /// Height of the strike point over the key's pivot, m.
     pub head_height_m: f64,
-    /// What it is called in figures: `let-off`, or `toe contact` where the jack begins to escape.
+    /// Name in figures: `let-off`, or `toe contact`, where the jack begins to escape.
     pub name: &'static str,
-    /// What happens there, for people.
+    /// Description for people.
     pub what: String,
 }
 
 /// Three levers and where they let the hammer off.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// The levers, as they are.
     pub levers: Levers,
@@ -48,7 +48,7 @@ pub struct Spot {
     pub leverage: f64,
 }
 
-/// What a designer asks of a case, from rest to let-off.
+/// Summary of a case for a designer, from rest to let-off.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Digest {
     /// At rest.
@@ -100,7 +100,7 @@ impl Case {
         Some(Spot { key_m, leverage: pose.leverage })
     }
 
-    /// What there is to say about it.
+    /// Summary of the case.
     #[must_use]
     pub fn digest(&self) -> Digest {
         let rest = self.train.rest();

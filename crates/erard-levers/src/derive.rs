@@ -35,7 +35,7 @@ pub enum DeriveError {
     Levers(#[from] ThreeLeverError),
 }
 
-/// What an instrument lacks of the three levers, or has otherwise than they need it.
+/// Reason why an instrument is not a mechanism of three levers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotThreeLevers {
@@ -46,7 +46,7 @@ pub enum NotThreeLevers {
         role: &'static str,
     },
     /// The key front lies behind the balance pin.
-    #[error("the finger presses the key behind its pivot")]
+    #[error("the finger presses the key behind its pivot; expected a point in front of it")]
     FingerBehindPivot,
     /// A lever that rides on another.
     #[error("`{body}` is not hinged on the ground")]
@@ -57,7 +57,7 @@ pub enum NotThreeLevers {
     /// No zone of `roles.knuckle` is between a body and the hammer.
     #[error("`roles.knuckle` names no zone in which a body pushes the hammer")]
     NobodyPushesTheHammer,
-    /// What pushes the knuckle rides on no whippen.
+    /// The part that pushes the knuckle is not carried by a whippen.
     #[error("`{body}` pushes the knuckle without a whippen")]
     NoWhippen {
         /// What pushes.
@@ -84,7 +84,7 @@ pub enum NotThreeLevers {
 pub struct Derived {
     /// The levers with their discs, and where the hammer is let off.
     pub design: Design,
-    /// The same as [`Design::levers`].
+    /// Levers as in [`Design::levers`].
     pub levers: DiscLevers,
     /// The nearest levers of lengths L1 to L10: knuckle and jack exactly (the knuckle's centre on a line that far above
     /// the jack's top), the capstan as the point of the heel that it touches at rest, sliding on a straight key.
@@ -93,7 +93,7 @@ pub struct Derived {
     pub capstan_zone: String,
     /// Name of the zone between jack and hammer.
     pub knuckle_zone: String,
-    /// What to know about the instrument's rest, a sentence each.
+    /// Remarks about the instrument's rest, a sentence each.
     pub notes: Vec<String>,
 }
 
@@ -169,7 +169,7 @@ pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
     })
 }
 
-/// Who is who among bodies and zones.
+/// Roles of bodies and zones.
 struct Parts {
     key: usize,
     whippen: usize,

@@ -20,12 +20,12 @@ pub(crate) const KIND: &str = "three-lever";
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Erard linkage file")]
 pub(crate) struct LinkageToml {
-    /// What kind of linkage: `three-lever`.
+    /// Kind of linkage: `three-lever`.
     #[schemars(extend("const" = KIND))]
     pub kind: At<String>,
     /// Name shown in summaries and figures.
     pub name: Option<At<String>>,
-    /// What instrument this is, for people.
+    /// Description of the instrument, for people.
     #[serde(rename = "description")]
     pub _description: Option<String>,
     /// The sources that numbers cite, by name.
@@ -37,7 +37,7 @@ pub(crate) struct LinkageToml {
     pub key: KeyToml,
     /// The hammer.
     pub hammer: HammerToml,
-    /// Where the hammer is let off; a blow of 46 mm and 1.5 mm when absent.
+    /// Let-off: a blow of 46 mm and let-off at 1.5 mm when absent.
     pub regulation: Option<At<RegulationToml>>,
 }
 

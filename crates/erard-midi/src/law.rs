@@ -27,7 +27,7 @@ pub enum Law<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Table<'a>(&'a [[f64; 2]]);
 
-/// What is wrong with a table.
+/// A fault in a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LawError {
     /// There are fewer than two points.

@@ -1,6 +1,6 @@
 //! When a note begins and ends, from what a key's action does.
 
-/// What a key's action did.
+/// Event of a key's action.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
     /// The hammer met the string: a note-on.
@@ -19,7 +19,7 @@ pub enum Event {
     },
 }
 
-/// Where a key sets its damper down.
+/// Key travel at which the damper falls on the string.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
     /// Travel of the key's front from rest, m, down positive, at which the key, coming up, sets its damper down while
@@ -114,7 +114,8 @@ impl Pedal {
         Pedal { value: 0 }
     }
 
-    /// Where it is, 0 up to 1 down; returns the controller's value if that is another. What is not a number is up.
+    /// Takes the pedal's position, 0 (up) to 1 (down); returns the controller's value if it changed. A position that is
+    /// not a number counts as up.
     pub fn update(&mut self, down: f64) -> Option<u8> {
         let share = if down > 0.0 { down.min(1.0) } else { 0.0 };
         let value = libm::round(127.0 * share) as u8;

@@ -11,21 +11,21 @@ use erard::saved::{FNV1A, fnv1a};
 
 /// Name of the library inside the archive, and of the model.
 pub const MODEL: &str = "erard";
-/// Where the instrument's text lies inside the archive.
+/// Path of the instrument file inside the archive.
 pub const INSTRUMENT: &str = "resources/instrument.toml";
 /// Length of a step, s, unless the parameter `step_s` says otherwise.
 pub const STEP_S: f64 = 50e-6;
 
-/// What a variable is.
+/// Meaning of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Force on the key front, N, down positive.
     Force,
-    /// Where the driver's end of the fingertip is, m below the key's rest.
+    /// Position of the driver's end of the fingertip, m below the key's rest.
     Position,
     /// Its velocity, m/s.
     Velocity,
-    /// Which of them drives the key, see [`Variable`]'s description; an integer.
+    /// Selects the drive, see the description of [`Variable`]; an integer.
     Drive,
     /// Length of a step, s.
     Step,
@@ -58,7 +58,7 @@ pub struct Variable {
     pub reference: u32,
     /// Its name. Numbers of the file are called by their dotted path; a coordinate's two places end in `[1]` and `[2]`.
     pub name: String,
-    /// What it is.
+    /// Meaning.
     pub role: Role,
     /// Its value at first; `None` for what is calculated.
     pub start: Option<f64>,

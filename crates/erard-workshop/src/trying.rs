@@ -17,7 +17,7 @@ pub(crate) const NUANCE: &str = "mf";
 pub struct Tried {
     /// Speed of the strike point at the string, m/s; `None` where it is not reached.
     pub hammer_speed_m_per_s: Option<f64>,
-    /// Why the press is not to be trusted: a bound that it broke, or why it could not be played.
+    /// Why the press cannot be trusted: a bound that it broke, or why it could not be played.
     pub warnings: Vec<Warning>,
 }
 
@@ -46,7 +46,7 @@ pub fn try_once(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<
     }
 }
 
-/// The same for many, on all cores. `progress` receives the share that is done, and ends the work by returning false.
+/// Tries many instruments on all cores. `progress` receives the share done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`try_once`].

@@ -24,7 +24,7 @@ pub struct WeighedKey {
     pub front_weight_g: f64,
     /// Down-weight and up-weight from a slow loop, dampers lifted, g.
     pub touch: Touch,
-    /// The key pressed once with a mezzo forte: its hammer's speed, and why the press is not to be trusted.
+    /// The key pressed once with a mezzo forte: its hammer's speed, and why the press cannot be trusted.
     pub tried: Tried,
 }
 

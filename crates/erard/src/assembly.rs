@@ -16,7 +16,7 @@ pub fn assemble<T: Scalar, const B: usize, const Z: usize>(
     describe(instrument).model()
 }
 
-/// What is observed after every step: the hammer's strike point and the string.
+/// Probes observed after every step: the hammer's strike point and the string.
 pub fn probes(instrument: &Instrument) -> Probes {
     let roles = &instrument.roles;
     Probes { point: roles.hammer.map(|hammer| (hammer, roles.hammer_head_m)), zone: roles.string }

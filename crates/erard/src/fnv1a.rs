@@ -1,6 +1,6 @@
 //! The one check sum of the project. The firmware, which has no standard library, compiles this file, too.
 
-/// Where [`fnv1a`] begins.
+/// Starting value of [`fnv1a`].
 pub const FNV1A: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// FNV-1a with 64 bits, continued from `hash`: for saved states, identities and promised bits.

@@ -8,10 +8,10 @@ use crate::files::shown;
 use crate::instrument::{FileError, Instrument, UnknownInstrument, file_bytes, utf8};
 use crate::keyboard::{KEYS, Keyboard, is_keyboard};
 
-/// What stands between a keyboard and the number of a key, as in `concert-grand:key=88`.
+/// Text between a keyboard and the number of a key, as in `concert-grand:key=88`.
 pub const KEY: &str = ":key=";
 
-/// What stands before the number of a sample, as in `concert-grand:sample=17`.
+/// Text before the number of a sample, as in `concert-grand:sample=17`.
 pub const SAMPLE: &str = ":sample=";
 /// The last sample.
 pub(crate) const LAST_SAMPLE: u32 = 1_000_000;
@@ -31,7 +31,7 @@ pub fn split_sample(asked: &str) -> Result<(String, Option<u32>), InstrumentSpec
     }
 }
 
-/// What was asked for.
+/// An instrument as a user names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InstrumentSpec<'a> {
     /// A file.
@@ -51,7 +51,7 @@ pub enum InstrumentSpec<'a> {
 #[derive(Debug, Error)]
 pub enum InstrumentSpecError {
     /// No such key.
-    #[error("{asked}: `{key}` is no key; expected a number from 1 to {KEYS}")]
+    #[error("{asked}: found key `{key}`; expected a number from 1 to {KEYS}")]
     NoKey {
         /// As it was asked for.
         asked: String,
@@ -60,7 +60,7 @@ pub enum InstrumentSpecError {
     },
     /// No such sample.
     #[error(
-        "{asked}: `{sample}` is no sample; expected a number from 1 to {LAST_SAMPLE}, as in concert-grand{SAMPLE}17 or concert-grand{KEY}88{SAMPLE}17"
+        "{asked}: found sample `{sample}`; expected a number from 1 to {LAST_SAMPLE}, e.g. concert-grand{SAMPLE}17 or concert-grand{KEY}88{SAMPLE}17"
     )]
     NoSample {
         /// As it was asked for.
@@ -69,15 +69,13 @@ pub enum InstrumentSpecError {
         sample: String,
     },
     /// A sample where only files and names are understood.
-    #[error(
-        "{asked}: samples are drawn and regulated by the command; `erard list {asked} > sample.toml` writes one as a file"
-    )]
+    #[error("{asked}: only the command draws samples. Write one as a file: `erard list {asked} > sample.toml`")]
     Sampled {
         /// As it was asked for.
         asked: String,
     },
     /// A keyboard has many instruments.
-    #[error("{file}: this is a keyboard; name one of its keys, as in {file}{KEY}40")]
+    #[error("{file}: is a keyboard; expected an instrument. Name one of its keys: {file}{KEY}40")]
     IsKeyboard {
         /// The file.
         file: String,

@@ -23,7 +23,7 @@ pub const LEVELS: [(&str, f64); 5] = [("pp", 0.5), ("p", 0.79), ("mf", 1.99), ("
 pub const CLOSE: f64 = 1e-3;
 /// Mass of a hand unless told otherwise, kg.
 pub const MASS_KG: f64 = 0.2;
-/// What holds the key down after the impact, N. An estimate.
+/// Force that holds the key down after the impact, N. An estimate.
 pub const HOLD_N: f64 = 3.0;
 /// The hand leaves the key at this instant, s, its force gone within [`RELEASE_S`].
 pub const LET_GO_S: f64 = 0.5;
@@ -55,7 +55,7 @@ pub fn named(name: &str) -> Option<f64> {
 /// A hand that plays a level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solved {
-    /// What the hand does until the impact. It goes on pressing after it.
+    /// Stroke of the hand. It presses on after the impact.
     pub stroke: HandStroke,
     /// The impact.
     pub impact: Impact,
@@ -99,7 +99,7 @@ pub enum LevelError {
         found: f64,
     },
     /// The instrument has no key, no hammer or no string: there is no speed at the string.
-    #[error("{instrument}: no hammer meets a string under a hand; expected an action with key, hammer and string")]
+    #[error("{instrument}: the hammer never reaches a string; expected an action with key, hammer and string")]
     Silent {
         /// Its name.
         instrument: String,

@@ -21,7 +21,7 @@ use crate::player::{Action, ActionError};
 #[derive(Debug, Error)]
 pub enum OneDofError {
     /// No key.
-    #[error("the instrument names no key (`roles.key`), so that there is nothing to reduce to")]
+    #[error("the instrument has no `roles.key`; expected the body to which the action is reduced")]
     NoKey,
     /// The transmitting zones do not determine the bodies they reach.
     #[error(

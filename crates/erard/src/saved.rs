@@ -22,14 +22,14 @@ pub const VERSION: u32 = 2;
 /// Why bytes are no saved state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum Unreadable {
-    /// They begin otherwise, or are too few.
+    /// The bytes begin with another mark, or are too few.
     #[error("the bytes are no saved state of this kind")]
     Mark,
     /// Another layout.
     #[error("the saved state is of version {0}; expected {VERSION}")]
     Version(u32),
-    /// They were changed or cut off since they were written.
-    #[error("the saved state is damaged: its check sum is wrong")]
+    /// The bytes were changed or cut off.
+    #[error("the saved state is damaged: wrong checksum")]
     Damaged,
 }
 

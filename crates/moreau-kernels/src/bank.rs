@@ -15,14 +15,14 @@ use crate::size::with_size;
 use crate::surfaces::{Halving, Surfaces, Under};
 use crate::{Impact, OwnedDescription, Probes, Size};
 
-/// What one step of a bank did.
+/// Report of one step of a bank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Tick {
     /// Mechanisms that were stepped; the others slept.
     pub stepped: u32,
-    /// Of these, those whose step reached an iteration limit.
+    /// Number of these whose step reached an iteration limit.
     pub unconverged: u32,
-    /// Of these, those that a number that is not finite left where they were.
+    /// Number of these that stayed where they were, because a number was not finite.
     pub non_finite: u32,
 }
 

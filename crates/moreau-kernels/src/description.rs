@@ -16,7 +16,7 @@ pub struct OwnedDescription<T = f64> {
     pub dwells: Vec<Dwell<T>>,
     /// Zones whose curves yield.
     pub yields: Vec<Yields<T>>,
-    /// Where it is driven.
+    /// Driven point.
     pub site: Option<Site<T>>,
     /// Acceleration of gravity, m/s2, downward.
     pub gravity: T,
@@ -119,7 +119,7 @@ fn felt<T: Scalar>(felt: &Felt<f64>, f: &mut dyn FnMut(f64) -> T) -> Felt<T> {
     Felt { stiffness: f(felt.stiffness), exponent: felt.exponent.map(&mut *f), loss: felt.loss.map(f) }
 }
 
-/// What is observed after every step, beside the driven point.
+/// Points observed after every step, besides the driven point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Probes {
     /// A point of a body, m in the body's frame.

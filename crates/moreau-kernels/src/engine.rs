@@ -33,7 +33,7 @@ pub(crate) struct Stepped<const B: usize, const Z: usize> {
     pub hand: Option<(Hand<f64>, [f64; 2])>,
     /// Whether steps that change nothing may be left out.
     pub may_rest: bool,
-    /// Of the last step.
+    /// Report of the last step.
     pub report: StepReport,
     /// Whether the last step was left out.
     skipped: bool,

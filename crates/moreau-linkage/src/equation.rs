@@ -6,7 +6,7 @@ use crate::closure::{Closure, Magnitude, Term};
 use crate::direction::Direction;
 use crate::linkage::{BodyId, JointKind, Linkage};
 
-/// Which component of a vector closure equation.
+/// Component of a vector closure equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// The world's x.

@@ -18,7 +18,7 @@
 
 use crate::linkage::{JointId, JointKind, Linkage, PointId};
 
-/// What an edge of the graph represents.
+/// Meaning of an edge of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeKind {
     /// The rigid-arm vector from a point's base to the point.
@@ -55,7 +55,7 @@ pub struct Edge {
     pub from: PointId,
     /// Head.
     pub to: PointId,
-    /// What it represents.
+    /// Meaning.
     pub kind: EdgeKind,
 }
 

@@ -74,7 +74,7 @@ pub struct Constant {
 /// A rigid body: a frame whose orientation is one absolute angle.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Body {
-    /// What messages call it.
+    /// Name in messages.
     pub name: String,
     /// The symbol of its angle in the equations; `None` for the ground and for
     /// massless sliders, which turn with the body that carries them.
@@ -86,7 +86,7 @@ pub struct Body {
 /// rigid-arm vector `(x, y)` in the body's frame. The body's origin has no base.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Point {
-    /// What messages call it.
+    /// Name in messages.
     pub name: String,
     /// The body it is fixed on.
     pub body: BodyId,
@@ -98,7 +98,7 @@ pub struct Point {
     pub y: Length,
 }
 
-/// What a joint leaves free.
+/// Freedom of a joint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum JointKind {
     /// The two points coincide; the bodies turn freely.
@@ -118,7 +118,7 @@ pub enum JointKind {
 /// A joint between point `a` of one body and point `b` of another.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Joint {
-    /// What messages call it.
+    /// Name in messages.
     pub name: String,
     /// The carrier's point.
     pub a: PointId,

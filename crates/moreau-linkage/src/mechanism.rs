@@ -6,7 +6,7 @@ use crate::graph::LinearGraph;
 use crate::linkage::{BodyId, CoordinateId, JointId, JointKind, Linkage, PointId, Prescribed};
 use crate::vectors::{Places, VectorSums};
 
-/// What a coordinate measures.
+/// Quantity that a coordinate measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoordinateKind {
     /// The absolute angle of a body (and of those held to it), radians.
@@ -52,7 +52,7 @@ impl Pose {
     }
 }
 
-/// What is wrong with a [`Linkage`].
+/// A fault in a [`Linkage`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AssembleError {
     /// Two coordinates, lengths or angles share a name.
@@ -84,7 +84,7 @@ pub enum AssembleError {
     /// The prescribed coordinate does not exist.
     #[error("`{0}` cannot be prescribed: it is not a free coordinate (the ground, a body held to it, or a pin)")]
     NotACoordinate(String),
-    /// The same coordinate prescribed twice.
+    /// A coordinate is prescribed twice.
     #[error("`{0}` is prescribed twice")]
     PrescribedTwice(String),
 }
@@ -264,7 +264,7 @@ impl Mechanism {
         largest(&sums)
     }
 
-    /// Where `point` is (metres, world frame).
+    /// Position of `point`, m, world frame.
     #[must_use]
     pub fn position(&self, pose: &Pose, point: PointId) -> [f64; 2] {
         let (sums, _) = self.sums(&self.points, self.linkage.points.len(), pose);

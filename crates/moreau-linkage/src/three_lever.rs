@@ -86,7 +86,7 @@ pub struct ThreeLever {
     pub head: [f64; 2],
 }
 
-/// Which lever's angle is prescribed.
+/// Lever whose angle is prescribed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Drive {
     /// The key, as a finger does.

@@ -44,7 +44,7 @@ pub enum StopKind {
     NoConvergence,
 }
 
-/// Where and why a walk stopped. The walk stays at the last good pose.
+/// Place and reason at which a walk stopped. The walk stays at the last good pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stop {
     /// Why.
@@ -292,7 +292,7 @@ pub struct SweptPose {
 pub struct Sweep {
     /// The poses reached, in order.
     pub poses: Vec<SweptPose>,
-    /// Where the series had to stop, if it had to; the poses up to there are kept.
+    /// Place and reason at which the series had to stop, if it had to; the poses up to there are kept.
     pub stop: Option<Stop>,
 }
 

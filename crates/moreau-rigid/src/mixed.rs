@@ -35,7 +35,7 @@ pub(super) enum Law<T> {
     Coulomb(usize, T),
 }
 
-/// What a law does.
+/// State of a law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
     /// Its velocity is zero: a joint, a closed contact, friction that sticks.
@@ -59,7 +59,7 @@ pub(super) enum Solved {
     Nearly,
 }
 
-/// Which solver gave the impulses of a step.
+/// Solver that gave the impulses of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SolvedBy {
     /// Corrected guesses, from what the laws did in the step before: exact.
@@ -86,7 +86,7 @@ pub(super) struct Solution<T> {
 /// What a solve may do.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits<T> {
-    /// What velocities may miss.
+    /// Tolerance of velocities.
     pub tolerance: T,
     /// Guesses tried in order.
     pub guesses: u32,

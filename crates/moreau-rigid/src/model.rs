@@ -15,7 +15,7 @@ pub struct Body<T> {
     pub inertia: T,
 }
 
-/// What a joint leaves free.
+/// Freedom of a joint.
 #[derive(Debug, Clone, Copy)]
 pub enum JointKind<T> {
     /// The two points coincide; the second body turns about them.
@@ -214,7 +214,7 @@ impl<'m, T: Scalar> Model<'m, T> {
         Ok(Model { bodies, joints, springs, torsions: &[], contacts, polygons: &[], gravity })
     }
 
-    /// The same with torsion springs, in place of those that it had.
+    /// This model with other torsion springs.
     ///
     /// # Errors
     /// See [`ModelError`].
@@ -231,7 +231,7 @@ impl<'m, T: Scalar> Model<'m, T> {
         Ok(Model { torsions, ..self })
     }
 
-    /// The same with contacts of polygons, in place of those that it had.
+    /// This model with other polygon contacts.
     ///
     /// # Errors
     /// See [`ModelError`].

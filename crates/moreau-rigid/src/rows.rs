@@ -103,7 +103,7 @@ impl<T: Scalar> Row<T> {
 pub(super) struct JointRows<T> {
     /// The two equalities; a slot has one.
     pub closed: [Row<T>; 2],
-    /// What they are violated by, m or rad.
+    /// Violation, m or rad.
     pub open: [T; 2],
     /// The coordinate that friction acts on.
     pub free: Row<T>,

@@ -4,16 +4,16 @@ use super::mixed::Mode;
 use super::placement::{Placement, Twist};
 use moreau::Scalar;
 
-/// Where a mechanism is: everything that the next step depends on. `B` bodies at most, `N` laws.
+/// State of a mechanism: everything that the next step depends on. `B` bodies at most, `N` laws.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<T, const B: usize, const N: usize> {
-    /// Of every body.
+    /// Placement of each body.
     pub placement: [Placement<T>; B],
-    /// Of every body.
+    /// Velocity of each body.
     pub velocity: [Twist<T>; B],
     /// Impulses of the laws over the last step, N s or N m s; warm-start the next one.
     pub impulse: [T; N],
-    /// What every law did in the last step.
+    /// Mode of each law in the last step.
     pub mode: [Mode; N],
 }
 
@@ -34,7 +34,7 @@ impl<T: Scalar, const B: usize, const N: usize> State<T, B, N> {
     }
 }
 
-/// What the coefficient of restitution e of a contact means.
+/// Meaning of the coefficient of restitution e of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImpactLaw {
     /// Newton's: a contact parts with e times the speed with which it closed. Simple, solved with the other laws of the
@@ -60,7 +60,7 @@ pub struct Settings<T> {
     pub tolerance: T,
     /// Largest number of those iterations; three to six are usual.
     pub iteration_limit: u32,
-    /// What a law's velocity may miss, times (1 + |largest velocity|). 1e-12 is usual.
+    /// Tolerance of a law's velocity, times (1 + |largest velocity|). 1e-12 is usual.
     pub solver_tolerance: T,
     /// Most guesses that are tried in order in one one-step problem. Four for every contact and three for every dry
     /// joint, multiplied, are all that there are; where that is more than this limit none are tried in order, and what
@@ -68,9 +68,9 @@ pub struct Settings<T> {
     pub solver_limit: u32,
     /// Most sweeps of projected Gauss-Seidel in one one-step problem.
     pub sweep_limit: u32,
-    /// What contacts do when they collide.
+    /// Law of colliding contacts.
     pub impact_law: ImpactLaw,
-    /// What a joint may be open after a step, m or rad, before its position is corrected again. 1e-12 is usual.
+    /// Largest opening of a joint after a step, m or rad, before its position is corrected again. 1e-12 is usual.
     pub position_tolerance: T,
     /// A contact is closed from this distance on, m: more than rounding, less than matters. 1e-10 is usual.
     pub contact_tolerance: T,

@@ -38,7 +38,7 @@ pub enum Outcome {
     NoRoom,
 }
 
-/// What a step did: its outcome and its work.
+/// Report of a step: its outcome and its work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepReport<T> {
     /// How it ended.
@@ -49,7 +49,7 @@ pub struct StepReport<T> {
     pub guesses: u32,
     /// Sweeps in the one-step problems, summed.
     pub sweeps: u32,
-    /// What solved the last one-step problem.
+    /// Solver of the last one-step problem.
     pub solver: SolvedBy,
     /// The largest amount, m/s or rad/s, by which its impulses miss a law.
     pub residual: T,

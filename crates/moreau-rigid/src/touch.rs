@@ -23,7 +23,7 @@ pub(super) enum Touch<T> {
 
 /// Rows and distance of a pair.
 pub(super) struct ContactRows<T> {
-    /// Where the rows stand, and the surface's outward normal; in the world.
+    /// Places of the rows, and the surface's outward normal; in the world.
     pub place: [Vector<T>; 2],
     /// Distance, m, positive apart.
     pub distance: T,
@@ -253,7 +253,7 @@ pub(super) fn polygon_touch<T: Scalar>(
     if turned { [near, far] } else { [far, near] }
 }
 
-/// Where two surfaces touch, or would if they came together.
+/// Point where two surfaces touch, or would touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactPoint<T> {
     /// The point, in the world, m.

@@ -55,7 +55,7 @@ pub(crate) struct ContactState<T: Real, const B: usize> {
 
 /// How near a zone is.
 pub(crate) struct Proximity<T: Real> {
-    /// Where it is touched during the step.
+    /// Whether it touches during the step.
     pub touched: T::Mask,
     pub compression: T,
     pub normal: Vector<T>,

@@ -13,7 +13,7 @@ pub const GROUND: usize = usize::MAX;
 /// One hinged rigid body. Its frame has the origin at its pivot.
 #[derive(Debug, Clone, Copy)]
 pub struct Body<T> {
-    /// What it is hinged on: the index of an earlier body, or [`GROUND`].
+    /// Parent on which it is hinged: the index of an earlier body, or [`GROUND`].
     pub parent: usize,
     /// The pivot in the parent's frame, m.
     pub pivot: Vector<T>,
@@ -121,7 +121,7 @@ impl<T: Real> Zone<T> {
     }
 }
 
-/// Where the mechanism is driven: a point of a body, a world direction, and the elasticity between driver and body.
+/// Driven point of the mechanism: a point of a body, a world direction, and the elasticity between driver and body.
 #[derive(Debug, Clone, Copy)]
 pub struct Site<T> {
     /// Driven body.
@@ -172,7 +172,7 @@ pub struct Description<'a, T> {
     pub dwells: &'a [Dwell<T>],
     /// Zones whose curves yield.
     pub yields: &'a [Yields<T>],
-    /// Where it is driven.
+    /// Driven point.
     pub site: Option<Site<T>>,
     /// Gravity, m/s2, pointing toward -y.
     pub gravity: T,

@@ -12,7 +12,7 @@ pub struct Fault {
     pub field: &'static str,
     /// Its value.
     pub found: f64,
-    /// What is expected instead.
+    /// The expected value.
     pub expected: &'static str,
 }
 

@@ -29,7 +29,7 @@ pub struct Felt<T> {
     pub loss: Loss<T>,
 }
 
-/// What two felts must have in common to be pressed side by side in lanes: all but their numbers.
+/// Properties that felts must share to be pressed side by side in lanes: all but their numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FeltKind {
     exponent: u8,
@@ -42,7 +42,7 @@ impl<T: Real> Felt<T> {
         Felt { stiffness: T::ZERO, exponent: Exponent::Two, loss: Loss::none() }
     }
 
-    /// What must be alike for lanes.
+    /// Properties that lanes must share.
     pub fn kind(&self) -> FeltKind {
         let exponent = match self.exponent {
             Exponent::Two => 0,
@@ -151,7 +151,7 @@ impl<T: Real> Aside for Bend<'_, T> {
 pub(crate) struct Carried<'a, T> {
     /// Its memory, where it has one.
     pub memory: &'a Memory<T>,
-    /// What it presses on, where that yields.
+    /// Surface that it presses on, if the surface is compliant.
     pub surface: &'a Yielding<T>,
 }
 

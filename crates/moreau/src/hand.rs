@@ -32,7 +32,7 @@ pub struct Hand<T> {
     pub stiffness: T,
     /// Damping of the muscle toward `velocity`, N s/m.
     pub damping: T,
-    /// Where the muscle holds the hand, m in the world.
+    /// Position at which the muscle holds the hand, m in the world.
     pub position: T,
     /// The velocity that the muscle holds it at, m/s.
     pub velocity: T,

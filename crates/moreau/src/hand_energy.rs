@@ -24,7 +24,7 @@ pub struct HandEnergy {
 }
 
 impl HandEnergy {
-    /// What muscle has done and nothing accounts for, J; falls with the step.
+    /// Work of the muscle that nothing accounts for, J; falls with the step.
     pub fn residual(&self) -> f64 {
         self.muscle_work - self.kinetic_gain - self.fingertip_stored - self.fingertip_loss - self.work
     }

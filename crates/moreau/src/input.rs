@@ -3,7 +3,7 @@
 use crate::hand::Hand;
 use crate::real::{Real, Scalar, join_all, same_bits};
 
-/// What drives the mechanism at the model's [`Site`](crate::Site) during one step.
+/// Input of the mechanism at the model's [`Site`](crate::Site) during one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Input<T> {
     /// Nothing.

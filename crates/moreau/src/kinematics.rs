@@ -46,7 +46,7 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         row
     }
 
-    /// Where a zone's disc touches its curve, or would, m: the point of the curve, in the world.
+    /// Point where a zone's disc touches its curve, or would touch, m: the point of the curve, in the world.
     pub fn contact_point<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> Vector<T> {
         let zone = &model.compiled[zone];
         let (compression, normal) = zone.compression_and_normal(self, zone.center(self));

@@ -24,7 +24,7 @@ pub struct Energies {
     pub spring: f64,
     /// Compressed felts.
     pub felt: f64,
-    /// What the owners of surfaces that yield say is in them; zero where there are none.
+    /// Energy in compliant surfaces, as reported by their owners; zero without such surfaces.
     pub surface: f64,
 }
 
@@ -72,7 +72,7 @@ impl Energies {
     }
 }
 
-/// Where a step loses energy: in the pivot of a body or in a contact zone, by index.
+/// Place of a loss in a step: the pivot of a body or a contact zone, by index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LossIn {
     /// Dry friction of a pivot.
@@ -106,13 +106,14 @@ pub struct Ledger {
     pub coulomb: f64,
     /// Lost in surfaces that yield, as their owners say.
     pub surface: f64,
-    /// What surfaces had lost when the ledger was opened, J.
+    /// Loss of the surfaces before the ledger was opened, J.
     pub surface_lost_before: f64,
     /// Work that had been done through surfaces from outside when it was last booked, J.
     pub surface_given_before: f64,
     /// The smallest single dissipation term of any step: friction never gives energy, so this is not negative.
     pub smallest_term: f64,
-    /// Of the hand that drove; zero where none did. Beside the other accounts, which are the mechanism's alone.
+    /// Energies of the driving hand; zero without a hand. Separate from the other accounts, which belong to the
+    /// mechanism.
     pub hand: HandEnergy,
 }
 

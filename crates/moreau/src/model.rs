@@ -245,7 +245,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
         self.tree.parent[body]
     }
 
-    /// Where the mechanism is driven.
+    /// Driven point.
     pub fn site(&self) -> Option<&Site<T>> {
         self.site.as_ref()
     }

@@ -23,7 +23,8 @@ pub struct SavedState<T, const B: usize, const Z: usize> {
     /// World coordinate of the hand along the site's direction, m, and its velocity, m/s ([`Hand`](crate::Hand)). It moves in steps that a hand
     /// drives, and stands still in others.
     pub hand: [T; 2],
-    /// What the felts remember, as their laws say ([`Loss`](crate::Loss)). Zeros where a law remembers fewer numbers, or none.
+    /// Internal states of the felts, as their laws define them ([`Loss`](crate::Loss)). Zeros if a law has fewer
+    /// numbers, or none.
     pub memory: [[T; MEMORY]; Z],
     /// How far each pivot's dry friction and each zone's Coulomb friction has grown while it stuck, from 0 (kinetic) to
     /// 1 (static); zero where it does not grow ([`Dwell`](crate::Dwell)).
@@ -115,12 +116,12 @@ impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
         self.zip(self, |x, _| f(x))
     }
 
-    /// The same in another size: cut off, or filled up with zeros.
+    /// This state in another size: cut off, or filled with zeros.
     pub fn sized<const C: usize, const Y: usize>(&self) -> SavedState<T, C, Y> {
         self.rearranged(|bodies| sized(bodies), |zones| sized(zones))
     }
 
-    /// The same with bodies and zones in another order: place i takes what place `bodies[i]` has.
+    /// This state with bodies and zones in another order: place i takes the content of place `bodies[i]`.
     pub fn reordered(&self, bodies: &[usize; B], zones: &[usize; Z]) -> Self {
         self.rearranged(|numbers| reordered(numbers, bodies), |numbers| reordered(numbers, zones))
     }

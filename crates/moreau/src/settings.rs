@@ -42,9 +42,9 @@ pub struct Settings<T> {
     pub solver_tolerance: T,
     /// Largest number of sweeps (or active sets) in one one-step problem.
     pub solver_limit: u32,
-    /// Which one-step solver.
+    /// Solver of the one-step problem.
     pub solver: Solver,
-    /// Which friction law.
+    /// Friction law.
     pub friction: FrictionLaw<T>,
 }
 

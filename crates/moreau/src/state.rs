@@ -7,8 +7,8 @@ use crate::model::Model;
 use crate::real::{Real, Scalar};
 use crate::saved::SavedState;
 
-/// Where a mechanism is: the numbers that the next step depends on, which are its fields ([`SavedState`]), and what
-/// saves the step work.
+/// State of a mechanism: the numbers that the next step depends on, which are its fields ([`SavedState`]), and numbers
+/// that save the step work.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<T: Real, const B: usize, const Z: usize> {
     pub(crate) numbers: SavedState<T, B, Z>,

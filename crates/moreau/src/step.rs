@@ -79,7 +79,7 @@ pub enum Outcome {
     TooManyLaws,
 }
 
-/// What a step did: its outcome and its work.
+/// Report of a step: its outcome and its work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StepReport {
     /// How it ended.
@@ -136,9 +136,9 @@ pub fn step_out_of_line<T: Scalar, const B: usize, const Z: usize, const N: usiz
 /// How a step ended in every lane.
 #[derive(Debug, Clone, Copy)]
 pub struct LanesReport<M> {
-    /// Where [`Outcome::Converged`].
+    /// Lanes with [`Outcome::Converged`].
     pub converged: M,
-    /// Where not [`Outcome::NonFinite`].
+    /// Lanes without [`Outcome::NonFinite`].
     pub finite: M,
     /// Newton iterations, until the last lane was done.
     pub newton: u32,

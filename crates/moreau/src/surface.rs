@@ -15,8 +15,8 @@ const NEWTON: u32 = 10;
 /// Zones whose surfaces may feel each other within a step.
 pub const COUPLED: usize = 4;
 
-/// What a counter-surface would do in the next step, along the zone's normal; positive is away from the disc, the way
-/// in which the felt pushes it.
+/// Predicted motion of a counter-surface in the next step, along the zone's normal; positive is away from the disc, the
+/// direction in which the felt pushes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface<T> {
     /// Its displacement at the step's start, m.
@@ -48,7 +48,7 @@ pub(crate) struct Coupled<T> {
     pub zone: [usize; COUPLED],
     /// A/h between them, m/s per N, symmetric; each one's own stands with its surface, and here is zero.
     pub give: [[T; COUPLED]; COUPLED],
-    /// What the others' forces add to the drift of each, as it stands with its surface now, m/s.
+    /// Contribution of the other surfaces' forces to the drift of each, m/s.
     pub told: [T; COUPLED],
 }
 

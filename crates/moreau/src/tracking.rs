@@ -34,7 +34,7 @@ impl<T: Scalar, const B: usize> TrackedPoint<T, B> {
         tracked
     }
 
-    /// Where the point is in the world, m, and its velocity, m/s; from absolute angles (rad) and angular velocities
+    /// Position of the point in the world, m, and its velocity, m/s; from absolute angles (rad) and angular velocities
     /// (rad/s).
     #[inline(always)]
     pub fn motion(&self, angle: &[T; B], velocity: &[T; B]) -> [Vector<T>; 2] {
@@ -91,7 +91,7 @@ pub struct Clearance<T, const B: usize> {
 }
 
 impl<T: Scalar, const B: usize> Clearance<T, B> {
-    /// Of a zone at absolute angles, and its compression there (m); `None` where it touches.
+    /// Contact point of a zone at absolute angles, and its compression there (m); `None` without contact.
     pub fn of<const Z: usize>(model: &Model<T, B, Z>, zone: usize, angle: &[T; B]) -> (Option<Self>, T) {
         let compression = Pose::of(model, angle).compression(model, zone);
         ((compression < T::ZERO).then_some(Clearance { zone, angle: *angle, open: -compression }), compression)

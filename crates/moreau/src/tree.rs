@@ -14,7 +14,7 @@ use crate::vector::Vector;
 /// What is hinged on what, and where.
 #[derive(Debug, Clone)]
 pub(crate) struct Tree<T, const B: usize> {
-    /// Of every body; [`GROUND`] for what is hinged on the ground.
+    /// Parent of each body; [`GROUND`] for a body hinged on the ground.
     pub parent: [usize; B],
     /// The bodies that are hinged on another body, parents first.
     hinged: [usize; B],

@@ -62,7 +62,7 @@ pub(crate) struct Contacts<T: Real, const B: usize, const Z: usize> {
     /// Rows of the slip velocity, of zones with friction: written when such a zone first touches in a step, and kept.
     pub slip_row: [[T; B]; Z],
     pub has_slip_row: [T::Mask; Z],
-    /// What the curves that yield do, as their owners have said.
+    /// Motion of the compliant curves, as reported by their owners.
     pub surfaces: [Yielding<T>; Z],
     /// Those of them that belong to one thing.
     pub coupled: Coupled<T>,
@@ -123,7 +123,7 @@ pub(crate) struct Problem<T: Real, const B: usize, const N: usize> {
     pub guess: Guess<T, B, N>,
     /// The active-set solver's own.
     pub condensed: Condensed<T, B, N>,
-    /// What each sliding law represents.
+    /// Origin of each sliding law.
     pub sources: [LawSource; N],
 }
 
@@ -148,7 +148,7 @@ pub(crate) struct Turning<T, const Z: usize> {
     pub slip_before: [T; Z],
     /// The time from where that row was taken to the step's start, s. Zero: not known.
     pub span: T,
-    /// What the row's turning until the step's end adds to each slip velocity, m/s, where the span is known.
+    /// Contribution of the row's turning until the step's end to each slip velocity, m/s, if the span is known.
     pub turn: [T; Z],
 }
 
@@ -160,7 +160,7 @@ pub(crate) struct Turning<T, const Z: usize> {
 pub(crate) struct DryFelts<T: Real, const Z: usize> {
     /// The dry part of the normal force, N; positive pushes.
     pub force: [T; Z],
-    /// What Coulomb's law was given for it.
+    /// Data that Coulomb's law received for it.
     pub before: [T; Z],
     /// h dF/du1 of a felt that reverses.
     pub tangent: [T; Z],

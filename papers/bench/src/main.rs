@@ -19,14 +19,14 @@ use erard_cli::{answer, say};
 use erard_timing::{Effort, PARTS, measure};
 use serde_json::Value;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help.txt");
 
 /// Measures how fast this machine simulates: a step, a press, many at once, a keyboard, the worst step, the kinematics.
 #[derive(Debug, Parser)]
 #[command(name = "erard-bench", version = version(), about, after_help = AFTER, max_term_width = 100)]
 struct Bench {
-    /// Take a second instead of half a minute: shows that everything works, and little more
+    /// Take one second instead of half a minute. The times are rough
     #[arg(long)]
     quick: bool,
     #[command(flatten)]

@@ -9,6 +9,7 @@ use erard_cli::command::options::load_instrument;
 use erard_cli::command::out::OutOptions;
 use erard_cli::command::{Speech, run_program, version};
 use erard_cli::failure::Failure;
+use erard_cli::table::Table;
 use erard_cli::{answer, identity, inputs, say, tell};
 use erard_levers::{Agreement, Derived, Design, LinkageFile, SlowPress, derive, slow_press};
 use moreau_linkage::three_lever::{Drive, Levers, Move, Regulation};
@@ -19,7 +20,7 @@ use crate::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
 use crate::summary::Summary;
 use crate::{Shown, figures, table};
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help.txt");
 
 /// Shows leverage and sliding over the key's travel, from the geometry alone.
@@ -28,42 +29,42 @@ const AFTER: &str = include_str!("help.txt");
 #[derive(Debug, Parser)]
 #[command(name = "erard-kinematics", version = version(), about, after_help = AFTER, max_term_width = 100)]
 struct Kinematics {
-    /// Three levers by their lengths: a TOML file of kind `three-lever`, or c7f-like or steinway-o-like
+    /// Linkage of three levers: a TOML file of kind `three-lever`, or the built-in c7f-like or steinway-o-like
     #[arg(value_name = "LINKAGE.toml", conflicts_with = "instrument")]
     linkage: Option<String>,
-    /// Instrument: a TOML file, or the name of a built-in one [default: concert-grand]
+    /// Instrument: a TOML file, or a built-in name [default: concert-grand]
     #[arg(long, value_name = "FILE-OR-NAME")]
     instrument: Option<String>,
-    /// A part moved, as a case beside the unmoved one; may be repeated. Negative is toward the player (x) or down.
+    /// Move a part and show it with the unmoved case; can be repeated. Negative is toward the player (x) or down.
     /// Parts: capstan, knuckle, capstan-height, heel-depth, knuckle-depth, jack-height, whippen-x, whippen-y, hammer-x,
-    /// hammer-y; several at once with commas
+    /// hammer-y; commas move several at once
     #[arg(long = "move", value_name = "capstan=-10mm", value_parser = moves::parse)]
     moves: Vec<MoveOption>,
-    /// Leave moved cases as they are, instead of screwing the capstan until the hammer rests where it did
+    /// Do not turn the capstan screw to bring the hammer of a moved case back to its rest height
     #[arg(long)]
     no_regulate: bool,
-    /// Key travel to begin at, mm
+    /// First key travel, mm
     #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true)]
     from: f64,
-    /// Key travel to end at, mm [default: let-off of the unmoved case]
+    /// Last key travel, mm [default: let-off of the unmoved case]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     to: Option<f64>,
-    /// Steps between the two
+    /// Number of steps between the two
     #[arg(long, value_name = "N", default_value_t = 200, allow_negative_numbers = true)]
     steps: i64,
-    /// Print the closure equations, and do nothing else
+    /// Print the closure equations and stop
     #[arg(long, conflicts_with_all = ["moves", "no_regulate", "from", "to", "steps", "out", "force"])]
     equations: bool,
-    /// Print them as LaTeX
+    /// Print the equations as LaTeX
     #[arg(long, requires = "equations")]
     latex: bool,
-    /// List the built-in linkages, and do nothing else
+    /// List the built-in linkages and stop
     #[arg(long, conflicts_with_all = ["linkage", "instrument", "moves", "equations", "check", "print", "out", "force"])]
     list: bool,
-    /// Check the linkage file and say what it holds, and do nothing else
+    /// Check the linkage file, show its contents and stop
     #[arg(long, requires = "linkage", conflicts_with_all = ["moves", "equations", "print", "out", "force"])]
     check: bool,
-    /// Print the file of a built-in linkage, to be changed, and do nothing else
+    /// Print the file of a built-in linkage, as a start for your own, and stop
     #[arg(long, requires = "linkage", conflicts_with_all = ["moves", "equations", "out", "force"])]
     print: bool,
     #[command(flatten)]
@@ -232,7 +233,7 @@ impl Kinematics {
         let to = self.to.map_or(unmoved.let_off_key_m.unwrap_or(USUAL_DIP_M), |to| to / 1000.0);
         if to <= from {
             return Err(Failure::Usage(format!(
-                "--from {}: expected less than where the hammer is let off, {:.2} mm, or a larger --to",
+                "--from {}: expected less than the key travel at let-off, {:.2} mm, or a larger --to",
                 self.from,
                 to * 1e3
             )));
@@ -299,7 +300,10 @@ impl Kinematics {
 fn list() -> Result<(), Failure> {
     let titled = |name| Some((name, LinkageFile::builtin(name)?.name));
     let all: Vec<(&str, String)> = LinkageFile::builtin_names().filter_map(titled).collect();
-    all.iter().for_each(|(name, title)| say!("  {name:<18} {title}"));
+    say!(
+        "{}",
+        Table::of(["", ""], all.iter().map(|(name, title)| [(*name).to_owned(), title.clone()])).to_string().trim_end()
+    );
     let listed = all.iter().map(|(name, title)| json!({"kind": "linkage", "name": name, "title": title}));
     answer::give(&json!({"built_in": listed.collect::<Value>()}))
 }
@@ -308,7 +312,7 @@ fn list() -> Result<(), Failure> {
 fn print(asked: &str) -> Result<(), Failure> {
     let text = LinkageFile::builtin_text(asked).ok_or_else(|| {
         let names: Vec<&str> = LinkageFile::builtin_names().collect();
-        Failure::Usage(format!("no linkage called `{asked}` is built in (built in: {})", names.join(", ")))
+        Failure::Usage(format!("there is no built-in linkage `{asked}` (built in: {})", names.join(", ")))
     })?;
     say::verbatim(text);
     Ok(())
@@ -344,7 +348,7 @@ fn press(instrument: &Instrument, derived: &Derived, unmoved: &Shown) -> Option<
             Some((press, agreement))
         }
         Err(error) => {
-            tell!("warning: the geometry could not be checked by a slow press: {error}");
+            tell!("warning: the slow press that checks the geometry failed: {error}");
             None
         }
     }

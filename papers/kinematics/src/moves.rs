@@ -51,7 +51,7 @@ pub(crate) fn parse(text: &str) -> Result<MoveOption, String> {
         let (part, distance) = (part.trim(), distance.trim());
         let (name, make) = PARTS.into_iter().find(|(name, _)| *name == part).ok_or_else(|| {
             let known: Vec<&str> = PARTS.iter().map(|(name, _)| *name).collect();
-            format!("`{part}` is nothing that can be moved; expected one of {}", known.join(", "))
+            format!("unknown part `{part}`; expected one of {}", known.join(", "))
         })?;
         let number = distance.strip_suffix("mm").map(str::trim_end).ok_or_else(|| {
             format!("`{distance}` has no unit that is known; write millimetres as `{part}={}mm`", bare_number(distance))

@@ -130,11 +130,11 @@ impl fmt::Display for Summary {
         writeln!(f, "  Let-off: {}.", json["let_off_is"].as_str().unwrap_or("not known"))?;
         if !is_one {
             let how = if json["regulated"] == true {
-                "regulated again: the hammer rests where it did"
+                "regulated: the hammer rests at the same height"
             } else {
-                "left as moved: the hammer rests where it will"
+                "not regulated: the hammer rests where the move puts it"
             };
-            writeln!(f, "  Moved cases are {how}, and is let off at the same height.")?;
+            writeln!(f, "  Moved cases are {how}. Let-off is at the same height.")?;
             writeln!(f, "  Moves: negative is toward the player, or down.")?;
         }
         if let Some(lengths) = json["lengths_mm"].as_array() {
@@ -143,7 +143,7 @@ impl fmt::Display for Summary {
             writeln!(f, "  Nearest lengths (mm): {}.", names.collect::<Vec<_>>().join(", "))?;
             writeln!(
                 f,
-                "    L7 to L9 are the knuckle's centre, exactly; L2 to L4 take the capstan's dome as touching one point of the heel."
+                "    L7 to L9 are exact (centre of the knuckle); L2 to L4 assume that the capstan touches one point of the heel."
             )?;
         }
         let dynamics = |key: &str| json["dynamics"][key].as_f64();

@@ -32,7 +32,7 @@ pub(crate) struct Mechanism {
 /// A hinged body.
 #[derive(Debug, Clone, Deserialize)]
 pub(crate) struct Body {
-    /// What it is hinged on; `None` is the ground.
+    /// Parent; `None` is the ground.
     pub parent: Option<usize>,
     /// In the parent's frame.
     pub pivot_m: Vector,

@@ -11,11 +11,12 @@ use erard_cli::failure::Failure;
 use erard_cli::inputs::shown;
 use erard_cli::progress::Progress;
 use erard_cli::say;
+use erard_cli::table::Table as Lines;
 use erard_figures::figure::chart_svg;
 use serde::Serialize;
 
 use crate::page::{Reproduced, page};
-use crate::subjects::{Claim, ReproduceError, Subject, Table, subjects};
+use crate::subjects::{Claim, ReproduceError, Subject, subjects};
 
 #[derive(Serialize)]
 struct Subjects {
@@ -59,26 +60,26 @@ impl ClaimReport {
     }
 }
 
-/// Computes the papers' figures and claims anew, and writes one page that shows which hold.
+/// Computes the figures and claims of the papers again, and writes a page that shows which claims hold.
 #[derive(Debug, Parser)]
 #[command(name = "erard-reproduce", version = version(), about, max_term_width = 100)]
 pub(crate) struct Reproduce {
-    /// Instrument: a TOML file, or the name of a built-in one
+    /// Instrument: a TOML file, or a built-in name
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand-rigid")]
     instrument: String,
-    /// Only these subjects, or all whose names start so: separated by commas, or given again
+    /// Only these subjects, by names or their beginnings, with commas
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     only: Vec<String>,
-    /// List the subjects, and do nothing else
+    /// List the subjects and stop
     #[arg(long, conflicts_with_all = ["only", "figures", "tables", "out", "force"])]
     list: bool,
-    /// End with code 1 when a claim does not hold
+    /// Exit with code 1 if a claim does not hold
     #[arg(long)]
     fail_on_miss: bool,
-    /// Write every figure as a file of its own too, NAME-0.svg and so on
+    /// Also write each figure as a file: NAME-0.svg and so on
     #[arg(long)]
     figures: bool,
-    /// Print the tables in place of the claims, but for those with times on the clock
+    /// Print the tables instead of the claims, without those of measured computing times
     #[arg(long)]
     tables: bool,
     #[command(flatten)]
@@ -105,26 +106,11 @@ fn failure(error: ReproduceError) -> Failure {
     }
 }
 
-/// A table's lines: what is named in the first column to the left, the rest to the right.
-fn printed(table: &Table) -> Vec<String> {
-    let rows = || [&table.header].into_iter().chain(&table.rows);
-    let width = |column: usize| rows().filter_map(|row| Some(row.get(column)?.chars().count())).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..table.header.len()).map(width).collect();
-    let line = |row: &Vec<String>| {
-        let cells = row.iter().zip(&widths).enumerate();
-        let cells =
-            cells.map(|(n, (cell, &wide))| if n == 0 { format!("{cell:<wide$}") } else { format!("{cell:>wide$}") });
-        format!("  {}", cells.collect::<Vec<_>>().join("  "))
-    };
-    rows().map(line).collect()
-}
-
 impl Reproduce {
     fn run(&self) -> Result<(), Failure> {
         if self.list {
-            for subject in subjects() {
-                say!("{:<20} {}", subject.name, subject.title);
-            }
+            let rows = subjects().into_iter().map(|subject| [subject.name.to_owned(), subject.title.to_owned()]);
+            say!("{}", Lines::of(["", ""], rows).to_string().trim_end_matches('\n'));
             let named = |subject: &Subject| Listed { name: subject.name, title: subject.title };
             return answer::give(&Subjects { subjects: subjects().iter().map(named).collect() });
         }
@@ -142,13 +128,12 @@ impl Reproduce {
             done += subject.weight;
             for claim in section.claims.iter().filter(|_| !self.tables) {
                 let verdict = if claim.holds { "holds" } else { "DOES NOT HOLD" };
-                say!("{:<18} {verdict:<13} {}: {}", subject.name, claim.source, claim.says);
-                say!("{:<18} {:<13} {}", "", "", claim.measured);
+                say!("{}: {verdict}: {}: {}", subject.name, claim.source, claim.says);
+                say!("  measured: {}", claim.measured);
             }
             for table in section.tables.iter().filter(|table| self.tables && !table.clock) {
                 say!("{}", table.caption);
-                printed(table).iter().for_each(|line| say!("{line}"));
-                say!();
+                say!("{}", Lines::of(table.header.iter().map(String::as_str), table.rows.clone()));
             }
             reproduced.push(Reproduced { subject, section });
         }
@@ -196,7 +181,7 @@ impl Reproduce {
             if name.is_empty() || !known.iter().any(|s| s.name.starts_with(name.as_str())) {
                 let names: Vec<&str> = known.iter().map(|s| s.name).collect();
                 return Err(Failure::Usage(format!(
-                    "--only {name}: there is no such subject; expected one of {}, or how some of them begin",
+                    "--only {name}: unknown subject; expected one of {}, or the beginning of some",
                     names.join(", ")
                 )));
             }

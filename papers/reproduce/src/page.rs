@@ -9,7 +9,7 @@ const STYLE: &str = include_str!("page.css");
 
 /// A subject with what came of it.
 pub(crate) struct Reproduced {
-    /// What it is.
+    /// Subject.
     pub subject: Subject,
     /// What came of it.
     pub section: Section,

@@ -448,7 +448,7 @@ export class App {
     this.state = state;
     let said = fault;
     if (!(await this.reload())) {
-      said ??= `The address asks for what cannot be had: ${this.refused?.message}`;
+      said ??= `The address asks for something that does not exist: ${this.refused?.message}`;
       this.state = structuredClone(FIRST);
       await this.reload();
     }

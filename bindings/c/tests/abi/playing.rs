@@ -374,7 +374,7 @@ fn recordings_are_made_ready() {
     let (offset, told) = blow(&rows(0.75), &mut status);
     assert!(plain > 1.0 && (plain - offset).abs() < 1e-9 * plain, "{plain} {offset}");
     assert!(!said.contains("zero") || said.contains("0.0000 N"), "{said}");
-    assert!(told.contains("force: zero: 0.7500 N taken away"), "{told}");
+    assert!(told.contains("force: zero: 0.7500 N subtracted"), "{told}");
     let stroke = unsafe { erard_stroke_builtin(grand.0, c"mf".as_ptr(), 0, null_mut()) };
     assert_eq!(taken(unsafe { erard_stroke_told(stroke, null_mut(), null_mut()) }), "");
     unsafe { erard_stroke_free(stroke) };
@@ -394,7 +394,8 @@ fn columns_are_found() {
         {"role": "time", "index": 2, "title": "time / ms"}, {"role": "force", "index": 1, "title": "Force (gf)"},
     ]);
     assert_eq!(found, expected);
-    let wrong = [(c"[\"time_s\"]", "neither force nor position"), (c"[\"t\", \"force\"]", "unit"), (c"{", "no JSON")];
+    let wrong =
+        [(c"[\"time_s\"]", "neither a force nor a position"), (c"[\"t\", \"force\"]", "unit"), (c"{", "no JSON")];
     for (titles, said) in wrong {
         assert!(unsafe { erard_recording_columns(titles.as_ptr(), null_mut(), &raw mut status) }.is_null());
         assert!((status as i32) < 0 && last_error().contains(said), "{}", last_error());

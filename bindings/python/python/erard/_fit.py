@@ -230,7 +230,7 @@ class Fit:
             *(f"Doubtful: {doubt.text}." for doubt in self.doubts),
             f"Fit of {asked.instrument.name} to {len(asked.recordings)} recordings, {len(self.residuals)} samples",
             f"  {self.message}; {self.evaluations} strokes played{with_derivatives}",
-            "  reduced chi2: no verdict, because noise is estimated from the residuals"
+            "  reduced chi2: not a test, because the noise is estimated from the residuals"
             if self.chi2_reduced is None or self.chi2_expected is None
             else f"  reduced chi2 {self.chi2_reduced:.3f}, of which the noise of sensors and drive explains {self.chi2_expected:.3f}",
         ]

@@ -139,7 +139,7 @@ class Gradient(Mapping[str, Mapping[str, float]]):
         rows = self._rows()
         wide = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
         lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, wide, strict=True)).rstrip() for row in rows]
-        unresolved = f", {self.unresolved} of them not told apart" if self.unresolved else ""
+        unresolved = f", {self.unresolved} of them unresolved" if self.unresolved else ""
         return "\n".join([f"<erard.Gradient of {self.title}: {self.switches} switches of friction{unresolved}", *lines, ">"])
 
     def _repr_html_(self) -> str:

@@ -186,7 +186,7 @@ class Instrument:
         1.0
         >>> grand.vary(letoff="1 mm")
         Traceback (most recent call last):
-        erard._errors.InputError: `letoff` is nothing that can be varied here; ...nearest `let_off`...
+        erard._errors.InputError: unknown name `letoff`; ...nearest `let_off`...
         """
         asked: list[Change] = []
         for key, value in {**(changes or {}), **more}.items():

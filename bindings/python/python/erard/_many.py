@@ -72,7 +72,7 @@ class Rollout(Table):
     errors : dict of int to str
         Why strokes failed, by their row; their numbers are nan.
     doubts : list of str
-        Why strokes are not to be trusted: of every kind how many, and the worst.
+        Why strokes cannot be trusted: of every kind how many, and the worst.
     blows : list of list of (float, float)
         Of every stroke: instant (s) and speed (m/s) of each blow on the string.
     """
@@ -234,7 +234,7 @@ class Study(Table):
     errors : dict of int to str
         Why strokes failed, by their row.
     doubts : list of str
-        Why strokes are not to be trusted.
+        Why strokes cannot be trusted.
     """
 
     def __init__(

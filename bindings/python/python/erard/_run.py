@@ -32,7 +32,7 @@ class Run(Table):
     strikes : list of (float, float)
         Instant (s) and total speed (m/s) of every blow on the string.
     warnings : list of str
-        Why the run is not to be trusted; empty if nothing speaks against it.
+        Why the run cannot be trusted; empty if nothing speaks against it.
     notes : list of str
         Where the stroke does not drive quite as it says.
 
@@ -187,7 +187,7 @@ class Run(Table):
         ms = {name: 1e3 * at for name, at in self.events.items() if name != "hammer_speed"}
         told = ", ".join(f"{name.replace('_', ' ')} {at:.1f} ms" for name, at in ms.items())
         speed = quantity(self.hammer_speed, "m/s") if self.hammer_speed else "the string is not reached"
-        doubt = "" if self.trusted else f"; not to be trusted: {self.warnings[0]}"
+        doubt = "" if self.trusted else f"; cannot be trusted: {self.warnings[0]}"
         return f"<erard.Run {self.instrument}, {self.title}: hammer {speed}; {told}; {len(self['time_s'])} rows{doubt}>"
 
     def _repr_html_(self) -> str:

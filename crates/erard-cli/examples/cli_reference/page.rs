@@ -14,8 +14,8 @@ pub fn markdown(mut program: clap::Command) -> String {
     paragraph(&mut page, &about(&program));
     paragraph(
         &mut page,
-        "Every command prints the same as below with `--help`. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, \
-         1 anything else: goals that cannot be met, a fit that is doubtful, a failure.",
+        "With this page you can look up every command and option; `erard COMMAND --help` prints the same. Exit codes: 0 done, \
+         2 wrong input or usage, 130 interrupted, 1 anything else: goals that cannot be met, a doubtful fit, a failure.",
     );
     section(&mut page, &mut program);
     page.truncate(page.trim_end().len());

@@ -15,9 +15,9 @@ use crate::table::{Table, three};
 /// Whether values have bands.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct BandOptions {
-    /// Give every value its 5 to 95 % band over so many plausible grands around the instrument: drawn within the
-    /// spreads of its file, regulated and weighed to the usual ranges. The first time that takes minutes; drawn grands
-    /// are kept in the user's cache folder [default without a number: 200]
+    /// Give each value its 5 to 95 % band over this many random grands, drawn within the spreads of the instrument
+    /// file, then regulated and weighed to the usual ranges. The first time takes minutes; the grands are kept in the
+    /// user's cache folder [default without a number: 200]
     #[arg(
         long,
         value_name = "SAMPLES",

@@ -17,15 +17,15 @@ use crate::inputs::{self, shown};
 use crate::keyboard::doubts;
 use crate::progress::Progress;
 use crate::recordings::RecordingOptions;
+use crate::table::Table;
 use crate::{say, tell};
 use erard_workshop::trying::try_all;
 
-/// Checks a file and says what it holds: an instrument or keyboard, a stroke or recording, published
-/// measurements, or a result.
+/// Checks a file and shows its contents: instrument, keyboard, stroke, recording, published measurements, or result.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// The file, or the name of something built in: what ends in `.toml` says itself what it is, a stroke ends in
-    /// `.csv` or `.parquet`, a result in `.json`
+    /// File, or a built-in name: `.toml` for instruments, keyboards and measurements, `.csv` or `.parquet` for strokes
+    /// and recordings, `.json` for results
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
@@ -67,8 +67,7 @@ impl Check {
                 Some((_, text)) => self.toml(&shown(&self.file), text.as_bytes())?,
                 None => {
                     return Err(Failure::Usage(format!(
-                        "{}: cannot tell what this is from its name: instruments, keyboards and published measurements end in .toml, \
-                         strokes in .csv or .parquet, results in .json; `erard list` names what is built in",
+                        "{}: unknown file type; expected .toml (instrument, keyboard, published measurements), .csv or .parquet (stroke, recording), .json (result), or a built-in name (`erard list`)",
                         shown(&self.file)
                     )));
                 }
@@ -124,7 +123,7 @@ impl Check {
 
     /// What this program writes, and its schemas.
     fn json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
-        let wrong = |error: &dyn std::fmt::Display| Failure::Usage(format!("{name}: no JSON: {error}"));
+        let wrong = |error: &dyn std::fmt::Display| Failure::Usage(format!("{name}: is not JSON: {error}"));
         let value: Value = serde_json::from_slice(bytes).map_err(|error| wrong(&error))?;
         let first = value.as_array().and_then(|list| list.first()).unwrap_or(&value);
         let text = |pointer: &str| first.pointer(pointer).and_then(Value::as_str);
@@ -152,8 +151,8 @@ impl Check {
         } else if text("/$schema").is_some() {
             say!("{name}: a JSON Schema, \"{}\"", text("/title").unwrap_or("without a title"));
         } else {
-            let expected = "a result of this program with `made_by`, a file with `format`, or a JSON Schema";
-            return Err(Failure::Usage(format!("{name}: JSON of no kind that is known here; expected {expected}")));
+            let expected = "a result of Erard (with `made_by`), a file with `format`, or a JSON Schema";
+            return Err(Failure::Usage(format!("{name}: unknown kind of JSON; expected {expected}")));
         }
         let title = text("/made_by/command").or(text("/format")).or(text("/title"));
         Ok(checked("JSON", name, title, []))
@@ -164,59 +163,9 @@ impl Check {
         let i: &Instrument = &file.instrument;
         say!("{name}: an instrument, \"{}\"", i.name);
         say!();
-        for body in &i.bodies {
-            let on = body.parent.map_or("the ground", |p| &i.bodies[p].name);
-            say!(
-                "  body    {:<18} on {:<10} {:>7.1} g  {:>10.3e} kg m2  friction {:>8.2e} N m",
-                body.name,
-                on,
-                body.mass_kg * 1e3,
-                body.inertia_kg_m2,
-                body.friction_torque_n_m
-            );
-        }
-        for spring in &i.springs {
-            say!("  spring  {:<18} {:>9.4} N m on {}", spring.name, spring.torque_n_m, i.bodies[spring.body].name);
-        }
-        for string in &i.strings {
-            say!(
-                "  string  {:<18} {:>6.1} mm  {:>7.3} g/m  {:>6.1} N  {:>8.2} Hz, B {:.2e}, struck at {:.1} mm{}",
-                string.name,
-                string.length_m * 1e3,
-                string.mass_kg_m * 1e3,
-                string.tension_n,
-                string.partial_hz(1),
-                string.inharmonicity(),
-                string.strike_m * 1e3,
-                if i.roles.rigid_string { ", held rigid" } else { "" }
-            );
-        }
-        for zone in &i.zones {
-            let name = |b: Option<usize>| b.map_or("ground", |b| &i.bodies[b].name);
-            let friction = if zone.friction_coefficient > 0.0 {
-                format!(", friction {}", zone.friction_coefficient)
-            } else {
-                String::new()
-            };
-            let felt = &zone.felt;
-            let numbers = felt.loss.table().iter().zip(felt.loss.numbers());
-            let said = numbers.filter(|(number, value)| number.needed || *value != 0.0).map(|(number, value)| {
-                let unit = if number.unit == "1" { String::new() } else { format!(" {}", number.unit) };
-                format!(", {} {}{unit}", number.name, short(value * number.units_per_si))
-            });
-            let loss: String = said.collect();
-            say!(
-                "  zone    {:<18} {} - {}, k {:.1e}, r {}{loss}{friction}",
-                zone.name,
-                name(zone.disc_body),
-                name(zone.curve_body),
-                felt.stiffness,
-                felt.exponent
-            );
-        }
-        say!();
+        Self::parts(i);
         say!(
-            "  {} bodies, {} springs, {} zones, {} screws, {} outlines of its own; {} numbers, {} of them without a source",
+            "  {} bodies, {} springs, {} zones, {} screws, {} outlines of its own; {} numbers, {} without a source",
             i.bodies.len(),
             i.springs.len(),
             i.zones.len(),
@@ -228,7 +177,7 @@ impl Check {
         let outlived = file.provenance.outlived_notes();
         if !outlived.is_empty() {
             say!();
-            say!("  Changed, while the note beside it still speaks of a built-in instrument's value:");
+            say!("  Changed numbers whose notes still describe the value of a built-in instrument:");
         }
         for one in outlived {
             let note = one.number.citation.and_then(|citation| citation.note).unwrap_or_default();
@@ -249,6 +198,59 @@ impl Check {
         Ok(checked("instrument", name, Some(&i.name), counts))
     }
 
+    /// The tables of bodies, springs, strings and zones.
+    fn parts(i: &Instrument) {
+        let name = |body: Option<usize>| body.map_or("ground", |body| &i.bodies[body].name);
+        let bodies = i.bodies.iter().map(|body| {
+            [
+                body.name.clone(),
+                name(body.parent).to_owned(),
+                format!("{:.1} g", body.mass_kg * 1e3),
+                format!("{:.3e} kg m2", body.inertia_kg_m2),
+                format!("{:.2e} N m", body.friction_torque_n_m),
+            ]
+        });
+        say!("{}", Table::of(["body", "hinged on", "mass", "inertia", "friction of its pin"], bodies));
+        if !i.springs.is_empty() {
+            let springs = i.springs.iter().map(|spring| {
+                [spring.name.clone(), name(Some(spring.body)).to_owned(), format!("{:.4} N m", spring.torque_n_m)]
+            });
+            say!("{}", Table::of(["spring", "on", "torque"], springs));
+        }
+        if !i.strings.is_empty() {
+            let strings = i.strings.iter().map(|string| {
+                [
+                    format!("{}{}", string.name, if i.roles.rigid_string { " (held rigid)" } else { "" }),
+                    format!("{:.1} mm", string.length_m * 1e3),
+                    format!("{:.3} g/m", string.mass_kg_m * 1e3),
+                    format!("{:.1} N", string.tension_n),
+                    format!("{:.2} Hz", string.partial_hz(1)),
+                    format!("{:.2e}", string.inharmonicity()),
+                    format!("{:.1} mm", string.strike_m * 1e3),
+                ]
+            });
+            let heads = ["string", "length", "mass", "tension", "first partial", "B", "struck at"];
+            say!("{}", Table::of(heads, strings));
+        }
+        let zones = i.zones.iter().map(|zone| {
+            let felt = &zone.felt;
+            let numbers = felt.loss.table().iter().zip(felt.loss.numbers());
+            let losses = numbers.filter(|(number, value)| number.needed || *value != 0.0).map(|(number, value)| {
+                let unit = if number.unit == "1" { String::new() } else { format!(" {}", number.unit) };
+                format!("{} {}{unit}", number.name, short(value * number.units_per_si))
+            });
+            let friction = (zone.friction_coefficient > 0.0).then(|| format!("friction {}", zone.friction_coefficient));
+            [
+                zone.name.clone(),
+                format!("{} - {}", name(zone.disc_body), name(zone.curve_body)),
+                format!("{:.1e}", felt.stiffness),
+                felt.exponent.to_string(),
+                losses.chain(friction).collect::<Vec<_>>().join(", "),
+            ]
+        });
+        say!("{}", Table::of(["zone", "between", "k", "r", "losses"], zones));
+    }
+
     /// Every key's instrument is read and pressed once, so that a file that is called sound has none that is not.
     fn keyboard(&self, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let keyboard = Keyboard::parse_bytes(bytes, name, self.file.parent().unwrap_or(Path::new("")))?;
@@ -260,16 +262,16 @@ impl Check {
         say!("{name}: a keyboard, \"{}\", around key {}", keyboard.name, keyboard.base_key);
         say!();
         let points = || keyboard.gradings.iter().flat_map(|grading| &grading.curve.points);
-        for Grading { name, graded, curve } in &keyboard.gradings {
+        let gradings = keyboard.gradings.iter().map(|Grading { name, graded, curve }| {
             let (kind, unit) = match graded {
                 Graded::AddedMass { .. } => ("mass", " g"),
                 Graded::Factor { .. } => ("factor", ""),
                 Graded::Shift { .. } => ("shift", " mm"),
             };
-            let [low, high] = [1, KEYS].map(|key| curve.at(key));
-            say!("  {kind:<8}{name:<40} {low}{unit} in the bass, {high}{unit} in the treble");
-        }
-        say!();
+            let [low, high] = [1, KEYS].map(|key| format!("{}{unit}", curve.at(key)));
+            [name.clone(), kind.to_owned(), low, high]
+        });
+        say!("{}", Table::of(["grading", "kind", "at key 1", "at key 88"], gradings));
         say!(
             "  {} gradings of {} points, {} of them without a source; {}",
             keyboard.gradings.len(),
@@ -277,7 +279,7 @@ impl Check {
             points().filter(|point| point.citation.is_none()).count(),
             match tried.iter().filter(|one| !one.warnings.is_empty()).count() {
                 0 => format!("the instruments of all {KEYS} keys are sound"),
-                doubtful => format!("{doubtful} of the {KEYS} keys are not to be trusted"),
+                doubtful => format!("{doubtful} of the {KEYS} keys cannot be trusted"),
             }
         );
         for doubt in doubts((1..).zip(&tried)) {

@@ -27,32 +27,30 @@ pub(super) fn told(ready: &Ready) -> Value {
     let decimals = if decimal_comma { ", decimal commas" } else { "" };
     let skipped = match skipped_rows {
         0 => String::new(),
-        rows => format!(", {rows} rows above the header passed over"),
+        rows => format!(", {rows} rows above the header skipped"),
     };
-    say!("  table     {separated}{decimals}{skipped}");
+    say!("  table         {separated}{decimals}{skipped}");
     say!();
     let steps = recording.time_s.windows(2).map(|t| t[1] - t[0]);
     let (shortest, longest) = steps.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
-    say!("  time      sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
+    say!("  time          sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
     if end_s - start_s > LONGEST_S {
-        say!(
-            "            too long for `compare` as a whole: `--duration {LONGEST_S}` compares its first {LONGEST_S} s"
-        );
+        say!("                longer than `compare` takes: `--duration {LONGEST_S}` compares its first {LONGEST_S} s");
     }
     for channel in &prepared.report.channels {
         let (factor, unit) = channel.role.quantity().shown();
         let (low, high) = channel.range;
-        say!("  {:<9} {:.4} to {:.4} {unit}", channel.role.name(), low * factor, high * factor);
+        say!("  {:<12}  {:.4} to {:.4} {unit}", channel.role.name(), low * factor, high * factor);
         for line in channel.lines() {
-            say!("            {line}");
+            say!("                {line}");
         }
         for line in picture(&prepared.series, channel.role, start_s, end_s) {
-            say!("            {line}");
+            say!("                {line}");
         }
     }
     let warnings = prepared.report.warnings();
     for warning in &warnings {
-        say!("  look: {warning}");
+        say!("  warning: {warning}");
     }
     told_columns(recording, *position_of);
     let column = |c: &Column| json!({"role": c.role.name(), "title": c.title, "unit": c.unit});
@@ -92,6 +90,8 @@ fn picture(series: &Series, role: Role, start_s: f64, end_s: f64) -> Vec<String>
     values.map(|values| small_plot::lines(&values)).unwrap_or_default()
 }
 
+/// Columns without use that are named.
+const MOST_UNUSED: usize = 12;
 /// Letters of a title that are shown.
 const LONGEST_TITLE: usize = 60;
 
@@ -105,15 +105,26 @@ fn told_columns(recording: &Recording, position_of: PositionOf) {
             Role::Position => format!(", the {}'s", position_of.name()),
             _ => String::new(),
         };
-        say!("  {:<12} column {}, `{}`, in {}{whose}", column.role.name(), column.index + 1, column.title, column.unit);
+        say!(
+            "  {:<12}  column {}, `{}`, in {}{whose}",
+            column.role.name(),
+            column.index + 1,
+            column.title,
+            column.unit
+        );
     }
     if layout.unused.is_empty() {
         say!("  columns not used: none");
         return;
     }
     let short = |title: &String| title.chars().take(LONGEST_TITLE).collect::<String>();
-    let unused: Vec<String> = layout.unused.iter().map(|title| format!("`{}`", short(title))).collect();
-    say!("  columns not used: {}", unused.join(", "));
+    let unused: Vec<String> =
+        layout.unused.iter().take(MOST_UNUSED).map(|title| format!("`{}`", short(title))).collect();
+    let more = match layout.unused.len() - unused.len() {
+        0 => String::new(),
+        more => format!(" and {more} more (--json names all)"),
+    };
+    say!("  columns not used: {}{more}", unused.join(", "));
     let example = short(&layout.unused[0]);
     let free: Vec<&str> = ROLES
         .iter()
@@ -122,9 +133,10 @@ fn told_columns(recording: &Recording, position_of: PositionOf) {
         .collect();
     let instead = layout.columns.last().map_or("position", |column| column.role.name());
     let name = free.first().copied().unwrap_or(instead);
-    say!("  to use one, say what it is and its unit: --columns '{name}={example}:{}'", example_unit(name));
+    say!("  to use one, give its meaning, title and unit:");
+    say!("    --columns '{name}={example}:{}'", example_unit(name));
     if free.len() > 1 {
-        say!("  nothing is read yet as {}", free.join(", "));
+        say!("  no column yet for {}", free.join(", "));
     }
 }
 

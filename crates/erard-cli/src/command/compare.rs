@@ -17,29 +17,28 @@ use crate::names::one_of;
 use crate::progress::Progress;
 use crate::recordings::{Ready, RecordingOptions};
 use crate::say;
-use crate::table::{Table, WIDEST, wrapped};
+use crate::table::Table;
 use erard_figures::figure::{Dash, Figure, Panel, Trace, Window, figure_svg};
 
-/// Holds a measured stroke against the models: what drives it, what comes out, what is missed.
+/// Compares a recording with the models: one run for each drive and model, and its errors.
 #[derive(Debug, Args)]
 pub(crate) struct Compare {
-    /// Recording: CSV or Parquet with columns for the time, for force and/or position (down is positive), and for the
-    /// hammer if it was measured too, as `time_s`, `force_N` or `Force (gf)`, `position_m` or `Travel [mm]`,
-    /// `hammer_head_m`
+    /// Recording, CSV or Parquet: a time column, a force or position column or both, and the hammer if measured, with
+    /// the unit in the title (`time_s`, `Force (gf)`, `Travel [mm]`, `hammer_head_m`). Down is positive
     #[arg(value_name = "MEASURED.csv")]
     file: PathBuf,
     #[command(flatten)]
     recording: RecordingOptions,
-    /// Drives to try [default: all that the recording has]
+    /// Drives to try [default: all that the recording allows]
     #[arg(long, value_parser = one_of(&options::DRIVES), value_name = "DRIVES", value_delimiter = ',')]
     drive: Vec<Prescribed>,
     /// Models to run [default: both]
     #[arg(long, value_parser = one_of(&MODELS), value_name = "MODELS", value_delimiter = ',')]
     model: Vec<Which>,
-    /// Write the numbers only, no figure
+    /// Write numbers only, no figures
     #[arg(long)]
     no_pictures: bool,
-    /// Instrument: a TOML file, or the name of a built-in one
+    /// Instrument: a TOML file, or a built-in name
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
     #[command(flatten)]
@@ -47,7 +46,7 @@ pub(crate) struct Compare {
     /// Compare only the first S seconds
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// Compare only the way up: until the hammer is highest, or, where it was not recorded, until the key is down
+    /// Compare only until the hammer is highest, or, if the hammer was not recorded, until the key is down
     #[arg(long)]
     way_up: bool,
     #[command(flatten)]
@@ -82,20 +81,20 @@ impl Compare {
         }
         let written = output.commit()?;
 
-        say!("{title} beside {}", instrument.name);
+        say!("{title} compared with {}", instrument.name);
         say!();
         let (verdicts, rests) = (comparison.verdicts(), comparison.rests());
         for line in verdicts.iter().chain(&rests).chain(&comparison.notes) {
-            wrapped(line, WIDEST).iter().for_each(|line| say!("{line}"));
+            say!("{line}");
         }
         for warning in comparison.warnings() {
-            wrapped(&format!("look: {warning}"), WIDEST).iter().for_each(|line| say!("{line}"));
+            say!("warning: {warning}");
         }
         say!();
         print_table(&comparison);
         say!("  how the recording was prepared");
         for line in prepared.report.told() {
-            say!("  {}", wrapped(&line, WIDEST - 4).join("\n    "));
+            say!("  {line}");
         }
         say!();
         say!("{written}");
@@ -129,7 +128,7 @@ impl Compare {
         let series = if self.way_up { self.way_up(&series)? } else { series };
         if series.end_s() - series.start_s() > LONGEST_S {
             return Err(Failure::Usage(format!(
-                "{}: lasts {lasts_s} s; at most {LONGEST_S} s are compared: --duration {LONGEST_S} compares its first",
+                "{}: lasts {lasts_s} s; expected at most {LONGEST_S} s. Compare its beginning with --duration {LONGEST_S}",
                 shown(&self.file)
             )));
         }
@@ -139,7 +138,8 @@ impl Compare {
     /// As much of it as is the way up.
     fn way_up(&self, series: &Series) -> Result<Series, Failure> {
         let refused = |why: &str| Failure::Usage(format!("--way-up: {}: {why}", shown(&self.file)));
-        let end_s = way_up_ends_s(series).ok_or_else(|| refused("neither hammer nor key moves in it"))?;
+        let end_s = way_up_ends_s(series)
+            .ok_or_else(|| refused("the hammer and the key do not move; --way-up needs a stroke with motion"))?;
         series.first(end_s - series.start_s()).map_err(|error| refused(&error.to_string()))
     }
 }

@@ -21,17 +21,17 @@ pub(crate) struct Draw {
     stroke: StrokeOptions,
     #[command(flatten)]
     instrument: InstrumentOption,
-    /// Instant of the stroke to draw: ms after its start, where 0 is rest, or an event: key-start, toe-contact,
-    /// let-off, hammer-contact, key-bottom, check
+    /// Instant to draw: ms after the start of the stroke (0 is rest), or an event: key-start, toe-contact, let-off,
+    /// hammer-contact, key-bottom, check
     #[arg(long, value_name = "MILLISECONDS-OR-EVENT", default_value = "0", value_parser = parse_at, allow_negative_numbers = true)]
     at: At,
-    /// Name the main parts
+    /// Label the main parts
     #[arg(long)]
     labels: bool,
-    /// Show contact forces as arrows
+    /// Draw contact forces as arrows
     #[arg(long)]
     forces: bool,
-    /// Show what the pins do to the parts that turn about them as arrows
+    /// Draw the forces of the pins on their parts as arrows
     #[arg(long)]
     reactions: bool,
     #[command(flatten)]
@@ -126,7 +126,10 @@ impl Draw {
             At::Ms(ms) => Ok(if ms > 0.0 { run.time_s.len() - 1 } else { 0 }),
             At::Event((name, time_s)) => {
                 let time_s = time_s(&run.events).ok_or_else(|| {
-                    Failure::Usage(format!("--at {name}: there is no {} in this stroke", name.replace('-', " ")))
+                    Failure::Usage(format!(
+                        "--at {name}: this stroke has no {}. Name another event or a time in ms",
+                        name.replace('-', " ")
+                    ))
                 })?;
                 // The first row that is not before it.
                 Ok(run.time_s.partition_point(|&t| t < time_s).min(run.time_s.len() - 1))

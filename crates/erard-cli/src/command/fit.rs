@@ -19,62 +19,61 @@ use crate::progress::Progress;
 use crate::recordings::RecordingOptions;
 use crate::say;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/fit.txt");
 
-/// Fits parameters of an instrument to recordings, with their errors, and says what the recordings do not tell.
+/// Fits parameters of an instrument to recordings, with error bars, and names those that the recordings do not
+/// determine.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Fit {
-    /// Instrument: a TOML file, or the name of a built-in one, where the fit starts
+    /// Instrument at which the fit starts: a TOML file, or a built-in name
     #[arg(value_name = "INSTRUMENT")]
     instrument: String,
-    /// Recordings: CSV or Parquet with columns for the time, for force and/or position (down is positive), and for the
-    /// hammer if it was measured too
+    /// Recordings, CSV or Parquet: a time column, a force or position column or both, and the hammer if measured. Down
+    /// is positive
     #[arg(value_name = "RECORDING.csv", required = true)]
     recordings: Vec<PathBuf>,
-    /// What is fitted: screws and parameters by their names
+    /// Names of the screws and parameters to fit, with commas
     #[arg(long, value_name = "NAME,NAME,..", value_delimiter = ',', required = true)]
     vary: Vec<String>,
-    /// How far a number may go, as in `let_off=-1mm..1mm` (a screw's turn from where it is),
-    /// `body.hammer.mass=0.9..1.2` (a factor) or `body.hammer.mass=9g..12g`; may be repeated
+    /// Bounds of a parameter: `let_off=-1mm..1mm` (from the screw's setting), `body.hammer.mass=0.9..1.2` (a factor) or
+    /// `body.hammer.mass=9g..12g`; can be repeated
     #[arg(long, value_name = "NAME=LOW..HIGH", allow_hyphen_values = true)]
     bounds: Vec<String>,
-    /// Where the fit begins, as in `body.hammer.mass=1.1`; may be repeated [default: the instrument as it is]
+    /// Starting value of a parameter, e.g. `body.hammer.mass=1.1`; can be repeated [default: the instrument as it is]
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
     start: Vec<String>,
-    /// What of the recordings drives the model [default: force where there is one, else the motion of whatever was
-    /// recorded]
+    /// Channel that drives the model [default: force if there is one, else the recorded motion]
     #[arg(long, value_parser = one_of(&DRIVES))]
     drive: Option<Prescribed>,
-    /// What is compared, of force, position, hammer, hammer_speed [default: all but what drives]
+    /// Channels to compare, of force, position, hammer, hammer_speed [default: all but the one that drives]
     #[arg(long, value_name = "CHANNEL,..", value_delimiter = ',', value_parser = channel)]
     compare: Vec<Role>,
-    /// Noise of a channel, root mean square, as in force=0.02N,position=10um; that of what drives, too [default: as the
-    /// recording's rest or spectrum tells it]
+    /// Noise of a channel, root mean square, e.g. force=0.02N,position=10um; also for the channel that drives [default:
+    /// estimated from the recording's rest or spectrum]
     #[arg(long, value_name = "CHANNEL=NOISE,..", value_delimiter = ',', value_parser = noise)]
     sigma: Vec<(Role, f64)>,
-    /// Estimate for every channel how much later it was written down than what drives
+    /// Estimate the delay of each channel behind the one that drives
     #[arg(long)]
     delays: bool,
-    /// Loss function of the residuals: all but `linear` give outliers less weight
+    /// Loss function of the residuals. All but `linear` give outliers less weight
     #[arg(long, value_parser = one_of(&LOSSES), default_value = "linear")]
     loss: Loss,
-    /// Where the derivatives of the last steps and of the errors come from: differences, or the model's own
-    /// derivatives, which need no step and take longer
+    /// How derivatives of the last iterations and of the error bars are computed
     #[arg(long, value_parser = one_of(&JACOBIANS), default_value = "differences")]
     jacobian: Jacobian,
-    /// How often the fit may begin again elsewhere
+    /// Largest number of further starts
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(0..=1000))]
     restarts: u16,
-    /// Most evaluations of one solution
+    /// Largest number of evaluations from one start
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u16).range(1..=10000))]
     most: u16,
-    /// Fit only the first S seconds of every recording: shortly after the blow a little more or less of anything begins
-    /// to have large effects
+    /// Fit only the first S seconds of every recording. Do not go much beyond the impact: there a tiny change of a
+    /// parameter moves the check by milliseconds, and error bars become too small
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// Write the numbers only, no figure
+    /// Write numbers only, no figures
     #[arg(long)]
     no_pictures: bool,
     #[command(flatten)]
@@ -86,15 +85,15 @@ pub(crate) struct Fit {
 }
 
 const LOSSES: [Name<Loss>; 4] = [
-    ("linear", "The square itself", Loss::Linear),
-    ("soft_l1", "2 (sqrt(1 + z) - 1) of a square z", Loss::SoftL1),
-    ("huber", "The square up to the noise, the distance beyond", Loss::Huber),
-    ("cauchy", "ln(1 + z) of a square z", Loss::Cauchy),
+    ("linear", "Square of the residual", Loss::Linear),
+    ("soft_l1", "2 (sqrt(1 + z) - 1), where z is the square", Loss::SoftL1),
+    ("huber", "Square up to the noise, linear beyond", Loss::Huber),
+    ("cauchy", "ln(1 + z), where z is the square", Loss::Cauchy),
 ];
 
 const JACOBIANS: [Name<Jacobian>; 2] = [
     ("differences", "Central differences", Jacobian::Differences),
-    ("gradient", "The model's own derivatives", Jacobian::Gradient),
+    ("gradient", "The model's own derivatives: no step size, but slower", Jacobian::Gradient),
 ];
 
 fn channel(text: &str) -> Result<Role, String> {
@@ -205,7 +204,7 @@ impl Fit {
         let rows = recording.time_s.partition_point(|t| *t <= recording.time_s[0] + s);
         if !s.is_finite() || rows < 2 {
             return Err(Failure::Usage(format!(
-                "--duration {s}: expected so many seconds that there are two rows or more"
+                "--duration {s}: shorter than two rows of the recording; expected a longer time"
             )));
         }
         recording.time_s.truncate(rows);
@@ -247,7 +246,7 @@ impl Fit {
 
     fn named_once<T>(&self, option: &str, all: Asked<T>) -> Result<Asked<T>, Failure> {
         match (1..all.len()).find(|at| all[..*at].iter().any(|(name, _)| *name == all[*at].0)) {
-            Some(at) => Err(Failure::Usage(format!("{option}: `{}` is there twice", all[at].0))),
+            Some(at) => Err(Failure::Usage(format!("{option}: `{}` is given twice", all[at].0))),
             None => Ok(all),
         }
     }
@@ -259,9 +258,9 @@ fn doubtful(found: &FitResult) -> Result<(), Failure> {
     kinds.dedup();
     match found.doubts.len() {
         0 => Ok(()),
-        1 => Err(Failure::Doubtful(format!("the fit is doubtful ({}); all files are written", kinds[0]))),
+        1 => Err(Failure::Doubtful(format!("the fit is doubtful ({}); all files were written", kinds[0]))),
         n => Err(Failure::Doubtful(format!(
-            "the fit is doubtful for {n} reasons ({}); all files are written",
+            "the fit is doubtful for {n} reasons ({}); all files were written",
             kinds.join(", ")
         ))),
     }

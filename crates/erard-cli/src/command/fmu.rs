@@ -18,20 +18,20 @@ use crate::inputs::{self, shown};
 use crate::output::Output;
 use crate::say;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/fmu.txt");
 
-/// Writes an instrument as a unit for simulators: FMI 2.0, co-simulation.
+/// Exports an instrument for simulators, as an FMI 2.0 unit for co-simulation.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Fmu {
-    /// Instrument: a TOML file, or the name of a built-in one
+    /// Instrument: a TOML file, or a built-in name
     #[arg(value_name = "INSTRUMENT", default_value = "concert-grand")]
     instrument: String,
-    /// The unit's file [default: INSTRUMENT.fmu in this folder]
+    /// File of the unit [default: INSTRUMENT.fmu in this folder]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// The library that goes into it
+    /// The library liberard to pack into it
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
     /// Replace FILE if it exists
@@ -82,7 +82,7 @@ impl Fmu {
     /// The library: its path, its bytes, and its place in the archive.
     fn library(&self) -> Result<(PathBuf, Vec<u8>, String), Failure> {
         let Some((platform, end)) = PLATFORM else {
-            return Err(Failure::Usage("FMI 2.0 names no folder for libraries of this platform".into()));
+            return Err(Failure::Usage("FMI 2.0 does not support this platform".into()));
         };
         let path = match &self.library {
             Some(path) => path.clone(),
@@ -91,7 +91,10 @@ impl Fmu {
         let bytes = inputs::library(&path).map_err(|why| Failure::Usage(format!("{}: {why}", shown(&path))))?;
         if let Some(mark) = MARKS.iter().find(|mark| !bytes.windows(mark.len()).any(|window| window == **mark)) {
             let mark = String::from_utf8_lossy(mark);
-            return Err(Failure::Usage(format!("{}: is no liberard: there is no {mark} in it", shown(&path))));
+            return Err(Failure::Usage(format!(
+                "{}: is not the library liberard: {mark} is missing in it",
+                shown(&path)
+            )));
         }
         Ok((path, bytes, format!("binaries/{platform}/{MODEL}.{end}")))
     }
@@ -105,8 +108,7 @@ impl Fmu {
         places.iter().find(|path| path.is_file()).cloned().ok_or_else(|| {
             let looked: Vec<String> = places.iter().map(|path| shown(path)).collect();
             Failure::Usage(format!(
-                "the unit needs the library liberard, which is not at {}; build it with `cargo build --release -p erard-c`, or say where it is with \
-                 --library",
+                "the library liberard was not found at {}. Build it with `cargo build --release -p erard-c`, or name it with --library",
                 looked.join(" or ")
             ))
         })

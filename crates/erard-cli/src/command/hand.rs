@@ -14,11 +14,11 @@ use crate::progress::Progress;
 /// A hand that plays, and its level.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct HandOptions {
-    /// Level of the built-in touch: a hammer speed at the string of 0.5 (pp), 0.79, 1.99, 3.15 or 5 m/s (ff)
+    /// Level of the built-in touch: hammer speed at the string of 0.5 (pp), 0.79 (p), 1.99 (mf), 3.15 (f) or 5 m/s (ff)
     /// [default: mf]
     #[arg(long, value_name = "pp|p|mf|f|ff", value_parser = ["pp", "p", "mf", "f", "ff"], conflicts_with = "force_step")]
     pub stroke: Option<String>,
-    /// The level as a number: the hammer's speed at the string, m/s, as in 2m/s
+    /// Level as a hammer speed at the string, m/s, e.g. 2m/s
     #[arg(
         long,
         value_name = "M/S",
@@ -27,23 +27,23 @@ pub(crate) struct HandOptions {
         conflicts_with_all = ["stroke", "force_step", "file"]
     )]
     pub hammer_speed: Option<f64>,
-    /// How the hand meets the key in a built-in touch
+    /// How the hand of a built-in touch begins
     #[arg(long, value_parser = one_of(&TOUCHES), default_value = "pressed")]
     pub touch: Touch,
-    /// Mass of the hand at the fingertip, g. Between a file or a force and the key it puts a hand whose muscle has that
-    /// force, or follows that motion; the force at the key is then the fingertip's [default: 200]
+    /// Mass of the hand at the fingertip, g. With a stroke file or --force-step it puts a hand before the key: its
+    /// muscle has that force or follows that motion, and its fingertip presses the key [default: 200]
     #[arg(long, value_name = "GRAMS", num_args = 0..=1, require_equals = true, default_missing_value = "200")]
     pub hand: Option<f64>,
-    /// How fast the hand arrives at the key, m/s. A built-in touch then strikes with this speed, whatever the hammer's
-    /// comes out as; with a file or a force it needs --hand
+    /// Speed of the hand when it reaches the key, m/s. It replaces the level of a built-in touch. With a stroke file or
+    /// --force-step it needs --hand
     #[arg(long, value_name = "M/S", allow_negative_numbers = true, conflicts_with_all = ["stroke", "hammer_speed"])]
     pub hand_speed: Option<f64>,
 }
 
 /// How the hand meets the key.
 const TOUCHES: [Name<Touch>; 2] = [
-    ("pressed", "The hand rests on the key, and its muscle presses", Touch::Pressed),
-    ("struck", "The hand arrives at the key with speed", Touch::Struck),
+    ("pressed", "The hand rests on the key, then its muscle presses", Touch::Pressed),
+    ("struck", "The hand is moving when it reaches the key", Touch::Struck),
 ];
 
 /// A speed with or without its unit.

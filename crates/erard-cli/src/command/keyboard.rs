@@ -15,20 +15,21 @@ use crate::progress::Progress;
 use crate::say;
 use crate::tell;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/keyboard.txt");
 
-/// Weighs the keys of a keyboard from bass to treble, or writes one key's instrument, or balances a piano's keys.
+/// Weighs the keys of a keyboard from bass to treble, prints one key's instrument file, or balances the keys of a real
+/// piano.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Keyboard {
-    /// Keyboard: a TOML file, or the name of a built-in one. Of two, the second is laid beside the first
+    /// Keyboard: a TOML file, or a built-in name. Two keyboards are compared
     #[arg(id = "keyboard", value_name = "KEYBOARD", default_value = "concert-grand", num_args = 1..=2)]
     keyboards: Vec<String>,
-    /// Weigh every so many keys, from the first to the last
+    /// Weigh every N-th key
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=87), allow_negative_numbers = true, conflicts_with = "key")]
     every: u8,
-    /// Only print the instrument file of this key, 1 (A0) to 88 (C8), on standard output
+    /// Only print the instrument file of this key, 1 (A0) to 88 (C8)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88), allow_negative_numbers = true, conflicts_with_all = ["out", "force"])]
     key: Option<u8>,
     #[command(flatten)]
@@ -85,7 +86,7 @@ impl Keyboard {
     /// Two keyboards beside each other.
     fn pair(&self, asked: [&String; 2]) -> Result<(), Failure> {
         if self.key.is_some() || self.weigh.asked().is_some() {
-            return Err(Failure::Usage("--key and --weigh take one keyboard; two are laid beside each other".into()));
+            return Err(Failure::Usage("--key and --weigh need one keyboard; found two".into()));
         }
         let keyboards = [load_keyboard(asked[0])?, load_keyboard(asked[1])?];
         let keys = [self.keys(&keyboards[0])?, self.keys(&keyboards[1])?];

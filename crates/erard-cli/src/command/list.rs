@@ -10,12 +10,13 @@ use super::samples::sample_text;
 use crate::answer;
 use crate::failure::Failure;
 use crate::say;
+use crate::table::Table;
 
-/// Lists what is built in: instruments, keyboards, strokes; or prints one of them as the file that it is.
+/// Lists the built-in instruments, keyboards and strokes, or prints the file of one.
 #[derive(Debug, Args)]
 pub(crate) struct List {
-    /// Print this one: a name, or a stroke as in `mf-struck`; `keyboard:NAME` where an instrument has the same name; or
-    /// a sample, as in `concert-grand:sample=17` or `concert-grand:key=88:sample=17`
+    /// Name to print: an instrument, a stroke (`mf-struck`), `keyboard:NAME`, or a sample (`concert-grand:sample=17`,
+    /// `concert-grand:key=88:sample=17`)
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }
@@ -72,22 +73,23 @@ impl List {
             }
             let (_, text) = built_in(name).ok_or_else(|| {
                 let names: Vec<String> = all().into_iter().map(|one| one.name).collect();
-                Failure::Usage(format!("nothing built in is called `{name}` (built in: {})", names.join(", ")))
+                Failure::Usage(format!("there is no built-in `{name}`; expected one of {}", names.join(", ")))
             })?;
             return answer::text(text);
         }
-        let mut kind = "";
         let built_in = all();
-        for one in &built_in {
-            if one.kind != kind {
-                kind = one.kind;
-                say!("{}{kind}s", if std::ptr::eq(one, &built_in[0]) { "" } else { "\n" });
+        let mut rows: Vec<[String; 2]> = Vec::new();
+        for (at, one) in built_in.iter().enumerate() {
+            let before = at.checked_sub(1).map(|before| built_in[before].kind);
+            if before != Some(one.kind) {
+                rows.extend(before.map(|_| Default::default()));
+                rows.push([format!("{}s", one.kind), String::new()]);
             }
-            say!("  {:<18} {}", one.name, one.title);
+            rows.push([format!("  {}", one.name), one.title.clone()]);
         }
-        say!();
+        say!("{}", Table::of(["", ""], rows));
         say!(
-            "`erard list NAME > FILE` makes a file of one, to be changed; every key of a keyboard is an instrument: NAME:key=1 to 88"
+            "Copy one to edit it: `erard list NAME > FILE`. Each key of a keyboard is an instrument: NAME:key=1 to 88"
         );
         answer::give(&Listed { built_in })
     }

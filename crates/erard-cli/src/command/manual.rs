@@ -11,10 +11,10 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::say;
 
-/// Prints a script that completes this program's arguments in a shell.
+/// Prints a script that completes `erard` commands in a shell.
 #[derive(Debug, Args)]
 pub(crate) struct Completions {
-    /// The shell
+    /// Shell
     #[arg(value_enum)]
     shell: Shell,
 }
@@ -28,16 +28,16 @@ impl Completions {
     }
 }
 
-/// Prints the manual page, or writes the pages of all commands into a folder.
+/// Prints a manual page, or writes the pages of all commands into a folder.
 #[derive(Debug, Args)]
 pub(crate) struct Man {
-    /// Print the page of this command
+    /// Command whose page to print [default: `erard` itself]
     #[arg(value_name = "COMMAND", conflicts_with = "into")]
     command: Option<String>,
-    /// Write the pages of all commands into this folder, as erard.1, erard-press.1 and so on
+    /// Write the pages of all commands into this folder: erard.1, erard-press.1 and so on
     #[arg(long, value_name = "DIR")]
     into: Option<PathBuf>,
-    /// Replace files of these names there
+    /// Replace existing files of these names
     #[arg(long, requires = "into")]
     force: bool,
 }

@@ -31,43 +31,43 @@ use crate::tell;
 use crate::units::Lengths;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/measure.txt");
 
 /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
 ///
-/// Several instruments stand side by side.
+/// Several instruments get a column each.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Measure {
-    /// Instruments: TOML files, names of built-in ones, or keys of a keyboard (concert-grand:key=88); many keys
-    /// (concert-grand:key=1..88, concert-grand:key=1,40,88) make one row each [default: concert-grand]
+    /// Instruments: TOML files, built-in names, or keys of a keyboard (concert-grand:key=88). Many keys
+    /// (concert-grand:key=1..88, concert-grand:key=1,40,88) get a row each [default: concert-grand]
     #[arg(value_name = "INSTRUMENT")]
     instruments: Vec<String>,
-    /// One more instrument; may be repeated
+    /// One more instrument; can be repeated
     #[arg(long = "instrument", value_name = "FILE-OR-NAME")]
     more: Vec<String>,
-    /// One row per instrument, and these quantities only: keys of measure.json with commas [default of many keys:
+    /// Print a row per instrument with these quantities only: keys of measure.json with commas [default for many keys:
     /// weights, ratio, inertia, distances, repetition]
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',', conflicts_with = "sheet")]
     only: Vec<String>,
-    /// Write the technician's sheet, too: one page each, to be printed, with what to turn and by how much (sheet.html,
+    /// Also write the technician's sheet, one page per instrument to print: what to turn, and by how much (sheet.html,
     /// sheet.json)
     #[arg(long)]
     sheet: bool,
-    /// With --sheet: what stays where dip and aftertouch cannot both come right; the other changes within its range,
+    /// With --sheet: which one stays if dip and aftertouch cannot both be in range. The other changes within its range,
     /// then the blow
     #[arg(long, value_name = "WHAT", value_enum, default_value = "aftertouch", requires = "sheet")]
     priority: Stays,
-    /// With --sheet: the key's leads, g@mm in front of the balance pin with commas (14@165,14@147; behind it
-    /// negative); they are moved or taken out before others are put in
+    /// With --sheet: the leads in the key, as grams at mm in front of the balance pin (14@165,14@147; negative is
+    /// behind it). The work list moves or removes them before it adds new ones
     #[arg(long, value_name = "G@MM,..", value_delimiter = ',', requires = "sheet", allow_hyphen_values = true)]
     leads: Vec<String>,
-    /// With --sheet: write the instrument file on which the list has been carried out, too (carried-out.toml)
+    /// With --sheet: also write the instrument file as it is after the work (carried-out.toml)
     #[arg(long, requires = "sheet")]
     carry_out: bool,
-    /// Which key of the piano it is, for the usual ranges there, 1 (A0) to 88 (C8), where the instrument's name does
-    /// not say [default: 40]
+    /// Key number of the instrument, 1 (A0) to 88 (C8), which selects the usual ranges [default: that of the
+    /// instrument, else 40]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88), allow_negative_numbers = true)]
     key: Option<u8>,
     #[command(flatten)]
@@ -158,7 +158,7 @@ impl Measure {
         say!();
         for one in &measured {
             for doubt in doubts(&one.sheet) {
-                tell!("warning: {}: not to be trusted: {doubt}", one.label);
+                tell!("warning: {}: this result cannot be trusted: {doubt}", one.label);
             }
         }
         for one in &advised {
@@ -206,10 +206,10 @@ impl Measure {
     /// The lines of one instrument's sheet with their bands.
     fn banded(&self, asked: &[String], count: u32) -> Result<(), Failure> {
         let [asked] = asked else {
-            return Err(Failure::Usage(format!("--bands: found {} instruments, expected one", asked.len())));
+            return Err(Failure::Usage(format!("--bands needs one instrument; found {}", asked.len())));
         };
         if self.sheet {
-            return Err(Failure::Usage("--bands and --sheet: a sheet is of one piano; ask for either".into()));
+            return Err(Failure::Usage("--bands and --sheet cannot be combined: a sheet describes one piano".into()));
         }
         let lines = if self.only.is_empty() { all_lines().collect() } else { measured_lines("--only", &self.only)? };
         let named = self.named(std::slice::from_ref(asked))?;
@@ -239,7 +239,7 @@ impl Measure {
     /// One row per instrument.
     fn rows(&self, asked: &[String]) -> Result<(), Failure> {
         if self.sheet {
-            return Err(Failure::Usage("--sheet: a page for every one of many keys; name them one by one".into()));
+            return Err(Failure::Usage("--sheet writes one page per instrument; found a range of keys. Name the keys one by one: concert-grand:key=1 concert-grand:key=2".into()));
         }
         let lines = if self.only.is_empty() { rows::usual() } else { measured_lines("--only", &self.only)? };
         let named = self.named(asked)?;
@@ -270,7 +270,7 @@ impl Measure {
     /// All instruments of a few, read before anything is measured, by labels that tell them apart.
     fn load(&self, asked: &[String]) -> Result<Vec<Named>, Failure> {
         if asked.len() > MOST {
-            return Err(Failure::Usage(format!("{} instruments: expected {MOST} at most side by side", asked.len())));
+            return Err(Failure::Usage(format!("{} instruments; expected at most {MOST}", asked.len())));
         }
         self.named(asked)
     }
@@ -307,7 +307,9 @@ fn lead(text: &str) -> Result<Lead, Failure> {
     });
     let sound = |lead: &Lead| (0.5..=60.0).contains(&lead.mass_g) && (-250.0..=400.0).contains(&lead.at_mm);
     read.filter(sound).ok_or_else(|| {
-        Failure::Usage(format!("--leads {text}: expected grams (0.5 to 60) and millimetres before the pin, as 14@165"))
+        Failure::Usage(format!(
+            "--leads {text}: expected grams (0.5 to 60), @ and millimetres in front of the balance pin, e.g. 14@165"
+        ))
     })
 }
 

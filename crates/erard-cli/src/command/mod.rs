@@ -34,9 +34,9 @@ use crate::failure::Failure;
 use crate::inputs::clipped;
 use crate::{answer, identity, output, progress, say, signals};
 
-/// Simulates the grand piano action: a key press goes in, and out comes everything the mechanism does.
+/// Simulates the grand piano action: from a key press to the hammer's impact on the string.
 #[derive(Debug, Parser)]
-#[command(name = "erard", version = version(), about, max_term_width = 100)]
+#[command(name = "erard", version = version(), max_term_width = 100)]
 pub(crate) struct Command {
     #[command(subcommand)]
     subcommand: Sub,
@@ -47,10 +47,10 @@ pub(crate) struct Command {
 /// How a program of this library speaks.
 #[derive(Debug, clap::Args)]
 pub struct Speech {
-    /// Say nothing but what goes wrong; files are written all the same
+    /// Print errors and warnings only; files are written as usual
     #[arg(long, global = true)]
     quiet: bool,
-    /// Answer with JSON on standard output, in place of words
+    /// Print the answer as JSON on standard output
     #[arg(long, global = true)]
     json: bool,
 }
@@ -71,36 +71,36 @@ enum Sub {
     Study(Box<study::Study>),
     /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
     Measure(measure::Measure),
-    /// Weighs the keys of a keyboard from bass to treble, or writes one key's instrument.
+    /// Weighs the keys of a keyboard from bass to treble, or prints one key's instrument file.
     Keyboard(keyboard::Keyboard),
-    /// Turns an instrument's screws until its action meets a specification; writes a new instrument file.
+    /// Turns the screws of an instrument until it meets a specification, and writes a new file.
     Regulate(Box<regulate::Regulate>),
-    /// Holds an instrument against what has been measured on real pianos.
+    /// Compares an instrument with published measurements of real pianos.
     Validate(validate::Validate),
-    /// Checks a file of any kind that this program knows and says what it holds.
+    /// Checks a file of any kind that Erard reads, and shows its contents.
     Check(check::Check),
-    /// Holds a measured stroke against the models.
+    /// Compares a recording with the models.
     Compare(compare::Compare),
-    /// Fits parameters of an instrument to recordings, with their errors.
+    /// Fits parameters of an instrument to recordings, with error bars.
     Fit(Box<fit::Fit>),
-    /// The papers are reproduced by a program of their own: `erard-reproduce`.
+    /// Moved to the program `erard-reproduce`.
     #[command(hide = true)]
     Reproduce(Moved),
-    /// This machine's speed is measured by a program of its own: `erard-bench`.
+    /// Moved to the program `erard-bench`.
     #[command(hide = true)]
     Bench(Moved),
-    /// Leverage and sliding are shown by a program of their own: `erard-kinematics`.
+    /// Moved to the program `erard-kinematics`.
     #[command(hide = true)]
     Kinematics(Moved),
-    /// Writes an instrument as a unit for simulators: FMI 2.0, co-simulation.
+    /// Exports an instrument for simulators, as an FMI 2.0 unit for co-simulation.
     Fmu(fmu::Fmu),
     /// Opens the studio in the browser: press the key, turn the screws, compare two actions.
     Studio(studio::Studio),
-    /// Lists what is built in, or prints one of it.
+    /// Lists the built-in instruments, keyboards and strokes, or prints one.
     List(list::List),
-    /// Prints a script that completes arguments in a shell.
+    /// Prints a script that completes `erard` commands in a shell.
     Completions(manual::Completions),
-    /// Prints the manual page, or writes those of all commands.
+    /// Prints a manual page, or writes the pages of all commands.
     Man(manual::Man),
 }
 

@@ -47,21 +47,21 @@ impl From<Stays> for Priority {
 /// Which instrument.
 #[derive(Debug, Args)]
 pub(crate) struct InstrumentOption {
-    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88; with
-    /// :sample=17, one plausible grand around it
+    /// Instrument: a TOML file, a built-in name, or one key of a keyboard (concert-grand:key=88). `:sample=17` at the
+    /// end takes a random grand within the spreads of the file
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
-    /// Which model of it
+    /// Model of the instrument
     #[arg(long, value_parser = one_of(&MODELS), default_value = "action")]
     pub model: Which,
 }
 
 /// The models of an instrument.
 pub(crate) const MODELS: [Name<Which>; 2] = [
-    (Which::Action.name(), "All bodies and zones of the file", Which::Action),
+    (Which::Action.name(), "All bodies and contact zones of the file", Which::Action),
     (
         Which::OneDof.name(),
-        "One degree of freedom: the whole action as inertia and constant moment on the key",
+        "One degree of freedom: the action reduced to an inertia and a constant moment on the key",
         Which::OneDof,
     ),
 ];
@@ -113,11 +113,11 @@ pub(crate) struct Noted {
 /// One instrument, or two to be laid beside each other.
 #[derive(Debug, Args)]
 pub(crate) struct InstrumentsOption {
-    /// Instrument: a TOML file, or the name of a built-in one; or a key of a keyboard, as in concert-grand:key=88.
-    /// Given twice, both are played and shown on one page
+    /// Instrument: a TOML file, a built-in name, or one key of a keyboard (concert-grand:key=88). Give it twice to show
+    /// two instruments on one page
     #[arg(long = "instrument", value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instruments: Vec<String>,
-    /// Which model of it
+    /// Model of the instrument
     #[arg(long, value_parser = one_of(&MODELS), default_value = "action")]
     pub model: Which,
 }
@@ -138,7 +138,7 @@ impl InstrumentsOption {
     pub(crate) fn load(&self) -> Result<Vec<Noted>, Failure> {
         if self.instruments.len() > 2 {
             return Err(Failure::Usage(format!(
-                "--instrument is given {} times; expected one instrument, or two to be laid beside each other",
+                "--instrument is given {} times; expected once, or twice to compare two",
                 self.instruments.len()
             )));
         }
@@ -157,7 +157,9 @@ fn load_file(path: &Path) -> Result<(InstrumentFile, String), Failure> {
     let (name, bytes) = inputs::bytes(path)?;
     let text = utf8(&bytes, &name)?;
     if is_keyboard(text) {
-        return Err(Failure::Usage(format!("{name}: this is a keyboard; name one of its keys, as in {name}{KEY}40")));
+        return Err(Failure::Usage(format!(
+            "{name}: is a keyboard; expected an instrument. Name one of its keys: {name}{KEY}40"
+        )));
     }
     let file = InstrumentFile::parse(text, &name)?;
     identity::used("instrument", &file.instrument.name, Some(&name), &bytes);
@@ -253,7 +255,7 @@ pub(crate) fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
         };
         let Some((from, to)) = range else {
             let expected = format!("keys from 1 to {KEYS}, as in `1..88` or `1,40,88`");
-            return Err(Failure::Usage(format!("{asked}: `{part}` are no keys; expected {expected}")));
+            return Err(Failure::Usage(format!("{asked}: found keys `{part}`; expected {expected}")));
         };
         all.extend((from..=to).map(|key| format!("{keyboard}{KEY}{key}")));
     }
@@ -265,7 +267,7 @@ pub(crate) fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'stat
     let find = |key: &String| {
         lines().find(|line| line.key == key.trim()).ok_or_else(|| {
             let known: Vec<&str> = lines().map(|line| line.key).collect();
-            Failure::Usage(format!("{option} {key}: nothing of that name is measured; expected {}", known.join(", ")))
+            Failure::Usage(format!("{option} {key}: unknown quantity; expected one of {}", known.join(", ")))
         })
     };
     keys.iter().map(find).collect()
@@ -294,18 +296,18 @@ pub(crate) fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
 /// What the player does.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct StrokeOptions {
-    /// Stroke file: CSV or Parquet with columns for the time and for force and/or position (down is positive), as
-    /// `time_s`, `force_N` or `Force (gf)`, `position_m` or `Travel [mm]`; a run's own run.csv is one
+    /// Stroke file, CSV or Parquet: a time column and a force or position column or both, with the unit in the title
+    /// (`time_s`, `Force (gf)`, `Travel [mm]`). Down is positive. The run.csv of a run is a stroke file
     #[arg(value_name = "STROKE.csv", conflicts_with_all = ["stroke", "force_step"])]
     file: Option<PathBuf>,
     #[command(flatten)]
     hand: HandOptions,
-    /// A constant force from the start on, N
+    /// Constant force on the key front, N
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     force_step: Option<f64>,
-    /// What is prescribed: the finger's force, the motion of a soft finger, or the key's own motion. Default: force
-    /// where the stroke has one, else the motion of whatever was recorded (see --position): rigid for a key's, motion
-    /// for a fingertip's. With a built-in touch it plays the force curve of that name (`erard list`) instead of a hand
+    /// What drives the key. Default: the force if the stroke has one; else `rigid` for a recorded key position and
+    /// `motion` for a recorded fingertip position (see --position). With --stroke it plays the stored force curve of
+    /// that level (see `erard list`) instead of a hand
     #[arg(long, value_parser = one_of(&DRIVES), conflicts_with = "hammer_speed")]
     drive: Option<Prescribed>,
     #[command(flatten)]
@@ -314,9 +316,9 @@ pub(crate) struct StrokeOptions {
 
 /// What is prescribed.
 pub(crate) const DRIVES: [Name<Prescribed>; 3] = [
-    (Prescribed::Force.name(), "The force on the key", Prescribed::Force),
-    (Prescribed::Motion.name(), "The motion of a soft finger that can only push", Prescribed::Motion),
-    (Prescribed::Rigid.name(), "The motion of the key itself", Prescribed::Rigid),
+    (Prescribed::Force.name(), "Force on the key", Prescribed::Force),
+    (Prescribed::Motion.name(), "Motion of a soft fingertip, which can only push", Prescribed::Motion),
+    (Prescribed::Rigid.name(), "Motion of the key itself", Prescribed::Rigid),
 ];
 
 impl StrokeOptions {
@@ -352,7 +354,9 @@ impl StrokeOptions {
     pub(crate) fn load_constant(&self) -> Result<Stroke, Failure> {
         let is_level = self.hand.stroke.is_some() || self.hand.hammer_speed.is_some();
         if self.file.is_some() || is_level || self.drive.is_some_and(|d| d != Prescribed::Force) {
-            return Err(Failure::Usage("--vary force plays constant forces; it goes with no other stroke".into()));
+            return Err(Failure::Usage(
+                "--vary force plays constant forces; remove the stroke (file, --stroke or --hammer-speed)".into(),
+            ));
         }
         self.through(Stroke::constant("constant forces".into(), 0.0))
     }
@@ -391,13 +395,13 @@ impl StrokeOptions {
             }
             identity::used_without_file("stroke", &format!("a constant force of {force_n} N"));
             if self.drive.is_some_and(|d| d != Prescribed::Force) {
-                return Err(Failure::Usage("--force-step prescribes a force; it has no motion to drive with".into()));
+                return Err(Failure::Usage("--force-step needs --drive force: a constant force has no motion. Leave --drive out, or give a stroke file with a position".into()));
             }
             return self.through(Stroke::constant(format!("{force_n} N"), force_n));
         }
         if self.file.is_none() && self.recording.are_given() {
             return Err(Failure::Usage(
-                "--columns, --position, --zero, --invert, --delay, --low-pass and --order belong to a stroke file"
+                "--columns, --position, --zero, --invert, --delay, --low-pass and --order need a stroke file; none is given"
                     .into(),
             ));
         }
@@ -432,10 +436,14 @@ impl From<DrivingError> for Failure {
     fn from(error: DrivingError) -> Self {
         Failure::Usage(match error {
             DrivingError::Missing { title, drive } => {
-                format!("{title}: --drive {} needs a column `{}`, and the file has none", drive.name(), drive.column())
+                format!(
+                    "{title}: --drive {} needs a column `{}`; the file has none. Leave --drive out, or name the column with --columns",
+                    drive.name(),
+                    drive.column()
+                )
             }
             DrivingError::NoKeyPosition { title } => format!(
-                "{title}: --drive rigid needs the key's position; the fingertip's gives it where a column `force_N` is there too"
+                "{title}: --drive rigid needs the key's position; found the fingertip's and no force. Use --drive motion, or add a column `force_N`"
             ),
             error @ (DrivingError::Samples { .. } | DrivingError::Pulls { .. }) => error.to_string(),
         })
@@ -445,20 +453,20 @@ impl From<DrivingError> for Failure {
 /// How to step.
 #[derive(Debug, Args)]
 pub(crate) struct StepOptions {
-    /// Step, s, halved as often as needed while the hammer is near strings that sound; usual: 0.00005, and 1/24000
-    /// where strings sound
+    /// Time step, s. `usual` is 0.00005, or 1/24000 with modal strings. While the hammer is near modal strings the step
+    /// is halved as often as necessary
     #[arg(long, value_name = "SECONDS", default_value = USUAL, value_parser = step, allow_negative_numbers = true)]
     dt: Step,
-    /// Theta of the time-stepping scheme, 0.5 (second order) to 1 (damped)
+    /// Theta of the time-stepping scheme, from 0.5 (second order) to 1 (damped)
     #[arg(long, value_name = "T", default_value_t = 0.5, allow_negative_numbers = true)]
     theta: f64,
     /// Solver of the one-step problem
     #[arg(long, value_parser = one_of(&SOLVERS), default_value = "active-set")]
     solver: Solver,
-    /// Friction law: the true one, or the regularised one that is kept for comparison
+    /// Friction law
     #[arg(long, value_parser = one_of(&FRICTIONS), default_value = "set-valued")]
     friction: Friction,
-    /// Width of the regularised law at the pivots, rad/s (at sliding contacts a tenth of it, m/s)
+    /// Width of the regularised law: this at pivots, rad/s, and a tenth of it at sliding contacts, m/s
     #[arg(long, value_name = "RAD/S", default_value_t = 0.1, allow_negative_numbers = true)]
     friction_width: f64,
 }
@@ -479,15 +487,15 @@ fn step(text: &str) -> Result<Step, String> {
 
 const SOLVERS: [Name<Solver>; 2] = [
     ("active-set", "Active set on the velocities", Solver::ActiveSet),
-    ("projected-gauss-seidel", "The papers' projected Gauss-Seidel", Solver::ProjectedGaussSeidel),
+    ("projected-gauss-seidel", "Projected Gauss-Seidel, as in the papers", Solver::ProjectedGaussSeidel),
 ];
 
 /// A law of friction, of the regularised one's width at the pivots, rad/s.
 type Friction = fn(f64) -> FrictionLaw<f64>;
 
 const FRICTIONS: [Name<Friction>; 2] = [
-    ("set-valued", "Set-valued: holds at rest", |_| FrictionLaw::SetValued),
-    ("tanh", "Regularised by tanh: creeps", |width| FrictionLaw::Regularised {
+    ("set-valued", "Coulomb friction that holds parts at rest", |_| FrictionLaw::SetValued),
+    ("tanh", "Regularised by tanh, for comparison: parts creep", |width| FrictionLaw::Regularised {
         pivot_width: width,
         sliding_width: 0.1 * width,
     }),

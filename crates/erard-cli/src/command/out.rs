@@ -17,7 +17,7 @@ pub struct OutOptions {
     /// Output folder
     #[arg(id = "out", long = "out", value_name = "DIR", default_value = DEFAULT)]
     folder: PathBuf,
-    /// Replace what stands in the way there: results of another command, or files that this command did not write
+    /// Overwrite files in the output folder that this command did not write
     #[arg(long)]
     force: bool,
 }
@@ -70,16 +70,16 @@ impl OwnFile {
         let wrong = |why: &str| Err(Failure::Usage(format!("{}: {why}", shown(&file))));
         let extension = end.rsplit('.').next().unwrap_or_default();
         if file.is_dir() {
-            return wrong(&format!("is a folder; --out takes the name of the {whose} file"));
+            return wrong(&format!("is a folder; expected a file name: --out names the {whose} file"));
         }
         if file.extension().is_none_or(|own| !own.eq_ignore_ascii_case(extension)) {
-            return wrong(&format!("the {whose} file ends in .{extension}"));
+            return wrong(&format!("expected a name that ends in .{extension}"));
         }
         if inputs::is_one(&file) {
-            return wrong("is the instrument itself, which is never replaced; give another name with --out");
+            return wrong("is the input instrument, which is never overwritten; name another file with --out");
         }
         if file.exists() && !force {
-            return wrong("exists; give another name with --out, or --force to replace it");
+            return wrong("exists; name another file with --out, or add --force to replace it");
         }
         let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();

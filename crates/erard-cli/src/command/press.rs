@@ -34,45 +34,44 @@ use erard_workshop::sample::SampleError;
 pub(crate) struct Press {
     #[command(flatten)]
     stroke: StrokeOptions,
-    /// A second stroke, to be laid beside the first: pp, p, mf, f, ff, a constant force such as 3N, or a file
+    /// Second stroke, shown with the first: pp, p, mf, f, ff, a constant force such as 3N, or a file
     #[arg(long, value_name = "STROKE")]
     against: Option<String>,
-    /// The columns of the second stroke's file, as --columns those of the first [default: what --columns says; that
-    /// belongs to the second where the first is no file]
+    /// Columns of the second stroke's file, written as in --columns [default: those of --columns]
     #[arg(long, value_name = "NAME=TITLE,..", requires = "against")]
     against_columns: Option<Columns>,
     #[command(flatten)]
     instrument: InstrumentsOption,
     #[command(flatten)]
     step: StepOptions,
-    /// Simulated time, s [default: the stroke's, and a little more]
+    /// Simulated time, s [default: the stroke's duration and a little more]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// Keep a row every so many steps [default: every step, in long runs fewer]
+    /// Steps from one row of the output to the next [default: 1, in long runs more]
     #[arg(long, value_name = "STEPS", value_parser = steps, allow_negative_numbers = true)]
     record_every: Option<u64>,
-    /// Control the error: steps between two rows are as long as the error of each may be, relative to 1 rad/s +
-    /// |velocity|, 1e-9 to 0.1 [default: all steps are as long as --dt says]
+    /// Adaptive steps: the largest error of a step, relative to 1 rad/s + |velocity|, from 1e-9 to 0.1 [default: fixed
+    /// steps of --dt]
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Record what the pins carry (both components) and how the parts accelerate, too: more columns, and reactions.svg
-    /// and reactions.png
+    /// Also record the forces in the pins (both components) and the accelerations of the parts: more columns,
+    /// reactions.svg and reactions.png
     #[arg(long)]
     reactions: bool,
-    /// Show where the energy goes, by pin and by contact: losses.json, losses.svg and losses.png
+    /// Show the energy lost at each pin and contact: losses.json, losses.svg and losses.png
     #[arg(long)]
     losses: bool,
-    /// Write the force of the note's strings on the bridge as sound, too, into a file of this name in the output
-    /// folder: 48 kHz, 16 bit, its peak at 0.9 of full scale (it is that force, not a piano), and its spectrogram,
-    /// spectrogram.svg and spectrogram.png. Played once more in steps of 1/96000 s [default: note.wav]
+    /// Write the strings' force on the bridge as sound, NAME.wav in the output folder, and its spectrogram (SVG and
+    /// PNG). Needs modal strings. 48 kHz, 16 bit, peak at 0.9 of full scale. There is no soundboard: it does not sound
+    /// like a piano. The note is simulated again for it in steps of 1/96000 s [default: note.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "note.wav", value_parser = wav_name)]
     wav: Option<String>,
-    /// Hold the sustain pedal down so that its rail is lifted so far (7mm), or move it: instants on the stroke's clock
-    /// with lifts, straight lines between them (0s=0mm,0.2s=7mm,1s=0mm) [default: up]. For instruments with strings
+    /// Sustain pedal, as the lift of its rail: held (7mm), or moved in straight lines between instants of the stroke
+    /// (0s=0mm,0.2s=7mm,1s=0mm). For instruments with modal strings [default: up]
     #[arg(long, value_name = "LIFT", allow_hyphen_values = true, default_value = "0mm", hide_default_value = true)]
     pedal: Pedal,
-    /// Find the hand of a level for each instrument, and for each sample of --bands, instead of playing the hand of the
-    /// first on all
+    /// Find the hand that reaches the level for each instrument and each sample of --bands. Otherwise all are played by
+    /// the hand found for the first
     #[arg(long)]
     each: bool,
     #[command(flatten)]
@@ -91,7 +90,7 @@ fn wav_name(text: &str) -> Result<String, String> {
     let is_sound = text.len() > 4 && text.to_ascii_lowercase().ends_with(".wav");
     if !is_sound || text.contains(['/', '\\', ':']) {
         return Err(format!(
-            "`{text}` is no name for it; expected one that ends in .wav, without a folder: --out says where all results go, and a stroke's file stands before --wav"
+            "found `{text}`; expected a file name that ends in .wav, without a folder (--out names the folder; write a stroke file before --wav)"
         ));
     }
     Ok(text.to_owned())
@@ -128,7 +127,7 @@ impl Press {
         check(&setup)?;
         if self.wav.is_some() && !instrument.has_yielding_strings() {
             let message =
-                "--wav needs strings that yield; this instrument's string is rigid (`concert-grand-strings` has some)";
+                "--wav needs modal strings; this instrument's string is rigid. Use --instrument concert-grand-strings";
             return Err(Failure::Usage(message.into()));
         }
         let mut output =
@@ -197,11 +196,14 @@ impl Press {
             say!("{}", report.table());
         }
         if let Some((name, sound)) = &sound {
-            say!("{name} is the force on the bridge, {:.2} N at most, not a piano; steps of 1/96000 s", sound.peak_n());
+            say!(
+                "{name} is the force on the bridge, {:.2} N at most, without a soundboard; steps of 1/96000 s",
+                sound.peak_n()
+            );
             say!();
         }
         for warning in &summary.warnings {
-            tell!("warning: not to be trusted: {warning}");
+            tell!("warning: this run cannot be trusted: {warning}");
         }
         say!("{written}");
         Ok(())
@@ -247,7 +249,7 @@ impl Press {
     ) -> Result<Vec<Stroke>, Failure> {
         match (against, instruments) {
             (Some(_), [_, _]) => Err(Failure::Usage(
-                "two instruments and --against at once would be two differences in one picture; lay either beside the first".into(),
+                "--against with two instruments: expected either two instruments or two strokes, so that the page shows one difference".into(),
             )),
             (Some(other), _) => Ok(vec![stroke, other.load(reference)?]),
             (None, [_, second]) if self.stroke.is_touch() && (self.each || self.instrument.are_keys()) => {
@@ -265,10 +267,15 @@ impl Press {
         setup: impl Fn(&Stroke) -> Setup,
     ) -> Result<(), Failure> {
         if self.bands.bands.is_some() {
-            return Err(Failure::Usage("--bands belong to one run; play the two one by one".into()));
+            return Err(Failure::Usage(
+                "--bands needs a single run; leave out --against and the second --instrument".into(),
+            ));
         }
         if self.reactions || self.losses || self.wav.is_some() {
-            return Err(Failure::Usage("--reactions, --losses and --wav show one run; play the two one by one".into()));
+            return Err(Failure::Usage(
+                "--reactions, --losses and --wav need a single run; leave out --against and the second --instrument"
+                    .into(),
+            ));
         }
         let mut setups: Vec<Setup> = strokes.iter().map(setup).collect();
         // One clock: both are played as long as the longer one.
@@ -293,7 +300,7 @@ impl Press {
         press_pair::tell(&played);
         for (one, name) in played.iter().zip(press_pair::names(&played)) {
             for warning in &one.summary.warnings {
-                tell!("warning: {name}: not to be trusted: {warning}");
+                tell!("warning: {name}: this run cannot be trusted: {warning}");
             }
         }
         say!("{written}");

@@ -23,36 +23,36 @@ use crate::regulate::{
 use crate::units::Lengths;
 use crate::{say, tell};
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/regulate.txt");
 
 /// Turns an instrument's screws until its action meets a specification.
 ///
-/// The work is done as on the bench: measured by simulated trials, in the trade's order, and round after round until no
-/// goal is disturbed by another.
+/// It works as on the bench: it measures by simulated trials, turns screws in the trade's order, and repeats the round
+/// until every goal is met at once.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Regulate {
-    /// Instrument: a TOML file, or the name of a built-in one
+    /// Instrument: a TOML file, or a built-in name
     #[arg(value_name = "INSTRUMENT", default_value = "concert-grand")]
     instrument: String,
     #[command(flatten)]
     goals: Goals,
-    /// Ask for the trade's norms, too, where a goal is not given
+    /// Also ask for the trade's norms if a goal is not given
     #[arg(long)]
     norms: bool,
-    /// Let other screws follow where the goals disturb what they set: what was not asked for then stays as it was
+    /// Turn other screws too, so that distances without a goal stay as they were
     #[arg(long)]
     follow: bool,
-    /// Bring the aftertouch into its usual range, too: what stays, while the other changes for it
+    /// Also bring the aftertouch into its usual range, and keep WHAT if not both can be kept
     #[arg(long, value_name = "WHAT", value_enum)]
     priority: Option<Stays>,
     #[command(flatten)]
     lengths: Lengths,
-    /// The new instrument file [default: INSTRUMENT-regulated.toml in this folder]
+    /// New instrument file [default: INSTRUMENT-regulated.toml in this folder]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Replace FILE, and the report beside it, if they exist
+    /// Replace FILE and its report if they exist
     #[arg(long)]
     force: bool,
 }
@@ -63,31 +63,31 @@ struct Goals {
     /// Key travel to the bottom
     #[arg(long, value_name = "10mm", allow_hyphen_values = true)]
     dip: Option<String>,
-    /// Hammer to string at rest
+    /// Distance from hammer to string at rest
     #[arg(long, value_name = "46mm", allow_hyphen_values = true)]
     blow: Option<String>,
-    /// Hammer to string where the jack lets it go, on a slow key
+    /// Distance from hammer to string at let-off, on a slow key
     #[arg(long, value_name = "1.5mm", allow_hyphen_values = true)]
     let_off: Option<String>,
-    /// How far the hammer then falls
+    /// Fall of the hammer after let-off
     #[arg(long, value_name = "1.5mm", allow_hyphen_values = true)]
     drop: Option<String>,
-    /// Hammer to string when caught by the back check after a medium blow
+    /// Distance from hammer to string in check, after a medium blow
     #[arg(long, value_name = "15mm", allow_hyphen_values = true)]
     check: Option<String>,
-    /// How far the hammer rises when the key is let up from there
+    /// Rise of the hammer when the key is let up from check
     #[arg(long, value_name = "12mm", allow_hyphen_values = true)]
     repetition_rise: Option<String>,
-    /// Strength of the repetition spring: the hammer's largest speed in that rise
+    /// Strength of the repetition spring: largest hammer speed in that rise
     #[arg(long, value_name = "250mm/s", allow_hyphen_values = true)]
     spring: Option<String>,
-    /// Middle of the knuckle to the rear edge of the jack's top
+    /// Distance from the middle of the knuckle to the rear edge of the jack's top
     #[arg(long, value_name = "1.5mm", allow_hyphen_values = true)]
     jack_position: Option<String>,
-    /// Step from the jack's top up to the repetition lever's
+    /// Height of the repetition lever above the jack's top
     #[arg(long, value_name = "0.1mm", allow_hyphen_values = true)]
     lever_height: Option<String>,
-    /// Where the damper starts to rise, as a share of the dip
+    /// Key travel at which the damper starts to rise, as a share of the dip
     #[arg(long, value_name = "50%", allow_hyphen_values = true)]
     damper: Option<String>,
 }
@@ -193,7 +193,9 @@ impl Regulate {
             Some(settled) => settled_text(settled, self.lengths).iter().for_each(|line| say!("{line}")),
             None if !is_usual_aftertouch(&regulated.after) => {
                 say!("{}", aftertouch_text(&regulated, self.lengths));
-                say!("--priority dip changes the blow for it, --priority aftertouch the dip first.");
+                say!(
+                    "To change that, add --priority dip (changes the blow) or --priority aftertouch (changes the dip first)."
+                );
                 say!();
             }
             None => {}
@@ -206,7 +208,7 @@ impl Regulate {
                 after.map_or("none".to_owned(), |after| shown_value(goal, after, self.lengths))
             });
             let text = aftertouch_text(&settled.regulated, self.lengths);
-            format!("{text}; dip is {dip}, blow {blow}, and neither may change further for it")
+            format!("{text}; dip ({dip}) and blow ({blow}) are at the ends of their usual ranges")
         });
         match [misses(&regulated), unsettled.into_iter().collect()].concat() {
             misses if misses.is_empty() => Ok(()),
@@ -247,7 +249,7 @@ fn moved(regulated: &Regulated, lengths: Lengths) -> Vec<String> {
         return Vec::new();
     }
     vec![
-        format!("This moved {}; --follow brings it back with the screws that set it.", moved.join(", ")),
+        format!("This moved {}; add --follow to bring it back with the screws that set it.", moved.join(", ")),
         String::new(),
     ]
 }
@@ -264,5 +266,5 @@ fn must_follow(specification: &Specification, followed: &Regulated, lengths: Len
             format!("{} ({turned}; it stays at {})", goal.name(), shown_value(goal, achieved.target, lengths))
         })
         .collect();
-    format!("it is met when another screw follows: {}; --follow turns it, too", each.join(", "))
+    format!("reachable if another screw follows: {}; add --follow", each.join(", "))
 }

@@ -93,7 +93,7 @@ impl Samples {
 /// Refuses one sample where many are drawn.
 pub(crate) fn not_one_sample(asked: &str) -> Result<(), Failure> {
     if split_sample(asked).map_err(usage)?.1.is_some() {
-        return Err(Failure::Usage(format!("{asked} is one sample already; a band is of many: leave `{SAMPLE}N` out")));
+        return Err(Failure::Usage(format!("{asked}: is one sample; --bands needs many. Remove `{SAMPLE}N`")));
     }
     Ok(())
 }

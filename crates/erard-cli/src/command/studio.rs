@@ -18,20 +18,20 @@ mod built_in {
     include!(concat!(env!("OUT_DIR"), "/studio.rs"));
 }
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/studio.txt");
 
 /// Opens the studio in the browser: press the key, turn the screws, compare two actions.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Studio {
-    /// The port on this machine; 0 takes any that is free
+    /// Port on this machine; 0 takes any free one
     #[arg(long, value_name = "NUMBER", default_value_t = 8088)]
     port: u16,
-    /// The folder of the built page
+    /// Folder of the built page
     #[arg(long, value_name = "FOLDER")]
     folder: Option<PathBuf>,
-    /// Only say the address
+    /// Print the address and do not open a browser
     #[arg(long)]
     no_open: bool,
 }
@@ -56,13 +56,13 @@ impl Studio {
         let page = self.page()?;
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, self.port)).map_err(|error| {
             Failure::Usage(format!(
-                "port {} cannot be had: {error}; --port takes another, 0 any that is free",
+                "port {} cannot be opened: {error}. Choose another with --port, or --port 0 for any free one",
                 self.port
             ))
         })?;
         let port = listener.local_addr().map_err(|error| Failure::Internal(error.to_string()))?.port();
         let address = format!("http://localhost:{port}/");
-        say!("The studio is at {address} - Control-C ends it.");
+        say!("The studio runs at {address}. Stop it with Control-C.");
         say::finish().map_err(Failure::Said)?;
         if !self.no_open {
             open(&address);
@@ -86,7 +86,7 @@ impl Studio {
             } else {
                 let folder = shown(folder);
                 Err(Failure::Usage(format!(
-                    "{folder}: is no built studio: there is no index.html with an engine.bin in it"
+                    "{folder}: is not a built studio; expected index.html and engine.bin in it. Build one with studio/build"
                 )))
             };
         }
@@ -99,7 +99,7 @@ impl Studio {
         places.extend(beside.ancestors().map(|folder| folder.join("studio/dist")));
         places.into_iter().find(|place| is_page(place)).map(Page::Folder).ok_or_else(|| {
             Failure::Usage(format!(
-                "the studio's page is not built into this command, and not in {}; studio/build in the project's source builds it, --folder says where it is",
+                "the studio's page was not found in this command nor in {}. Build it with studio/build from the source, or name its folder with --folder",
                 shown(&beside.join("studio"))
             ))
         })

@@ -26,14 +26,15 @@ use crate::table::Table;
 use crate::tell;
 use erard_figures::figure::chart_svg;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/study.txt");
 
 /// Plays a stroke on many variants of an instrument: a parameter study.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Study {
-    /// What is varied, from where to where and in how many values, or values with commas; may be repeated
+    /// What to vary, as a range and a number of values (let_off=-1mm..1mm:41) or as values with commas. Repeat it for
+    /// all combinations
     #[arg(
         long,
         value_name = "NAME=FROM..TO:COUNT",
@@ -41,11 +42,11 @@ pub(crate) struct Study {
         allow_hyphen_values = true
     )]
     vary: Vec<String>,
-    /// Tell which numbers of the instrument matter most, instead: derivatives of hammer speed, let-off, timing and
-    /// touch weight, the largest first
+    /// Instead of a study, print which numbers of the instrument matter most: derivatives of hammer speed, let-off,
+    /// timing and touch weight, the largest first
     #[arg(long, conflicts_with_all = ["vary", "measure", "single"])]
     sensitivities: bool,
-    /// What derivatives are taken by: names and paths as --vary takes them, with commas [default: every screw and
+    /// With --sensitivities: the parameters, by names and paths as in --vary, with commas [default: every screw and
     /// parameter]
     #[arg(
         long,
@@ -55,17 +56,17 @@ pub(crate) struct Study {
         conflicts_with = "vary"
     )]
     by: Vec<String>,
-    /// Of what: keys with commas, of hammer_speed_m_per_s, let_off_s, hammer_contact_s, key_bottom_s,
-    /// key_bottom_after_blow_s, free_flight_s, key_start_s, toe_contact_s, key_start_to_hammer_s, down_weight_g,
-    /// up_weight_g, balance_weight_g [default: speed, let-off, key bottom after the blow, down-weight and balance
-    /// weight]
+    /// With --sensitivities: the results, with commas, out of hammer_speed_m_per_s, let_off_s, hammer_contact_s,
+    /// key_bottom_s, key_bottom_after_blow_s, free_flight_s, key_start_s, toe_contact_s, key_start_to_hammer_s,
+    /// down_weight_g, up_weight_g, balance_weight_g [default: hammer_speed_m_per_s, let_off_s, key_bottom_after_blow_s,
+    /// down_weight_g, balance_weight_g]
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',', requires = "sensitivities", conflicts_with = "vary")]
     of: Vec<String>,
-    /// Measure every variant, too: keys of measure.json with commas, such as
-    /// down_weight_g,effective_inertia_kg,repetition_rate_half_hz
+    /// Also measure every variant: keys of measure.json with commas
+    /// (down_weight_g,effective_inertia_kg,repetition_rate_half_hz)
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',')]
     measure: Vec<String>,
-    /// Rows of the printed table, from the first to the last; `all` prints every one
+    /// Rows of the printed table, evenly spaced from the first to the last; `all` prints every row
     #[arg(long, value_name = "N|all", default_value = "15", value_parser = rows_shown)]
     rows: usize,
     #[command(flatten)]
@@ -74,16 +75,16 @@ pub(crate) struct Study {
     instrument: InstrumentOption,
     #[command(flatten)]
     step: StepOptions,
-    /// Simulated time of every stroke, s [default: the stroke's, and a little more]
+    /// Simulated time of every stroke, s [default: the stroke's duration and a little more]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     duration: Option<f64>,
     #[command(flatten)]
     bands: BandOptions,
-    /// Find the hand of a level for each variant, instead of playing the unvaried instrument's on all. Keys always have
-    /// a hand each
+    /// Find the hand that reaches the level for each variant. Otherwise all are played by the hand found for the
+    /// unvaried instrument. Each key always has its own hand
     #[arg(long, conflicts_with = "sensitivities")]
     each: bool,
-    /// Compute in single precision: twice as many strokes side by side, hammer speeds right to some 1e-4
+    /// Compute in single precision: twice as many strokes at a time, hammer speeds to about 1e-4
     #[arg(long)]
     single: bool,
     #[command(flatten)]
@@ -162,7 +163,7 @@ impl Study {
             banded.iter().for_each(|line| say!("{line}"));
         }
         for doubt in doubts(&rows) {
-            tell!("warning: not to be trusted: {doubt}");
+            tell!("warning: this result cannot be trusted: {doubt}");
         }
         let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
         say!();
@@ -183,14 +184,14 @@ impl Study {
     ) -> Result<Vec<BandRow>, Failure> {
         let Source::Text(_) = varied.source else {
             return Err(Failure::Usage(
-                "--bands are of one instrument or key; --vary key and gradings vary a keyboard".into(),
+                "--bands needs one instrument or one key; remove --vary key and gradings".into(),
             ));
         };
         let axes = varied.axes;
         let strokes = columns.first().map_or(0, |(_, values)| values.len()) * count as usize;
         if strokes > MOST {
             return Err(Failure::Usage(format!(
-                "{strokes} strokes; expected {MOST} at most: give fewer values or samples"
+                "{strokes} strokes; expected at most {MOST}. Give --vary fewer values or --bands fewer samples"
             )));
         }
         let flat = |columns: &[Column]| -> Vec<Option<f64>> {
@@ -255,7 +256,7 @@ impl Study {
         say!();
         let [switches, unresolved] = found.switches;
         if switches > 0 {
-            say!("{switches} switches of friction on the way, {unresolved} of them not told apart");
+            say!("{switches} switches of friction during the stroke, {unresolved} of them unresolved");
         }
         say!("{written}");
         Ok(())
@@ -266,11 +267,11 @@ impl Study {
         let is_touch = self.stroke.is_touch() && !axes.iter().any(|axis| axis.target == Target::Force);
         let has_levels = self.instrument.model == Which::Action;
         if self.each && !is_touch {
-            return Err(Failure::Usage("--each finds the hand of a level; expected --stroke or --hammer-speed".into()));
+            return Err(Failure::Usage("--each needs a level to reach; add --stroke or --hammer-speed".into()));
         }
         if self.each && !has_levels {
             return Err(Failure::Usage(
-                "--each finds the hand of a level, and --model one-dof has no hammer; leave one of them out".into(),
+                "--each needs a hammer, and --model one-dof has none; remove one of them".into(),
             ));
         }
         let wanted = self.each || axes.iter().any(|axis| axis.target == Target::Key);
@@ -318,12 +319,12 @@ impl Study {
             .map_err(Failure::Usage)?;
         for (i, axis) in axes.iter().enumerate() {
             if axes[..i].iter().any(|other| other.name == axis.name) {
-                return Err(Failure::Usage(format!("`{}` is varied twice", axis.name)));
+                return Err(Failure::Usage(format!("--vary: `{}` is given twice", axis.name)));
             }
         }
         let strokes = axes.iter().try_fold(1_usize, |product, axis| product.checked_mul(axis.shown.len()));
         if strokes.is_none_or(|strokes| strokes > MOST) {
-            return Err(Failure::Usage(format!("more than {MOST} strokes; give fewer values")));
+            return Err(Failure::Usage(format!("--vary: more than {MOST} strokes; expected fewer values")));
         }
         Ok(axes)
     }

@@ -14,17 +14,17 @@ use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg};
 use erard_workshop::validate::{Drive, GroupResult, PressedBlow, Published, Row, Tally, Validation, Verdict, validate};
 use serde::Serialize;
 
-/// What stands below the options.
+/// Text below the options.
 const AFTER: &str = include_str!("help/validate.txt");
 
-/// Holds an instrument against what has been measured on real pianos.
+/// Compares an instrument with published measurements of real pianos.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Validate {
-    /// Instrument: a TOML file, or the name of a built-in one
+    /// Instrument: a TOML file, or a built-in name
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: String,
-    /// End with code 1 when a row is missed
+    /// Exit with code 1 if a row is missed
     #[arg(long)]
     fail_on_miss: bool,
     #[command(flatten)]
@@ -69,10 +69,8 @@ impl Validate {
         output.figure("order-of-events", &svg)?;
         let written = output.commit()?;
 
-        say!("{} beside measured pianos", validation.instrument);
+        say!("{} compared with measured pianos", validation.instrument);
         say!();
-        print_table(&report.rows);
-        print_groups(&report.groups);
         say!(
             "Predicted: {} of {} rows met; {} of {} groups without a miss. Set: {} of {} met.",
             report.predicted.met,
@@ -83,10 +81,12 @@ impl Validate {
             report.set.judged
         );
         if report.undecided > 0 {
-            say!("{} rows cannot be told: their bands are wider than what was published", report.undecided);
+            say!("{} rows cannot be judged: their bands are wider than the published ranges", report.undecided);
         }
-        say!("{} that the model cannot speak to, {} for which nothing published was found", report.silent, report.open);
+        say!("{} rows are beyond the model, {} have no published value", report.silent, report.open);
         say!();
+        print_groups(&report.groups);
+        print_table(&report.rows);
         say!("{written}");
         match report.missed {
             missed if missed > 0 && self.fail_on_miss => {
@@ -96,7 +96,7 @@ impl Validate {
                     .filter(|row| [MISSED, ABSENT].contains(&row.verdict))
                     .map(|row| row.name)
                     .collect();
-                Err(Failure::Unmet(format!("{missed} rows are missed: {}", names.join(", "))))
+                Err(Failure::Unmet(format!("{missed} rows missed: {}", names.join(", "))))
             }
             _ => Ok(()),
         }
@@ -324,7 +324,7 @@ impl<'a> RowReport<'a> {
 }
 
 /// Why a row cannot be told.
-const WIDE: &str = "the band of plausible grands is wider than what was published: numbers of the instrument have to be known better first";
+const WIDE: &str = "the band over random grands is wider than the published range: numbers of the instrument must be known better first";
 
 impl Validate {
     /// The simulated values of all rows with their bands.

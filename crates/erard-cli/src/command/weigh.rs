@@ -22,22 +22,21 @@ use crate::weigh::{Work, html, report, table, text, weighed_svg};
 /// What is asked of weighed keys.
 #[derive(Debug, Args)]
 pub(crate) struct WeighOptions {
-    /// A table of what was weighed on a piano: key (or note), strike weight, front weight, down-weight and up-weight,
-    /// keys and cells may be missing; writes a work list of leads, hammers and capstans. The keyboard gives lengths and
-    /// what no scale tells
+    /// Weights measured on a piano, a CSV with key (or note), strike weight, front weight, down-weight and up-weight;
+    /// keys and cells may be missing. Writes a work list of leads, hammers and capstans. Lengths and unmeasured values
+    /// come from KEYBOARD
     #[arg(long, value_name = "MEASURED.csv", conflicts_with_all = ["every", "key"])]
     weigh: Option<std::path::PathBuf>,
-    /// What the keys are to have: balance=38g, or inertia=0.25kg, or both [default: the balance weight that half of the
-    /// keys are above]
+    /// Target for every key: balance=38g, or inertia=0.25kg, or both [default: the median balance weight]
     #[arg(long = "target", value_name = "WHAT=VALUE", requires = "weigh")]
     targets: Vec<String>,
-    /// Bring hammers to their smooth curve (or to the target inertia) first; leads do the rest
+    /// First bring the strike weights to their smooth curve (or to the target inertia), then add leads
     #[arg(long, requires = "weigh")]
     hammers: bool,
-    /// Masses of the leads at hand, g [default: 14,10,7,4]
+    /// Masses of the available leads, g [default: 14,10,7,4]
     #[arg(long, value_name = "G,G,..", value_delimiter = ',', requires = "weigh")]
     leads: Vec<f64>,
-    /// How many keys are checked in the dynamic model, from bass to treble
+    /// Number of keys to check in the dynamic model, from bass to treble
     #[arg(long, value_name = "KEYS", default_value_t = 3, requires = "weigh")]
     sample: usize,
     #[command(flatten)]

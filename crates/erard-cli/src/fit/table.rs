@@ -3,7 +3,7 @@
 use erard_workshop::fit::{Channel, FitResult, Meaning, Problem, misfit_unit};
 
 use super::values::unit_shown;
-use crate::table::{Table, WIDEST, wrapped};
+use crate::table::Table;
 
 /// Decimals with which a number with this error is shown: two digits of the error, at most six places behind the point;
 /// `None` where only powers of ten do.
@@ -32,8 +32,7 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
     } else {
         String::new()
     };
-    let mut lines: Vec<String> =
-        found.doubts.iter().flat_map(|doubt| wrapped(&format!("Doubtful: {}.", doubt.text), WIDEST)).collect();
+    let mut lines: Vec<String> = found.doubts.iter().map(|doubt| format!("Doubtful: {}.", doubt.text)).collect();
     if !lines.is_empty() {
         lines.push(String::new());
     }
@@ -44,7 +43,7 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
             Some((reduced, expected)) => {
                 format!("  reduced chi2 {reduced:.3}; the noise of sensors and drive explains {expected:.3}")
             }
-            None => "  reduced chi2: no verdict, because noise is estimated from the residuals".to_owned(),
+            None => "  reduced chi2: not a test, because the noise is estimated from the residuals".to_owned(),
         },
         String::new(),
     ]);
@@ -63,7 +62,7 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
         let places = decimals(*value, *std);
         let [value, std, before] = [*value, *std, *before].map(|x| shown(x, places));
         let text = format!("{name} is {explanation}: {quantity} {value} +- {std} {unit}, at the start {before} {unit}");
-        lines.extend(wrapped(&text, WIDEST - 2).iter().map(|line| format!("  {line}")));
+        lines.push(format!("  {text}"));
     }
     lines.push(String::new());
     lines.extend(misfits(found, problem));
@@ -107,7 +106,7 @@ fn misfits(found: &FitResult, problem: &Problem) -> Vec<String> {
     let late = problem.channels().zip(&found.channels).filter_map(|((recording, column), channel)| {
         let (delay, std) = channel.delay_s?;
         let (name, delay, std) = (&problem.data[recording].name, delay * 1e3, std * 1e3);
-        Some(format!("  {column} of {name}: written down {delay:.3} +- {std:.3} ms later than what drives"))
+        Some(format!("  {column} of {name}: delayed by {delay:.3} +- {std:.3} ms behind the drive"))
     });
     lines.extend(late);
     lines

@@ -29,10 +29,7 @@ pub(crate) fn value(instrument: &Instrument, text: &str, name: &str, written: &s
             written.strip_suffix(unit).or_else(|| written.strip_suffix(&unit.replace(' ', ""))).unwrap_or(written);
         let turn: Option<f64> = bare.trim().parse().ok();
         return turn.map(|turn| turn / per_si).ok_or_else(|| {
-            format!(
-                "found `{written}`, expected how far the screw is turned, in {unit}, as in `-0.5{}`",
-                unit.replace(' ', "")
-            )
+            format!("found `{written}`, expected a change of the screw in {unit}, e.g. `-0.5{}`", unit.replace(' ', ""))
         });
     }
     if let Some(factor) = number {

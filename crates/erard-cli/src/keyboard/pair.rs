@@ -27,7 +27,7 @@ pub(crate) const FILES: [&str; 7] = [
 /// A keyboard, and its keys as weighed.
 #[derive(Debug)]
 pub(crate) struct Side {
-    /// What it is called; two of one name are distinguished by their order.
+    /// Name; two keyboards of one name are distinguished by their order.
     pub name: String,
     /// The same keys of both.
     pub weighed: Vec<WeighedKey>,

@@ -12,7 +12,7 @@ use erard::instrument::Instrument;
 use erard::trust::worst_of_each;
 use erard_workshop::measure::Sheet;
 
-/// Why presses of a sheet are not to be trusted: of every kind and part how many, and the worst of them.
+/// Why presses of a sheet cannot be trusted: of every kind and part how many, and the worst of them.
 pub(crate) fn doubts(sheet: &Sheet) -> Vec<String> {
     let presses = sheet.timing.len() + sheet.dynamic_range.len();
     worst_of_each(sheet.warnings.iter().map(|doubt| &doubt.warning))
@@ -27,7 +27,7 @@ pub(crate) fn doubts(sheet: &Sheet) -> Vec<String> {
 /// One action that was measured.
 #[derive(Debug, Clone)]
 pub(crate) struct Measured {
-    /// What it is called beside the others.
+    /// Label that distinguishes it from the others.
     pub label: String,
     /// The action.
     pub instrument: Instrument,

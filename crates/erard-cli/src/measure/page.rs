@@ -80,7 +80,7 @@ fn flags(one: &Measured, named: bool) -> Markup {
             ul.flags { @for flag in &one.sheet.flags { li { (flag.message) } } }
         }
         @if !one.sheet.trusted {
-            p.out { (whose) "not to be trusted" }
+            p.out { (whose) "cannot be trusted" }
             ul.flags { @for doubt in doubts(&one.sheet) { li { (doubt) } } }
         }
     }

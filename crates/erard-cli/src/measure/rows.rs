@@ -7,7 +7,7 @@ use crate::table::{Table, decimal};
 /// One action: what it is called, and the values of the lines.
 #[derive(Debug, Clone)]
 pub(crate) struct MeasuredRow {
-    /// What it is called beside the others.
+    /// Label that distinguishes it from the others.
     pub label: String,
     /// The number of its key; `None` where nobody says.
     pub key: Option<usize>,

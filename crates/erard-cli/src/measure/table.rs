@@ -26,7 +26,7 @@ pub(crate) fn usual_of(line: &Line, measured: &[Measured], lengths: Lengths) -> 
     if all.all(|other| other == first) { first } else { "by the key".to_owned() }
 }
 
-/// The table, the timing sheets and the red flags.
+/// The red flags, the table and the timing sheets.
 pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
     let heads = measured.iter().map(|one| if measured.len() > 1 { one.label.as_str() } else { "" });
     let mut rows: Vec<Vec<String>> = Vec::new();
@@ -41,7 +41,20 @@ pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
             rows.push([label].into_iter().chain(cells).chain([usual_of(line, measured, lengths)]).collect());
         }
     }
-    let mut out = Table::of([""].into_iter().chain(heads).chain(["usual"]), rows).to_string();
+    let mut out = String::new();
+    for one in measured {
+        let whose = if measured.len() > 1 { format!(" ({})", one.label) } else { String::new() };
+        if one.sheet.flags.is_empty() {
+            let _ = writeln!(out, "  Every value is in its usual range{whose}.");
+            continue;
+        }
+        let _ = writeln!(out, "  Out of the usual range{whose}:");
+        for flag in &one.sheet.flags {
+            let _ = writeln!(out, "    ! {}", flag.message);
+        }
+    }
+    let _ =
+        writeln!(out, "\n{}", Table::of([""].into_iter().chain(heads).chain(["usual"]), rows).to_string().trim_end());
     let whose = |one: &Measured| if measured.len() > 1 { format!(", {}", one.label) } else { String::new() };
     for one in measured {
         let heading = format!("Timing{} (ms after key start; built-in touches, a hand of 200 g)", whose(one));
@@ -49,18 +62,6 @@ pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
     }
     for one in measured {
         let _ = writeln!(out, "\n  Free flight{} (along the string's normal)\n{}", whose(one), flight(one));
-    }
-    for one in measured {
-        let whose = if measured.len() > 1 { format!(" ({})", one.label) } else { String::new() };
-        let _ = writeln!(out);
-        if one.sheet.flags.is_empty() {
-            let _ = writeln!(out, "  Nothing is out of the norm{whose}.");
-            continue;
-        }
-        let _ = writeln!(out, "  Red flags{whose}:");
-        for flag in &one.sheet.flags {
-            let _ = writeln!(out, "    ! {}", flag.message);
-        }
     }
     out
 }
@@ -96,7 +97,16 @@ pub(crate) fn bench(one: &Measured) -> Table<'static> {
 
 /// The free flights of one, in mm and ms.
 pub(crate) fn flight(one: &Measured) -> Table<'static> {
-    let heads = ["", "speed (m/s)", "last push: mm", "ms", "at speed", "largest speed: mm", "ms", "at speed"];
+    let heads = [
+        "",
+        "speed (m/s)",
+        "last push: mm",
+        "last push: ms",
+        "at speed (ms)",
+        "largest speed: mm",
+        "largest speed: ms",
+        "at speed (ms)",
+    ];
     let rows = one.sheet.timing.iter().map(|row| {
         let of = |flight: Option<Flight>| {
             let number = |of: fn(&Flight) -> f64| decimal(flight.as_ref().map(of), 2);

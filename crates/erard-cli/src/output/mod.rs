@@ -25,7 +25,7 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::inputs;
 use crate::signals;
-use crate::table::{TABLE, Table, WIDEST, beside, is_beside_a_table, wrapped};
+use crate::table::{TABLE, Table, beside, is_beside_a_table};
 use crate::{answer, identity};
 pub(crate) use mark::Mark;
 use stage::Stage;
@@ -213,8 +213,7 @@ pub struct Written {
 
 impl std::fmt::Display for Written {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let line = format!("Written to {}: {}", inputs::shown(&self.folder), self.names.join(", "));
-        f.write_str(&wrapped(&line, WIDEST).join("\n  "))
+        write!(f, "Written to {}: {}", inputs::shown(&self.folder), self.names.join(", "))
     }
 }
 
@@ -233,23 +232,26 @@ impl Place<'_> {
         for name in names.iter().chain(&self.stale(names)) {
             let path = self.folder.join(name);
             if inputs::is_one(&path) {
-                return wrong(&path, "is what this command reads, which is never replaced; give another --out");
+                return wrong(
+                    &path,
+                    "is an input of this command and is never overwritten; name another folder with --out",
+                );
             }
         }
         for name in names {
             let path = self.folder.join(name);
             let Ok(found) = path.symlink_metadata() else { continue };
             if found.is_dir() {
-                return wrong(&path, "is a folder, and a file of this name is to be written; give another --out");
+                return wrong(&path, "is a folder; expected a file or nothing there. Name another folder with --out");
             }
             let owner = mark.as_ref().and_then(|mark| mark.owner(name));
             if !(self.force || self.command.is_some() && owner == self.command) {
                 let whose = match (self.command, owner) {
                     (None, _) => "exists".to_owned(),
                     (Some(_), Some(owner)) => format!("is a result of `erard {owner}`"),
-                    (Some(command), None) => format!("is there and was not written by `erard {command}`"),
+                    (Some(command), None) => format!("exists and was not written by `erard {command}`"),
                 };
-                return wrong(&path, &format!("{whose}; give another name with --out, or --force to replace it"));
+                return wrong(&path, &format!("{whose}; name another folder with --out, or add --force to replace it"));
             }
         }
         Ok(())

@@ -72,9 +72,9 @@ fn sheet(one: &Advised<'_>) -> Markup {
             }
             @if let Some(note) = &headed.note { p.note { (note) } }
             p.soft {
-                "Weighed with the pedal down. What is usual is that of " (note_name(measured.sheet.norms_for_key))
+                "Weighed with the pedal down. Usual ranges are those of " (note_name(measured.sheet.norms_for_key))
                 " (key " (measured.sheet.norms_for_key) "). "
-                @if out == 0 { "Nothing is out of it." } @else { "What is out of it is marked !" }
+                @if out == 0 { "Nothing is out of it." } @else { "Values outside are marked !" }
             }
             div.pair {
                 div { (values("Touch", &TOUCH, one)) (values("On the scale", &PARTS, one)) }
@@ -87,9 +87,8 @@ fn sheet(one: &Advised<'_>) -> Markup {
             }
             footer.soft {
                 "Measured in simulation of this file, as on the bench. Turns are estimates: " (pitch(CAPSTAN_THREAD_M, one.lengths))
-                " a turn for capstans, let-off and dampers (as a 10-24 machine screw, which Nossaman puts in for dampers, Caut list 2007), "
-                (pitch(SMALL_THREAD_M, one.lengths)) " for the small screws; give a turn, measure, and go by that. \
-                 Sources of what is usual, all values and the curves: measure.html, the appendix."
+                " a turn for capstans, let-off and dampers (as a 10-24 machine screw, which Nossaman uses for dampers, Caut list 2007), "
+                (pitch(SMALL_THREAD_M, one.lengths)) " for the small screws; give a turn, measure, and go by that. Sources of the usual ranges, all values and the curves: measure.html, the appendix."
             }
         }
     }

@@ -31,7 +31,7 @@ pub(crate) fn wanted(keys: &[String]) -> Result<Vec<Quantity>, Failure> {
             return Err(Failure::Usage(format!("--of: found `{key}`, expected keys of {}", known.join(", "))));
         };
         if found.contains(one) {
-            return Err(Failure::Usage(format!("--of: `{key}` is asked for twice")));
+            return Err(Failure::Usage(format!("--of: `{key}` is given twice")));
         }
         found.push(*one);
     }
@@ -54,10 +54,10 @@ pub(crate) fn variables(
     let mut found: Vec<Variable> = Vec::new();
     for name in names {
         if name == "force" && !constant {
-            return Err(Failure::Usage("--by force: expected a constant force, as --force-step gives".into()));
+            return Err(Failure::Usage("--by force needs a constant force; add --force-step".into()));
         }
         if found.iter().any(|one| one.name == *name) {
-            return Err(Failure::Usage(format!("--by: `{name}` is asked for twice")));
+            return Err(Failure::Usage(format!("--by: `{name}` is given twice")));
         }
         let one = Variable::named(instrument, text, name)
             .map_err(|error: VariableError| Failure::Usage(format!("--by: {error}")))?;
@@ -166,7 +166,7 @@ pub(crate) fn figure(all: &Sensitivities, title: &str) -> String {
     tornado_svg(&Tornado {
         title: title.to_owned(),
         // As long as one panel is wide.
-        subtitle: "what a usual change does to first order; hollow: not to be trusted farther away".to_owned(),
+        subtitle: "what a usual change does to first order; hollow: cannot be trusted farther away".to_owned(),
         panels: (0..all.of.len()).map(panel).filter(|panel| !panel.bars.is_empty()).collect(),
     })
 }

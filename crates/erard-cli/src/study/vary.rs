@@ -4,7 +4,7 @@ use erard::instrument::{Instrument, with_numbers};
 use erard::keyboard::{Between, Graded, KEYS, Keyboard};
 use erard::stroke::MAX_FORCE_N;
 use erard_workshop::regulate::screw_unit;
-use erard_workshop::study::{Parameter, number_of};
+use erard_workshop::study::{Parameter, nearest, number_of};
 
 /// What a value is given to.
 #[derive(Debug, Clone, PartialEq)]
@@ -144,11 +144,9 @@ impl Axis {
         } else {
             let all = Parameter::all(instrument);
             let Some((_, parameter)) = all.iter().find(|(known, _)| known == name) else {
-                let known: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
                 return Err(format!(
-                    "`{name}` is nothing that can be varied here; expected {FORCE}, {}, {KEY} or {GRADING}NAME (of a keyboard), or the path of a number in \
-                     the file, as in `body.hammer.mass_g` or `zone.string.disc.center_mm.x`",
-                    known.join(", ")
+                    "--vary: unknown name `{name}`, nearest {}; expected a screw or parameter, {FORCE}, {KEY} or {GRADING}NAME (of a keyboard), or the path of a number in the file, e.g. `body.hammer.mass_g`",
+                    nearest(name, all.iter().map(|(known, _)| known))
                 ));
             };
             let (per_si, unit) = match parameter {
@@ -280,7 +278,7 @@ impl Axis {
 fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), String> {
     let Source::Keyboard(keyboard, _) = source else {
         return Err(format!(
-            "`{GRADING}{name}`: gradings belong to a keyboard; expected one as the instrument, with {KEY} varied or as in `concert-grand:key=88`"
+            "`{GRADING}{name}`: only a keyboard has gradings; vary {KEY} too, or use --instrument concert-grand:key=88"
         ));
     };
     let place = |name: &str| keyboard.gradings.iter().position(|grading| grading.name == name);
@@ -291,7 +289,7 @@ fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), Str
     let Some((index, key)) = point else {
         let known: Vec<&str> = keyboard.gradings.iter().map(|grading| grading.name.as_str()).collect();
         return Err(format!(
-            "`{GRADING}{name}`: the keyboard grades nothing of that name; expected one of `{}`, and behind it `.` and a key for one point",
+            "`{GRADING}{name}`: the keyboard has no grading of that name; expected one of `{}`, with `.KEY` at the end for one point",
             known.join("`, `")
         ));
     };
@@ -301,7 +299,7 @@ fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), Str
     let Some(at) = at else {
         let known: Vec<String> = keys().filter(|key| *key != keyboard.base_key).map(|key| key.to_string()).collect();
         return Err(format!(
-            "`{GRADING}{name}`: `{}` has no point at key `{key}` that can be varied; expected one of {} (key {} is the instrument's own)",
+            "`{GRADING}{name}`: `{}` has no point at key `{key}`; expected one of {} (key {} is the instrument itself and cannot vary)",
             grading.name,
             known.join(", "),
             keyboard.base_key
@@ -375,10 +373,10 @@ mod tests {
         assert!((mass(&source.instrument(&axes, &[1, 1]).unwrap().unwrap()) - own + 2.0).abs() < 1e-5);
         assert!((mass(&source.instrument(&axes, &[0, 1]).unwrap().unwrap()) - own).abs() < 1e-9);
         for (wrong, source, told) in [
-            ("grading.nothing=1,2", &source, "grades nothing of that name"),
+            ("grading.nothing=1,2", &source, "has no grading of that name"),
             (&format!("grading.{}.2=1,2", grading.name)[..], &source, "no point at key `2`"),
-            (&format!("grading.{}.{}=1,2", grading.name, keyboard.base_key), &source, "the instrument's own"),
-            (&format!("grading.{}=1,2", grading.name), &read(), "gradings belong to a keyboard"),
+            (&format!("grading.{}.{}=1,2", grading.name, keyboard.base_key), &source, "is the instrument itself"),
+            (&format!("grading.{}=1,2", grading.name), &read(), "only a keyboard has gradings"),
         ] {
             let error = Axis::parse(wrong, &grand(), source).unwrap_err();
             assert!(error.contains(told), "{wrong}: {error}");
@@ -407,7 +405,7 @@ mod tests {
     fn what_is_wrong_is_named() {
         for (text, told) in [
             ("let_off", "such as `let_off=-1mm..1mm:41`"),
-            ("letoff=1mm..2mm:3", "expected force, "),
+            ("letoff=1mm..2mm:3", "nearest `let_off`"),
             ("let_off=1mm..2mm", "FROM..TO:COUNT"),
             ("let_off=1mm:3", "FROM..TO:COUNT"),
             ("let_off=1cm..2mm:3", "a number of mm"),

@@ -12,7 +12,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 pub use text::three;
-pub(crate) use text::{WIDEST, decimal, wrapped};
+pub(crate) use text::{USUAL, WIDEST, decimal, wrapped};
 
 /// How the name of a table in text ends.
 pub(crate) const TABLE: &str = ".csv";

@@ -140,7 +140,7 @@ fn options() {
     for lift in ["-7mm", "7", "11mm", "nan mm", "0s=0mm,later=7mm", ""] {
         says(
             &folder.bad(&["press", "--instrument", "concert-grand-strings", "--pedal", lift]),
-            &["--pedal", "expected millimetres"],
+            &["--pedal", "expected a lift"],
         );
     }
     says(&folder.bad(&["press", "--force-step", "2", "--stroke", "mf"]), &["--force-step", "--stroke"]);

@@ -41,7 +41,7 @@ fn checked(folder: &Folder, home: &str, kind: &str) -> usize {
         let path = entry.unwrap().path();
         let kind = if path.ends_with("usual.toml") { "usual ranges" } else { kind };
         let kind = if path.extension().is_some_and(|e| e == "json") { "a JSON Schema" } else { kind };
-        let said = folder.good(&["check", path.to_str().unwrap()]);
+        let said = folder.good_words(&["check", path.to_str().unwrap()]);
         assert!(said.contains(kind), "{}: {said}", path.display());
         files += 1;
     }
@@ -149,7 +149,7 @@ fn misses_can_fail() {
     let output = folder.erard(&[&arguments[..], &["--fail-on-miss"]].concat());
     assert_eq!(output.status.code(), Some(1));
     let error = String::from_utf8(output.stderr).unwrap();
-    assert!(error.contains("rows are missed: "), "{error}");
+    assert!(error.contains(" rows missed: "), "{error}");
     assert!(folder.0.join("erard-out-validate/validate.json").exists());
 }
 

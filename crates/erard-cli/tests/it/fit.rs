@@ -31,7 +31,7 @@ fn doubtful(folder: &Folder, arguments: &[&str], kinds: &[&str]) -> String {
     for doubt in doubts {
         assert!(head.contains(&format!("Doubtful: {}.", doubt["text"].as_str().unwrap())), "{head}");
     }
-    assert!(errors.contains("the fit is doubtful") && errors.contains("all files are written"), "{errors}");
+    assert!(errors.contains("the fit is doubtful") && errors.contains("all files were written"), "{errors}");
     said
 }
 
@@ -197,7 +197,7 @@ fn what_is_wrong_is_named() {
         (&["empty.csv", mass], "empty.csv"),
         (&["nan.csv", mass], "nan.csv:3"),
         (&["backward.csv", mass], "backward.csv:4"),
-        (&["force.csv", mass], "nothing else is there to be fitted"),
+        (&["force.csv", mass], "no other channel was recorded"),
         (&["pressed.csv", mass, "--drive=motion"], "begins with a force"),
         (
             &["mf.csv", mass, "--bounds=body.hammer.mass=1.2..0.9"],
@@ -214,7 +214,7 @@ fn what_is_wrong_is_named() {
         (&["mf.csv", mass, "--compare=string"], "expected force, position, hammer or hammer_speed"),
         (
             &["mf.csv", mass, "--columns=time=time_s,force=force_N,position=key_m,hammer=none", "--compare=hammer"],
-            "was not recorded",
+            "has no `hammer_head_m` to compare",
         ),
         (&["mf.csv", mass, "--duration=0"], "--duration 0"),
         (&["mf.csv", mass, "--drive=rigid", "--jacobian=gradient"], "expected differences"),

@@ -162,7 +162,7 @@ fn a_measured_stroke_beside_the_models() {
     for (columns, kept) in [("force only", [0, 1]), ("position only", [0, 2])] {
         let rows: Vec<String> = table.lines().map(|l| kept.map(|k| l.split(',').nth(k).unwrap()).join(",")).collect();
         folder.file("part.csv", &rows.join("\n"));
-        assert!(folder.good(&["compare", "part.csv"]).contains("stands alone"), "{columns}");
+        assert!(folder.good(&["compare", "part.csv"]).contains("to compare the simulated"), "{columns}");
     }
 }
 

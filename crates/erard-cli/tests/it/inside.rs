@@ -180,6 +180,6 @@ fn sound_is_written_under_a_name() {
     assert!(folder.0.join("press/note.wav").exists());
     for name in ["sub/note.wav", "stroke.csv", ".wav"] {
         let said = folder.bad(&[&press("0.6")[..], &[name]].concat());
-        assert!(said.contains("no name for it; expected one that ends in .wav"), "{said}");
+        assert!(said.contains("expected a file name that ends in .wav"), "{said}");
     }
 }

@@ -64,7 +64,7 @@ fn a_key_is_an_instrument_file() {
 #[test]
 fn keyboards_are_checked() {
     let folder = with_mine("checked");
-    let said = folder.good(&["check", "mine.toml"]);
+    let said = folder.good_words(&["check", "mine.toml"]);
     assert!(said.contains("a keyboard, \"Mine\"") && said.contains("all 88 keys are sound"), "{said}");
     // 30 g less at 131 mm: the hammer's inertia of 1.4e-4 kg m2 is used up by 8.1 g, at key 40 + 48 x 8.1 / 30.
     folder.file("mine.toml", &MINE.replace("value = -3", "value = -30"));
@@ -87,9 +87,12 @@ fn wrong_input_is_told() {
         (&["keyboard", "broken.toml"], "broken.toml:9:9: `added_mass.hammer head.at_mm`"),
         (&["keyboard", "--key", "0"], "0 is not in 1..=88"),
         (&["keyboard", "--every", "0"], "0 is not in 1..=87"),
-        (&["press", "--instrument", "mine.toml"], "this is a keyboard; name one of its keys, as in mine.toml:key=40"),
-        (&["press", "--instrument", "mine.toml:key=C4"], "`C4` is no key; expected a number from 1 to 88"),
-        (&["measure", "concert-grand:key=0"], "`0` is no key"),
+        (
+            &["press", "--instrument", "mine.toml"],
+            "mine.toml: is a keyboard; expected an instrument. Name one of its keys: mine.toml:key=40",
+        ),
+        (&["press", "--instrument", "mine.toml:key=C4"], "found key `C4`; expected a number from 1 to 88"),
+        (&["measure", "concert-grand:key=0"], "found key `0`"),
         (&["measure", "steinway-o:key=1"], "there is no file and no built-in keyboard `steinway-o`"),
         (&["regulate", "nobody.toml:key=3"], "nobody.toml: cannot be read"),
     ];

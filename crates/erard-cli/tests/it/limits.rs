@@ -68,7 +68,7 @@ fn rows() {
     folder.file("long.csv", "time_s,force_N\n0,0\n10000,1\n");
     for (arguments, parts) in [
         ("press --duration 1e6 --record-every 1", ["--record-every", "20000"]),
-        ("press --duration 60 --record-every 1", ["--record-every", "from 2"]),
+        ("press --duration 60 --record-every 1", ["--record-every", "every 2 steps or more"]),
         ("compare long.csv", ["long.csv", "--duration 250"]),
         ("study --vary let_off=0..1:2000 --vary drop=0..1:2000", ["2000000", "fewer values"]),
     ] {

@@ -144,7 +144,7 @@ fn what_is_wrong_is_named() {
         (&["no-hammer.toml"], "names no `hammer`"),
         (&["deaf.toml"], "let_off"),
         (&["--nonsense"], "--nonsense"),
-        (&["a"; 13], "12 at most"),
+        (&["a"; 13], "at most 12"),
     ] {
         let error = folder.bad(arguments);
         assert!(error.contains(told), "{arguments:?}: {error}");

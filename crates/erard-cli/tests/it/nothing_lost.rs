@@ -41,7 +41,7 @@ fn refused(folder: &Folder, arguments: &[&str], why: &str) {
 /// An output that is one of the inputs: by its name, through links of either kind, with `--force` too.
 #[test]
 fn an_input_is_never_replaced() {
-    let reads = "is what this command reads";
+    let reads = "is an input of this command";
     let folder = Folder::new("inputs");
     folder.file("run.csv", STROKE);
     for force in [&[][..], &["--force"]] {
@@ -95,7 +95,7 @@ fn an_input_is_never_replaced() {
     refused(
         &keys,
         &["regulate", "keys.toml:key=40", "--dip", "10mm", "--out", "key.toml", "--force"],
-        "the instrument itself",
+        "is the input instrument",
     );
 }
 

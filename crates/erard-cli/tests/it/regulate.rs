@@ -139,9 +139,9 @@ fn wrong_arguments_write_nothing() {
         (&["upright"], "no built-in instrument `upright`"),
         (&["missing.toml"], "missing.toml: cannot be read"),
         (&["broken.toml"], "broken.toml:2:8: `name`"),
-        (&["old.toml", "--out", "old.toml"], "is the instrument itself"),
-        (&["old.toml", "--out", "./old.toml", "--force"], "is the instrument itself"),
-        (&["--out", "old.toml"], "old.toml: exists; give another name"),
+        (&["old.toml", "--out", "old.toml"], "is the input instrument"),
+        (&["old.toml", "--out", "./old.toml", "--force"], "is the input instrument"),
+        (&["--out", "old.toml"], "old.toml: exists; name another file"),
         (&["--out", "new.csv"], "ends in .toml"),
         (&["--out", "."], "is a folder"),
         (&["--out", "old.toml/new.toml"], "cannot be written"),
@@ -219,7 +219,7 @@ fn what_must_follow_is_said_and_follows() {
     assert_eq!(output.status.code(), Some(1));
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(
-        message.contains("it is met when another screw follows: drop (drop +") && message.contains("--follow"),
+        message.contains("reachable if another screw follows: drop (drop +") && message.contains("--follow"),
         "{message}"
     );
     assert!(message.contains(" turn"), "{message}");

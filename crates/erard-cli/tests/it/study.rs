@@ -153,8 +153,8 @@ fn wrong_studies() {
         (&[][..], "--vary"),
         (&["--vary", "let_of=1mm"], "let_off"),
         (&["--vary", "let_off=1mm..2mm"], "FROM..TO:COUNT"),
-        (&["--vary", "let_off=0,1", "--vary", "let_off=0,1"], "varied twice"),
-        (&["--vary", "force=1..2:3", "--stroke", "ff"], "no other stroke"),
+        (&["--vary", "let_off=0,1", "--vary", "let_off=0,1"], "`let_off` is given twice"),
+        (&["--vary", "force=1..2:3", "--stroke", "ff"], "remove the stroke"),
         (&["--vary", "let_off=0..1:99999", "--vary", "drop=0..1:99999"], "more than 2000000 strokes"),
         (&["--vary", "let_off=0,1", "--duration", "-1"], "--duration"),
         (&["--vary", "let_off=0,1", "--dt", "1"], "--dt"),
@@ -162,10 +162,10 @@ fn wrong_studies() {
         (&["--vary", "let_off=0,1", "--by", "let_off"], "--by"),
         (&["--by", "let_off"], "--sensitivities"),
         (&["--sensitivities", "--by", "let_of"], "let_off"),
-        (&["--sensitivities", "--by", "let_off,let_off"], "asked for twice"),
+        (&["--sensitivities", "--by", "let_off,let_off"], "is given twice"),
         (&["--sensitivities", "--by", "force"], "--force-step"),
         (&["--sensitivities", "--of", "loudness"], "hammer_speed_m_per_s"),
-        (&["--sensitivities", "--of", "let_off_s,let_off_s"], "asked for twice"),
+        (&["--sensitivities", "--of", "let_off_s,let_off_s"], "is given twice"),
     ] {
         let said = folder.bad(arguments);
         assert!(said.contains(told), "{arguments:?}: {said}");
@@ -268,6 +268,6 @@ fn anything_is_varied_and_measured() {
     assert!(
         folder
             .bad(&["study", "--vary", "let_off=0,1", "--measure", "charm"])
-            .contains("nothing of that name is measured")
+            .contains("unknown quantity; expected one of")
     );
 }

@@ -6,14 +6,14 @@ use crate::svg::{number, text};
 use erard::instrument::Vec2;
 use std::fmt::Write;
 
-/// What kind of force an arrow shows: its class in the picture is `arrow` and the kind's own.
+/// Kind of force that an arrow shows. Its class in the picture is `arrow` and the name of the kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ArrowKind {
     /// A contact's normal force.
     Contact,
     /// The finger's.
     Finger,
-    /// What a pin does to the body that turns about it.
+    /// Force of a pin on the body that turns about it.
     Pin,
 }
 
@@ -31,9 +31,9 @@ impl ArrowKind {
 /// A force, as it is drawn: the arrow begins where the force acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrow {
-    /// What kind of force.
+    /// Kind of force.
     pub kind: ArrowKind,
-    /// Where, in the world, m.
+    /// Point of attack in the world, m.
     pub point_m: Vec2,
     /// Unit direction in which the arrow points, in the world.
     pub direction: Vec2,

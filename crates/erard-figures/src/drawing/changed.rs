@@ -22,7 +22,7 @@ pub struct ChangedNote {
     /// The body (`None`: the ground) and the point in its frame, m, that the number belongs to; `None` where it has no
     /// place.
     pub place: Option<(Option<usize>, Vec2)>,
-    /// What was changed, and the note.
+    /// The changed number, and its note.
     pub text: String,
 }
 

@@ -15,7 +15,7 @@ pub(crate) fn arrow_sign(instrument: &Instrument, zone: usize) -> f64 {
     if zone.disc_body >= zone.curve_body { 1.0 } else { -1.0 }
 }
 
-/// What pushes in one frame of a run: the finger, and all contacts.
+/// Forces in one frame of a run: of the finger, and of all contacts.
 pub fn forces_at(instrument: &Instrument, run: &Run, frame: usize) -> Vec<Arrow> {
     let placed = instrument.placements(&angles_at(run, frame));
     let force_n = run.force_n.get(frame).copied().filter(|force| force.is_finite() && *force > 0.0);
@@ -43,7 +43,7 @@ pub fn forces_at(instrument: &Instrument, run: &Run, frame: usize) -> Vec<Arrow>
     finger.into_iter().chain(contacts).collect()
 }
 
-/// What the pins do to the bodies that turn about them, in one frame of a run.
+/// Forces of the pins on the bodies that turn about them, in one frame of a run.
 pub fn pins_at(instrument: &Instrument, run: &Run, pins: &[PinSeries], frame: usize) -> Vec<Arrow> {
     let placed = instrument.placements(&angles_at(run, frame));
     let unseen = super::drawing(instrument).unseen;

@@ -18,7 +18,7 @@ pub(crate) struct Paint {
     pub edge: &'static str,
 }
 
-/// What an outline looks like: a material of instrument files, or what only pictures have.
+/// Appearance of an outline: a material of instrument files, or one that only pictures have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Finish {
@@ -46,7 +46,7 @@ pub enum Finish {
     Skin,
     /// Its nail.
     Nail,
-    /// What represents something else: the inertia of a model's one body.
+    /// Symbol of a quantity: the inertia of a model with one body.
     Symbol,
 }
 

@@ -38,7 +38,7 @@ use std::fmt::Write;
 /// The fonts asked for, the one bundled for PNGs first.
 pub(crate) const FONTS: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
 
-/// What to show beside the wood.
+/// Additions to the picture of the action.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PoseOptions {
     /// Width of the picture, or height where that is larger, px.

@@ -6,11 +6,11 @@ use erard::instrument::{Instrument, Part, Placement, Vec2};
 /// One outline of the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Piece {
-    /// What it is, e.g. `hammer shank`. A name with a comma is a detail of a main part, and is not labelled.
+    /// Name, e.g. `hammer shank`. A name with a comma is a detail of a main part, and is not labelled.
     pub name: String,
-    /// What it moves with.
+    /// Body that carries the outline.
     pub carrier: Carrier,
-    /// What it looks like.
+    /// Appearance.
     pub finish: Finish,
     /// Closed polygon in the carrier's frame, m.
     pub outline_m: Vec<Vec2>,
@@ -31,7 +31,7 @@ impl Piece {
     }
 }
 
-/// What an outline moves with.
+/// Body that carries an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Carrier {
     /// Nothing: it stands still.

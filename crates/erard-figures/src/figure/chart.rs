@@ -7,7 +7,7 @@ use super::{Dash, Figure, Layout, Panel, Scale, Trace, figure_svg_named, padded_
 pub struct Chart {
     /// Headline.
     pub title: String,
-    /// What is shown, with all that matters.
+    /// Caption: content and conditions.
     pub caption: String,
     /// Quantity and unit of the abscissa.
     pub x_label: String,
@@ -39,7 +39,7 @@ pub struct ChartCurve {
     pub x: Vec<f64>,
     /// Ordinates.
     pub y: Vec<f64>,
-    /// Which colour; the same number is the same colour in all figures. 0 is the one-degree-of-freedom model's blue.
+    /// Colour; the same number is the same colour in all figures. 0 is the blue of the one-degree-of-freedom model.
     pub colour: usize,
     /// How it is drawn.
     pub mark: Dash,

@@ -139,7 +139,7 @@ impl<'a> Panel<'a> {
 pub struct Marker {
     /// When.
     pub x: f64,
-    /// What.
+    /// Label.
     pub label: String,
 }
 

@@ -21,13 +21,13 @@ const SIDES: &str = ".up{fill:#0072b2;stroke:#0072b2}.down{fill:#d55e00;stroke:#
 /// One bar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bar {
-    /// What is changed, and by how much.
+    /// The change and its size.
     pub label: String,
-    /// What that changes, in the panel's unit.
+    /// Effect of the change, in the panel's unit.
     pub effect: f64,
     /// Its error.
     pub error: f64,
-    /// Whether it is drawn hollow: not to be trusted as it stands.
+    /// Whether it is drawn hollow: cannot be trusted as it stands.
     pub marked: bool,
 }
 
@@ -36,7 +36,7 @@ pub struct Bar {
 pub struct TornadoPanel {
     /// The quantity with its value.
     pub title: String,
-    /// Of the effects.
+    /// Unit of the effects.
     pub unit: String,
     /// From top to bottom.
     pub bars: Vec<Bar>,

@@ -34,13 +34,13 @@ const BODY: &str = include_str!("body.html");
 /// A run, and what it was played on.
 #[derive(Debug, Clone)]
 pub struct Shown<'a> {
-    /// What tells it from the other one, e.g. `heavy-touch`.
+    /// Name that distinguishes it from the other one, e.g. `heavy-touch`.
     pub name: String,
     /// The instrument.
     pub instrument: &'a Instrument,
     /// The run.
     pub run: &'a Run,
-    /// What its pins carry, body by body, where that was recorded: arrows at the pins, and a table.
+    /// Forces in the pins, body by body, if they were recorded: arrows and a table.
     pub pins: &'a [PinSeries],
     /// Numbers whose notes speak of what they were: marked in the picture, and listed below it.
     pub changed: &'a [ChangedNote],
@@ -54,7 +54,7 @@ impl<'a> Shown<'a> {
     }
 }
 
-/// What stands in the page's table: a heading for every column of values (none where there is one), and rows of a name
+/// Content of the page's table: a heading for each column of values (none if there is one column), and rows of a name
 /// and its values.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SummaryTable {
@@ -179,7 +179,7 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
     out
 }
 
-/// Why a run is not to be trusted; nothing where nothing speaks against it. Of two, it says which.
+/// Why a run cannot be trusted; nothing where nothing speaks against it. Of two, it says which.
 fn doubts(shown: &Shown<'_>, of_two: bool) -> String {
     let run = shown.run;
     if run.is_trusted() {
@@ -188,7 +188,7 @@ fn doubts(shown: &Shown<'_>, of_two: bool) -> String {
     let each: String = run.warnings.iter().map(|w| format!("<li>{}</li>", escape(&w.what))).collect();
     let which = if of_two { format!("{}: t", escape(&shown.name)) } else { "T".to_owned() };
     format!(
-        "<section class=\"warning\" role=\"alert\"><strong>{which}his run is not to be trusted</strong><ul>{each}</ul></section>\n"
+        "<section class=\"warning\" role=\"alert\"><strong>{which}his run cannot be trusted</strong><ul>{each}</ul></section>\n"
     )
 }
 

@@ -64,7 +64,7 @@ pub(super) fn hinge(instrument: &Instrument, body: usize) -> Value {
 
 /// How a zone's force is drawn.
 pub(super) struct Sides {
-    /// Which way its arrow points, against the normal.
+    /// Sign of its arrow against the normal.
     pub sign: f64,
     /// Whether one of its sides is not in the picture.
     pub unseen: bool,

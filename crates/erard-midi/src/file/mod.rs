@@ -27,7 +27,7 @@ pub struct Note {
     pub release: Option<Velocity>,
 }
 
-/// Where a pedal is from an instant on.
+/// Position of a pedal from an instant on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PedalChange {
     /// The instant, s.
@@ -35,7 +35,7 @@ pub struct PedalChange {
     /// The pedal's controller: [`SUSTAIN`](crate::message::SUSTAIN), [`SOSTENUTO`](crate::message::SOSTENUTO) or
     /// [`SOFT`](crate::message::SOFT).
     pub controller: u8,
-    /// Where it is, 0 up to 127 down.
+    /// Position, 0 (up) to 127 (down).
     pub value: u8,
 }
 
@@ -46,7 +46,7 @@ pub struct Piece {
     pub notes: Vec<Note>,
     /// The pedals in the order of time.
     pub pedals: Vec<PedalChange>,
-    /// What of the file is left out or was mended, a sentence each.
+    /// Parts of the file that were left out or repaired, a sentence each.
     pub remarks: Vec<String>,
 }
 

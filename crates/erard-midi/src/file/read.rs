@@ -19,9 +19,9 @@ const PERCUSSION: u8 = 9;
 /// Why a file is not read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ReadError {
-    /// It is no Standard MIDI File, or a broken one: what is wrong.
+    /// The file is no Standard MIDI File or is broken; with the reason.
     Syntax(String),
-    /// It is longer than what is read, 16 MiB: so many bytes.
+    /// The file is longer than 16 MiB; with its length, bytes.
     TooLong(usize),
     /// Its tracks are pieces of their own (format 2), of which this file has so many.
     Sequences(usize),

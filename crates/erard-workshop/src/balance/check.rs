@@ -9,12 +9,12 @@ use erard::Progress;
 use erard::grand::{Parts, strike_weight_g};
 use erard::instrument::Instrument;
 
-/// What a remedy does to the balance weight, g: by the equation of balance, and in the dynamic model.
+/// Effect of a remedy on the balance weight, g: by the equation of balance, and in the dynamic model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Checked {
     /// The key.
     pub key: usize,
-    /// What was done.
+    /// The remedy.
     pub remedy: Remedy,
     /// By the equation of balance with the model's own ratio, g.
     pub by_equation_g: f64,

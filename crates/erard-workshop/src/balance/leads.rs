@@ -40,16 +40,16 @@ const NEAR_FRONT_MM: f64 = 60.0;
 /// Two leads stand at least so far apart, mm: a lead is 12.7 mm wide, with some wood between.
 const APART_MM: f64 = 16.0;
 
-/// What is done to a key's leads.
+/// Work on the leads of a key.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeadWork {
     /// Taken out.
     pub out: Vec<Lead>,
     /// Put in.
     pub put: Vec<Lead>,
-    /// What that changes of the front weight, g.
+    /// Change of the front weight, g.
     pub front_weight_g: f64,
-    /// What that changes of the inertia at the front, g.
+    /// Change of the inertia at the front, g.
     pub inertia_g: f64,
 }
 

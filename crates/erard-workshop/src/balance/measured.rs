@@ -36,9 +36,9 @@ pub struct MeasuredError {
     pub line: usize,
     /// Column; empty where the fault belongs to none.
     pub column: String,
-    /// What is wrong.
+    /// The fault.
     pub message: String,
-    /// What should stand there.
+    /// The expected text.
     pub expected: String,
 }
 

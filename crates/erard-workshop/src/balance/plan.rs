@@ -8,7 +8,7 @@ use super::measured::MeasuredKey;
 use super::model::KeyModel;
 use super::smooth::smooth;
 
-/// What is asked for.
+/// Goal of the work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
     /// Balance weight of every key, g; `None`: the median of those weighed.
@@ -48,7 +48,7 @@ pub enum Remedy {
 /// A key with all that is known of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BalancedKey {
-    /// What was weighed.
+    /// Measured weights.
     pub measured: MeasuredKey,
     /// Its note.
     pub note: String,
@@ -75,7 +75,7 @@ pub struct BalancedKey {
     /// The front weight that reaches the target balance weight, the hammer as it is or at its target
     /// ([`Target::hammers`]), g.
     pub target_front_weight_g: Option<f64>,
-    /// What leads do it; `None` where too little is known, or no leads do.
+    /// Leads that reach the goal; `None` if too little is known or no leads reach it.
     pub leads: Option<LeadWork>,
     /// The change of strike weight that would do it alone, g.
     pub strike_change_g: Option<f64>,
@@ -96,7 +96,7 @@ pub struct Plan {
     pub curves: Curves,
     /// g.
     pub target_balance_weight_g: f64,
-    /// What was asked for.
+    /// Goal of the work.
     pub target: Target,
 }
 

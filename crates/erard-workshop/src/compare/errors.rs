@@ -10,12 +10,12 @@ pub(crate) const BANDS_HZ: [f64; 5] = [0.0, 10.0, 50.0, 200.0, 1000.0];
 /// Longest delay that is looked for, s.
 const LONGEST_DELAY_S: f64 = 0.02;
 
-/// What one series misses of another; both in the same unit, on the common axis.
+/// Differences of one series from another; both in the same unit, on the common axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Errors {
     /// Root mean square of the difference.
     pub rms: f64,
-    /// The same over the measured series' range.
+    /// Root mean square over the range of the measured series.
     pub rms_of_range: f64,
     /// Largest difference.
     pub largest: f64,
@@ -25,7 +25,7 @@ pub struct Errors {
     pub correlation: f64,
     /// How much later the simulated series comes, s: where the correlation is largest, within 20 ms either way.
     pub delay_s: f64,
-    /// What of that share is owed to the rest before the touch, which any model explains; `None` without a rest.
+    /// Contribution of the rest before the touch, which any model explains; `None` without a rest.
     pub rest: Option<Rest>,
     /// By frequency.
     pub bands: Vec<Band>,
@@ -34,7 +34,7 @@ pub struct Errors {
 /// The rest before the touch in a share of variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rest {
-    /// Which part of the measured variance is of samples at rest, by their distance from the mean of all.
+    /// Share of the measured variance that belongs to samples at rest, by their distance from the overall mean.
     pub share: f64,
     /// The share of the measured variance that is explained without them.
     pub explained_without: f64,

@@ -29,7 +29,7 @@ pub const RATE_HZ: f64 = 4000.0;
 /// All drives, in the order in which they are tried and shown.
 pub const DRIVES: [Prescribed; 3] = [Prescribed::Force, Prescribed::Motion, Prescribed::Rigid];
 
-/// What comes out where this drives.
+/// Name of the quantity that results from a drive.
 pub fn outcome(driven: Prescribed) -> &'static str {
     match driven {
         Prescribed::Force => "position",
@@ -37,7 +37,7 @@ pub fn outcome(driven: Prescribed) -> &'static str {
     }
 }
 
-/// Which model ran.
+/// Model of an instrument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
     /// All bodies.
@@ -67,7 +67,7 @@ impl Which {
 /// Both models.
 pub(crate) const MODELS: [Which; 2] = [Which::Action, Which::OneDof];
 
-/// What is compared with what.
+/// What to compare.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
     /// Drives to try, of those that the series has.
@@ -121,9 +121,9 @@ const LOWEST_LIMIT_HZ: f64 = 10.0;
 /// One run of a comparison, on the common time axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
-    /// What drove it.
+    /// The drive.
     pub driven: Prescribed,
-    /// Which model.
+    /// The model.
     pub which: Which,
     /// Travel of the key front, m, down positive.
     pub key_m: Vec<f64>,
@@ -138,12 +138,12 @@ pub struct Trial {
     pub hammer_m: Vec<f64>,
     /// Errors of the hammer are reported up to here, Hz.
     pub hammer_told_to_hz: f64,
-    /// The same against what was measured, where both exist.
+    /// Errors of the hammer's motion, if it was both simulated and measured.
     pub hammer_errors: Option<Errors>,
 }
 
 impl Trial {
-    /// What came out: the key's travel, m, or the finger's force, N.
+    /// The simulated result: the key's travel, m, or the finger's force, N.
     pub fn simulated(&self) -> &[f64] {
         match self.driven {
             Prescribed::Force => &self.key_m,
@@ -167,7 +167,7 @@ pub struct Comparison {
     pub measured_hammer_m: Option<Vec<f64>>,
     /// In the order of [`DRIVES`], the action before the one-degree-of-freedom model.
     pub trials: Vec<Trial>,
-    /// What was taken for granted, or could not be tried, in words.
+    /// Assumptions, and drives that could not be tried, in words.
     pub notes: Vec<String>,
 }
 
@@ -197,7 +197,7 @@ pub const LONGEST_S: f64 = 250.0;
 #[derive(Debug, Error)]
 pub enum CompareError {
     /// The measured series is too short to say anything.
-    #[error("the measured series lasts {found_s:.4} s; at least {least_s} s are needed to compare anything")]
+    #[error("the recording lasts {found_s:.4} s; expected at least {least_s} s")]
     TooShort {
         /// s.
         found_s: f64,
@@ -205,14 +205,14 @@ pub enum CompareError {
         least_s: f64,
     },
     /// The measured series would not fit into memory beside what the models make of it.
-    #[error("the measured series lasts {found_s} s; at most {LONGEST_S} s are compared")]
+    #[error("the recording lasts {found_s} s; expected at most {LONGEST_S} s")]
     TooLong {
         /// s.
         found_s: f64,
     },
     /// None of the drives that were chosen is in the series.
     #[error(
-        "none of the drives that are chosen can be tried: a force drives by `force`, a position by `motion` and `rigid`"
+        "the recording does not allow the chosen drives; expected a force for the drive `force`, a position for `motion` or `rigid`"
     )]
     NoDrive,
     /// Force and position together give no series of the fingertip or of the key.
@@ -271,15 +271,14 @@ pub fn compare_chosen(
     let (mut fingertip, key) = (position(PositionOf::Fingertip)?, position(PositionOf::Key)?);
     if fingertip.is_none() && key.is_some() {
         notes.push(
-            "motion driven: no force was recorded, so that the fingertip's position is not known; the key's stands for it, \
-             which is behind it by F/k"
+            "motion driven: without a recorded force the fingertip's position is unknown. The key's position is used instead; it lags by F/k"
                 .into(),
         );
         fingertip = key.clone();
     }
     if key.is_none() && fingertip.is_some() {
         notes.push(
-            "rigidly driven: no force was recorded, so that the key's position is not known from the fingertip's"
+            "rigidly driven: without a recorded force the key's position cannot be computed from the fingertip's"
                 .into(),
         );
     }
@@ -368,8 +367,8 @@ pub fn compare_chosen(
     Ok(Comparison { time_s, measured_force_n, measured_position_m, position_of, measured_hammer_m, trials, notes })
 }
 
-/// The errors up to a frequency, Hz: both series go through the same low-pass, forth and back. `None` where that leaves
-/// nothing to compare.
+/// The errors up to a frequency, Hz: both series go through the same low-pass, forward and backward. `None` where that
+/// leaves nothing to compare.
 fn errors_within(measured: &[f64], simulated: &[f64], resting: usize, told_to_hz: f64) -> Option<Errors> {
     if told_to_hz >= 0.5 * RATE_HZ {
         return Some(Errors::new(measured, simulated, resting));
@@ -389,7 +388,7 @@ impl Comparison {
         self.trials.iter().find(|t| t.driven == driven && t.which == which)
     }
 
-    /// What was measured of what comes out where this drives.
+    /// The measured series of the quantity that results from this drive.
     pub fn measured(&self, driven: Prescribed) -> Option<&Vec<f64>> {
         match driven {
             Prescribed::Force => self.measured_position_m.as_ref(),
@@ -408,7 +407,7 @@ impl Comparison {
         told.flatten()
             .map(|(driven, what, rest)| {
                 format!(
-                    "{} driven: {} of the {what}'s variance is the rest before the touch; without it the action explains {}",
+                    "{} driven: {} of the {what}'s variance is rest before the touch; without the rest the action explains {}",
                     driven.name(),
                     share(rest.share, 0),
                     share(rest.explained_without, 1)
@@ -430,10 +429,10 @@ impl Comparison {
                 trials.iter().filter_map(|trial| Some((*trial, trial.errors.as_ref()?))).collect();
             if self.measured(driven).is_none() {
                 verdicts.push(format!(
-                    "{name} driven: the file has no column `{missing}`, so that the {what} that comes out stands alone"
+                    "{name} driven: the file has no column `{missing}` to compare the simulated {what} with"
                 ));
             } else if told.is_empty() {
-                verdicts.push(format!("{name} driven: of the {what} nothing can be told, for above {LOWEST_LIMIT_HZ} Hz the recording tells of noise or of nothing"));
+                verdicts.push(format!("{name} driven: nothing can be concluded on the {what}: above {LOWEST_LIMIT_HZ} Hz the recording holds only noise or nothing"));
             } else {
                 let shares: Vec<String> = told
                     .iter()
@@ -472,8 +471,7 @@ impl Comparison {
         verdicts
     }
 
-    /// What a comparison gives away about the recording: a trace that goes the other way, stands off, or comes at
-    /// another time.
+    /// Warnings about the recording: an inverted trace, an offset, or a delay.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         for (what, unit, driven) in [
@@ -496,7 +494,7 @@ impl Comparison {
                 && off.abs() > 0.02 * errors.rms / errors.rms_of_range.max(1e-12)
             {
                 warnings.push(format!(
-                    "the measured {what} stands {:+.3} {} off the simulated one throughout",
+                    "the measured {what} differs from the simulated one by a constant {:+.3} {}",
                     off * unit.1,
                     unit.0
                 ));

@@ -104,7 +104,7 @@ pub enum DistanceError {
     #[error(transparent)]
     Action(#[from] ActionError),
     /// A number overflowed.
-    #[error("a number became infinite while the key was pressed: a stiffness, mass or length must be far off")]
+    #[error("a number became infinite while the key was pressed. Look for a stiffness, mass or length that is far off")]
     NonFinite,
     /// The caller asked to stop.
     #[error("interrupted")]

@@ -12,7 +12,7 @@ use super::FitError;
 use crate::balance::median;
 use erard::recording::{Butterworth, ChannelReport, LowPass, Preparation, Prepared, prepare};
 
-/// What can be fitted of a recording, and the noise that is taken where nothing tells it, N, m and m/s.
+/// Columns that can be fitted, and their noise if it is not known, N, m and m/s.
 pub const COLUMNS: [(&str, Role, f64); 4] = [
     ("force_N", Role::Force, 0.02),
     ("key_m", Role::Position, 10e-6),
@@ -37,11 +37,11 @@ const SPLINE_ENDS: usize = 10;
 /// A recording, ready to be fitted.
 #[derive(Debug)]
 pub struct Data {
-    /// What it is called.
+    /// Name.
     pub name: String,
-    /// What drives.
+    /// The stroke that drives.
     pub stroke: Stroke,
-    /// Where it does not drive quite as it says.
+    /// Remark, if the stroke does not drive exactly as recorded.
     pub note: Option<&'static str>,
     /// The column that drives.
     pub driving: &'static str,
@@ -51,11 +51,11 @@ pub struct Data {
     pub time_s: Vec<f64>,
     /// Those of them that are compared.
     pub compared: Range<usize>,
-    /// What was measured there, column by column.
+    /// Measured values there, column by column.
     pub measured: Vec<Vec<f64>>,
-    /// What was done to what drives, and what was seen of its noise.
+    /// Preparation of the driving channel, and its noise.
     pub driven: Prepared,
-    /// The same of what is compared.
+    /// Preparation of the compared channels.
     pub prepared: Prepared,
     pub(super) settings: Settings<f64>,
     pub(super) every: u64,
@@ -101,7 +101,7 @@ impl Data {
         let mut columns = Vec::new();
         for column in wanted {
             let (own, ..) = recorded(column)
-                .ok_or_else(|| FitError::asked("columns", format!("`{column}` was not recorded in {name}")))?;
+                .ok_or_else(|| FitError::asked("columns", format!("{name}: has no `{column}` to compare")))?;
             if *own != driving && !columns.contains(own) {
                 columns.push(*own);
             }
@@ -111,7 +111,7 @@ impl Data {
         if columns.is_empty() {
             let by = stroke.drive.name();
             return Err(wrong(format!(
-                "driven by its {by} nothing else is there to be fitted (recorded: {})",
+                "nothing to fit: the {by} drives the model and no other channel was recorded (recorded: {})",
                 told.join(", ")
             )));
         }
@@ -305,10 +305,10 @@ mod tests {
     fn what_cannot_be_fitted_is_said() {
         let told = |result: Result<Data, FitError>| result.unwrap_err().to_string();
         let alone = "time_s,force_N\n0,1\n0.1,2\n";
-        assert!(told(data(alone, None, None)).starts_with("test: driven by its force nothing else"));
+        assert!(told(data(alone, None, None)).starts_with("test: nothing to fit: the force drives"));
         assert!(told(data(alone, Some(Prescribed::Rigid), None)).contains("`position_m`"));
         let wanted = ["string_N".to_owned()];
-        assert!(told(data(&table(11, 1e-3), None, Some(&wanted))).contains("`string_N` was not recorded"));
+        assert!(told(data(&table(11, 1e-3), None, Some(&wanted))).contains("has no `string_N` to compare"));
         assert!(told(data(&table(15, 1e-3), Some(Prescribed::Rigid), None)).contains("expected 22 or more"));
     }
 

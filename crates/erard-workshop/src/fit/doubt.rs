@@ -3,9 +3,9 @@
 /// A reason to doubt a fit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Doubt {
-    /// Which kind.
+    /// Kind of doubt.
     pub kind: DoubtKind,
-    /// What was found, and what it means, in a sentence without a full stop.
+    /// The doubt and its meaning, in a sentence without a full stop.
     pub text: String,
 }
 

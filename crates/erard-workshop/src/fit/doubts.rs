@@ -27,14 +27,16 @@ pub(super) fn doubts(problem: &mut Problem, found: &FitResult, disturbed: &Distu
         let recorded_s = one.recorded_impact_s();
         let (first_s, last_s) = (one.time_s[0], one.time_s[one.compared.end - 1]);
         if let (Some(s), None) = (recorded_s, modelled_s) {
-            let text = format!("in {} the hammer reaches the string at {s:.4} s, in the fitted model never", one.name);
+            let text = format!(
+                "{}: the recorded hammer reaches the string at {s:.4} s; in the fitted model it never does",
+                one.name
+            );
             doubts.push(Doubt { kind: DoubtKind::NoImpact, text });
         }
         let impact_s = recorded_s.or(*modelled_s).filter(|s| last_s > s + BEYOND_S);
         if let Some(s) = impact_s {
             let text = format!(
-                "{} goes on for {:.0} ms after the first impact, where a little more or less of anything has large effects: \
-                 fit its first {:.3} s",
+                "{} continues for {:.0} ms after the first impact. There a tiny change of a parameter has large effects, and error bars are too small: fit only its first {:.3} s",
                 one.name,
                 1e3 * (last_s - s),
                 s + 0.8 * BEYOND_S - first_s
@@ -52,8 +54,7 @@ pub(super) fn doubts(problem: &mut Problem, found: &FitResult, disturbed: &Distu
     doubts.extend(restarts(found));
     if found.jacobian_agreement > UNSTEADY {
         let text = format!(
-            "derivatives by differences change by {:.0} % with the length of their steps: the model jumps with a parameter, and \
-             the errors are too small",
+            "derivatives by differences depend by {:.0} % on their step size: the model jumps as a parameter varies, and the error bars are too small",
             100.0 * found.jacobian_agreement
         );
         doubts.push(Doubt { kind: DoubtKind::Derivatives, text });
@@ -74,8 +75,7 @@ fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<D
             // A noisy drive makes residuals that follow each other, too.
             if disturbed.most(rows.clone()) < QUIET && correlation > CHANCE / (rows.len() as f64).sqrt() {
                 let text = format!(
-                    "the residuals of {} follow each other (correlation {correlation:.2} from sample to sample), as noise \
-                     does not: they are misfit, and the errors do not hold",
+                    "the residuals of {} are correlated ({correlation:.2} from sample to sample), so they are misfit and not noise: the error bars are too small",
                     channel.title
                 );
                 doubts.push(Doubt { kind: DoubtKind::Misfit, text });
@@ -88,8 +88,7 @@ fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<D
         if channel.rms > explained {
             let (by, unit) = misfit_unit(column);
             let text = format!(
-                "{} differs from the model by {:.3} {unit} rms, and noise explains {:.3} {unit} at most: the model is not what was \
-                 recorded, and the errors do not hold",
+                "{} differs from the model by {:.3} {unit} rms; its noise explains at most {:.3} {unit}. The model does not describe the recording, and the error bars do not hold",
                 channel.title,
                 by * channel.rms,
                 by * explained
@@ -110,12 +109,10 @@ fn from_sample_to_sample(residuals: &[f64]) -> f64 {
 fn restarts(found: &FitResult) -> Option<Doubt> {
     let [attempts, good] = found.attempts;
     let text = if attempts > 1 && good == 1 {
-        format!(
-            "{attempts} attempts from different starts ended at different places, and no two of them at the best one"
-        )
+        format!("{attempts} starts led to different results, and only one of them to the best")
     } else if found.apart > APART {
         format!(
-            "{good} of {attempts} attempts fit equally well and ended up to {:.0} standard deviations apart",
+            "{good} of {attempts} starts fit equally well but differ by up to {:.0} standard deviations",
             found.apart
         )
     } else {
@@ -127,7 +124,7 @@ fn restarts(found: &FitResult) -> Option<Doubt> {
 fn unknown(found: &FitResult) -> impl Iterator<Item = Doubt> + '_ {
     let drive = (!found.silent.is_empty()).then(|| {
         format!(
-            "the noise of {}, which drives, is not known and counts as none: if it has some, the errors are too small",
+            "the noise of {}, which drives the model, is unknown and taken as zero: if there is any, the error bars are too small",
             found.silent.join(" and ")
         )
     });
@@ -135,7 +132,7 @@ fn unknown(found: &FitResult) -> impl Iterator<Item = Doubt> + '_ {
         found.channels.iter().filter(|channel| !channel.noise_is_known).map(|channel| channel.title.as_str()).collect();
     let compared = (!estimated.is_empty()).then(|| {
         format!(
-            "the noise of {} is not known and is estimated from the residuals: it cannot be told from misfit",
+            "the noise of {} is unknown and estimated from the residuals: it cannot be distinguished from misfit",
             estimated.join(", ")
         )
     });

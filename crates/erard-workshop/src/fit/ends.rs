@@ -13,7 +13,7 @@ pub(super) struct Ended {
     pub residuals: Vec<f64>,
     /// How far the Jacobian depends on the length of its steps.
     pub agreement: f64,
-    /// Where every attempt ended.
+    /// End points of all attempts.
     pub ends: Vec<Candidate>,
 }
 

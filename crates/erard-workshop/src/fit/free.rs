@@ -20,7 +20,7 @@ const USUAL_TURN: f64 = 0.02;
 pub struct Free {
     /// Its name ([`Parameter::all`]).
     pub name: String,
-    /// What it is.
+    /// The parameter.
     pub parameter: Parameter,
     /// Its value where the fit starts from the instrument as it is, in `unit`.
     pub value: f64,
@@ -88,7 +88,7 @@ impl Free {
     }
 }
 
-/// What is asked for by name.
+/// Values by name.
 pub type Asked<T> = Vec<(String, T)>;
 
 /// The free parameters by their names, with bounds: those asked for, else as far as the file says that the number may
@@ -102,7 +102,7 @@ pub fn free(file: &InstrumentFile, names: &[String], bounds: &Asked<[f64; 2]>) -
     for name in names {
         let own = known.iter().find(|quantity| quantity.name == *name).ok_or_else(|| unknown(name, &known))?;
         if found.iter().any(|other| other.name == *name) {
-            return Err(FitError::asked("vary", format!("`{name}` is there twice; expected each name once")));
+            return Err(FitError::asked("vary", format!("`{name}` is given twice; expected once")));
         }
         found.push(one(own, bounds)?);
     }
@@ -138,7 +138,7 @@ fn unknown(name: &str, known: &[Quantity]) -> FitError {
     let what = if is_number {
         "is a number of the file; expected a screw or a parameter"
     } else {
-        "is nothing that can be fitted; expected one of"
+        "cannot be fitted: unknown name; expected one of"
     };
     let message = format!(
         "`{name}` {what}{}, nearest {}",

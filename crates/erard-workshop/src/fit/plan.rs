@@ -25,14 +25,14 @@ const BETTER: f64 = 1e-3;
 /// Rounds in which noise and parameters are estimated by turns.
 const ROUNDS: usize = 3;
 
-/// What is asked for.
+/// Settings of a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Where to begin, outside; what is not named begins as the instrument has it.
+    /// Starting values, in SI units; other parameters start as in the instrument.
     pub start: Asked<f64>,
-    /// What is made of squares in the last steps.
+    /// Loss function of the last steps.
     pub loss: Loss,
-    /// Where the derivatives of the last steps and of the covariance come from.
+    /// Derivatives of the last steps and of the covariance.
     pub jacobian: Jacobian,
     /// How often the fit may begin again elsewhere.
     pub restarts: usize,
@@ -46,10 +46,10 @@ impl Default for Plan {
     }
 }
 
-/// What a solver found.
+/// Result of a solver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// Where, as parameters are counted.
+    /// Point, in the solver's coordinates.
     pub point: Vec<f64>,
     /// Mean square of the residuals there.
     pub misfit: f64,
@@ -107,7 +107,7 @@ impl Solver for TrustRegion {
 }
 
 impl Solution {
-    /// Of a point, the residuals there, and why the solver ended.
+    /// A solution at a point, with the residuals there and the reason why the solver ended.
     pub fn new(point: Vec<f64>, residuals: &[f64], message: String) -> Self {
         let misfit = residuals.iter().map(|x| x * x).sum::<f64>() / residuals.len() as f64;
         Solution { point, misfit, message }

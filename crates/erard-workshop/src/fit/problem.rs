@@ -19,17 +19,17 @@ const LONGEST_DELAY_MS: f64 = 20.0;
 /// One measured quantity of one recording beside what was fitted to it; SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// What it is called: its column, and which recording where there are several.
+    /// Title: the column, and the recording if there are several.
     pub title: String,
-    /// Of which recording.
+    /// Number of the recording.
     pub recording: usize,
     /// Its column.
     pub column: &'static str,
     /// Instants, s.
     pub time_s: Vec<f64>,
-    /// What was measured there.
+    /// Measured values there.
     pub measured: Vec<f64>,
-    /// What was fitted to it.
+    /// Fitted values.
     pub fitted: Vec<f64>,
     /// Noise.
     pub sigma: f64,
@@ -45,11 +45,11 @@ pub(crate) type Proceed = Box<dyn FnMut(u64) -> bool + Send>;
 
 /// Residuals of recordings, in units of their noise.
 pub struct Problem {
-    /// Where the fit starts, and what is held fixed; without outlines.
+    /// Instrument at which the fit starts, with the fixed numbers; without outlines.
     pub instrument: Instrument,
-    /// What is free.
+    /// Free parameters.
     pub free: Vec<Free>,
-    /// What was recorded.
+    /// Recordings.
     pub data: Vec<Data>,
     /// Whether it is estimated how much later than the drive each channel was written down.
     pub delay: bool,
@@ -69,7 +69,7 @@ pub struct Problem {
     pub exact: bool,
     /// Strokes that were played.
     pub evaluations: u64,
-    /// Of these with derivatives.
+    /// Number of these with derivatives.
     pub differentiated: u64,
     /// Progress, and whether to go on.
     pub watch: Proceed,
@@ -124,7 +124,10 @@ impl Problem {
         for (column, sigma) in sigma {
             let compared = channels.iter().any(|(_, own)| own == column);
             if !compared && !problem.data.iter().any(|one| one.driving == column) {
-                return Err(FitError::asked("sigma", format!("{column} is not compared and does not drive")));
+                return Err(FitError::asked(
+                    "sigma",
+                    format!("{column} is neither compared nor the drive; expected no noise (sigma) for it"),
+                ));
             }
             if !(sigma.is_finite() && *sigma >= 0.0 && (*sigma > 0.0 || !compared)) {
                 return Err(FitError::asked("sigma", format!("{column} is {sigma}; expected positive numbers")));
@@ -139,7 +142,7 @@ impl Problem {
             let column = channels[at].1;
             return Err(FitError::asked(
                 "sigma",
-                format!("{column} shows no noise at all; expected its noise to be said"),
+                format!("{column} shows no noise; expected its noise (sigma) to be given"),
             ));
         }
         let uncertain = |(i, column): &(usize, &'static str)| match known(column) {

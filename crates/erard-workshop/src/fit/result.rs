@@ -13,7 +13,7 @@ use super::svd::{Columns, dot, svd, times};
 pub struct Meaning {
     /// The parameter.
     pub name: String,
-    /// What the parameter is.
+    /// Meaning of the parameter.
     pub explanation: &'static str,
     /// The quantity that is read on the bench.
     pub quantity: &'static str,
@@ -30,12 +30,12 @@ pub struct Meaning {
 /// A matrix, row by row.
 type Rows = Vec<Vec<f64>>;
 
-/// What a fit found. Vectors of `free` parameters stand in their order; inner ones have the delays in ms behind them.
+/// Result of a fit. Vectors follow the order of the `free` parameters; inner ones end with the delays in ms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitResult {
-    /// What was free.
+    /// Free parameters.
     pub free: Vec<Free>,
-    /// Where it ended, as parameters are counted.
+    /// End point, in the solver's coordinates.
     pub point: Vec<f64>,
     /// Why it ended, in words.
     pub message: String,
@@ -51,8 +51,8 @@ pub struct FitResult {
     pub degrees_of_freedom: usize,
     /// Sum of the residuals' squares over the degrees of freedom. See [`FitResult::chi2`] for what it is worth.
     pub chi2_reduced: f64,
-    /// What it should be if the model were true: 1 for the sensors' noise, and what the drive's noise adds, which moves
-    /// the model itself.
+    /// Expected value if the model is true: 1 for the sensors' noise, and the contribution of the drive's noise, which
+    /// moves the model itself.
     pub chi2_expected: f64,
     /// Of the Jacobian, every parameter counted in halves of what its bounds allow: below 1 a direction is known no
     /// better from the data than from its bounds.
@@ -63,17 +63,17 @@ pub struct FitResult {
     pub jacobian_agreement: f64,
     /// Covariance of the inner parameters.
     pub inner_cov: Rows,
-    /// The same of the sensors' noise alone.
+    /// Covariance from the sensors' noise alone.
     pub sensors_cov: Rows,
-    /// What became of every channel, in the order of the residuals.
+    /// Results of the channels, in the order of the residuals.
     pub channels: Vec<FittedChannel>,
     /// Attempts from different starts, and how many of them left as little as the best one.
     pub attempts: [usize; 2],
     /// How far apart the places are where these ended: the largest distance of a parameter, in its standard deviations.
     pub apart: f64,
-    /// What parameters whose names mislead come to on the bench.
+    /// Parameters with misleading names, as measured on the bench.
     pub meanings: Vec<Meaning>,
-    /// What makes all this doubtful, kind by kind.
+    /// Doubts, by kind.
     pub doubts: Vec<Doubt>,
     /// Columns that drive and of whose noise nothing is known.
     pub silent: Vec<&'static str>,
@@ -83,10 +83,10 @@ pub struct FitResult {
     pub differentiated: u64,
 }
 
-/// What became of one channel: of one measured quantity of one recording.
+/// Result of one channel: one measured quantity of one recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedChannel {
-    /// What it is called: its column, and which recording where there are several.
+    /// Title: the column, and the recording if there are several.
     pub title: String,
     /// Root mean square of its noise, N or m: as given, as read from the recording, or what is left over.
     pub noise: f64,
@@ -198,7 +198,7 @@ impl FitResult {
         is_known.then_some((self.chi2_reduced, self.chi2_expected))
     }
 
-    /// What was fitted, in SI units, with its standard deviation.
+    /// Fitted values in SI units, with their standard deviations.
     pub fn values(&self) -> impl Iterator<Item = (&Free, f64, f64)> + '_ {
         let of = |(k, one): (usize, &'_ Free)| (one.si(self.x[k]), one.si_error(self.x[k], self.std[k]));
         self.free.iter().enumerate().map(move |(k, one)| {

@@ -9,7 +9,7 @@
 
 use super::svd::{Columns, Svd, dot, norm, svd, times};
 
-/// What is made of squares.
+/// Loss function of the squared residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Loss {
     /// The square itself.
@@ -61,7 +61,7 @@ impl Loss {
     }
 }
 
-/// What is solved.
+/// A least-squares problem.
 pub trait LeastSquares {
     /// Why it ends before its time.
     type Error;

@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(graded.directions[2].iter().map(|x| x.abs()).collect::<Vec<_>>(), [0.0, 1.0, 0.0]);
     }
 
-    /// What it is made of gives the matrix again: J v = s u, and the u are orthogonal. Columns that are alike have a
+    /// The factors give the matrix again: J v = s u, and the u are orthogonal. Columns that are alike have a
     /// singular value of nothing.
     #[test]
     fn directions_are_right() {

@@ -15,7 +15,7 @@ pub enum WriteError {
     /// Its text cannot be changed.
     #[error(transparent)]
     Rewrite(#[from] RewriteError),
-    /// What was written is not the fitted instrument.
+    /// The written file does not read back as the fitted instrument.
     #[error("the fitted instrument cannot be written: {0}")]
     Unlike(String),
 }

@@ -35,7 +35,7 @@ pub struct InertiaCurve {
     pub half_way: Shares,
 }
 
-/// Whose mass it is, kg at the key front.
+/// Shares of the parts in the inertia, kg at the key front.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shares {
     /// The key's.

@@ -38,7 +38,7 @@ use erard::run::SimulationError;
 #[derive(Debug, Error)]
 pub enum MeasureError {
     /// Nothing that a technician could measure.
-    #[error("this is no piano action that a technician could measure: {0}")]
+    #[error("cannot be measured as a piano action: {0}")]
     NotAnAction(#[from] NotAnAction),
     /// No grand action.
     #[error(transparent)]
@@ -60,7 +60,7 @@ pub enum MeasureError {
     Lost,
 }
 
-/// What keeps an instrument from being measured as a piano action.
+/// Reason why an instrument cannot be measured as a piano action.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotAnAction {
@@ -68,31 +68,31 @@ pub enum NotAnAction {
     #[error("`roles` names no key bottom")]
     NoKeyBottom,
     /// A firm press ends nowhere.
-    #[error("pressed firmly, the key meets no bottom")]
+    #[error("the firmly pressed key reaches no key bottom")]
     Bottomless,
     /// Something ends the key's free way at once.
-    #[error("pressed slowly, the key goes {:.1} mm before let-off, string or punching end its free way", way_m * 1e3)]
+    #[error("the slowly pressed key travels {:.1} mm before let-off, string or key bottom; expected more", way_m * 1e3)]
     NoFreeWay {
         /// How far it goes, m.
         way_m: f64,
     },
     /// Nothing ends it.
-    #[error("pressed slowly by {} mm, nothing lets the hammer off, and neither does it meet the string nor the key its punching", depth_m * 1e3)]
+    #[error("the slowly pressed key travels {} mm without let-off, string contact or key bottom", depth_m * 1e3)]
     NoLetOff {
         /// How far the key was pressed, m.
         depth_m: f64,
     },
     /// The instrument's gravity is zero.
-    #[error("there is no gravity, and nothing weighs anything")]
+    #[error("gravity is zero, so nothing has weight")]
     Weightless,
     /// Key and whippen do not touch.
-    #[error("no zone stands between the key and its whippen")]
+    #[error("there is no contact zone between key and whippen")]
     NoCapstan,
     /// The key front lies behind the balance pin.
-    #[error("the finger presses the key behind its pivot")]
+    #[error("the finger presses the key behind its pivot; expected a point in front of it")]
     FingerBehindPivot,
     /// The three levers part before the hammer is let off.
-    #[error("its levers do not reach as far as let-off")]
+    #[error("its levers do not reach let-off")]
     ShortLevers,
 }
 

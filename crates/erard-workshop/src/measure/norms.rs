@@ -43,12 +43,12 @@ fn no_value() -> fn(&Sheet) -> Option<f64> {
     |_| None
 }
 
-/// What is out of the norm.
+/// A value outside its usual range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Flag {
     /// The line's key.
     pub key: &'static str,
-    /// What is wrong, a line for people.
+    /// The fault, a line for people.
     pub message: String,
 }
 
@@ -216,19 +216,19 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
         let whose = if by_key { format!(" at {}", note_name(sheet.norms_for_key)) } else { String::new() };
         let message = match value {
             Some(_) => format!("{label} {}: usual is {}{whose}", line.text(value), usual.trim_end()),
-            None => format!("{label}: not to be had; usual is {}{whose}", usual.trim_end()),
+            None => format!("{label}: could not be measured; usual is {}{whose}", usual.trim_end()),
         };
         flags.push(Flag { key: line.key, message });
     }
     if let Some(weights) = sheet.strike_weight_ratio_weights {
         let apart = weights / sheet.strike_weight_ratio_kinematics - 1.0;
         if apart.abs() > RATIOS_AGREE {
-            let mut message = format!("R by weights and R by the geometry are {:.1} % apart", 100.0 * apart.abs());
+            let mut message = format!("R from weights and R from the geometry differ by {:.1} %", 100.0 * apart.abs());
             if let Some(half_way) = sheet.strike_weight_ratio_weights_half_way {
                 // Down-weight and up-weight are decided at different places: friction that differs between them stays
                 // in BW.
                 let there = half_way / sheet.strike_weight_ratio_kinematics_half_way - 1.0;
-                message += &format!("; half-way, where friction goes out, {:.1} %", 100.0 * there.abs());
+                message += &format!("; half-way, where friction cancels, {:.1} %", 100.0 * there.abs());
             }
             flags.push(Flag { key: "strike_weight_ratio_weights", message });
         }
@@ -240,7 +240,8 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
         if let (Some(tried), Some(read)) = (tried, read)
             && (tried - read).abs() > WAYS_AGREE_G
         {
-            let message = format!("{what} by weights {tried:.1} g and from the slow loop {read:.1} g do not agree");
+            let message =
+                format!("{what} measured with weights ({tried:.1} g) and from the slow loop ({read:.1} g) disagree");
             flags.push(Flag { key, message });
         }
     }

@@ -35,9 +35,9 @@ pub struct Loudness {
     pub force_n: f64,
     /// Speed of the strike point at the string, m/s; `None` where it does not reach it.
     pub hammer_speed_m_per_s: Option<f64>,
-    /// The same as MIDI velocity; see `midi_velocity`.
+    /// Hammer speed as MIDI velocity; see `midi_velocity`.
     pub midi_velocity: Option<u8>,
-    /// Why the press is not to be trusted.
+    /// Why the press cannot be trusted.
     #[serde(skip)]
     pub warnings: Vec<Warning>,
 }
@@ -60,7 +60,7 @@ pub struct SoftFlight {
     pub flight_m: f64,
     /// How long it flew, s.
     pub flight_s: f64,
-    /// What the hammer's own fall makes of that distance: sqrt(2 a d), m/s; see `fall_m_s2`.
+    /// Hammer speed that a fall through that distance would give: sqrt(2 a d), m/s; see `fall_m_s2`.
     pub fall_speed_m_per_s: f64,
 }
 
@@ -74,7 +74,7 @@ pub(crate) fn midi_velocity(speed_m_per_s: f64) -> Option<u8> {
     (speed_m_per_s > 0.0).then(|| (52.0 + 25.0 * speed_m_per_s.log2()).round().clamp(1.0, 127.0) as u8)
 }
 
-/// What that map is, for people.
+/// Description of that map, for people.
 pub const MIDI_MAP: &str = "MIDI velocity = 52 + 25 log2(hammer speed in m/s), Goebl 2003 (Bösendorfer SE290)";
 
 /// Acceleration with which the strike point slows down while it rises freely with the shank level, along its arc, m/s2:

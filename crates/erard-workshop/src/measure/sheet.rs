@@ -39,7 +39,7 @@ pub struct Sheet {
     pub norms_for_key: usize,
     /// Pedal down, by trial with weights, g.
     pub down_weight_g: Option<f64>,
-    /// The same, g.
+    /// Up-weight, g.
     pub up_weight_g: Option<f64>,
     /// (D + U) / 2, g.
     pub balance_weight_g: Option<f64>,
@@ -59,8 +59,7 @@ pub struct Sheet {
     pub key_ratio: f64,
     /// R by the equation of balance.
     pub strike_weight_ratio_weights: Option<f64>,
-    /// The same from the slow loop's two forces half-way, where friction takes as much from one as it adds to the
-    /// other: the law at one place.
+    /// R from the two forces of the slow loop half-way, where friction cancels: the law at one place.
     pub strike_weight_ratio_weights_half_way: Option<f64>,
     /// R by the geometry: mean of the ratios at the two places that decide down-weight and up-weight.
     pub strike_weight_ratio_kinematics: f64,
@@ -98,7 +97,7 @@ pub struct Sheet {
     pub damper_start_share: Option<f64>,
     /// Effective mass at the key front, half-way to where let-off begins, pedal down, kg.
     pub effective_inertia_kg: f64,
-    /// Of which the key's, the whippen's and the hammer's.
+    /// Share of the key, the whippen and the hammer in it, kg.
     pub effective_inertia_key_kg: f64,
     /// See there.
     pub effective_inertia_whippen_kg: f64,
@@ -114,7 +113,7 @@ pub struct Sheet {
     pub softest_force_N: Option<f64>,
     /// The hammer's speed when it is then let off, m/s.
     pub softest_let_off_speed_m_per_s: Option<f64>,
-    /// What sqrt(2 a d) makes of the way that it then flies, m/s.
+    /// Hammer speed that sqrt(2 a d) gives for the remaining flight, m/s.
     pub softest_fall_speed_m_per_s: Option<f64>,
     /// The fastest second blow after a soft first one, the key held, m/s; 0 where there is none.
     pub double_strike_m_per_s: Option<f64>,
@@ -127,7 +126,7 @@ pub struct Sheet {
     pub blocked_front_mm: Option<f64>,
     /// And of the capstan, mm.
     pub blocked_back_mm: Option<f64>,
-    /// The same weight by weight.
+    /// Bench test, weight by weight.
     pub blocked: Vec<BlockedRow>,
     /// Hammer speed against constant force.
     pub dynamic_range: Vec<Loudness>,
@@ -137,24 +136,24 @@ pub struct Sheet {
     pub timing: Vec<TimingRow>,
     /// Force over travel, pedal down, to the bottom and back.
     pub hysteresis: LoopNumbers,
-    /// The same with the dampers on the strings.
+    /// Slow loop with the dampers on the strings.
     pub hysteresis_dampers_down: Option<LoopNumbers>,
     /// Effective mass through the stroke.
     pub inertia: InertiaNumbers,
-    /// What is out of the norm.
+    /// Values outside their usual ranges.
     pub flags: Vec<Flag>,
     /// Whether nothing speaks against the presses of `timing` and `dynamic_range`.
     pub trusted: bool,
-    /// What does, press by press.
+    /// Doubts, press by press.
     pub warnings: Vec<Doubt>,
 }
 
-/// Why a press of the sheet is not to be trusted.
+/// Why a press of the sheet cannot be trusted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Doubt {
-    /// Which: `ff struck`, or `30 N`.
+    /// The press: `ff struck`, or `30 N`.
     pub during: String,
-    /// What speaks against it.
+    /// The doubt.
     #[serde(flatten)]
     pub warning: Warning,
 }
@@ -246,7 +245,7 @@ pub struct TimingRow {
     pub hammer_before_bottom_ms: Option<f64>,
     /// m/s.
     pub hammer_speed_m_per_s: Option<f64>,
-    /// Of that speed.
+    /// MIDI velocity of that speed.
     pub midi_velocity: Option<u8>,
 }
 
@@ -299,7 +298,7 @@ pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<S
     measure_key(instrument, MIDDLE_C, progress)
 }
 
-/// The same for the norms of a key, 1 to 88.
+/// Measures an instrument by the norms of a key, 1 to 88.
 ///
 /// # Errors
 /// See [`MeasureError`].

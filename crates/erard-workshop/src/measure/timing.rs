@@ -26,11 +26,11 @@ pub(crate) struct Timing {
     pub touch: Touch,
     /// Largest force on the key, N.
     pub peak_force_n: f64,
-    /// What happened when.
+    /// Events of the run.
     pub events: Events,
     /// How the hammer flew.
     pub flights: Option<Flights>,
-    /// Why the run is not to be trusted.
+    /// Why the run cannot be trusted.
     pub warnings: Vec<Warning>,
 }
 

@@ -23,7 +23,7 @@ pub struct UsualRange {
     low: Option<Limit>,
     #[serde(rename = "at_most")]
     high: Option<Limit>,
-    /// Where it was read, and what was made of it.
+    /// Source, and what was derived from it.
     pub source: String,
 }
 
@@ -31,7 +31,7 @@ pub struct UsualRange {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged)]
 enum Limit {
-    /// The same for all keys.
+    /// One bound for all keys.
     All(f64),
     /// At some keys, ascending, and on straight lines between them; beyond the first and the last as there.
     ByKey(Vec<(usize, f64)>),

@@ -84,7 +84,7 @@ pub struct PartWeights {
     pub strike_weight_g: f64,
     /// Whippen, jack and repetition lever on the whippen's pin, the place where the capstan touches on the scale, g.
     pub whippen_weight_g: f64,
-    /// What a gram over the capstan's contact weighs at the key front.
+    /// Weight at the key front of a gram over the capstan's contact.
     pub key_ratio: f64,
 }
 
@@ -98,7 +98,7 @@ pub struct StrikeRatio {
     pub at_rest: f64,
     /// Half-way.
     pub half_way: f64,
-    /// Where let-off begins.
+    /// Value at the beginning of let-off.
     pub at_let_off: f64,
 }
 

@@ -30,7 +30,7 @@ pub enum Goal {
     Damper,
 }
 
-/// What kind of number a goal is; values are m, m/s, and shares of 1.
+/// Kind of a goal's number; values are in m, m/s, or shares of 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// m.
@@ -74,7 +74,7 @@ const KNOWN: [Known; 10] = [
     known("damper", Share, Some(0.5), [0.05, 0.95], |d| d.damper_start),
 ];
 
-/// What is asked for: goals with their values in m, m/s, or shares.
+/// Goals with their values in m, m/s, or shares.
 pub type Specification = Vec<(Goal, f64)>;
 
 impl Goal {
@@ -97,12 +97,12 @@ impl Goal {
         &KNOWN[self as usize]
     }
 
-    /// What technicians call it.
+    /// Name in the trade.
     pub fn name(self) -> &'static str {
         self.known().name
     }
 
-    /// What kind of number it is.
+    /// Kind of its number.
     pub fn kind(self) -> Kind {
         self.known().kind
     }
@@ -141,7 +141,7 @@ impl Goal {
         }
     }
 
-    /// What is measured of it; `None` where it does not happen.
+    /// Measured value; `None` if it does not happen.
     pub fn of(self, distances: &Distances) -> Option<f64> {
         (self.known().of)(distances)
     }

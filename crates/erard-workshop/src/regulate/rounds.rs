@@ -32,7 +32,7 @@ const FAR_DROP_M: f64 = 3.5e-3;
 pub struct Status {
     /// Round, from 1.
     pub round: u32,
-    /// What is being regulated; `None` while the action is measured as a whole.
+    /// Goal that is being regulated; `None` while the whole action is measured.
     pub goal: Option<Goal>,
     /// Simulations made so far.
     pub simulations: u32,
@@ -40,16 +40,16 @@ pub struct Status {
     pub share: f64,
 }
 
-/// What became of a goal.
+/// Result for a goal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Achieved {
     /// The goal.
     pub goal: Goal,
-    /// What was asked for, m, m/s, or share.
+    /// Target, m, m/s, or share.
     pub target: f64,
-    /// What was there before; `None` where it did not happen.
+    /// Value before; `None` if it did not happen.
     pub before: Option<f64>,
-    /// What is there now.
+    /// Value after.
     pub after: Option<f64>,
     /// Why it is not met, if it is not; `after` is then the nearest found.
     pub miss: Option<Miss>,
@@ -62,7 +62,7 @@ pub enum Miss {
     EndOfRange(Vec<&'static str>),
     /// No setting of these screws gives it: it jumps past the goal, does not happen, or does not answer to them.
     NoSetting(Vec<&'static str>),
-    /// It can be met, but not together with the others.
+    /// The goal can be met, but not together with the others.
     Disturbed,
 }
 
@@ -73,11 +73,11 @@ pub struct Turned {
     pub screw: usize,
     /// Its name.
     pub name: String,
-    /// What it is turned by: m, rad, or N m.
+    /// Turn of the screw: m, rad, or N m.
     pub action: ScrewAction,
     /// Setting before and after, m, rad, or N m.
     pub setting: [f64; 2],
-    /// Which way, in a word or two: `up`, `to the back`, `tighter`.
+    /// Direction, in a word or two: `up`, `to the back`, `tighter`.
     pub way: &'static str,
 }
 

@@ -34,16 +34,14 @@ const ATTEMPTS: u32 = 40;
 #[derive(Debug, Error)]
 pub enum SampleError {
     /// No number of the file has a spread.
-    #[error(
-        "{file}: no number has a `spread` or `spread_factor`, so that there is nothing to draw; expected estimates that say how far they may be off"
-    )]
+    #[error("{file}: no number has a `spread` or `spread_factor`; expected one at least to draw samples from")]
     Certain {
         /// The file.
         file: String,
     },
     /// Too many grands in a row that cannot be put right.
     #[error(
-        "{file}: none of {ATTEMPTS} drawn grands can be regulated and weighed to the usual ranges; expected smaller spreads"
+        "{file}: none of {ATTEMPTS} samples could be regulated and weighed to the usual ranges; expected smaller spreads"
     )]
     Hopeless {
         /// The file.
@@ -79,7 +77,7 @@ impl Ending for SampleError {
     }
 }
 
-/// What samples are drawn of.
+/// Base of the samples.
 #[derive(Debug, Clone)]
 pub struct Sampled {
     /// What messages call it.

@@ -92,7 +92,7 @@ pub fn quantities() -> Vec<Quantity> {
     followed.into_iter().chain(weights).collect()
 }
 
-/// What is to be said against a derivative.
+/// Reservation about a derivative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
     /// Nothing.
@@ -120,7 +120,7 @@ impl Mark {
 /// One derivative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensitivity {
-    /// Of which quantity: place in [`Sensitivities::of`].
+    /// Quantity: place in [`Sensitivities::of`].
     pub of: usize,
     /// By which number: place in [`Sensitivities::by`].
     pub by: usize,
@@ -130,12 +130,12 @@ pub struct Sensitivity {
     pub error: f64,
     /// Differences over the window, and their own error; `None` where the number cannot be changed so.
     pub differences: Option<[f64; 2]>,
-    /// What is to be said against it.
+    /// Reservation about it.
     pub mark: Mark,
 }
 
 impl Sensitivity {
-    /// What the quantity changes by with the number's usual change ([`Variable::usual`]).
+    /// Change of the quantity for the number's usual change ([`Variable::usual`]).
     pub fn effect(&self, all: &Sensitivities) -> f64 {
         self.derivative * all.by[self.by].usual
     }
@@ -151,7 +151,7 @@ impl Sensitivity {
 /// All derivatives of a stroke's outcome.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivities {
-    /// Of what.
+    /// Quantities.
     pub of: Vec<Quantity>,
     /// Their values; `None` where it did not happen.
     pub values: Vec<Option<f64>>,

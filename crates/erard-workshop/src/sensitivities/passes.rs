@@ -23,7 +23,7 @@ pub struct Gradient {
     /// Of every quantity of [`QUANTITIES`]: its value, and its derivatives by every variable, per bare number
     /// (`Variable::per_bare_number`); `None` where it did not happen.
     pub of: Vec<(&'static str, Option<ValueAndSlopes>)>,
-    /// What was sampled.
+    /// Samples.
     pub sampled: Vec<Sampled>,
     /// Switches of friction at which derivatives jumped, and those that could not be told from others.
     pub switches: [u32; 2],
@@ -39,7 +39,7 @@ pub struct Sampled {
     pub name: &'static str,
     /// Its samples.
     pub values: Vec<f64>,
-    /// Of every variable, sample by sample, per bare number.
+    /// Derivatives of the samples by every variable, per bare number.
     pub slopes: Vec<Vec<f64>>,
 }
 
@@ -89,7 +89,7 @@ pub fn gradient<'a>(
 pub(super) struct Passes {
     /// Of every length of step: of every eight numbers, one after the other.
     each: Vec<Vec<Followed>>,
-    /// Of the last one: see [`Gradient::switches`].
+    /// Switches in the last stroke: see [`Gradient::switches`].
     pub switches: [u32; 2],
 }
 

@@ -47,8 +47,7 @@ enum Target {
 pub enum VariableError {
     /// No such number.
     #[error(
-        "`{name}` is nothing that can be differentiated by; expected {known}, force (of a constant force), or the path of a number in the file, as in \
-         `body.hammer.mass_g` or `zone.string.disc.center_mm.x`"
+        "unknown name `{name}`; expected {known}, force (with a constant force), or the path of a number in the file, e.g. `body.hammer.mass_g` or `zone.string.disc.center_mm.x`"
     )]
     Unknown {
         /// What was asked for.
@@ -56,8 +55,8 @@ pub enum VariableError {
         /// What there is.
         known: String,
     },
-    /// It stands at an end of what it may be.
-    #[error("`{name}` cannot be changed a little to both sides: {why}")]
+    /// The number is at an end of its range.
+    #[error("`{name}` has no derivative here, because it cannot change a little in both directions: {why}")]
     Stuck {
         /// Name of the number.
         name: String,
@@ -104,7 +103,7 @@ impl Variable {
         })
     }
 
-    /// Whatever two instruments differ in, the second one being so many units `apart` from the first.
+    /// The direction between two instruments, the second being so many units `apart` from the first.
     ///
     /// # Errors
     /// [`VariableError::Stuck`], where they are not made of the same things.
@@ -140,7 +139,7 @@ impl Variable {
         };
         let stuck = |why: String| VariableError::Stuck { name: name.clone(), why };
         let (Some(low), Some(high)) = (at(-half), at(half)) else {
-            return Err(stuck("it stands at an end of its range".to_owned()));
+            return Err(stuck("it is at an end of its range".to_owned()));
         };
         let direction = Direction::between(&low, &high, 2.0 * half * per_si)
             .map_err(|error: GradientError| stuck(error.to_string()))?;

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::Parameter;
 
-/// What is done to a number.
+/// Change of a number.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Change {
     /// As `study --vary`: a screw is turned by so many m, rad or N m; another parameter is multiplied by it; a number
@@ -22,9 +22,7 @@ pub enum Change {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ChangeError {
     /// No such number.
-    #[error(
-        "`{name}` is nothing that can be varied here; {nearest}, or the path of a number in the file, as in `body.hammer.mass_g`"
-    )]
+    #[error("unknown name `{name}`; {nearest}, or the path of a number in the file, e.g. `body.hammer.mass_g`")]
     Unknown {
         /// What was asked for.
         name: String,
@@ -51,7 +49,7 @@ pub enum ChangeError {
         /// What is possible.
         expected: String,
     },
-    /// What the reader says of the changed file.
+    /// Error of the reader in the changed file.
     #[error(transparent)]
     File(#[from] Box<FileError>),
 }
@@ -70,7 +68,7 @@ impl std::fmt::Display for Change {
 pub struct Quantity {
     /// Its name ([`Parameter::all`]).
     pub name: String,
-    /// What it is.
+    /// The parameter.
     pub parameter: Parameter,
     /// Its value, in `unit`.
     pub value: f64,
@@ -331,7 +329,7 @@ fn unknown(name: &str, all: &[(String, Parameter)]) -> ChangeError {
 }
 
 /// The three names that are most like one.
-pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a String>) -> String {
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a String>) -> String {
     let mut near: Vec<(f64, &String)> = known.map(|known| (strsim::jaro_winkler(name, known), known)).collect();
     near.sort_by(|a, b| b.0.total_cmp(&a.0));
     near.iter().take(3).map(|(_, name)| format!("`{name}`")).collect::<Vec<_>>().join(", ")

@@ -13,9 +13,9 @@ mod parameter;
 mod sampling;
 mod topology;
 
-pub use change::{Change, ChangeError, number_of, quantities, varied};
+pub use change::{Change, ChangeError, nearest, number_of, quantities, varied};
 
-pub(crate) use change::{Quantity, nearest};
+pub(crate) use change::Quantity;
 pub use parameter::Parameter;
 pub(crate) use parameter::ten_digits;
 pub use sampling::{Sampling, SamplingError};
@@ -46,7 +46,7 @@ pub struct Job<'a> {
     pub stroke: Stroke<'a>,
 }
 
-/// Who does the work.
+/// Threads that do the work.
 #[derive(Debug, Clone, Copy)]
 pub struct Workers {
     /// Threads.
@@ -67,13 +67,13 @@ impl Workers {
         Workers { threads: 1, ..Workers::all() }
     }
 
-    /// The same in single precision.
+    /// All strokes in single precision.
     pub fn all_single() -> Self {
         Workers { lanes: Lanes::most_single(), ..Workers::all() }
     }
 }
 
-/// What came of a job.
+/// Result of a job.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Played {
     /// Instants and speeds.
@@ -82,19 +82,19 @@ pub struct Played {
     pub highest_m: f64,
     /// Steps that reached an iteration limit.
     pub unconverged_steps: u64,
-    /// What the energy balance leaves unexplained, a share of what was turned over ([`erard::trust`]); `None` without
-    /// the setup's ledger.
+    /// Error of the energy balance, a share of the energy turned over ([`erard::trust`]); `None` without the setup's
+    /// ledger.
     pub energy_residual: Option<f64>,
-    /// Why the stroke is not to be trusted; without the setup's ledger neither energy nor felts are judged.
+    /// Why the stroke cannot be trusted; without the setup's ledger neither energy nor felts are judged.
     pub warnings: Vec<Warning>,
-    /// What was sampled, column by column ([`sample_all`]); empty where nothing was, or where the run ended early.
+    /// Samples, column by column ([`sample_all`]); empty without sampling, or if the run ended early.
     pub samples: Vec<Vec<f64>>,
 }
 
 /// A number of what came of a job; `None` is what did not happen.
 pub(crate) type Outcome = fn(&Played) -> Option<f64>;
 
-/// What came of every stroke, by the names of a study's columns, in SI units. Instants count from the stroke's start.
+/// Results of a stroke, by the names of a study's columns, in SI units. Instants count from the stroke's start.
 pub const OUTCOMES: [(&str, Outcome); 10] = [
     ("key_start_s", |p| p.events.key_start_s),
     ("toe_contact_s", |p| p.events.toe_contact_s),
@@ -129,7 +129,7 @@ pub fn play_all(
     sample_all(instruments, jobs, setup, None, workers, progress)
 }
 
-/// What came of a stroke, or why nothing did.
+/// Result of a stroke, or its error.
 pub type OwnResult = Result<Played, String>;
 
 /// Makes the stroke of an instrument's own.

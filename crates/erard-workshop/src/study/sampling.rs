@@ -5,7 +5,7 @@ use erard::run::Run;
 use moreau_kernels::EveryBody;
 use thiserror::Error;
 
-/// Which columns of a run's table are sampled, and every how many steps.
+/// Columns of a run's table to sample, and the number of steps between samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
     every: u64,
@@ -16,15 +16,15 @@ pub struct Sampling {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("there is no column `{name}`; expected {}", .known.join(", "))]
 pub struct SamplingError {
-    /// What was asked for.
+    /// The unknown name.
     pub name: String,
-    /// What there is.
+    /// The known names.
     pub known: Vec<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
-    /// Of the finger, the key front and the strike point, and that one's speed.
+    /// Travel of the finger, the key front and the strike point, and the speed of the strike point.
     Travel(usize),
     Angle(usize),
     Rate(usize),

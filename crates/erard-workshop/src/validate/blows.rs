@@ -93,7 +93,7 @@ pub struct PressedBlow {
     pub deepest_m: f64,
 }
 
-/// What blows show. Drives that are not found are `None`.
+/// Results of the blows. Drives that were not found are `None`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loudness {
     /// Smallest force that starts the key, N.
@@ -122,7 +122,7 @@ pub struct Loudness {
     pub crossover_m_per_s: Option<f64>,
     /// The curve of constant forces against loudness.
     pub blows: Vec<PressedBlow>,
-    /// What hands do.
+    /// Results of hands.
     pub by_hand: ByHand,
 }
 

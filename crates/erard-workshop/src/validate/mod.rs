@@ -40,7 +40,7 @@ pub struct Tally {
 pub struct GroupResult {
     /// Its name.
     pub name: String,
-    /// What it is about.
+    /// Title.
     pub title: String,
     /// Rows that the instrument was set to.
     pub set: Tally,
@@ -66,7 +66,7 @@ pub enum Verdict {
         /// By how much, in the row's unit: negative is too small.
         by: f64,
     },
-    /// It did not happen in the simulation.
+    /// The event did not happen in the simulation.
     Absent,
     /// Nothing was published that it could be held against.
     Open {
@@ -80,7 +80,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// What was simulated, in the row's unit; `None` where nothing was.
+    /// Simulated value, in the row's unit; `None` if there is none.
     #[must_use]
     pub fn simulated(&self) -> Option<f64> {
         match *self {
@@ -99,7 +99,7 @@ pub struct Validation {
     pub instrument: String,
     /// One verdict per row of the table, in its order.
     pub verdicts: Vec<Verdict>,
-    /// Of every row the value under a constant force, for comparison, which does not count, in the row's unit.
+    /// Value of every row under a constant force, in the row's unit: for comparison, not counted.
     pub beside: Vec<Option<f64>>,
     /// Blows of constant forces, soft to loud: the order of events against loudness.
     pub blows: Vec<PressedBlow>,

@@ -35,7 +35,7 @@ pub struct Published {
 pub enum Kind {
     /// The instrument was built, weighed or regulated to it.
     Set,
-    /// It follows from the model.
+    /// A prediction of the model.
     Predicted,
 }
 
@@ -56,7 +56,7 @@ impl Kind {
 pub struct Row {
     /// Identifier, unique.
     pub name: String,
-    /// What it is, for people.
+    /// Name of the quantity, for people.
     pub quantity: String,
     /// Name of its group.
     pub group: String,
@@ -64,15 +64,15 @@ pub struct Row {
     pub kind: Kind,
     /// By what the instrument was set to it; of [`Kind::Set`] only.
     pub set_by: Option<String>,
-    /// Which simulated value it is compared with, one of [`super::names`]; `None` where the model has none.
+    /// Simulated value that it is compared with, one of [`super::names`]; `None` if the model has none.
     pub measure: Option<String>,
-    /// The same quantity under a constant force, one of [`super::names`]: shown beside the row, and not counted.
+    /// The same quantity under a constant force, one of [`super::names`]: shown with the row, not counted.
     pub beside: Option<String>,
     /// Unit of all its numbers; empty for ratios.
     pub unit: String,
     /// The one number that was published, where it is not a range.
     pub number: Option<f64>,
-    /// What was published, in words, where neither range nor number says it.
+    /// Published value in words, if neither range nor number gives it.
     pub published: Option<String>,
     /// The range is the usual one of middle C ([`crate::measure::usual`]).
     #[serde(default)]
@@ -85,7 +85,7 @@ pub struct Row {
     pub source: String,
     /// How sure it is.
     pub certainty: Certainty,
-    /// What the simulation does, and what part of the range is ours.
+    /// Method of the simulation, and the part of the range that is ours.
     pub how: String,
     /// Likely reason of a miss.
     pub if_missed: Option<String>,
@@ -94,7 +94,7 @@ pub struct Row {
 /// Why a table cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum PublishedError {
-    /// It is no table of this format.
+    /// The file is not a table of this format.
     #[error("{0}")]
     Syntax(String),
     /// A row contradicts itself or the rest of the table.
@@ -222,7 +222,7 @@ impl Row {
         Some((2.0 * simulated - low - high) / (high - low))
     }
 
-    /// What was published: its words, its number, or the range.
+    /// Published value: words, number or range.
     #[must_use]
     pub fn range(&self) -> String {
         let number = |x: f64| format!("{x}");

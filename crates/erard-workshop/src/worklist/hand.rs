@@ -124,7 +124,7 @@ impl Work {
         })
     }
 
-    /// Which way, in a word or two, for a screw: `up`, `to the back`, `tighter`.
+    /// Direction, in a word or two, for a screw: `up`, `to the back`, `tighter`.
     #[must_use]
     pub fn way(&self, instrument: &Instrument) -> &'static str {
         match self {

@@ -19,7 +19,7 @@ const ROUNDS: u32 = 3;
 /// The farthest that a capstan line is moved, mm: more takes other parts.
 const MOST_CAPSTAN_MM: f64 = 8.0;
 
-/// What stays where dip and aftertouch cannot both have their way.
+/// Which of dip and aftertouch stays if not both can be in range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Priority {
     /// Dip stays: the blow gives.
@@ -32,11 +32,11 @@ pub enum Priority {
 /// A line of work.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Item {
-    /// What it is done for.
+    /// Quantity that the work corrects.
     pub quantity: Quantity,
-    /// What is done.
+    /// The work.
     pub work: Work,
-    /// What could be done instead.
+    /// Alternative work.
     pub instead: Option<Work>,
     /// Readings that are expected before it,
     pub before: Readings,
@@ -58,13 +58,13 @@ pub enum Why {
     NoScrew,
     /// Friction must come right first.
     Friction,
-    /// It cannot be read before the hammer drops.
+    /// The quantity cannot be read before the hammer drops.
     Unreadable,
     /// With so much friction weight no balance weight has every weight in its range.
     NoBalance,
     /// The front weight is at its ceiling.
     Ceiling,
-    /// It follows from other lines, which are in their ranges or stay out.
+    /// The quantity follows from other lines, which are in range or are left.
     Follows,
 }
 
@@ -77,7 +77,7 @@ pub struct Left {
     pub why: Why,
 }
 
-/// What to do, in the order of work.
+/// Work to do, in its order.
 #[derive(Debug, Clone)]
 pub struct Worklist {
     /// The key whose usual ranges hold.
@@ -88,7 +88,7 @@ pub struct Worklist {
     pub items: Vec<Item>,
     /// Readings that are expected after the last.
     pub after: Readings,
-    /// What stays out of its range.
+    /// Quantities that stay out of range.
     pub left: Vec<Left>,
     /// The simulated copy on which the list has been carried out.
     pub copy: Instrument,
@@ -157,9 +157,9 @@ pub(super) struct Planner<'a, 'p> {
     pub copy: Instrument,
     /// The copy's own readings.
     pub own: Readings,
-    /// What was read on the piano.
+    /// Readings on the piano.
     pub read: Readings,
-    /// What the piano is expected to read.
+    /// Expected readings now.
     pub now: Readings,
     /// Whether the copy has been weighed since a screw was turned.
     weighed: bool,
@@ -438,7 +438,7 @@ impl Planner<'_, '_> {
             work.carry_out(&mut worked, self.progress)?;
             let own_after = Readings::of(&worked, self.progress)?;
             let after = now.moved(&own_now, &own_after);
-            // Of what was turned forth and back there may be nothing left to see.
+            // Turns in both directions may cancel.
             if can_be_seen(quantity, &now, &after) {
                 items.push(Item { quantity, work, instead, before: now, after });
                 (copy, own_now, now) = (worked, own_after, after);

@@ -50,7 +50,7 @@ pub enum Quantity {
     Check,
     /// Speed of the rise from the check, m/s.
     Spring,
-    /// Where the damper starts, as a share of the dip.
+    /// Start of the damper, as a share of the dip.
     Damper,
 }
 

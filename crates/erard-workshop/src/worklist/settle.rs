@@ -19,9 +19,9 @@ const BLOW_STEP_M: f64 = 5e-4;
 pub struct GaveUp {
     /// Dip or blow.
     pub goal: Goal,
-    /// What was asked for, or was there, m.
+    /// Value asked for, or found, m.
     pub asked_m: f64,
-    /// What it was set to instead, m.
+    /// Value set instead, m.
     pub instead_m: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Property tests that go on where the parser ends: instruments, strokes, keyboards and options are changed at random,
 //! and whatever is accepted is PRESSED. Nothing panics, every number is finite, energy is bounded or the run says that
-//! it is not to be trusted.
+//! it cannot be trusted.
 //!
 //! Every mutant is made from one number, which a failure prints: `ERARD_MUTANT=17 cargo test --release -p
 //! erard-workshop --test it press_mutants` presses that one again and tells what it is. Some are pressed in every run
@@ -44,7 +44,7 @@ enum Fate {
     Long,
     /// Accepted; a number became infinite, which is reported.
     Infinite,
-    /// Pressed, and not to be trusted.
+    /// Pressed, and cannot be trusted.
     Doubtful,
     /// Pressed, and nothing speaks against it.
     Trusted,

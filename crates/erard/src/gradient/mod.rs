@@ -36,16 +36,18 @@ pub enum GradientError {
     Simulation(#[from] SimulationError),
     /// Static friction.
     #[error(
-        "friction that grows at rest (`dwell`) has no derivatives here: its bound jumps where it lets go; expected an instrument without"
+        "derivatives are not supported with friction that grows at rest (`dwell_s`), whose bound jumps at release; expected an instrument without it"
     )]
     Dwell,
     /// A set-valued felt.
     #[error(
-        "a felt whose dry loss has no slip (`dry_loss` without `dry_slip`) has no derivatives here; expected `dry_slip` above 0, or no `dry_loss`"
+        "derivatives are not supported with a felt with `dry_loss` and no `dry_slip`; expected `dry_slip` above 0, or no `dry_loss`"
     )]
     SetValuedFelt,
     /// A modal string.
-    #[error("a string that yields has no derivatives here; expected an instrument whose string is rigid")]
+    #[error(
+        "derivatives are not supported with modal strings; expected a rigid string (`rigid_string = true` in [roles])"
+    )]
     Yielding,
     /// Something of the engine that is not derived.
     #[error("{what} has no derivatives here")]
@@ -53,17 +55,14 @@ pub enum GradientError {
         /// What.
         what: &'static str,
     },
-    /// It does not come to rest by itself.
-    #[error(
-        "left to itself the action does not come to rest within {:.0} s, and the rest has no derivatives",
-        equilibrium::PATIENCE_S
-    )]
+    /// The action does not come to rest by itself.
+    #[error("the action does not come to rest within {:.0} s; its rest has no derivatives", equilibrium::PATIENCE_S)]
     NoRest,
     /// Changing the number changes what the mechanism is made of.
     #[error("a small change of the number changes what the mechanism is made of")]
     Makeup,
     /// Error control.
-    #[error("derivatives are those of steps of one length that end on switches; expected no tolerance")]
+    #[error("derivatives need fixed steps; remove the tolerance")]
     Controlled,
 }
 

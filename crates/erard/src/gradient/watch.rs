@@ -27,7 +27,7 @@ pub struct Instants {
 /// A quantity of [`Instants`].
 type Get = fn(&Instants) -> Option<Number>;
 
-/// What is differentiated, by the names that a study's columns have.
+/// Quantities with derivatives, by the names of a study's columns.
 pub const QUANTITIES: [(&str, Get); 9] = [
     ("hammer_speed_m_per_s", |i| i.hammer_speed_m_per_s),
     ("let_off_s", |i| i.let_off_s),

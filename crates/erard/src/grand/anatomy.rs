@@ -18,7 +18,7 @@ pub enum AnatomyError {
         /// Its name.
         zone: String,
     },
-    /// What meets the let-off button does not push the knuckle.
+    /// The part that meets the let-off button does not push the knuckle.
     #[error(
         "the instrument cannot be measured as a grand action: `{body}` meets the let-off button, but no zone of `roles.knuckle` has it push the \
          hammer"

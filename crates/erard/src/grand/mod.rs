@@ -14,7 +14,7 @@ pub use scale::{falling_moment_n_m, front_weight_g, strike_weight_g, whippen_wei
 
 use crate::instrument::Vec2;
 
-/// Which way the key front goes when it is pressed, in the world: down.
+/// Direction of the pressed key front in the world: down.
 pub const KEY_DOWN: Vec2 = [0.0, -1.0];
 
 /// How far a point is on the way of what rises (hammer, damper), m, in the world: its height.

@@ -12,10 +12,10 @@ pub struct Parts {
     pub hammer: usize,
     /// The body on the ground that carries, or is, the jack.
     pub whippen: usize,
-    /// Where jack and repetition lever meet the ground: let-off button and drop screw. The first of them to touch
+    /// Zones between jack or repetition lever and the ground: let-off button and drop screw. The first of them to touch
     /// begins let-off.
     pub let_off_stops: Vec<usize>,
-    /// Where the key lifts the damper, and the damper; `None` where there is none.
+    /// Zone in which the key lifts the damper, and the damper; `None` without a damper.
     pub damper: Option<(usize, usize)>,
 }
 

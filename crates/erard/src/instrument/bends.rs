@@ -26,7 +26,7 @@ impl Instrument {
         body
     }
 
-    /// Where a piece's frame stands in the frame of its part's first piece, as drawn.
+    /// Placement of a piece's frame in the frame of its part's first piece, as drawn.
     #[must_use]
     pub fn on_first_piece(&self, piece: usize) -> Placement {
         let body = &self.bodies[piece];

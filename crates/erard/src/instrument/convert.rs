@@ -74,7 +74,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
         }
         (None, roles) => {
             if let Some(key) = roles.as_ref().and_then(|roles| roles.key.as_ref()) {
-                return Err(Fault::at(key.span(), "a key to press, but no finger to press it", "a table [finger]"));
+                return Err(Fault::at(key.span(), "there is a key but no [finger] to press it", "a table [finger]"));
             }
         }
     }
@@ -119,7 +119,7 @@ fn read_bodies(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &mu
     }
     let order = parents_first(&parents).map_err(|in_cycle| {
         let span = tables[in_cycle].hinged_on.as_ref().map_or(0..0, At::span);
-        Fault::at(span, "this chain of hinges leads back to itself", "hinges that end at `ground`")
+        Fault::at(span, "these bodies are hinged on each other in a circle", "hinges that end at `ground`")
     })?;
     let mut place = vec![0; tables.len()];
     for (new, &old) in order.iter().enumerate() {
@@ -137,7 +137,7 @@ fn read_bushings(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &
     for table in tables {
         let Some(stiffness) = &table.bushing_n_per_m else {
             if let Some(damping) = &table.bushing_n_s_per_m {
-                let message = "this key does not stand alone";
+                let message = "this key needs another one";
                 return Err(Fault::at(damping.span(), message, "`bushing_N_per_m` beside it"));
             }
             continue;
@@ -180,9 +180,9 @@ fn read_dwell(
         (Some(ratio), Some(_)) => {
             Err(Fault::at(ratio.span(), "there is no dry friction that could grow", "a friction greater than 0"))
         }
-        (Some(one), None) => Err(Fault::at(one.span(), "this key does not stand alone", "`dwell_s` beside it")),
+        (Some(one), None) => Err(Fault::at(one.span(), "this key needs another one", "`dwell_s` beside it")),
         (None, Some(one)) => {
-            Err(Fault::at(one.span(), "this key does not stand alone", "`static_friction_ratio` beside it"))
+            Err(Fault::at(one.span(), "this key needs another one", "`static_friction_ratio` beside it"))
         }
     }
 }
@@ -222,8 +222,8 @@ fn read_body(table: &At<BodyToml>, name: &str, parent: Option<usize>, reader: &m
     if inertia_kg_m2 < point_mass * (1.0 - PARALLEL_AXIS_TOLERANCE) {
         return Err(Fault::at(
             table.inertia_kg_m2.value_span(),
-            "impossible: less than the mass gathered in one point at the centre of mass would have",
-            format!("at least mass times distance squared, {point_mass:.3e} kg m2"),
+            "less than that of a point mass at the centre of mass, which is impossible",
+            format!("at least mass times squared distance, {point_mass:.3e} kg m2"),
         ));
     }
     let friction_torque_n_m = reader.scalar_or_zero(table.friction_torque_n_m.as_ref(), Limits::up_to(1e6, "N m"))?;

@@ -18,11 +18,11 @@ pub struct FileError {
     /// Dotted path of the key, tables of a list by their name where they have one: `body.jack.mass_g`. Empty when the
     /// fault belongs to no key.
     pub key: String,
-    /// What is wrong, in a few words.
+    /// The fault, in a few words.
     pub message: String,
-    /// What stands in the file; empty when nothing does.
+    /// Text found in the file; empty if there is none.
     pub found: String,
-    /// What should stand there; empty when `message` says all there is to say.
+    /// Expected text; empty if `message` is complete.
     pub expected: String,
     /// Bytes of `text` to underline.
     pub span: Range<usize>,
@@ -49,11 +49,11 @@ impl std::fmt::Display for FileError {
 pub struct Fault {
     /// Bytes of the text.
     pub span: Range<usize>,
-    /// What is wrong.
+    /// The fault.
     pub message: String,
-    /// What stands there; `None` takes the text under the span.
+    /// Text found; `None` takes the text under the span.
     pub found: Option<String>,
-    /// What should stand there.
+    /// Expected text.
     pub expected: String,
     /// Name of the key that is absent from the table at `span`, or that stands in it and should not.
     pub child_key: Option<String>,

@@ -200,7 +200,7 @@ fn law_of(given: &[(&'static LawNumber, LossNum)]) -> Result<usize, Fault> {
     let last = given.iter().max_by_key(|(number, _)| NUMBERS.iter().position(|known| known.key == number.key));
     if let (Some(missing), Some((_, given))) = (possible().find_map(|(_, law)| lacks(law)), last) {
         let expected = format!("`{}` beside it", missing.key);
-        return Err(Fault::at(given.span(), "this key does not stand alone", expected));
+        return Err(Fault::at(given.span(), "this key needs another one", expected));
     }
     let together = |a: &LawNumber, b: &LawNumber| LAWS.iter().any(|law| knows(law, a.key) && knows(law, b.key));
     for (k, (second, span)) in given.iter().enumerate() {

@@ -32,7 +32,7 @@ const BUILTIN: [(&str, &str); 5] = [
 pub struct InstrumentFile {
     /// The instrument, checked.
     pub instrument: Instrument,
-    /// What the file says it is; empty when it says nothing.
+    /// Description from the file; may be empty.
     pub description: String,
     /// Every number's source.
     pub provenance: Provenance,

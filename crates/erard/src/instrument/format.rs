@@ -32,7 +32,7 @@ pub(crate) struct InstrumentToml {
     pub format: At<String>,
     /// Name shown in summaries, e.g. `Concert grand, C4`.
     pub name: At<String>,
-    /// What instrument this is, for people.
+    /// Description of the instrument, for people.
     pub description: Option<String>,
     /// Gravity, m/s2, pointing down.
     #[serde(rename = "gravity_m_s2")]
@@ -60,7 +60,7 @@ pub(crate) struct InstrumentToml {
     #[serde(default)]
     #[schemars(length(max = MAX_BRIDGE_MODES))]
     pub bridge_mode: Vec<At<BridgeModeToml>>,
-    /// Who is who in the mechanism. A role that is absent is not there.
+    /// Roles of the parts of the mechanism. A role that is absent does not exist.
     pub roles: Option<At<RolesToml>>,
     /// The player's fingertip: needed when `roles` names a key.
     pub finger: Option<At<FingerToml>>,
@@ -174,9 +174,9 @@ pub(crate) struct StringToml {
     pub loss_per_s: Num<NonNegative>,
     /// b3: what they lose the more, the higher they are, s; 0 when absent.
     pub loss_s: Option<Num<NonNegative>>,
-    /// Where the hammer strikes, mm from one end.
+    /// Striking point of the hammer, mm from one end.
     pub strike_mm: Num<Positive>,
-    /// What lies on it to damp it; nothing when absent.
+    /// Damper on the string; none when absent.
     pub damper: Option<At<DamperToml>>,
 }
 
@@ -281,14 +281,14 @@ pub(crate) struct SegmentToml {
     pub rounding_mm: Option<Num<NonNegative>>,
 }
 
-/// Who is who: names of bodies and zones.
+/// Roles: names of bodies and zones.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Roles")]
 pub(crate) struct RolesToml {
     /// The body that the finger presses.
     pub key: Option<At<String>>,
-    /// Where the finger presses, in the key's own frame, mm.
+    /// Point at which the finger presses, in the key's own frame, mm.
     pub key_front_mm: Option<Num<Pair>>,
     /// Whether the key is a sharp; a keyboard says it of each of its keys. For drawings only.
     #[serde(default)]
@@ -351,7 +351,7 @@ pub(crate) struct ScrewToml {
     /// Identifier: lower-case letters, digits and underscores.
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
-    /// What a positive setting does, for people.
+    /// Effect of a positive setting, for people.
     pub label: Option<At<String>>,
     /// The zone of which it moves one side.
     pub zone: Option<At<String>>,
@@ -386,11 +386,11 @@ pub(crate) enum ScrewSide {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Part")]
 pub(crate) struct PartToml {
-    /// What it is, e.g. `hammer head`.
+    /// Name of the part, e.g. `hammer head`.
     pub name: At<String>,
     /// The body that carries it, or `ground`.
     pub body: At<String>,
-    /// What it is made of.
+    /// Material of the part.
     pub material: Material,
     /// Closed polygon in that body's own frame (the world's for the ground), mm; three corners or more.
     #[schemars(length(min = 3, max = MAX_CORNERS))]
@@ -398,7 +398,7 @@ pub(crate) struct PartToml {
     /// Whether its corners are rounded off into a smooth curve; no when absent.
     #[serde(default)]
     pub smooth: bool,
-    /// Where the outline comes from: a name in `[sources]`.
+    /// Source of the outline: a name in `[sources]`.
     pub source: Option<At<String>>,
     /// How sure it is.
     pub certainty: Option<Certainty>,

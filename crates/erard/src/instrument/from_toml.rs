@@ -26,7 +26,7 @@ const DATE: &str = "$__toml_private_datetime";
 pub struct TomlError {
     /// In the words of the parser or of `serde`.
     pub message: String,
-    /// Where, in bytes of the text.
+    /// Place, in bytes of the text.
     pub span: Option<Range<usize>>,
 }
 
@@ -60,7 +60,7 @@ enum Node<'a> {
     Table(&'a DeTable<'a>, Range<usize>),
     /// A key, or another text.
     Text(&'a str),
-    /// Where a value begins or ends.
+    /// Place in the text where a value begins or ends.
     Place(usize),
 }
 

@@ -91,7 +91,7 @@ pub struct Instrument {
     pub strings: Vec<PianoString>,
     /// How the bridge moves under them. None: it stands still.
     pub bridge_modes: Vec<BridgeMode>,
-    /// What the parts of the mechanism are for; what is `None` is not there.
+    /// Roles of the parts of the mechanism; `None` does not exist.
     pub roles: Roles,
     /// The fingertip.
     pub finger: Finger,
@@ -128,7 +128,7 @@ pub struct Body {
     /// of one part, and the hinge represents its bending.
     pub is_bend: bool,
     /// How far its stops let it turn against what it is hinged on, from as drawn, rad counter-clockwise: the lowest and
-    /// the highest. It moves nothing: a run that goes further is not to be trusted ([`crate::trust`]). `None`: not
+    /// the highest. It moves nothing: a run that goes further cannot be trusted ([`crate::trust`]). `None`: not
     /// known.
     pub turn_rad: Option<[f64; 2]>,
 }
@@ -164,9 +164,9 @@ pub struct PianoString {
     pub loss_per_s: f64,
     /// b3, s.
     pub loss_s: f64,
-    /// Where the hammer strikes, m from one end.
+    /// Striking point of the hammer, m from one end.
     pub strike_m: f64,
-    /// What lies on it to damp it; `None`: nothing.
+    /// Damper on the string; `None` without one.
     pub damper: Option<DamperFelt>,
 }
 
@@ -266,8 +266,8 @@ pub struct Felt {
     pub exponent: f64,
     /// How it loses energy.
     pub loss: Loss<f64>,
-    /// Thickness of what is compressed, of both sides together, m. It moves nothing: a run that presses it deeper is
-    /// not to be trusted ([`crate::trust`]). `None`: not known.
+    /// Thickness of what is compressed, of both sides together, m. It moves nothing: a run that presses it deeper
+    /// cannot be trusted ([`crate::trust`]). `None`: not known.
     pub thickness_m: Option<f64>,
 }
 
@@ -297,12 +297,12 @@ impl Felt {
     }
 }
 
-/// Who is who in the mechanism. Indices into [`Instrument::bodies`] and [`Instrument::zones`].
+/// Roles of the parts, as indices into [`Instrument::bodies`] and [`Instrument::zones`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Roles {
     /// The body that the finger presses.
     pub key: Option<usize>,
-    /// Where the finger presses, in the key's frame, m.
+    /// Point at which the finger presses, in the key's frame, m.
     pub key_front_m: Vec2,
     /// Whether the key is a sharp, for drawings only.
     pub is_sharp: bool,
@@ -347,15 +347,15 @@ pub struct Finger {
 pub struct Screw {
     /// Identifier, e.g. `capstan_height`.
     pub name: String,
-    /// What a positive setting does, for people, e.g. `raises the capstan: less lost motion`.
+    /// Effect of a positive setting, for people, e.g. `raises the capstan: less lost motion`.
     pub label: String,
-    /// What it turns.
+    /// What the screw moves.
     pub action: ScrewAction,
     /// How far it is turned from the drawn geometry, in the action's own unit (m, rad or N m).
     pub setting: f64,
 }
 
-/// What a screw moves.
+/// Effect of a screw.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ScrewAction {
     /// Moves one side of a zone by `setting` metres along a unit direction in the frame of that side's body.
@@ -388,11 +388,11 @@ pub enum ScrewAction {
 /// A piece of wood, felt, leather or metal, for drawings only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// What it is, e.g. `hammer head`.
+    /// Name of the part, e.g. `hammer head`.
     pub name: String,
     /// The body that carries it; `None` is the ground.
     pub body: Option<usize>,
-    /// What it is made of (decides its colour).
+    /// Material of the part, which gives its colour.
     pub material: Material,
     /// Closed polygon in the body's frame, m.
     pub outline_m: Vec<Vec2>,

@@ -9,7 +9,7 @@ use super::{Instrument, InstrumentFile};
 pub struct OutlivedNote {
     /// The number as it is.
     pub number: CitedNumber,
-    /// What it is in the built-in instrument.
+    /// Value in the built-in instrument.
     pub was: Vec<f64>,
     /// Name of that instrument, e.g. `concert-grand`.
     pub builtin: &'static str,

@@ -23,13 +23,13 @@ pub enum Certainty {
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Source {
-    /// What it is called.
+    /// Title.
     pub title: String,
-    /// Who wrote it.
+    /// Author.
     pub author: Option<String>,
     /// When, e.g. `2001` or `November 2001`.
     pub date: Option<String>,
-    /// Where it can be found.
+    /// Address.
     pub url: Option<String>,
     /// How it was used, or a caution.
     pub note: Option<String>,
@@ -53,7 +53,7 @@ pub struct Citation {
     pub certainty: Certainty,
     /// How far it may be off, if that is known.
     pub spread: Option<Spread>,
-    /// What it is off together with: numbers with the same name here share one deviation.
+    /// Name of a shared deviation: numbers with the same name here deviate together.
     pub together: Option<String>,
     /// Derivation or caution.
     pub note: Option<String>,

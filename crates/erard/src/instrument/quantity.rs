@@ -50,7 +50,7 @@ impl<T: JsonSchema> JsonSchema for At<T> {
     }
 }
 
-/// What can be bare or cited: a number of some range, or a pair of them.
+/// Values that can be bare or cited: a number of some range, or a pair of numbers.
 pub trait Kind: for<'de> Deserialize<'de> + JsonSchema + Clone + fmt::Debug {
     /// What an error says should stand there.
     const EXPECTED: &'static str;
@@ -156,7 +156,7 @@ impl JsonSchema for Pair {
 pub struct Cited<T> {
     /// The number, in the unit that ends the key's name.
     pub value: At<T>,
-    /// Where it comes from: a name in `[sources]`.
+    /// Source: a name in `[sources]`.
     pub source: At<String>,
     /// How sure it is.
     pub certainty: Certainty,
@@ -194,7 +194,7 @@ impl<T> At<Quantity<T>> {
         }
     }
 
-    /// Where the number itself stands, without its citation.
+    /// Place of the number itself, without its citation.
     pub fn value_span(&self) -> Range<usize> {
         match &**self {
             Quantity::Bare(_) => self.span(),

@@ -107,7 +107,7 @@ impl<'a> Reader<'a> {
                     (Some(_), Some(factor)) => {
                         return Err(Fault::at(
                             factor.span(),
-                            "a number has `spread` or `spread_factor`, not both",
+                            "found both `spread` and `spread_factor`",
                             "one of the two",
                         ));
                     }
@@ -125,11 +125,7 @@ impl<'a> Reader<'a> {
                 };
                 if let Some(together) = cited.together.as_ref().filter(|_| spread.is_none()) {
                     let expected = "`spread` or `spread_factor` beside it";
-                    return Err(Fault::at(
-                        together.span(),
-                        "`together` says with what a number is off, but not how far",
-                        expected,
-                    ));
+                    return Err(Fault::at(together.span(), "`together` needs a spread", expected));
                 }
                 let citation = self.citation(&cited.source, cited.certainty, spread, cited.note.as_deref())?;
                 Some(Citation { together: cited.together.as_ref().map(|name| name.to_string()), ..citation })

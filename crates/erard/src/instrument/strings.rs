@@ -27,7 +27,7 @@ pub(super) fn read_strings(
         let zone = instrument.roles.string.map(|zone| &instrument.zones[zone]);
         let Some(zone) = zone else {
             let expected = "`string` in [roles], the zone between hammer and string";
-            return Err(Fault::at(table.span(), "a string that nothing strikes", expected));
+            return Err(Fault::at(table.span(), "no zone strikes this string", expected));
         };
         check_zone(zone, table.span())?;
         if let Some(name) = instrument.zones.iter().map(|zone| &zone.name).find(|name| *name == "bridge") {
@@ -98,7 +98,7 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
     let cents = reader.scalar_or_zero(table.detuned_cents.as_ref(), Limits::symmetric(OCTAVE_CENTS, "cents"))?;
     if base_n.is_nan() || base_n < 1.0 {
         let expected = "a longer, thinner or higher string: a tension of at least 1 N";
-        return Err(Fault::at(span, "this string would be held by its stiffness alone", expected)
+        return Err(Fault::at(span, "the tension of this string is below 1 N", expected)
             .found(format!("a tension of {base_n:.3} N")));
     }
     // Frequencies go with the root of the tension; what bending adds to the first partial is the same in cents to a
@@ -178,11 +178,11 @@ pub(super) fn read_bridge(
 /// Refuses a felt that cannot press on a compliant external subsystem.
 fn check_zone(zone: &Zone, span: Range<usize>) -> Result<(), Fault> {
     if matches!(zone.felt.loss, moreau::Loss::SetValued(_)) {
-        let message = format!("the felt of `{}` has a set-valued loss, which no string can yield to", zone.name);
+        let message = format!("the felt of `{}` has a set-valued loss, which modal strings do not support", zone.name);
         return Err(Fault::at(span, message, "`dry_slip` beside its `dry_loss`, or another loss"));
     }
     if zone.curve_body.is_some() {
-        let message = format!("the string of `{}` is carried by a body", zone.name);
+        let message = format!("the string of `{}` belongs to a body", zone.name);
         return Err(Fault::at(span, message, "a zone whose side B is on the ground"));
     }
     Ok(())

@@ -24,11 +24,11 @@ pub(crate) struct KeyboardToml {
     pub format: At<String>,
     /// Name shown in summaries, e.g. `Concert grand`.
     pub name: At<String>,
-    /// What keyboard this is, for people.
+    /// Description of the keyboard, for people.
     pub description: Option<String>,
     /// The instrument of one of its keys: a built-in one, or a file beside this one.
     pub instrument: At<String>,
-    /// Which key that is: there every added mass and shift is 0 and every factor 1.
+    /// Key number of the base instrument: there every added mass and shift is 0 and every factor 1.
     pub instrument_key: At<i64>,
     /// The sources that points cite, by name.
     #[serde(default)]
@@ -52,11 +52,11 @@ pub(crate) struct KeyboardToml {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "AddedMass")]
 pub(crate) struct AddedMassToml {
-    /// What it is, for people: `hammer head`.
+    /// Name of the grading, for people: `hammer head`.
     pub name: At<String>,
     /// The body.
     pub body: At<String>,
-    /// Where, in the body's own frame, mm.
+    /// Position of the added mass, in the body's own frame, mm.
     pub at_mm: Num<Pair>,
     /// How much over the keyboard, g.
     pub mass_g: At<Vec<PointToml<Real>>>,
@@ -67,7 +67,7 @@ pub(crate) struct AddedMassToml {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Factor")]
 pub(crate) struct FactorToml {
-    /// What is graded, for people: `stiffness of the string's felt`.
+    /// Name of the graded quantity, for people: `stiffness of the string's felt`.
     pub name: At<String>,
     /// The numbers, each by its dotted path in the instrument file: `zone.string.felt.stiffness_N_per_m_r`.
     pub numbers: Vec<At<String>>,
@@ -80,7 +80,7 @@ pub(crate) struct FactorToml {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Shift")]
 pub(crate) struct ShiftToml {
-    /// What is graded, for people: `height of the string`.
+    /// Name of the graded quantity, for people: `height of the string`.
     pub name: At<String>,
     /// The points, each by its dotted path in the instrument file: `zone.string.line.point_mm`.
     pub points: Vec<At<String>>,
@@ -99,7 +99,7 @@ pub(crate) struct PointToml<T> {
     pub key: At<i64>,
     /// The quantity there.
     pub value: At<T>,
-    /// Where it comes from: a name in `[sources]`.
+    /// Source: a name in `[sources]`.
     pub source: Option<At<String>>,
     /// How sure it is; needed where a source is named.
     pub certainty: Option<Certainty>,
@@ -112,7 +112,7 @@ pub(crate) struct PointToml<T> {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Absent")]
 pub(crate) struct AbsentToml {
-    /// What it is, for people: `third string`.
+    /// Name, for people: `third string`.
     pub name: At<String>,
     /// The tables, each by its list and name in the instrument file: `string.right`; one within it:
     /// `string.right.damper`.

@@ -23,9 +23,9 @@ pub(super) const MASS_KEYS: [&str; 3] = ["mass_g", "inertia_kg_m2", "center_of_m
 /// A quantity that differs from key to key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grading {
-    /// What it is, for people.
+    /// Name, for people.
     pub name: String,
-    /// What it changes.
+    /// The graded numbers.
     pub graded: Graded,
     /// By how much over the keyboard.
     pub curve: GradingCurve,
@@ -34,7 +34,7 @@ pub struct Grading {
 /// Tables of the instrument that some keys do not have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Absence {
-    /// What it is, for people.
+    /// Name, for people.
     pub name: String,
     /// Each by its list and name in the instrument file, as in `string.right`, and its own name where it stands in
     /// another, as in `string.right.damper`.
@@ -43,7 +43,7 @@ pub struct Absence {
     pub keys: [usize; 2],
 }
 
-/// What a grading changes.
+/// The numbers that a grading changes.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Graded {
     /// A point mass, g, is added to a body.

@@ -9,7 +9,7 @@ pub struct GradingPoint {
     pub key: usize,
     /// The quantity there, in the unit that the curve's name in the file ends with.
     pub value: f64,
-    /// Where it comes from; `None` for a bare number.
+    /// Source of the number; `None` for a bare one.
     pub citation: Option<Citation>,
 }
 

@@ -27,7 +27,7 @@ const SETTLING_S: f64 = 0.1;
 pub struct KeysError {
     /// The key, from 1.
     pub key: usize,
-    /// What is wrong with it.
+    /// The fault.
     #[source]
     pub error: ActionError,
 }

@@ -29,13 +29,13 @@ pub const KEYS: usize = 88;
 pub struct Keyboard {
     /// Name shown in summaries, e.g. `Concert grand`.
     pub name: String,
-    /// What the file says it is; empty when it says nothing.
+    /// Description from the file; may be empty.
     pub description: String,
-    /// Which key the base instrument belongs to, 1 to 88.
+    /// Key number of the base instrument, 1 to 88.
     pub base_key: usize,
-    /// What differs from key to key.
+    /// Differences from key to key.
     pub gradings: Vec<Grading>,
-    /// What some keys do not have.
+    /// Parts that some keys lack.
     pub absences: Vec<Absence>,
     /// The sources that the gradings cite, by name.
     pub sources: BTreeMap<String, Source>,
@@ -57,7 +57,7 @@ impl Keyboard {
         &self.base_text
     }
 
-    /// The same keyboard around another base instrument, whose file must have the numbers that are graded.
+    /// This keyboard with another base instrument, whose file must have the graded numbers.
     ///
     /// # Errors
     /// What is wrong with the text, or with its first or last key.

@@ -19,7 +19,7 @@ use crate::strings::Strings;
 pub enum ActionError {
     /// The step is out of range.
     #[error(
-        "the step is {found} s; expected a number from {:e} to {:e} s",
+        "the step is {found} s; expected {:e} to {:e} s",
         crate::mechanism::SMALLEST_STEP_S,
         crate::mechanism::LARGEST_STEP_S
     )]
@@ -30,7 +30,7 @@ pub enum ActionError {
     /// Not assembled.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// It does not come to rest.
+    /// The mechanism does not come to rest.
     #[error(transparent)]
     Equilibrium(#[from] EquilibriumError),
 }
@@ -144,7 +144,8 @@ impl Action {
         Action::asking(instrument, settings, &mut |_| true)
     }
 
-    /// The same; `progress` is asked now and then while the rest is sought, and ends the search by returning false.
+    /// [`Action::new`] with a `progress` that is called now and then during the search for the rest, and ends it by
+    /// returning false.
     ///
     /// # Errors
     /// See [`ActionError`]; [`EquilibriumError::Interrupted`].
@@ -209,7 +210,7 @@ impl Action {
         Reading::of(self.mechanism.step(&input), &self.rest)
     }
 
-    /// What there is to be read now: after a step, the same as it returned.
+    /// Returns the present reading: after a step, the one that the step returned.
     #[inline]
     pub fn reading(&self) -> Reading {
         Reading::of(self.output(), &self.rest)
@@ -390,7 +391,7 @@ impl Action {
         self.mechanism.point(body, point)
     }
 
-    /// Where travels are measured from.
+    /// Pose from which travels are measured.
     pub fn rest(&self) -> Rest {
         self.rest
     }

@@ -27,7 +27,7 @@ pub(crate) const UNSOLVED_STEPS: u32 = 200;
 pub enum EquilibriumError {
     /// The mechanism keeps moving.
     #[error(
-        "{instrument}: the mechanism finds no rest within {LIMIT_S} s: after that time the body `{body}` still turns at {speed:.1e} rad/s. Is a stop missing, or does it hang in unstable balance?"
+        "{instrument}: the mechanism does not come to rest within {LIMIT_S} s: the body `{body}` still turns at {speed:.1e} rad/s. Is a stop missing, or is it in unstable balance?"
     )]
     NoRest {
         /// The instrument's name.
@@ -39,7 +39,7 @@ pub enum EquilibriumError {
     },
     /// The solver finds no solution, step after step.
     #[error(
-        "{instrument}: the mechanism finds no rest: {UNSOLVED_STEPS} steps in a row, until {time_s:.3} s, reached the solver's iteration limit. A stiffness, mass or length must be far off"
+        "{instrument}: the mechanism does not come to rest: {UNSOLVED_STEPS} steps in a row, until {time_s:.3} s, reached the solver's iteration limit. Look for a stiffness, mass or length that is far off"
     )]
     Unsolved {
         /// The instrument's name.
@@ -49,7 +49,7 @@ pub enum EquilibriumError {
     },
     /// A number overflowed.
     #[error(
-        "the mechanism flies apart while it settles (a number became infinite): a stiffness, mass or length must be far off"
+        "the mechanism flies apart while it settles (a number became infinite). Look for a stiffness, mass or length that is far off"
     )]
     NonFinite,
     /// Not assembled.

@@ -17,7 +17,7 @@ pub struct Hand {
     pub stiffness_n_per_m: f64,
     /// Damping of the muscle toward the stroke's velocity, N s/m. Only where the stroke is a motion. An estimate.
     pub damping_n_s_per_m: f64,
-    /// Where the fingertip is at first, m below the key front's rest; negative in the air.
+    /// Initial position of the fingertip, m below the key front's rest; negative in the air.
     pub start_m: f64,
     /// How fast it is then, m/s, down positive.
     pub start_m_per_s: f64,
@@ -51,7 +51,7 @@ impl Hand {
         }))
     }
 
-    /// What is wrong with its numbers, if anything: the number, what was found and what is expected.
+    /// Checks the numbers; the error names the number, what was found and what is expected.
     ///
     /// # Errors
     /// The first number that is not sound.
@@ -106,7 +106,7 @@ pub struct HandInput {
     pub stiffness_n_per_m: f64,
     /// Damping of the muscle toward `velocity_m_per_s`, N s/m.
     pub damping_n_s_per_m: f64,
-    /// Where muscle holds the hand, m.
+    /// Position at which the muscle holds the hand, m.
     pub position_m: f64,
     /// The velocity that goes with it, m/s.
     pub velocity_m_per_s: f64,

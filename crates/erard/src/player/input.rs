@@ -14,15 +14,15 @@ pub enum Input {
     Free,
     /// A force on the key front.
     Force(f64),
-    /// Where the driver's end of a soft fingertip is. The fingertip's spring and damper (the instrument's `[finger]`)
-    /// only push.
+    /// Position of the driver's end of a soft fingertip. The fingertip's spring and damper (the instrument's
+    /// `[finger]`) only push.
     Motion {
         /// m.
         position_m: f64,
         /// m/s.
         velocity_m_per_s: f64,
     },
-    /// Where the key front itself is, imposed.
+    /// Position of the key front itself, imposed.
     Rigid {
         /// m.
         position_m: f64,
@@ -44,7 +44,7 @@ impl Input {
     }
 }
 
-/// What drives the key over time: s from the stroke's start to the input then.
+/// The input of the key as a function of time, s from the stroke's start.
 pub type Drive<'a> = dyn Fn(f64) -> Input + 'a;
 
 /// The inputs of a force over time, s to N.

@@ -5,7 +5,7 @@ use super::losses::LossRecorder;
 use super::reactions::ReactionRecorder;
 use crate::mechanism::Mechanism;
 
-/// What looks on; nothing, unless asked for.
+/// Observers of the forces and losses inside; none by default.
 #[derive(Debug, Default)]
 pub struct Inside {
     /// Pins and accelerations.

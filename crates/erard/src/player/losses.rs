@@ -9,7 +9,7 @@ use crate::mechanism::Mechanism;
 use crate::strings::{StringLosses, Strings};
 use moreau::LossIn;
 
-/// What one pin has lost, J.
+/// Losses of one pin so far, J.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PinLoss {
     /// By dry friction.
@@ -18,7 +18,7 @@ pub struct PinLoss {
     pub viscous_j: f64,
 }
 
-/// What one contact has lost, J.
+/// Losses of one contact so far, J.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ContactLoss {
     /// In the felt.
@@ -27,7 +27,7 @@ pub struct ContactLoss {
     pub sliding_j: f64,
 }
 
-/// What a pin, a contact or the strings have lost, with its name.
+/// Losses of a pin, a contact or the strings, with its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loss {
     /// The body of a pin, or the zone; of what yields `strings`, `bridge` or `rocking`.
@@ -36,16 +36,16 @@ pub struct Loss {
     pub kind: &'static str,
     /// For people.
     pub label: String,
-    /// Of a pin: by dry friction; of a contact: by sliding, J.
+    /// Pins: dry friction. Contacts: sliding friction. J.
     pub dry_j: f64,
-    /// Of a pin: by viscous friction; of a contact: in the felt; of strings, bridge and rocked felts: all, J.
+    /// Pins: viscous friction. Contacts: felt. Strings, bridge and rocked felts: all losses. J.
     pub viscous_or_felt_j: f64,
     /// Its place among the instrument's pins and contacts.
     pub place: usize,
 }
 
 impl Loss {
-    /// Both, J.
+    /// Sum of both, J.
     #[must_use]
     pub fn all_j(&self) -> f64 {
         self.dry_j + self.viscous_or_felt_j
@@ -104,26 +104,26 @@ impl Losses {
         });
     }
 
-    /// What each body's pin has lost so far.
+    /// Losses of each body's pin so far.
     #[must_use]
     pub fn pins(&self) -> &[PinLoss] {
         &self.pins
     }
 
-    /// What each contact has lost so far.
+    /// Losses of each contact so far.
     #[must_use]
     pub fn contacts(&self) -> &[ContactLoss] {
         &self.contacts
     }
 
-    /// What modal strings have lost so far: in themselves, in a bridge that moves, and where a damper's felt is rocked;
-    /// zero where they are rigid.
+    /// Losses of modal strings so far: in the strings, in a moving bridge, and in rocked damper felts; zero with rigid
+    /// strings.
     #[must_use]
     pub fn strings(&self) -> StringLosses {
         self.strings
     }
 
-    /// The same, all together, J.
+    /// Losses of modal strings so far, total, J.
     #[must_use]
     pub fn strings_j(&self) -> f64 {
         self.strings.all_j()
@@ -185,7 +185,7 @@ pub struct LossRecorder {
 const YIELDING: usize = 3;
 
 impl LossRecorder {
-    /// Of an instrument's pins and contacts.
+    /// A recorder for the pins and contacts of an instrument.
     #[must_use]
     pub fn new(instrument: &Instrument) -> Self {
         LossRecorder {
@@ -195,26 +195,26 @@ impl LossRecorder {
         }
     }
 
-    /// What was lost in all; `None` before the run.
+    /// Total losses; `None` before the run.
     #[must_use]
     pub fn losses(&self) -> Option<&Losses> {
         self.losses.as_ref()
     }
 
-    /// What each body's pin had lost at every row, J.
+    /// Losses of each body's pin up to every row, J.
     #[must_use]
     pub fn pin_rows(&self) -> &[Vec<f64>] {
         &self.rows[..self.instrument.bodies.len()]
     }
 
-    /// What each contact had lost at every row, J.
+    /// Losses of each contact up to every row, J.
     #[must_use]
     pub fn contact_rows(&self) -> &[Vec<f64>] {
         let first = self.instrument.bodies.len();
         &self.rows[first..first + self.instrument.zones.len()]
     }
 
-    /// What modal strings had lost at every row, then the bridge, then rocked felts, J.
+    /// Losses up to every row: of modal strings, of the bridge, of rocked felts, J.
     #[must_use]
     pub fn string_rows(&self) -> &[Vec<f64>] {
         &self.rows[self.rows.len() - YIELDING..]

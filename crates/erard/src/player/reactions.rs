@@ -187,7 +187,7 @@ pub struct ReactionRecorder {
 }
 
 impl ReactionRecorder {
-    /// Of an instrument's pins.
+    /// A recorder for the pins of an instrument.
     #[must_use]
     pub fn new(instrument: &Instrument) -> Self {
         let series = |name: &String| PinSeries { name: name.clone(), ..PinSeries::default() };

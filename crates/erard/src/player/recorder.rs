@@ -6,7 +6,7 @@ use crate::instrument::Instrument;
 use crate::mechanism::{Mechanism, Readout, Stepping};
 use crate::strings::{ShapeProbe, Strings};
 
-/// What modal strings do.
+/// Recorded motion of modal strings.
 #[derive(Debug, Clone, Default)]
 pub struct StringSeries {
     /// Displacement under the hammer from a straight line, m, away from it; of several strings their mean. What a
@@ -52,7 +52,7 @@ pub struct ZoneSeries {
     pub contact: Vec<[f32; 4]>,
 }
 
-/// What was written down. Units and signs as in [`crate::run::Run`].
+/// A recorded run. Units and signs as in [`crate::run::Run`].
 #[derive(Debug)]
 pub struct Recorded {
     /// Instants of the rows, s.

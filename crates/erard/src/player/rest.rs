@@ -11,7 +11,7 @@ pub(crate) const RIGID_CORRECTION: f64 = 0.1;
 /// See [`RIGID_CORRECTION`].
 pub(crate) const RIGID_CORRECTION_S: f64 = 50e-6;
 
-/// What travels are measured from, m.
+/// Rest positions from which travels are measured, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rest {
     /// World coordinate of the key front along its drive (down).
@@ -21,7 +21,7 @@ pub struct Rest {
 }
 
 impl Rest {
-    /// Where a mechanism is now.
+    /// The present positions of a mechanism.
     pub fn of(instrument: &Instrument, m: &(impl Observation + ?Sized)) -> Self {
         let head_m = instrument.roles.hammer.map_or(0.0, |h| m.point(Some(h), instrument.roles.hammer_head_m)[1]);
         Rest { site_m: m.site_position(), head_m }

@@ -17,7 +17,7 @@ use crate::identity::{BODIES, Identity};
 use crate::mechanism::{Saved, Surfaces, TellNumbers};
 use crate::saved::{Lists, Unreadable, VERSION, Writer};
 
-/// What the bytes of a state begin with.
+/// First bytes of a saved state.
 pub const MARK: [u8; 8] = *b"erardsav";
 
 /// What the names of the strings' lists begin with.
@@ -47,8 +47,8 @@ pub struct MechanismState {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SnapshotError {
-    /// Of another instrument.
-    #[error("the snapshot was taken of another instrument")]
+    /// The state belongs to another instrument.
+    #[error("the snapshot belongs to another instrument")]
     Instrument,
     /// A number is not finite.
     #[error("a number of the snapshot is not finite")]

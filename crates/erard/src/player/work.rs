@@ -15,7 +15,7 @@ pub struct Work {
     pub solver_iterations: u64,
     /// Every how many steps of the settings a row was recorded.
     pub record_every: u64,
-    /// What the control of the error did, where there was one.
+    /// Work of the step control; `None` with fixed steps.
     pub control: Option<ControlWork>,
 }
 

@@ -1,8 +1,8 @@
-//! Butterworth's low-pass, run forth and back so that nothing is delayed.
+//! Butterworth's low-pass, run forward and backward so that nothing is delayed.
 //!
 //! The analogue filter through the bilinear transform with its cutoff prewarped, as second-order sections (and one of
-//! first order where the order is odd). Forth and back the phase cancels and the gain is squared: one half (-6 dB) at
-//! the cutoff, for every order.
+//! first order where the order is odd). Forward and backward the phase cancels and the gain is squared: one half (-6
+//! dB) at the cutoff, for every order.
 
 use std::f64::consts::PI;
 
@@ -55,8 +55,8 @@ impl Butterworth {
         Some(Butterworth { cutoff_hz, rate_hz, sections })
     }
 
-    /// The series forth and back. At its ends it is continued by its own reflection in the end point, and begins as if
-    /// it had always been so.
+    /// The series forward and backward. At its ends it is continued by its own reflection in the end point, and begins
+    /// as if it had always been so.
     pub fn forth_and_back(&self, x: &[f64]) -> Vec<f64> {
         let Some(last) = x.len().checked_sub(1).filter(|last| *last > 0) else { return x.to_vec() };
         let beyond = ((PERIODS_BEYOND_THE_ENDS * self.rate_hz / self.cutoff_hz).ceil() as usize).min(last);

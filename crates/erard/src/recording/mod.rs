@@ -1,9 +1,9 @@
 //! A prepared recording: its zero, its sign, its clock and its noise.
 //!
 //! What a sensor delivers is seldom what a model can be driven by. [`prepare`] takes the zero from the rest before the
-//! touch, turns signs, moves one channel's clock against the other's, and filters noise by Butterworth's low-pass forth
-//! and back; a derivative is that of the filtered series. It reports all that it has done, and what it has noticed and
-//! not done.
+//! touch, turns signs, moves one channel's clock against the other's, and filters noise by Butterworth's low-pass
+//! forward and backward; a derivative is that of the filtered series. It reports all that it has done, and what it has
+//! noticed and not done.
 
 mod butterworth;
 mod noise;
@@ -19,7 +19,7 @@ use crate::stroke::{
 };
 use thiserror::Error;
 
-/// What is done to a recording.
+/// How a recording is prepared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Preparation {
     /// Take the mean of the rest before the touch from every channel that has one.
@@ -34,10 +34,10 @@ pub struct Preparation {
     pub order: usize,
 }
 
-/// Where the low-pass begins.
+/// Cutoff of the low-pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LowPass {
-    /// Where a channel's own noise begins; a channel without noise passes as it is.
+    /// The frequency at which a channel's own noise begins; a channel without noise passes unchanged.
     Own,
     /// Nothing is filtered.
     Off,
@@ -62,10 +62,10 @@ impl Preparation {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum PrepareError {
     /// The order of the filter.
-    #[error("a low-pass of order {0}; expected a number from 1 to 10")]
+    #[error("the order of the low-pass is {0}; expected 1 to 10")]
     Order(usize),
     /// The cutoff.
-    #[error("a low-pass at {cutoff_hz} Hz; the {} has {rate_hz:.0} samples per second, and half of that is the limit", .role.name())]
+    #[error("low-pass at {cutoff_hz} Hz: the {} has {rate_hz:.0} samples per second; expected less than half of that", .role.name())]
     Cutoff {
         /// Which channel.
         role: Role,
@@ -75,7 +75,7 @@ pub enum PrepareError {
         rate_hz: f64,
     },
     /// Sampled so unevenly that an even series of the same fineness would be too long.
-    #[error("the {} is sampled too unevenly to be filtered", .0.name())]
+    #[error("the {} is sampled too unevenly for a low-pass; expected even sampling, or no low-pass", .0.name())]
     Uneven(Role),
     /// A channel cannot be interpolated.
     #[error(transparent)]
@@ -85,9 +85,9 @@ pub enum PrepareError {
 /// A prepared recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prepared {
-    /// What can drive a key, and be compared.
+    /// The prepared series.
     pub series: Series,
-    /// What was done and noticed.
+    /// Report of the changes and remarks.
     pub report: Report,
 }
 

@@ -4,7 +4,7 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{LN_2, TAU};
 
-/// Where the noise was read.
+/// Where the noise was estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Whence {
     /// The rest before the touch.
@@ -18,7 +18,7 @@ pub enum Whence {
 pub struct Noise {
     /// Standard deviation, in the channel's unit.
     pub rms: f64,
-    /// Where it was read.
+    /// Where the noise was estimated.
     pub whence: Whence,
     /// Standard deviation of `rms` over `rms`, as its estimate scatters.
     pub uncertainty: f64,

@@ -22,19 +22,19 @@ pub struct Zero {
     pub samples: usize,
 }
 
-/// A low-pass that was applied forth and back.
+/// A low-pass that was applied forward and backward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Filtered {
-    /// Of one pass.
+    /// Order of the filter in one pass.
     pub order: usize,
-    /// Where an amplitude is halved, Hz.
+    /// Frequency at which an amplitude is halved, Hz.
     pub cutoff_hz: f64,
 }
 
 /// One channel. SI units: N, m or m/s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelReport {
-    /// What it measures.
+    /// Quantity of the channel.
     pub role: Role,
     /// Lowest and highest value, zero and sign applied, before the low-pass.
     pub range: (f64, f64),
@@ -42,7 +42,7 @@ pub struct ChannelReport {
     pub rate_hz: f64,
     /// Whether it is sampled evenly.
     pub is_even: bool,
-    /// What is missing.
+    /// Missing samples.
     pub gaps: Gaps,
     /// Its zero, where one was found and taken.
     pub zero: Option<Zero>,
@@ -56,9 +56,9 @@ pub struct ChannelReport {
     pub band_hz: Option<f64>,
     /// The low-pass.
     pub low_pass: Option<Filtered>,
-    /// It goes the other way than a key can: its sign should probably be turned.
+    /// Whether the channel moves opposite to a key, so that its sign is probably reversed.
     pub looks_inverted: bool,
-    /// It begins so far from zero, and no zero was taken, N or m.
+    /// First value, N or m, if it is far from zero and no zero was subtracted.
     pub begins_at: Option<f64>,
     first: f64,
 }
@@ -108,7 +108,7 @@ impl ChannelReport {
         }
     }
 
-    /// What was done and found, one fact a line.
+    /// Changes and remarks, one to a line.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if self.gaps.rows > 0 {
@@ -123,11 +123,11 @@ impl ChannelReport {
             lines.push("its sign is turned".into());
         }
         if self.late_s != 0.0 {
-            lines.push(format!("moved by {:.3} ms: it was written down so much later", -self.late_s * 1e3));
+            lines.push(format!("delay: {:.3} ms removed", -self.late_s * 1e3));
         }
         if let Some(zero) = self.zero {
             lines.push(format!(
-                "zero: {} taken away, the mean of {} samples of rest until {:.4} s",
+                "zero: {} subtracted, the mean of {} samples of rest until {:.4} s",
                 self.shown(zero.offset),
                 zero.samples,
                 zero.until_s
@@ -140,31 +140,31 @@ impl ChannelReport {
             };
             let tells = match self.band_hz {
                 Some(band) if band <= 0.0 => "it tells of nothing else".to_owned(),
-                Some(band) => format!("it tells of more than that up to {band:.0} Hz"),
+                Some(band) => format!("signal above noise up to {band:.0} Hz"),
                 None => "up to where is not known".to_owned(),
             };
             lines.push(format!("noise: {} rms {whence}; {tells}", self.shown(noise.rms)));
         }
         if let Some(filter) = self.low_pass {
             lines.push(format!(
-                "low-pass: Butterworth's, order {}, forth and back, {:.0} Hz (an amplitude is halved there)",
+                "low-pass: Butterworth, order {}, forward and backward, {:.0} Hz (amplitude halved there)",
                 filter.order, filter.cutoff_hz
             ));
         }
         lines
     }
 
-    /// What should be looked at, of a series that drives.
+    /// Warnings for a series that drives a key.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.misread();
         if self.noise.is_some() && self.low_pass.is_none() && self.role == Role::Position {
-            let what = "noise is not filtered: a model that is driven by it turns it into force";
+            let what = "noise is not filtered: as a drive it becomes force";
             warnings.push(format!("the {}'s {what}", self.role.name()));
         }
         warnings
     }
 
-    /// What should be looked at, whatever the series is used for: its sign and its zero.
+    /// Warnings for any use of the series: its sign and its zero.
     pub fn misread(&self) -> Vec<String> {
         let name = self.role.name();
         let mut warnings = Vec::new();
@@ -184,21 +184,21 @@ impl ChannelReport {
 }
 
 impl Report {
-    /// Of a role.
+    /// Report of the channel of a role.
     pub fn channel(&self, role: Role) -> Option<&ChannelReport> {
         self.channels.iter().find(|channel| channel.role == role)
     }
 
-    /// What was done and what was noticed, a line each, with the channel's name before it.
+    /// Changes and remarks, a line each, with the name of the channel in front.
     pub fn told(&self) -> Vec<String> {
         let done = self.channels.iter().flat_map(|channel| {
             let name = channel.role.name();
             channel.lines().into_iter().map(move |line| format!("{name}: {line}"))
         });
-        done.chain(self.warnings().into_iter().map(|warning| format!("look: {warning}"))).collect()
+        done.chain(self.warnings().into_iter().map(|warning| format!("warning: {warning}"))).collect()
     }
 
-    /// What should be looked at, all channels.
+    /// Warnings of all channels.
     pub fn warnings(&self) -> Vec<String> {
         self.channels.iter().flat_map(ChannelReport::warnings).collect()
     }

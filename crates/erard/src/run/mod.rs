@@ -55,7 +55,7 @@ pub struct Run {
     pub work: Work,
     /// How far the bodies turned, and how deep the felts were pressed.
     pub extremes: Extremes,
-    /// Why the run is not to be trusted; empty if nothing speaks against it.
+    /// Why the run cannot be trusted; empty if nothing speaks against it.
     pub warnings: Vec<Warning>,
 }
 

@@ -76,7 +76,7 @@ pub enum SimulationError {
     },
     /// More rows than can be held.
     #[error(
-        "a row every {every} steps makes {found} rows; expected a number of steps from {least}, for at most {MOST_ROWS_ASKED} rows"
+        "a row every {every} steps makes {found} rows; expected a row every {least} steps or more, for at most {MOST_ROWS_ASKED} rows"
     )]
     Rows {
         /// Steps from row to row.
@@ -94,26 +94,26 @@ pub enum SimulationError {
     },
     /// A number overflowed.
     #[error(
-        "at {time_s:.6} s a number became infinite; a smaller step may help, but a stiffness, mass or drive must be far off"
+        "at {time_s:.6} s a number became infinite. Look for a stiffness, mass or drive that is far off, or try a smaller step"
     )]
     NonFinite {
         /// s.
         time_s: f64,
     },
     /// The instrument has no key to drive.
-    #[error("the instrument names no key (`roles.key`), so that nothing can be driven")]
+    #[error("the instrument has no `roles.key`; expected the body to press")]
     NoKey,
     /// A hand that cannot press so.
     #[error(transparent)]
     Hand(#[from] HandError),
     /// Strings need fixed steps.
     #[error(
-        "strings that yield take steps of one length; expected no tolerance, or a rigid string (`rigid_string = true` in [roles])"
+        "adaptive stepping is not supported with modal strings: remove the tolerance, or set `rigid_string = true` in [roles]"
     )]
     StringsControlled,
     /// There is nothing that a pedal could lift.
     #[error(
-        "the instrument has no rail for a pedal to lift (`roles.pedal`), or its strings are rigid (`concert-grand-strings` has both)"
+        "a pedal needs a damper rail (`roles.pedal`) and modal strings; the instrument lacks one of them. `concert-grand-strings` has both"
     )]
     NoPedal,
     /// No rest to start from.

@@ -75,7 +75,7 @@ pub(crate) fn yielding_zones(instrument: &Instrument) -> Vec<(usize, f64)> {
     [(string, EXCURSION_M)].into_iter().chain(dampers).chain(pedal).collect()
 }
 
-/// What the strings of a note have lost, J. Their sum is what the ledger books as the surfaces' loss.
+/// Losses of the strings of a note, J. Their sum is the surfaces' loss of the ledger.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StringLosses {
     /// By the strings' own damping.
@@ -124,7 +124,7 @@ impl Instrument {
         if self.has_yielding_strings() { SOUNDING_STEP_S } else { STEP_S }
     }
 
-    /// The same with a string that stands still.
+    /// The same instrument with a rigid string.
     #[must_use]
     pub fn with_rigid_string(&self) -> Self {
         let mut other = self.clone();

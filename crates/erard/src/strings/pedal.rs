@@ -59,13 +59,13 @@ pub struct Pedal {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PedalError {
     /// Not a lift.
-    #[error("`{found}` is no lift of the pedal's rail; expected millimetres from 0 to {}, as in 7mm, or instants with lifts, as in 0s=0mm,0.5s=7mm", 1e3 * PEDAL_MOST_M)]
+    #[error("pedal `{found}`: expected a lift from 0 to {} mm, e.g. 7mm, or instants with lifts, e.g. 0s=0mm,0.5s=7mm", 1e3 * PEDAL_MOST_M)]
     Lift {
         /// What was found.
         found: String,
     },
     /// Instants in no order.
-    #[error("the pedal's instants stand out of order at `{found}`; expected seconds that ascend")]
+    #[error("pedal: the instants are not in order at `{found}`; expected ascending seconds")]
     Order {
         /// What was found.
         found: String,

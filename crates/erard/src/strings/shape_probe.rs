@@ -31,7 +31,7 @@ impl Strings {
         (0..PLACES).map(|i| from + (to - from) * i as f64 / (PLACES - 1) as f64).collect()
     }
 
-    /// What tells the shape there. Allocates.
+    /// A probe of the strings' shape there. Allocates.
     #[must_use]
     pub fn shape_probe(&self) -> ShapeProbe {
         let index = self.looked_at();

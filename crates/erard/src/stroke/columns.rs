@@ -8,7 +8,7 @@ use super::rows::{Place, excerpt};
 use super::units::Quantity;
 use super::{MAX_FORCE_N, MAX_POSITION_M, StrokeError};
 
-/// What a column is.
+/// Quantity of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Seconds.
@@ -61,7 +61,7 @@ const HAMMER_SPEEDS: &[&str] = &["hammer_head_speed", "hammer_head_velocity", "h
 const MAX_SPEED_M_PER_S: f64 = 100.0;
 
 impl Role {
-    /// What it is called in [`Columns`], and where a file's title alone is not worth more.
+    /// Name of the role in [`Columns`].
     pub fn name(self) -> &'static str {
         match self {
             Role::Time => "time",
@@ -83,7 +83,7 @@ impl Role {
         }
     }
 
-    /// What is measured.
+    /// Physical quantity of the role.
     pub fn quantity(self) -> Quantity {
         match self {
             Role::Time => Quantity::Time,
@@ -125,7 +125,7 @@ impl Role {
     }
 }
 
-/// Whose position a stroke tells.
+/// Whose position a stroke holds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum PositionOf {
     /// The key's front.
@@ -227,7 +227,7 @@ pub struct Columns {
     asked: [Option<Asked>; ROLES.len()],
 }
 
-/// What is wrong with such a text.
+/// A fault in such a text.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}; expected as in `time=Time (s),position=Displacement (mm),force=F [gf]`")]
 pub struct ColumnsError(String);
@@ -241,7 +241,7 @@ impl FromStr for Columns {
         while !rest.trim().is_empty() {
             let (role, after) = role_of(rest).ok_or_else(|| {
                 ColumnsError(format!(
-                    "{} begins with none of time=, force=, position=, hammer=, hammer_speed=",
+                    "found {}; expected time=, force=, position=, hammer= or hammer_speed= in front of a title",
                     excerpt(rest)
                 ))
             })?;
@@ -257,7 +257,7 @@ impl FromStr for Columns {
                 _ => title.to_owned(),
             };
             if title.is_empty() {
-                return Err(ColumnsError(format!("`{}=` is followed by no title", role.name())));
+                return Err(ColumnsError(format!("`{}=` lacks a title", role.name())));
             }
             let place = &mut columns.asked[role as usize];
             if place.is_some() {
@@ -266,7 +266,7 @@ impl FromStr for Columns {
             *place = Some(if title == "none" { Asked::None } else { Asked::Named(title) });
         }
         if columns.asked[Role::Time as usize] == Some(Asked::None) {
-            return Err(ColumnsError("a stroke without time is none".into()));
+            return Err(ColumnsError("the file has no time column".into()));
         }
         if columns == Columns::default() {
             return Err(ColumnsError("no column is named".into()));
@@ -325,9 +325,9 @@ fn find_title<'a>(asked: &'a str, titles: &[&str]) -> Option<(usize, Option<&'a 
 /// A column that is read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// What it is.
+    /// Role of the column.
     pub role: Role,
-    /// Where it stands, from 0.
+    /// Number of the column, from 0.
     pub index: usize,
     /// Its title in the file.
     pub title: String,
@@ -342,7 +342,7 @@ pub struct Column {
 pub struct Layout {
     /// Them.
     pub columns: Vec<Column>,
-    /// Whose position it is, as far as its title tells.
+    /// Whose position the column holds, as far as its title says.
     pub position_of: PositionOf,
     /// Titles of the columns that are not read, in their order.
     pub unused: Vec<String>,
@@ -377,7 +377,12 @@ impl Layout {
         }
         if !columns.iter().any(|column| matches!(column.role, Role::Force | Role::Position)) {
             let expected = "`force_N`, `position_m` or both beside `time_s`";
-            return Err(place.fault(Role::Force.title(), "there is neither force nor position", all(), expected));
+            return Err(place.fault(
+                Role::Force.title(),
+                "the file has neither a force nor a position column",
+                all(),
+                expected,
+            ));
         }
         let fingertip = |column: &Column| {
             column.role == Role::Position

@@ -13,7 +13,7 @@ const AFTER_RECORDING_S: f64 = 0.3;
 /// How long it goes on after the end of a built-in stroke, s.
 const AFTER_BUILTIN_S: f64 = 0.2;
 
-/// What is prescribed.
+/// The prescribed quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Prescribed {
     /// The force on the key.
@@ -46,8 +46,8 @@ impl Prescribed {
 /// Why a recording cannot drive so.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DrivingError {
-    /// What it would drive with was not recorded.
-    #[error("{title}: driving by {} needs a column `{}`, and there is none", .drive.name(), .drive.column())]
+    /// The prescribed quantity was not recorded.
+    #[error("{title}: driving by {} needs a column `{}`; there is none", .drive.name(), .drive.column())]
     Missing {
         /// The stroke.
         title: String,
@@ -67,7 +67,7 @@ pub enum DrivingError {
     },
     /// The fingertip's position without a force does not tell the key's.
     #[error(
-        "{title}: driving the key itself needs its position; the fingertip's gives it where a column `force_N` is there too"
+        "{title}: driving the key itself needs its position; found the fingertip's and no force. Add a column `force_N`, or drive by motion"
     )]
     NoKeyPosition {
         /// The stroke.
@@ -83,12 +83,12 @@ pub enum DrivingError {
     },
 }
 
-/// What the player does over time, ready to drive a key.
+/// Action of the player over time, ready to drive a key.
 #[derive(Debug)]
 pub struct Stroke {
-    /// What it is called in titles.
+    /// Title in figures and messages.
     pub title: String,
-    /// What it prescribes.
+    /// The prescribed quantity.
     pub drive: Prescribed,
     /// First instant, s.
     pub start_s: f64,
@@ -127,13 +127,14 @@ impl Stroke {
         }
     }
 
-    /// What a hand does, for so many s from the instant 0 on: a touch that [`crate::level`] found, say.
+    /// The stroke of a hand, for so many s from the instant 0 on, e.g. a touch found by [`crate::level`].
     pub fn by_hand(title: String, stroke: HandStroke, duration_s: f64) -> Self {
         let (hand, by_hand) = (Some(stroke.hand), Some(stroke));
         Stroke { duration_s, hand, by_hand, ..Stroke::constant(title, 0.0) }
     }
 
-    /// The same, with a hand between stroke and key: the force is its muscle's, or its muscle follows the motion.
+    /// This stroke with a hand between stroke and key: the force becomes that of the muscle, or the muscle follows the
+    /// motion.
     #[must_use]
     pub fn through(self, hand: Hand) -> Self {
         Stroke { hand: Some(hand), ..self }
@@ -145,12 +146,12 @@ impl Stroke {
         self.hand
     }
 
-    /// What the hand does, where it plays a touch.
+    /// Stroke of the hand, if a hand plays.
     pub fn hand_stroke(&self) -> Option<&HandStroke> {
         self.by_hand.as_ref()
     }
 
-    /// What drives the key, by its name: `hand`, or what is prescribed.
+    /// Name of the drive: `hand`, or the prescribed quantity.
     pub fn drive_name(&self) -> &'static str {
         if self.hand.is_some() { "hand" } else { self.drive.name() }
     }
@@ -209,12 +210,10 @@ impl Stroke {
         }
         let note = match (drive, position_of) {
             (Prescribed::Motion, PositionOf::Key) if series.force.is_none() => Some(
-                "no force was recorded, so that the fingertip's position is not known: the key's stands for it (--position fingertip if it is \
-                 the fingertip's; --drive rigid plays the key's)",
+                "without a recorded force the fingertip's position is unknown; the key's position is used instead (--position fingertip: it is the fingertip's; --drive rigid: play the key's position)",
             ),
             (Prescribed::Motion, PositionOf::Key) if series.begins_with_n() > PRESSED_N => Some(
-                "it begins with a force: a fingertip that begins in touch has pressed the key down before the run starts, so that this is not the \
-                 recorded stroke from its rest again (--drive force or --drive rigid gives that)",
+                "the recording begins with a force on the key: the run starts with the key already pressed, not from rest as recorded (--drive force and --drive rigid start as recorded)",
             ),
             (Prescribed::Rigid, PositionOf::Fingertip) if series.force.is_none() => {
                 return Err(DrivingError::NoKeyPosition { title });
@@ -236,8 +235,7 @@ impl Stroke {
         ))
     }
 
-    /// What drives a key under this finger over time, s on the stroke's own clock: a fingertip is as soft as its
-    /// instrument says.
+    /// The input of the key over time, s on the stroke's own clock, for a fingertip as soft as the instrument says.
     ///
     /// # Errors
     /// See [`DrivingError`].

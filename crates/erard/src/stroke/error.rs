@@ -9,11 +9,11 @@ pub struct StrokeError {
     pub line: u64,
     /// Name of the column, e.g. `force_N`; empty when the fault belongs to no column.
     pub column: String,
-    /// What is wrong, in a few words.
+    /// The fault, in a few words.
     pub message: String,
-    /// What stands in the file; empty when nothing does.
+    /// Text found in the file; empty if there is none.
     pub found: String,
-    /// What should stand there; empty when `message` says all there is to say.
+    /// Expected text; empty if `message` is complete.
     pub expected: String,
 }
 

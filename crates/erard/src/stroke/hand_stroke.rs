@@ -50,7 +50,7 @@ const LETTING_GO_S: f64 = 2e-3;
 /// How far a hand that was led goes above the key front's rest when it leaves, m.
 const LEFT_M: f64 = 5e-3;
 
-/// What the muscle of a hand does.
+/// Action of a hand's muscle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Muscle {
@@ -87,7 +87,7 @@ pub enum Muscle {
 pub struct HandStroke {
     /// The hand.
     pub hand: Hand,
-    /// What its muscle does.
+    /// Action of the muscle.
     pub muscle: Muscle,
     /// How its force relaxes. `None`: it does not. A hand that is led does not.
     pub relaxes: Option<Relax>,
@@ -95,7 +95,7 @@ pub struct HandStroke {
     pub leaves: Option<Leave>,
 }
 
-/// What holds the key once it has been played.
+/// How the key is held after the note.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Relax {
     /// When the force begins to relax, s: half a cosine of 0.1 s.
@@ -157,32 +157,32 @@ impl HandStroke {
         HandStroke { hand: Hand::default(), muscle, relaxes: None, leaves: None }
     }
 
-    /// The same, relaxing from this instant on, s, to a force that holds the key, N.
+    /// This stroke, relaxing from this instant on, s, to a force that holds the key, N.
     #[must_use]
     pub fn relaxing(self, at_s: f64, to_n: f64) -> Self {
         HandStroke { relaxes: Some(Relax { at_s, to_n, damping_n_s_m: 0.0 }), ..self }
     }
 
-    /// The same, relaxing from this instant on, s, to a force that holds the key, N, while the muscle stiffens, so that
-    /// the hand comes to rest within [`HOLDS_S`].
+    /// This stroke, relaxing from this instant on, s, to a force that holds the key, N, while the muscle stiffens, so
+    /// that the hand comes to rest within [`HOLDS_S`].
     #[must_use]
     pub fn holding(self, at_s: f64, to_n: f64) -> Self {
         HandStroke { relaxes: Some(Relax { at_s, to_n, damping_n_s_m: self.hand.mass_kg / HOLDS_S }), ..self }
     }
 
-    /// The same, leaving from this instant on, s, its force gone within so many s.
+    /// This stroke, leaving the key from this instant on, s; its force is gone within so many s.
     #[must_use]
     pub fn leaving(self, at_s: f64, within_s: f64) -> Self {
         HandStroke { leaves: Some(Leave { at_s, within_s, lifts_m_s2: LEAVING_M_S2 }), ..self }
     }
 
-    /// The same, letting the key go at this instant, s: the hand is away within 2 ms, faster than the key comes up.
+    /// This stroke, letting the key go at this instant, s: the hand is away within 2 ms, faster than the key comes up.
     #[must_use]
     pub fn letting_go(self, at_s: f64) -> Self {
         HandStroke { leaves: Some(Leave { at_s, within_s: LETTING_GO_S, lifts_m_s2: LETTING_GO_M_S2 }), ..self }
     }
 
-    /// What the muscle does at an instant, s: a force, or a motion.
+    /// Action of the muscle at an instant, s: a force, or a motion.
     #[must_use]
     pub fn input(&self, t: f64) -> Input {
         match self.muscle {

@@ -12,11 +12,11 @@ pub const MAX_ROWS: usize = 5_000_000;
 pub struct Recording {
     /// The instants of the rows, s, increasing; two or more.
     pub time_s: Vec<f64>,
-    /// What was measured, in the order of [`super::ROLES`] without the time.
+    /// Measured channels, in the order of [`super::ROLES`] without the time.
     pub channels: Vec<Channel>,
-    /// Whose position it is, as far as its title tells.
+    /// Whose position was recorded, as far as its title says.
     pub position_of: PositionOf,
-    /// Which columns these are in the file, time first.
+    /// Columns of the file, time first.
     pub layout: Layout,
     /// How the file is written.
     pub dialect: Dialect,
@@ -25,7 +25,7 @@ pub struct Recording {
 /// How a table is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Dialect {
-    /// What stands between cells; `None` where the file is no text.
+    /// Separator of cells; `None` for a file that is not text.
     pub separator: Option<char>,
     /// Whether numbers have a comma before their decimals.
     pub decimal_comma: bool,
@@ -36,7 +36,7 @@ pub struct Dialect {
 /// A measured quantity, one value for every row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// What it measures.
+    /// Role of the channel.
     pub role: Role,
     /// N or m; not a number where the cell is empty. Two or more are numbers.
     pub values: Vec<f64>,

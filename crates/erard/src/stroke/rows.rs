@@ -44,9 +44,9 @@ pub(super) struct Place {
 pub(super) struct Row<'r> {
     text: &'r str,
     cells: &'r [Range<usize>],
-    /// What separates its cells.
+    /// Separator of cells.
     pub separator: u8,
-    /// Where it stands.
+    /// Place of the row in the file.
     pub place: &'r Place,
 }
 

@@ -10,7 +10,7 @@ pub struct SpeedSeries {
 }
 
 impl SpeedSeries {
-    /// Of instants, s, and speeds, m/s.
+    /// A series of instants, s, and speeds, m/s.
     ///
     /// # Errors
     /// [`SampleError`]: fewer than two, not as many, not increasing, or not finite.

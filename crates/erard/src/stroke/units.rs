@@ -1,6 +1,6 @@
 //! Units as people write them, and what they are in SI.
 
-/// What a column measures.
+/// Physical quantity of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// In seconds.

@@ -33,10 +33,10 @@ impl Furthest {
 /// How far the bodies of an instrument have turned, and how deep its felts were pressed: told of every step.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Extremes {
-    /// Of every body: turned against what it is hinged on, from as drawn, rad counter-clockwise; the lowest, at most 0,
-    /// and the highest, at least 0.
+    /// Lowest (at most 0) and highest (at least 0) angle of each body against its parent, from as drawn, rad
+    /// counter-clockwise.
     pub turned: Vec<[Furthest; 2]>,
-    /// Of every zone: the deepest compression, m, at least 0.
+    /// Deepest compression of each zone, m, at least 0.
     pub deepest: Vec<Furthest>,
     /// Of every body: the same angle at the first instant, rad; empty before it.
     pub first: Vec<f64>,

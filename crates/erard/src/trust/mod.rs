@@ -51,7 +51,7 @@ pub(crate) const REST_RAD: f64 = 10.0 * core::f64::consts::PI / 180.0;
 /// Turnover below which the residual is measured against this, J: a thousandth of the softest blow's.
 pub const LEAST_TURNOVER_J: f64 = 1e-6;
 
-/// What is doubtful about a run.
+/// Kind of doubt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -103,17 +103,17 @@ impl Kind {
 /// A bound that a run has broken.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Warning {
-    /// What is doubtful.
+    /// Kind of doubt.
     pub kind: Kind,
-    /// The same as a sentence, without a full stop.
+    /// The doubt as a sentence, without a full stop.
     pub what: String,
     /// The zone or body, where it is one's.
     pub part: Option<String>,
-    /// What was found, in `unit`.
+    /// Value found, in `unit`.
     pub value: f64,
-    /// What there may be at most (for a turn the other way and for a contact's steps: at least), in `unit`.
+    /// Largest allowed value, in `unit` (smallest, for a negative turn and for the steps of a contact).
     pub bound: f64,
-    /// Of both: `m`, `rad`, `N`, `steps`, `partials`, `m/s`, `rad/s`, or nothing for a share.
+    /// Unit of value and bound: `m`, `rad`, `N`, `steps`, `partials`, `m/s`, `rad/s`, or empty for a share.
     pub unit: &'static str,
     /// When it was worst, on the stroke's clock, s; `None` where it is the whole run's.
     pub time_s: Option<f64>,
@@ -160,7 +160,7 @@ fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
         warnings.push(Warning {
             kind: Kind::ContactSteps,
             what: format!(
-                "the hammer's contact with the strings at {} was taken in {} steps (at least {CONTACT_STEPS}); a smaller step may help",
+                "the hammer's contact with the strings at {} took {} steps; expected at least {CONTACT_STEPS}. Try a smaller step",
                 instant(contact.since_s),
                 contact.steps
             ),
@@ -178,7 +178,7 @@ fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
         warnings.push(Warning {
             kind: Kind::PartialsBeyondStep,
             what: format!(
-                "{count} partials of the strings lie between {} Hz, up to which steps of {} us can tell one from another, and 20 kHz; a smaller step may help",
+                "{count} partials of the strings lie between {} Hz and 20 kHz, too high to be resolved by steps of {} us. Try a smaller step",
                 rounded(reach_hz),
                 rounded(contact.longest_s * 1e6)
             ),
@@ -192,14 +192,14 @@ fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
     warnings
 }
 
-/// What is wrong with the fastest blow.
+/// Doubts about the fastest impact.
 #[must_use]
 pub fn of_blows(events: &Events) -> Option<Warning> {
     let fastest = events.impacts.iter().max_by(|a, b| a.hammer_speed_m_per_s.total_cmp(&b.hammer_speed_m_per_s))?;
     (fastest.hammer_speed_m_per_s > HAMMER_SPEED_M_PER_S).then(|| Warning {
         kind: Kind::HammerSpeed,
         what: format!(
-            "the hammer meets the string with {} m/s at {}, and no hammer is faster than {} m/s",
+            "the hammer reaches the string with {} m/s at {}; real hammers reach at most {} m/s",
             rounded(fastest.hammer_speed_m_per_s),
             instant(fastest.time_s),
             rounded(HAMMER_SPEED_M_PER_S)
@@ -212,7 +212,7 @@ pub fn of_blows(events: &Events) -> Option<Warning> {
     })
 }
 
-/// What is wrong with how deep felts were pressed and how far bodies turned.
+/// Doubts about the compression of felts and the turning of bodies.
 pub fn of_extremes<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iterator<Item = Warning> + 'a {
     of_felts(instrument, extremes).chain(of_turns(instrument, extremes)).chain(of_rest(instrument, extremes))
 }
@@ -259,7 +259,7 @@ fn of_tensions(instrument: &Instrument) -> Option<Warning> {
     })
 }
 
-/// What is wrong with such a residual.
+/// Doubts about an energy residual.
 #[must_use]
 pub fn of_energy(residual: f64) -> Option<Warning> {
     // What is not a number is beyond every bound.
@@ -269,7 +269,7 @@ pub fn of_energy(residual: f64) -> Option<Warning> {
     Some(Warning {
         kind: Kind::EnergyResidual,
         what: format!(
-            "the energy books do not close: {} of the work put in is not explained (at most {}); a smaller step may help",
+            "the energy balance has an error of {} of the work put in; expected at most {}. Try a smaller step",
             percent(residual),
             percent(ENERGY_RESIDUAL)
         ),
@@ -281,12 +281,12 @@ pub fn of_energy(residual: f64) -> Option<Warning> {
     })
 }
 
-/// What is wrong with so many unconverged steps of all.
+/// Doubts about unconverged steps.
 #[must_use]
 pub fn of_steps(unconverged: u64, steps: u64) -> Option<Warning> {
     (unconverged > UNCONVERGED_STEPS).then(|| Warning {
         kind: Kind::UnconvergedSteps,
-        what: format!("{unconverged} of {steps} steps did not converge; a smaller step may help"),
+        what: format!("{unconverged} of {steps} steps did not converge. Try a smaller step"),
         part: None,
         value: unconverged as f64,
         bound: UNCONVERGED_STEPS as f64,
@@ -302,7 +302,7 @@ fn of_felts<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iter
         (deepest.value > thickness_m).then(|| Warning {
             kind: Kind::FeltBeyondThickness,
             what: format!(
-                "the felt `{}` is pressed {} mm deep at {}, and is {} mm thick",
+                "the felt `{}` is compressed by {} mm at {}, but it is {} mm thick",
                 zone.name,
                 rounded(deepest.value * 1e3),
                 instant(deepest.time_s),
@@ -328,7 +328,7 @@ fn of_turns<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iter
         beyond.then(|| Warning {
             kind: Kind::TurnBeyondStops,
             what: format!(
-                "the body `{}` has turned {} degrees from as drawn at {}, and its stops let it turn {}: is a stop missing?",
+                "the body `{}` has turned by {} degrees at {}; its stops allow {}. Is a stop missing?",
                 body.name,
                 rounded(furthest.value.to_degrees()),
                 instant(furthest.time_s),
@@ -343,7 +343,7 @@ fn of_turns<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iter
     })
 }
 
-/// Of warnings of many runs: how many there are of each kind and part, and the worst of them.
+/// Counts the warnings of many runs by kind and part, and keeps the worst of each.
 pub fn worst_of_each<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<(usize, &'a Warning)> {
     let beyond = |w: &Warning| (w.value - w.bound).abs();
     let mut kinds: BTreeMap<(Kind, Option<&str>), (usize, &Warning)> = BTreeMap::new();

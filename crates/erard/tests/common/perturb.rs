@@ -106,7 +106,7 @@ pub struct Fate {
     pub seed: u64,
     /// Steps of the stroke.
     pub steps: u64,
-    /// Of which did not converge.
+    /// Number of these that did not converge.
     pub unconverged: u64,
     /// Newton iterations.
     pub newton: u64,

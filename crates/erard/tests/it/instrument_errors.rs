@@ -161,13 +161,13 @@ fn numbers_that_no_instrument_has() {
             ("damping_N_s_per_m3 = 1e6", "dry_slip = 0.2"),
             "dry_slip = 0.2",
             "zone.pallet_lever.felt.dry_slip",
-            ["", "`dry_loss` beside it", "alone"],
+            ["", "`dry_loss` beside it", "needs another"],
         ),
         slip(
             ("friction_coefficient = 0.1", "friction_coefficient = 0.1\ndwell_s = 0.2"),
             "dwell_s = 0.2",
             "zone.pallet_lever.dwell_s",
-            ["", "`static_friction_ratio` beside it", "alone"],
+            ["", "`static_friction_ratio` beside it", "needs another"],
         ),
         slip(
             ("friction_coefficient = 0.1", "friction_coefficient = 0.1\ndwell_s = 0.2\nstatic_friction_ratio = 0.9"),
@@ -185,7 +185,7 @@ fn numbers_that_no_instrument_has() {
             ("viscous_N_m_s = 1e-6", "viscous_N_m_s = 1e-6\nbushing_N_s_per_m = 1"),
             "bushing_N_s_per_m = 1",
             "body.pallet.bushing_N_s_per_m",
-            ["", "`bushing_N_per_m` beside it", "alone"],
+            ["", "`bushing_N_per_m` beside it", "needs another"],
         ),
         slip(("exponent = 2", "exponent = 0.5"), "0.5", "zone.bench.felt.exponent", ["0.5", "at least 1", "too small"]),
         slip(("exponent = 2", "exponent = 40"), "40", "zone.bench.felt.exponent", ["40", "at most 6", "too large"]),
@@ -330,13 +330,13 @@ fn names_of_nothing_and_names_taken() {
             ("name = \"pendulum\"", "name = \"pendulum\"\nhinged_on = \"pallet\""),
             "hinged_on = \"pallet\"",
             "body.pendulum.hinged_on",
-            ["\"pallet\"", "`ground`", "back to itself"],
+            ["\"pallet\"", "`ground`", "in a circle"],
         ),
         slip(
             ("name = \"lever\"", "name = \"lever\"\nhinged_on = \"lever\""),
             "hinged_on = \"lever\"",
             "body.lever.hinged_on",
-            ["\"lever\"", "`ground`", "back to itself"],
+            ["\"lever\"", "`ground`", "in a circle"],
         ),
         slip(
             ("name = \"lever\"", "name = \"pallet\""),
@@ -382,7 +382,7 @@ fn names_of_nothing_and_names_taken() {
 fn faults_in_roles_screws_parts_segments_and_citations() {
     let cases: &[(&str, &str, &str, &str)] = &[
         ("[roles]\nkey = \"lever\"\n", "[roles]", "roles.key_front_mm", "missing"),
-        ("[roles]\nkey = \"lever\"\nkey_front_mm = [0, 0]\n", "key = \"lever\"", "roles.key", "no finger"),
+        ("[roles]\nkey = \"lever\"\nkey_front_mm = [0, 0]\n", "key = \"lever\"", "roles.key", "no [finger]"),
         ("[roles]\nhammer = \"lever\"\n", "[roles]", "roles.hammer_head_mm", "missing"),
         ("[roles]\nhammer = \"mallet\"\nhammer_head_mm = [0, 0]\n", "mallet", "roles.hammer", "no such body"),
         ("[roles]\nstring = \"lever\"\n", "string =", "roles.string", "no such zone"),
@@ -535,7 +535,7 @@ fn faults_in_roles_screws_parts_segments_and_citations() {
              [sources.s]\ntitle = \"s\"\n",
             "spread",
             "spring.t.torque_N_m.spread_factor",
-            "not both",
+            "found both",
         ),
         ("[sources.s]\nauthor = \"nobody\"\n", "[sources.s]", "sources.s.title", "missing"),
         ("[colours]\nwood = 1\n", "[colours]", "colours", "unknown key"),
@@ -635,7 +635,7 @@ fn slips_that_are_easily_overlooked() {
             ("damping_N_s_per_m3 = 1e6", "damping_N_s_per_m3 = 1e6\ndry_loss = 0.2"),
             "dry_loss = 0.2",
             "zone.pallet_lever.felt.dry_loss",
-            ["", "`dry_slip` beside it", "alone"],
+            ["", "`dry_slip` beside it", "needs another"],
         ),
         slip(
             ("name = \"pallet\"", "name = \"1pallet\""),

@@ -271,7 +271,7 @@ impl DiscLevers {
         Some((k - self.key_rest) * self.key_front)
     }
 
-    /// Where capstan and heel, and where knuckle and jack, touch at a pose (m, from A).
+    /// Contact points of capstan and heel, and of knuckle and jack, at a pose, m from A.
     #[must_use]
     pub fn contact_points(&self, pose: &StrokePose) -> [[f64; 2]; 2] {
         let whippen = (self.whippen_pivot, pose.w);

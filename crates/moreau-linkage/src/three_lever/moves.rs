@@ -25,7 +25,7 @@ pub enum Move {
     HammerPivot(f64, f64),
 }
 
-/// What happens to the capstan's height after a move.
+/// Height of the capstan after a move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Regulation {
     /// A technician screws the capstan until the hammer rests at the angle it had:

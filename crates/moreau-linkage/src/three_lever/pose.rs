@@ -18,7 +18,7 @@ pub struct StrokePose {
     /// How far capstan and heel have slid along each other since rest: the change of `s1`,
     /// less what a disc has rolled (a contact point without a radius only slides).
     pub capstan_sliding: f64,
-    /// The same of knuckle and jack, with `s2`.
+    /// Sliding of knuckle and jack, with `s2`.
     pub knuckle_sliding: f64,
     /// Rise of the strike point since rest, straight up, toward the string.
     pub head_rise: f64,

@@ -6,7 +6,7 @@ use crate::mechanism::Pose;
 use crate::newton::NewtonReport;
 use crate::walk::{Stop, Walk};
 
-/// Where a stroke had to stop.
+/// Place and reason at which a stroke had to stop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrokeStop {
     /// Travel of the key's front there (m).
@@ -22,7 +22,7 @@ pub struct Stroke {
     pub rest: StrokePose,
     /// One pose per key position, in order.
     pub poses: Vec<StrokePose>,
-    /// Where and why it stopped short, if it did.
+    /// Place and reason of an early stop, if there was one.
     pub stop: Option<StrokeStop>,
 }
 

@@ -27,7 +27,7 @@ pub use run::{Run, at};
 pub struct Problem {
     /// Its place in the list of all problems. Number 8, the held note, belongs to the piano layer.
     pub number: u32,
-    /// What it is called.
+    /// Name.
     pub name: &'static str,
     /// Solves it. Takes from milliseconds to some seconds.
     pub rows: fn() -> Vec<Row>,

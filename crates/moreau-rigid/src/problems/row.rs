@@ -1,6 +1,6 @@
 //! A row: a quantity of a problem, what it should be, what it is.
 
-/// What is known about a quantity.
+/// Known answer for a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Expected {
     /// Its value, and how far ours may be from it.
@@ -10,22 +10,22 @@ pub enum Expected {
         /// Largest error.
         tolerance: f64,
     },
-    /// It must not be more.
+    /// An upper bound.
     AtMost(f64),
-    /// It must not be less.
+    /// A lower bound.
     AtLeast(f64),
 }
 
 /// A quantity, what is known about it, and ours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// What it is, with the settings that matter.
+    /// Name of the quantity, with the settings that matter.
     pub quantity: String,
     /// Unit; empty for pure numbers.
     pub unit: &'static str,
-    /// What is known.
+    /// Known answer.
     pub expected: Expected,
-    /// What the engine gives; not a number if a step failed.
+    /// Result of the engine; not a number if a step failed.
     pub ours: f64,
     /// Why the tolerance or the bound is what it is.
     pub because: &'static str,

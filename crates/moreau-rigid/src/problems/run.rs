@@ -8,7 +8,7 @@ pub struct Run<'m, const B: usize, const N: usize> {
     pub model: Model<'m, f64>,
     /// How it is stepped.
     pub settings: Settings<f64>,
-    /// Where it is.
+    /// Present state.
     pub state: State<f64, B, N>,
     workspace: Workspace<f64, B, N>,
     steps: u32,

@@ -50,7 +50,7 @@ impl<T: Real> Accuracy<T> {
     }
 }
 
-/// What is carried from step to step. It belongs to one [`State`], and is new where the state is.
+/// Memory of the step control from step to step. It belongs to one [`State`], and starts new with the state.
 #[derive(Debug, Clone, Copy)]
 pub struct Controller<T, const Z: usize> {
     /// The length to try next, s.
@@ -99,7 +99,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> StepDoubling<T, B,
     }
 }
 
-/// What a step did.
+/// Report of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlledStep<T> {
     /// How it ended; [`Outcome::NonFinite`] and [`Outcome::TooManyLaws`] leave the state as it was.

@@ -192,7 +192,7 @@ impl<T: Real> Loss<T> {
         self.table().iter().zip(self.numbers()).any(|(number, x)| number.is_loss && T::ZERO.lt(x).any())
     }
 
-    /// What its rate part loses at a compression g that the spring resists with k g^r, N s/m.
+    /// Viscosity of its rate part at a compression g that the spring resists with k g^r, N s/m.
     pub fn viscous(&self, compression: T, spring_force: T) -> T {
         match self.form() {
             Form::Square(b) => b * compression * compression,
@@ -200,7 +200,7 @@ impl<T: Real> Loss<T> {
         }
     }
 
-    /// The same law of another kind of number; `f` sees the numbers of its table, in their order.
+    /// This law with another type of number; `f` receives the numbers of its table, in their order.
     pub fn map<U: Real>(&self, mut f: impl FnMut(T) -> U) -> Loss<U> {
         let (mut mapped, numbers) = ([U::ZERO; LAW_NUMBERS], self.numbers());
         for (new, old) in mapped.iter_mut().zip(numbers).take(self.table().len()) {

@@ -19,17 +19,17 @@ pub struct LawNumber {
     pub unit: &'static str,
     /// How many of these units are one of the engine's: 1000 for ms.
     pub units_per_si: f64,
-    /// What it may be, in the engine's units.
+    /// Allowed range, in the engine's units.
     pub range: Range,
     /// Whether a law that is written down must say it. One that need not be said is 0 then.
     pub needed: bool,
     /// Whether more of it is more loss.
     pub is_loss: bool,
-    /// What it is, in a sentence or two.
+    /// Meaning, in a sentence or two.
     pub meaning: &'static str,
 }
 
-/// What a number may be.
+/// Allowed range of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Range {

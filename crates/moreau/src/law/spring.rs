@@ -35,7 +35,7 @@ impl<T: Scalar> Exponent<T> {
 }
 
 impl<T> Exponent<T> {
-    /// The same with another kind of number. The usual exponents are no numbers that could be varied.
+    /// This spring with another type of number. The usual exponents are not numbers that could be varied.
     pub fn map<U>(self, f: impl FnOnce(T) -> U) -> Exponent<U> {
         match self {
             Exponent::Two => Exponent::Two,

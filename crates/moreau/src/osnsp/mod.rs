@@ -17,7 +17,7 @@ mod system;
 use crate::real::{Mask, Real};
 pub use system::{Guess, Impulses, SlidingLaw, SolveReport, System};
 
-/// Which solver.
+/// Solver of the one-step problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
     /// Active set on the velocities, with an exact fallback: the default.

@@ -36,9 +36,9 @@ pub struct SlidingLaw<T, const B: usize> {
 /// The impulses of a system: a warm start before, the solution after.
 #[derive(Debug, Clone, Copy)]
 pub struct Impulses<T, const B: usize, const N: usize> {
-    /// Of every pivot.
+    /// Bound of each pivot.
     pub pivot: [T; B],
-    /// Of every sliding law.
+    /// Bound of each sliding law.
     pub sliding: [T; N],
 }
 
@@ -109,7 +109,7 @@ pub struct SolveReport {
     pub iterations: u32,
 }
 
-/// Where every law stands: 0 sticks, +1 and -1 slide with p = +bound and -bound.
+/// Side of each law: 0 sticks, +1 and -1 slide with p = +bound and -bound.
 #[derive(Debug, Clone)]
 pub struct Guess<T: Real, const B: usize, const N: usize> {
     /// Pivots; those without dry friction never stick.

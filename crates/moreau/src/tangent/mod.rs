@@ -41,7 +41,7 @@ const ITERATIONS: u32 = 16;
 /// is where the driven point is then.
 pub type Driven<'a, const D: usize> = dyn FnMut(f64, f64, Dual<D>) -> Input<Dual<D>> + 'a;
 
-/// What became of a step.
+/// Report of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct TangentReport {
     /// Switches at which the derivatives jumped.
@@ -73,7 +73,7 @@ pub struct Tangent<const B: usize, const Z: usize, const N: usize, const D: usiz
     /// The numbers of the mechanism, and how they depend on the directions.
     pub model: Model<Dual<D>, B, Z>,
     plain: Model<f64, B, Z>,
-    /// Where it is, and how that depends on the directions.
+    /// State, and its dependence on the directions.
     pub state: State<Dual<D>, B, Z>,
     workspace: Workspace<Dual<D>, B, Z, N>,
     probe: Workspace<f64, B, Z, N>,
@@ -96,7 +96,7 @@ pub enum TangentError {
 }
 
 impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, Z, N, D> {
-    /// Of a model in dual numbers, and of the same in plain ones, from a pose at rest.
+    /// A tangent of a model in dual numbers and of the same model in plain ones, from a pose at rest.
     ///
     /// # Errors
     /// What is not derived here, and a model with more laws than N.

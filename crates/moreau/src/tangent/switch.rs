@@ -39,9 +39,10 @@ impl Law {
 /// What becomes of a law in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Change {
-    /// It slips, and comes to stick or turns round: derivatives jump.
+    /// A sliding contact sticks or reverses: derivatives jump.
     Switches(Law),
-    /// It sticks, and lets go: they do not, but a step over that instant has the wrong law for a part of it.
+    /// A sticking contact slips: derivatives do not jump, but a step over that instant has the wrong law for a part of
+    /// it.
     LetsGo(Law),
 }
 

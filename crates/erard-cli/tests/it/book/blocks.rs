@@ -7,7 +7,7 @@ pub struct Block {
     pub line: usize,
     /// Its content, with line ends.
     pub text: String,
-    /// What it is.
+    /// Kind of the block.
     pub kind: Kind,
 }
 

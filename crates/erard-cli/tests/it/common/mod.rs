@@ -77,6 +77,11 @@ impl Folder {
         String::from_utf8(output.stdout).unwrap()
     }
 
+    /// What [`Folder::good`] prints, unfolded: in words with one blank between them.
+    pub fn good_words(&self, arguments: &[&str]) -> String {
+        self.good(arguments).split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
     /// Runs what must fail with code 2 and leave the folder as it was; standard error.
     pub fn bad(&self, arguments: &[&str]) -> String {
         let before = self.names();

@@ -23,7 +23,7 @@ pub(super) enum Entry {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Outline {
-    /// What it is; a name with a comma is a detail of a main part.
+    /// Name; one with a comma is a detail of a main part.
     pub name: String,
     pub on: Component,
     pub finish: Finish,

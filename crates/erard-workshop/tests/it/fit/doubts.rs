@@ -48,7 +48,7 @@ fn misfit_beyond_the_noise() {
     let found = fit(&[data], &asks).unwrap();
     assert_eq!(kinds(&found)[0], DoubtKind::Misfit, "{:?}", found.doubts);
     let text = said(&found, DoubtKind::Misfit);
-    assert!(text.starts_with("key_m differs from the model by ") && text.contains("um rms, and noise exp"), "{text}");
+    assert!(text.starts_with("key_m differs from the model by ") && text.contains("um rms; its noise exp"), "{text}");
 }
 
 /// A hammer whose mass is not what the bounds allow.
@@ -70,7 +70,7 @@ fn a_hammer_that_never_reaches_the_string() {
     asks.plan = Plan { start: vec![("body.hammer.mass".to_owned(), 10.0)], restarts: 0, ..Plan::default() };
     let found = fit(&[data], &asks).unwrap();
     assert_eq!(kinds(&found)[0], DoubtKind::NoImpact, "{:?}", found.doubts);
-    assert!(said(&found, DoubtKind::NoImpact).contains("in the fitted model never"));
+    assert!(said(&found, DoubtKind::NoImpact).contains("in the fitted model it never does"));
 }
 
 /// Stays where it begins.
@@ -107,7 +107,7 @@ fn data_beyond_the_impact() {
     asks.plan.restarts = 0;
     let found = fit(std::slice::from_ref(&whole), &asks).unwrap();
     let text = said(&found, DoubtKind::BeyondImpact).to_owned();
-    let (_, advice) = text.split_once("fit its first ").unwrap();
+    let (_, advice) = text.split_once("fit only its first ").unwrap();
     let seconds: f64 = advice.trim_end_matches(" s").parse().unwrap();
     let rows = whole.time_s.partition_point(|t| *t <= whole.time_s[0] + seconds);
     let mut short = whole;
@@ -169,7 +169,7 @@ fn misfit_that_passes_for_noise() {
         problem.told.fill(None);
         let found = erard_workshop::fit::fit(&mut problem, &asks.plan).unwrap();
         println!("{:?} {:?} {:?}", found.x, found.std, found.doubts);
-        let follows = found.doubts.iter().any(|doubt| doubt.text.contains("follow each other"));
+        let follows = found.doubts.iter().any(|doubt| doubt.text.contains("are correlated"));
         assert_eq!(follows, !is_noise, "{:?}", found.doubts);
     }
 }

@@ -385,11 +385,11 @@ fn what_is_wrong_is_said() {
         change(&mut asks);
         fit(&data, &asks).unwrap_err().to_string()
     };
-    assert!(told(&|a| a.sigma = vec![("string_N".into(), 1.0)]).contains("sigma: string_N is not compared"));
+    assert!(told(&|a| a.sigma = vec![("string_N".into(), 1.0)]).contains("sigma: string_N is neither compared nor"));
     assert!(told(&|a| a.sigma = vec![("key_m".into(), 0.0)]).contains("positive"));
     assert!(told(&|a| a.plan.start = vec![("drop".into(), 0.0)]).contains("start: drop is not varied"));
     assert!(told(&|a| a.plan.start = vec![("let_off".into(), 1.0)]).contains("its bounds"));
-    assert!(told(&|a| a.columns = Some(vec!["string_N".into()])).contains("not recorded"));
+    assert!(told(&|a| a.columns = Some(vec!["string_N".into()])).contains("to compare"));
     let mut problem = problem(&data, &asks(&["let_off"])).unwrap();
     problem.watch = Box::new(|_| false);
     assert!(erard_workshop::fit::fit(&mut problem, &Plan::default()).unwrap_err().is_interruption());

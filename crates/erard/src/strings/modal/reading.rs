@@ -87,7 +87,7 @@ impl Strings {
         self.blocks.get(block).map_or(0.0, |block| block.q[lane])
     }
 
-    /// What they have lost since they were made, by kind.
+    /// Losses since the strings were made, by kind.
     #[must_use]
     pub fn losses(&self) -> StringLosses {
         let bridge_j = self.bridge.as_ref().map_or(0.0, |bridge| self.bridge_j - bridge.own_energy_j());
