@@ -13,7 +13,7 @@ use super::mark::is_plain;
 use super::stage::OLD;
 
 const NAME: &str = "journal.json";
-/// What it is called until it is whole.
+/// Name until it is whole.
 const DRAFT: &str = "journal.draft";
 const FORMAT: &str = "erard-journal/1";
 
