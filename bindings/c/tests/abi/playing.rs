@@ -374,7 +374,7 @@ fn recordings_are_made_ready() {
     let (offset, told) = blow(&rows(0.75), &mut status);
     assert!(plain > 1.0 && (plain - offset).abs() < 1e-9 * plain, "{plain} {offset}");
     assert!(!said.contains("zero") || said.contains("0.0000 N"), "{said}");
-    assert!(told.contains("force: zero: 0.7500 N taken away"), "{told}");
+    assert!(told.contains("force: zero: 0.7500 N subtracted"), "{told}");
     let stroke = unsafe { erard_stroke_builtin(grand.0, c"mf".as_ptr(), 0, null_mut()) };
     assert_eq!(taken(unsafe { erard_stroke_told(stroke, null_mut(), null_mut()) }), "");
     unsafe { erard_stroke_free(stroke) };

@@ -39,7 +39,7 @@ class Recording(Table):
     zero : bool
         Take the mean of the rest before the touch from every channel that has one.
     low_pass : float, "own" or None
-        A low-pass forth and back, Hz; "own" where each channel's own noise begins; `None`: nothing is filtered.
+        A low-pass filter, forward and backward, Hz; "own" where each channel's own noise begins; `None`: nothing is filtered.
     invert : sequence of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"}
         Channels whose sign is to be turned.
     delay : mapping of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"} to float, optional

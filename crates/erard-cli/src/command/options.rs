@@ -486,8 +486,8 @@ fn step(text: &str) -> Result<Step, String> {
 }
 
 const SOLVERS: [Name<Solver>; 2] = [
-    ("active-set", "Active set on the velocities: exact", Solver::ActiveSet),
-    ("projected-gauss-seidel", "Projected Gauss-Seidel, as in the papers: iterative", Solver::ProjectedGaussSeidel),
+    ("active-set", "Active set on the velocities", Solver::ActiveSet),
+    ("projected-gauss-seidel", "Projected Gauss-Seidel, as in the papers", Solver::ProjectedGaussSeidel),
 ];
 
 /// A law of friction, of the regularised one's width at the pivots, rad/s.

@@ -373,10 +373,10 @@ mod tests {
         assert!((mass(&source.instrument(&axes, &[1, 1]).unwrap().unwrap()) - own + 2.0).abs() < 1e-5);
         assert!((mass(&source.instrument(&axes, &[0, 1]).unwrap().unwrap()) - own).abs() < 1e-9);
         for (wrong, source, told) in [
-            ("grading.nothing=1,2", &source, "grades nothing of that name"),
+            ("grading.nothing=1,2", &source, "has no grading of that name"),
             (&format!("grading.{}.2=1,2", grading.name)[..], &source, "no point at key `2`"),
-            (&format!("grading.{}.{}=1,2", grading.name, keyboard.base_key), &source, "the instrument's own"),
-            (&format!("grading.{}=1,2", grading.name), &read(), "gradings belong to a keyboard"),
+            (&format!("grading.{}.{}=1,2", grading.name, keyboard.base_key), &source, "is the instrument itself"),
+            (&format!("grading.{}=1,2", grading.name), &read(), "only a keyboard has gradings"),
         ] {
             let error = Axis::parse(wrong, &grand(), source).unwrap_err();
             assert!(error.contains(told), "{wrong}: {error}");
@@ -405,7 +405,7 @@ mod tests {
     fn what_is_wrong_is_named() {
         for (text, told) in [
             ("let_off", "such as `let_off=-1mm..1mm:41`"),
-            ("letoff=1mm..2mm:3", "expected force, "),
+            ("letoff=1mm..2mm:3", "nearest `let_off`"),
             ("let_off=1mm..2mm", "FROM..TO:COUNT"),
             ("let_off=1mm:3", "FROM..TO:COUNT"),
             ("let_off=1cm..2mm:3", "a number of mm"),

@@ -142,7 +142,7 @@ fn what_lacks_three_levers_says_so() {
         change(&mut instrument);
         derive(&instrument).expect_err("no three levers").to_string()
     };
-    assert!(told(|i| i.roles.key = None).contains("has no `roles.key`"));
+    assert!(told(|i| i.roles.key = None).contains("names no key"));
     assert!(told(|i| i.roles.hammer = None).contains("names no hammer"));
     assert!(told(|i| i.roles.knuckle.clear()).contains("roles.knuckle"));
     assert!(told(|i| i.roles.key_front_m[0] = 0.2).contains("behind its pivot"));

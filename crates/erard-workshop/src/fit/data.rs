@@ -305,10 +305,10 @@ mod tests {
     fn what_cannot_be_fitted_is_said() {
         let told = |result: Result<Data, FitError>| result.unwrap_err().to_string();
         let alone = "time_s,force_N\n0,1\n0.1,2\n";
-        assert!(told(data(alone, None, None)).starts_with("test: driven by its force nothing else"));
+        assert!(told(data(alone, None, None)).starts_with("test: nothing to fit: the force drives"));
         assert!(told(data(alone, Some(Prescribed::Rigid), None)).contains("`position_m`"));
         let wanted = ["string_N".to_owned()];
-        assert!(told(data(&table(11, 1e-3), None, Some(&wanted))).contains("`string_N` was not recorded"));
+        assert!(told(data(&table(11, 1e-3), None, Some(&wanted))).contains("has no `string_N` to compare"));
         assert!(told(data(&table(15, 1e-3), Some(Prescribed::Rigid), None)).contains("expected 22 or more"));
     }
 
