@@ -245,7 +245,7 @@ fn bad_arguments() {
         (&["--from", "NaN"], "--from NaN: expected a number"),
         (&["--to", "inf"], "--to inf: expected a number"),
         (&["--to", "ten"], "invalid value 'ten'"),
-        (&["--from", "9"], "let off, 5.77 mm"),
+        (&["--from", "9"], "let-off, 5.77 mm"),
         (&["c7f-like", "--instrument", "concert-grand"], "cannot be used with"),
         (&["concert-grand"], "`concert-grand` is an instrument: --instrument concert-grand"),
         (&["d-like"], "no built-in linkage `d-like` (built in: c7f-like, steinway-o-like)"),
