@@ -76,8 +76,8 @@ fn check_knows_every_format() {
     folder.good(&["press", "--duration", "0.02", "--out", "run"]);
     assert!(folder.good(&["check", "run/summary.json"]).contains("erard press --duration 0.02"));
     for (name, text, part) in [
-        ("a.json", "{}", "no kind"),
-        ("b.json", "{", "no JSON"),
+        ("a.json", "{}", "unknown kind of JSON"),
+        ("b.json", "{", "is not JSON"),
         ("c.toml", "format = \"erard-published/2\"\n", "groups"),
         ("d.toml", "format = \"erard-usual/1\"\n[usual.dip_mm]\nsource = \"s\"\n", "expected `at_least` or `at_most`"),
     ] {

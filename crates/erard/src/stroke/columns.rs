@@ -577,9 +577,9 @@ mod tests {
             ("force=none,position=x:furlong", &["not a unit", "`furlong`", "m, dm"]),
             ("force=none,position=y", &["no column has this title", "`y`", "`Force (V)`"]),
             ("force=none,position=none", &["neither"]),
-            ("time=none", &["without time"]),
-            ("weight=x", &["begins with none of", "Displacement (mm)"]),
-            ("force=", &["no title"]),
+            ("time=none", &["no time column"]),
+            ("weight=x", &["in front of a title", "Displacement (mm)"]),
+            ("force=", &["lacks a title"]),
             ("force=x,force=x", &["twice"]),
         ] {
             let said = found(&titles, asked).unwrap_err();

@@ -96,7 +96,7 @@ fn restarts_that_disagree() {
     let mut problem = problem(&[heavier_until_the_impact()], &asks).unwrap();
     let found = fit_by(&mut problem, &asks.plan, &mut Idle).unwrap();
     let text = said(&found, DoubtKind::Restarts);
-    assert!(text.starts_with("6 attempts from different starts ended at different places"), "{text}");
+    assert!(text.starts_with("6 starts led to different results"), "{text}");
 }
 
 /// Data beyond the impact: the advice, carried out, takes the doubt away.
@@ -128,8 +128,8 @@ fn noise_that_is_not_known() {
     }
     let smooth = until_the_impact(recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, [0.0; 3], 0.0));
     for (data, text) in [
-        (coarse, "the noise of force_N, which drives, is not known and counts as none"),
-        (smooth, "the noise of key_m is not known and is estimated from the residuals"),
+        (coarse, "the noise of force_N, which drives the model, is unknown and taken as zero"),
+        (smooth, "the noise of key_m is unknown and estimated from the residuals"),
     ] {
         let mut asks = asks(&["body.hammer.mass"]);
         asks.sigma.clear();
