@@ -4,6 +4,7 @@ mod bands;
 mod check;
 mod check_recording;
 mod compare;
+mod diagnose;
 mod draw;
 mod fit;
 mod fmu;
@@ -70,6 +71,8 @@ enum Sub {
     Study(Box<study::Study>),
     /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
     Measure(measure::Measure),
+    /// Ranks what may be wrong with a key of your own piano, from whatever was measured of it.
+    Diagnose(Box<diagnose::Diagnose>),
     /// Weighs the keys of a keyboard from bass to treble, or writes one key's instrument.
     Keyboard(keyboard::Keyboard),
     /// Turns an instrument's screws until its action meets a specification; writes a new instrument file.
@@ -116,6 +119,7 @@ impl Sub {
             Sub::Draw(draw) => draw.run(),
             Sub::Study(study) => study.run(),
             Sub::Measure(measure) => measure.run(),
+            Sub::Diagnose(diagnose) => diagnose.run(),
             Sub::Keyboard(keyboard) => keyboard.run(),
             Sub::Regulate(regulate) => regulate.run(),
             Sub::Validate(validate) => validate.run(),

@@ -88,7 +88,7 @@ fn wrong_input_is_told() {
         (&["keyboard", "--key", "0"], "0 is not in 1..=88"),
         (&["keyboard", "--every", "0"], "0 is not in 1..=87"),
         (&["press", "--instrument", "mine.toml"], "this is a keyboard; name one of its keys, as in mine.toml:key=40"),
-        (&["press", "--instrument", "mine.toml:key=C4"], "`C4` is no key; expected a number from 1 to 88"),
+        (&["press", "--instrument", "mine.toml:key=C9"], "`C9` is no key; expected a number from 1 to 88, or a note"),
         (&["measure", "concert-grand:key=0"], "`0` is no key"),
         (&["measure", "steinway-o:key=1"], "there is no file and no built-in keyboard `steinway-o`"),
         (&["regulate", "nobody.toml:key=3"], "nobody.toml: cannot be read"),

@@ -7,6 +7,7 @@ mod not_run;
 mod bad_input;
 mod book;
 mod desk;
+mod diagnose;
 mod endings;
 mod faults;
 mod fit;
