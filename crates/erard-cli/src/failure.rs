@@ -109,10 +109,7 @@ impl Failure {
     }
 
     fn exit_code(&self) -> u8 {
-        match self {
-            Failure::Internal(_) | Failure::Unmet(_) | Failure::Doubtful(_) => 1,
-            _ => 2,
-        }
+        if self.has_answered() || matches!(self, Failure::Internal(_)) { 1 } else { 2 }
     }
 
     /// Whether all was done and written, and the failure is what came out.

@@ -13,6 +13,7 @@ pub mod answer;
 mod cache;
 pub mod command;
 mod compare;
+mod diagnose;
 mod excerpt;
 pub mod failure;
 mod fit;

@@ -6,6 +6,7 @@
 pub mod balance;
 pub mod compare;
 pub mod cores;
+pub mod diagnose;
 pub mod distances;
 pub mod fit;
 pub mod fmu;

@@ -6,9 +6,9 @@ use thiserror::Error;
 
 use crate::files::shown;
 use crate::instrument::{FileError, Instrument, UnknownInstrument, file_bytes, utf8};
-use crate::keyboard::{KEYS, Keyboard, is_keyboard};
+use crate::keyboard::{KEYS, Keyboard, is_keyboard, key_named};
 
-/// Text between a keyboard and the number of a key, as in `concert-grand:key=88`.
+/// Text between a keyboard and the number or note of a key, as in `concert-grand:key=88`.
 pub const KEY: &str = ":key=";
 
 /// Text before the number of a sample, as in `concert-grand:sample=17`.
@@ -51,7 +51,7 @@ pub enum InstrumentSpec<'a> {
 #[derive(Debug, Error)]
 pub enum InstrumentSpecError {
     /// No such key.
-    #[error("{asked}: found key `{key}`; expected a number from 1 to {KEYS}")]
+    #[error("{asked}: found key `{key}`; expected a number from 1 to {KEYS}, or a note from A0 to C8")]
     NoKey {
         /// As it was asked for.
         asked: String,
@@ -104,7 +104,7 @@ impl<'a> InstrumentSpec<'a> {
             return Err(InstrumentSpecError::Sampled { asked: asked.to_owned() });
         }
         if let Some((keyboard, key)) = asked.rsplit_once(KEY) {
-            let number = key.parse().ok().filter(|key| (1..=KEYS).contains(key));
+            let number = key_named(key);
             let no_key = || InstrumentSpecError::NoKey { asked: asked.to_owned(), key: key.to_owned() };
             return Ok(InstrumentSpec::Key { keyboard, key: number.ok_or_else(no_key)? });
         }

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use erard::instrument::{Instrument, InstrumentFile};
+use erard::instrument::{Instrument, InstrumentFile, utf8};
 use erard::keyboard::{Graded, Grading, KEYS, Keyboard, is_keyboard};
+use erard_workshop::diagnose::{entries, is_table_of_keys, read as readings};
 use erard_workshop::measure::usual;
 use erard_workshop::validate::Published;
 use serde_json::{Map, Value, json};
@@ -58,7 +59,7 @@ impl Check {
                 let (name, bytes) = inputs::bytes(&self.file)?;
                 Self::json(&name, &bytes)?
             }
-            ending if TABLES.contains(&ending) => self.stroke()?,
+            ending if TABLES.contains(&ending) => self.table(ending)?,
             _ => match self.file.to_str().filter(|_| !self.file.exists()).and_then(built_in) {
                 Some(("stroke", text)) => {
                     let ready = self.recording.make_ready(&shown(&self.file), text.as_bytes())?;
@@ -287,6 +288,28 @@ impl Check {
         }
         let counts = [("gradings", keyboard.gradings.len()), ("points", points().count()), ("keys", KEYS)];
         Ok(checked("keyboard", name, Some(&keyboard.name), counts))
+    }
+
+    /// A table of readings, a row for each key, or a stroke.
+    fn table(&self, ending: &str) -> Result<Value, Failure> {
+        if ending == "parquet" || !self.file.is_file() {
+            return self.stroke();
+        }
+        let (name, bytes) = inputs::bytes(&self.file)?;
+        let text = String::from_utf8_lossy(&bytes);
+        if !is_table_of_keys(&text) {
+            return self.stroke();
+        }
+        let keys = readings(utf8(&bytes, &name)?, &name).map_err(|error| Failure::Usage(error.to_string()))?;
+        let count = entries().iter().filter(|entry| keys.iter().any(|(_, known)| known.get(entry.name).is_some()));
+        let names: Vec<&str> = count.map(|entry| entry.label).collect();
+        say!("{name}: readings of {} keys, for `erard diagnose`", keys.len());
+        if let Ok(weighed) = erard_workshop::balance::read(&text, &name) {
+            say!("  weights of {} keys in it, for `erard keyboard --weigh`", weighed.len());
+        }
+        say!();
+        say!("  {}", names.join(", "));
+        Ok(checked("readings of keys", &name, None, [("keys", keys.len()), ("readings", names.len())]))
     }
 
     fn stroke(&self) -> Result<Value, Failure> {

@@ -5,7 +5,7 @@ use erard::instrument::Instrument;
 use erard::keyboard::KEYS;
 use erard_workshop::weighing::weigh;
 
-use super::options::{KeyboardKey, load_keyboard};
+use super::options::{KeyboardKey, key, load_keyboard};
 use super::out::OutOptions;
 use super::weigh::WeighOptions;
 use crate::answer;
@@ -29,9 +29,9 @@ pub(crate) struct Keyboard {
     /// Weigh every N-th key
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=87), allow_negative_numbers = true, conflicts_with = "key")]
     every: u8,
-    /// Only print the instrument file of this key, 1 (A0) to 88 (C8)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88), allow_negative_numbers = true, conflicts_with_all = ["out", "force"])]
-    key: Option<u8>,
+    /// Only print the instrument file of this key, by number or note (40, C4)
+    #[arg(long, value_name = "KEY", value_parser = key, allow_negative_numbers = true, conflicts_with_all = ["out", "force"])]
+    key: Option<usize>,
     #[command(flatten)]
     weigh: WeighOptions,
     #[command(flatten)]
@@ -47,7 +47,7 @@ impl Keyboard {
         let [keyboard] = &self.keyboards[..] else { return Err(Failure::Internal("no keyboard".into())) };
         let keyboard = load_keyboard(keyboard)?;
         if let Some(key) = self.key {
-            let one = KeyboardKey { keyboard, key: usize::from(key) };
+            let one = KeyboardKey { keyboard, key };
             return answer::text(&format!("{}\n", one.text()?.trim_end_matches('\n')));
         }
         if let Some(path) = self.weigh.asked() {

@@ -15,7 +15,7 @@ use moreau::Settings;
 
 use super::bands::{self, BandOptions};
 use super::options::{
-    Stays, instrument_path, key_number, keys_of, load_instrument, load_instrument_and_text, measured_lines,
+    Stays, instrument_path, key, key_number, keys_of, load_instrument, load_instrument_and_text, measured_lines,
 };
 use super::out::OutOptions;
 use crate::failure::Failure;
@@ -66,10 +66,10 @@ pub(crate) struct Measure {
     /// With --sheet: also write the instrument file as it is after the work (carried-out.toml)
     #[arg(long, requires = "sheet")]
     carry_out: bool,
-    /// Key number of the instrument, 1 (A0) to 88 (C8), which selects the usual ranges [default: that of the
-    /// instrument, else 40]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=88), allow_negative_numbers = true)]
-    key: Option<u8>,
+    /// Key of the instrument, by number (1 to 88) or note (A0 to C8), which selects the usual ranges [default: that of
+    /// the instrument, else C4]
+    #[arg(long, value_name = "KEY", value_parser = key, allow_negative_numbers = true)]
+    key: Option<usize>,
     #[command(flatten)]
     lengths: Lengths,
     #[command(flatten)]
@@ -285,7 +285,7 @@ impl Measure {
             None if shared(&instrument.name) => asked.to_owned(),
             None => instrument.name.clone(),
         };
-        let key = |asked: &str| key_number(asked).or(self.key.map(usize::from));
+        let key = |asked: &str| key_number(asked).or(self.key);
         let named: Vec<(String, Option<usize>)> =
             asked.iter().zip(&instruments).map(|(asked, one)| (label(asked, one), key(asked))).collect();
         let with = named.into_iter().zip(instruments);
@@ -300,7 +300,7 @@ impl Measure {
 }
 
 /// A lead: its mass in grams, and where it is in millimetres in front of the balance pin.
-fn lead(text: &str) -> Result<Lead, Failure> {
+pub(super) fn lead(text: &str) -> Result<Lead, Failure> {
     let read = text.trim().split_once('@').and_then(|(mass, at)| {
         let (mass_g, at_mm) = (mass.trim().parse::<f64>().ok()?, at.trim().parse::<f64>().ok()?);
         Some(Lead { mass_g, at_mm })

@@ -4,6 +4,7 @@ mod bands;
 mod check;
 mod check_recording;
 mod compare;
+mod diagnose;
 mod draw;
 mod fit;
 mod fmu;
@@ -71,6 +72,8 @@ enum Sub {
     Study(Box<study::Study>),
     /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
     Measure(measure::Measure),
+    /// Ranks what may be wrong with a key of your own piano, from whatever was measured of it.
+    Diagnose(Box<diagnose::Diagnose>),
     /// Weighs the keys of a keyboard from bass to treble, or prints one key's instrument file.
     Keyboard(keyboard::Keyboard),
     /// Turns the screws of an instrument until it meets a specification, and writes a new file.
@@ -117,6 +120,7 @@ impl Sub {
             Sub::Draw(draw) => draw.run(),
             Sub::Study(study) => study.run(),
             Sub::Measure(measure) => measure.run(),
+            Sub::Diagnose(diagnose) => diagnose.run(),
             Sub::Keyboard(keyboard) => keyboard.run(),
             Sub::Regulate(regulate) => regulate.run(),
             Sub::Validate(validate) => validate.run(),

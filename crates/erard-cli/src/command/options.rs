@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile, utf8};
 use erard::instrument_spec::{InstrumentSpec, KEY, SAMPLE, split_sample};
-use erard::keyboard::{KEYS, Keyboard, is_keyboard};
+use erard::keyboard::{KEYS, Keyboard, is_keyboard, key_named};
 use erard::level::LevelError;
 use erard::one_dof;
 use erard::run::{Setup, SimulationError};
@@ -25,6 +25,11 @@ use crate::names::{Name, one_of};
 use crate::recordings::{Ready, RecordingOptions};
 use crate::tell;
 use erard_figures::drawing::ChangedNote;
+
+/// A key by number or note.
+pub(super) fn key(text: &str) -> Result<usize, String> {
+    key_named(text).ok_or_else(|| format!("expected a number from 1 to {KEYS}, or a note from A0 to C8"))
+}
 
 /// What stays where two lines cannot both come right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -246,7 +251,7 @@ pub(crate) fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
     else {
         return Ok(vec![asked.to_owned()]);
     };
-    let number = |text: &str| text.trim().parse::<usize>().ok().filter(|key| (1..=KEYS).contains(key));
+    let number = key_named;
     let mut all = Vec::new();
     for part in keys.split(',') {
         let range = match part.split_once("..") {
@@ -254,7 +259,7 @@ pub(crate) fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
             None => number(part).map(|key| (key, key)),
         };
         let Some((from, to)) = range else {
-            let expected = format!("keys from 1 to {KEYS}, as in `1..88` or `1,40,88`");
+            let expected = format!("keys from 1 to {KEYS} or notes from A0 to C8, as in `1..88`, `1,40,88` or `C4`");
             return Err(Failure::Usage(format!("{asked}: found keys `{part}`; expected {expected}")));
         };
         all.extend((from..=to).map(|key| format!("{keyboard}{KEY}{key}")));

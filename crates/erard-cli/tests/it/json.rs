@@ -87,6 +87,14 @@ const CALLS: &[(&str, &[&[&str]])] = &[
         ],
     ),
     ("list", &[&["list"]]),
+    (
+        "diagnose",
+        &[
+            &["diagnose", "--down-weight", "58", "--up-weight", "18", "--let-off", "3.5", "--drop", "0.2"],
+            &["diagnose", "--key", "C#4", "--dip", "9", "--let-off", "1.5", "--check", "none", "--strike-weight", "9"],
+            &["diagnose", "--down-weight", "50", "--up-weight", "26", "--front-weight", "26", "--strike-weight", "9"],
+        ],
+    ),
 ];
 
 fn home(name: &str) -> PathBuf {
@@ -135,7 +143,7 @@ fn infer(values: &[&Value], key: &str) -> Value {
 }
 
 /// Commands that answer within a second.
-const QUICK: [&str; 4] = ["press", "draw", "study", "list"];
+const QUICK: [&str; 5] = ["press", "draw", "study", "list", "diagnose"];
 
 #[test]
 fn quick_commands_answer_by_their_schemas() {

@@ -91,7 +91,10 @@ fn wrong_input_is_told() {
             &["press", "--instrument", "mine.toml"],
             "mine.toml: is a keyboard; expected an instrument. Name one of its keys: mine.toml:key=40",
         ),
-        (&["press", "--instrument", "mine.toml:key=C4"], "found key `C4`; expected a number from 1 to 88"),
+        (
+            &["press", "--instrument", "mine.toml:key=C9"],
+            "found key `C9`; expected a number from 1 to 88, or a note from A0 to C8",
+        ),
         (&["measure", "concert-grand:key=0"], "found key `0`"),
         (&["measure", "steinway-o:key=1"], "there is no file and no built-in keyboard `steinway-o`"),
         (&["regulate", "nobody.toml:key=3"], "nobody.toml: cannot be read"),

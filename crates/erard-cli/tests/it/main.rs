@@ -9,6 +9,7 @@ mod attack;
 mod bad_input;
 mod book;
 mod desk;
+mod diagnose;
 mod endings;
 mod faults;
 mod fit;

@@ -1,10 +1,7 @@
 //! What was weighed, read from a table: one row per key, keys and cells may be missing.
 
-use std::fmt;
-
-use erard::keyboard::{KEYS, note_name};
-
 use super::leads::Lead;
+use super::rows::{MeasuredError, number, rows_of_keys};
 
 /// A key as weighed on the bench; `None` was not.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -26,36 +23,6 @@ pub struct MeasuredKey {
     /// The leads that are in it; empty where nobody said.
     pub leads: Vec<Lead>,
 }
-
-/// The one thing that is wrong with the table: where it stands, what was found, what was expected.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct MeasuredError {
-    /// The file's name as the caller gave it.
-    pub file: String,
-    /// Line, from 1; 0 for the file as a whole.
-    pub line: usize,
-    /// Column; empty where the fault belongs to none.
-    pub column: String,
-    /// The fault.
-    pub message: String,
-    /// The expected text.
-    pub expected: String,
-}
-
-impl fmt::Display for MeasuredError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.file)?;
-        if self.line > 0 {
-            write!(f, ":{}", self.line)?;
-        }
-        if !self.column.is_empty() {
-            write!(f, ": column `{}`", self.column)?;
-        }
-        write!(f, ": {}; expected {}", self.message, self.expected)
-    }
-}
-
-impl std::error::Error for MeasuredError {}
 
 /// A column: its name, what else it is called, and the least and the most that a cell may say.
 struct Column {
@@ -91,7 +58,7 @@ const COLUMNS: [Column; 6] = [
     column("key_ratio", &["kr"], [0.3, 0.8], "", |key| &mut key.key_ratio),
 ];
 
-/// Reads a table: a header that names `key` (1 to 88) or `note` (A0 to C8), and any of `strike_weight_g`,
+/// Reads a table: a header that names `key` (1 to 88, or C4) or `note` (A0 to C8), and any of `strike_weight_g`,
 /// `front_weight_g`, `down_weight_g`, `up_weight_g`, `whippen_weight_g`, `key_ratio`, `leads` (such as `14@165 14@147`:
 /// grams at millimetres in front of the balance pin). The trade's letters (SW, FW, DW, UW, WW, KR) do as well; other
 /// columns are passed over. Cells end at commas, or at semicolons or tabs where the header has one, and then decimals
@@ -108,80 +75,32 @@ pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
         message,
         expected,
     };
-    let text = text.trim_start_matches('\u{feff}');
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .map(|(index, line)| (index + 1, line))
-        .filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
-    let expected_header =
-        || "a header such as `key,strike_weight_g,front_weight_g,down_weight_g,up_weight_g`".to_owned();
-    let Some((header_line, header)) = lines.next() else {
-        return Err(fault(0, "", "the file is empty".into(), expected_header()));
-    };
-    let separator = if header.contains('\t') {
-        '\t'
-    } else if header.contains(';') {
-        ';'
-    } else {
-        ','
-    };
-    let names: Vec<String> =
-        header.split(separator).map(cell).map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
-    let at = |wanted: &[&str]| -> Result<Option<usize>, MeasuredError> {
-        let mut found = names.iter().enumerate().filter(|(_, name)| wanted.contains(&name.as_str()));
-        let first = found.next().map(|(index, _)| index);
-        match found.next() {
-            Some((_, name)) => Err(fault(header_line, name, "named twice".into(), "one column of each kind".into())),
-            None => Ok(first),
-        }
-    };
-    let key_at = at(&["key", "key_number", "number", "nr", "no"])?;
-    let note_at = at(&["note"])?;
-    if key_at.is_none() && note_at.is_none() {
-        return Err(fault(header_line, "", "no column says which key a row is of".into(), expected_header()));
-    }
+    const HEADER: &str = "key,strike_weight_g,front_weight_g,down_weight_g,up_weight_g";
+    let table = rows_of_keys(text, file, HEADER)?;
     let mut columns: Vec<(usize, &Column)> = Vec::new();
     for column in &COLUMNS {
         let wanted: Vec<&str> = std::iter::once(column.name).chain(column.also.iter().copied()).collect();
-        columns.extend(at(&wanted)?.map(|index| (index, column)));
+        let at = table
+            .column(&wanted)
+            .map_err(|name| fault(table.header_line, &name, "named twice".into(), "one column of each kind".into()))?;
+        columns.extend(at.map(|index| (index, column)));
     }
-    let leads_at = at(&["leads"])?;
     if columns.is_empty() {
-        return Err(fault(header_line, "", "no column holds a weight".into(), expected_header()));
+        let expected = format!("a header such as `{HEADER}`");
+        return Err(fault(table.header_line, "", "no column holds a weight".into(), expected));
     }
-
-    let mut keys: Vec<(usize, MeasuredKey)> = Vec::new();
-    for (line, row) in lines {
-        let cells: Vec<&str> = row.split(separator).map(cell).collect();
-        if cells.len() > names.len() {
-            let message = format!("{} cells where the header has {}", cells.len(), names.len());
-            let expected = "a cell for every column; decimals with a point, or semicolons between cells".into();
-            return Err(fault(line, "", message, expected));
-        }
-        let text_at = |index: Option<usize>| index.and_then(|index| cells.get(index)).copied().unwrap_or("");
-        let key = key_of(text_at(key_at), text_at(note_at)).map_err(|(column, found)| {
-            fault(
-                line,
-                column,
-                format!("`{found}` is no key"),
-                format!("a number from 1 to {KEYS}, or a note from A0 to C8"),
-            )
-        })?;
-        if let Some((other, _)) = keys.iter().find(|(_, known)| known.key == key) {
-            let message = format!("key {key} stands in line {other} already");
-            return Err(fault(line, "", message, "every key once".into()));
-        }
-        let mut measured = MeasuredKey { key, ..MeasuredKey::default() };
+    let mut keys: Vec<MeasuredKey> = Vec::new();
+    for row in table.rows {
+        let mut measured = MeasuredKey { key: row.key, leads: row.leads, ..MeasuredKey::default() };
         for &(index, column) in &columns {
-            let text = text_at(Some(index));
+            let text = row.cells.get(index).map_or("", String::as_str);
             if text.is_empty() {
                 continue;
             }
             let [least, most] = column.limits;
-            let value = number(text, separator).filter(|value| (least..=most).contains(value)).ok_or_else(|| {
+            let value = number(text).filter(|value| (least..=most).contains(value)).ok_or_else(|| {
                 let expected = format!("a number from {least} to {most} {}", column.unit);
-                fault(line, &names[index], format!("`{text}`"), expected.trim_end().to_owned())
+                fault(row.line, &table.names[index], format!("`{text}`"), expected.trim_end().to_owned())
             })?;
             *(column.cell)(&mut measured) = Some(value);
         }
@@ -189,49 +108,17 @@ pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
             && up > down
         {
             let message = format!("an up-weight of {up} g over a down-weight of {down} g");
-            return Err(fault(line, "up_weight_g", message, "no more than the down-weight: are they swapped?".into()));
+            return Err(fault(
+                row.line,
+                "up_weight_g",
+                message,
+                "no more than the down-weight: are they swapped?".into(),
+            ));
         }
-        measured.leads = leads(text_at(leads_at), separator).map_err(|found| {
-            fault(line, "leads", format!("`{found}`"), "grams at millimetres, as in `14@165 14@147`".into())
-        })?;
-        keys.push((line, measured));
+        keys.push(measured);
     }
-    if keys.is_empty() {
-        return Err(fault(0, "", "there is no key in it".into(), "a row for each key that was weighed".into()));
-    }
-    let mut keys: Vec<MeasuredKey> = keys.into_iter().map(|(_, key)| key).collect();
     keys.sort_by_key(|key| key.key);
     Ok(keys)
-}
-
-fn cell(text: &str) -> &str {
-    text.trim().trim_matches('"').trim()
-}
-
-fn number(text: &str, separator: char) -> Option<f64> {
-    let text = text.trim_end_matches(" g").trim();
-    let point = if separator == ',' { text.to_owned() } else { text.replace(',', ".") };
-    point.parse().ok().filter(|value: &f64| value.is_finite())
-}
-
-/// The key by its number, or by its note; the column and the text that say none.
-fn key_of<'t>(number: &'t str, note: &'t str) -> Result<usize, (&'static str, &'t str)> {
-    if !number.is_empty() || note.is_empty() {
-        return number.parse().ok().filter(|key| (1..=KEYS).contains(key)).ok_or(("key", number));
-    }
-    (1..=KEYS).find(|&key| note_name(key).eq_ignore_ascii_case(note)).ok_or(("note", note))
-}
-
-fn leads(text: &str, separator: char) -> Result<Vec<Lead>, String> {
-    text.split_whitespace()
-        .map(|one| {
-            let lead = one.split_once('@').and_then(|(mass, at)| {
-                let (mass_g, at_mm) = (number(mass, separator)?, number(at.trim_end_matches("mm"), separator)?);
-                ((0.1..=50.0).contains(&mass_g) && at_mm.abs() <= 300.0).then_some(Lead { mass_g, at_mm })
-            });
-            lead.ok_or_else(|| one.to_owned())
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -80,7 +80,7 @@ pub fn known_screw(name: &str) -> Option<&'static KnownScrew> {
 
 impl KnownScrew {
     /// +1 where a positive setting turns the way of the reference, -1 where the file counts the other way.
-    pub(super) fn sense(&self, screw: &Screw) -> f64 {
+    pub(crate) fn sense(&self, screw: &Screw) -> f64 {
         match screw.action {
             ScrewAction::Disc { direction, .. } | ScrewAction::Curve { direction, .. } => {
                 let along = direction[0] * self.reference[0] + direction[1] * self.reference[1];

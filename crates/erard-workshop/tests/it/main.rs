@@ -6,6 +6,7 @@ mod common;
 mod bends;
 mod combinations;
 mod compare;
+mod diagnose;
 mod distances;
 mod fit;
 mod further_instruments;

@@ -115,9 +115,23 @@ pub fn note_name(key: usize) -> String {
     format!("{}{}", NAMES[from_c0 % 12], from_c0 / 12)
 }
 
+/// The key of a number (`40`) or a note (`C4`, `c#4`, `Db4`), from 1; `None` where it is none of the 88.
+#[must_use]
+pub fn key_named(text: &str) -> Option<usize> {
+    const FLATS: [(&str, &str); 5] = [("DB", "C#"), ("EB", "D#"), ("GB", "F#"), ("AB", "G#"), ("BB", "A#")];
+    let text = text.trim();
+    if let Ok(number) = text.parse::<usize>() {
+        return (1..=KEYS).contains(&number).then_some(number);
+    }
+    let upper = text.to_uppercase();
+    let flat = FLATS.iter().find_map(|(flat, sharp)| Some((sharp, upper.strip_prefix(flat)?)));
+    let name = flat.map_or(upper.clone(), |(sharp, octave)| format!("{sharp}{octave}"));
+    (1..=KEYS).find(|key| note_name(*key) == name)
+}
+
 /// Whether a key is a black one.
 #[must_use]
-pub(crate) fn is_sharp(key: usize) -> bool {
+pub fn is_sharp(key: usize) -> bool {
     note_name(key).contains('#')
 }
 
@@ -129,5 +143,16 @@ mod tests {
     fn notes() {
         let names = [1, 3, 4, 16, 40, 41, 49, 64, 88].map(note_name);
         assert_eq!(names, ["A0", "B0", "C1", "C2", "C4", "C#4", "A4", "C6", "C8"]);
+    }
+
+    /// Numbers, notes, flats, either case; nothing beyond the 88.
+    #[test]
+    fn keys_by_number_or_note() {
+        for (text, key) in [("40", 40), ("C4", 40), (" c4", 40), ("Db4", 41), ("c#4", 41), ("Bb0", 2), ("c8", 88)] {
+            assert_eq!(key_named(text), Some(key), "{text}");
+        }
+        for text in ["0", "89", "H4", "C9", "", "Fb4", "-3", "4.5", "b"] {
+            assert_eq!(key_named(text), None, "{text}");
+        }
     }
 }

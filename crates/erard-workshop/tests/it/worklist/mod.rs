@@ -1,6 +1,6 @@
 //! The list of work: each line stands on a copy that has been worked on.
 
-mod proof;
+pub mod proof;
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;

@@ -27,16 +27,16 @@ impl Chance {
     }
 
     /// From 0 to 1.
-    fn share(&mut self) -> f64 {
+    pub fn share(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
     /// From -1 to 1.
-    fn either_way(&mut self) -> f64 {
+    pub fn either_way(&mut self) -> f64 {
         2.0 * self.share() - 1.0
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.share()
     }
 

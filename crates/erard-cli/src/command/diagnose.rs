@@ -1,0 +1,195 @@
+//! `erard diagnose`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Arg, ArgMatches, Args, FromArgMatches};
+use erard::instrument::utf8;
+use erard::keyboard::key_named;
+use erard_workshop::balance::Lead;
+use erard_workshop::diagnose::{Diagnosis, Entry, Known, diagnose, entries, read};
+use serde_json::Value;
+
+use super::measure::lead;
+use super::options::key;
+use super::out::OutOptions;
+use crate::diagnose::{Work, html, report, table, text};
+use crate::failure::Failure;
+use crate::identity;
+use crate::inputs;
+use crate::paper::Headed;
+use crate::progress::Progress;
+use crate::say;
+use crate::units::Lengths;
+
+/// What stands below the options.
+const AFTER: &str = include_str!("help/diagnose.txt");
+/// The key where nobody says which.
+const MIDDLE_C: usize = 40;
+
+/// Ranks what may be wrong with a key of your own piano, from whatever was measured of it.
+///
+/// Readings are options, a table of many keys, or the measure.json of `erard measure`.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER)]
+pub(crate) struct Diagnose {
+    /// A table of readings (CSV), a row for each key, columns named as the options are; or a measure.json
+    #[arg(value_name = "READINGS")]
+    file: Option<PathBuf>,
+    /// Which key it is, by number (1 to 88) or note (A0 to C8), for the usual ranges there [default: C4]
+    #[arg(long, value_name = "KEY", value_parser = key, allow_negative_numbers = true)]
+    key: Option<usize>,
+    #[command(flatten)]
+    readings: Readings,
+    /// The key's leads, g@mm in front of the balance pin with commas (14@165,14@147; behind it negative)
+    #[arg(long, value_name = "G@MM,..", value_delimiter = ',', allow_hyphen_values = true)]
+    leads: Vec<String>,
+    #[command(flatten)]
+    lengths: Lengths,
+    #[command(flatten)]
+    headed: Headed,
+    #[command(flatten)]
+    out: OutOptions,
+}
+
+/// One option for each thing that can be measured, made of the workshop's table.
+#[derive(Debug, Clone)]
+struct Readings(Vec<(&'static Entry, String)>);
+
+/// The option of an entry: its name without the unit.
+fn option(entry: &Entry) -> String {
+    let ends = ["_m_per_s", "_share", "_mm", "_g"];
+    let bare = ends.iter().find_map(|end| entry.name.strip_suffix(end)).unwrap_or(entry.name);
+    bare.replace('_', "-")
+}
+
+impl Args for Readings {
+    fn augment_args(command: clap::Command) -> clap::Command {
+        entries().iter().fold(command, |command, entry| {
+            let long = option(entry);
+            let names = std::iter::once(entry.name).chain(entry.also.iter().copied());
+            let aliases = names.map(|name| name.replace('_', "-")).filter(|name| *name != long);
+            let unit = if entry.unit.is_empty() { "NUMBER" } else { entry.unit };
+            let arg = Arg::new(entry.name)
+                .long(long.clone())
+                .aliases(aliases.collect::<Vec<_>>())
+                .value_name(unit.to_uppercase())
+                .help(format!("{}: {}", entry.label, entry.how))
+                .help_heading("Readings, whatever subset was taken")
+                .allow_negative_numbers(true);
+            command.arg(arg)
+        })
+    }
+
+    fn augment_args_for_update(command: clap::Command) -> clap::Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for Readings {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let given = |entry: &'static Entry| Some((entry, matches.get_one::<String>(entry.name)?.clone()));
+        Ok(Readings(entries().iter().filter_map(given).collect()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Diagnose {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let keys = match &self.file {
+            None => vec![self.given()?],
+            Some(path) => self.of_file(path)?,
+        };
+        let mut output = self.out.prepare("diagnose", &["diagnosis.json", "diagnosis.html"])?;
+        let mut progress = Progress::new("diagnosing");
+        let mut found: Vec<Diagnosis> = Vec::new();
+        for (done, (key, known)) in keys.iter().enumerate() {
+            progress.tell(done as f64 / keys.len() as f64);
+            found.push(diagnose(known, *key));
+        }
+        drop(progress);
+        let name = self.file.as_deref().map(inputs::shown);
+        let work = Work { file: name.as_deref(), found: &found, headed: &self.headed, lengths: self.lengths };
+        output.text("diagnosis.html", &html(&work))?;
+        output.json("diagnosis.json", &report(&work))?;
+        if found.len() > 1 {
+            output.table("diagnosis.csv", &table(&work))?;
+        }
+        let written = output.commit()?;
+        say!("{}", text(&work).trim_end_matches('\n'));
+        say!();
+        say!("{written}");
+        Ok(())
+    }
+
+    /// What the options say of one key.
+    fn given(&self) -> Result<(usize, Known), Failure> {
+        let key = self.key.unwrap_or(MIDDLE_C);
+        let mut known = Known::default();
+        known.leads = self.leads()?;
+        for (entry, text) in &self.readings.0 {
+            let wrong = |expected: String| Failure::Usage(format!("--{} {text}: expected {expected}", option(entry)));
+            known.enter(entry, text).map_err(wrong)?;
+        }
+        if known.is_empty() {
+            return Err(Failure::Usage(
+                "no reading was given; expected options such as --down-weight 58 --up-weight 18, a table (CSV), or a measure.json; \
+                 `erard diagnose --help` names them all"
+                    .into(),
+            ));
+        }
+        known.check().map_err(|error| Failure::Usage(error.to_string()))?;
+        Ok((key, known))
+    }
+
+    fn leads(&self) -> Result<Vec<Lead>, Failure> {
+        self.leads.iter().map(|text| lead(text)).collect()
+    }
+
+    /// The keys of a table, or of a sheet.
+    fn of_file(&self, path: &Path) -> Result<Vec<(usize, Known)>, Failure> {
+        if !self.readings.0.is_empty() || !self.leads.is_empty() {
+            let file = inputs::shown(path);
+            let why = "readings are given as options, too; expected either, and more columns in the table";
+            return Err(Failure::Usage(format!("{file}: {why}")));
+        }
+        let (file, bytes) = inputs::bytes(path)?;
+        identity::used("readings", &file, Some(&file), &bytes);
+        let text = utf8(&bytes, &file)?;
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
+            return self.of_sheets(text, &file);
+        }
+        if self.key.is_some() {
+            return Err(Failure::Usage(format!("{file}: --key goes with options; the table names its keys")));
+        }
+        read(text, &file).map_err(|error| Failure::Usage(error.to_string()))
+    }
+
+    /// What `erard measure` wrote: one sheet, or a list of them.
+    fn of_sheets(&self, text: &str, file: &str) -> Result<Vec<(usize, Known)>, Failure> {
+        let wrong = |why: &str| Failure::Usage(format!("{file}: {why}; expected the measure.json of `erard measure`"));
+        let value: Value = serde_json::from_str(text).map_err(|error| wrong(&error.to_string()))?;
+        let sheets = value.as_array().cloned().unwrap_or_else(|| vec![value]);
+        let mut keys = Vec::new();
+        for sheet in &sheets {
+            let key = sheet["norms_for_key"].as_u64().and_then(|key| key_named(&key.to_string()));
+            let key = self.key.or(key).ok_or_else(|| wrong("it names no key"))?;
+            let mut known = Known::default();
+            for entry in entries() {
+                // The ratio of the sheet follows from its weights: no reading of its own.
+                known.set(entry.name, sheet[entry.name].as_f64());
+            }
+            known.is_not_caught = sheet.get("check_mm").is_some_and(Value::is_null);
+            if known.is_empty() {
+                return Err(wrong("it holds no reading"));
+            }
+            known.check().map_err(|error| wrong(&error.to_string()))?;
+            keys.push((key, known));
+        }
+        Ok(keys)
+    }
+}

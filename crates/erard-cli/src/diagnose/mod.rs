@@ -1,0 +1,25 @@
+//! What `erard diagnose` makes of its answers: text, table, JSON, page.
+
+mod page;
+mod words;
+
+pub(crate) use page::html;
+pub(crate) use words::{report, table, text};
+
+use erard_workshop::diagnose::Diagnosis;
+
+use crate::paper::Headed;
+use crate::units::Lengths;
+
+/// Answers with what belongs to their page.
+#[derive(Debug)]
+pub(crate) struct Work<'a> {
+    /// The file of the readings; `None` where they were options.
+    pub file: Option<&'a str>,
+    /// The answers, a key each.
+    pub found: &'a [Diagnosis],
+    /// What stands at the head of the page.
+    pub headed: &'a Headed,
+    /// How lengths are shown.
+    pub lengths: Lengths,
+}

@@ -1,0 +1,119 @@
+//! The printed page: the person's numbers, the causes with their tests, what to measure next.
+
+use maud::{Markup, html};
+
+use super::Work;
+use super::words::{
+    BASIS, explains, geometry, key, mark, not_judged, percent, rows, usual, value, verdict, would_read,
+};
+use crate::paper::page;
+use crate::table::Table;
+use erard_workshop::diagnose::{Diagnosis, Standing};
+
+const STYLE: &str = include_str!("../paper.css");
+
+/// The page: of many keys a list first, then those with work, one after the other.
+pub(crate) fn html(work: &Work<'_>) -> String {
+    let headed = work.headed;
+    let what = match work.found {
+        [one] => key(one),
+        found => format!("{} keys", found.len()),
+    };
+    let style = format!("{STYLE}@page{{size:{}}}section+section{{break-before:auto}}", headed.paper);
+    let body = html! {
+        header {
+            h1 { "Diagnosis: " (what) }
+            dl {
+                div { dt { "serial" } dd { (headed.serial.as_deref().unwrap_or("")) } }
+                div { dt { "date" } dd { (headed.date.as_deref().unwrap_or("")) } }
+                @if let Some(file) = work.file { div { dt { "readings" } dd { (file) } } }
+            }
+        }
+        @if let Some(note) = &headed.note { p.note { (note) } }
+        @if let [one] = work.found {
+            (of_key(one, work))
+        } @else {
+            (list(work))
+            @for one in work.found.iter().filter(|one| one.is_work()) {
+                h2 { (key(one)) }
+                (of_key(one, work))
+            }
+        }
+        footer.soft {
+            "D and U are weighed with the pedal down. A reading is out (!) where it leaves its usual range by more than it may be off. " (BASIS)
+        }
+    };
+    page(&format!("Diagnosis: {what}"), &style, &body)
+}
+
+fn list(work: &Work<'_>) -> Markup {
+    let ticked = rows(work).into_iter().map(|row| row.into_iter().chain(["☐".to_owned()]));
+    let heads = ["key", "note", "out of its range", "likeliest cause", "", "measure next", "done"];
+    html! { div.wide { table.list { (Table::of(heads, ticked).html()) } } }
+}
+
+fn of_key(one: &Diagnosis, work: &Work<'_>) -> Markup {
+    html! {
+        section {
+            (readings(one, work))
+            @if let Some(why) = not_judged(one) { p.soft { "Not judged: " (why) "." } }
+            h2 { (verdict(one)) }
+            @if !one.causes.is_empty() {
+                table.list {
+                    thead { tr { th {} th { "cause" } th { "test that tells it apart" } th { "then" } th.tick { "done" } } }
+                    tbody {
+                        @for (rank, ranked) in one.causes.iter().enumerate() {
+                            tr {
+                                th scope="row" { (rank + 1) }
+                                td {
+                                    span.do { (ranked.cause.name) } ", " (percent(ranked.probability).replace(' ', "\u{a0}"))
+                                    @let explained = explains(ranked, work.lengths);
+                                    @if !explained.is_empty() { div.soft { "explains " (explained) } }
+                                }
+                                td { (ranked.cause.test) }
+                                td { (ranked.cause.cure) }
+                                td.tick { "☐" }
+                            }
+                        }
+                    }
+                }
+            }
+            @if one.something_else > 0.05 {
+                p.soft { "Something that is not in this list: " (percent(one.something_else)) "." }
+            }
+            @if let Some(next) = &one.next {
+                h2 { "Measure next: " (next.label) }
+                p { "How: " (next.how) "." }
+                table {
+                    thead { tr { th { "if it reads" } th { "then it is likely" } } }
+                    tbody {
+                        @for (number, causes) in would_read(next, work.lengths) {
+                            tr { td.one { (number) } td { (causes) } }
+                        }
+                    }
+                }
+            }
+            h2 { "What follows from the weights" }
+            @for line in geometry(one) { p.soft { (line) } }
+        }
+    }
+}
+
+fn readings(one: &Diagnosis, work: &Work<'_>) -> Markup {
+    html! {
+        table {
+            thead { tr { th { "reading" } th.n { "here" } th {} th.n { "usual" } } }
+            tbody {
+                @for line in &one.lines {
+                    @let number = value(line.value, line.unit, line.decimals, work.lengths);
+                    tr {
+                        td { (line.label) }
+                        @if line.standing == Standing::Out { td.n.out { (number) } } @else { td.n { (number) } }
+                        td.one { (mark(line)) }
+                        td.n.soft { (usual(line, work.lengths)) }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,338 @@
+//! Answers as text, as a table and as JSON.
+
+use std::fmt::Write as _;
+
+use erard::keyboard::note_name;
+use erard_workshop::diagnose::{Band, Cause, Diagnosis, Judged, Ranked, Standing, Suggestion, entries};
+use serde_json::{Value, json};
+
+use super::Work;
+use crate::table::{Table, WIDEST, wrapped};
+use crate::units::Lengths;
+
+/// What every answer rests on.
+pub(super) const BASIS: &str = "What a cause does to each reading is simulated on grands around the built-in concert-grand, not on your piano; how \
+     common each cause is, is an estimate. Probabilities are no better than these.";
+
+/// A value with its unit, lengths as the ruler shows them.
+pub(super) fn value(value: Option<f64>, unit: &str, decimals: usize, lengths: Lengths) -> String {
+    match value {
+        None => "none".to_owned(),
+        Some(mm) if unit == "mm" => lengths.text(mm, decimals),
+        Some(value) => format!("{:.decimals$} {unit}", value + 0.0).trim_end().to_owned(),
+    }
+}
+
+/// A usual range.
+pub(super) fn usual(line: &Judged, lengths: Lengths) -> String {
+    let number = |x: f64| {
+        if line.unit == "mm" { lengths.number(x, line.decimals) } else { format!("{x:.*}", line.decimals) }
+    };
+    match line.usual {
+        None => String::new(),
+        Some([low, high]) if low.is_infinite() => format!("to {}", number(high)),
+        Some([low, high]) if high.is_infinite() => format!("from {}", number(low)),
+        Some([low, high]) => format!("{}-{}", number(low), number(high)),
+    }
+}
+
+/// What stands beside a reading.
+pub(super) fn mark(line: &Judged) -> &'static str {
+    match line.standing {
+        Standing::Out => "!",
+        Standing::Doubtful => "? take it again",
+        Standing::NotJudged(_) => "not judged",
+        Standing::Inside | Standing::NoRange => "",
+    }
+}
+
+/// The name and number of a key.
+pub(super) fn key(diagnosis: &Diagnosis) -> String {
+    format!("{} (key {})", note_name(diagnosis.key), diagnosis.key)
+}
+
+/// A share as whole per cents.
+pub(super) fn percent(share: f64) -> String {
+    match (100.0 * share).round() {
+        p if p < 1.0 => "under 1 %".to_owned(),
+        p if p > 99.0 => "over 99 %".to_owned(),
+        p => format!("{p:.0} %"),
+    }
+}
+
+/// What a cause explains: `let-off +2.1 mm, drop -0.3 mm`.
+pub(super) fn explains(ranked: &Ranked, lengths: Lengths) -> String {
+    let one = |(name, by): &(&'static str, f64)| {
+        let entry = entries().iter().find(|entry| entry.name == *name);
+        let (label, unit, decimals) = match *name {
+            "balance_weight_g" => ("balance weight", "g", 0),
+            "friction_weight_g" => ("friction weight", "g", 0),
+            _ => entry.map_or((*name, "", 1), |entry| (entry.label, entry.unit, entry.decimals)),
+        };
+        if unit == "mm" {
+            format!("{label} {}", lengths.signed(*by, decimals))
+        } else {
+            format!("{label} {by:+.decimals$} {unit}").trim_end().to_owned()
+        }
+    };
+    ranked.explains.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// Causes of a combination, joined.
+pub(super) fn joined(causes: &[&Cause]) -> String {
+    match causes {
+        [] => "none of these".to_owned(),
+        causes => causes.iter().map(|cause| cause.name.as_str()).collect::<Vec<_>>().join(" + "),
+    }
+}
+
+/// The likeliest combinations of causes, and what the suggested reading would be under each.
+pub(super) fn would_read(next: &Suggestion, lengths: Lengths) -> Vec<(String, String)> {
+    let told = next.would_read.iter().map(|(causes, number)| {
+        (format!("about {}", value(Some(*number), next.unit, next.decimals, lengths)), joined(causes))
+    });
+    told.collect()
+}
+
+/// The verdict in a sentence.
+pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
+    if diagnosis.is_work() {
+        return "Causes, the likeliest first; several may be there at once".to_owned();
+    }
+    let doubtful = diagnosis.lines.iter().any(|line| line.standing == Standing::Doubtful);
+    let again = if doubtful { " Take those marked ? again." } else { "" };
+    format!(
+        "No reading is out of its usual range by more than it may be off: no work.{again} What was not measured was not judged."
+    )
+}
+
+/// Why a reading is not judged, once.
+pub(super) fn not_judged(diagnosis: &Diagnosis) -> Option<&'static str> {
+    diagnosis.lines.iter().find_map(|line| match line.standing {
+        Standing::NotJudged(why) => Some(why),
+        _ => None,
+    })
+}
+
+fn band(band: Option<Band>, unit: &str, decimals: usize) -> String {
+    match band {
+        Some(Band { low, high }) => format!("{low:.decimals$} to {high:.decimals$} {unit}").trim_end().to_owned(),
+        None => "left out".to_owned(),
+    }
+}
+
+/// What follows from the weights, a line each.
+pub(super) fn geometry(diagnosis: &Diagnosis) -> Vec<String> {
+    let of = &diagnosis.geometry;
+    let mut lines = vec![
+        format!("leverage: {}", band(of.ratio, "", 2)),
+        format!("inertia at the key: {}", band(of.inertia_kg, "kg", 2)),
+    ];
+    lines.extend(of.notes.iter().cloned());
+    lines
+}
+
+/// The answers for people.
+pub(crate) fn text(work: &Work<'_>) -> String {
+    match work.found {
+        [one] => of_one(one, work.lengths),
+        found => of_many(found, work),
+    }
+}
+
+fn line(out: &mut String, indent: usize, text: &str) {
+    for part in wrapped(text, WIDEST - indent) {
+        let _ = writeln!(out, "{:indent$}{part}", "");
+    }
+}
+
+fn of_one(one: &Diagnosis, lengths: Lengths) -> String {
+    let mut out = format!("{} - diagnosis of your readings\n\n", key(one));
+    let rows = one.lines.iter().map(|line| {
+        [
+            line.label.to_owned(),
+            value(line.value, line.unit, line.decimals, lengths),
+            usual(line, lengths),
+            mark(line).to_owned(),
+        ]
+    });
+    out += &Table::of(["reading", "here", "usual", ""], rows).to_string();
+    if let Some(why) = not_judged(one) {
+        line(&mut out, 2, &format!("Not judged: {why}."));
+    }
+    let _ = writeln!(out);
+    line(&mut out, 2, &format!("{}{}", verdict(one), if one.is_work() { ":" } else { "" }));
+    for (rank, ranked) in one.causes.iter().enumerate() {
+        line(&mut out, 2, &format!("{}. {}, {}", rank + 1, ranked.cause.name, percent(ranked.probability)));
+        for (what, text) in [
+            ("explains", explains(ranked, lengths)),
+            ("test", ranked.cause.test.clone()),
+            ("then", ranked.cause.cure.clone()),
+        ] {
+            if !text.is_empty() {
+                line(&mut out, 5, &format!("{what}: {text}"));
+            }
+        }
+    }
+    if one.something_else > 0.05 {
+        line(&mut out, 2, &format!("Something that is not in this list: {}.", percent(one.something_else)));
+    }
+    if let Some(next) = &one.next {
+        let _ = writeln!(out);
+        line(&mut out, 2, &format!("Measure next: {} ({}).", next.label, next.how));
+        for (number, causes) in would_read(next, lengths) {
+            line(&mut out, 5, &format!("{number}: {causes}"));
+        }
+    }
+    let _ = writeln!(out);
+    for text in geometry(one) {
+        line(&mut out, 2, &text);
+    }
+    if one.is_work() {
+        line(&mut out, 2, BASIS);
+    }
+    out
+}
+
+/// What is out, in a word each.
+fn out_of_range(one: &Diagnosis, lengths: Lengths) -> String {
+    let out = one.lines.iter().filter(|line| line.standing == Standing::Out);
+    let word = |line: &Judged| {
+        let label = line.label.split(" (").next().unwrap_or(line.label);
+        format!("{label} {}", value(line.value, line.unit, line.decimals, lengths))
+    };
+    out.map(word).collect::<Vec<_>>().join(", ")
+}
+
+pub(super) fn rows(work: &Work<'_>) -> Vec<[String; 6]> {
+    let row = |one: &Diagnosis| {
+        let first = one.causes.first();
+        [
+            one.key.to_string(),
+            note_name(one.key),
+            out_of_range(one, work.lengths),
+            first.map_or("no work".to_owned(), |ranked| ranked.cause.name.clone()),
+            first.map_or(String::new(), |ranked| percent(ranked.probability)),
+            one.next.as_ref().map_or(String::new(), |next| next.label.to_owned()),
+        ]
+    };
+    work.found.iter().map(row).collect()
+}
+
+fn of_many(found: &[Diagnosis], work: &Work<'_>) -> String {
+    let ill = found.iter().filter(|one| one.is_work()).count();
+    let mut out = format!("{} - {} keys, {ill} of them with work\n\n", work.file.unwrap_or(""), found.len());
+    for [key, note, out_of, cause, percent, next] in rows(work) {
+        if out_of.is_empty() {
+            continue;
+        }
+        line(&mut out, 2, &format!("{note} (key {key}): {out_of}"));
+        line(&mut out, 5, &format!("{cause}, {percent}"));
+        if !next.is_empty() {
+            line(&mut out, 5, &format!("measure next: {next}"));
+        }
+    }
+    let _ = writeln!(out);
+    line(&mut out, 2, "All causes of every key, with their tests: diagnosis.html and diagnosis.json.");
+    line(&mut out, 2, BASIS);
+    out
+}
+
+/// diagnosis.csv: a row for each key.
+pub(crate) fn table(work: &Work<'_>) -> Table<'static> {
+    let found = work.found;
+    let of = |name: &'static str| {
+        found.iter().map(move |one| one.lines.iter().find(|line| line.name == name).and_then(|line| line.value))
+    };
+    let first =
+        |text: fn(&Ranked) -> String| found.iter().map(move |one| one.causes.first().map_or(String::new(), text));
+    Table::default()
+        .optional("key", found.iter().map(|one| Some(one.key as f64)))
+        .words("note", found.iter().map(|one| note_name(one.key)))
+        .optional("balance_weight_g", of("balance_weight_g"))
+        .optional("friction_weight_g", of("friction_weight_g"))
+        .words(
+            "out",
+            found.iter().map(|one| {
+                let out = one.lines.iter().filter(|line| line.standing == Standing::Out);
+                out.map(|line| line.name).collect::<Vec<_>>().join(" ")
+            }),
+        )
+        .words("cause", first(|ranked| ranked.cause.key.clone()))
+        .optional("probability", found.iter().map(|one| one.causes.first().map(|ranked| rounded(ranked.probability))))
+        .words("measure_next", found.iter().map(|one| one.next.as_ref().map_or("", |next| next.name)))
+}
+
+fn rounded(x: f64) -> f64 {
+    (x * 1e3).round() / 1e3
+}
+
+/// diagnosis.json.
+pub(crate) fn report(work: &Work<'_>) -> Value {
+    let line = |line: &Judged| {
+        let end = |x: f64| if x.is_finite() { Value::from(x) } else { Value::Null };
+        let (standing, why) = match line.standing {
+            Standing::Inside => ("inside", None),
+            Standing::Doubtful => ("doubtful", None),
+            Standing::Out => ("out", None),
+            Standing::NoRange => ("no_range", None),
+            Standing::NotJudged(why) => ("not_judged", Some(why)),
+        };
+        json!({
+            "name": line.name,
+            "value": line.value.map(rounded),
+            "unit": line.unit,
+            "usual_low": line.usual.map_or(Value::Null, |[low, _]| end(low)),
+            "usual_high": line.usual.map_or(Value::Null, |[_, high]| end(high)),
+            "standing": standing,
+            "likely_reason": why,
+        })
+    };
+    let cause = |ranked: &Ranked| {
+        let explains: Vec<Value> =
+            ranked.explains.iter().map(|(name, by)| json!({"name": name, "by": rounded(*by)})).collect();
+        json!({
+            "cause": ranked.cause.key,
+            "name": ranked.cause.name,
+            "probability": rounded(ranked.probability),
+            "case": rounded(ranked.case),
+            "explains": explains,
+            "test": ranked.cause.test,
+            "cure": ranked.cause.cure,
+            "odds_assumed": ranked.cause.common,
+        })
+    };
+    let next = |next: &Suggestion| {
+        let told = |(causes, value): &(Vec<&'static Cause>, f64)| {
+            let keys: Vec<&str> = causes.iter().map(|cause| cause.key.as_str()).collect();
+            json!({"value": rounded(*value), "causes": keys})
+        };
+        json!({
+            "name": next.name,
+            "how": next.how,
+            "bits": rounded(next.bits),
+            "would_read": next.would_read.iter().map(told).collect::<Vec<_>>(),
+        })
+    };
+    let ends = |band: Option<Band>| band.map(|band| json!({"low": rounded(band.low), "high": rounded(band.high)}));
+    let key = |one: &Diagnosis| {
+        json!({
+            "key": one.key,
+            "note": note_name(one.key),
+            "readings": one.lines.iter().map(line).collect::<Vec<_>>(),
+            "is_work": one.is_work(),
+            "causes": one.causes.iter().map(cause).collect::<Vec<_>>(),
+            "something_else": rounded(one.something_else),
+            "measure_next": one.next.as_ref().map(next),
+            "leverage": ends(one.geometry.ratio),
+            "front_weight_g": ends(one.geometry.front_weight_g),
+            "inertia_kg": ends(one.geometry.inertia_kg),
+            "notes": one.geometry.notes,
+        })
+    };
+    json!({
+        "readings_from": work.file,
+        "rests_on": BASIS,
+        "keys": work.found.iter().map(key).collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,93 @@
+//! `erard diagnose` as a technician uses it: a few readings, a table of keys, a sheet; and what it says when it cannot.
+
+use serde_json::Value;
+
+use crate::common::Folder;
+
+fn folder(test: &str) -> Folder {
+    Folder::for_command("diagnose", test)
+}
+
+fn read(folder: &Folder, file: &str) -> Value {
+    serde_json::from_str(&folder.read(file)).unwrap()
+}
+
+/// D 58, U 18: friction and no weight line; names of other regions say the same; the page has the person's numbers.
+#[test]
+fn a_few_readings() {
+    let folder = folder("few");
+    let said = folder.good(&[
+        "--key",
+        "C4",
+        "--dw",
+        "58",
+        "--up-weight",
+        "18g",
+        "--set-off",
+        "3.5",
+        "--drop",
+        "0.2mm",
+        "--serial",
+        "S 7",
+    ]);
+    assert!(said.starts_with("C4 (key 40) - diagnosis of your readings"), "{said}");
+    for told in
+        ["20.0 g", "38.0 g", "Measure next:", "let-off button too low", "leverage: left out", "not on your piano"]
+    {
+        assert!(said.contains(told), "{told}: {said}");
+    }
+    assert!(said.lines().all(|line| line.chars().count() <= 100), "{said}");
+    let found = read(&folder, "erard-out-diagnose/diagnosis.json");
+    let key = &found["keys"][0];
+    assert_eq!(
+        (key["key"].as_u64(), key["is_work"].as_bool(), key["inertia_kg"].is_null()),
+        (Some(40), Some(true), true)
+    );
+    let causes: Vec<&str> = key["causes"].as_array().unwrap().iter().filter_map(|one| one["cause"].as_str()).collect();
+    assert!(causes.contains(&"drop_small") && !causes.iter().any(|cause| cause.starts_with("leads")), "{causes:?}");
+    let page = folder.read("erard-out-diagnose/diagnosis.html");
+    assert!(
+        page.contains("S 7") && page.contains("58.0 g") && page.contains("@page{size:A4}") && !page.contains("<script")
+    );
+}
+
+/// Many keys, by number or note, with empty cells; the sound one gets no work, and a sharp's dip is not judged.
+#[test]
+fn a_table_of_keys() {
+    let folder = folder("table");
+    folder.file("piano.csv", "note;DW;UW;set-off;drop;dip\nA0;55;24;1,5;1,5;10\nC4;58;18;3,5;0;\n41;51;24;;;9,0\n");
+    let said = folder.good(&["piano.csv"]);
+    assert!(
+        said.contains("3 keys, 1 of them with work") && said.contains("C4 (key 40)") && !said.contains("A0 (key"),
+        "{said}"
+    );
+    let found = read(&folder, "erard-out-diagnose/diagnosis.json");
+    let standing = found["keys"][2]["readings"].as_array().unwrap().iter().find(|one| one["name"] == "dip_mm").unwrap();
+    assert_eq!(standing["standing"], "not_judged");
+    assert_eq!(folder.read("erard-out-diagnose/diagnosis.csv").lines().count(), 4);
+}
+
+/// Whatever is wrong is said with its place and with what to give instead, and nothing is written.
+#[test]
+fn what_is_wrong_is_named() {
+    let folder = folder("wrong");
+    folder.file("empty.csv", "");
+    folder.file("swapped.csv", "key,DW,UW\n40,18,58\n");
+    folder.file("other.json", "{\"a\": 1}");
+    for (arguments, told) in [
+        (&[][..], "no reading was given; expected options such as --down-weight 58"),
+        (&["missing.csv"], "missing.csv"),
+        (&["empty.csv"], "empty.csv: the file is empty; expected a header such as"),
+        (&["swapped.csv"], "swapped.csv:2: column `up_weight_g`"),
+        (&["other.json"], "expected the measure.json of `erard measure`"),
+        (&["swapped.csv", "--drop", "1"], "readings are given as options, too"),
+        (&["--down-weight", "18", "--up-weight", "58"], "are they swapped?"),
+        (&["--drop=-1"], "--drop -1: expected a number from 0 to 40 mm"),
+        (&["--drop", "much"], "--drop much: expected a number"),
+        (&["--key", "H4", "--drop", "1"], "a note from A0 to C8"),
+        (&["--drop", "1", "--leads", "14"], "--leads 14: expected grams"),
+    ] {
+        let error = folder.bad(arguments);
+        assert!(error.contains(told), "{arguments:?}: {error}");
+    }
+}

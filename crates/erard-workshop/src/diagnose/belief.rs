@@ -1,0 +1,287 @@
+//! The probability of every cause, alone and with others, from the readings.
+//!
+//! Under a set of causes the readings are normal: the mean of sound keys and what each cause adds, with the covariance
+//! of sound keys, what differs of an effect from grand to grand, and the reading's own error. A cause comes in grades
+//! between its light and its heavy case, all equally likely. Sets of up to four causes are compared; their prior is the
+//! product of the causes' odds. One hypothesis more, that of something else, has readings that lie anywhere.
+
+use super::cause::causes;
+use super::effect::{BALANCE, CHECK, Effect, FRICTION, Features, N, NOT_CAUGHT_MM, effects, precision};
+use super::healthy::Healthy;
+use super::spd::{Factor, log_sum};
+
+/// Grades of a cause: the cases of the table, and the half-way ones.
+const GRADES: usize = 5;
+/// Causes in a set, at most, and sets that are carried on from each size.
+const MOST: usize = 4;
+const BEAM: usize = 80;
+/// Sets that are kept.
+const KEPT: usize = 200;
+/// Odds that something is wrong of which the table has no cause: an estimate.
+const OTHER: f64 = 0.003;
+/// How far readings lie then, in standard deviations of sound keys.
+const ANYWHERE: f64 = 8.0;
+
+/// One thing that was read: a sum of features, its value, and its standard error.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Row {
+    pub of: Vec<(usize, f64)>,
+    pub value: f64,
+    pub error: f64,
+}
+
+impl Row {
+    /// A feature as it is read: anywhere within its precision, which is a standard error of that over the root of 3.
+    pub(super) fn of(feature: usize, value: f64) -> Self {
+        // Two readings make balance and friction weight, whose errors are the smaller by a root of 2.
+        let share = if [BALANCE, FRICTION].contains(&feature) { 6.0 } else { 3.0 };
+        Row { of: vec![(feature, 1.0)], value, error: precision(feature) / libm::sqrt(share) }
+    }
+
+    /// The hammer is not caught.
+    pub(super) fn not_caught() -> Self {
+        let [value, error] = NOT_CAUGHT_MM;
+        Row { of: vec![(CHECK, 1.0)], value, error }
+    }
+
+    fn project(&self, features: impl Fn(usize) -> f64) -> f64 {
+        self.of.iter().map(|(feature, by)| by * features(*feature)).sum()
+    }
+}
+
+/// A grade of a cause: what it adds to the features.
+#[derive(Debug, Clone)]
+struct Atom {
+    cause: usize,
+    case: f64,
+    mean: [f64; N],
+    /// Half of the way to the next grades, as a standard deviation.
+    along: [f64; N],
+    spread: [f64; N],
+}
+
+/// A set of graded causes.
+#[derive(Debug, Clone)]
+pub(super) struct Hypothesis {
+    /// Indices of atoms.
+    atoms: Vec<usize>,
+    is_other: bool,
+    /// Of prior and likelihood; after [`believe`] normalised.
+    pub log: f64,
+}
+
+/// What is believed.
+#[derive(Debug)]
+pub(super) struct Belief {
+    healthy: Healthy,
+    rows: Vec<Row>,
+    atoms: Vec<Atom>,
+    /// The most likely sets first.
+    pub sets: Vec<Hypothesis>,
+}
+
+/// An effect on a piano of another make is known to this share of it: an estimate.
+const ANOTHER_MAKE: f64 = 0.25;
+/// Where sound hammers are caught, mm: the middle of 12 to 15.
+const MIDDLE_OF_CHECK_MM: f64 = 13.5;
+/// What is not there any more when it happens can read anywhere: its standard deviation in precisions.
+const NOT_THERE: f64 = 10.0;
+
+fn atoms() -> Vec<Atom> {
+    let mut all = Vec::new();
+    for (cause, cases) in effects().iter().enumerate() {
+        let between = |case: f64| {
+            let low = ((case - 1.0).floor() as usize).min(1);
+            let share = case - 1.0 - low as f64;
+            let [a, b]: [&Effect; 2] = [&cases[low], &cases[low + 1]];
+            let mix = |a: f64, b: f64| a + share * (b - a);
+            let value = |i: usize| match (a.mean[i], b.mean[i]) {
+                (Some(a), Some(b)) => Some(mix(a, b)),
+                (a, b) => {
+                    if share < 0.5 {
+                        a
+                    } else {
+                        b
+                    }
+                }
+            };
+            (std::array::from_fn::<_, N, _>(value), std::array::from_fn::<_, N, _>(|i| mix(a.spread[i], b.spread[i])))
+        };
+        for grade in 0..GRADES {
+            let step = 2.0 / (GRADES - 1) as f64;
+            let case = 1.0 + step * grade as f64;
+            let (mean, spread) = between(case);
+            let [before, after] = [case - 0.5 * step, case + 0.5 * step].map(|case| between(case.clamp(1.0, 3.0)).0);
+            all.push(Atom {
+                cause,
+                case,
+                // Where it does not catch any more, it would have caught low.
+                mean: std::array::from_fn(|i| {
+                    mean[i].unwrap_or(if i == CHECK { NOT_CAUGHT_MM[0] - MIDDLE_OF_CHECK_MM } else { 0.0 })
+                }),
+                along: std::array::from_fn(|i| {
+                    before[i].zip(after[i]).map_or(0.0, |(before, after)| (after - before) / libm::sqrt(12.0))
+                }),
+                spread: std::array::from_fn(|i| {
+                    mean[i].map_or(NOT_THERE * precision(i), |mean| spread[i].hypot(ANOTHER_MAKE * mean))
+                }),
+            });
+        }
+    }
+    all
+}
+
+/// Mean, covariance and factor of the readings under a hypothesis.
+struct Predicted {
+    off: Vec<f64>,
+    factor: Factor,
+}
+
+impl Belief {
+    /// Of the readings of a key.
+    pub(super) fn of(key: usize, rows: Vec<Row>) -> Self {
+        let mut belief = Belief { healthy: Healthy::at(key), rows, atoms: atoms(), sets: Vec::new() };
+        belief.search();
+        belief
+    }
+
+    fn search(&mut self) {
+        let nothing = Hypothesis { atoms: Vec::new(), is_other: false, log: 0.0 };
+        let log = self.log_of(&[], false);
+        let other = self.log_of(&[], true);
+        let mut all = vec![Hypothesis { log, ..nothing.clone() }, Hypothesis { log: other, is_other: true, ..nothing }];
+        let mut beam = vec![all[0].clone()];
+        for size in 1..=MOST {
+            let mut next: Vec<Hypothesis> = Vec::new();
+            for set in &beam {
+                for atom in 0..self.atoms.len() {
+                    if set.atoms.iter().any(|own| self.are_at_odds(*own, atom)) {
+                        continue;
+                    }
+                    // In the order of causes, so that no set comes twice, but for those whose beginning is not there.
+                    let mut atoms = set.atoms.clone();
+                    atoms.push(atom);
+                    atoms.sort_unstable();
+                    next.push(Hypothesis { log: self.log_of(&atoms, false), atoms, is_other: false });
+                }
+            }
+            next.sort_by(|a, b| b.log.total_cmp(&a.log).then_with(|| a.atoms.cmp(&b.atoms)));
+            next.dedup_by(|a, b| a.atoms == b.atoms);
+            all.extend(next.iter().take(4 * KEPT).cloned());
+            next.truncate(BEAM);
+            if size == MOST {
+                break;
+            }
+            beam = next;
+        }
+        all.sort_by(|a, b| b.log.total_cmp(&a.log).then_with(|| a.atoms.cmp(&b.atoms)));
+        let total = log_sum(all.iter().map(|set| set.log));
+        all.iter_mut().for_each(|set| set.log -= total);
+        self.sets = all;
+    }
+
+    /// Whether two grades cannot be together: of one screw or part.
+    fn are_at_odds(&self, a: usize, b: usize) -> bool {
+        let part = |atom: usize| causes()[self.atoms[atom].cause].plant.as_str();
+        part(a) == part(b)
+    }
+
+    fn predicted(&self, atoms: &[usize], is_other: bool) -> Option<Predicted> {
+        let n = self.rows.len();
+        let mut covariance = vec![0.0; n * n];
+        let healthy = &self.healthy;
+        for (i, row) in self.rows.iter().enumerate() {
+            for (j, other) in self.rows.iter().enumerate() {
+                covariance[i * n + j] = row.project(|a| other.project(|b| healthy.covariance[a][b]));
+            }
+            let own = covariance[i * n + i];
+            covariance[i * n + i] += row.error * row.error;
+            if is_other {
+                covariance[i * n + i] += ANYWHERE * ANYWHERE * own;
+            }
+        }
+        let mut off: Vec<f64> = self.rows.iter().map(|row| row.value - row.project(|i| healthy.mean[i])).collect();
+        for atom in atoms.iter().map(|atom| &self.atoms[*atom]) {
+            let along: Vec<f64> = self.rows.iter().map(|row| row.project(|i| atom.along[i])).collect();
+            for (i, row) in self.rows.iter().enumerate() {
+                off[i] -= row.project(|i| atom.mean[i]);
+                for j in 0..n {
+                    covariance[i * n + j] += along[i] * along[j];
+                }
+                covariance[i * n + i] += row.of.iter().map(|(f, by)| (by * atom.spread[*f]).powi(2)).sum::<f64>();
+            }
+        }
+        Some(Predicted { off, factor: Factor::of(&covariance, n)? })
+    }
+
+    fn log_of(&self, atoms: &[usize], is_other: bool) -> f64 {
+        let prior: f64 =
+            atoms.iter().map(|atom| libm::log(causes()[self.atoms[*atom].cause].common / GRADES as f64)).sum::<f64>()
+                + if is_other { libm::log(OTHER) } else { 0.0 };
+        match self.predicted(atoms, is_other) {
+            Some(predicted) => prior + predicted.factor.log_density(&predicted.off),
+            None => f64::NEG_INFINITY,
+        }
+    }
+
+    /// Probability of every cause.
+    pub(super) fn of_causes(&self) -> Vec<f64> {
+        let mut of = vec![0.0; causes().len()];
+        for set in &self.sets {
+            for atom in &set.atoms {
+                of[self.atoms[*atom].cause] += libm::exp(set.log);
+            }
+        }
+        of
+    }
+
+    /// Probability that something else is wrong, and that nothing is.
+    pub(super) fn of_other_and_none(&self) -> [f64; 2] {
+        let sum = |is_other: bool| {
+            let of = self.sets.iter().filter(|set| set.atoms.is_empty() && set.is_other == is_other);
+            of.map(|set| libm::exp(set.log)).sum()
+        };
+        [sum(true), sum(false)]
+    }
+
+    /// The case of a cause, 1 light to 3 heavy, and what it adds to the features, in the mean over what is believed.
+    pub(super) fn case_and_change(&self, cause: usize) -> (f64, Features) {
+        let (mut weight, mut case, mut change) = (0.0, 0.0, [0.0; N]);
+        for set in &self.sets {
+            for atom in set.atoms.iter().map(|atom| &self.atoms[*atom]).filter(|atom| atom.cause == cause) {
+                let p = libm::exp(set.log);
+                weight += p;
+                case += p * atom.case;
+                (0..N).for_each(|i| change[i] += p * atom.mean[i]);
+            }
+        }
+        (case / weight, change.map(|x| Some(x / weight)))
+    }
+
+    /// The sets that count, with their probabilities, the causes in each, and mean and standard deviation of a feature
+    /// that has not been read.
+    pub(super) fn foretold(&self, feature: usize) -> Vec<(f64, Vec<usize>, f64, f64)> {
+        let n = self.rows.len();
+        let mut told = Vec::new();
+        for set in self.sets.iter().filter(|set| !set.is_other).take(KEPT / 4) {
+            let Some(predicted) = self.predicted(&set.atoms, false) else { continue };
+            let mut mean = self.healthy.mean[feature];
+            let mut variance = self.healthy.covariance[feature][feature] + precision(feature).powi(2) / 3.0;
+            let mut with: Vec<f64> =
+                self.rows.iter().map(|row| row.project(|i| self.healthy.covariance[i][feature])).collect();
+            for atom in set.atoms.iter().map(|atom| &self.atoms[*atom]) {
+                mean += atom.mean[feature];
+                variance += atom.along[feature].powi(2) + atom.spread[feature].powi(2);
+                for (i, row) in self.rows.iter().enumerate() {
+                    with[i] += atom.along[feature] * row.project(|f| atom.along[f]);
+                }
+            }
+            let [z, w] = [&predicted.off, &with].map(|b| predicted.factor.forward(b));
+            mean += (0..n).map(|i| z[i] * w[i]).sum::<f64>();
+            variance -= w.iter().map(|w| w * w).sum::<f64>();
+            let causes = set.atoms.iter().map(|atom| self.atoms[*atom].cause).collect();
+            told.push((libm::exp(set.log), causes, mean, libm::sqrt(variance.max(1e-12))));
+        }
+        told
+    }
+}

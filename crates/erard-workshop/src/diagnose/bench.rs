@@ -1,0 +1,104 @@
+//! Tests at the bench that tell places of friction apart: the key alone, a gauge at a flange, swings of a hammer.
+
+use erard::grand::{Anatomy, Parts, strike_weight_g};
+use erard::instrument::Instrument;
+
+use crate::measure::MeasureError;
+
+/// Arms at which flanges are gauged, m: a hammer's as Renner's manual says; a whippen's is ours.
+const HAMMER_ARM_M: f64 = 0.023;
+const WHIPPEN_ARM_M: f64 = 0.025;
+/// Place of the strike weight, m.
+const STRIKE_ARM_M: f64 = 0.130;
+/// More swings than anybody counts.
+const MOST: u32 = 60;
+
+/// Friction by place, gf.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bench {
+    /// The key alone on its pins, at its front: half the difference of what makes it sink and rise.
+    pub key_alone_g: f64,
+    /// The hammer's pin, at 23 mm.
+    pub hammer_g: f64,
+    /// The whippen's pin, at 25 mm.
+    pub whippen_g: f64,
+    /// How often the hammer passes its lowest point, let go level.
+    pub swings: u32,
+}
+
+impl Bench {
+    /// What an instrument's pins have: their dry torques over the arms.
+    ///
+    /// # Errors
+    /// Where it is no grand action.
+    pub fn of(instrument: &Instrument) -> Result<Self, MeasureError> {
+        let anatomy = Anatomy::find(instrument)?;
+        let torque = |body: usize| instrument.bodies[instrument.first_piece(body)].friction_torque_n_m;
+        let grams = |torque_n_m: f64, arm_m: f64| 1e3 * torque_n_m / (arm_m * instrument.gravity_m_s2);
+        let rigid = instrument.locked();
+        let hammer_g = grams(torque(anatomy.hammer), HAMMER_ARM_M);
+        Ok(Bench {
+            key_alone_g: grams(torque(anatomy.key), instrument.roles.key_front_m[0].abs()),
+            hammer_g,
+            whippen_g: grams(torque(anatomy.whippen), WHIPPEN_ARM_M),
+            swings: passes(hammer_g, strike_weight_g(&rigid, &Parts::of(&rigid)?)),
+        })
+    }
+}
+
+/// How often a hammer passes its lowest point, let go level, with so much friction at 23 mm from its pin (gf) and so
+/// much strike weight (g).
+///
+/// A pendulum of moment M under a dry torque c: on each way the energy falls by c times the angle, so that its turning
+/// points satisfy cos b - cos a = (c / M) (a + b), and it stays where sin a < c / M. (Without the drag of the air.)
+#[must_use]
+pub fn passes(friction_g: f64, strike_weight_g: f64) -> u32 {
+    let share = friction_g * HAMMER_ARM_M / (strike_weight_g * STRIKE_ARM_M);
+    let mut from = std::f64::consts::FRAC_PI_2;
+    for pass in 0..MOST {
+        // It passes the lowest point if the energy lasts that far; where it turns then is sought by halving.
+        if 1.0 - libm::cos(from) <= share * from || libm::sin(from) <= share {
+            return pass;
+        }
+        let [mut low, mut high] = [0.0, from];
+        for _ in 0..60 {
+            let to = 0.5 * (low + high);
+            if libm::cos(to) - libm::cos(from) > share * (from + to) { low = to } else { high = to }
+        }
+        from = 0.5 * (low + high);
+    }
+    MOST
+}
+
+/// The friction at 23 mm (gf) of a hammer that passes its lowest point so often, from the most to the least.
+pub(super) fn friction_of_swings(swings: f64, strike_weight_g: f64) -> [f64; 2] {
+    const STEP_G: f64 = 0.05;
+    let of = |passes_: f64| {
+        let grid = (1..=1000).map(|n| STEP_G * f64::from(n));
+        let fits: Vec<f64> = grid.filter(|g| (f64::from(passes(*g, strike_weight_g)) - passes_).abs() < 0.5).collect();
+        fits.first().copied().zip(fits.last().copied())
+    };
+    // A swing more or less is miscounted.
+    let low = of((swings + 1.0).min(f64::from(MOST))).map_or(STEP_G, |(low, _)| low);
+    let high = of((swings - 1.0).max(0.0)).map_or(50.0, |(_, high)| high.min(50.0));
+    [low, high]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// D. Stanwood, Pianotech list, 18 December 2002, gauge at 32 mm: strike weight 10 g, 2.5 gf, 8 swings, and 7.0 gf,
+    /// 4 swings; strike weight 8 g, 2 gf, 8 swings, and 4 gf, 4 swings. A pendulum with dry friction alone swings a
+    /// little longer, and never less.
+    #[test]
+    fn swings_that_were_counted() {
+        for (strike_g, at_32_mm, counted) in [(10.0, 2.5, 8), (10.0, 7.0, 4), (8.0, 2.0, 8), (8.0, 4.0, 4)] {
+            let found = passes(at_32_mm * 32.0 / 23.0, strike_g);
+            assert!((counted..=counted + 4).contains(&found), "{strike_g} {at_32_mm}: {found}, counted {counted}");
+        }
+        assert_eq!(passes(100.0, 9.0), 0);
+        let [low, high] = friction_of_swings(5.0, 9.0);
+        assert!(low < high && passes(low, 9.0) >= 5 && passes(high, 9.0) <= 5, "{low} {high}");
+    }
+}

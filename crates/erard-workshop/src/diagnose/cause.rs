@@ -1,0 +1,46 @@
+//! The table of causes, `causes.toml`.
+
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+
+/// A cause, with what is said of it.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cause {
+    /// Its name in JSON.
+    pub key: String,
+    /// In the words of the bench.
+    pub name: String,
+    /// How often it is met, as odds: an estimate.
+    pub common: f64,
+    /// What is changed in a simulated action.
+    pub(super) plant: String,
+    /// How much, in a light, a plain and a heavy case.
+    pub(super) amounts: [f64; 3],
+    /// The quick test that tells it from the others.
+    pub test: String,
+    /// What is done about it.
+    pub cure: String,
+    /// Where it was read.
+    pub source: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    format: String,
+    cause: Vec<Cause>,
+}
+
+static CAUSES: LazyLock<Vec<Cause>> = LazyLock::new(|| {
+    let table: Table = toml::from_str(include_str!("causes.toml")).expect("the built-in causes read");
+    assert_eq!(table.format, "erard-causes/1");
+    table.cause
+});
+
+/// All causes.
+#[must_use]
+pub fn causes() -> &'static [Cause] {
+    &CAUSES
+}

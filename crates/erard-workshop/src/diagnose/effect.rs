@@ -1,0 +1,199 @@
+//! What each cause does to each reading: `effects.csv`, simulated on sound grands of the ensemble.
+//!
+//! Three cases of every cause are planted, one at a time, into several drawn, regulated grands; a row holds the mean
+//! change of every feature, and the next its standard deviation from grand to grand. `cargo run --release -p
+//! erard-workshop --example effects` writes the file anew.
+
+use std::fmt::Write as _;
+use std::sync::LazyLock;
+
+use erard::Progress;
+use erard::instrument::Instrument;
+
+use super::bench::Bench;
+use super::cause::{Cause, causes};
+use super::entry::{Known, at};
+use super::plant::{plant, plant_amount};
+use crate::cores;
+use crate::measure::MeasureError;
+use crate::worklist::{Quantity, Readings};
+
+/// Features: what is compared. Balance and friction weight are two independent combinations of D and U.
+pub(super) const FEATURES: [&str; 18] = [
+    "balance_weight_g",
+    "friction_weight_g",
+    "strike_weight_g",
+    "front_weight_g",
+    "strike_weight_ratio",
+    "dip_mm",
+    "blow_mm",
+    "jack_position_mm",
+    "lever_height_mm",
+    "let_off_mm",
+    "drop_mm",
+    "aftertouch_mm",
+    "check_mm",
+    "repetition_spring_m_per_s",
+    "damper_start_share",
+    "key_alone_friction_g",
+    "hammer_flange_g",
+    "whippen_flange_g",
+];
+pub(super) const N: usize = FEATURES.len();
+pub(super) const BALANCE: usize = 0;
+pub(super) const FRICTION: usize = 1;
+
+/// Values of all features; `None` did not happen.
+pub(super) type Features = [Option<f64>; N];
+
+/// A hammer that is not caught is taken for one that is caught about here, mm below the string, give or take a standard
+/// error. Estimates: a check that is a little too far does not catch at all, and a sound grand may be near that.
+pub(super) const NOT_CAUGHT_MM: [f64; 2] = [24.0, 4.0];
+/// The feature that is the checking distance.
+pub(super) const CHECK: usize = at::CHECK;
+
+/// Cases of a cause in the table.
+const LEVELS: [f64; 3] = [1.0, 2.0, 3.0];
+
+/// What a case of a cause changes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Effect {
+    /// Mean change; `None` where the feature does not happen any more.
+    pub mean: Features,
+    /// Standard deviation from grand to grand.
+    pub spread: [f64; N],
+}
+
+/// Of every cause its three cases.
+static EFFECTS: LazyLock<Vec<[Effect; 3]>> =
+    LazyLock::new(|| parse(include_str!("effects.csv")).expect("the built-in effects read"));
+
+pub(super) fn effects() -> &'static [[Effect; 3]] {
+    &EFFECTS
+}
+
+fn parse(text: &str) -> Option<Vec<[Effect; 3]>> {
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    let header = lines.next()?;
+    (header.split(',').skip(3).eq(FEATURES)).then_some(())?;
+    let mut rows = lines.map(|line| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let numbers: Option<Vec<Option<f64>>> = cells
+            .get(3..)?
+            .iter()
+            .map(|cell| if cell.is_empty() { Some(None) } else { cell.parse().ok().map(Some) })
+            .collect();
+        Some((cells[0].to_owned(), cells[2].to_owned(), Features::try_from(numbers?).ok()?))
+    });
+    let mut all = Vec::new();
+    for cause in causes() {
+        let mut of_cause = Vec::new();
+        for _ in LEVELS {
+            let (key, what, mean) = rows.next()??;
+            let (_, spread_what, spread) = rows.next()??;
+            (key == cause.key && what == "mean" && spread_what == "spread").then_some(())?;
+            of_cause.push(Effect { mean, spread: spread.map(|x| x.unwrap_or(0.0)) });
+        }
+        all.push(of_cause.try_into().ok()?);
+    }
+    rows.next().is_none().then_some(all)
+}
+
+/// The features of an action.
+pub(super) fn features(readings: &Readings, bench: &Bench) -> Features {
+    let mut features = of_known(&Known::of(readings, bench));
+    features[4] = readings.get(Quantity::Ratio);
+    features
+}
+
+/// The features that are known of a key; of D and U only both together.
+pub(super) fn of_known(known: &Known) -> Features {
+    std::array::from_fn(|feature| match feature {
+        BALANCE => known.balance_g(),
+        FRICTION => known.friction_g(),
+        _ => known.at(feature),
+    })
+}
+
+fn measured(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Features, MeasureError> {
+    Ok(features(&Readings::of(instrument, progress)?, &Bench::of(instrument)?))
+}
+
+/// One row of the table: what a case of a cause changes on each of some sound grands.
+fn simulate(
+    grands: &[(Instrument, Features)],
+    cause: &Cause,
+    case: f64,
+    progress: &mut Progress<'_>,
+) -> Result<Effect, MeasureError> {
+    let mut changes: Vec<Features> = Vec::new();
+    for (grand, before) in grands {
+        let after = measured(&plant(grand, cause, plant_amount(cause, case), false, progress)?, progress)?;
+        changes.push(std::array::from_fn(|i| Some(after[i]? - before[i]?)));
+    }
+    let mut effect = Effect { mean: [None; N], spread: [0.0; N] };
+    for i in 0..N {
+        let values: Vec<f64> = changes.iter().filter_map(|change| change[i]).collect();
+        // What happens on fewer than half of them is not there.
+        if 2 * values.len() < changes.len() {
+            continue;
+        }
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0).max(1.0);
+        effect.mean[i] = Some(mean);
+        effect.spread[i] = libm::sqrt(variance);
+    }
+    Ok(effect)
+}
+
+/// The file, simulated on these sound grands.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn effects_csv(grands: &[Instrument], title: &str, progress: &mut Progress<'_>) -> Result<String, MeasureError> {
+    let before = cores::map(grands, cores::count(), progress, |grand, progress| measured(grand, progress))?;
+    let grands: Vec<(Instrument, Features)> = grands.iter().cloned().zip(before).collect();
+    let jobs: Vec<(&Cause, f64)> = causes().iter().flat_map(|cause| LEVELS.map(|case| (cause, case))).collect();
+    let found = cores::map(&jobs, cores::count(), progress, |(cause, case), progress| {
+        simulate(&grands, cause, *case, progress)
+    })?;
+    let mut text = format!("# {title}\ncause,case,what,{}\n", FEATURES.join(","));
+    for ((cause, case), effect) in jobs.iter().zip(&found) {
+        let cell = |value: Option<f64>| value.map_or(String::new(), |x| format!("{:.3}", x + 0.0));
+        let row = |values: Features| values.map(cell).join(",");
+        let _ = writeln!(text, "{},{case},mean,{}", cause.key, row(effect.mean));
+        let _ = writeln!(text, "{},{case},spread,{}", cause.key, row(effect.spread.map(Some)));
+    }
+    Ok(text)
+}
+
+/// Simulates one case of one cause anew, and returns the largest difference from the file in units of a reading's
+/// precision.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn check_effects(
+    grands: &[Instrument],
+    cause: &Cause,
+    case: usize,
+    progress: &mut Progress<'_>,
+) -> Result<f64, MeasureError> {
+    let before = grands.iter().map(|grand| measured(grand, progress)).collect::<Result<Vec<_>, _>>()?;
+    let grands: Vec<(Instrument, Features)> = grands.iter().cloned().zip(before).collect();
+    let found = simulate(&grands, cause, LEVELS[case], progress)?;
+    let row = causes().iter().position(|own| own.key == cause.key).unwrap_or_default();
+    let file = &effects()[row][case];
+    let off = (0..N).map(|i| match (found.mean[i], file.mean[i]) {
+        (Some(a), Some(b)) => (a - b).abs() / precision(i),
+        (None, None) => 0.0,
+        _ => f64::INFINITY,
+    });
+    Ok(off.fold(0.0, f64::max))
+}
+
+/// How far a feature's reading may be off.
+pub(super) fn precision(feature: usize) -> f64 {
+    super::entry::entries()[feature].precision
+}
+
+const _: () = assert!(at::KEY_ALONE == 15 && at::HAMMER_FLANGE == 16 && at::WHIPPEN_FLANGE == 17 && at::RATIO == 4);

@@ -1,0 +1,485 @@
+//! What can be read off a key: its names, its unit, how exactly it is read, and which readings cannot be.
+
+use erard::instrument::Instrument;
+use erard::keyboard::is_sharp;
+
+use super::bench::Bench;
+use crate::balance::Lead;
+use crate::measure::usual::usual;
+use crate::worklist::{Quantity, Readings};
+
+/// Number of entries.
+pub(super) const ENTRIES: usize = 21;
+
+/// One thing that can be measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entry {
+    /// Its name in tables and JSON, with the unit at its end; as an option without it and with hyphens.
+    pub name: &'static str,
+    /// What the bench calls it.
+    pub label: &'static str,
+    /// The unit; empty for a ratio or a count.
+    pub unit: &'static str,
+    /// Other names, among them those of other regions.
+    pub also: &'static [&'static str],
+    /// The least and the most that is possible.
+    pub limits: [f64; 2],
+    /// A reading is within so much of the truth: an estimate of what scale, rule and eye can do.
+    pub precision: f64,
+    /// Decimals that are shown.
+    pub decimals: usize,
+    /// How it is taken.
+    pub how: &'static str,
+}
+
+#[allow(clippy::too_many_arguments)]
+const fn entry(
+    name: &'static str,
+    label: &'static str,
+    unit: &'static str,
+    also: &'static [&'static str],
+    limits: [f64; 2],
+    precision: f64,
+    decimals: usize,
+    how: &'static str,
+) -> Entry {
+    Entry { name, label, unit, also, limits, precision, decimals, how }
+}
+
+/// Places in [`TABLE`] that code speaks of.
+pub(super) mod at {
+    pub const DOWN: usize = 0;
+    pub const UP: usize = 1;
+    pub const STRIKE: usize = 2;
+    pub const FRONT: usize = 3;
+    pub const RATIO: usize = 4;
+    pub const DIP: usize = 5;
+    pub const BLOW: usize = 6;
+    pub const LET_OFF: usize = 9;
+    pub const DROP: usize = 10;
+    pub const AFTERTOUCH: usize = 11;
+    pub const CHECK: usize = 12;
+    pub const KEY_ALONE: usize = 15;
+    pub const HAMMER_FLANGE: usize = 16;
+    pub const WHIPPEN_FLANGE: usize = 17;
+    pub const SWINGS: usize = 18;
+    pub const WHIPPEN: usize = 19;
+    pub const KEY_RATIO: usize = 20;
+}
+
+const TABLE: [Entry; ENTRIES] = [
+    entry(
+        "down_weight_g",
+        "down-weight D",
+        "g",
+        &["d", "dw", "down_weight", "downweight", "touch_weight"],
+        [0.0, 200.0],
+        1.0,
+        1,
+        "pedal down: the least weight on the key's front with which it sinks slowly as far as let-off",
+    ),
+    entry(
+        "up_weight_g",
+        "up-weight U",
+        "g",
+        &["u", "uw", "up_weight", "upweight"],
+        [-50.0, 150.0],
+        1.0,
+        1,
+        "pedal down: the largest weight on the key's front that it still lifts from just before let-off",
+    ),
+    entry(
+        "strike_weight_g",
+        "strike weight",
+        "g",
+        &["sw", "strike_weight", "hammer_weight"],
+        [1.0, 30.0],
+        0.1,
+        1,
+        "the hammer on its pin with the shank level, its head on the scale",
+    ),
+    entry(
+        "front_weight_g",
+        "front weight",
+        "g",
+        &["fw", "front_weight"],
+        [-60.0, 100.0],
+        0.5,
+        1,
+        "the key on its balance pin, level, its front on the scale, the stack out",
+    ),
+    entry(
+        "strike_weight_ratio",
+        "leverage (strike-weight ratio)",
+        "",
+        &["ratio", "r", "swr", "action_ratio"],
+        [2.0, 12.0],
+        0.15,
+        2,
+        "2 g more on the hammer: the change of balance weight over 2 g",
+    ),
+    entry("dip_mm", "dip", "mm", &["dip", "key_dip", "key_depth"], [3.0, 20.0], 0.1, 1, "a dip block and paper strips"),
+    entry(
+        "blow_mm",
+        "blow",
+        "mm",
+        &["blow", "blow_distance", "striking_distance", "hammer_blow"],
+        [20.0, 80.0],
+        0.25,
+        1,
+        "hammer to string at rest",
+    ),
+    entry(
+        "jack_position_mm",
+        "jack position",
+        "mm",
+        &["jack", "jack_position", "fly_position"],
+        [-5.0, 8.0],
+        0.25,
+        1,
+        "middle of the knuckle to the rear edge of the jack's top",
+    ),
+    entry(
+        "lever_height_mm",
+        "lever height",
+        "mm",
+        &["lever_height", "balancier_height", "repetition_height"],
+        [-2.0, 3.0],
+        0.05,
+        2,
+        "step from the jack's top up to the repetition lever's",
+    ),
+    entry(
+        "let_off_mm",
+        "let-off",
+        "mm",
+        &["let_off", "letoff", "set_off", "setoff", "set_off_mm", "escapement"],
+        [0.0, 40.0],
+        0.25,
+        1,
+        "key pressed slowly: the hammer's nearest approach to the string",
+    ),
+    entry(
+        "drop_mm",
+        "drop",
+        "mm",
+        &["drop"],
+        [0.0, 40.0],
+        0.25,
+        1,
+        "key pressed slowly: how far the hammer falls after let-off; 0 where it does not",
+    ),
+    entry(
+        "aftertouch_mm",
+        "aftertouch",
+        "mm",
+        &["aftertouch", "after_touch"],
+        [0.0, 10.0],
+        0.1,
+        1,
+        "what is left of the key's travel after let-off, by strips under the key",
+    ),
+    entry(
+        "check_mm",
+        "checking distance",
+        "mm",
+        &["check", "back_check", "backcheck", "checking", "check_distance"],
+        [0.0, 60.0],
+        0.25,
+        1,
+        "hammer to string after a medium blow, the key held; `none` where it is not caught",
+    ),
+    entry(
+        "repetition_spring_m_per_s",
+        "rise from the check",
+        "m/s",
+        &["spring", "repetition_spring"],
+        [-1.0, 3.0],
+        0.02,
+        2,
+        "speed at which the spring lifts the hammer out of the check; by eye: weak, right, strong",
+    ),
+    entry(
+        "damper_start_share",
+        "damper start, of the dip",
+        "",
+        &["damper", "damper_start", "damper_timing"],
+        [0.0, 1.0],
+        0.025,
+        2,
+        "key travel at which the damper begins to rise, as a share of the dip",
+    ),
+    entry(
+        "key_alone_friction_g",
+        "friction of the key alone",
+        "g",
+        &["key_alone", "key_friction", "key_alone_friction"],
+        [0.0, 100.0],
+        0.5,
+        1,
+        "stack out, key on its pins: half the difference of the weights that make its front sink and rise",
+    ),
+    entry(
+        "hammer_flange_g",
+        "hammer flange, at 23 mm",
+        "g",
+        &["hammer_flange", "hammer_centre", "hammer_center", "hammer_pinning"],
+        [0.0, 100.0],
+        0.5,
+        1,
+        "gram gauge 23 mm from the hammer's pin",
+    ),
+    entry(
+        "whippen_flange_g",
+        "whippen flange, at 25 mm",
+        "g",
+        &["whippen_flange", "wippen_flange", "wippen_flange_g", "wippen_centre", "whippen_center", "repetition_flange"],
+        [0.0, 200.0],
+        0.5,
+        1,
+        "gram gauge 25 mm from the whippen's pin",
+    ),
+    entry(
+        "hammer_swings",
+        "hammer swings",
+        "",
+        &["swings"],
+        [0.0, 60.0],
+        1.0,
+        0,
+        "flange held, hammer let go level: how often it passes its lowest point",
+    ),
+    entry(
+        "whippen_weight_g",
+        "whippen weight",
+        "g",
+        &["ww", "whippen_weight", "wippen_weight", "wippen_weight_g", "repetition_weight"],
+        [5.0, 50.0],
+        0.2,
+        1,
+        "the whippen on its pin, its heel on the scale",
+    ),
+    entry(
+        "key_ratio",
+        "key ratio",
+        "",
+        &["kr"],
+        [0.3, 0.8],
+        0.01,
+        3,
+        "balance pin to capstan over balance pin to the place where the key is pressed",
+    ),
+];
+
+/// Everything that can be entered.
+#[must_use]
+pub fn entries() -> &'static [Entry] {
+    &TABLE
+}
+
+impl Entry {
+    /// Whether a name, in whatever spelling of case, spaces and hyphens, is this entry's.
+    #[must_use]
+    pub fn is_called(&self, name: &str) -> bool {
+        let name = name.trim().to_lowercase().replace([' ', '-'], "_");
+        name == self.name || self.also.contains(&name.as_str())
+    }
+
+    /// Its usual range at a key, ends that are open as infinite; `None` where nothing is usual.
+    #[must_use]
+    pub fn range(&self, key: usize) -> Option<[f64; 2]> {
+        let line = match self.name {
+            "strike_weight_ratio" => "strike_weight_ratio_weights",
+            name => name,
+        };
+        // Renner's technical manual, quoted on the PTG forum: at 23 mm from the pin of a hammer 2 to 5 gf; of a
+        // whippen 1 to 4, and no arm, for which 25 mm is ours.
+        match self.name {
+            "hammer_flange_g" => return Some([2.0, 5.0]),
+            "whippen_flange_g" => return Some([1.0, 4.0]),
+            // "4 - 8 times" (Pianotech list, December 2002), "4 - 7" and "5 to 9" (Caut list).
+            "hammer_swings" => return Some([4.0, 9.0]),
+            // Half of a usual friction weight: the built-in grand's key has a third of it. Ours.
+            "key_alone_friction_g" => return Some([1.0, 6.0]),
+            _ => {}
+        }
+        let [low, high] = usual(line)?.at(key);
+        Some([low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)])
+    }
+
+    /// Why the usual range of this entry is not that of a key; `None` where it is.
+    #[must_use]
+    pub fn not_judged(&self, key: usize) -> Option<&'static str> {
+        let is_of_a_natural = ["front_weight_g", "strike_weight_ratio", "dip_mm", "key_ratio"].contains(&self.name);
+        (is_of_a_natural && is_sharp(key)).then_some(
+            "a sharp is shorter than a natural: the usual ranges of ratio, front weight and dip are those of naturals",
+        )
+    }
+}
+
+/// What is known of a key. What is not there was not measured.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Known {
+    values: [Option<f64>; ENTRIES],
+    /// A medium blow is not caught by the back check.
+    pub is_not_caught: bool,
+    /// The leads that are in it; empty where nobody said.
+    pub leads: Vec<Lead>,
+}
+
+/// A reading that cannot be.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{what}; expected {expected}")]
+pub struct Impossible {
+    /// The entry.
+    pub entry: &'static str,
+    /// What is wrong.
+    pub what: String,
+    /// What would be right.
+    pub expected: String,
+}
+
+impl Known {
+    /// One of the values, by the entry's name.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<f64> {
+        TABLE.iter().position(|entry| entry.name == name).and_then(|at| self.values[at])
+    }
+
+    pub(super) fn at(&self, at: usize) -> Option<f64> {
+        self.values[at]
+    }
+
+    /// Sets one of the values, by the entry's name; other names are passed over.
+    pub fn set(&mut self, name: &str, value: Option<f64>) {
+        if let Some(at) = TABLE.iter().position(|entry| entry.name == name) {
+            self.values[at] = value;
+        }
+    }
+
+    /// Whether nothing at all is known.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        !self.is_not_caught && self.values.iter().all(Option::is_none)
+    }
+
+    /// What would be read off an instrument without error: the scale, the distances, and the tests at the bench.
+    #[must_use]
+    pub fn of(readings: &Readings, bench: &Bench) -> Self {
+        let mut known = Known::default();
+        for quantity in Quantity::ALL {
+            if !matches!(quantity, Quantity::BalanceWeight | Quantity::FrictionWeight | Quantity::Ratio) {
+                known.set(quantity.key(), readings.get(quantity));
+            }
+        }
+        known.is_not_caught = known.values[at::CHECK].is_none();
+        for (at, value) in [
+            (at::KEY_ALONE, bench.key_alone_g),
+            (at::HAMMER_FLANGE, bench.hammer_g),
+            (at::WHIPPEN_FLANGE, bench.whippen_g),
+        ] {
+            known.values[at] = Some(value);
+        }
+        known
+    }
+
+    /// The same for an instrument: trials with the key, a slow loop, the scale, and what its pins have.
+    ///
+    /// # Errors
+    /// See [`crate::measure::MeasureError`].
+    pub fn measured(
+        instrument: &Instrument,
+        progress: &mut erard::Progress<'_>,
+    ) -> Result<Self, crate::measure::MeasureError> {
+        Ok(Self::of(&Readings::of(instrument, progress)?, &Bench::of(instrument)?))
+    }
+
+    /// The first reading that cannot be: beyond what is possible, or at odds with another one.
+    ///
+    /// # Errors
+    /// Which, why, and what would be right.
+    pub fn check(&self) -> Result<(), Impossible> {
+        for (entry, value) in TABLE.iter().zip(self.values) {
+            let [least, most] = entry.limits;
+            if let Some(value) = value.filter(|value| !(least..=most).contains(value)) {
+                return Err(Impossible {
+                    entry: entry.name,
+                    what: format!("{} {value} {}", entry.label, entry.unit).trim_end().to_owned(),
+                    expected: format!("a number from {least} to {most} {}", entry.unit).trim_end().to_owned(),
+                });
+            }
+        }
+        let pairs: [(usize, usize, &str); 5] = [
+            (at::UP, at::DOWN, "no more than the down-weight: are they swapped?"),
+            (at::DROP, at::BLOW, "less than the blow"),
+            (at::LET_OFF, at::BLOW, "less than the blow"),
+            (at::CHECK, at::BLOW, "less than the blow: the back check catches the hammer above its rest"),
+            (at::AFTERTOUCH, at::DIP, "less than the dip"),
+        ];
+        for (small, large, expected) in pairs {
+            if let (Some(less), Some(more)) = (self.values[small], self.values[large])
+                && less > more
+            {
+                let [small, large] = [small, large].map(|at| &TABLE[at]);
+                let what =
+                    format!("{} of {less} {} over {} of {more} {}", small.label, small.unit, large.label, large.unit);
+                return Err(Impossible { entry: small.name, what, expected: expected.to_owned() });
+            }
+        }
+        Ok(())
+    }
+
+    /// (D + U) / 2, g.
+    #[must_use]
+    pub fn balance_g(&self) -> Option<f64> {
+        Some(0.5 * (self.values[at::DOWN]? + self.values[at::UP]?))
+    }
+
+    /// (D - U) / 2, g.
+    #[must_use]
+    pub fn friction_g(&self) -> Option<f64> {
+        Some(0.5 * (self.values[at::DOWN]? - self.values[at::UP]?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every name belongs to one entry, also those of other regions.
+    #[test]
+    fn names_are_one_entrys() {
+        let names = || TABLE.iter().flat_map(|entry| std::iter::once(entry.name).chain(entry.also.iter().copied()));
+        for name in names() {
+            assert_eq!(TABLE.iter().filter(|entry| entry.is_called(name)).count(), 1, "{name}");
+        }
+        for (name, entry) in [("Set-off", "let_off_mm"), ("Wippen weight", "whippen_weight_g"), ("DW", "down_weight_g")]
+        {
+            assert!(TABLE.iter().any(|own| own.name == entry && own.is_called(name)), "{name}");
+        }
+    }
+
+    /// Nothing drops and much is left before the string: both can be. An up-weight over the down-weight cannot.
+    #[test]
+    fn impossible_readings_are_pointed_at() {
+        let known = |pairs: &[(&str, f64)]| {
+            let mut known = Known::default();
+            pairs.iter().for_each(|(name, value)| known.set(name, Some(*value)));
+            known.check()
+        };
+        assert_eq!(
+            known(&[("drop_mm", 0.0), ("let_off_mm", 3.5), ("down_weight_g", 58.0), ("up_weight_g", 18.0)]),
+            Ok(())
+        );
+        for (pairs, told) in [
+            (&[("down_weight_g", 18.0), ("up_weight_g", 58.0)][..], "are they swapped?"),
+            (&[("drop_mm", -1.0)], "drop -1 mm; expected a number from 0 to 40 mm"),
+            (&[("drop_mm", 30.0), ("blow_mm", 25.0)], "less than the blow"),
+            (&[("aftertouch_mm", 9.0), ("dip_mm", 8.0)], "less than the dip"),
+            (&[("damper_start_share", 1.5)], "from 0 to 1"),
+        ] {
+            let error = known(pairs).unwrap_err().to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+}

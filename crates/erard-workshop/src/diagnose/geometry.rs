@@ -1,0 +1,205 @@
+//! What follows from weights and lengths that were given: leverage and inertia as bands, with what is missing for them.
+
+use super::entry::{Known, at};
+use super::healthy::WHIPPEN_AT_FRONT_G;
+use crate::measure::usual::usual;
+
+/// From where to where a quantity lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// The least.
+    pub low: f64,
+    /// The most.
+    pub high: f64,
+}
+
+/// What a technician cannot weigh, as far as it follows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Geometry {
+    /// R by the equation of balance, or as it was given; `None` where something is missing.
+    pub ratio: Option<Band>,
+    /// Front weight: as it was weighed, or from the leads.
+    pub front_weight_g: Option<Band>,
+    /// Effective inertia at the key's front, kg.
+    pub inertia_kg: Option<Band>,
+    /// What was assumed or left out, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// The balance pin to where the key is pressed, mm: full grands' naturals. The built-in grand's is 265, a Steinway O's
+/// 233 (Delacour 2001).
+const FRONT_MM: [f64; 2] = [230.0, 270.0];
+/// Front weight of a key without leads, g: the built-in grand's wood makes 5. An estimate.
+const BARE_G: [f64; 2] = [0.0, 10.0];
+/// Inertia of a key without leads and of a whippen, kg at the key's front: 0.03 and 0.006 in the built-in grand.
+/// Estimates.
+const WOOD_KG: [f64; 2] = [0.025, 0.050];
+const WHIPPEN_KG: [f64; 2] = [0.003, 0.010];
+/// A hammer's inertia about its pin over that of its strike weight at the strike point: 0.95 in the built-in grand.
+const HAMMER: [f64; 2] = [0.90, 1.02];
+/// The ratio half-way, where inertia is felt, over that of the weights: an estimate.
+const HALF_WAY: [f64; 2] = [0.95, 1.03];
+/// Where leads stand that nobody has named, as shares of the key's front arm.
+const LEADS_AT: [f64; 2] = [0.25, 0.9];
+
+impl Geometry {
+    /// Of what is known of a key.
+    #[must_use]
+    pub fn of(known: &Known, key: usize) -> Self {
+        let mut notes = Vec::new();
+        let front_weight_g = front(known, &mut notes);
+        let ratio = ratio(known, front_weight_g, &mut notes);
+        let inertia_kg = inertia(known, key, ratio, front_weight_g, &mut notes);
+        Geometry { ratio, front_weight_g, inertia_kg, notes }
+    }
+}
+
+/// A reading with its precision as a band.
+fn read(known: &Known, at: usize) -> Option<Band> {
+    let precision = super::entry::entries()[at].precision;
+    known.at(at).map(|x| Band { low: x - precision, high: x + precision })
+}
+
+fn front(known: &Known, notes: &mut Vec<String>) -> Option<Band> {
+    if let Some(weighed) = read(known, at::FRONT) {
+        return Some(weighed);
+    }
+    if known.leads.is_empty() {
+        return None;
+    }
+    let moment: f64 = known.leads.iter().map(|lead| lead.mass_g * lead.at_mm).sum();
+    notes.push(format!(
+        "front weight from the leads: a key without leads is taken to weigh {} to {} g in front, and to be pressed {} to {} mm before its \
+         pin (estimates)",
+        BARE_G[0], BARE_G[1], FRONT_MM[0], FRONT_MM[1]
+    ));
+    let by = FRONT_MM.map(|mm| moment / mm);
+    Some(Band { low: BARE_G[0] + by[0].min(by[1]), high: BARE_G[1] + by[0].max(by[1]) })
+}
+
+/// KR WW, g.
+fn whippen_at_front(known: &Known, notes: &mut Vec<String>) -> Band {
+    let of = |at: usize, line: &str| {
+        let usual = || {
+            let [low, high] = usual(line).map_or([None; 2], |range| range.at(40));
+            Band { low: low.unwrap_or(0.0), high: high.unwrap_or(0.0) }
+        };
+        read(known, at).unwrap_or_else(usual)
+    };
+    if let (None, None) = (known.at(at::WHIPPEN), known.at(at::KEY_RATIO)) {
+        let [middle, sd] = WHIPPEN_AT_FRONT_G;
+        notes.push(format!(
+            "whippen weight and key ratio were not given: the whippen is taken to weigh {middle} g at the key's front, within {:.1} g (usual \
+             ranges, not this piano)",
+            2.0 * sd
+        ));
+        return Band { low: middle - 2.0 * sd, high: middle + 2.0 * sd };
+    }
+    let [weight, ratio] = [of(at::WHIPPEN, "whippen_weight_g"), of(at::KEY_RATIO, "key_ratio")];
+    Band { low: weight.low * ratio.low, high: weight.high * ratio.high }
+}
+
+fn ratio(known: &Known, front: Option<Band>, notes: &mut Vec<String>) -> Option<Band> {
+    if let Some(given) = read(known, at::RATIO) {
+        return Some(given);
+    }
+    let strike = read(known, at::STRIKE);
+    let missing: Vec<&str> = [
+        (known.balance_g().is_none(), "down-weight and up-weight"),
+        (front.is_none(), "front weight (or leads with their places)"),
+        (strike.is_none(), "strike weight"),
+    ]
+    .into_iter()
+    .filter_map(|(missing, what)| missing.then_some(what))
+    .collect();
+    let (Some(balance), Some(front), Some(strike)) = (known.balance_g(), front, strike) else {
+        notes.push(format!("leverage left out: it needs {}", missing.join(", ")));
+        return None;
+    };
+    let whippen = whippen_at_front(known, notes);
+    Some(Band {
+        low: (balance - 1.0 + front.low - whippen.high) / strike.high,
+        high: (balance + 1.0 + front.high - whippen.low) / strike.low,
+    })
+}
+
+fn inertia(
+    known: &Known,
+    key: usize,
+    ratio: Option<Band>,
+    front: Option<Band>,
+    notes: &mut Vec<String>,
+) -> Option<Band> {
+    let Some(strike) = read(known, at::STRIKE) else {
+        notes.push("inertia left out: it needs a strike weight".to_owned());
+        return None;
+    };
+    let ratio = ratio.unwrap_or_else(|| {
+        notes.push("inertia with the usual leverage, 5.0 to 6.06, not this piano's".to_owned());
+        let [low, high] = usual("strike_weight_ratio_weights").map_or([None; 2], |range| range.at(key));
+        Band { low: low.unwrap_or(5.0), high: high.unwrap_or(6.06) }
+    });
+    let leads = if known.leads.is_empty() {
+        let Some(front) = front else {
+            notes.push("inertia left out: it needs a front weight, or the leads by mass and place".to_owned());
+            return None;
+        };
+        notes.push(format!(
+            "the leads' places were not given: they are taken to stand at {} to {} of the key's front arm, so that the inertia is a band",
+            LEADS_AT[0], LEADS_AT[1]
+        ));
+        let by_leads = [front.low - BARE_G[1], front.high - BARE_G[0]].map(|g| 1e-3 * g.max(0.0));
+        Band { low: by_leads[0] * LEADS_AT[0], high: by_leads[1] * LEADS_AT[1] }
+    } else {
+        let at = |front_mm: f64| -> f64 {
+            known.leads.iter().map(|lead| 1e-3 * lead.mass_g * (lead.at_mm / front_mm).powi(2)).sum()
+        };
+        Band { low: at(FRONT_MM[1]), high: at(FRONT_MM[0]) }
+    };
+    let hammer = |factor: f64, strike_g: f64, ratio: f64| 1e-3 * factor * strike_g * ratio * ratio;
+    Some(Band {
+        low: hammer(HAMMER[0], strike.low, HALF_WAY[0] * ratio.low) + WOOD_KG[0] + WHIPPEN_KG[0] + leads.low,
+        high: hammer(HAMMER[1], strike.high, HALF_WAY[1] * ratio.high) + WOOD_KG[1] + WHIPPEN_KG[1] + leads.high,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::balance::Lead;
+
+    /// By hand: BW 38, FW 26, SW 10 and a whippen of 18 g at 0.5: R = (38 + 26 - 9) / 10 = 5.5. Without what it needs it
+    /// is left out, and said to be.
+    #[test]
+    fn leverage_by_hand() {
+        let mut known = Known::default();
+        for (name, value) in [("down_weight_g", 50.0), ("up_weight_g", 26.0), ("strike_weight_g", 10.0)] {
+            known.set(name, Some(value));
+        }
+        let without = Geometry::of(&known, 40);
+        assert!(
+            without.ratio.is_none() && without.notes.iter().any(|note| note.contains("front weight")),
+            "{without:?}"
+        );
+        known.set("front_weight_g", Some(26.0));
+        known.set("whippen_weight_g", Some(18.0));
+        known.set("key_ratio", Some(0.5));
+        let ratio = Geometry::of(&known, 40).ratio.unwrap();
+        assert!(ratio.low < 5.5 && ratio.high > 5.5 && ratio.high - ratio.low < 0.6, "{ratio:?}");
+    }
+
+    /// Leads with their places narrow the inertia.
+    #[test]
+    fn places_of_leads_narrow_the_inertia() {
+        let mut known = Known::default();
+        for (name, value) in
+            [("down_weight_g", 50.0), ("up_weight_g", 26.0), ("strike_weight_g", 8.7), ("front_weight_g", 21.0)]
+        {
+            known.set(name, Some(value));
+        }
+        let wide = Geometry::of(&known, 40).inertia_kg.unwrap();
+        known.leads = vec![Lead { mass_g: 14.0, at_mm: 164.0 }, Lead { mass_g: 14.0, at_mm: 146.0 }];
+        let narrow = Geometry::of(&known, 40).inertia_kg.unwrap();
+        assert!(narrow.high - narrow.low < wide.high - wide.low, "{wide:?} {narrow:?}");
+    }
+}

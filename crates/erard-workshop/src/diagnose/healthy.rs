@@ -1,0 +1,160 @@
+//! How the readings of sound keys lie: as a normal distribution over all features.
+//!
+//! Its sources are the usual ranges, inside of which every value is as likely as another (a standard deviation of the
+//! width over the root of 12), and the simulated effects. What is ours stands beside it.
+
+use super::cause::causes;
+use super::effect::{BALANCE, FEATURES, FRICTION, N, effects};
+use super::entry::{at, entries};
+use crate::measure::usual::usual;
+
+/// Mean and covariance of the features of sound keys.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Healthy {
+    pub mean: [f64; N],
+    pub covariance: [[f64; N]; N],
+}
+
+/// What the whippen weighs at the key's front, KR WW, g: 0.5 to 0.56 of 16.2 to 19.8 g, and its standard deviation.
+pub(super) const WHIPPEN_AT_FRONT_G: [f64; 2] = [9.5, 0.7];
+/// Friction of a key alone, of a hammer's flange at 23 mm and of a whippen's at 25 mm, g, and their standard deviations:
+/// the built-in grand's 3.8, Renner's 2 to 5 and 1 to 4. Estimates.
+const PLACES: [(usize, &str, f64, f64); 3] = [
+    (at::KEY_ALONE, "key_friction", 3.8, 1.2),
+    (at::HAMMER_FLANGE, "hammer_friction", 4.0, 0.9),
+    (at::WHIPPEN_FLANGE, "whippen_friction", 2.6, 0.8),
+];
+/// What rubs elsewhere (knuckle, jack, lever), g of friction weight: its standard deviation, an estimate.
+const ELSEWHERE_G: f64 = 1.0;
+/// The screws: which feature each sets, and a cause that turns it.
+const SCREWS: [(usize, &str); 9] = [
+    (at::DIP, "dip_deep"),
+    (at::BLOW, "hammer_low"),
+    (7, "jack_back"),
+    (8, "lever_high"),
+    (at::LET_OFF, "let_off_wide"),
+    (at::DROP, "drop_large"),
+    (at::CHECK, "check_far"),
+    (13, "spring_weak"),
+    (14, "damper_early"),
+];
+/// What screws do not explain of the aftertouch of sound keys, mm: a blow of 46 mm takes 0.5 mm more or less of the key
+/// where the leverage is 5.2 or 5.8. An estimate.
+const AFTERTOUCH_MM: f64 = 0.5;
+
+/// Middle and standard deviation of a usual range with two ends.
+fn usual_of(line: &str, key: usize) -> Option<[f64; 2]> {
+    let [low, high] = usual(line)?.at(key);
+    Some([0.5 * (low? + high?), (high? - low?) / libm::sqrt(12.0)])
+}
+
+/// By how much a cause changes each feature, per unit of one of them.
+fn per_unit(cause: &str, of: usize) -> [f64; N] {
+    let row = causes().iter().position(|own| own.key == cause).unwrap_or_default();
+    let light = &effects()[row][0];
+    let own = light.mean[of].filter(|x| *x != 0.0).unwrap_or(1.0);
+    std::array::from_fn(|i| if i == of { 1.0 } else { light.mean[i].unwrap_or(0.0) / own })
+}
+
+impl Healthy {
+    /// At a key.
+    pub(super) fn at(key: usize) -> Self {
+        let of = |line: &str| usual_of(line, key).unwrap_or([0.0, 1.0]);
+        let mut healthy = Healthy { mean: [0.0; N], covariance: [[0.0; N]; N] };
+        for (feature, name) in FEATURES.iter().enumerate() {
+            healthy.mean[feature] = usual_of(name, key).map_or(0.0, |[middle, _]| middle);
+            // No reading is the same on two keys: a tenth of its precision, so that nothing is certain.
+            healthy.covariance[feature][feature] = (0.1 * entries()[feature].precision).powi(2);
+        }
+        let [balance, balance_sd] = of("balance_weight_g");
+        let [strike, strike_sd] = of("strike_weight_g");
+        let [ratio, ratio_sd] = of("strike_weight_ratio_weights");
+        healthy.mean[at::RATIO] = ratio;
+        healthy.mean[13] = 0.25;
+        // The equation of balance: whoever leads a key brings the balance weight right, and the front weight follows.
+        healthy.mean[at::FRONT] = WHIPPEN_AT_FRONT_G[0] + ratio * strike - balance;
+        healthy.add(&[(BALANCE, balance_sd), (at::FRONT, -balance_sd)]);
+        healthy.add(&[(at::STRIKE, strike_sd), (at::FRONT, ratio * strike_sd)]);
+        healthy.add(&[(at::RATIO, ratio_sd), (at::FRONT, strike * ratio_sd)]);
+        healthy.add(&[(at::FRONT, WHIPPEN_AT_FRONT_G[1])]);
+        // Friction weight: the sum of what rubs, with the simulated leverage of each place.
+        for (place, cause, mean, sd) in PLACES {
+            healthy.mean[place] = mean;
+            let unit = per_unit(cause, place);
+            healthy.add(&[(place, sd), (FRICTION, unit[FRICTION] * sd)]);
+        }
+        healthy.add(&[(FRICTION, ELSEWHERE_G)]);
+        // Each line has a screw of its own and is set after the others, but for the aftertouch, which follows.
+        for (feature, cause) in SCREWS {
+            let [_, sd] = of(FEATURES[feature]);
+            let unit = per_unit(cause, feature);
+            healthy.add(&[(feature, sd), (at::AFTERTOUCH, unit[at::AFTERTOUCH] * sd)]);
+        }
+        healthy.add(&[(at::AFTERTOUCH, AFTERTOUCH_MM)]);
+        // All of them are in their usual ranges.
+        let mut known: Vec<(Vec<(usize, f64)>, f64, f64)> = Vec::new();
+        for feature in [FRICTION, at::AFTERTOUCH] {
+            let [middle, sd] = of(FEATURES[feature]);
+            known.push((vec![(feature, 1.0)], middle, sd));
+        }
+        let [down, down_sd] = of("down_weight_g");
+        let [up, up_sd] = of("up_weight_g");
+        known.push((vec![(BALANCE, 1.0), (FRICTION, 1.0)], down, down_sd));
+        known.push((vec![(BALANCE, 1.0), (FRICTION, -1.0)], up, up_sd));
+        for (row, middle, sd) in known {
+            healthy.condition(&row, middle, sd);
+        }
+        healthy
+    }
+
+    /// One more reason why features differ, with what it does to each at one standard deviation.
+    fn add(&mut self, reason: &[(usize, f64)]) {
+        for &(i, a) in reason {
+            for &(j, b) in reason {
+                self.covariance[i][j] += a * b;
+            }
+        }
+    }
+
+    /// What is known of a sum of features: its value within a standard deviation.
+    fn condition(&mut self, row: &[(usize, f64)], value: f64, sd: f64) {
+        let column: [f64; N] = std::array::from_fn(|i| row.iter().map(|(j, c)| c * self.covariance[i][*j]).sum());
+        let variance = row.iter().map(|(i, c)| c * column[*i]).sum::<f64>() + sd * sd;
+        let off = value - row.iter().map(|(i, c)| c * self.mean[*i]).sum::<f64>();
+        for i in 0..N {
+            self.mean[i] += column[i] / variance * off;
+            for j in 0..N {
+                self.covariance[i][j] -= column[i] * column[j] / variance;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sound keys read as the trade says: each mean is inside its usual range, with room of a standard deviation or so,
+    /// and the equation of balance holds of the means.
+    #[test]
+    fn sound_keys_are_usual() {
+        for key in [1, 16, 40, 64, 88] {
+            let healthy = Healthy::at(key);
+            for (feature, name) in FEATURES.iter().enumerate() {
+                let sd = healthy.covariance[feature][feature].sqrt();
+                assert!(sd > 0.0 && sd.is_finite(), "{name} {sd}");
+                if let Some([middle, range_sd]) = usual_of(name, key).filter(|_| *name != "repetition_spring_m_per_s") {
+                    assert!(
+                        (healthy.mean[feature] - middle).abs() < 2.0 * range_sd,
+                        "{key} {name} {}",
+                        healthy.mean[feature]
+                    );
+                    assert!(sd < 2.2 * range_sd, "{key} {name} {sd} {range_sd}");
+                }
+            }
+        }
+        let middle = Healthy::at(40);
+        let by_equation = 9.5 + 5.53 * 9.5 - middle.mean[BALANCE];
+        assert!((middle.mean[at::FRONT] - by_equation).abs() < 1.0, "{}", middle.mean[at::FRONT]);
+    }
+}

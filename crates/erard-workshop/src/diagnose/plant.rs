@@ -1,0 +1,70 @@
+//! A cause put into a simulated action, or taken out of it.
+
+use erard::Progress;
+use erard::grand::Anatomy;
+use erard::instrument::Instrument;
+
+use super::cause::Cause;
+use crate::measure::MeasureError;
+use crate::regulate::known_screw;
+use crate::worklist::Work;
+
+/// How much of a cause a case is: 1 the light one of `causes.toml`, 2 the plain one, 3 the heavy one, and between them
+/// on straight lines; its unit is that of `amounts` there.
+#[must_use]
+pub fn plant_amount(cause: &Cause, case: f64) -> f64 {
+    let [light, plain, heavy] = cause.amounts;
+    if case <= 2.0 { light + (plain - light) * (case - 1.0) } else { plain + (heavy - plain) * (case - 2.0) }
+}
+
+/// An action with so much of a cause put in; with `undo`, taken out.
+///
+/// # Errors
+/// Where it is no grand action.
+pub fn plant(
+    instrument: &Instrument,
+    cause: &Cause,
+    amount: f64,
+    undo: bool,
+    progress: &mut Progress<'_>,
+) -> Result<Instrument, MeasureError> {
+    let mut planted = instrument.clone();
+    let signed = if undo { -amount } else { amount };
+    let (kind, of) = cause.plant.split_once(':').unwrap_or((&cause.plant, ""));
+    match kind {
+        "friction" => {
+            let anatomy = Anatomy::find(instrument)?;
+            let body = match of {
+                "key" => anatomy.key,
+                "hammer" => anatomy.hammer,
+                _ => anatomy.whippen,
+            };
+            let factor = if undo { 1.0 / amount } else { amount };
+            planted.bodies[instrument.first_piece(body)].friction_torque_n_m *= factor;
+        }
+        "knuckle" => {
+            let zone = &mut planted.zones[Anatomy::find(instrument)?.jack_knuckle];
+            zone.friction_coefficient = (zone.friction_coefficient + signed).max(0.0);
+        }
+        "screw" => turn(&mut planted, of, signed),
+        "hammer" => Work::Hammer { by_g: signed }.carry_out(&mut planted, progress)?,
+        "front_weight" => Work::FrontWeight { by_g: signed }.carry_out(&mut planted, progress)?,
+        _ => Work::Capstan { by_mm: signed }.carry_out(&mut planted, progress)?,
+    }
+    Ok(planted)
+}
+
+/// Turns a screw the way that technicians' words go; a spring by a share of its torque.
+fn turn(instrument: &mut Instrument, name: &str, by: f64) {
+    let (Some(screw), Some(known)) = (instrument.screw(name), known_screw(name)) else { return };
+    let turned = &instrument.screws[screw];
+    let by = match turned.action {
+        erard::instrument::ScrewAction::Spring { spring } => {
+            // A share of the spring as drawn, so that the same share back undoes it.
+            by * (instrument.springs[spring].torque_n_m.abs() - turned.setting)
+        }
+        _ => by * known.sense(turned),
+    };
+    let setting = turned.setting + by;
+    let _ = instrument.turn(screw, setting);
+}

@@ -1,0 +1,268 @@
+//! The answer: what each reading is, which causes there may be, what to measure next, what follows from the weights.
+
+use super::belief::{Belief, Row};
+use super::bench::friction_of_swings;
+use super::cause::{Cause, causes};
+use super::effect::{BALANCE, FEATURES, FRICTION, N, of_known, precision};
+use super::entry::{Known, at, entries};
+use super::geometry::Geometry;
+use super::next::next;
+use crate::measure::usual::usual;
+
+/// Causes that are not named below this probability.
+const LEAST: f64 = 0.03;
+/// Most causes that are named.
+const MOST: usize = 6;
+/// A measurement that tells less, bits, is not asked for.
+const LEAST_BITS: f64 = 0.05;
+
+/// How a reading stands to its usual range.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Standing {
+    /// Inside.
+    Inside,
+    /// Outside by no more than the reading may be off.
+    Doubtful,
+    /// Outside.
+    Out,
+    /// Nothing is usual.
+    NoRange,
+    /// The usual range is not this key's, and why.
+    NotJudged(&'static str),
+}
+
+/// A reading, or what follows from readings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judged {
+    /// As in tables.
+    pub name: &'static str,
+    /// What the bench calls it.
+    pub label: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Decimals that are shown.
+    pub decimals: usize,
+    /// As it was read; `None`: it did not happen.
+    pub value: Option<f64>,
+    /// Its usual range at the key, ends that are open as infinite.
+    pub usual: Option<[f64; 2]>,
+    /// Where it stands.
+    pub standing: Standing,
+}
+
+/// A cause with its probability.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ranked {
+    /// Which.
+    pub cause: &'static Cause,
+    /// From 0 to 1, under the estimates of `causes.toml`.
+    pub probability: f64,
+    /// 1 light, 2 plain, 3 heavy.
+    pub case: f64,
+    /// What it explains: readings that it changes by more than their precision, with the change that is believed.
+    pub explains: Vec<(&'static str, f64)>,
+}
+
+/// The measurement that would narrow the answer most.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Suggestion {
+    /// What to measure, as in tables; D and U come together.
+    pub name: &'static str,
+    /// What the bench calls it.
+    pub label: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Decimals that are shown.
+    pub decimals: usize,
+    /// How it is taken.
+    pub how: &'static str,
+    /// What it is expected to tell, bits.
+    pub bits: f64,
+    /// What it would read under the likeliest combinations of causes, the likeliest first.
+    pub would_read: Vec<(Vec<&'static Cause>, f64)>,
+}
+
+/// The answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diagnosis {
+    /// The key, from 1.
+    pub key: usize,
+    /// What was read, in the order of the sheet, with balance weight, friction weight and leverage as they follow.
+    pub lines: Vec<Judged>,
+    /// The causes, the likeliest first; empty where nothing is out of its range by more than its reading may be off.
+    pub causes: Vec<Ranked>,
+    /// That none of the table's causes fits.
+    pub something_else: f64,
+    /// What to measure next; `None` where nothing would tell much.
+    pub next: Option<Suggestion>,
+    /// Leverage and inertia.
+    pub geometry: Geometry,
+}
+
+impl Diagnosis {
+    /// Whether some reading is out of its range beyond doubt.
+    #[must_use]
+    pub fn is_work(&self) -> bool {
+        self.lines.iter().any(|line| line.standing == Standing::Out)
+    }
+}
+
+/// Works out what is wrong with a key.
+#[must_use]
+pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
+    let geometry = Geometry::of(known, key);
+    let lines = lines(known, key, &geometry);
+    let mut diagnosis = Diagnosis { key, lines, causes: Vec::new(), something_else: 0.0, next: None, geometry };
+    if !diagnosis.is_work() {
+        return diagnosis;
+    }
+    let belief = Belief::of(key, rows(known, key, &diagnosis.geometry));
+    let of = belief.of_causes();
+    let mut order: Vec<usize> = (0..of.len()).filter(|cause| of[*cause] >= LEAST).collect();
+    order.sort_by(|a, b| of[*b].total_cmp(&of[*a]));
+    if order.is_empty() {
+        order = (0..of.len()).max_by(|a, b| of[*a].total_cmp(&of[*b])).into_iter().collect();
+    }
+    order.truncate(MOST);
+    diagnosis.causes = order
+        .into_iter()
+        .map(|cause| {
+            let (case, change) = belief.case_and_change(cause);
+            Ranked { cause: &causes()[cause], probability: of[cause], case, explains: explained(known, &change) }
+        })
+        .collect();
+    diagnosis.something_else = belief.of_other_and_none()[0];
+    let features = of_known(known);
+    let is_known = |feature: usize| {
+        let not_caught = feature == at::CHECK && known.is_not_caught;
+        features[feature].is_some() || not_caught || (feature == at::HAMMER_FLANGE && known.at(at::SWINGS).is_some())
+    };
+    diagnosis.next = next(&belief, is_known).filter(|next| next.bits >= LEAST_BITS).map(|next| {
+        let entry = &entries()[next.feature];
+        let would_read = next
+            .would_read
+            .into_iter()
+            .take(4)
+            .map(|(all, value)| (all.into_iter().map(|cause| &causes()[cause]).collect(), value));
+        let (name, label, how) = match next.feature {
+            FRICTION => ("down_weight_g", "down-weight and up-weight (friction)", entries()[at::DOWN].how),
+            _ => (entry.name, entry.label, entry.how),
+        };
+        Suggestion {
+            name,
+            label,
+            unit: entry.unit,
+            decimals: entry.decimals,
+            how,
+            bits: next.bits,
+            would_read: would_read.collect(),
+        }
+    });
+    diagnosis
+}
+
+/// What a change explains of what was read.
+fn explained(known: &Known, change: &[Option<f64>; N]) -> Vec<(&'static str, f64)> {
+    let features = of_known(known);
+    let mut of: Vec<(f64, &'static str, f64)> = (0..N)
+        .filter(|feature| features[*feature].is_some())
+        .filter_map(|feature| {
+            let by = change[feature]?;
+            (by.abs() > precision(feature)).then_some((by.abs() / precision(feature), FEATURES[feature], by))
+        })
+        .collect();
+    of.sort_by(|a, b| b.0.total_cmp(&a.0));
+    of.into_iter().take(4).map(|(_, name, by)| (name, by)).collect()
+}
+
+/// The readings as belief takes them.
+fn rows(known: &Known, key: usize, geometry: &Geometry) -> Vec<Row> {
+    let features = of_known(known);
+    let mut rows: Vec<Row> = (0..N)
+        .filter(|feature| *feature < 2 || entries()[*feature].not_judged(key).is_none())
+        .filter_map(|feature| Some(Row::of(feature, features[feature]?)))
+        .collect();
+    match (known.at(at::DOWN), known.at(at::UP)) {
+        (Some(down), None) => {
+            rows.push(Row { of: vec![(BALANCE, 1.0), (FRICTION, 1.0)], value: down, error: 0.6 });
+        }
+        (None, Some(up)) => rows.push(Row { of: vec![(BALANCE, 1.0), (FRICTION, -1.0)], value: up, error: 0.6 }),
+        _ => {}
+    }
+    if known.is_not_caught {
+        rows.push(Row::not_caught());
+    }
+    let is_natural = entries()[at::FRONT].not_judged(key).is_none();
+    if let (None, Some(front), true) = (known.at(at::FRONT), geometry.front_weight_g, is_natural) {
+        let error = (front.high - front.low) / libm::sqrt(12.0);
+        rows.push(Row { of: vec![(at::FRONT, 1.0)], value: 0.5 * (front.low + front.high), error });
+    }
+    if let (None, Some(swings)) = (known.at(at::HAMMER_FLANGE), known.at(at::SWINGS)) {
+        let strike_g = known.at(at::STRIKE).unwrap_or_else(|| {
+            let [low, high] = usual("strike_weight_g").map_or([None; 2], |range| range.at(key));
+            0.5 * (low.unwrap_or(8.0) + high.unwrap_or(10.0))
+        });
+        let [low, high] = friction_of_swings(swings, strike_g);
+        let error = (high - low) / libm::sqrt(12.0);
+        rows.push(Row { of: vec![(at::HAMMER_FLANGE, 1.0)], value: 0.5 * (low + high), error });
+    }
+    rows
+}
+
+fn lines(known: &Known, key: usize, geometry: &Geometry) -> Vec<Judged> {
+    let mut lines = Vec::new();
+    for (index, entry) in entries().iter().enumerate() {
+        let not_there = index == at::CHECK && known.is_not_caught;
+        let value = known.at(index);
+        if value.is_some() || not_there {
+            let usual = entry.range(key);
+            let standing = match (entry.not_judged(key), usual, value) {
+                (Some(why), ..) => Standing::NotJudged(why),
+                (None, None, _) => Standing::NoRange,
+                (None, Some(_), None) => Standing::Out,
+                (None, Some(range), Some(value)) => stands(value, range, entry.precision, entry.decimals),
+            };
+            let (name, label, unit, decimals) = (entry.name, entry.label, entry.unit, entry.decimals);
+            lines.push(Judged { name, label, unit, decimals, value, usual, standing });
+        }
+        if index == at::UP {
+            for (name, label, value) in [
+                ("balance_weight_g", "balance weight (D+U)/2", known.balance_g()),
+                ("friction_weight_g", "friction weight (D-U)/2", known.friction_g()),
+            ] {
+                let range = usual(name).map(|range| range.at(key));
+                let usual = range.map(|[a, b]| [a.unwrap_or(f64::NEG_INFINITY), b.unwrap_or(f64::INFINITY)]);
+                if let (Some(value), Some(range)) = (value, usual) {
+                    let standing = stands(value, range, 1.0, 1);
+                    lines.push(Judged { name, label, unit: "g", decimals: 1, value: Some(value), usual, standing });
+                }
+            }
+        }
+        if let (at::RATIO, None, Some(ratio)) = (index, value, geometry.ratio) {
+            let usual = entry.range(key);
+            let middle = 0.5 * (ratio.low + ratio.high);
+            let standing = match (entry.not_judged(key), usual) {
+                (Some(why), _) => Standing::NotJudged(why),
+                (None, Some(range)) => stands(middle, range, 0.5 * (ratio.high - ratio.low), entry.decimals),
+                (None, None) => Standing::NoRange,
+            };
+            let label = "leverage R by the equation of balance";
+            lines.push(Judged { name: entry.name, label, unit: "", decimals: 2, value: Some(middle), usual, standing });
+        }
+    }
+    lines
+}
+
+/// Where a reading stands, as it is read.
+fn stands(value: f64, [low, high]: [f64; 2], precision: f64, decimals: usize) -> Standing {
+    let scale = libm::pow(10.0, decimals as f64);
+    let read = |x: f64| if x.is_finite() { (x * scale).round() / scale } else { x };
+    let beyond = (read(low) - read(value)).max(read(value) - read(high));
+    if beyond <= 0.0 {
+        Standing::Inside
+    } else if beyond <= precision + 1e-9 {
+        Standing::Doubtful
+    } else {
+        Standing::Out
+    }
+}
