@@ -195,7 +195,8 @@ fn equations() {
     assert!(!folder.0.join("erard-out-kinematics").exists());
 }
 
-/// Pressed farther than the levers reach, the command names the key position, keeps what it has and ends with code 1: files are written.
+/// Pressed farther than the levers reach, the command names the key position, keeps what it has and ends with code 1:
+/// files are written.
 #[test]
 fn unreachable() {
     let folder = Folder::new("kinematics-unreachable");
