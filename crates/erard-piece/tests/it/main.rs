@@ -1,0 +1,3 @@
+//! Pieces played on a few keys, and what became of their notes.
+
+mod notes;
