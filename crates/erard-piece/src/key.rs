@@ -176,10 +176,6 @@ impl<'a> Key<'a> {
         self.action.reading()
     }
 
-    pub(crate) fn blow_m(&self) -> f64 {
-        self.watch.blow_m
-    }
-
     pub(crate) fn damper_m(&self) -> f64 {
         self.senses.damper_m
     }

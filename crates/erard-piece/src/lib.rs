@@ -20,6 +20,7 @@ mod perform;
 mod press;
 mod release;
 mod score;
+mod seek;
 mod sink;
 mod touches;
 

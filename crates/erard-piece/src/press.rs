@@ -9,10 +9,11 @@ use crate::key::{Key, Mark, Poise};
 use crate::note::{Played, Reason};
 use crate::perform::PerformError;
 use crate::score::Wanted;
-use crate::touches::{FORCES_N, RISES_S, Touches, by_work};
+use crate::seek::{self, CLOSE, Seek};
+use crate::touches::{FORCES_N, RISES_S, Touches};
 
-/// A speed is right within this share of it: a fifth of a count of velocity.
-const CLOSE: f64 = 5e-3;
+/// A note is good enough with less: counts of velocity and milliseconds together.
+const GOOD: f64 = 1.0;
 /// An instant is right within this, s.
 const CLOSE_S: f64 = 0.2e-3;
 /// A note is tried so often; when it has to be late, so often again.
@@ -93,6 +94,10 @@ struct Search<'a, 'k, 'p, 'q> {
     best: Option<Trial>,
     /// Whether the best is the last one that was played.
     is_last: bool,
+    /// Whether the loudest hand is too soft.
+    is_loudest: bool,
+    /// Nothing is played after this step.
+    until: u64,
     progress: &'p mut Progress<'q>,
 }
 
@@ -107,16 +112,14 @@ pub(crate) fn press(
     progress: &mut Progress<'_>,
 ) -> Result<Pressed, PerformError> {
     let mark = key.mark();
-    let mut search = Search { key, touches, wanted, let_go, mark, trials: 0, best: None, is_last: true, progress };
+    let mut search = Search { key, touches, wanted, let_go, mark, trials: 0, best: None, is_last: true, is_loudest: false, until: u64::MAX, progress };
     let first = search.first_rise();
     for rise in first..RISES_S.len() {
-        search.seek(rise, wanted.on_s, TRIALS)?;
-        // A quicker muscle is louder.
-        let is_soft = |best: &Trial| match best.impact {
-            Some([_, speed]) => best.force_n >= FORCES_N[1] && speed < wanted.speed_m_per_s,
-            None => false,
-        };
-        if !search.best.as_ref().is_some_and(is_soft) {
+        let most = if rise == first { TRIALS } else { LATE_TRIALS };
+        // A quicker muscle is louder, and leaves the key more time to come home.
+        search.is_loudest = search.seek(rise, wanted.on_s, most)?;
+        let is_good = search.best.as_ref().is_some_and(|best| best.cost(&wanted) < GOOD);
+        if is_good || (let_go.is_none() && !search.is_loudest) {
             break;
         }
     }
@@ -142,58 +145,33 @@ impl Search<'_, '_, '_, '_> {
         (0..last).find(fits).unwrap_or(last)
     }
 
-    /// Tries hands of a rise time for an instant, s: brackets the force, and begins as much earlier or later as the
-    /// last one was wrong.
-    fn seek(&mut self, rise: usize, on_s: f64, most: u32) -> Result<(), PerformError> {
+    /// Tries hands of a rise time for an instant, s. Returns whether the loudest of them is too soft.
+    fn seek(&mut self, rise: usize, on_s: f64, most: u32) -> Result<bool, PerformError> {
         let wanted = self.wanted.speed_m_per_s;
         let guess = self.touches.guess(rise, wanted);
-        let (mut force_n, mut takes_s) = (guess.force_n, guess.takes_s);
-        let (mut low, mut high): (Option<[f64; 2]>, Option<[f64; 2]>) = (None, None);
+        let mut hand = seek::Hand { force_n: guess.force_n, takes_s: guess.takes_s };
+        let (mut seek, mut is_loudest) = (Seek::new(wanted, RISES_S[rise]), false);
         for _ in 0..most {
-            let trial = self.play(rise, force_n, on_s, takes_s)?;
-            let (begins_s, impact) = (trial.begins as f64 * self.key.h(), trial.impact);
+            let trial = self.play(rise, hand.force_n, on_s, hand.takes_s)?;
+            let begins_s = trial.begins as f64 * self.key.h();
+            let found = seek::Outcome {
+                tried: hand,
+                struck: trial.impact.map(|[at_s, speed]| [at_s - begins_s, speed]),
+                late_s: trial.impact.map_or(0.0, |[at_s, _]| at_s - on_s),
+                from_home: trial.poise.ready_s >= READY_S,
+            };
             let is_close = trial.is_close(&self.wanted);
+            is_loudest = hand.force_n >= FORCES_N[1] && trial.impact.is_some_and(|[_, speed]| speed < wanted);
             self.keep(trial);
             if is_close {
-                return Ok(());
+                return Ok(false);
             }
-            let speed = impact.map_or(0.0, |[_, speed]| speed);
-            if let Some([at_s, _]) = impact {
-                takes_s = at_s - begins_s;
+            match seek.next(&found) {
+                Some(next) => hand = next,
+                None => break,
             }
-            if (speed / wanted).ln().abs() <= CLOSE {
-                continue;
-            }
-            if speed < wanted {
-                low = Some([force_n, speed]);
-                high = high.filter(|[force, _]| *force > force_n);
-            } else {
-                high = Some([force_n, speed]);
-                low = low.filter(|[force, _]| *force < force_n);
-            }
-            let next = match (low, high) {
-                (Some([a, va]), Some([b, vb])) if va > 0.0 => {
-                    let share = ((wanted / va).ln() / (vb / va).ln()).clamp(0.05, 0.95);
-                    a * (b / a).powf(share)
-                }
-                (Some([a, _]), Some([b, _])) => (a * b).sqrt(),
-                _ if speed > 0.0 => {
-                    let by = by_work(wanted, RISES_S[rise]).force_n / by_work(speed, RISES_S[rise]).force_n;
-                    // Past the speed, so that the bracket closes.
-                    force_n * by.clamp(0.3, 3.0) * if by > 1.0 { 1.02 } else { 0.98 }
-                }
-                _ => 1.4 * force_n,
-            };
-            let next = next.clamp(FORCES_N[0], FORCES_N[1]);
-            if (next / force_n - 1.0).abs() < 1e-5 {
-                return Ok(());
-            }
-            if speed > 0.0 {
-                takes_s *= by_work(wanted, RISES_S[rise]).takes_s / by_work(speed, RISES_S[rise]).takes_s;
-            }
-            force_n = next;
         }
-        Ok(())
+        Ok(is_loudest)
     }
 
     fn keep(&mut self, trial: Trial) {
@@ -227,7 +205,7 @@ impl Search<'_, '_, '_, '_> {
         let (poise, before) = (key.poise(), key.impacts.len());
         key.touch(force_n, RISES_S[rise]);
         let start = key.snapshot();
-        let until = begins + key.step_at(1.8 * takes_s + 0.06);
+        let until = self.until.min(begins + key.step_at(1.8 * takes_s + 0.06));
         let (mut rises, mut highest_m) = (false, f64::NEG_INFINITY);
         while key.now() < until && key.impacts.len() == before {
             let now = key.step(progress)?;
@@ -252,7 +230,11 @@ impl Search<'_, '_, '_, '_> {
     /// The best trial is the note.
     fn finish(mut self) -> Result<Pressed, PerformError> {
         let Some(mut best) = self.best.take() else { return Err(PerformError::Nothing) };
-        if !self.is_last {
+        if best.impact.is_none() {
+            // The hand does not wait for what does not come.
+            self.until = self.key.step_at(best.on_s).max(best.begins + 1);
+        }
+        if !self.is_last || best.impact.is_none() {
             let takes_s = best.on_s - best.begins as f64 * self.key.h();
             best = self.play(best.rise, best.force_n, best.on_s, takes_s)?;
         }
@@ -263,7 +245,7 @@ impl Search<'_, '_, '_, '_> {
         if best.hurried && best.impact.is_none_or(|[at_s, _]| at_s > wanted.on_s) {
             played.reasons.push(Reason::NoTime);
         }
-        if best.force_n >= 0.999 * FORCES_N[1] || best.force_n <= 1.001 * FORCES_N[0] {
+        if self.is_loudest || best.force_n <= 1.001 * FORCES_N[0] {
             played.reasons.push(Reason::BeyondReach);
         }
         let hold_n = if best.impact.is_some() { HOLD_N } else { HOLD_N.min(best.force_n) };
