@@ -10,7 +10,7 @@ use crate::note::{Played, Reason};
 use crate::perform::PerformError;
 use crate::score::Wanted;
 use crate::seek::{self, CLOSE, Seek};
-use crate::touches::{FORCES_N, RISES_S, Touches};
+use crate::touches::{FORCES_N, Guess, RISES_S, Touches};
 
 /// A note is good enough with less: counts of velocity and milliseconds together.
 const GOOD: f64 = 1.0;
@@ -134,12 +134,17 @@ pub(crate) fn press(
 }
 
 impl Search<'_, '_, '_, '_> {
+    fn guess(&self, rise: usize) -> Guess {
+        let speed = self.wanted.speed_m_per_s;
+        if self.let_go.is_some() { self.touches.guess_moving(rise, speed) } else { self.touches.guess(rise, speed) }
+    }
+
     /// The slowest muscle with which the key can be home before.
     fn first_rise(&self) -> usize {
         let Some(LetGo { earliest, .. }) = self.let_go else { return 0 };
         let last = RISES_S.len() - 1;
         let fits = |rise: &usize| {
-            let takes_s = self.touches.guess(*rise, self.wanted.speed_m_per_s).takes_s;
+            let takes_s = self.guess(*rise).takes_s;
             self.key.step_at(self.wanted.on_s - takes_s - HOME_AGAIN_S) >= earliest
         };
         (0..last).find(fits).unwrap_or(last)
@@ -148,7 +153,7 @@ impl Search<'_, '_, '_, '_> {
     /// Tries hands of a rise time for an instant, s. Returns whether the loudest of them is too soft.
     fn seek(&mut self, rise: usize, on_s: f64, most: u32) -> Result<bool, PerformError> {
         let wanted = self.wanted.speed_m_per_s;
-        let guess = self.touches.guess(rise, wanted);
+        let guess = self.guess(rise);
         let mut hand = seek::Hand { force_n: guess.force_n, takes_s: guess.takes_s };
         let (mut seek, mut is_loudest) = (Seek::new(wanted, RISES_S[rise]), false);
         for _ in 0..most {
@@ -240,6 +245,11 @@ impl Search<'_, '_, '_, '_> {
         }
         let (wanted, key) = (self.wanted, self.key);
         let pressed_s = best.begins as f64 * key.h();
+        if let (Some(_), Some([at_s, speed])) = (self.let_go, best.impact)
+            && best.cost(&wanted) < GOOD
+        {
+            self.touches.learn_moving(best.rise, best.force_n, at_s - pressed_s, speed);
+        }
         let mut played = Played::new(wanted, pressed_s, best.force_n, &best.poise);
         (played.impact, played.trials) = (best.impact, self.trials);
         if best.hurried && best.impact.is_none_or(|[at_s, _]| at_s > wanted.on_s) {

@@ -9,6 +9,9 @@ const MOST: [f64; 2] = [0.7, 0.025];
 /// What of a hand's beginning weighs as much as the logarithm of its force, s.
 const WEIGHT_S: f64 = 0.05;
 
+/// After so many hands in a row that did not sound the search ends.
+const MOST_SILENT: u32 = 6;
+
 /// A hand to be tried: its force, N, and how long before the written instant it begins, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Hand {
@@ -38,6 +41,9 @@ pub(crate) struct Seek {
     /// beginning over WEIGHT_S.
     slopes: [[f64; 2]; 2],
     last: Option<([f64; 2], [f64; 2])>,
+    /// The last hand that sounded, and how many since did not.
+    sounding: Option<Hand>,
+    silent: u32,
 }
 
 impl Seek {
@@ -45,11 +51,15 @@ impl Seek {
         let [less, more] = [wanted / 1.05, wanted * 1.05].map(|speed| by_work(speed, rise_s));
         let rate = (1.05_f64.ln() * 2.0 / (more.force_n / less.force_n).ln()).clamp(0.2, 5.0);
         let takes = (more.takes_s - less.takes_s) / (2.0 * 1.05_f64.ln()) * rate / WEIGHT_S;
-        Seek { wanted, rise_s, low: None, high: None, slopes: [[rate, 0.0], [takes, -1.0]], last: None }
+        Seek { wanted, rise_s, low: None, high: None, slopes: [[rate, 0.0], [takes, -1.0]], last: None, sounding: None, silent: 0 }
     }
 
     /// The next hand; `None` where there is none left.
     pub(crate) fn next(&mut self, found: &Outcome) -> Option<Hand> {
+        self.silent = if found.struck.is_some() { 0 } else { self.silent + 1 };
+        if self.silent > MOST_SILENT {
+            return None;
+        }
         let next = if found.from_home { self.between(found) } else { self.along(found) };
         let force_n = next.force_n.clamp(FORCES_N[0], FORCES_N[1]);
         let is_new = (force_n / found.tried.force_n - 1.0).abs() > 1e-6
@@ -95,9 +105,13 @@ impl Seek {
     fn along(&mut self, found: &Outcome) -> Hand {
         let Hand { force_n, takes_s } = found.tried;
         let Some([_, speed]) = found.struck else {
-            self.last = None;
-            return Hand { force_n: 1.3 * force_n, takes_s };
+            // Back half the way to the last one that sounded; as long as none has, stronger and a little later.
+            return match self.sounding {
+                Some(one) => Hand { force_n: (one.force_n * force_n).sqrt(), takes_s: 0.5 * (one.takes_s + takes_s) },
+                None => Hand { force_n: 1.3 * force_n, takes_s: takes_s - 2e-3 },
+            };
         };
+        self.sounding = Some(found.tried);
         let (x, r) = ([force_n.ln(), takes_s / WEIGHT_S], [(speed / self.wanted).ln(), found.late_s / WEIGHT_S]);
         if let Some((x0, r0)) = self.last {
             let dx = [x[0] - x0[0], x[1] - x0[1]];
@@ -115,7 +129,7 @@ impl Seek {
         let det = a * d - b * c;
         if det.abs() < 0.05 {
             // It has lost its way.
-            *self = Seek::new(self.wanted, self.rise_s);
+            *self = Seek { sounding: self.sounding, ..Seek::new(self.wanted, self.rise_s) };
             return Hand { force_n: force_n * (self.wanted / speed).powf(0.7), takes_s: takes_s + 0.7 * found.late_s };
         }
         let step = [(b * r[1] - d * r[0]) / det, (c * r[0] - a * r[1]) / det];

@@ -36,11 +36,20 @@ struct Touch {
     takes: f64,
 }
 
+impl Touch {
+    fn of(rise: usize, force_n: f64, takes_s: f64, speed_m_per_s: f64) -> Self {
+        let work = by_work(speed_m_per_s, RISES_S[rise]);
+        Touch { log_speed: speed_m_per_s.ln(), force: force_n / work.force_n, takes: takes_s / work.takes_s }
+    }
+}
+
 /// What is known of one key.
 #[derive(Debug, Default)]
 pub(crate) struct Touches {
     /// By rise time, in the order of speed.
     known: [Vec<Touch>; RISES_S.len()],
+    /// The last stroke on a key that was still on its way.
+    moving: [Option<Touch>; RISES_S.len()],
     /// Ways of leaving, s, with how long the damper then takes to be down, s, and how fast the key comes, m/s.
     ways: Vec<[f64; 3]>,
 }
@@ -57,17 +66,39 @@ impl Touches {
                 [a.force + share * (b.force - a.force), a.takes + share * (b.takes - a.takes)]
             }
             (Some(one), None) | (None, Some(one)) => [one.force, one.takes],
+            // A quicker hand is about as strong.
+            (None, None) if rise > 0 => {
+                let usual = self.guess(0, speed_m_per_s);
+                let ratio = usual.force_n / by_work(speed_m_per_s, RISES_S[0]).force_n;
+                return Guess { force_n: (ratio * work.force_n).clamp(FORCES_N[0], FORCES_N[1]), ..work };
+            }
             (None, None) => return work,
         };
         let force_n = (force * work.force_n).clamp(FORCES_N[0], FORCES_N[1]);
         Guess { force_n, takes_s: takes * work.takes_s, is_known: true }
     }
 
+    /// The hand for a speed on a key that is still on its way: as the last one was.
+    pub(crate) fn guess_moving(&self, rise: usize, speed_m_per_s: f64) -> Guess {
+        let work = by_work(speed_m_per_s, RISES_S[rise]);
+        match self.moving[rise] {
+            Some(Touch { force, takes, .. }) => Guess {
+                force_n: (force * work.force_n).clamp(FORCES_N[0], FORCES_N[1]),
+                takes_s: takes * work.takes_s,
+                is_known: true,
+            },
+            None => self.guess(rise, speed_m_per_s),
+        }
+    }
+
+    /// Remembers what a hand did on a key that was still on its way.
+    pub(crate) fn learn_moving(&mut self, rise: usize, force_n: f64, takes_s: f64, speed_m_per_s: f64) {
+        self.moving[rise] = Some(Touch::of(rise, force_n, takes_s, speed_m_per_s));
+    }
+
     /// Remembers what a hand did from rest.
     pub(crate) fn learn(&mut self, rise: usize, force_n: f64, takes_s: f64, speed_m_per_s: f64) {
-        let work = by_work(speed_m_per_s, RISES_S[rise]);
-        let touch =
-            Touch { log_speed: speed_m_per_s.ln(), force: force_n / work.force_n, takes: takes_s / work.takes_s };
+        let touch = Touch::of(rise, force_n, takes_s, speed_m_per_s);
         let known = &mut self.known[rise];
         let at = known.partition_point(|other| other.log_speed < touch.log_speed);
         let is_like = |other: Option<&Touch>| other.is_some_and(|o| (o.log_speed - touch.log_speed).abs() < ALIKE);

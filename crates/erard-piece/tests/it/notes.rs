@@ -37,3 +37,18 @@ fn tmp() {
     go(key, notes, true);
     }
 }
+#[test]
+fn hanon() {
+    for kb in ["concert-grand-strings", "heavy-touch"] {
+    let instruments = Keyboard::builtin(kb).unwrap().instruments().unwrap();
+    let piece = erard_midi::file::read(&std::fs::read("pieces/hanon.mid").unwrap()).unwrap();
+    let score = Score::of(&piece, &Law::GOEBL);
+    let t = std::time::Instant::now();
+    let p = perform(&score, &instruments, &Options { threads: 1, ..Options::default() }, &|_| Ok(Box::new(Silence)), &mut |_| true).unwrap();
+    println!("{kb} {:?} steps {}", t.elapsed(), p.steps);
+    for n in p.notes.iter().take(100).filter(|n| !n.faults().is_empty()) {
+        println!("{:.3} key {} v {:5.1} F {:6.2} pressed {:.3} late {:?} louder {:?} home {} trials {} off {:+.1?} faults {:?} {}", n.wanted.on_s, n.wanted.key, n.wanted.velocity.counts(), n.force_n, n.pressed_s, n.late_s().map(|x| (x*1e5).round()/100.0), n.louder().map(|x| (x*100.0).round()/100.0), n.from_home, n.trials, n.released.map(|r| 1e3*(r[0]-n.wanted.off_s)), n.faults(), n.reasons().iter().map(|r| r.to_string()).collect::<Vec<_>>().join("; "));
+    }
+    println!("{:?}", p.summary());
+    }
+}
