@@ -8,7 +8,7 @@ use crate::key::Key;
 use crate::moment::Moment;
 use crate::note::Played;
 use crate::perform::{Options, PerformError};
-use crate::press::{HOME_AGAIN_S, LetGo, Pressed, STAYS_S, press};
+use crate::press::{LetGo, Pressed, STAYS_S, press};
 use crate::release::release;
 use crate::score::{Score, Wanted};
 use crate::sink::Sink;
@@ -18,6 +18,10 @@ use crate::touches::Touches;
 const TAIL_S: f64 = 1.0;
 /// Between a damper's fall and the next hand a key takes so long to come home after a usual release, s.
 const HOME_S: f64 = 0.060;
+
+/// No key is pressed again so soon after it was struck, s: no action repeats 33 times a second, and the fastest players
+/// not half as often. Such a note is not tried.
+const SOONEST_S: f64 = 0.030;
 
 /// What came of a key.
 pub(crate) struct KeyPlayed {
@@ -35,6 +39,10 @@ pub(crate) struct Player<'a, 'k> {
     key: Key<'k>,
     touches: Touches,
     notes: Vec<(usize, Played)>,
+    /// The last one that was pressed, as an index.
+    last: Option<usize>,
+    /// When the key is to be released, s, and how fast it is to come up.
+    off: (f64, Option<f64>),
     moments: Vec<Moment>,
     options: &'a Options,
     sink: &'a mut dyn Sink,
@@ -51,8 +59,16 @@ pub(crate) fn play_key(
 ) -> Result<KeyPlayed, PerformError> {
     let key = Key::new(instrument, damper_m, &score.feet, options.row_s, options.sound)
         .map_err(|error| PerformError::Action { key: number, error })?;
-    let mut player =
-        Player { key, touches: Touches::default(), notes: Vec::new(), moments: Vec::new(), options, sink };
+    let mut player = Player {
+        key,
+        touches: Touches::default(),
+        notes: Vec::new(),
+        last: None,
+        off: (0.0, None),
+        moments: Vec::new(),
+        options,
+        sink,
+    };
     for (i, &note) in numbers.iter().enumerate() {
         let next_s = numbers.get(i + 1).map_or(f64::INFINITY, |&next| score.notes[next].on_s);
         player.play(note, score.notes[note], next_s, progress)?;
@@ -69,6 +85,12 @@ impl Player<'_, '_> {
         next_s: f64,
         progress: &mut Progress<'_>,
     ) -> Result<(), PerformError> {
+        let off = (wanted.off_s, wanted.release_m_per_s);
+        if self.last.is_some() && wanted.on_s < self.key.now_s() + SOONEST_S {
+            self.off = off;
+            self.notes.push((number, Played::left_out(wanted, &self.key.poise())));
+            return Ok(());
+        }
         let guess = self.touches.guess(0, wanted.speed_m_per_s);
         let let_go = self.make_ready(wanted.on_s - guess.takes_s, progress)?;
         if let_go.is_none() {
@@ -86,6 +108,8 @@ impl Player<'_, '_> {
             let (key, lift_m) = (wanted.key, self.key.lift_m());
             self.moments.push(Moment { note: number, key, start, stroke, pressed_s: played.pressed_s, lift_m });
         }
+        self.off = off;
+        self.last = Some(self.notes.len());
         self.notes.push((number, played));
         Ok(())
     }
@@ -93,8 +117,8 @@ impl Player<'_, '_> {
     /// Releases the key for a hand that begins at an instant, s; or says how it is to be released as a part of the
     /// next stroke, where there is no time for more.
     fn make_ready(&mut self, begins_s: f64, progress: &mut Progress<'_>) -> Result<Option<LetGo>, PerformError> {
-        let Some((_, last)) = self.notes.last() else { return Ok(None) };
-        let (off_s, release_m_per_s) = (last.wanted.off_s, last.wanted.release_m_per_s);
+        let Some(last) = self.last.map(|last| &self.notes[last].1) else { return Ok(None) };
+        let (off_s, release_m_per_s) = self.off;
         let struck_s = last.impact.map_or(self.key.now_s(), |[at_s, _]| at_s);
         if off_s.max(struck_s + STAYS_S) + HOME_S <= begins_s {
             release(&mut self.key, &mut self.touches, off_s, release_m_per_s, progress)?;
@@ -103,13 +127,12 @@ impl Player<'_, '_> {
         let quick_s = self.touches.lag_s(crate::hand::Way::QUICK.within_s);
         let earliest = self.key.step_at(struck_s + STAYS_S).max(self.key.now());
         let written = self.key.step_at(off_s - quick_s).max(earliest);
-        debug_assert!(HOME_AGAIN_S > STAYS_S);
         Ok(Some(LetGo { written, earliest }))
     }
 
     /// What became of the last note until this instant, s, when the next hand begins, or the piece ends.
     fn conclude(&mut self, until_s: f64, was_checked: bool) {
-        let Some((_, last)) = self.notes.last_mut() else { return };
+        let Some(last) = self.last.map(|last| &mut self.notes[last].1) else { return };
         let struck_s = last.impact.map_or(last.pressed_s, |[at_s, _]| at_s);
         let within = |[at_s, _]: &&[f64; 2]| *at_s > struck_s && *at_s < until_s;
         last.more_impacts = self.key.impacts.iter().filter(within).count() as u32;
@@ -128,10 +151,8 @@ impl Player<'_, '_> {
 
     /// Releases the last note and plays on to the end, s.
     fn finish(mut self, end_s: f64, progress: &mut Progress<'_>) -> Result<KeyPlayed, PerformError> {
-        if let Some((_, last)) = self.notes.last()
-            && !self.key.hand.has_left()
-        {
-            let (off_s, speed) = (last.wanted.off_s, last.wanted.release_m_per_s);
+        if !self.key.hand.has_left() {
+            let (off_s, speed) = self.off;
             release(&mut self.key, &mut self.touches, off_s, speed, progress)?;
         }
         // Block by block: nobody goes back any more.

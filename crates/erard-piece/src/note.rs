@@ -63,6 +63,8 @@ pub enum Reason {
     NotChecked,
     /// The piece leaves the hand too little time to press as gently as that.
     NoTime,
+    /// It is written within 30 ms of the key's last stroke, and was not tried.
+    TooSoon,
     /// No hand within 100 N plays the key so loudly, or none so softly.
     BeyondReach,
 }
@@ -75,6 +77,7 @@ impl std::fmt::Display for Reason {
             Reason::HammerNotDown { hammer_m } => write!(f, "hammer not down: {:.0} mm up", 1e3 * hammer_m),
             Reason::NotChecked => f.write_str("hammer not checked"),
             Reason::NoTime => f.write_str("no time for so gentle a stroke"),
+            Reason::TooSoon => f.write_str("within 30 ms of the last stroke"),
             Reason::BeyondReach => f.write_str("beyond the reach of a hand"),
         }
     }
@@ -131,6 +134,13 @@ impl Played {
             reasons,
             checked: true,
         }
+    }
+
+    /// A note that is not tried, for it comes too soon after the key was struck.
+    pub(crate) fn left_out(wanted: Wanted, poise: &Poise) -> Self {
+        let mut played = Played::new(wanted, wanted.on_s, 0.0, poise);
+        played.reasons.push(Reason::TooSoon);
+        played
     }
 
     /// How much later than written it sounded, s.

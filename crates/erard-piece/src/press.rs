@@ -27,7 +27,7 @@ const FALLEN_M: f64 = 5e-3;
 const RISES_M_PER_S: f64 = 0.05;
 /// The key is home, and the jack has come to rest under the knuckle, so long after a hand that leaves at once, s. An
 /// estimate; where the key is slower, the trials find out.
-pub(crate) const HOME_AGAIN_S: f64 = 0.070;
+const HOME_AGAIN_S: f64 = 0.070;
 /// A hand stays on a key that it has played for so long, s. An estimate: the hammer is in the check by then.
 pub(crate) const STAYS_S: f64 = 0.020;
 /// A key was ready for so long, s: what its hand did is remembered.

@@ -14,6 +14,8 @@ const CLOSE_S: f64 = 1e-3;
 const CLOSE: f64 = 0.1;
 /// A hand may turn out to have to leave so much earlier than known, s.
 const GUARD_S: f64 = 15e-3;
+/// The same where nothing is known of a release so fast.
+const WIDE_GUARD_S: f64 = 0.3;
 /// The shortest and the longest times in which a hand leaves, s.
 const WITHIN_S: [f64; 2] = [2e-3, 0.5];
 /// A key that is not up so long after the hand's force is gone does not come up, s.
@@ -33,7 +35,9 @@ pub(crate) fn release(
     let speed = speed_m_per_s.filter(|speed| *speed > 0.0);
     let mut within_s = speed.map_or(Way::USUAL.within_s, |speed| touches.way_of(speed));
     let mut lag_s = touches.lag_s(within_s);
-    let earliest = key.step_at(off_s - lag_s - GUARD_S).max(key.now());
+    let is_known = speed.is_none_or(|speed| touches.knows_way(speed));
+    let guard_s = if is_known { GUARD_S } else { WIDE_GUARD_S };
+    let earliest = key.step_at(off_s - lag_s - guard_s).max(key.now());
     key.advance(earliest, progress)?;
     let mark = key.mark();
     for trial in 0..TRIALS[usize::from(speed.is_some())] {

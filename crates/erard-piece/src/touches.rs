@@ -6,8 +6,9 @@
 pub(crate) const RISES_S: [f64; 3] = [erard::stroke::RISE_S, 0.020, 0.008];
 /// The force of a hand, N, from 0.2 to 100: [`erard::level::FORCES_N`].
 pub(crate) const FORCES_N: [f64; 2] = erard::level::FORCES_N;
-/// Touches that differ by less in the logarithm of their speed are one.
-const ALIKE: f64 = 2e-3;
+/// Of touches that differ by less in the logarithm of their speed the last one is remembered: a key that has been
+/// played does not rest quite as it did.
+const ALIKE: f64 = 1e-2;
 
 /// A hand for a speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,15 +101,9 @@ impl Touches {
     pub(crate) fn learn(&mut self, rise: usize, force_n: f64, takes_s: f64, speed_m_per_s: f64) {
         let touch = Touch::of(rise, force_n, takes_s, speed_m_per_s);
         let known = &mut self.known[rise];
+        known.retain(|other| (other.log_speed - touch.log_speed).abs() >= ALIKE);
         let at = known.partition_point(|other| other.log_speed < touch.log_speed);
-        let is_like = |other: Option<&Touch>| other.is_some_and(|o| (o.log_speed - touch.log_speed).abs() < ALIKE);
-        if is_like(known.get(at)) {
-            known[at] = touch;
-        } else if at > 0 && is_like(known.get(at - 1)) {
-            known[at - 1] = touch;
-        } else {
-            known.insert(at, touch);
-        }
+        known.insert(at, touch);
     }
 
     /// How long the damper takes to be down once the hand begins to leave within so many s.
@@ -118,6 +113,11 @@ impl Touches {
             Some(way) if near(&way) < 0.3 => way[1] + 0.5 * (within_s - way[0]),
             _ => 0.027 + 0.6 * within_s,
         }
+    }
+
+    /// Whether a hand has left the key so that it came up about so fast, m/s.
+    pub(crate) fn knows_way(&self, speed_m_per_s: f64) -> bool {
+        self.ways.iter().any(|way| (way[2] / speed_m_per_s).ln().abs() < 0.1)
     }
 
     /// Remembers how long it took, and how fast the key came up.
