@@ -78,7 +78,7 @@ impl Hand {
         stroke.hand.input(&stroke.input(t))
     }
 
-    /// Whether it does the same from this step on until it is told otherwise.
+    /// Whether it does the same in every step from this one on.
     pub(crate) fn is_steady(&self, step: u64, h: f64) -> bool {
         match self {
             Hand::Away => true,

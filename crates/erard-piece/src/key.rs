@@ -288,7 +288,8 @@ impl<'a> Key<'a> {
             match *foot {
                 Foot::Sustain(lift_m) => self.watch.rail_m = lift_m,
                 Foot::Sostenuto(true) => {
-                    self.watch.caught = self.watch.key_m > self.senses.damper_m || self.watch.rail_m > 0.5 * FULL_PEDAL_M;
+                    self.watch.caught =
+                        self.watch.key_m > self.senses.damper_m || self.watch.rail_m > 0.5 * FULL_PEDAL_M;
                 }
                 Foot::Sostenuto(false) => self.watch.caught = false,
             }

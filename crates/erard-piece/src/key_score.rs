@@ -19,9 +19,9 @@ const TAIL_S: f64 = 1.0;
 /// Between a damper's fall and the next hand a key takes so long to come home after a usual release, s.
 const HOME_S: f64 = 0.060;
 
-/// No key is pressed again so soon after it was struck, s: no action repeats 33 times a second, and the fastest players
-/// not half as often. Such a note is not tried.
-const SOONEST_S: f64 = 0.030;
+/// No key is pressed again so soon after it was struck, s: no action repeats 25 times a second, and the fastest players
+/// not two thirds as often. Such a note is not tried.
+const SOONEST_S: f64 = 0.040;
 
 /// What came of a key.
 pub(crate) struct KeyPlayed {

@@ -28,5 +28,5 @@ pub use key::RATE_HZ;
 pub use moment::Moment;
 pub use note::{Fault, Played, Reason, Summary};
 pub use perform::{Options, PerformError, Performance, perform};
-pub use score::{FULL_PEDAL_M, LEAD_S, Score, Wanted};
-pub use sink::{Block, COLUMNS, Sink, Silence};
+pub use score::{FULL_PEDAL_M, LEAD_S, Score, Wanted, passage};
+pub use sink::{Block, COLUMNS, Silence, Sink};

@@ -63,7 +63,7 @@ pub enum Reason {
     NotChecked,
     /// The piece leaves the hand too little time to press as gently as that.
     NoTime,
-    /// It is written within 30 ms of the key's last stroke, and was not tried.
+    /// It is written within 40 ms of the key's last stroke, and was not tried.
     TooSoon,
     /// No hand within 100 N plays the key so loudly, or none so softly.
     BeyondReach,
@@ -77,7 +77,7 @@ impl std::fmt::Display for Reason {
             Reason::HammerNotDown { hammer_m } => write!(f, "hammer not down: {:.0} mm up", 1e3 * hammer_m),
             Reason::NotChecked => f.write_str("hammer not checked"),
             Reason::NoTime => f.write_str("no time for so gentle a stroke"),
-            Reason::TooSoon => f.write_str("within 30 ms of the last stroke"),
+            Reason::TooSoon => f.write_str("within 40 ms of the last stroke"),
             Reason::BeyondReach => f.write_str("beyond the reach of a hand"),
         }
     }

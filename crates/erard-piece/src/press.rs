@@ -16,11 +16,15 @@ use crate::touches::{FORCES_N, Guess, RISES_S, Touches};
 const GOOD: f64 = 1.0;
 /// An instant is right within this, s.
 const CLOSE_S: f64 = 0.2e-3;
-/// A note is tried so often; when it has to be late, so often again.
+/// A note is tried so often from one hand on; from others, or when it has to be late, so often again.
 const TRIALS: u32 = 14;
-const LATE_TRIALS: u32 = 6;
+const AGAIN: u32 = 8;
 /// By how much a note that does not sound in time is tried later, s.
 const LATER_S: [f64; 4] = [0.010, 0.020, 0.040, 0.080];
+/// A key that was struck so shortly before is tried from one hand only, s: no action repeats 15 times a second.
+const HOPELESS_S: f64 = 0.065;
+/// So often.
+const FEW: u32 = 5;
 /// A hammer that has fallen so far from its highest point does not meet the string any more, m.
 const FALLEN_M: f64 = 5e-3;
 /// It rises when it is faster, m/s.
@@ -112,23 +116,41 @@ pub(crate) fn press(
     progress: &mut Progress<'_>,
 ) -> Result<Pressed, PerformError> {
     let mark = key.mark();
-    let mut search = Search { key, touches, wanted, let_go, mark, trials: 0, best: None, is_last: true, is_loudest: false, until: u64::MAX, progress };
+    let mut search = Search {
+        key,
+        touches,
+        wanted,
+        let_go,
+        mark,
+        trials: 0,
+        best: None,
+        is_last: true,
+        is_loudest: false,
+        until: u64::MAX,
+        progress,
+    };
     let first = search.first_rise();
+    if search.let_go.is_some_and(|_| wanted.on_s < search.key.now_s() + HOPELESS_S) {
+        search.seek(search.guess(first), first, wanted.on_s, FEW)?;
+        return search.finish();
+    }
     for rise in first..RISES_S.len() {
-        let most = if rise == first { TRIALS } else { LATE_TRIALS };
+        let most = if rise == first { TRIALS } else { AGAIN };
         // A quicker muscle is louder, and leaves the key more time to come home.
-        search.is_loudest = search.seek(rise, wanted.on_s, most)?;
-        let is_good = search.best.as_ref().is_some_and(|best| best.cost(&wanted) < GOOD);
-        if is_good || (let_go.is_none() && !search.is_loudest) {
+        search.is_loudest = search.seek(search.guess(rise), rise, wanted.on_s, most)?;
+        if search.is_good() || (let_go.is_none() && !search.is_loudest) {
             break;
         }
+    }
+    if let_go.is_some() {
+        search.seek_again()?;
     }
     for later_s in LATER_S {
         let sounds = search.best.as_ref().is_some_and(|best| best.impact.is_some());
         if sounds || wanted.on_s + later_s + STAYS_S > next_s {
             break;
         }
-        search.seek(first, wanted.on_s + later_s, LATE_TRIALS)?;
+        search.seek(search.guess(first), first, wanted.on_s + later_s, AGAIN)?;
     }
     search.finish()
 }
@@ -150,10 +172,35 @@ impl Search<'_, '_, '_, '_> {
         (0..last).find(fits).unwrap_or(last)
     }
 
-    /// Tries hands of a rise time for an instant, s. Returns whether the loudest of them is too soft.
-    fn seek(&mut self, rise: usize, on_s: f64, most: u32) -> Result<bool, PerformError> {
+    fn is_good(&self) -> bool {
+        self.best.as_ref().is_some_and(|best| best.cost(&self.wanted) < GOOD)
+    }
+
+    /// On a key that moves the search may end where it leads nowhere: it begins anew at other hands, as long as none is
+    /// good: as from home, stronger, and the best so far.
+    fn seek_again(&mut self) -> Result<(), PerformError> {
+        let rise = RISES_S.len() - 1;
+        let home = self.touches.guess(rise, self.wanted.speed_m_per_s);
+        for stronger in [1.0, 1.5] {
+            if !self.is_good() {
+                let hand = Guess { force_n: stronger * home.force_n, takes_s: home.takes_s / stronger.sqrt(), ..home };
+                self.seek(hand, rise, self.wanted.on_s, AGAIN)?;
+            }
+        }
+        if let Some(best) = &self.best
+            && best.impact.is_some()
+            && !self.is_good()
+        {
+            let takes_s = best.on_s - best.begins as f64 * self.key.h();
+            let (hand, rise) = (Guess { force_n: best.force_n, takes_s, is_known: true }, best.rise);
+            self.seek(hand, rise, self.wanted.on_s, AGAIN)?;
+        }
+        Ok(())
+    }
+
+    /// Tries hands of a rise time for an instant, s, from one on. Returns whether the loudest of them is too soft.
+    fn seek(&mut self, guess: Guess, rise: usize, on_s: f64, most: u32) -> Result<bool, PerformError> {
         let wanted = self.wanted.speed_m_per_s;
-        let guess = self.guess(rise);
         let mut hand = seek::Hand { force_n: guess.force_n, takes_s: guess.takes_s };
         let (mut seek, mut is_loudest) = (Seek::new(wanted, RISES_S[rise]), false);
         for _ in 0..most {

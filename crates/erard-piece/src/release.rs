@@ -14,7 +14,7 @@ const CLOSE_S: f64 = 1e-3;
 const CLOSE: f64 = 0.1;
 /// A hand may turn out to have to leave so much earlier than known, s.
 const GUARD_S: f64 = 15e-3;
-/// The same where nothing is known of a release so fast.
+/// Where nothing is known of a release so fast it may turn out to be so much, s.
 const WIDE_GUARD_S: f64 = 0.3;
 /// The shortest and the longest times in which a hand leaves, s.
 const WITHIN_S: [f64; 2] = [2e-3, 0.5];

@@ -1,6 +1,6 @@
 //! A piece as what is to be done.
 
-use erard_midi::file::Piece;
+use erard_midi::file::{Note, PedalChange, Piece};
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 use erard_midi::{Law, ReleaseLaw, Velocity};
 
@@ -24,6 +24,17 @@ pub struct Wanted {
     pub speed_m_per_s: f64,
     /// How fast the key's front is to come up there, m/s, positive; `None` where the piece does not say.
     pub release_m_per_s: Option<f64>,
+}
+
+/// The notes of a piece that begin between two instants, s; the first instant becomes its beginning. Pedals are where
+/// they had been left.
+#[must_use]
+pub fn passage(piece: &Piece, from_s: f64, to_s: f64) -> Piece {
+    let notes = piece.notes.iter().filter(|note| (from_s..to_s).contains(&note.start_s));
+    let shifted = notes.map(|note| Note { start_s: note.start_s - from_s, end_s: note.end_s - from_s, ..*note });
+    let pedals = piece.pedals.iter().filter(|change| change.time_s < to_s);
+    let pedals = pedals.map(|change| PedalChange { time_s: (change.time_s - from_s).max(0.0), ..*change });
+    Piece { notes: shifted.collect(), pedals: pedals.collect(), remarks: piece.remarks.clone() }
 }
 
 /// What a foot does.

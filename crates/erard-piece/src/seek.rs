@@ -51,7 +51,16 @@ impl Seek {
         let [less, more] = [wanted / 1.05, wanted * 1.05].map(|speed| by_work(speed, rise_s));
         let rate = (1.05_f64.ln() * 2.0 / (more.force_n / less.force_n).ln()).clamp(0.2, 5.0);
         let takes = (more.takes_s - less.takes_s) / (2.0 * 1.05_f64.ln()) * rate / WEIGHT_S;
-        Seek { wanted, rise_s, low: None, high: None, slopes: [[rate, 0.0], [takes, -1.0]], last: None, sounding: None, silent: 0 }
+        Seek {
+            wanted,
+            rise_s,
+            low: None,
+            high: None,
+            slopes: [[rate, 0.0], [takes, -1.0]],
+            last: None,
+            sounding: None,
+            silent: 0,
+        }
     }
 
     /// The next hand; `None` where there is none left.
@@ -62,8 +71,8 @@ impl Seek {
         }
         let next = if found.from_home { self.between(found) } else { self.along(found) };
         let force_n = next.force_n.clamp(FORCES_N[0], FORCES_N[1]);
-        let is_new = (force_n / found.tried.force_n - 1.0).abs() > 1e-6
-            || (next.takes_s - found.tried.takes_s).abs() > 1e-5;
+        let is_new =
+            (force_n / found.tried.force_n - 1.0).abs() > 1e-6 || (next.takes_s - found.tried.takes_s).abs() > 1e-5;
         is_new.then_some(Hand { force_n, takes_s: next.takes_s })
     }
 

@@ -9,7 +9,7 @@ use erard::instrument::Instrument;
 use erard::keyboard::{Keyboard, note_name};
 use erard_figures::page::{Shown, page_html};
 use erard_midi::{Law, file};
-use erard_piece::{Options, PerformError, Performance, Score, perform};
+use erard_piece::{Options, PerformError, Performance, Score, passage, perform};
 use erard_workshop::cores;
 
 use super::options::load_keyboard;
@@ -41,11 +41,18 @@ pub(crate) struct Play {
     /// A second keyboard, to be laid beside the first: which notes are lost on it?
     #[arg(long, value_name = "KEYBOARD")]
     against: Option<String>,
+    /// Play the notes that begin from this instant on, s
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
+    from: f64,
+    /// Play the notes that begin before this instant, s [default: all]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    to: Option<f64>,
     /// Keep a row of every action every so many milliseconds in which it is awake, 0.05 to 1000
     #[arg(long, value_name = "MS", default_value_t = 1.0, value_parser = milliseconds, allow_negative_numbers = true)]
     record_every: f64,
-    /// Write the force of all strings on the bridge as sound, too, into a file of this name in the output folder: 48 kHz,
-    /// 16 bit, its peak at 0.9 of full scale (it is that force, not a piano). Steps are 1/48000 s then [default: play.wav]
+    /// Write the force of all strings on the bridge as sound, too, into a file of this name in the output folder: 48
+    /// kHz, 16 bit, its peak at 0.9 of full scale (it is that force, not a piano). Steps are 1/48000 s then [default:
+    /// play.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "play.wav", value_parser = wav_name)]
     wav: Option<String>,
     /// Show so many notes in slow motion, those that went wrong first
@@ -58,6 +65,11 @@ pub(crate) struct Play {
     out: OutOptions,
 }
 
+fn seconds(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|s: &f64| (0.0..=1e6).contains(s));
+    found.ok_or_else(|| "expected seconds from 0 to 1000000".to_owned())
+}
+
 fn milliseconds(text: &str) -> Result<f64, String> {
     let found = text.parse().ok().filter(|ms: &f64| (0.05..=1000.0).contains(ms));
     found.ok_or_else(|| "expected milliseconds from 0.05 to 1000".to_owned())
@@ -66,7 +78,7 @@ fn milliseconds(text: &str) -> Result<f64, String> {
 impl Play {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let score = read(&self.piece)?;
+        let score = self.score()?;
         let names = std::iter::once(&self.keyboard).chain(&self.against);
         let keyboards = names.map(|name| load_keyboard(name)).collect::<Result<Vec<Keyboard>, Failure>>()?;
         let threads = self.threads.map_or_else(cores::count, usize::from);
@@ -85,6 +97,32 @@ impl Play {
         Ok(())
     }
 
+    /// What is to be played.
+    fn score(&self) -> Result<Score, Failure> {
+        let name = shown(&self.piece);
+        let wrong = |what: String| Failure::Usage(format!("{name}: {what}"));
+        let mut bytes = Vec::new();
+        inputs::open(&self.piece)
+            .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+            .map_err(|error| wrong(format!("cannot be read: {error}")))?;
+        let mut piece = file::read(&bytes).map_err(|error| wrong(error.to_string()))?;
+        identity::used("piece", &name, Some(&name), &bytes);
+        let between = if self.from > 0.0 || self.to.is_some() {
+            piece = passage(&piece, self.from, self.to.unwrap_or(f64::INFINITY));
+            " there"
+        } else {
+            ""
+        };
+        let score = Score::of(&piece, &Law::GOEBL);
+        if score.notes.is_empty() {
+            let remarks = score.remarks.join("; ");
+            let why = if remarks.is_empty() { String::new() } else { format!(" ({remarks})") };
+            let expected = "expected notes from A0 to C8 that end after they begin";
+            return Err(wrong(format!("no note for a piano{between}{why}; {expected}")));
+        }
+        Ok(score)
+    }
+
     /// The piece on one keyboard, and its files.
     fn side(
         &self,
@@ -96,7 +134,8 @@ impl Play {
     ) -> Result<Side, Failure> {
         let instruments = keyboard.instruments()?;
         if self.wav.is_some() && !instruments.iter().any(Instrument::has_yielding_strings) {
-            let message = "--wav needs strings that yield, and this keyboard's are rigid (`concert-grand-strings` has some)";
+            let message =
+                "--wav needs strings that yield, and this keyboard's are rigid (`concert-grand-strings` has some)";
             return Err(Failure::Usage(format!("{}: {message}", keyboard.name)));
         }
         let moments = usize::from(self.slow_motion);
@@ -169,7 +208,7 @@ impl Play {
         for side in &played.sides {
             let times = score.duration_s / side.elapsed_s;
             say!(
-                "{}: {:.1} s on {} threads, {times:.2} times as fast as it sounds",
+                "{}: real-time factor {times:.2} ({:.1} s on {} threads; above 1 it is faster than it sounds)",
                 side.name,
                 side.elapsed_s,
                 played.threads
@@ -177,25 +216,6 @@ impl Play {
         }
         say!();
     }
-}
-
-/// The score in a file.
-fn read(path: &Path) -> Result<Score, Failure> {
-    let name = shown(path);
-    let wrong = |what: String| Failure::Usage(format!("{name}: {what}"));
-    let mut bytes = Vec::new();
-    inputs::open(path)
-        .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
-        .map_err(|error| wrong(format!("cannot be read: {error}")))?;
-    let piece = file::read(&bytes).map_err(|error| wrong(error.to_string()))?;
-    identity::used("piece", &name, Some(&name), &bytes);
-    let score = Score::of(&piece, &Law::GOEBL);
-    if score.notes.is_empty() {
-        let remarks = score.remarks.join("; ");
-        let why = if remarks.is_empty() { String::new() } else { format!(" ({remarks})") };
-        return Err(wrong(format!("no note for a piano{why}; expected notes from A0 to C8 that end after they begin")));
-    }
-    Ok(score)
 }
 
 fn failed(keyboard: &str, error: PerformError) -> Failure {

@@ -118,7 +118,7 @@ pub(crate) fn note_lines(note: &Note, run: &Run) -> Vec<(String, String)> {
 }
 
 fn lost(played: &Played<'_>) -> Markup {
-    let (table, count) = wrong(played, LISTED);
+    let (table, count) = wrong(played, LISTED, true);
     html! {
         @if count > 0 {
             h2 { "Notes that went wrong, and why" }

@@ -96,7 +96,7 @@ fn keyboard_json(side: &Side, duration_s: f64) -> Value {
         "steps": side.performance.steps,
         "step_s": side.performance.step_s,
         "elapsed_s": side.elapsed_s,
-        "times_real_time": duration_s / side.elapsed_s,
+        "real_time_factor": duration_s / side.elapsed_s,
     })
 }
 
@@ -113,25 +113,24 @@ pub(super) fn counts(played: &Played<'_>) -> Table<'static> {
     let row = |name: &str, of: &dyn Fn(&Summary) -> String| {
         std::iter::once(name.to_owned()).chain(all.iter().map(of)).collect::<Vec<_>>()
     };
-    let mut rows = vec![
-        row("notes", &|one| one.notes.to_string()),
-        row("as written", &|one| one.right.to_string()),
-    ];
+    let mut rows = vec![row("notes", &|one| one.notes.to_string()), row("as written", &|one| one.right.to_string())];
     let names = ["silent", "sounded twice", "late, > 2 ms", "early, > 2 ms", "soft, > 1 count", "loud, > 1 count"];
     for (index, name) in names.into_iter().enumerate() {
         rows.push(row(name, &|one| one.faults[index].to_string()));
     }
-    rows.push(row("key was home", &|one| one.from_home.to_string()));
-    rows.push(row("  largest error, counts", &|one| decimal(Some(one.home_errors[0]), 2)));
-    rows.push(row("  largest error, ms", &|one| decimal(Some(1e3 * one.home_errors[1]), 2)));
-    rows.push(row("others: largest error, counts", &|one| decimal(Some(one.other_errors[0]), 2)));
-    rows.push(row("  largest error, ms", &|one| decimal(Some(1e3 * one.other_errors[1]), 2)));
+    rows.push(row("from home", &|one| one.from_home.to_string()));
+    for (whose, home) in [("from home", true), ("others", false)] {
+        let errors = |one: &Summary| if home { one.home_errors } else { one.other_errors };
+        rows.push(row(&format!("{whose}: largest error, counts"), &|one| decimal(Some(errors(one)[0]), 2)));
+        rows.push(row(&format!("{whose}: largest error, ms"), &|one| decimal(Some(1e3 * errors(one)[1]), 2)));
+    }
     let heads = std::iter::once(String::new()).chain(played.sides.iter().map(|side| side.name.clone()));
     Table::of(heads, rows)
 }
 
-/// Notes that went wrong, at most so many; of two keyboards those that are wrong on either.
-pub(super) fn wrong(played: &Played<'_>, most: usize) -> (Table<'static>, usize) {
+/// Notes that went wrong, at most so many, with reasons where there is room for them; of two keyboards those that are
+/// wrong on either.
+pub(super) fn wrong(played: &Played<'_>, most: usize, has_room: bool) -> (Table<'static>, usize) {
     let is_wrong = |n: &usize| played.sides.iter().any(|side| !side.performance.notes[*n].faults().is_empty());
     let all: Vec<usize> = (0..played.score.notes.len()).filter(is_wrong).collect();
     let rows = all.iter().take(most).map(|&n| {
@@ -141,7 +140,7 @@ pub(super) fn wrong(played: &Played<'_>, most: usize) -> (Table<'static>, usize)
             let note = &side.performance.notes[n];
             match (faults(note), reasons(note)) {
                 (faults, _) if faults.is_empty() => "as written".to_owned(),
-                (faults, reasons) if reasons.is_empty() => faults,
+                (faults, reasons) if reasons.is_empty() || !has_room => faults,
                 (faults, reasons) => format!("{faults}: {reasons}"),
             }
         });
@@ -157,11 +156,14 @@ pub(super) fn wrong(played: &Played<'_>, most: usize) -> (Table<'static>, usize)
 /// What is printed.
 pub(crate) fn text(played: &Played<'_>) -> String {
     let mut out = format!("{}\n", counts(played).to_string().trim_end());
-    let (table, count) = wrong(played, PRINTED);
+    let (table, count) = wrong(played, PRINTED, played.sides.len() == 1);
     if count > 0 {
         out += &format!("\n{}\n", table.to_string().trim_end());
         if count > PRINTED {
             out += &format!("  {} more in the table of notes\n", count - PRINTED);
+        }
+        if played.sides.len() > 1 {
+            out += "  why: in the tables of notes and in play.html\n";
         }
     }
     out

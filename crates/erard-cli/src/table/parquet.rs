@@ -26,8 +26,9 @@ pub(super) fn write(title: &str, columns: &[ParquetColumn<'_>], writer: &mut dyn
     let names: Vec<&str> = columns.iter().map(|(name, ..)| *name).collect();
     // The library wants a writer that can be sent to another thread; a buffer in between can.
     let mut bytes = Vec::new();
-    let mut file = SerializedFileWriter::new(&mut bytes, schema(title, &names, Repetition::OPTIONAL)?, properties(&names)?)
-        .map_err(Error::other)?;
+    let mut file =
+        SerializedFileWriter::new(&mut bytes, schema(title, &names, Repetition::OPTIONAL)?, properties(&names)?)
+            .map_err(Error::other)?;
     let mut group = file.next_row_group().map_err(Error::other)?;
     for (name, values, there) in columns {
         let Some(mut column) = group.next_column().map_err(Error::other)? else { break };

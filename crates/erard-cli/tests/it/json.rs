@@ -86,6 +86,13 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             ],
         ],
     ),
+    (
+        "play",
+        &[
+            &["play", "two.mid", "--keyboard", "concert-grand", "--slow-motion", "1"],
+            &["play", "two.mid", "--keyboard", "concert-grand", "--against", "heavy-touch", "--slow-motion", "0"],
+        ],
+    ),
     ("list", &[&["list"]]),
 ];
 
@@ -135,7 +142,7 @@ fn infer(values: &[&Value], key: &str) -> Value {
 }
 
 /// Commands that answer within a second.
-const QUICK: [&str; 4] = ["press", "draw", "study", "list"];
+const QUICK: [&str; 5] = ["press", "draw", "study", "list", "play"];
 
 #[test]
 fn quick_commands_answer_by_their_schemas() {
@@ -164,6 +171,7 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
         noisy.push_str(&format!("{:.1};{force};{:.4}\n", n as f64 * 0.2, 1.0 + 0.09 * push + 0.02 * noise(5)));
     }
     folder.file("noisy.csv", &noisy);
+    std::fs::write(folder.0.join("two.mid"), crate::play::two_notes()).unwrap();
     let mut without: Vec<&str> = Vec::new();
     for (name, calls) in CALLS.iter().filter(|(name, _)| chosen(name)) {
         let answers: Vec<Value> = calls

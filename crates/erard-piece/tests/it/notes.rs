@@ -58,7 +58,8 @@ fn repetitions_are_within_a_count() {
 /// Sixteen a second are more than an action does: each note that is not as written says how its key stood.
 #[test]
 fn lost_notes_are_explained() {
-    let notes: Vec<Note> = (0..10).map(|i| note(44, 0.5 + 0.0625 * f64::from(i), 0.53 + 0.0625 * f64::from(i), 66)).collect();
+    let notes: Vec<Note> =
+        (0..10).map(|i| note(44, 0.5 + 0.0625 * f64::from(i), 0.53 + 0.0625 * f64::from(i), 66)).collect();
     let performance = played(&score(notes, Vec::new()), &HEAVY, &Options::default());
     let wrong: Vec<&Played> = performance.notes.iter().filter(|note| !note.faults().is_empty()).collect();
     assert!(wrong.len() >= 5, "{:?}", performance.summary());
@@ -69,7 +70,7 @@ fn lost_notes_are_explained() {
     }
 }
 
-/// A note within 30 ms of the last one is not tried; it costs nothing, and the key is released when it ends.
+/// A note within 40 ms of the last one is not tried; it costs nothing, and the key is released when it ends.
 #[test]
 fn notes_at_once_are_left_out() {
     let notes = (0..5).map(|i| note(44, 0.5 + 0.005 * f64::from(i), 0.503 + 0.005 * f64::from(i), 66)).collect();

@@ -1,7 +1,8 @@
 //! Pedals are motions of the dampers.
 
+use erard_midi::file::Piece;
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
-use erard_piece::{FULL_PEDAL_M, Options};
+use erard_piece::{FULL_PEDAL_M, Options, passage};
 
 use crate::common::{STRINGS, foot, kept, note, score};
 
@@ -43,4 +44,19 @@ fn the_sostenuto_pedal_holds_what_is_held() {
     let [held, other] = [52, 54].map(|key| at(&kept.rows(key), 1.7));
     assert!(held.0 == FULL_PEDAL_M && held.1 > 0.1, "{held:?}");
     assert!(other.0.is_nan() || other.0 == 0.0, "{other:?}");
+}
+
+/// A passage begins where it is asked to, its pedals as they had been left.
+#[test]
+fn a_passage_is_cut_out() {
+    let whole = Piece {
+        notes: vec![note(40, 0.5, 1.5, 60), note(42, 2.0, 2.5, 60), note(44, 3.0, 3.5, 60)],
+        pedals: vec![foot(0.2, SUSTAIN, 127), foot(1.0, SUSTAIN, 30), foot(2.2, SUSTAIN, 0), foot(5.0, SUSTAIN, 127)],
+        remarks: vec!["a remark".to_owned()],
+    };
+    let part = passage(&whole, 1.5, 3.0);
+    assert_eq!(part.notes, [note(42, 0.5, 1.0, 60)]);
+    let lifts: Vec<(f64, u8)> = part.pedals.iter().map(|change| (change.time_s, change.value)).collect();
+    assert_eq!(lifts[..2], [(0.0, 127), (0.0, 30)]);
+    assert!(lifts.len() == 3 && (lifts[2].0 - 0.7).abs() < 1e-12 && part.remarks.len() == 1);
 }

@@ -8,7 +8,8 @@ use crate::common::{RIGID, STRINGS, foot, kept, note, score};
 #[test]
 fn threads_change_no_bit() {
     let notes = vec![note(40, 0.45, 0.6, 70), note(52, 0.5, 0.7, 50), note(64, 0.55, 0.8, 90), note(40, 0.65, 0.8, 60)];
-    let score = score(notes, vec![foot(0.5, erard_midi::message::SUSTAIN, 100), foot(0.9, erard_midi::message::SUSTAIN, 0)]);
+    let score =
+        score(notes, vec![foot(0.5, erard_midi::message::SUSTAIN, 100), foot(0.9, erard_midi::message::SUSTAIN, 0)]);
     let on = |threads: usize| kept(&score, &STRINGS, &Options { threads, sound: true, ..Options::default() });
     let (first, blocks) = on(1);
     for threads in [2, 5] {
