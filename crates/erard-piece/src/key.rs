@@ -24,6 +24,9 @@ const QUIET_N: f64 = 1e-3;
 const QUIET_RAD_PER_S: f64 = 0.02;
 /// For so long, s, before it is left alone.
 const QUIET_S: f64 = 0.02;
+/// A key that is left alone feels no pedal. Its rail goes where the pedal is so long before its next hand, s: five
+/// times as long as a rail takes for its whole way.
+const WAKES_S: f64 = 0.08;
 /// So many rows make a block.
 const BLOCK: usize = 4096;
 /// Every so many steps the caller is asked whether to go on.
@@ -50,6 +53,8 @@ struct Watch {
     blow_m: f64,
     key_m: f64,
     rail_m: f64,
+    /// Where the rail was sent last, m.
+    sent_m: f64,
     caught: bool,
     next_foot: usize,
     /// The bridge's force since `since`, N: least and most.
@@ -129,6 +134,7 @@ impl<'a> Key<'a> {
             blow_m: USUAL_BLOW_M,
             key_m: 0.0,
             rail_m: 0.0,
+            sent_m: 0.0,
             caught: false,
             next_foot: 0,
             swing_n: [f64::INFINITY, f64::NEG_INFINITY],
@@ -242,24 +248,40 @@ impl<'a> Key<'a> {
     /// Goes on to a step. A key at which nothing happens is left alone.
     pub(crate) fn advance(&mut self, to: u64, progress: &mut Progress<'_>) -> Result<(), PerformError> {
         while self.n < to {
-            if self.sleeps() {
-                let wakes = self.feet.get(self.watch.next_foot).map_or(to, |(at_s, _)| self.step_at(*at_s));
-                if wakes > self.n {
-                    self.n = wakes.min(to);
-                    continue;
+            match self.sleeps_until(to) {
+                Some(wakes) => {
+                    self.n = wakes;
+                    if self.dozes() {
+                        self.follow_feet();
+                    }
                 }
+                None => drop(self.step(progress)?),
             }
-            self.step(progress)?;
         }
         Ok(())
     }
 
-    /// Whether its next steps would change nothing, or nothing that can be heard.
-    fn sleeps(&self) -> bool {
+    /// Nothing touches the key, and nothing of it can be heard.
+    fn dozes(&self) -> bool {
+        self.hand == Hand::Away && self.watch.quiet
+    }
+
+    /// The step until which its next steps would change nothing, or nothing that can be heard; `None`: it is awake.
+    fn sleeps_until(&self, to: u64) -> Option<u64> {
         let rail_stands =
-            self.action.strings().and_then(|strings| strings.pedal_m()).is_none_or(|now_m| now_m == self.lift_m());
-        let still = self.action.rests() || (self.hand == Hand::Away && self.watch.quiet);
-        rail_stands && still && self.hand.is_steady(self.n, self.h)
+            self.action.strings().and_then(|strings| strings.pedal_m()).is_none_or(|now_m| now_m == self.watch.sent_m);
+        if !(rail_stands && (self.dozes() || self.action.rests()) && self.hand.is_steady(self.n, self.h)) {
+            return None;
+        }
+        let foot = self.feet.get(self.watch.next_foot).map_or(to, |(at_s, _)| self.step_at(*at_s)).min(to);
+        let early = to.saturating_sub(self.step_at(WAKES_S));
+        let wakes = match self.dozes() {
+            true if early > self.n => early,
+            // As long as no pedal has moved it may sleep on.
+            _ if self.watch.sent_m == self.lift_m() => foot,
+            _ => self.n,
+        };
+        (wakes > self.n).then_some(wakes)
     }
 
     /// One step.
@@ -279,8 +301,8 @@ impl<'a> Key<'a> {
         Ok(reading)
     }
 
-    fn move_feet(&mut self) {
-        let before = self.watch.next_foot;
+    /// Takes notice of what feet have done until now.
+    fn follow_feet(&mut self) {
         while let Some((at_s, foot)) = self.feet.get(self.watch.next_foot)
             && self.step_at(*at_s) <= self.n
         {
@@ -294,8 +316,13 @@ impl<'a> Key<'a> {
                 Foot::Sostenuto(false) => self.watch.caught = false,
             }
         }
-        if self.watch.next_foot > before {
-            self.action.set_pedal(self.lift_m());
+    }
+
+    fn move_feet(&mut self) {
+        self.follow_feet();
+        if self.watch.sent_m != self.lift_m() {
+            self.watch.sent_m = self.lift_m();
+            self.action.set_pedal(self.watch.sent_m);
             self.stir();
         }
     }

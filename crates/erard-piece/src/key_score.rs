@@ -16,6 +16,8 @@ use crate::touches::Touches;
 
 /// After the last note's end keys are played on for so long, s.
 const TAIL_S: f64 = 1.0;
+/// They are handed over every so many seconds then.
+const BLOCK_S: f64 = 10.0;
 /// Between a damper's fall and the next hand a key takes so long to come home after a usual release, s.
 const HOME_S: f64 = 0.060;
 
@@ -157,7 +159,7 @@ impl Player<'_, '_> {
         }
         // Block by block: nobody goes back any more.
         while self.key.now_s() < end_s {
-            let to = self.key.step_at(end_s).min(self.key.now() + self.key.step_at(1.0));
+            let to = self.key.step_at(end_s).min(self.key.now() + self.key.step_at(BLOCK_S));
             self.key.advance(to.max(self.key.now() + 1), progress)?;
             self.key.hand_over(self.sink, false)?;
         }

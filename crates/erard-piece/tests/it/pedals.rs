@@ -60,3 +60,17 @@ fn a_passage_is_cut_out() {
     assert_eq!(lifts[..2], [(0.0, 127), (0.0, 30)]);
     assert!(lifts.len() == 3 && (lifts[2].0 - 0.7).abs() < 1e-12 && part.remarks.len() == 1);
 }
+
+/// A key that sleeps feels no pedal; when its hand comes the rail is where the pedal is, and still.
+#[test]
+fn a_sleeping_key_finds_the_pedal() {
+    let pedals = vec![foot(4.0, SUSTAIN, 127), foot(5.0, SUSTAIN, 0), foot(5.5, SUSTAIN, 127)];
+    let score = score(vec![note(52, 0.5, 0.7, 60), note(52, 8.0, 8.2, 60)], pedals);
+    let (performance, kept) = kept(&score, &STRINGS, &Options::default());
+    let rows = kept.rows(52);
+    assert!(!rows.iter().any(|row| (3.9..7.5).contains(&row[0])), "it sleeps");
+    let pressed_s = performance.notes[1].pressed_s;
+    let early = rows.iter().filter(|row| (pressed_s - 0.01..8.0).contains(&row[0]));
+    assert!(early.clone().count() > 50 && early.into_iter().all(|row| row[8] == FULL_PEDAL_M));
+    assert!(performance.notes.iter().all(|note| note.faults().is_empty()), "{performance:?}");
+}
