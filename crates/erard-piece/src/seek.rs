@@ -12,6 +12,9 @@ const WEIGHT_S: f64 = 0.05;
 /// After so many hands in a row that did not sound the search ends.
 const MOST_SILENT: u32 = 6;
 
+/// So often a speed is bracketed.
+const MOST_BRACKETED: u32 = 7;
+
 /// A hand to be tried: its force, N, and how long before the written instant it begins, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Hand {
@@ -44,6 +47,7 @@ pub(crate) struct Seek {
     /// The last hand that sounded, and how many since did not.
     sounding: Option<Hand>,
     silent: u32,
+    tried: u32,
 }
 
 impl Seek {
@@ -60,6 +64,7 @@ impl Seek {
             last: None,
             sounding: None,
             silent: 0,
+            tried: 0,
         }
     }
 
@@ -69,7 +74,10 @@ impl Seek {
         if self.silent > MOST_SILENT {
             return None;
         }
-        let next = if found.from_home { self.between(found) } else { self.along(found) };
+        self.tried += 1;
+        // A bracket that has not closed by now holds no answer: a pedal moves while the key is pressed, say.
+        let is_bracketed = found.from_home && self.tried <= MOST_BRACKETED;
+        let next = if is_bracketed { self.between(found) } else { self.along(found) };
         let force_n = next.force_n.clamp(FORCES_N[0], FORCES_N[1]);
         let is_new =
             (force_n / found.tried.force_n - 1.0).abs() > 1e-6 || (next.takes_s - found.tried.takes_s).abs() > 1e-5;
@@ -138,7 +146,8 @@ impl Seek {
         let det = a * d - b * c;
         if det.abs() < 0.05 {
             // It has lost its way.
-            *self = Seek { sounding: self.sounding, ..Seek::new(self.wanted, self.rise_s) };
+            let Seek { sounding, silent, tried, .. } = *self;
+            *self = Seek { sounding, silent, tried, ..Seek::new(self.wanted, self.rise_s) };
             return Hand { force_n: force_n * (self.wanted / speed).powf(0.7), takes_s: takes_s + 0.7 * found.late_s };
         }
         let step = [(b * r[1] - d * r[0]) / det, (c * r[0] - a * r[1]) / det];
