@@ -5,8 +5,8 @@ use erard::instrument::Instrument;
 use erard::player::ActionError;
 use erard::{Action, Outcome, Progress, Reading, Settings, Snapshot};
 
+use crate::error::PerformError;
 use crate::hand::Hand;
-use crate::perform::PerformError;
 use crate::score::{FULL_PEDAL_M, Foot};
 use crate::sink::{Block, COLUMNS, Sink};
 

@@ -3,11 +3,12 @@
 use erard::Progress;
 use erard::instrument::Instrument;
 
+use crate::error::PerformError;
 use crate::hand::Hand;
 use crate::key::Key;
 use crate::moment::Moment;
 use crate::note::Played;
-use crate::perform::{Options, PerformError};
+use crate::options::Options;
 use crate::press::{LetGo, Pressed, STAYS_S, press};
 use crate::release::release;
 use crate::score::{Score, Wanted};

@@ -11,11 +11,13 @@
 //!
 //! SI units; key and finger positive downward, the hammer upward.
 
+mod error;
 mod hand;
 mod key;
 mod key_score;
 mod moment;
 mod note;
+mod options;
 mod perform;
 mod press;
 mod release;
@@ -24,9 +26,11 @@ mod seek;
 mod sink;
 mod touches;
 
+pub use error::PerformError;
 pub use key::RATE_HZ;
 pub use moment::Moment;
 pub use note::{Fault, Played, Reason, Summary};
-pub use perform::{Options, PerformError, Performance, perform};
+pub use options::Options;
+pub use perform::{Performance, perform};
 pub use score::{FULL_PEDAL_M, LEAD_S, Score, Wanted, passage};
 pub use sink::{Block, COLUMNS, Silence, Sink};

@@ -4,101 +4,20 @@ use std::collections::BTreeMap;
 use std::io;
 
 use erard::Progress;
-use erard::grand::{DamperError, damper_height_m};
+use erard::damper::damper_height_m;
 use erard::instrument::Instrument;
-use erard::player::{ActionError, HandError, SnapshotError};
-use erard::run::SimulationError;
-use erard_workshop::cores::{self, Ending};
-use thiserror::Error;
+use erard_workshop::cores;
 
+use crate::error::PerformError;
 use crate::key_score::{KeyPlayed, play_key};
 use crate::moment::Moment;
 use crate::note::{Played, Summary};
+use crate::options::Options;
 use crate::score::Score;
 use crate::sink::Sink;
 
 /// Where a note-off belongs on a keyboard none of whose keys lifts a damper, m: the middle of a usual dip.
 const USUAL_DAMPER_M: f64 = 5e-3;
-
-/// Why a piece cannot be performed.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum PerformError {
-    /// A key cannot be played.
-    #[error("key {key}: {error}")]
-    Action {
-        /// From 1.
-        key: usize,
-        /// Why.
-        error: ActionError,
-    },
-    /// Where a key sets its damper down cannot be found.
-    #[error("key {key}: {error}")]
-    Damper {
-        /// From 1.
-        key: usize,
-        /// Why.
-        error: DamperError,
-    },
-    /// The score has notes on a key for which there is no instrument.
-    #[error("key {key}: there is no instrument for it; expected one for each key of the score")]
-    NoInstrument {
-        /// From 1.
-        key: usize,
-    },
-    /// A number became infinite.
-    #[error("at {time_s:.6} s a number became infinite")]
-    NotFinite {
-        /// s.
-        time_s: f64,
-    },
-    /// A fault of the program: a state that is not the key's own.
-    #[error(transparent)]
-    Snapshot(#[from] SnapshotError),
-    /// A fault of the program: a hand that cannot be.
-    #[error(transparent)]
-    Hand(#[from] HandError),
-    /// A fault of the program: a note that was not tried.
-    #[error("a note was not tried")]
-    Nothing,
-    /// What takes rows and sound refuses.
-    #[error("rows and sound cannot be written: {0}")]
-    Sink(#[from] io::Error),
-    /// The caller asked to stop, or work for all keys failed.
-    #[error(transparent)]
-    Work(#[from] SimulationError),
-}
-
-impl PerformError {
-    pub(crate) fn interrupted() -> Self {
-        PerformError::Work(SimulationError::Interrupted)
-    }
-}
-
-impl Ending for PerformError {
-    fn is_interruption(&self) -> bool {
-        matches!(self, PerformError::Work(SimulationError::Interrupted))
-    }
-}
-
-/// How a score is performed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
-    /// A row for every so many seconds in which a key is awake; rounded to steps.
-    pub row_s: f64,
-    /// Whether sound is handed over: all keys are stepped by a sample then.
-    pub sound: bool,
-    /// Of each key so many notes with faults, and so many without, are kept as [`Moment`]s.
-    pub moments: usize,
-    /// On so many threads. The results do not depend on it.
-    pub threads: usize,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options { row_s: 1e-3, sound: false, moments: 0, threads: cores::count() }
-    }
-}
 
 /// What came of a score.
 #[derive(Debug)]

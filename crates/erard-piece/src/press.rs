@@ -4,10 +4,10 @@
 use erard::level::HOLD_N;
 use erard::{Progress, Snapshot};
 
+use crate::error::PerformError;
 use crate::hand::Way;
 use crate::key::{Key, Mark, Poise};
 use crate::note::{Played, Reason};
-use crate::perform::PerformError;
 use crate::score::Wanted;
 use crate::seek::{self, CLOSE, Seek};
 use crate::touches::{FORCES_N, Guess, RISES_S, Touches};

@@ -3,9 +3,9 @@
 
 use erard::Progress;
 
+use crate::error::PerformError;
 use crate::hand::Way;
 use crate::key::Key;
-use crate::perform::PerformError;
 use crate::touches::Touches;
 
 /// A release is in time within this, s.

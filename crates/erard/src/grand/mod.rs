@@ -5,12 +5,10 @@
 //! is, what is the whippen and what the shank's level pose.
 
 mod anatomy;
-mod damper;
 mod parts;
 mod scale;
 
 pub use anatomy::{Anatomy, AnatomyError};
-pub use damper::{DamperError, damper_height_m};
 pub use parts::{Parts, pedal_down};
 pub use scale::{falling_moment_n_m, front_weight_g, strike_weight_g, whippen_weight_g};
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use crate::common::{Play, USUAL_STEP_S};
-use erard::grand::damper_height_m;
+use erard::damper::damper_height_m;
 use erard::instrument::{BridgeMode, DamperFelt, Instrument, InstrumentFile};
 use erard::keyboard::{Keyboard, Keys};
 use erard::mechanism::{Halving, Mechanism, Stepping, mechanism, open_ledger, take_stock};

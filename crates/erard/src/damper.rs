@@ -2,7 +2,7 @@
 
 use moreau::Settings;
 
-use super::{Anatomy, AnatomyError};
+use crate::grand::{Anatomy, AnatomyError};
 use crate::instrument::Instrument;
 use crate::player::{Action, ActionError, Input};
 use crate::stroke::least_jerk;
