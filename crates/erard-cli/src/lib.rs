@@ -25,6 +25,7 @@ mod measure;
 mod names;
 mod output;
 mod paper;
+mod play;
 pub mod progress;
 mod recordings;
 mod regulate;

@@ -7,4 +7,5 @@ pub mod drawing;
 pub mod figure;
 pub mod made_by;
 pub mod page;
+pub mod roll;
 mod svg;

@@ -21,6 +21,7 @@
 //! SI units; key and finger positive downward, the hammer upward. Nothing here uses a clock or starts a thread.
 
 pub mod assembly;
+pub mod damper;
 pub mod events;
 pub mod files;
 mod fnv1a;

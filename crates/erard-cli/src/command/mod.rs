@@ -15,6 +15,7 @@ mod manual;
 mod measure;
 pub mod options;
 pub mod out;
+mod play;
 mod press;
 mod press_pair;
 mod regulate;
@@ -66,6 +67,8 @@ pub fn version() -> String {
 enum Sub {
     /// Simulates one key press and shows what happened.
     Press(Box<press::Press>),
+    /// Plays a MIDI file on the simulated keys of a keyboard, and says which notes are lost and why.
+    Play(play::Play),
     /// Draws the action in one pose, as SVG and PNG.
     Draw(Box<draw::Draw>),
     /// Plays a stroke on many variants of an instrument: a parameter study.
@@ -117,6 +120,7 @@ impl Sub {
     fn run(&self) -> Result<(), Failure> {
         match self {
             Sub::Press(press) => press.run(),
+            Sub::Play(play) => play.run(),
             Sub::Draw(draw) => draw.run(),
             Sub::Study(study) => study.run(),
             Sub::Measure(measure) => measure.run(),

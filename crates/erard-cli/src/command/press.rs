@@ -86,7 +86,7 @@ fn steps(text: &str) -> Result<u64, String> {
 }
 
 /// A name of a file in the output folder that says what it is.
-fn wav_name(text: &str) -> Result<String, String> {
+pub(super) fn wav_name(text: &str) -> Result<String, String> {
     let is_sound = text.len() > 4 && text.to_ascii_lowercase().ends_with(".wav");
     if !is_sound || text.contains(['/', '\\', ':']) {
         return Err(format!(

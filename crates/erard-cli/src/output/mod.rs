@@ -116,6 +116,13 @@ impl Output {
         self.json(&beside(name), &table.metadata(name))
     }
 
+    /// A file without a name beside the results, for what is too long to be held; gone with its handle. It may be made
+    /// on any thread.
+    pub(crate) fn spools(&self) -> impl Fn() -> std::io::Result<fs::File> + Sync + use<> {
+        let folder = self.stage.path().to_path_buf();
+        move || tempfile::tempfile_in(&folder)
+    }
+
     /// Writes text.
     ///
     /// # Errors

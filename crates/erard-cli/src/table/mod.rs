@@ -11,6 +11,7 @@ use maud::{Markup, html};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+pub(crate) use parquet::RowGroups;
 pub use text::three;
 pub(crate) use text::{USUAL, WIDEST, decimal, wrapped};
 

@@ -86,6 +86,13 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             ],
         ],
     ),
+    (
+        "play",
+        &[
+            &["play", "two.mid", "--keyboard", "concert-grand", "--slow-motion", "1"],
+            &["play", "two.mid", "--keyboard", "concert-grand", "--against", "heavy-touch", "--slow-motion", "0"],
+        ],
+    ),
     ("list", &[&["list"]]),
     (
         "diagnose",
@@ -143,7 +150,7 @@ fn infer(values: &[&Value], key: &str) -> Value {
 }
 
 /// Commands that answer within a second.
-const QUICK: [&str; 5] = ["press", "draw", "study", "list", "diagnose"];
+const QUICK: [&str; 6] = ["press", "draw", "study", "list", "diagnose", "play"];
 
 #[test]
 fn quick_commands_answer_by_their_schemas() {
@@ -172,6 +179,7 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
         noisy.push_str(&format!("{:.1};{force};{:.4}\n", n as f64 * 0.2, 1.0 + 0.09 * push + 0.02 * noise(5)));
     }
     folder.file("noisy.csv", &noisy);
+    std::fs::write(folder.0.join("two.mid"), crate::play::two_notes()).unwrap();
     let mut without: Vec<&str> = Vec::new();
     for (name, calls) in CALLS.iter().filter(|(name, _)| chosen(name)) {
         let answers: Vec<Value> = calls

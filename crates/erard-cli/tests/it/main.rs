@@ -23,6 +23,7 @@ mod levels;
 mod limits;
 mod measure;
 mod nothing_lost;
+mod play;
 mod recordings;
 mod regulate;
 mod samples;

@@ -6,7 +6,7 @@ use thiserror::Error;
 use crate::instrument::Instrument;
 use crate::mechanism::{Halving, LARGEST_STEP_S, SMALLEST_STEP_S};
 use crate::player::equilibrium::{self, EquilibriumError, UNSOLVED_STEPS};
-use crate::player::{ActionError, Drive, Hand, HandError, Input, PlayError};
+use crate::player::{ActionError, Drive, Hand, HandError, Input, PlayError, SnapshotError};
 use crate::strings::Pedal;
 use crate::trust::{Kind, Warning};
 
@@ -119,6 +119,9 @@ pub enum SimulationError {
     /// No rest to start from.
     #[error(transparent)]
     Equilibrium(#[from] EquilibriumError),
+    /// A saved state that is not the instrument's.
+    #[error(transparent)]
+    State(#[from] SnapshotError),
     /// Not assembled.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -5,7 +5,7 @@ use super::run_loop::RunLoop;
 use super::setup::{Setup, SimulationError};
 use crate::instrument::Instrument;
 use crate::mechanism::Halving;
-use crate::player::{Action, Drive, Input, Observer};
+use crate::player::{Action, Drive, Input, Observer, Snapshot};
 use crate::progress::Progress;
 use crate::stroke::HandStroke;
 
@@ -60,6 +60,28 @@ pub fn press_by_hand(
 ) -> Result<Run, SimulationError> {
     let setup = Setup { hand: Some(hand.hand), ..*setup };
     simulate(instrument, &|t| hand.input(t), &setup, progress)
+}
+
+/// Simulates on from a saved state of the instrument, which is the start of the run: what its hand was doing, the
+/// pedal's rail and the strings' motion are in it; [`Setup::hand`] says what the hand is from then on, not where.
+///
+/// # Errors
+/// As [`simulate`]; [`SimulationError::State`]: the state is another instrument's.
+pub fn simulate_from(
+    instrument: &Instrument,
+    start: &Snapshot,
+    drive: &Drive<'_>,
+    setup: &Setup,
+    progress: &mut Progress<'_>,
+) -> Result<Run, SimulationError> {
+    let steps = setup.check()?;
+    let drive = setup.driven(drive)?;
+    let mut action = Action::asking(instrument, setup.settings, progress)?;
+    action.restore(start)?;
+    let mut run = RunLoop::new(instrument, &drive, setup, steps, action, None);
+    run.fixed(progress)?;
+    progress(1.0);
+    Ok(run.finish(instrument))
 }
 
 fn simulate_before(

@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use crate::common::{Play, USUAL_STEP_S};
+use erard::damper::damper_height_m;
 use erard::instrument::{BridgeMode, DamperFelt, Instrument, InstrumentFile};
-use erard::keyboard::Keys;
+use erard::keyboard::{Keyboard, Keys};
 use erard::mechanism::{Halving, Mechanism, Stepping, mechanism, open_ledger, take_stock};
 use erard::run::{Setup, SimulationError, simulate};
 use erard::strings::{Pedal, Strings};
-use erard::stroke::Touch;
+use erard::stroke::{HandStroke, Touch};
 use erard::{Action, Input, Settings};
 
 fn strung() -> Instrument {
@@ -656,4 +657,33 @@ fn the_bridge_is_an_option() {
     let [first, second] = [(levels[0] - levels[1]) / 0.5, (levels[2] - levels[3]) / 0.5];
     println!("{levels:?} dB: {first:.1} dB/s, then {second:.1} dB/s");
     assert!(first > 1.5 * second && second > 0.0, "{levels:?}");
+}
+
+/// The height that is derived by leading the key up slowly is where the dampers press on the strings again when a hand
+/// lets the key go; keys of the treble have none.
+#[test]
+fn the_height_of_the_dampers_is_that_of_a_release() {
+    let keyboard = Keyboard::builtin("concert-grand-strings").unwrap();
+    for key in [10, 40, 64] {
+        let instrument = keyboard.key(key).unwrap();
+        let derived_m = damper_height_m(&instrument).unwrap().unwrap();
+        let mut action = Action::new(&instrument).unwrap();
+        let h = action.settings().step;
+        // Played softly and held, so that the strings hardly swing, then let go as a hand does.
+        let stroke = HandStroke::pressed(0.2, 1.2).holding(0.2, 3.0).leaving(2.0, 0.03);
+        let (mut before_m, mut set_down_m) = (0.0, None);
+        for n in 0..(2.2 / h) as u64 {
+            let t = (n as f64 + 0.5) * h;
+            let reading = action.step(stroke.hand.input(&stroke.input(t)).unwrap());
+            if t > 2.0 && action.strings().unwrap().damper_n().sum::<f64>() > 3e-3 {
+                set_down_m = Some(0.5 * (before_m + reading.key_m));
+                break;
+            }
+            before_m = reading.key_m;
+        }
+        let found_m = set_down_m.unwrap();
+        // The damper falls after the key: it is late by what that takes.
+        assert!((derived_m - found_m).abs() < 0.25e-3, "key {key}: {derived_m} derived, {found_m} in a release");
+    }
+    assert_eq!(damper_height_m(&keyboard.key(88).unwrap()).unwrap(), None);
 }

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates from bottom to top: one may depend on those before it.
-const FLOORS: [&str; 18] = [
+const FLOORS: [&str; 19] = [
     "moreau",
     "moreau-kernels",
     "moreau-linkage",
@@ -16,6 +16,7 @@ const FLOORS: [&str; 18] = [
     "erard",
     "erard-levers",
     "erard-workshop",
+    "erard-piece",
     "erard-timing",
     "erard-figures",
     "erard-cli",

@@ -23,9 +23,14 @@ impl Session {
     pub fn new(page: &str) -> Self {
         let folder = Folder::new(&format!("book-{}", page.replace(['/', '.'], "-")));
         let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        for home in
-            ["erard/instruments", "erard/keyboards", "erard-levers/linkages", "erard/strokes", "erard/recordings"]
-        {
+        for home in [
+            "erard/instruments",
+            "erard/keyboards",
+            "erard-levers/linkages",
+            "erard/strokes",
+            "erard/recordings",
+            "erard-piece/pieces",
+        ] {
             let data = Path::new(home).file_name().unwrap();
             fs::create_dir(folder.0.join(data)).unwrap();
             for entry in fs::read_dir(crates.join(home)).unwrap() {

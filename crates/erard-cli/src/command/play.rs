@@ -1,0 +1,230 @@
+//! `erard play`.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use erard::instrument::Instrument;
+use erard::keyboard::{Keyboard, note_name};
+use erard_figures::page::{Shown, page_html};
+use erard_midi::{Law, file};
+use erard_piece::{Options, PerformError, Performance, Score, passage, perform};
+use erard_workshop::cores;
+
+use super::options::load_keyboard;
+use super::out::OutOptions;
+use super::press::wav_name;
+use crate::failure::Failure;
+use crate::inputs::{self, shown};
+use crate::output::Output;
+use crate::play::spool::Spools;
+use crate::play::{Played, Side, page, report};
+use crate::progress::Progress;
+use crate::{identity, say};
+
+/// What stands below the options.
+const AFTER: &str = include_str!("help/play.txt");
+/// No longer files are read, bytes.
+const MOST_BYTES: u64 = 16 << 20;
+
+/// Plays a MIDI file on the simulated keys of a keyboard, and says which notes are lost and why.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER)]
+pub(crate) struct Play {
+    /// The piece: a Standard MIDI File
+    #[arg(value_name = "PIECE.mid")]
+    piece: PathBuf,
+    /// Keyboard: a TOML file, or the name of a built-in one
+    #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand-strings")]
+    keyboard: String,
+    /// A second keyboard, to be laid beside the first: which notes are lost on it?
+    #[arg(long, value_name = "KEYBOARD")]
+    against: Option<String>,
+    /// Play the notes that begin from this instant on, s
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
+    from: f64,
+    /// Play the notes that begin before this instant, s [default: all]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    to: Option<f64>,
+    /// Keep a row of every action every so many milliseconds in which it is awake, 0.05 to 1000
+    #[arg(long, value_name = "MS", default_value_t = 1.0, value_parser = milliseconds, allow_negative_numbers = true)]
+    record_every: f64,
+    /// Write the force of all strings on the bridge as sound, too, into a file of this name in the output folder: 48
+    /// kHz, 16 bit, its peak at 0.9 of full scale (it is that force, not a piano). Steps are 1/48000 s then [default:
+    /// play.wav]
+    #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "play.wav", value_parser = wav_name)]
+    wav: Option<String>,
+    /// Show so many notes in slow motion, those that went wrong first
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(0..=500), allow_negative_numbers = true)]
+    slow_motion: u16,
+    /// Threads that play at once [default: one for every core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256), allow_negative_numbers = true)]
+    threads: Option<u16>,
+    #[command(flatten)]
+    out: OutOptions,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|s: &f64| (0.0..=1e6).contains(s));
+    found.ok_or_else(|| "expected seconds from 0 to 1000000".to_owned())
+}
+
+fn milliseconds(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|ms: &f64| (0.05..=1000.0).contains(ms));
+    found.ok_or_else(|| "expected milliseconds from 0.05 to 1000".to_owned())
+}
+
+impl Play {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let score = self.score()?;
+        let names = std::iter::once(&self.keyboard).chain(&self.against);
+        let keyboards = names.map(|name| load_keyboard(name)).collect::<Result<Vec<Keyboard>, Failure>>()?;
+        let threads = self.threads.map_or_else(cores::count, usize::from);
+        let mut output = self.out.prepare("play", &["summary.json", "play.html"])?;
+        let piece = self.piece.file_name().map_or_else(String::new, |name| shown(Path::new(name)));
+        let mut played = Played { piece: &piece, score: &score, threads, sides: Vec::new() };
+        for (index, keyboard) in keyboards.iter().enumerate() {
+            let mark = Side::mark(index, keyboards.len());
+            played.sides.push(self.side(&score, keyboard, threads, &mark, &mut output)?);
+        }
+        output.json("summary.json", &report::json(&played))?;
+        output.text("play.html", &page::html(&played))?;
+        let written = output.commit()?;
+        self.tell(&played);
+        say!("{written}");
+        Ok(())
+    }
+
+    /// What is to be played.
+    fn score(&self) -> Result<Score, Failure> {
+        let name = shown(&self.piece);
+        let wrong = |what: String| Failure::Usage(format!("{name}: {what}"));
+        let mut bytes = Vec::new();
+        inputs::open(&self.piece)
+            .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+            .map_err(|error| wrong(format!("cannot be read: {error}")))?;
+        let mut piece = file::read(&bytes).map_err(|error| wrong(error.to_string()))?;
+        identity::used("piece", &name, Some(&name), &bytes);
+        let between = if self.from > 0.0 || self.to.is_some() {
+            piece = passage(&piece, self.from, self.to.unwrap_or(f64::INFINITY));
+            " there"
+        } else {
+            ""
+        };
+        let score = Score::of(&piece, &Law::GOEBL);
+        if score.notes.is_empty() {
+            let remarks = score.remarks.join("; ");
+            let why = if remarks.is_empty() { String::new() } else { format!(" ({remarks})") };
+            let expected = "expected notes from A0 to C8 that end after they begin";
+            return Err(wrong(format!("no note for a piano{between}{why}; {expected}")));
+        }
+        Ok(score)
+    }
+
+    /// The piece on one keyboard, and its files.
+    fn side(
+        &self,
+        score: &Score,
+        keyboard: &Keyboard,
+        threads: usize,
+        mark: &str,
+        output: &mut Output,
+    ) -> Result<Side, Failure> {
+        let instruments = keyboard.instruments()?;
+        if self.wav.is_some() && !instruments.iter().any(Instrument::has_yielding_strings) {
+            let message =
+                "--wav needs strings that yield, and this keyboard's are rigid (`concert-grand-strings` has some)";
+            return Err(Failure::Usage(format!("{}: {message}", keyboard.name)));
+        }
+        let moments = usize::from(self.slow_motion);
+        let options = Options { row_s: 1e-3 * self.record_every, sound: self.wav.is_some(), moments, threads };
+        let (spools, file) = (Spools::default(), output.spools());
+        let mut progress = Progress::new(&format!("playing on {}", keyboard.name));
+        let started = Instant::now();
+        let performed =
+            perform(score, &instruments, &options, &|key| spools.sink(key, &file), &mut |share| progress.tell(share));
+        let elapsed_s = started.elapsed().as_secs_f64();
+        drop(progress);
+        let performance = performed.map_err(|error| failed(&keyboard.name, error))?;
+        let sound = spools.finish(|rows| output.stage(&format!("actions{mark}.parquet"), |w| rows.write(w)))?;
+        if let Some(name) = &self.wav {
+            let mixed = file().and_then(|file| sound.mix(file)).map_err(|e| Failure::write(self.out.folder(), e))?;
+            let stem = &name[..name.len() - ".wav".len()];
+            output.stage(&format!("{stem}{mark}.wav"), |w| mixed.write_wav(w))?;
+        }
+        let pages = self.slow_motions(score, &instruments, &performance, mark, output)?;
+        let side = Side { name: keyboard.name.clone(), performance, elapsed_s, pages };
+        output.table(&format!("notes{mark}.csv"), &report::table(&side))?;
+        Ok(side)
+    }
+
+    /// A page for each of some notes, those that went wrong first.
+    fn slow_motions(
+        &self,
+        score: &Score,
+        instruments: &[Instrument],
+        performance: &Performance,
+        mark: &str,
+        output: &mut Output,
+    ) -> Result<Vec<(usize, String)>, Failure> {
+        let is_wrong = |note: usize| !performance.notes[note].faults().is_empty();
+        let mut moments: Vec<_> = performance.moments.iter().collect();
+        moments.sort_by_key(|moment| (!is_wrong(moment.note), moment.note));
+        moments.truncate(usize::from(self.slow_motion));
+        moments.sort_by_key(|moment| moment.note);
+        let mut progress = Progress::new("slow motion");
+        let mut pages = Vec::new();
+        for (index, moment) in moments.iter().enumerate() {
+            let share = index as f64 / moments.len() as f64;
+            let instrument = &instruments[moment.key - 1];
+            let run = moment.run(instrument, performance.step_s, &mut |_| progress.tell(share))?;
+            let wanted = &score.notes[moment.note];
+            let title = format!(
+                "note {}, {}, written at {:.3} s with velocity {:.0}",
+                moment.note + 1,
+                note_name(moment.key),
+                wanted.on_s,
+                wanted.velocity.counts()
+            );
+            let lines = page::note_lines(&performance.notes[moment.note], &run);
+            let name = format!("note-{:04}{mark}.html", moment.note + 1);
+            output.text(&name, &page_html(&Shown::new(instrument, &run), &title, &lines))?;
+            pages.push((moment.note, name));
+        }
+        Ok(pages)
+    }
+
+    fn tell(&self, played: &Played<'_>) {
+        let score = played.score;
+        say!("{} - {} notes, {:.1} s", played.piece, score.notes.len(), score.duration_s);
+        if score.shift_s > 0.0 {
+            say!("begins {:.2} s later than written, so that the first hand has time to press", score.shift_s);
+        }
+        score.remarks.iter().for_each(|remark| say!("{remark}"));
+        say!();
+        say!("{}", report::text(played));
+        for side in &played.sides {
+            let times = score.duration_s / side.elapsed_s;
+            say!(
+                "{}: real-time factor {times:.2} ({:.1} s on {} threads; above 1 it is faster than it sounds)",
+                side.name,
+                side.elapsed_s,
+                played.threads
+            );
+        }
+        say!();
+    }
+}
+
+fn failed(keyboard: &str, error: PerformError) -> Failure {
+    match error {
+        PerformError::Work(error) => error.into(),
+        PerformError::Sink(source) => Failure::write(Path::new("rows and sound"), source),
+        PerformError::Action { .. } | PerformError::Damper { .. } | PerformError::NotFinite { .. } => {
+            Failure::Usage(format!("{keyboard}: {error}"))
+        }
+        other => Failure::Internal(format!("{keyboard}: {other}")),
+    }
+}

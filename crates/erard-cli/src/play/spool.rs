@@ -1,0 +1,198 @@
+//! Rows and sound of a performance, on disk until all keys are played: so much is not held.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::sync::{Mutex, PoisonError};
+
+use erard_piece::{Block, COLUMNS, RATE_HZ, Sink};
+
+use crate::table::RowGroups;
+
+/// Rows of a group in Parquet.
+const GROUP: usize = 1 << 16;
+
+/// What two files hold of a key: rows, and sound.
+struct Spooled {
+    rows: File,
+    sound: File,
+}
+
+/// The files of all keys.
+#[derive(Default)]
+pub(crate) struct Spools(Mutex<BTreeMap<usize, Spooled>>);
+
+/// Writes one key's.
+struct Spool(Spooled);
+
+impl Sink for Spool {
+    fn take(&mut self, block: Block) -> io::Result<()> {
+        let mut bytes = Vec::new();
+        match block {
+            Block::Rows(rows) => {
+                rows.iter().flatten().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes()));
+                self.0.rows.write_all(&bytes)
+            }
+            Block::Sound { from, bridge_n } => {
+                bytes.extend_from_slice(&from.to_le_bytes());
+                bytes.extend_from_slice(&(bridge_n.len() as u64).to_le_bytes());
+                bridge_n.iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes()));
+                self.0.sound.write_all(&bytes)
+            }
+        }
+    }
+}
+
+impl Spools {
+    /// What takes a key's rows and sound; `file` makes files.
+    pub(crate) fn sink(&self, key: usize, file: &dyn Fn() -> io::Result<File>) -> io::Result<Box<dyn Sink>> {
+        let [rows, sound] = [file()?, file()?];
+        let own = Spooled { rows: rows.try_clone()?, sound: sound.try_clone()? };
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(key, Spooled { rows, sound });
+        Ok(Box::new(Spool(own)))
+    }
+
+    fn keys(self) -> BTreeMap<usize, Spooled> {
+        self.0.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// All rows as Parquet, key after key; and the sound of all keys together, if there is any.
+    pub(crate) fn finish(
+        self,
+        rows: impl FnOnce(Rows) -> Result<(), crate::failure::Failure>,
+    ) -> Result<Sound, crate::failure::Failure> {
+        let mut sounds = Vec::new();
+        let mut all = Vec::new();
+        for (key, spooled) in self.keys() {
+            all.push((key, spooled.rows));
+            sounds.push(spooled.sound);
+        }
+        rows(Rows(all))?;
+        Ok(Sound(sounds))
+    }
+}
+
+/// The rows of all keys.
+pub(crate) struct Rows(Vec<(usize, File)>);
+
+impl Rows {
+    pub(crate) fn write(self, writer: &mut dyn Write) -> io::Result<()> {
+        let names: Vec<&str> = std::iter::once("key").chain(COLUMNS).collect();
+        let mut groups = RowGroups::new("actions", &names, writer)?;
+        for (key, mut file) in self.0 {
+            let bytes = file.seek(SeekFrom::End(0))?;
+            file.rewind()?;
+            let mut left = bytes as usize / (8 * COLUMNS.len());
+            let mut file = BufReader::with_capacity(1 << 16, file);
+            while left > 0 {
+                let count = left.min(GROUP);
+                let mut columns: Vec<Vec<f64>> = COLUMNS.iter().map(|_| Vec::with_capacity(count)).collect();
+                for _ in 0..count {
+                    for column in &mut columns {
+                        let mut number = [0; 8];
+                        file.read_exact(&mut number)?;
+                        column.push(f64::from_le_bytes(number));
+                    }
+                }
+                groups.group(key as i32, &columns)?;
+                left -= count;
+            }
+        }
+        groups.finish()
+    }
+}
+
+/// The sound of each key.
+pub(crate) struct Sound(Vec<File>);
+
+/// The sound of all keys together, mixed on disk.
+pub(crate) struct Mixed {
+    file: File,
+    /// Its samples.
+    pub samples: u64,
+    /// Its largest force on the bridge, N.
+    pub peak_n: f64,
+}
+
+/// One key's sound, stretch by stretch.
+struct Stretches {
+    file: BufReader<File>,
+    /// First sample and length of the present stretch; none is left after the last.
+    now: Option<[u64; 2]>,
+}
+
+impl Stretches {
+    fn new(mut file: File) -> io::Result<Self> {
+        file.rewind()?;
+        let mut stretches = Stretches { file: BufReader::with_capacity(1 << 16, file), now: None };
+        stretches.turn()?;
+        Ok(stretches)
+    }
+
+    fn turn(&mut self) -> io::Result<()> {
+        let mut numbers = [[0; 8]; 2];
+        self.now = match self.file.read_exact(&mut numbers[0]) {
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => None,
+            Err(error) => return Err(error),
+            Ok(()) => {
+                self.file.read_exact(&mut numbers[1])?;
+                Some(numbers.map(u64::from_le_bytes))
+            }
+        };
+        Ok(())
+    }
+
+    /// Adds what it has of the samples from one on.
+    fn add(&mut self, from: u64, to: &mut [f64]) -> io::Result<()> {
+        let end = from + to.len() as u64;
+        while let Some([first, length]) = self.now {
+            if first >= end {
+                break;
+            }
+            let part = (end - first).min(length);
+            for n in 0..part {
+                let mut number = [0; 4];
+                self.file.read_exact(&mut number)?;
+                to[(first + n - from) as usize] += f64::from(f32::from_le_bytes(number));
+            }
+            self.now = Some([first + part, length - part]);
+            if part == length {
+                self.turn()?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Sound {
+    /// Mixes all keys, second by second, in the order of the keys.
+    pub(crate) fn mix(self, file: File) -> io::Result<Mixed> {
+        let mut keys = self.0.into_iter().map(Stretches::new).collect::<io::Result<Vec<_>>>()?;
+        let mut out = BufWriter::new(file);
+        let (mut samples, mut peak_n) = (0_u64, 0.0_f64);
+        while keys.iter().any(|key| key.now.is_some()) {
+            let mut second = vec![0.0; RATE_HZ as usize];
+            for key in &mut keys {
+                key.add(samples, &mut second)?;
+            }
+            for n in &second {
+                peak_n = peak_n.max(n.abs());
+                out.write_all(&n.to_le_bytes())?;
+            }
+            samples += second.len() as u64;
+        }
+        Ok(Mixed { file: out.into_inner().map_err(io::IntoInnerError::into_error)?, samples, peak_n })
+    }
+}
+
+impl Mixed {
+    pub(crate) fn write_wav(mut self, writer: &mut dyn Write) -> io::Result<()> {
+        self.file.rewind()?;
+        let mut file = BufReader::new(self.file);
+        let mut samples = (0..self.samples).map(|_| {
+            let mut number = [0; 8];
+            file.read_exact(&mut number).map(|()| f64::from_le_bytes(number))
+        });
+        crate::wav::write_long(self.samples, self.peak_n, &mut samples, writer)
+    }
+}

@@ -1,0 +1,99 @@
+//! What a hand does with a key: one stroke after the other.
+
+use erard::player::{HandError, Input};
+use erard::stroke::{HandStroke, Leave, Muscle};
+
+/// Mass of the hand, kg: [`erard::level::MASS_KG`].
+const MASS_KG: f64 = erard::level::MASS_KG;
+/// So long after its force is gone a hand is away from the key, s: it is lifted by 20 mm or more by then.
+const AWAY_S: f64 = 0.1;
+/// A muscle that holds the key does the same all the time so long after it began, s.
+const HELD_S: f64 = 0.12;
+
+/// How a hand leaves the key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Way {
+    /// Within what time its force is gone, s.
+    pub within_s: f64,
+}
+
+impl Way {
+    /// As a hand leaves without hurry: [`erard::level::RELEASE_S`].
+    pub(crate) const USUAL: Way = Way { within_s: erard::level::RELEASE_S };
+    /// The key is free at once.
+    pub(crate) const QUICK: Way = Way { within_s: 2e-3 };
+
+    /// With what acceleration the hand then goes up, m/s2, as [`HandStroke::leaving`] and [`HandStroke::letting_go`]
+    /// have it.
+    fn lifts_m_s2(self) -> f64 {
+        if self.within_s < 0.01 { 60.0 } else { 11.0 }
+    }
+}
+
+/// What drives a key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Hand {
+    /// Nothing touches it.
+    Away,
+    /// A stroke that began at a step.
+    On {
+        /// Its instants count from there.
+        stroke: HandStroke,
+        /// The step.
+        begins: u64,
+    },
+}
+
+impl Hand {
+    /// A hand that rests on the key where it is and presses with a force, N, that rises within a time, s.
+    pub(crate) fn pressing(force_n: f64, rise_s: f64, begins: u64) -> Self {
+        let mut stroke = HandStroke::pressed(MASS_KG, force_n);
+        stroke.muscle = Muscle::Swells { force_n, within_s: rise_s };
+        Hand::On { stroke, begins }
+    }
+
+    /// From this step on it holds the key with a force, N.
+    pub(crate) fn hold(&mut self, step: u64, h: f64, force_n: f64) {
+        if let Hand::On { stroke, begins } = self {
+            *stroke = stroke.holding((step - *begins) as f64 * h, force_n);
+        }
+    }
+
+    /// From this step on it leaves the key.
+    pub(crate) fn leave(&mut self, step: u64, h: f64, way: Way) {
+        if let Hand::On { stroke, begins } = self {
+            let at_s = (step - *begins) as f64 * h;
+            stroke.leaves = Some(Leave { at_s, within_s: way.within_s, lifts_m_s2: way.lifts_m_s2() });
+        }
+    }
+
+    /// What it does in a step.
+    pub(crate) fn input(&mut self, step: u64, h: f64, theta: f64) -> Result<Input, HandError> {
+        let Hand::On { stroke, begins } = self else { return Ok(Input::Free) };
+        let t = ((step - *begins) as f64 + theta) * h;
+        if stroke.leaves.is_some_and(|leave| t > leave.at_s + leave.within_s + AWAY_S) {
+            *self = Hand::Away;
+            return Ok(Input::Free);
+        }
+        stroke.hand.input(&stroke.input(t))
+    }
+
+    /// Whether it does the same in every step from this one on.
+    pub(crate) fn is_steady(&self, step: u64, h: f64) -> bool {
+        match self {
+            Hand::Away => true,
+            Hand::On { stroke, begins } => {
+                let held = |at_s: f64| (step - *begins) as f64 * h > at_s + HELD_S;
+                stroke.leaves.is_none() && stroke.relaxes.is_some_and(|relax| held(relax.at_s))
+            }
+        }
+    }
+
+    /// Whether it has left the key, or is leaving it.
+    pub(crate) fn has_left(&self) -> bool {
+        match self {
+            Hand::Away => true,
+            Hand::On { stroke, .. } => stroke.leaves.is_some(),
+        }
+    }
+}

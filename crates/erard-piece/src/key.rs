@@ -1,0 +1,426 @@
+//! One key's action, played on and on: its clock, its sleep, its hand and pedals, and what is kept of it.
+
+use erard::grand::Anatomy;
+use erard::instrument::Instrument;
+use erard::player::ActionError;
+use erard::{Action, Outcome, Progress, Reading, Settings, Snapshot};
+
+use crate::error::PerformError;
+use crate::hand::Hand;
+use crate::score::{FULL_PEDAL_M, Foot};
+use crate::sink::{Block, COLUMNS, Sink};
+
+/// Samples of sound a second.
+pub const RATE_HZ: u32 = 48_000;
+/// A key is home within this travel, m.
+pub(crate) const HOME_M: f64 = 0.5e-3;
+/// A hammer that has not met its string yet flies so far, m. Whoever has struck is known better.
+const USUAL_BLOW_M: f64 = 47e-3;
+/// A jack that is turned farther from its place under the knuckle is not back, rad: a millimetre at its tip.
+const JACK_RAD: f64 = 0.02;
+/// A sleeping key's strings press on the bridge by no more than this up and down, N: 80 dB below a mezzo forte.
+const QUIET_N: f64 = 1e-3;
+/// Nor do its bodies turn faster, rad/s.
+const QUIET_RAD_PER_S: f64 = 0.02;
+/// For so long, s, before it is left alone.
+const QUIET_S: f64 = 0.02;
+/// A key that is left alone feels no pedal. Its rail goes where the pedal is so long before its next hand, s: five
+/// times as long as a rail takes for its whole way.
+const WAKES_S: f64 = 0.08;
+/// So many rows make a block.
+const BLOCK: usize = 4096;
+/// Every so many steps the caller is asked whether to go on.
+const ASK_EVERY: u64 = 512;
+
+/// The parts that tell how a key stands.
+#[derive(Debug, Clone, Copy)]
+struct Senses {
+    /// The jack, what carries it, and the angle between them at rest, rad.
+    jack: Option<(usize, usize, f64)>,
+    check: Option<usize>,
+    /// Travel of the key's front at which it sets its damper down, m.
+    damper_m: f64,
+}
+
+/// What is remembered from step to step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Watch {
+    /// The last step in which the key was not home, or the hammer not below the check.
+    unready: Option<u64>,
+    /// Whether the back check has caught the hammer since it struck.
+    checked: bool,
+    /// How high the hammer is at its string, m.
+    blow_m: f64,
+    key_m: f64,
+    rail_m: f64,
+    /// Where the rail was sent last, m.
+    sent_m: f64,
+    caught: bool,
+    next_foot: usize,
+    /// The bridge's force since `since`, N: least and most.
+    swing_n: [f64; 2],
+    since: u64,
+    quiet: bool,
+}
+
+/// How a key stands when a hand begins to press it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Poise {
+    pub key_m: f64,
+    pub hammer_m: f64,
+    pub jack_is_back: bool,
+    pub was_checked: bool,
+    /// Key home and hammer below the check for this long, s.
+    pub ready_s: f64,
+}
+
+/// A state to come back to.
+pub(crate) struct Mark {
+    snapshot: Snapshot,
+    n: u64,
+    hand: Hand,
+    watch: Watch,
+    impacts: usize,
+    ups: usize,
+    rows: usize,
+    sounds: (usize, usize),
+}
+
+/// A key that is played.
+pub(crate) struct Key<'a> {
+    action: Action,
+    senses: Senses,
+    watch: Watch,
+    feet: &'a [(f64, Foot)],
+    n: u64,
+    h: f64,
+    theta: f64,
+    pub hand: Hand,
+    /// Every impact: when, s, and how fast, m/s.
+    pub impacts: Vec<[f64; 2]>,
+    /// Every time the key, coming up, set its damper down: when, s, and how fast the front came, m/s.
+    pub ups: Vec<[f64; 2]>,
+    row_every: u64,
+    rows: Vec<[f64; COLUMNS.len()]>,
+    /// Sound, where it is wanted: first sample and samples.
+    sounds: Option<Vec<(u64, Vec<f32>)>>,
+    at_rest_n: f64,
+    /// Steps that were taken, trials among them.
+    pub steps: u64,
+}
+
+impl<'a> Key<'a> {
+    /// A key at rest. With `sound`, in steps of a sample.
+    pub(crate) fn new(
+        instrument: &Instrument,
+        damper_m: f64,
+        feet: &'a [(f64, Foot)],
+        row_s: f64,
+        sound: bool,
+    ) -> Result<Self, ActionError> {
+        let sounds = sound && instrument.has_yielding_strings();
+        let step_s = if sounds { 1.0 / f64::from(RATE_HZ) } else { instrument.usual_step_s() };
+        let action = Action::with(instrument, Settings::new(step_s))?;
+        let anatomy = Anatomy::find(instrument).ok();
+        let jack = anatomy.and_then(|parts| {
+            let carrier = instrument.bodies[parts.jack].parent?;
+            let angles = action.angles();
+            Some((parts.jack, carrier, angles[parts.jack] - angles[carrier]))
+        });
+        let senses = Senses { jack, check: instrument.roles.check, damper_m };
+        let watch = Watch {
+            unready: None,
+            checked: true,
+            blow_m: USUAL_BLOW_M,
+            key_m: 0.0,
+            rail_m: 0.0,
+            sent_m: 0.0,
+            caught: false,
+            next_foot: 0,
+            swing_n: [f64::INFINITY, f64::NEG_INFINITY],
+            since: 0,
+            quiet: true,
+        };
+        let Settings { step: h, theta, .. } = *action.settings();
+        Ok(Key {
+            at_rest_n: bridge_n(&action),
+            action,
+            senses,
+            watch,
+            feet,
+            n: 0,
+            h,
+            theta,
+            hand: Hand::Away,
+            impacts: Vec::new(),
+            ups: Vec::new(),
+            row_every: ((row_s / h).round() as u64).max(1),
+            rows: Vec::new(),
+            sounds: sounds.then(Vec::new),
+            steps: 0,
+        })
+    }
+
+    pub(crate) fn now(&self) -> u64 {
+        self.n
+    }
+
+    pub(crate) fn now_s(&self) -> f64 {
+        self.n as f64 * self.h
+    }
+
+    pub(crate) fn h(&self) -> f64 {
+        self.h
+    }
+
+    /// The first step that ends after an instant, s.
+    pub(crate) fn step_at(&self, time_s: f64) -> u64 {
+        (time_s / self.h).max(0.0).round() as u64
+    }
+
+    pub(crate) fn reading(&self) -> Reading {
+        self.action.reading()
+    }
+
+    pub(crate) fn damper_m(&self) -> f64 {
+        self.senses.damper_m
+    }
+
+    /// Lift that the key's rail is sent to, m.
+    pub(crate) fn lift_m(&self) -> f64 {
+        if self.watch.caught { FULL_PEDAL_M } else { self.watch.rail_m }
+    }
+
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        self.action.save()
+    }
+
+    /// Places a hand on the key, which moves with it, and lets it press from now on.
+    pub(crate) fn touch(&mut self, force_n: f64, rise_s: f64) {
+        let now = self.action.reading();
+        self.action.place_hand(now.key_m, now.key_m_per_s);
+        self.hand = Hand::pressing(force_n, rise_s, self.n);
+    }
+
+    pub(crate) fn poise(&self) -> Poise {
+        let now = self.action.reading();
+        let angles = self.action.angles();
+        let off = self.senses.jack.map_or(0.0, |(jack, carrier, rest)| (angles[jack] - angles[carrier] - rest).abs());
+        let ready = self.watch.unready.map_or(self.n, |last| self.n.saturating_sub(last));
+        Poise {
+            key_m: now.key_m,
+            hammer_m: now.hammer_m,
+            jack_is_back: off < JACK_RAD,
+            was_checked: self.watch.checked,
+            ready_s: if self.watch.unready.is_none() { f64::INFINITY } else { ready as f64 * self.h },
+        }
+    }
+
+    pub(crate) fn mark(&self) -> Mark {
+        let sounds = self.sounds.as_ref().map_or((0, 0), |all| (all.len(), all.last().map_or(0, |(_, s)| s.len())));
+        Mark {
+            snapshot: self.action.save(),
+            n: self.n,
+            hand: self.hand,
+            watch: self.watch,
+            impacts: self.impacts.len(),
+            ups: self.ups.len(),
+            rows: self.rows.len(),
+            sounds,
+        }
+    }
+
+    pub(crate) fn back_to(&mut self, mark: &Mark) -> Result<(), PerformError> {
+        self.action.restore(&mark.snapshot)?;
+        (self.n, self.hand, self.watch) = (mark.n, mark.hand, mark.watch);
+        self.impacts.truncate(mark.impacts);
+        self.ups.truncate(mark.ups);
+        self.rows.truncate(mark.rows);
+        if let Some(sounds) = &mut self.sounds {
+            sounds.truncate(mark.sounds.0);
+            if let Some((_, last)) = sounds.last_mut() {
+                last.truncate(mark.sounds.1);
+            }
+        }
+        Ok(())
+    }
+
+    /// Goes on to a step. A key at which nothing happens is left alone.
+    pub(crate) fn advance(&mut self, to: u64, progress: &mut Progress<'_>) -> Result<(), PerformError> {
+        while self.n < to {
+            match self.sleeps_until(to) {
+                Some(wakes) => {
+                    self.n = wakes;
+                    if self.dozes() {
+                        self.follow_feet();
+                    }
+                }
+                None => drop(self.step(progress)?),
+            }
+        }
+        Ok(())
+    }
+
+    /// Nothing touches the key, and nothing of it can be heard.
+    fn dozes(&self) -> bool {
+        self.hand == Hand::Away && self.watch.quiet
+    }
+
+    /// The step until which its next steps would change nothing, or nothing that can be heard; `None`: it is awake.
+    fn sleeps_until(&self, to: u64) -> Option<u64> {
+        let rail_stands =
+            self.action.strings().and_then(|strings| strings.pedal_m()).is_none_or(|now_m| now_m == self.watch.sent_m);
+        if !(rail_stands && (self.dozes() || self.action.rests()) && self.hand.is_steady(self.n, self.h)) {
+            return None;
+        }
+        let foot = self.feet.get(self.watch.next_foot).map_or(to, |(at_s, _)| self.step_at(*at_s)).min(to);
+        let early = to.saturating_sub(self.step_at(WAKES_S));
+        let wakes = match self.dozes() {
+            true if early > self.n => early,
+            // As long as no pedal has moved it may sleep on.
+            _ if self.watch.sent_m == self.lift_m() => foot,
+            _ => self.n,
+        };
+        (wakes > self.n).then_some(wakes)
+    }
+
+    /// One step.
+    pub(crate) fn step(&mut self, progress: &mut Progress<'_>) -> Result<Reading, PerformError> {
+        if self.steps.is_multiple_of(ASK_EVERY) && !progress(0.0) {
+            return Err(PerformError::interrupted());
+        }
+        self.move_feet();
+        let input = self.hand.input(self.n, self.h, self.theta)?;
+        let reading = self.action.step(input);
+        if reading.outcome == Outcome::NonFinite {
+            return Err(PerformError::NotFinite { time_s: self.now_s() });
+        }
+        self.n += 1;
+        self.steps += 1;
+        self.observe(&reading);
+        Ok(reading)
+    }
+
+    /// Takes notice of what feet have done until now.
+    fn follow_feet(&mut self) {
+        while let Some((at_s, foot)) = self.feet.get(self.watch.next_foot)
+            && self.step_at(*at_s) <= self.n
+        {
+            self.watch.next_foot += 1;
+            match *foot {
+                Foot::Sustain(lift_m) => self.watch.rail_m = lift_m,
+                Foot::Sostenuto(true) => {
+                    self.watch.caught =
+                        self.watch.key_m > self.senses.damper_m || self.watch.rail_m > 0.5 * FULL_PEDAL_M;
+                }
+                Foot::Sostenuto(false) => self.watch.caught = false,
+            }
+        }
+    }
+
+    fn move_feet(&mut self) {
+        self.follow_feet();
+        if self.watch.sent_m != self.lift_m() {
+            self.watch.sent_m = self.lift_m();
+            self.action.set_pedal(self.watch.sent_m);
+            self.stir();
+        }
+    }
+
+    /// It is not quiet any more.
+    fn stir(&mut self) {
+        self.watch.quiet = false;
+        self.watch.since = self.n;
+        self.watch.swing_n = [f64::INFINITY, f64::NEG_INFINITY];
+    }
+
+    fn observe(&mut self, reading: &Reading) {
+        let now_s = self.now_s();
+        if let Some(impact) = reading.impact {
+            self.impacts.push([now_s + (impact.time_s - self.action.time_s()), impact.hammer_speed_m_per_s]);
+            (self.watch.checked, self.watch.blow_m) = (false, reading.hammer_m);
+        }
+        if reading.key_m > HOME_M || reading.hammer_m > 0.5 * self.watch.blow_m {
+            self.watch.unready = Some(self.n);
+        }
+        if !self.watch.checked && self.senses.check.is_some_and(|zone| self.action.contact_force(zone) > 0.0) {
+            self.watch.checked = true;
+        }
+        let (before_m, at_m) = (self.watch.key_m, self.senses.damper_m);
+        if before_m > at_m && reading.key_m <= at_m {
+            let share = (reading.key_m - at_m) / (reading.key_m - before_m);
+            self.ups.push([now_s - share * self.h, (before_m - reading.key_m) / self.h]);
+        }
+        self.watch.key_m = reading.key_m;
+        let row = self.n.is_multiple_of(self.row_every);
+        if row || self.sounds.is_some() {
+            let heard_n = bridge_n(&self.action) - self.at_rest_n;
+            if row {
+                self.rows.push([
+                    now_s,
+                    reading.key_m,
+                    reading.key_m_per_s,
+                    reading.finger_n,
+                    reading.hammer_m,
+                    reading.hammer_m_per_s,
+                    reading.string_n,
+                    heard_n,
+                    self.action.strings().and_then(|strings| strings.pedal_m()).unwrap_or(0.0),
+                ]);
+            }
+            if let Some(sounds) = &mut self.sounds {
+                // The sample that ends with this step.
+                match sounds.last_mut() {
+                    Some((from, samples)) if *from + samples.len() as u64 == self.n => samples.push(heard_n as f32),
+                    _ => sounds.push((self.n, vec![heard_n as f32])),
+                }
+            }
+        }
+        if self.n.is_multiple_of(QUIET_EVERY) {
+            self.listen();
+        }
+    }
+
+    /// Whether it has been quiet for long enough.
+    fn listen(&mut self) {
+        let now_n = bridge_n(&self.action);
+        let Watch { swing_n: [least, most], .. } = &mut self.watch;
+        (*least, *most) = (least.min(now_n), most.max(now_n));
+        let moves = self.action.velocities().iter().any(|rate| rate.abs() > QUIET_RAD_PER_S);
+        if moves || *most - *least > QUIET_N {
+            self.stir();
+        } else if (self.n - self.watch.since.min(self.n)) as f64 * self.h > QUIET_S {
+            self.watch.quiet = true;
+        }
+    }
+
+    /// Hands over what is kept, when it is a block, or `all` of it. Nothing that is handed over can be gone back
+    /// behind.
+    pub(crate) fn hand_over(&mut self, sink: &mut dyn Sink, all: bool) -> Result<(), PerformError> {
+        if !self.rows.is_empty() && (all || self.rows.len() >= BLOCK) {
+            sink.take(Block::Rows(std::mem::take(&mut self.rows)))?;
+        }
+        let samples = |sounds: &[(u64, Vec<f32>)]| sounds.iter().map(|(_, one)| one.len()).sum::<usize>();
+        if let Some(sounds) = &mut self.sounds
+            && (all || samples(sounds) >= 16 * BLOCK)
+        {
+            for (from, bridge_n) in sounds.drain(..) {
+                sink.take(Block::Sound { from, bridge_n })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The beginning of what is heard after something: forget impacts and ways up before a note.
+    pub(crate) fn forget_before(&mut self, time_s: f64) {
+        self.impacts.retain(|[at_s, _]| *at_s >= time_s);
+        self.ups.retain(|[at_s, _]| *at_s >= time_s);
+    }
+}
+
+/// Every so many steps it is asked whether it has become quiet: not a multiple of any partial's period.
+const QUIET_EVERY: u64 = 7;
+
+fn bridge_n(action: &Action) -> f64 {
+    action.strings().map_or(0.0, |strings| strings.bridge_n())
+}

@@ -1,0 +1,173 @@
+//! One key through the whole piece.
+
+use erard::Progress;
+use erard::instrument::Instrument;
+
+use crate::error::PerformError;
+use crate::hand::Hand;
+use crate::key::Key;
+use crate::moment::Moment;
+use crate::note::Played;
+use crate::options::Options;
+use crate::press::{LetGo, Pressed, STAYS_S, press};
+use crate::release::release;
+use crate::score::{Score, Wanted};
+use crate::sink::Sink;
+use crate::touches::Touches;
+
+/// After the last note's end keys are played on for so long, s.
+const TAIL_S: f64 = 1.0;
+/// They are handed over every so many seconds then.
+const BLOCK_S: f64 = 10.0;
+/// Between a damper's fall and the next hand a key takes so long to come home after a usual release, s.
+const HOME_S: f64 = 0.060;
+
+/// No key is pressed again so soon after it was struck, s: no action repeats 25 times a second, and the fastest players
+/// not two thirds as often. Such a note is not tried.
+const SOONEST_S: f64 = 0.040;
+
+/// What came of a key.
+pub(crate) struct KeyPlayed {
+    /// Its notes, with their numbers in the score, from 0.
+    pub notes: Vec<(usize, Played)>,
+    /// Notes to be looked at.
+    pub moments: Vec<Moment>,
+    /// Steps taken, trials among them, and the length of one, s.
+    pub steps: u64,
+    pub step_s: f64,
+}
+
+/// The player of one key.
+pub(crate) struct Player<'a, 'k> {
+    key: Key<'k>,
+    touches: Touches,
+    notes: Vec<(usize, Played)>,
+    /// The last one that was pressed, as an index.
+    last: Option<usize>,
+    /// When the key is to be released, s, and how fast it is to come up.
+    off: (f64, Option<f64>),
+    moments: Vec<Moment>,
+    options: &'a Options,
+    sink: &'a mut dyn Sink,
+}
+
+/// Plays these notes of a score, by their numbers, on one key.
+pub(crate) fn play_key(
+    (number, instrument, damper_m): (usize, &Instrument, f64),
+    score: &Score,
+    numbers: &[usize],
+    options: &Options,
+    sink: &mut dyn Sink,
+    progress: &mut Progress<'_>,
+) -> Result<KeyPlayed, PerformError> {
+    let key = Key::new(instrument, damper_m, &score.feet, options.row_s, options.sound)
+        .map_err(|error| PerformError::Action { key: number, error })?;
+    let mut player = Player {
+        key,
+        touches: Touches::default(),
+        notes: Vec::new(),
+        last: None,
+        off: (0.0, None),
+        moments: Vec::new(),
+        options,
+        sink,
+    };
+    for (i, &note) in numbers.iter().enumerate() {
+        let next_s = numbers.get(i + 1).map_or(f64::INFINITY, |&next| score.notes[next].on_s);
+        player.play(note, score.notes[note], next_s, progress)?;
+    }
+    player.finish(score.duration_s + TAIL_S, progress)
+}
+
+impl Player<'_, '_> {
+    /// Plays the next note.
+    fn play(
+        &mut self,
+        number: usize,
+        wanted: Wanted,
+        next_s: f64,
+        progress: &mut Progress<'_>,
+    ) -> Result<(), PerformError> {
+        let off = (wanted.off_s, wanted.release_m_per_s);
+        if self.last.is_some() && wanted.on_s < self.key.now_s() + SOONEST_S {
+            self.off = off;
+            self.notes.push((number, Played::left_out(wanted, &self.key.poise())));
+            return Ok(());
+        }
+        let guess = self.touches.guess(0, wanted.speed_m_per_s);
+        let let_go = self.make_ready(wanted.on_s - guess.takes_s, progress)?;
+        if let_go.is_none() {
+            let back_s = if guess.is_known { 1.25 * guess.takes_s + 0.015 } else { 1.5 * guess.takes_s + 0.05 };
+            let from = self.key.step_at(wanted.on_s - back_s);
+            self.key.advance(from, progress)?;
+        }
+        self.key.hand_over(self.sink, false)?;
+        let Pressed { played, start, poise } =
+            press(&mut self.key, &mut self.touches, wanted, let_go, next_s, progress)?;
+        self.conclude(played.pressed_s, poise.was_checked);
+        if let Hand::On { stroke, .. } = self.key.hand
+            && self.is_of_interest(&played)
+        {
+            let (key, lift_m) = (wanted.key, self.key.lift_m());
+            self.moments.push(Moment { note: number, key, start, stroke, pressed_s: played.pressed_s, lift_m });
+        }
+        self.off = off;
+        self.last = Some(self.notes.len());
+        self.notes.push((number, played));
+        Ok(())
+    }
+
+    /// Releases the key for a hand that begins at an instant, s; or says how it is to be released as a part of the
+    /// next stroke, where there is no time for more.
+    fn make_ready(&mut self, begins_s: f64, progress: &mut Progress<'_>) -> Result<Option<LetGo>, PerformError> {
+        let Some(last) = self.last.map(|last| &self.notes[last].1) else { return Ok(None) };
+        let (off_s, release_m_per_s) = self.off;
+        let struck_s = last.impact.map_or(self.key.now_s(), |[at_s, _]| at_s);
+        if off_s.max(struck_s + STAYS_S) + HOME_S <= begins_s {
+            release(&mut self.key, &mut self.touches, off_s, release_m_per_s, progress)?;
+            return Ok(None);
+        }
+        let quick_s = self.touches.lag_s(crate::hand::Way::QUICK.within_s);
+        let earliest = self.key.step_at(struck_s + STAYS_S).max(self.key.now());
+        let written = self.key.step_at(off_s - quick_s).max(earliest);
+        Ok(Some(LetGo { written, earliest }))
+    }
+
+    /// What became of the last note until this instant, s, when the next hand begins, or the piece ends.
+    fn conclude(&mut self, until_s: f64, was_checked: bool) {
+        let Some(last) = self.last.map(|last| &mut self.notes[last].1) else { return };
+        let struck_s = last.impact.map_or(last.pressed_s, |[at_s, _]| at_s);
+        let within = |[at_s, _]: &&[f64; 2]| *at_s > struck_s && *at_s < until_s;
+        last.more_impacts = self.key.impacts.iter().filter(within).count() as u32;
+        last.released = self.key.ups.iter().find(within).copied();
+        last.checked = was_checked;
+        self.key.forget_before(until_s);
+    }
+
+    /// Whether a note is kept to be looked at: a few with faults, and a few without.
+    fn is_of_interest(&self, played: &Played) -> bool {
+        let is_wrong = |note: usize| self.notes.iter().any(|(n, played)| *n == note && !played.faults().is_empty());
+        let wrong = self.moments.iter().filter(|moment| is_wrong(moment.note)).count();
+        let right = self.moments.len() - wrong;
+        if played.faults().is_empty() { right < self.options.moments } else { wrong < self.options.moments }
+    }
+
+    /// Releases the last note and plays on to the end, s.
+    fn finish(mut self, end_s: f64, progress: &mut Progress<'_>) -> Result<KeyPlayed, PerformError> {
+        if !self.key.hand.has_left() {
+            let (off_s, speed) = self.off;
+            release(&mut self.key, &mut self.touches, off_s, speed, progress)?;
+        }
+        // Block by block: nobody goes back any more.
+        while self.key.now_s() < end_s {
+            let to = self.key.step_at(end_s).min(self.key.now() + self.key.step_at(BLOCK_S));
+            self.key.advance(to.max(self.key.now() + 1), progress)?;
+            self.key.hand_over(self.sink, false)?;
+        }
+        let was_checked = self.key.poise().was_checked;
+        self.conclude(f64::INFINITY, was_checked);
+        self.key.hand_over(self.sink, true)?;
+        let (steps, step_s) = (self.key.steps, self.key.h());
+        Ok(KeyPlayed { notes: self.notes, moments: self.moments, steps, step_s })
+    }
+}

@@ -1,0 +1,235 @@
+//! What became of a note.
+
+use erard_midi::{Law, Velocity};
+
+use crate::key::{HOME_M, Poise};
+use crate::score::Wanted;
+
+/// A note that comes later than written by more is late; earlier, early, s.
+const LATE_S: f64 = 2e-3;
+/// A note that is softer than written by more counts is soft; louder, loud.
+const SOFT: f64 = 1.0;
+/// A key was at home if it was ready for so long before its press, s.
+const READY_S: f64 = 0.020;
+
+/// What is wrong with a note.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fault {
+    /// The hammer did not meet the string.
+    Silent,
+    /// It met it more than once.
+    Twice,
+    /// By more than 2 ms.
+    Late,
+    /// By more than 2 ms.
+    Early,
+    /// By more than a count of velocity.
+    Soft,
+    /// By more than a count of velocity.
+    Loud,
+}
+
+impl Fault {
+    /// As reports call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Fault::Silent => "silent",
+            Fault::Twice => "twice",
+            Fault::Late => "late",
+            Fault::Early => "early",
+            Fault::Soft => "soft",
+            Fault::Loud => "loud",
+        }
+    }
+}
+
+/// Why.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reason {
+    /// The key was still so far down when the hand had to press, m.
+    KeyNotBack {
+        /// m.
+        key_m: f64,
+    },
+    /// The jack was not back under the knuckle.
+    JackNotBack,
+    /// The hammer was still so high, m above its rest.
+    HammerNotDown {
+        /// m.
+        hammer_m: f64,
+    },
+    /// The back check had not caught the hammer.
+    NotChecked,
+    /// The piece leaves the hand too little time to press as gently as that.
+    NoTime,
+    /// It is written within 40 ms of the key's last stroke, and was not tried.
+    TooSoon,
+    /// No hand within 100 N plays the key so loudly, or none so softly.
+    BeyondReach,
+}
+
+impl std::fmt::Display for Reason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Reason::KeyNotBack { key_m } => write!(f, "key not back: {:.1} mm down", 1e3 * key_m),
+            Reason::JackNotBack => f.write_str("jack not under the knuckle"),
+            Reason::HammerNotDown { hammer_m } => write!(f, "hammer not down: {:.0} mm up", 1e3 * hammer_m),
+            Reason::NotChecked => f.write_str("hammer not checked"),
+            Reason::NoTime => f.write_str("no time for so gentle a stroke"),
+            Reason::TooSoon => f.write_str("within 40 ms of the last stroke"),
+            Reason::BeyondReach => f.write_str("beyond the reach of a hand"),
+        }
+    }
+}
+
+/// A note that was played.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Played {
+    /// As it was wanted.
+    pub wanted: Wanted,
+    /// When the hand began to press, s.
+    pub pressed_s: f64,
+    /// Its greatest force, N.
+    pub force_n: f64,
+    /// The first impact: when, s, and the hammer's speed, m/s.
+    pub impact: Option<[f64; 2]>,
+    /// Further impacts before the key was pressed again.
+    pub more_impacts: u32,
+    /// When the key, coming up, set its damper down, s, and how fast its front came, m/s; `None` where it was pressed
+    /// again before.
+    pub released: Option<[f64; 2]>,
+    /// Whether the key had been home and the hammer below the check for 20 ms when the hand began to press.
+    pub from_home: bool,
+    /// How often it was tried.
+    pub trials: u32,
+    pub(crate) reasons: Vec<Reason>,
+    pub(crate) checked: bool,
+}
+
+impl Played {
+    pub(crate) fn new(wanted: Wanted, pressed_s: f64, force_n: f64, poise: &Poise) -> Self {
+        let mut reasons = Vec::new();
+        if poise.key_m > HOME_M {
+            reasons.push(Reason::KeyNotBack { key_m: poise.key_m });
+        }
+        if !poise.jack_is_back {
+            reasons.push(Reason::JackNotBack);
+        }
+        if poise.hammer_m > 5e-3 {
+            reasons.push(Reason::HammerNotDown { hammer_m: poise.hammer_m });
+        }
+        if !poise.was_checked {
+            reasons.push(Reason::NotChecked);
+        }
+        Played {
+            wanted,
+            pressed_s,
+            force_n,
+            impact: None,
+            more_impacts: 0,
+            released: None,
+            from_home: poise.ready_s >= READY_S,
+            trials: 0,
+            reasons,
+            checked: true,
+        }
+    }
+
+    /// A note that is not tried, for it comes too soon after the key was struck.
+    pub(crate) fn left_out(wanted: Wanted, poise: &Poise) -> Self {
+        let mut played = Played::new(wanted, wanted.on_s, 0.0, poise);
+        played.reasons.push(Reason::TooSoon);
+        played
+    }
+
+    /// How much later than written it sounded, s.
+    #[must_use]
+    pub fn late_s(&self) -> Option<f64> {
+        self.impact.map(|[time_s, _]| time_s - self.wanted.on_s)
+    }
+
+    /// By how many counts of velocity it was louder than written.
+    #[must_use]
+    pub fn louder(&self) -> Option<f64> {
+        let counts = |speed: f64| Law::GOEBL.velocity(speed).counts();
+        self.impact.map(|[_, speed]| counts(speed) - counts(self.wanted.speed_m_per_s))
+    }
+
+    /// The velocity that it sounded with.
+    #[must_use]
+    pub fn velocity(&self) -> Option<Velocity> {
+        self.impact.map(|[_, speed]| Law::GOEBL.velocity(speed))
+    }
+
+    /// What is wrong with it, the worst first.
+    #[must_use]
+    pub fn faults(&self) -> Vec<Fault> {
+        let Some((late_s, louder)) = self.late_s().zip(self.louder()) else { return vec![Fault::Silent] };
+        let all = [
+            (Fault::Twice, self.more_impacts > 0),
+            (Fault::Late, late_s > LATE_S),
+            (Fault::Early, late_s < -LATE_S),
+            (Fault::Soft, louder < -SOFT),
+            (Fault::Loud, louder > SOFT),
+        ];
+        all.into_iter().filter(|(_, is_so)| *is_so).map(|(fault, _)| fault).collect()
+    }
+
+    /// How the key stood where that is why a fault came about; empty without one.
+    #[must_use]
+    pub fn reasons(&self) -> Vec<Reason> {
+        let faults = self.faults();
+        if faults.is_empty() {
+            return Vec::new();
+        }
+        let mut reasons = if faults == [Fault::Twice] { Vec::new() } else { self.reasons.clone() };
+        if faults.contains(&Fault::Twice) && !self.checked && !reasons.contains(&Reason::NotChecked) {
+            reasons.push(Reason::NotChecked);
+        }
+        reasons
+    }
+}
+
+/// All notes together.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Summary {
+    /// Notes.
+    pub notes: usize,
+    /// Of these the key was home and the hammer below the check for 20 ms before the press.
+    pub from_home: usize,
+    /// Notes without a fault.
+    pub right: usize,
+    /// Notes by fault, in the order of [`Fault`]; one note may have several.
+    pub faults: [usize; 6],
+    /// Largest error of a note from home that sounded: counts of velocity, and s.
+    pub home_errors: [f64; 2],
+    /// The same of the others.
+    pub other_errors: [f64; 2],
+    /// Trials of all notes.
+    pub trials: u64,
+}
+
+impl Summary {
+    /// Of these notes.
+    #[must_use]
+    pub fn of<'a>(notes: impl IntoIterator<Item = &'a Played>) -> Self {
+        let mut all = Summary::default();
+        for note in notes {
+            let faults = note.faults();
+            all.notes += 1;
+            all.from_home += usize::from(note.from_home);
+            all.right += usize::from(faults.is_empty());
+            for fault in faults {
+                all.faults[fault as usize] += 1;
+            }
+            let errors = if note.from_home { &mut all.home_errors } else { &mut all.other_errors };
+            if let Some((late_s, louder)) = note.late_s().zip(note.louder()) {
+                errors[0] = errors[0].max(louder.abs());
+                errors[1] = errors[1].max(late_s.abs());
+            }
+            all.trials += u64::from(note.trials);
+        }
+        all
+    }
+}

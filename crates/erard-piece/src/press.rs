@@ -1,0 +1,312 @@
+//! The hand for a note: tried on the key as it really is, until the hammer meets the string at the written instant with
+//! the written speed.
+
+use erard::level::HOLD_N;
+use erard::{Progress, Snapshot};
+
+use crate::error::PerformError;
+use crate::hand::Way;
+use crate::key::{Key, Mark, Poise};
+use crate::note::{Played, Reason};
+use crate::score::Wanted;
+use crate::seek::{self, CLOSE, Seek};
+use crate::touches::{FORCES_N, Guess, RISES_S, Touches};
+
+/// A note is good enough with less: counts of velocity and milliseconds together.
+const GOOD: f64 = 1.0;
+/// An instant is right within this, s.
+const CLOSE_S: f64 = 0.2e-3;
+/// A note is tried so often from one hand on; from others, or when it has to be late, so often again.
+const TRIALS: u32 = 14;
+const AGAIN: u32 = 8;
+/// By how much a note that does not sound in time is tried later, s.
+const LATER_S: [f64; 4] = [0.010, 0.020, 0.040, 0.080];
+/// A key that was struck so shortly before is tried from one hand only, s: no action repeats 15 times a second.
+const HOPELESS_S: f64 = 0.065;
+/// So often.
+const FEW: u32 = 5;
+/// A hammer that has fallen so far from its highest point does not meet the string any more, m.
+const FALLEN_M: f64 = 5e-3;
+/// It rises when it is faster, m/s.
+const RISES_M_PER_S: f64 = 0.05;
+/// The key is home, and the jack has come to rest under the knuckle, so long after a hand that leaves at once, s. An
+/// estimate; where the key is slower, the trials find out.
+const HOME_AGAIN_S: f64 = 0.070;
+/// A hand stays on a key that it has played for so long, s. An estimate: the hammer is in the check by then.
+pub(crate) const STAYS_S: f64 = 0.020;
+/// A key was ready for so long, s: what its hand did is remembered.
+const READY_S: f64 = 0.020;
+
+/// The release of the note before, where it belongs to the stroke.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LetGo {
+    /// The step in which the hand would leave as written.
+    pub written: u64,
+    /// It must not leave earlier.
+    pub earliest: u64,
+}
+
+/// One trial.
+struct Trial {
+    rise: usize,
+    force_n: f64,
+    on_s: f64,
+    begins: u64,
+    poise: Poise,
+    impact: Option<[f64; 2]>,
+    /// Whether there was no time to begin earlier.
+    hurried: bool,
+    start: Snapshot,
+}
+
+impl Trial {
+    /// How wrong it is: counts of velocity and milliseconds.
+    fn cost(&self, wanted: &Wanted) -> f64 {
+        match self.impact {
+            Some([at_s, speed]) => {
+                25.0 * (speed / wanted.speed_m_per_s).log2().abs() + 1e3 * (at_s - wanted.on_s).abs()
+            }
+            None => f64::INFINITY,
+        }
+    }
+
+    fn is_close(&self, wanted: &Wanted) -> bool {
+        self.impact.is_some_and(|[at_s, speed]| {
+            let in_time = (at_s - self.on_s).abs() <= CLOSE_S || (self.hurried && at_s > self.on_s);
+            (speed / wanted.speed_m_per_s).ln().abs() <= CLOSE && in_time
+        })
+    }
+}
+
+/// A note's hand, before its release.
+pub(crate) struct Pressed {
+    pub played: Played,
+    /// The key as it was when the hand began.
+    pub start: Snapshot,
+    /// How the key stood then.
+    pub poise: Poise,
+}
+
+/// The search for one note's hand.
+struct Search<'a, 'k, 'p, 'q> {
+    key: &'a mut Key<'k>,
+    touches: &'a mut Touches,
+    wanted: Wanted,
+    let_go: Option<LetGo>,
+    mark: Mark,
+    trials: u32,
+    best: Option<Trial>,
+    /// Whether the best is the last one that was played.
+    is_last: bool,
+    /// Whether the loudest hand is too soft.
+    is_loudest: bool,
+    /// Nothing is played after this step.
+    until: u64,
+    progress: &'p mut Progress<'q>,
+}
+
+/// Plays a note from the key's present state. Afterwards the key is where its hammer met the string, or would have.
+/// `next_s`: when the key's next note is to sound.
+pub(crate) fn press(
+    key: &mut Key<'_>,
+    touches: &mut Touches,
+    wanted: Wanted,
+    let_go: Option<LetGo>,
+    next_s: f64,
+    progress: &mut Progress<'_>,
+) -> Result<Pressed, PerformError> {
+    let mark = key.mark();
+    let mut search = Search {
+        key,
+        touches,
+        wanted,
+        let_go,
+        mark,
+        trials: 0,
+        best: None,
+        is_last: true,
+        is_loudest: false,
+        until: u64::MAX,
+        progress,
+    };
+    let first = search.first_rise();
+    if search.let_go.is_some_and(|_| wanted.on_s < search.key.now_s() + HOPELESS_S) {
+        search.seek(search.guess(first), first, wanted.on_s, FEW)?;
+        return search.finish();
+    }
+    for rise in first..RISES_S.len() {
+        let most = if rise == first { TRIALS } else { AGAIN };
+        // A quicker muscle is louder, and leaves the key more time to come home.
+        search.is_loudest = search.seek(search.guess(rise), rise, wanted.on_s, most)?;
+        if search.is_good() || (let_go.is_none() && !search.is_loudest) {
+            break;
+        }
+    }
+    if let_go.is_some() {
+        search.seek_again()?;
+    }
+    for later_s in LATER_S {
+        let sounds = search.best.as_ref().is_some_and(|best| best.impact.is_some());
+        if sounds || wanted.on_s + later_s + STAYS_S > next_s {
+            break;
+        }
+        search.seek(search.guess(first), first, wanted.on_s + later_s, AGAIN)?;
+    }
+    search.finish()
+}
+
+impl Search<'_, '_, '_, '_> {
+    fn guess(&self, rise: usize) -> Guess {
+        let speed = self.wanted.speed_m_per_s;
+        if self.let_go.is_some() { self.touches.guess_moving(rise, speed) } else { self.touches.guess(rise, speed) }
+    }
+
+    /// The slowest muscle with which the key can be home before.
+    fn first_rise(&self) -> usize {
+        let Some(LetGo { earliest, .. }) = self.let_go else { return 0 };
+        let last = RISES_S.len() - 1;
+        let fits = |rise: &usize| {
+            let takes_s = self.guess(*rise).takes_s;
+            self.key.step_at(self.wanted.on_s - takes_s - HOME_AGAIN_S) >= earliest
+        };
+        (0..last).find(fits).unwrap_or(last)
+    }
+
+    fn is_good(&self) -> bool {
+        self.best.as_ref().is_some_and(|best| best.cost(&self.wanted) < GOOD)
+    }
+
+    /// On a key that moves the search may end where it leads nowhere: it begins anew at other hands, as long as none is
+    /// good: as from home, stronger, and the best so far.
+    fn seek_again(&mut self) -> Result<(), PerformError> {
+        let rise = RISES_S.len() - 1;
+        let home = self.touches.guess(rise, self.wanted.speed_m_per_s);
+        for stronger in [1.0, 1.5] {
+            if !self.is_good() {
+                let hand = Guess { force_n: stronger * home.force_n, takes_s: home.takes_s / stronger.sqrt(), ..home };
+                self.seek(hand, rise, self.wanted.on_s, AGAIN)?;
+            }
+        }
+        if let Some(best) = &self.best
+            && best.impact.is_some()
+            && !self.is_good()
+        {
+            let takes_s = best.on_s - best.begins as f64 * self.key.h();
+            let (hand, rise) = (Guess { force_n: best.force_n, takes_s, is_known: true }, best.rise);
+            self.seek(hand, rise, self.wanted.on_s, AGAIN)?;
+        }
+        Ok(())
+    }
+
+    /// Tries hands of a rise time for an instant, s, from one on. Returns whether the loudest of them is too soft.
+    fn seek(&mut self, guess: Guess, rise: usize, on_s: f64, most: u32) -> Result<bool, PerformError> {
+        let wanted = self.wanted.speed_m_per_s;
+        let mut hand = seek::Hand { force_n: guess.force_n, takes_s: guess.takes_s };
+        let (mut seek, mut is_loudest) = (Seek::new(wanted, RISES_S[rise]), false);
+        for _ in 0..most {
+            let trial = self.play(rise, hand.force_n, on_s, hand.takes_s)?;
+            let begins_s = trial.begins as f64 * self.key.h();
+            let found = seek::Outcome {
+                tried: hand,
+                struck: trial.impact.map(|[at_s, speed]| [at_s - begins_s, speed]),
+                late_s: trial.impact.map_or(0.0, |[at_s, _]| at_s - on_s),
+                from_home: trial.poise.ready_s >= READY_S,
+            };
+            let is_close = trial.is_close(&self.wanted);
+            is_loudest = hand.force_n >= FORCES_N[1] && trial.impact.is_some_and(|[_, speed]| speed < wanted);
+            self.keep(trial);
+            if is_close {
+                return Ok(false);
+            }
+            match seek.next(&found) {
+                Some(next) => hand = next,
+                None => break,
+            }
+        }
+        Ok(is_loudest)
+    }
+
+    fn keep(&mut self, trial: Trial) {
+        let cost = trial.cost(&self.wanted);
+        // Of two that do not sound the first: it was in time.
+        self.is_last = self.best.as_ref().is_none_or(|best| cost < best.cost(&self.wanted));
+        if self.is_last {
+            self.best = Some(trial);
+        }
+    }
+
+    /// One trial, from the mark.
+    fn play(&mut self, rise: usize, force_n: f64, on_s: f64, takes_s: f64) -> Result<Trial, PerformError> {
+        let Search { key, progress, .. } = self;
+        if self.trials > 0 {
+            key.back_to(&self.mark)?;
+        }
+        self.trials += 1;
+        let mut floor = key.now();
+        let mut begins = key.step_at(on_s - takes_s);
+        if let Some(LetGo { written, earliest }) = self.let_go {
+            let lead = key.step_at(HOME_AGAIN_S);
+            let leaves = written.min(begins.saturating_sub(lead)).max(earliest).max(key.now());
+            key.advance(leaves, progress)?;
+            key.hand.leave(leaves, key.h(), Way::QUICK);
+            floor = leaves + 1;
+        }
+        let hurried = begins < floor;
+        begins = begins.max(floor);
+        key.advance(begins, progress)?;
+        let (poise, before) = (key.poise(), key.impacts.len());
+        key.touch(force_n, RISES_S[rise]);
+        let start = key.snapshot();
+        let until = self.until.min(begins + key.step_at(1.8 * takes_s + 0.06));
+        let (mut rises, mut highest_m) = (false, f64::NEG_INFINITY);
+        while key.now() < until && key.impacts.len() == before {
+            let now = key.step(progress)?;
+            rises |= now.hammer_m_per_s > RISES_M_PER_S;
+            if rises {
+                highest_m = highest_m.max(now.hammer_m);
+                if now.hammer_m < highest_m - FALLEN_M {
+                    break;
+                }
+            }
+        }
+        let impact = key.impacts.get(before).copied();
+        if let Some([at_s, speed]) = impact
+            && poise.ready_s >= READY_S
+            && poise.jack_is_back
+        {
+            self.touches.learn(rise, force_n, at_s - begins as f64 * key.h(), speed);
+        }
+        Ok(Trial { rise, force_n, on_s, begins, poise, impact, hurried, start })
+    }
+
+    /// The best trial is the note.
+    fn finish(mut self) -> Result<Pressed, PerformError> {
+        let Some(mut best) = self.best.take() else { return Err(PerformError::Nothing) };
+        if best.impact.is_none() {
+            // The hand does not wait for what does not come.
+            self.until = self.key.step_at(best.on_s).max(best.begins + 1);
+        }
+        if !self.is_last || best.impact.is_none() {
+            let takes_s = best.on_s - best.begins as f64 * self.key.h();
+            best = self.play(best.rise, best.force_n, best.on_s, takes_s)?;
+        }
+        let (wanted, key) = (self.wanted, self.key);
+        let pressed_s = best.begins as f64 * key.h();
+        if let (Some(_), Some([at_s, speed])) = (self.let_go, best.impact)
+            && best.cost(&wanted) < GOOD
+        {
+            self.touches.learn_moving(best.rise, best.force_n, at_s - pressed_s, speed);
+        }
+        let mut played = Played::new(wanted, pressed_s, best.force_n, &best.poise);
+        (played.impact, played.trials) = (best.impact, self.trials);
+        if best.hurried && best.impact.is_none_or(|[at_s, _]| at_s > wanted.on_s) {
+            played.reasons.push(Reason::NoTime);
+        }
+        if self.is_loudest || best.force_n <= 1.001 * FORCES_N[0] {
+            played.reasons.push(Reason::BeyondReach);
+        }
+        let hold_n = if best.impact.is_some() { HOLD_N } else { HOLD_N.min(best.force_n) };
+        key.hand.hold(key.now(), key.h(), hold_n);
+        Ok(Pressed { played, start: best.start, poise: best.poise })
+    }
+}

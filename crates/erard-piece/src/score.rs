@@ -1,0 +1,105 @@
+//! A piece as what is to be done.
+
+use erard_midi::file::{Note, PedalChange, Piece};
+use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
+use erard_midi::{Law, ReleaseLaw, Velocity};
+
+/// The first hammer meets its string this long after the beginning, s, or later: the softest key strokes take 0.25 s.
+pub const LEAD_S: f64 = 0.4;
+/// How far the sustain pedal lifts its rail when it is down, m: the dampers are 4.5 mm up then. An estimate.
+pub const FULL_PEDAL_M: f64 = 7e-3;
+
+/// A note that is to be played.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wanted {
+    /// The key, from 1.
+    pub key: usize,
+    /// When the hammer is to meet the string, s from the performance's beginning.
+    pub on_s: f64,
+    /// When the key, coming up, is to set its damper down, s.
+    pub off_s: f64,
+    /// The velocity as written.
+    pub velocity: Velocity,
+    /// The hammer's speed at the string that the law makes of it, m/s.
+    pub speed_m_per_s: f64,
+    /// How fast the key's front is to come up there, m/s, positive; `None` where the piece does not say.
+    pub release_m_per_s: Option<f64>,
+}
+
+/// The notes of a piece that begin between two instants, s; the first instant becomes its beginning. Pedals are where
+/// they had been left.
+#[must_use]
+pub fn passage(piece: &Piece, from_s: f64, to_s: f64) -> Piece {
+    let notes = piece.notes.iter().filter(|note| (from_s..to_s).contains(&note.start_s));
+    let shifted = notes.map(|note| Note { start_s: note.start_s - from_s, end_s: note.end_s - from_s, ..*note });
+    let pedals = piece.pedals.iter().filter(|change| change.time_s < to_s);
+    let pedals = pedals.map(|change| PedalChange { time_s: (change.time_s - from_s).max(0.0), ..*change });
+    Piece { notes: shifted.collect(), pedals: pedals.collect(), remarks: piece.remarks.clone() }
+}
+
+/// What a foot does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Foot {
+    /// The sustain pedal sends its rail to a lift, m.
+    Sustain(f64),
+    /// The sostenuto pedal goes down, or up.
+    Sostenuto(bool),
+}
+
+/// A piece as motions of hands and feet.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Score {
+    /// The notes in the order of their beginnings, then of their keys.
+    pub notes: Vec<Wanted>,
+    /// The feet in the order of time, s.
+    pub(crate) feet: Vec<(f64, Foot)>,
+    /// By how much the piece was shifted so that the first hand has time to press, s; 0 where it has.
+    pub shift_s: f64,
+    /// When the last note ends, s.
+    pub duration_s: f64,
+    /// What of the piece is left out or was mended, a sentence each.
+    pub remarks: Vec<String>,
+}
+
+impl Score {
+    /// The motions that a piece asks for, its velocities read by a law.
+    ///
+    /// The sustain pedal (controller 64) travels in proportion to its values; its rail follows as fast as a foot that
+    /// stamps. The sostenuto pedal (66) holds the dampers that are up when it passes the middle of its way. The soft
+    /// pedal (67) would shift the hammers along their strings, which the model does not have: a remark says how often
+    /// it is asked for.
+    #[must_use]
+    pub fn of(piece: &Piece, law: &Law<'_>) -> Self {
+        let first_s = piece.notes.first().map_or(LEAD_S, |note| note.start_s);
+        let shift_s = (LEAD_S - first_s).max(0.0);
+        let notes = piece.notes.iter().map(|note| Wanted {
+            key: note.key,
+            on_s: note.start_s + shift_s,
+            off_s: note.end_s + shift_s,
+            velocity: note.velocity,
+            speed_m_per_s: law.speed_m_per_s(note.velocity),
+            release_m_per_s: note.release.map(|release| ReleaseLaw::USUAL.speed_m_per_s(release)),
+        });
+        let (mut feet, mut soft, mut down) = (Vec::new(), 0_usize, false);
+        for change in &piece.pedals {
+            let time_s = change.time_s + shift_s;
+            match change.controller {
+                SUSTAIN => feet.push((time_s, Foot::Sustain(FULL_PEDAL_M * f64::from(change.value) / 127.0))),
+                SOSTENUTO => {
+                    let is_down = change.value >= 64;
+                    if is_down != down {
+                        feet.push((time_s, Foot::Sostenuto(is_down)));
+                    }
+                    down = is_down;
+                }
+                SOFT => soft += 1,
+                _ => {}
+            }
+        }
+        let mut remarks = piece.remarks.clone();
+        if soft > 0 {
+            remarks.push(format!("{soft} changes of the soft pedal left out: the model's hammers do not shift"));
+        }
+        Score { notes: notes.collect(), feet, shift_s, duration_s: piece.duration_s() + shift_s, remarks }
+    }
+}

@@ -1,0 +1,42 @@
+//! What takes rows and sound as they are made.
+
+use std::io;
+
+/// What a row holds, in this order: SI units, key, finger and pedal rail as an action's reading has them; forces are
+/// those of the row's last step.
+pub const COLUMNS: [&str; 9] =
+    ["time_s", "key_m", "key_m_per_s", "finger_N", "hammer_m", "hammer_m_per_s", "string_N", "bridge_N", "pedal_m"];
+
+/// Rows of one key, or a stretch of its sound.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Block {
+    /// Rows in the order of time.
+    Rows(Vec<[f64; COLUMNS.len()]>),
+    /// Force on the bridge less what lies on it at rest, N, [`RATE_HZ`](crate::RATE_HZ) samples a second, from a
+    /// sample's number on, counted from the performance's beginning.
+    Sound {
+        /// Number of the first sample.
+        from: u64,
+        /// N.
+        bridge_n: Vec<f32>,
+    },
+}
+
+/// Takes the blocks of one key in the order of time, a few thousand rows at a time.
+pub trait Sink: Send {
+    /// Takes a block.
+    ///
+    /// # Errors
+    /// What it is written to refuses.
+    fn take(&mut self, block: Block) -> io::Result<()>;
+}
+
+/// Takes everything and keeps nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silence;
+
+impl Sink for Silence {
+    fn take(&mut self, _: Block) -> io::Result<()> {
+        Ok(())
+    }
+}

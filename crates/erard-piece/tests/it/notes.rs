@@ -1,0 +1,105 @@
+//! Each note's hammer comes at its instant with its speed; what cannot be played is explained.
+
+use erard_midi::Velocity;
+use erard_midi::file::Note;
+use erard_piece::{Fault, Options, Played, Reason};
+
+use crate::common::{HEAVY, RIGID, STRINGS, note, played, score};
+
+/// Half a count and 1 ms: what is promised of a key at home.
+fn is_right(note: &Played) -> bool {
+    note.louder().is_some_and(|counts| counts.abs() <= 0.5) && note.late_s().is_some_and(|s| s.abs() <= 1e-3)
+}
+
+/// From pp to ff on a key with strings: half a count, 1 ms; releases within 1.5 ms.
+#[test]
+fn notes_from_home_are_as_written() {
+    let levels = [44, 90, 20, 60, 110];
+    let notes = levels.iter().enumerate().map(|(i, v)| note(40, 0.5 + 1.2 * i as f64, 0.9 + 1.2 * i as f64, *v));
+    let performance = played(&score(notes.collect(), Vec::new()), &STRINGS, &Options::default());
+    for note in &performance.notes {
+        assert!(note.from_home && is_right(note) && note.faults().is_empty(), "{note:?}");
+        let [off_s, came_m_per_s] = note.released.unwrap();
+        assert!((off_s - note.wanted.off_s).abs() < 1.5e-3 && came_m_per_s > 0.05, "{note:?}");
+    }
+    // Five levels of nothing known: the brackets close.
+    assert!(performance.summary().trials < 40, "{:?}", performance.summary());
+}
+
+/// What was right once is known: the same note again needs one trial. (The second does not: the key has been played.)
+#[test]
+fn a_key_learns() {
+    let notes = (0..4).map(|i| note(50, 0.5 + f64::from(i), 0.8 + f64::from(i), 64)).collect();
+    let performance = played(&score(notes, Vec::new()), &RIGID, &Options::default());
+    let trials: Vec<u32> = performance.notes.iter().map(|note| note.trials).collect();
+    assert!(trials[2..] == [1, 1] && performance.notes.iter().all(is_right), "{trials:?}");
+}
+
+/// A hand has an end: the loudest note is as loud as it can be, and says so.
+#[test]
+fn what_is_beyond_reach_is_said() {
+    let performance = played(&score(vec![note(1, 0.5, 0.8, 127)], Vec::new()), &RIGID, &Options::default());
+    let note = &performance.notes[0];
+    assert_eq!((note.faults(), note.reasons()), (vec![Fault::Soft], vec![Reason::BeyondReach]), "{note:?}");
+    assert!(note.impact.unwrap()[1] > 4.5 && note.late_s().unwrap().abs() < 1e-3, "{note:?}");
+}
+
+/// Eight notes a second on one key go through the double escapement, each within a count and 2 ms.
+#[test]
+fn repetitions_are_within_a_count() {
+    let notes = (0..8).map(|i| note(44, 0.5 + 0.125 * f64::from(i), 0.56 + 0.125 * f64::from(i), 66)).collect();
+    let performance = played(&score(notes, Vec::new()), &RIGID, &Options::default());
+    for note in &performance.notes {
+        assert!(note.faults().is_empty() && note.louder().unwrap().abs() <= 1.0, "{note:?}");
+    }
+    assert!(performance.notes[1..].iter().all(|note| !note.from_home));
+}
+
+/// Sixteen a second are more than an action does: each note that is not as written says how its key stood.
+#[test]
+fn lost_notes_are_explained() {
+    let notes: Vec<Note> =
+        (0..10).map(|i| note(44, 0.5 + 0.0625 * f64::from(i), 0.53 + 0.0625 * f64::from(i), 66)).collect();
+    let performance = played(&score(notes, Vec::new()), &HEAVY, &Options::default());
+    let wrong: Vec<&Played> = performance.notes.iter().filter(|note| !note.faults().is_empty()).collect();
+    assert!(wrong.len() >= 5, "{:?}", performance.summary());
+    for note in wrong {
+        let reasons = note.reasons();
+        let is_back = |reason: &Reason| matches!(reason, Reason::KeyNotBack { key_m } if *key_m > 0.5e-3);
+        assert!(reasons.iter().any(|one| is_back(one) || matches!(one, Reason::HammerNotDown { .. })), "{note:?}");
+    }
+}
+
+/// A note within 40 ms of the last one is not tried; it costs nothing, and the key is released when it ends.
+#[test]
+fn notes_at_once_are_left_out() {
+    let notes = (0..5).map(|i| note(44, 0.5 + 0.005 * f64::from(i), 0.503 + 0.005 * f64::from(i), 66)).collect();
+    let performance = played(&score(notes, Vec::new()), &RIGID, &Options::default());
+    let silent: Vec<bool> = performance.notes.iter().map(|note| note.impact.is_none()).collect();
+    assert_eq!(silent, [false, true, true, true, true]);
+    assert!(performance.notes[1..].iter().all(|note| note.trials == 0 && note.reasons().contains(&Reason::TooSoon)));
+}
+
+/// A written release velocity is a speed of the key where it sets its damper down.
+#[test]
+fn releases_have_their_speeds() {
+    let slow = Note { release: Some(Velocity::of_seven_bits(32)), ..note(40, 0.5, 1.0, 60) };
+    let fast = Note { release: Some(Velocity::of_seven_bits(76)), ..note(40, 2.0, 2.5, 60) };
+    let performance = played(&score(vec![slow, fast], Vec::new()), &RIGID, &Options::default());
+    for (note, wanted) in performance.notes.iter().zip([0.1, 0.2375]) {
+        let [off_s, came_m_per_s] = note.released.unwrap();
+        assert!((off_s - note.wanted.off_s).abs() < 2e-3, "{note:?}");
+        assert!((came_m_per_s / wanted - 1.0).abs() < 0.12, "{came_m_per_s} for {wanted}");
+    }
+}
+
+/// A piece that begins at once is shifted, all of it; one that does not is left where it is.
+#[test]
+fn the_first_note_has_a_lead() {
+    let at_once = score(vec![note(40, 0.0, 0.3, 30), note(42, 1.0, 1.3, 60)], Vec::new());
+    assert_eq!(at_once.shift_s, erard_piece::LEAD_S);
+    let performance = played(&at_once, &RIGID, &Options::default());
+    assert!(performance.notes.iter().all(is_right) && performance.notes[0].pressed_s > 0.0, "{performance:?}");
+    assert_eq!(performance.notes[1].wanted.on_s, 1.0 + erard_piece::LEAD_S);
+    assert_eq!(score(vec![note(40, 0.5, 0.8, 30)], Vec::new()).shift_s, 0.0);
+}

@@ -1,0 +1,150 @@
+//! Scales, the pieces, a long performance; hostile ones.
+
+use std::time::Instant;
+
+use erard_midi::message::SUSTAIN;
+use erard_piece::{Options, Performance, Played};
+
+use crate::common::{HEAVY, RIGID, STRINGS, foot, note, piece, played, score};
+
+fn is_right(note: &Played) -> bool {
+    note.louder().is_some_and(|counts| counts.abs() <= 0.5) && note.late_s().is_some_and(|s| s.abs() <= 1e-3)
+}
+
+/// Every note whose key was home is within half a count and 1 ms, or beyond the reach of a hand.
+fn home_is_right(performance: &Performance) {
+    for note in performance.notes.iter().filter(|note| note.from_home) {
+        let beyond = note.reasons().contains(&erard_piece::Reason::BeyondReach);
+        assert!(is_right(note) || beyond, "{note:?}");
+    }
+    for note in &performance.notes {
+        assert!(note.faults().is_empty() || !note.reasons().is_empty(), "unexplained: {note:?}");
+    }
+}
+
+/// A scale over the compass, each key at one level after the other.
+fn scale(keys: impl Iterator<Item = usize>, levels: &[u8]) -> Vec<erard_midi::file::Note> {
+    let mut notes = Vec::new();
+    for (n, key) in keys.enumerate() {
+        for (i, level) in levels.iter().enumerate() {
+            let at = 0.5 + 0.12 * n as f64 + 4.0 * i as f64;
+            notes.push(note(key, at, at + 0.25, *level));
+        }
+    }
+    notes
+}
+
+/// pp, p, mf, f and ff as velocities of the law.
+const LEVELS: [u8; 5] = [27, 44, 77, 93, 110];
+
+#[test]
+fn a_short_scale_is_as_written() {
+    let performance =
+        played(&score(scale([13, 40, 75].into_iter(), &[27, 77]), Vec::new()), &STRINGS, &Options::default());
+    home_is_right(&performance);
+    let all = performance.summary();
+    assert!(all.right == 6 && all.from_home == 6, "{all:?}");
+}
+
+#[test]
+#[ignore = "ci: a scale of 30 keys with strings from pp to ff"]
+fn scales_are_as_written() {
+    let performance = played(&score(scale((1..=88).step_by(3), &LEVELS), Vec::new()), &STRINGS, &Options::default());
+    home_is_right(&performance);
+    let all = performance.summary();
+    println!("{all:?}");
+    assert_eq!((all.notes, all.from_home, all.faults), (150, 150, [0; 6]));
+}
+
+#[test]
+#[ignore = "ci: two pieces with strings, one of them on a second keyboard"]
+fn the_pieces_are_played() {
+    let slow = played(&piece("gymnopedie.mid"), &STRINGS, &Options::default());
+    home_is_right(&slow);
+    assert_eq!(slow.summary().right, slow.notes.len());
+    // Six notes a second on one key are as written on both; of what is faster the most.
+    let fast = piece("hanon.mid");
+    let [strings, heavy] = [&STRINGS, &HEAVY].map(|keys| played(&fast, keys, &Options::default()));
+    for performance in [&strings, &heavy] {
+        println!("{:?}", performance.summary());
+        home_is_right(performance);
+        let gentle = performance.notes.iter().filter(|note| note.wanted.on_s < 4.9);
+        assert!(gentle.into_iter().all(|note| note.faults().is_empty()));
+    }
+    // The heavy touch loses notes that the grand plays.
+    assert!(heavy.summary().right + 20 < strings.summary().right && strings.summary().right > 220);
+}
+
+/// As many notes as a file can hold, as close as it can write them: a key is tried where it can be played only.
+#[test]
+#[ignore = "ci: 100 000 notes within a third of a second"]
+fn a_hundred_thousand_notes_at_once_are_bounded() {
+    let every = 1.0 / 4000.0;
+    let notes = (0..100_000).map(|i| {
+        let at = 0.5 + every * f64::from(i / 88);
+        note(1 + (i % 88) as usize, at, at + 0.5 * every, 60)
+    });
+    let started = Instant::now();
+    let performance = played(&score(notes.collect(), Vec::new()), &RIGID, &Options::default());
+    assert_eq!(performance.notes.len(), 100_000);
+    let left_out = performance.notes.iter().filter(|note| note.trials == 0).count();
+    println!("{left_out} left out, {:?}, {:?}", performance.summary(), started.elapsed());
+    assert!(left_out > 90_000);
+}
+
+/// Plays for so many seconds as people do: chords and runs over six octaves, scattered in time and level, the pedal
+/// changed every second or two. Prints what it took.
+fn plays_for(seconds: f64) {
+    let mut random = fastrand::Rng::with_seed(1838);
+    let (mut notes, mut pedals, mut at) = (Vec::new(), Vec::new(), 0.5);
+    while at < seconds {
+        let root = random.usize(13..64);
+        let count = if random.u32(0..4) == 0 { 4 } else { 1 };
+        for voice in [0, 4, 7, 12].into_iter().take(count) {
+            let start_s = at + 0.01 + 0.012 * (random.f64() - 0.5);
+            let level = 45 + random.u8(0..45);
+            notes.push(note((root + voice).min(88), start_s, start_s + 0.1 + 0.5 * random.f64(), level));
+        }
+        if random.u32(0..6) == 0 {
+            pedals.push(foot(at + 0.06, SUSTAIN, 0));
+            pedals.push(foot(at + 0.16, SUSTAIN, 90 + random.u8(0..38)));
+        }
+        at += 0.12 + 0.25 * random.f64();
+    }
+    // As a file has them: a key's notes do not overlap.
+    let mut next_s = std::collections::BTreeMap::new();
+    notes.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
+    for one in notes.iter_mut().rev() {
+        let next_s = next_s.insert(one.key, one.start_s).unwrap_or(f64::INFINITY);
+        one.end_s = one.end_s.min(next_s - 0.001);
+    }
+    notes.retain(|note| note.end_s > note.start_s);
+    let score = score(notes, pedals);
+    let started = Instant::now();
+    let performance = played(&score, &STRINGS, &Options::default());
+    let (all, took_s) = (performance.summary(), started.elapsed().as_secs_f64());
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let peak = status.lines().find(|line| line.starts_with("VmHWM")).unwrap_or("");
+    println!("{:.1} s in {took_s:.1} s, {} steps, {peak}; {all:?}", score.duration_s, performance.steps);
+    // A pedal that moves while a key is pressed may leave a note from home outside half a count and 1 ms: of 196 such
+    // notes of half a minute one was (0.56 counts, 1.1 ms). Within a count and 2 ms all are.
+    let home = performance.notes.iter().filter(|note| note.from_home);
+    let outside = home.filter(|note| !is_right(note)).count();
+    println!("{outside} notes from home outside half a count and 1 ms");
+    assert!(100 * outside <= all.from_home && all.home_errors[0] <= 1.0 && all.home_errors[1] <= 2e-3, "{all:?}");
+    assert!(all.right as f64 > 0.9 * all.notes as f64, "{all:?}");
+}
+
+#[test]
+#[ignore = "ci: half a minute of playing on a keyboard with strings"]
+fn half_a_minute_is_played() {
+    plays_for(30.0);
+}
+
+mod nightly {
+    #[test]
+    #[ignore = "nightly: ten minutes of playing on a keyboard with strings"]
+    fn ten_minutes_are_played() {
+        super::plays_for(600.0);
+    }
+}
