@@ -1,7 +1,7 @@
 //! How the readings of sound keys lie: as a normal distribution over all features.
 //!
 //! Its sources are the usual ranges, inside of which every value is as likely as another (a standard deviation of the
-//! width over the root of 12), and the simulated effects. What is ours stands beside it.
+//! width over the root of 12), and the simulated effects. What is ours says so where it is given.
 
 use super::cause::causes;
 use super::effect::{BALANCE, FEATURES, FRICTION, N, effects};
@@ -17,8 +17,8 @@ pub(super) struct Healthy {
 
 /// What the whippen weighs at the key's front, KR WW, g: 0.5 to 0.56 of 16.2 to 19.8 g, and its standard deviation.
 pub(super) const WHIPPEN_AT_FRONT_G: [f64; 2] = [9.5, 0.7];
-/// Friction of a key alone, of a hammer's flange at 23 mm and of a whippen's at 25 mm, g, and their standard deviations:
-/// the built-in grand's 3.8, Renner's 2 to 5 and 1 to 4. Estimates.
+/// Friction of a key alone, of a hammer's flange at 23 mm and of a whippen's at 25 mm, g, and their standard
+/// deviations: the built-in grand's 3.8, Renner's 2 to 5 and 1 to 4. Estimates.
 const PLACES: [(usize, &str, f64, f64); 3] = [
     (at::KEY_ALONE, "key_friction", 3.8, 1.2),
     (at::HAMMER_FLANGE, "hammer_friction", 4.0, 0.9),
