@@ -42,6 +42,9 @@ const SCREWS: [(usize, &str); 9] = [
 /// where the leverage is 5.2 or 5.8. An estimate.
 const AFTERTOUCH_MM: f64 = 0.5;
 
+/// A sum of features, its value, and its standard deviation.
+type Condition = (Vec<(usize, f64)>, f64, f64);
+
 /// Middle and standard deviation of a usual range with two ends.
 fn usual_of(line: &str, key: usize) -> Option<[f64; 2]> {
     let [low, high] = usual(line)?.at(key);
@@ -92,7 +95,7 @@ impl Healthy {
         }
         healthy.add(&[(at::AFTERTOUCH, AFTERTOUCH_MM)]);
         // All of them are in their usual ranges.
-        let mut known: Vec<(Vec<(usize, f64)>, f64, f64)> = Vec::new();
+        let mut known: Vec<Condition> = Vec::new();
         for feature in [FRICTION, at::AFTERTOUCH] {
             let [middle, sd] = of(FEATURES[feature]);
             known.push((vec![(feature, 1.0)], middle, sd));
