@@ -36,7 +36,7 @@ pub(super) fn usual(line: &Judged, lengths: Lengths) -> String {
     }
 }
 
-/// What stands beside a reading.
+/// The mark after a reading.
 pub(super) fn mark(line: &Judged) -> &'static str {
     match line.standing {
         Standing::Out => "!",

@@ -85,7 +85,7 @@ fn wrong_input_is_told() {
         (&["keyboard", "nobody.toml"], "nobody.toml: cannot be read"),
         (&["keyboard", "grand.toml"], "belongs to an instrument, and a keyboard is expected here"),
         (&["keyboard", "broken.toml"], "broken.toml:9:9: `added_mass.hammer head.at_mm`"),
-        (&["keyboard", "--key", "0"], "0 is not in 1..=88"),
+        (&["keyboard", "--key", "0"], "expected a number from 1 to 88, or a note from A0 to C8"),
         (&["keyboard", "--every", "0"], "0 is not in 1..=87"),
         (
             &["press", "--instrument", "mine.toml"],

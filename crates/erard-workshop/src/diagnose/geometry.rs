@@ -168,8 +168,8 @@ mod tests {
     use super::*;
     use crate::balance::Lead;
 
-    /// By hand: BW 38, FW 26, SW 10 and a whippen of 18 g at 0.5: R = (38 + 26 - 9) / 10 = 5.5. Without what it needs it
-    /// is left out, and said to be.
+    /// By hand: BW 38, FW 26, SW 10 and a whippen of 18 g at 0.5: R = (38 + 26 - 9) / 10 = 5.5. Without what it needs
+    /// it is left out, and said to be.
     #[test]
     fn leverage_by_hand() {
         let mut known = Known::default();

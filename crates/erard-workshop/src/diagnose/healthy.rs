@@ -1,7 +1,7 @@
 //! How the readings of sound keys lie: as a normal distribution over all features.
 //!
 //! Its sources are the usual ranges, inside of which every value is as likely as another (a standard deviation of the
-//! width over the root of 12), and the simulated effects. What is ours stands beside it.
+//! width over the root of 12), and the simulated effects. What is ours says so where it is given.
 
 use super::cause::causes;
 use super::effect::{BALANCE, FEATURES, FRICTION, N, effects};
@@ -17,8 +17,8 @@ pub(super) struct Healthy {
 
 /// What the whippen weighs at the key's front, KR WW, g: 0.5 to 0.56 of 16.2 to 19.8 g, and its standard deviation.
 pub(super) const WHIPPEN_AT_FRONT_G: [f64; 2] = [9.5, 0.7];
-/// Friction of a key alone, of a hammer's flange at 23 mm and of a whippen's at 25 mm, g, and their standard deviations:
-/// the built-in grand's 3.8, Renner's 2 to 5 and 1 to 4. Estimates.
+/// Friction of a key alone, of a hammer's flange at 23 mm and of a whippen's at 25 mm, g, and their standard
+/// deviations: the built-in grand's 3.8, Renner's 2 to 5 and 1 to 4. Estimates.
 const PLACES: [(usize, &str, f64, f64); 3] = [
     (at::KEY_ALONE, "key_friction", 3.8, 1.2),
     (at::HAMMER_FLANGE, "hammer_friction", 4.0, 0.9),
@@ -41,6 +41,9 @@ const SCREWS: [(usize, &str); 9] = [
 /// What screws do not explain of the aftertouch of sound keys, mm: a blow of 46 mm takes 0.5 mm more or less of the key
 /// where the leverage is 5.2 or 5.8. An estimate.
 const AFTERTOUCH_MM: f64 = 0.5;
+
+/// A sum of features, its value, and its standard deviation.
+type Condition = (Vec<(usize, f64)>, f64, f64);
 
 /// Middle and standard deviation of a usual range with two ends.
 fn usual_of(line: &str, key: usize) -> Option<[f64; 2]> {
@@ -92,7 +95,7 @@ impl Healthy {
         }
         healthy.add(&[(at::AFTERTOUCH, AFTERTOUCH_MM)]);
         // All of them are in their usual ranges.
-        let mut known: Vec<(Vec<(usize, f64)>, f64, f64)> = Vec::new();
+        let mut known: Vec<Condition> = Vec::new();
         for feature in [FRICTION, at::AFTERTOUCH] {
             let [middle, sd] = of(FEATURES[feature]);
             known.push((vec![(feature, 1.0)], middle, sd));

@@ -1,11 +1,11 @@
 //! What is wrong with a key, from whatever was measured of it.
 //!
 //! `entry` lists what can be read off a key, with the words for it, the precision of a reading and what is impossible;
-//! `table` reads many keys from CSV; `bench` holds the tests that tell places of friction apart. `cause` is the table of
-//! causes (`causes.toml`: how common, quick test, remedy), `plant` puts a cause into a simulated action, `effect` what
-//! each cause does to each reading (`effects.csv`, simulated on an ensemble), `healthy` how readings of sound keys lie,
-//! `belief` the probability of every cause and combination, `next` the measurement that would tell most, and `geometry`
-//! what follows from weights. `report` draws the answer together.
+//! `table` reads many keys from CSV; `bench` holds the tests that tell places of friction apart. `cause` is the table
+//! of causes (`causes.toml`: how common, quick test, remedy), `plant` puts a cause into a simulated action, `effect`
+//! what each cause does to each reading (`effects.csv`, simulated on an ensemble), `healthy` how readings of sound keys
+//! lie, `belief` the probability of every cause and combination, `next` the measurement that would tell most, and
+//! `geometry` what follows from weights. `report` draws the answer together.
 
 mod belief;
 mod bench;

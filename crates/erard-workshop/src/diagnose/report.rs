@@ -53,7 +53,7 @@ pub struct Judged {
 /// A cause with its probability.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranked {
-    /// Which.
+    /// The cause.
     pub cause: &'static Cause,
     /// From 0 to 1, under the estimates of `causes.toml`.
     pub probability: f64,

@@ -1,8 +1,8 @@
 //! Pianos that the program does not know, with one fault each.
 //!
 //! A sound grand of the ensemble gets one cause of the table, with an amount by chance between its light and its heavy
-//! case. Only readings are seen, each off by up to its precision. Where a measurement is asked for, it is taken, too, at
-//! most twice. What is named first is undone on the piano, and all is measured again.
+//! case. Only readings are seen, each off by up to its precision. Where a measurement is asked for, it is taken, too,
+//! at most twice. What is named first is undone on the piano, and all is measured again.
 
 use std::fmt::Write as _;
 use std::sync::Mutex;
@@ -226,8 +226,8 @@ fn on_all_cores(work: impl Fn() + Sync) {
     std::thread::scope(|scope| (0..cores).for_each(|_| drop(scope.spawn(&work))));
 }
 
-/// So many faults, each on a copy of one of the grands, the kinds in turn from `first_cause` on; and so many readings of
-/// sound ones.
+/// So many faults, each on a copy of one of the grands, the kinds in turn from `first_cause` on; and so many readings
+/// of sound ones.
 pub fn tally(sound: &[(u32, Instrument)], faults: usize, healthy: usize, first_cause: usize) -> Tally {
     let (place, courses) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     on_all_cores(|| {
