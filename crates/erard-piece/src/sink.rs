@@ -27,7 +27,7 @@ pub trait Sink: Send {
     /// Takes a block.
     ///
     /// # Errors
-    /// What it is written to refuses.
+    /// Name written to refuses.
     fn take(&mut self, block: Block) -> io::Result<()>;
 }
 

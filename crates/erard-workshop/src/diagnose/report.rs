@@ -76,7 +76,7 @@ pub struct Suggestion {
     pub decimals: usize,
     /// How it is taken.
     pub how: &'static str,
-    /// What it is expected to tell, bits.
+    /// Information expected from it, bits.
     pub bits: f64,
     /// What it would read under the likeliest combinations of causes, the likeliest first.
     pub would_read: Vec<(Vec<&'static Cause>, f64)>,
