@@ -27,7 +27,7 @@ pub trait Sink: Send {
     /// Takes a block.
     ///
     /// # Errors
-    /// Name written to refuses.
+    /// An error of what it writes to.
     fn take(&mut self, block: Block) -> io::Result<()>;
 }
 

@@ -163,7 +163,7 @@ impl Kinematics {
         )?;
         let Cases { shown: cases, range, unreached } = self.cases(&subject.design)?;
         if cases.iter().all(|case| case.stroke.poses.is_empty()) {
-            return Err(Failure::Reach(unreached.join("\nerror: ")));
+            return Err(Failure::Usage(unreached.join("\nerror: ")));
         }
         let unmoved = &cases[0];
         let press = subject.instrument.as_ref().and_then(|(instrument, derived)| press(instrument, derived, unmoved));

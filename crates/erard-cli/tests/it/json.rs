@@ -232,6 +232,16 @@ fn the_answer_is_the_file() {
     let folder = Folder::new("json-file");
     let said = folder.good(&["press", "--duration", "0.05", "--json"]);
     assert_eq!(said, folder.read("erard-out/summary.json"));
-    // A failure is reported in words, and standard output is empty.
-    assert!(folder.bad(&["press", "--dt", "7", "--json"]).contains("--dt"));
+    // A failure is reported in words, and as JSON: of the command, and of the arguments.
+    let schema: Value = serde_json::from_str(&std::fs::read_to_string(home("error")).unwrap()).unwrap();
+    for arguments in [["press", "--dt", "7", "--json"], ["press", "--stroke", "fff", "--json"]] {
+        let output = folder.erard(&arguments);
+        assert_eq!(output.status.code(), Some(2));
+        let error: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let mut found = Vec::new();
+        faults(&error, &schema, "", &mut found);
+        assert!(found.is_empty(), "{found:?}");
+        let message = error["error"]["message"].as_str().unwrap();
+        assert!(message.contains(arguments[1]) && String::from_utf8_lossy(&output.stderr).contains(message), "{error}");
+    }
 }

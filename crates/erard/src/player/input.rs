@@ -69,7 +69,7 @@ pub fn rigid(position: impl Fn(f64) -> [f64; 2]) -> impl Fn(f64) -> Input {
 }
 
 /// Largest force that one step takes, N, up or down: a hundred times a fortissimo.
-pub const LARGEST_FORCE_N: f64 = crate::stroke::MAX_FORCE_N;
+pub const LARGEST_FORCE_N: f64 = 1e4;
 /// Largest position that one step takes, m from rest, up or down: ten times a key's dip.
 pub const LARGEST_POSITION_M: f64 = 0.1;
 /// Largest speed that one step takes, m/s, up or down.

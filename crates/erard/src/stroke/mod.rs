@@ -35,7 +35,7 @@ pub use speed::SpeedSeries;
 pub use units::Quantity;
 
 /// Largest force, N: a finger plays fortissimo with less than 50.
-pub const MAX_FORCE_N: f64 = 1e4;
+pub const MAX_FORCE_N: f64 = crate::player::LARGEST_FORCE_N;
 /// Largest position, m: a key dips by 0.01.
 pub const MAX_POSITION_M: f64 = 1.0;
 

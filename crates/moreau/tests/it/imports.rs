@@ -112,7 +112,8 @@ fn uses(source: &str) -> Vec<(bool, String)> {
         let before = rest[..at].rsplit('\n').next().unwrap().trim();
         let (declaration, after) = rest[at + 4..].split_once(';').unwrap_or(("", ""));
         // Not within a comment or a word; `pub use` hands a name on and depends on nothing.
-        if before.is_empty() || before.starts_with("pub") {
+        let is_a_word = !rest[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
+        if is_a_word && (before.is_empty() || before.starts_with("pub")) {
             let flat: String = declaration.split_whitespace().collect::<Vec<_>>().join(" ");
             expand("", &flat, before.starts_with("pub"), &mut found);
             rest = after;
