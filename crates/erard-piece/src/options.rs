@@ -9,7 +9,7 @@ pub struct Options {
     pub row_s: f64,
     /// Whether sound is handed over: all keys are stepped by a sample then.
     pub sound: bool,
-    /// Of each key so many notes with faults, and so many without, are kept as [`Moment`]s.
+    /// Of each key so many notes with faults, and so many without, are kept as [`crate::Moment`]s.
     pub moments: usize,
     /// On so many threads. The results do not depend on it.
     pub threads: usize,
