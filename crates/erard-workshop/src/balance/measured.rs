@@ -68,13 +68,7 @@ const COLUMNS: [Column; 6] = [
 /// # Errors
 /// The first thing that is wrong, with line and column.
 pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
-    let fault = |line: usize, column: &str, message: String, expected: String| MeasuredError {
-        file: file.to_owned(),
-        line,
-        column: column.to_owned(),
-        message,
-        expected,
-    };
+    let fault = MeasuredError::in_file(file);
     const HEADER: &str = "key,strike_weight_g,front_weight_g,down_weight_g,up_weight_g";
     let table = rows_of_keys(text, file, HEADER)?;
     let mut columns: Vec<(usize, &Column)> = Vec::new();

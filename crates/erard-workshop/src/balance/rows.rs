@@ -36,6 +36,19 @@ impl fmt::Display for MeasuredError {
 
 impl std::error::Error for MeasuredError {}
 
+impl MeasuredError {
+    /// Makes errors of a file from the line, the column, the fault and what was expected.
+    pub(crate) fn in_file(file: &str) -> impl Fn(usize, &str, String, String) -> Self {
+        |line, column, message, expected| MeasuredError {
+            file: file.to_owned(),
+            line,
+            column: column.to_owned(),
+            message,
+            expected,
+        }
+    }
+}
+
 /// A table's rows, by key.
 #[derive(Debug)]
 pub(crate) struct KeyRows {
@@ -80,13 +93,7 @@ impl KeyRows {
 /// # Errors
 /// The first thing that is wrong, with line and column.
 pub(crate) fn rows_of_keys(text: &str, file: &str, header: &str) -> Result<KeyRows, MeasuredError> {
-    let fault = |line: usize, column: &str, message: String, expected: String| MeasuredError {
-        file: file.to_owned(),
-        line,
-        column: column.to_owned(),
-        message,
-        expected,
-    };
+    let fault = MeasuredError::in_file(file);
     let text = text.trim_start_matches('\u{feff}');
     let mut lines = text
         .lines()

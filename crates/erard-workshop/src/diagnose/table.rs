@@ -11,13 +11,7 @@ use crate::balance::{MeasuredError, rows_of_keys};
 /// # Errors
 /// The first thing that is wrong, with line and column.
 pub fn read(text: &str, file: &str) -> Result<Vec<(usize, Known)>, MeasuredError> {
-    let fault = |line: usize, column: &str, message: String, expected: String| MeasuredError {
-        file: file.to_owned(),
-        line,
-        column: column.to_owned(),
-        message,
-        expected,
-    };
+    let fault = MeasuredError::in_file(file);
     const HEADER: &str = "key,down_weight_g,up_weight_g,let_off_mm,drop_mm";
     let table = rows_of_keys(text, file, HEADER)?;
     let of = |name: &str| entries().iter().find(|entry| entry.is_called(name));
