@@ -153,9 +153,9 @@ struct Moved {
 impl Moved {
     /// How to run it there.
     fn to(&self, name: &str) -> Failure {
-        // Its arguments were not parsed.
+        // What stands behind its first argument was not parsed.
         let has = |option: &str| self.arguments.iter().any(|one| one == option);
-        say::how(has("--quiet"), has("--json"));
+        say::how(say::is_quiet() || has("--quiet"), say::wants_json() || has("--json"));
         let arguments = self.arguments.join(" ");
         let arguments = if arguments.is_empty() { arguments } else { format!(" -- {arguments}") };
         Failure::Usage(format!(
