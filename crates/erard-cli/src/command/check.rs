@@ -1,5 +1,6 @@
 //! `erard check`.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -21,6 +22,9 @@ use crate::recordings::RecordingOptions;
 use crate::table::Table;
 use crate::{say, tell};
 use erard_workshop::trying::try_all;
+
+/// Bytes in which the header of a table of keys is looked for, comments before it included.
+const HEADER_BYTES: u64 = 64 << 10;
 
 /// Checks a file and shows its contents: instrument, keyboard, stroke, recording, published measurements, or result.
 #[derive(Debug, Args)]
@@ -295,11 +299,14 @@ impl Check {
         if ending == "parquet" || !self.file.is_file() {
             return self.stroke();
         }
-        let (name, bytes) = inputs::bytes(&self.file)?;
-        let text = String::from_utf8_lossy(&bytes);
-        if !is_table_of_keys(&text) {
+        // A recording may be longer than any table of keys: its header tells it.
+        let mut header = Vec::new();
+        let read = inputs::open(&self.file).and_then(|file| file.take(HEADER_BYTES).read_to_end(&mut header));
+        if read.is_err() || !is_table_of_keys(&String::from_utf8_lossy(&header)) {
             return self.stroke();
         }
+        let (name, bytes) = inputs::bytes(&self.file)?;
+        let text = String::from_utf8_lossy(&bytes);
         let keys = readings(utf8(&bytes, &name)?, &name).map_err(|error| Failure::Usage(error.to_string()))?;
         let count = entries().iter().filter(|entry| keys.iter().any(|(_, known)| known.get(entry.name).is_some()));
         let names: Vec<&str> = count.map(|entry| entry.label).collect();

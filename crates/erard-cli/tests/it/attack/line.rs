@@ -69,8 +69,12 @@ impl Line {
         program.build();
         // The studio serves until it is ended.
         let skipped = ["help", "studio"];
-        let commands: Vec<&clap::Command> =
+        let mut commands: Vec<&clap::Command> =
             program.get_subcommands().filter(|command| !skipped.contains(&command.get_name())).collect();
+        // What has become a program of its own only says so: seldom.
+        if rng.u8(..) > 20 {
+            commands.retain(|command| !command.is_hide_set());
+        }
         let command = commands[rng.usize(..commands.len())];
         let name = command.get_name();
         let mut arguments = vec![name.to_owned()];
@@ -80,7 +84,7 @@ impl Line {
             arguments.extend(short.iter().map(|one| (*one).to_owned()));
         }
         let known: Vec<&Arg> = command.get_arguments().filter(|one| one.get_id() != "help").collect();
-        for _ in 0..rng.usize(..4) {
+        for _ in 0..rng.usize(..4).saturating_sub(1) {
             if !known.is_empty() {
                 give(known[rng.usize(..known.len())], &mut arguments, &mut rng);
             }

@@ -33,11 +33,11 @@ fn nothing_is_lost() {
 }
 
 #[test]
-#[ignore = "ci: some two hundred command lines"]
+#[ignore = "ci: 150 command lines"]
 fn nothing_is_lost_by_hundreds() {
-    let [done, refused, ended] = attack(24..224);
+    let [done, refused, ended] = attack(24..174);
     // Most command lines are refused at once; enough of them are not.
-    assert!(done >= 40 && refused >= 40, "{done} done, {refused} refused, {ended} ended from outside");
+    assert!(done >= 20 && refused >= 20, "{done} done, {refused} refused, {ended} ended from outside");
 }
 
 mod nightly {

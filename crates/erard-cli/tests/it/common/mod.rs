@@ -93,6 +93,11 @@ impl Folder {
         said
     }
 
+    /// Words of an output, however they are folded.
+    pub fn words(output: &str) -> String {
+        output.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
     /// Names of its files and folders, sorted.
     pub fn names(&self) -> Vec<String> {
         let mut names: Vec<String> =

@@ -303,7 +303,7 @@ fn noise_of_the_drive_is_told_or_asked_for() {
     }
     let unknown = fit(&[coarse], &asks(&["body.hammer.mass"])).unwrap();
     assert_eq!(unknown.silent, ["force_N"]);
-    assert!(unknown.doubts.iter().any(|doubt| doubt.text.contains("force_N, which drives, is not known")));
+    assert!(unknown.doubts.iter().any(|doubt| doubt.text.contains("force_N, which drives the model, is unknown")));
 }
 
 /// With a load cell's noise on what drives, the truth is where the errors say, over several drawings: their mean square
