@@ -128,7 +128,7 @@ def names_of(key: str, values: Iterable[str] | None) -> list[str]:
 def unmasked(key: str, values: Any) -> Any:
     """The values; masked ones are an error, for nothing else says what stands in their place."""
     if np.ma.is_masked(values):
-        count = int(np.ma.count_masked(values))
+        count = int(np.count_nonzero(values.mask))
         hidden = f"{count} masked value{'s' if count > 1 else ''}"
         raise InputError(
             f"{key}: found {hidden}, expected numbers everywhere (the array's `filled` or `compressed` decides what stands for them)",
