@@ -23,6 +23,16 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
     Ok(file)
 }
 
+/// The first bytes of a file, so many at most.
+///
+/// # Errors
+/// Of the file system.
+pub(crate) fn beginning(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.take(most).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
 /// The bytes of a text file (instrument, keyboard, linkage), and its name as messages show it.
 ///
 /// # Errors
@@ -48,9 +58,7 @@ pub(crate) fn library(path: &Path) -> Result<Vec<u8>, String> {
     if found.len() > MOST_LIBRARY_BYTES {
         return Err(format!("larger than {} MiB: this is no liberard", MOST_LIBRARY_BYTES >> 20));
     }
-    let mut bytes = Vec::new();
-    let read = open(path).and_then(|file| file.take(MOST_LIBRARY_BYTES).read_to_end(&mut bytes));
-    read.map(|_| bytes).map_err(|error| error.to_string())
+    beginning(path, MOST_LIBRARY_BYTES).map_err(|error| error.to_string())
 }
 
 /// Remembers a file that somebody else reads for this process.
