@@ -1,6 +1,7 @@
 //! Sound as a WAV file.
 
-use std::io::{Cursor, Error, Write};
+use std::fs::File;
+use std::io::{self, BufWriter, Cursor, Error, Seek, Write};
 
 use erard::run::{RATE_HZ, Sound};
 use hound::{SampleFormat, WavSpec, WavWriter};
@@ -13,49 +14,47 @@ const PEAK: f64 = 0.9;
 ///
 /// # Errors
 /// Of the writer.
-pub(crate) fn write(sound: &Sound, out: &mut dyn Write) -> std::io::Result<()> {
-    let spec = WavSpec { channels: 1, sample_rate: RATE_HZ, bits_per_sample: 16, sample_format: SampleFormat::Int };
-    let scale = if sound.peak_n() > 0.0 { f64::from(i16::MAX) * PEAK / sound.peak_n() } else { 0.0 };
-    // The head of the file tells its length, which is written last.
+pub(crate) fn write(sound: &Sound, out: &mut dyn Write) -> io::Result<()> {
     let mut bytes = Cursor::new(Vec::with_capacity(64 + 2 * sound.bridge_n.len()));
-    let mut writer = WavWriter::new(&mut bytes, spec).map_err(Error::other)?;
-    for n in &sound.bridge_n {
-        writer.write_sample((scale * n).round() as i16).map_err(Error::other)?;
-    }
-    writer.finalize().map_err(Error::other)?;
+    encode(sound.peak_n(), &mut sound.bridge_n.iter().map(|n| Ok(*n)), &mut bytes)?;
     out.write_all(bytes.get_ref())
 }
 
 /// Writes a sound of so many samples that is too long to be held, as [`write`] does: `peak_n` is its largest force, N,
-/// either way. A file of this kind holds 12 h at most.
+/// either way, and `spool` a file for it until it is whole. A file of this kind holds 12 h at most.
 ///
 /// # Errors
-/// Of the writer, and where it is too long.
+/// Of the writer and the spool, and where it is too long.
 pub(crate) fn write_long(
     samples: u64,
     peak_n: f64,
-    bridge_n: &mut dyn Iterator<Item = std::io::Result<f64>>,
+    bridge_n: &mut dyn Iterator<Item = io::Result<f64>>,
+    spool: File,
     out: &mut dyn Write,
-) -> std::io::Result<()> {
-    let bytes = u32::try_from(2 * samples).ok().filter(|bytes| *bytes < u32::MAX - 44);
-    let bytes = bytes.ok_or_else(|| Error::other("longer than a WAV file can be, 12 h"))?;
+) -> io::Result<()> {
+    if samples >= u64::from(u32::MAX - 44) / 2 {
+        return Err(Error::other("longer than a WAV file can be, 12 h"));
+    }
+    let mut spooled = BufWriter::new(spool);
+    encode(peak_n, bridge_n, &mut spooled)?;
+    let mut spool = spooled.into_inner().map_err(io::IntoInnerError::into_error)?;
+    spool.rewind()?;
+    io::copy(&mut spool, out).map(drop)
+}
+
+/// The head of the file tells its length, which is written last: hence a place that can be gone back in.
+fn encode(
+    peak_n: f64,
+    bridge_n: &mut dyn Iterator<Item = io::Result<f64>>,
+    to: &mut (impl Write + Seek),
+) -> io::Result<()> {
+    let spec = WavSpec { channels: 1, sample_rate: RATE_HZ, bits_per_sample: 16, sample_format: SampleFormat::Int };
     let scale = if peak_n > 0.0 { f64::from(i16::MAX) * PEAK / peak_n } else { 0.0 };
-    let mut head = Vec::with_capacity(44);
-    for (name, words) in [
-        (b"RIFF", &[bytes + 36][..]),
-        (b"WAVE", &[]),
-        // One channel of integers; bytes a second; bytes a sample, and bits.
-        (b"fmt ", &[16, 1 << 16 | 1, RATE_HZ, 2 * RATE_HZ, 16 << 16 | 2]),
-        (b"data", &[bytes]),
-    ] {
-        head.extend_from_slice(name);
-        words.iter().for_each(|word| head.extend_from_slice(&word.to_le_bytes()));
-    }
-    out.write_all(&head)?;
+    let mut writer = WavWriter::new(to, spec).map_err(Error::other)?;
     for n in bridge_n {
-        out.write_all(&((scale * n?).round() as i16).to_le_bytes())?;
+        writer.write_sample((scale * n?).round() as i16).map_err(Error::other)?;
     }
-    Ok(())
+    writer.finalize().map_err(Error::other)
 }
 
 #[cfg(test)]
@@ -68,9 +67,10 @@ mod tests {
         let sound = Sound { bridge_n: vec![0.0, -2.0, 1.0, 0.125] };
         let (mut short, mut long) = (Vec::new(), Vec::new());
         write(&sound, &mut short).unwrap();
-        write_long(4, sound.peak_n(), &mut sound.bridge_n.iter().map(|n| Ok(*n)), &mut long).unwrap();
+        let spool = || tempfile::tempfile().unwrap();
+        write_long(4, sound.peak_n(), &mut sound.bridge_n.iter().map(|n| Ok(*n)), spool(), &mut long).unwrap();
         assert_eq!(short, long);
-        assert!(write_long(1 << 40, 1.0, &mut std::iter::empty(), &mut Vec::new()).is_err());
+        assert!(write_long(1 << 40, 1.0, &mut std::iter::empty(), spool(), &mut Vec::new()).is_err());
     }
 
     #[test]

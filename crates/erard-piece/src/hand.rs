@@ -22,12 +22,6 @@ impl Way {
     pub(crate) const USUAL: Way = Way { within_s: erard::level::RELEASE_S };
     /// The key is free at once.
     pub(crate) const QUICK: Way = Way { within_s: 2e-3 };
-
-    /// With what acceleration the hand then goes up, m/s2, as [`HandStroke::leaving`] and [`HandStroke::letting_go`]
-    /// have it.
-    fn lifts_m_s2(self) -> f64 {
-        if self.within_s < 0.01 { 60.0 } else { 11.0 }
-    }
 }
 
 /// What drives a key.
@@ -63,7 +57,9 @@ impl Hand {
     pub(crate) fn leave(&mut self, step: u64, h: f64, way: Way) {
         if let Hand::On { stroke, begins } = self {
             let at_s = (step - *begins) as f64 * h;
-            stroke.leaves = Some(Leave { at_s, within_s: way.within_s, lifts_m_s2: way.lifts_m_s2() });
+            // One that is away so soon lets the key go.
+            let left = if way.within_s < 0.01 { stroke.letting_go(at_s) } else { stroke.leaving(at_s, way.within_s) };
+            stroke.leaves = left.leaves.map(|leave| Leave { within_s: way.within_s, ..leave });
         }
     }
 

@@ -27,6 +27,10 @@ const QUIET_S: f64 = 0.02;
 /// A key that is left alone feels no pedal. Its rail goes where the pedal is so long before its next hand, s: five
 /// times as long as a rail takes for its whole way.
 const WAKES_S: f64 = 0.08;
+/// A key was at home if it was ready for so long, s: what its hand does then is what it does from rest.
+const READY_S: f64 = 0.020;
+/// Every so many steps it is asked whether it has become quiet: not a multiple of any partial's period.
+const QUIET_EVERY: u64 = 7;
 /// So many rows make a block.
 const BLOCK: usize = 4096;
 /// Every so many steps the caller is asked whether to go on.
@@ -72,6 +76,13 @@ pub(crate) struct Poise {
     pub was_checked: bool,
     /// Key home and hammer below the check for this long, s.
     pub ready_s: f64,
+}
+
+impl Poise {
+    /// Whether the key had been home, and the hammer below the check, for long enough.
+    pub(crate) fn was_home(&self) -> bool {
+        self.ready_s >= READY_S
+    }
 }
 
 /// A state to come back to.
@@ -206,13 +217,13 @@ impl<'a> Key<'a> {
         let now = self.action.reading();
         let angles = self.action.angles();
         let off = self.senses.jack.map_or(0.0, |(jack, carrier, rest)| (angles[jack] - angles[carrier] - rest).abs());
-        let ready = self.watch.unready.map_or(self.n, |last| self.n.saturating_sub(last));
+        let ready_s = self.watch.unready.map_or(f64::INFINITY, |last| self.n.saturating_sub(last) as f64 * self.h);
         Poise {
             key_m: now.key_m,
             hammer_m: now.hammer_m,
             jack_is_back: off < JACK_RAD,
             was_checked: self.watch.checked,
-            ready_s: if self.watch.unready.is_none() { f64::INFINITY } else { ready as f64 * self.h },
+            ready_s,
         }
     }
 
@@ -411,15 +422,12 @@ impl<'a> Key<'a> {
         Ok(())
     }
 
-    /// The beginning of what is heard after something: forget impacts and ways up before a note.
+    /// Forgets the impacts and releases before an instant, s.
     pub(crate) fn forget_before(&mut self, time_s: f64) {
         self.impacts.retain(|[at_s, _]| *at_s >= time_s);
         self.ups.retain(|[at_s, _]| *at_s >= time_s);
     }
 }
-
-/// Every so many steps it is asked whether it has become quiet: not a multiple of any partial's period.
-const QUIET_EVERY: u64 = 7;
 
 fn bridge_n(action: &Action) -> f64 {
     action.strings().map_or(0.0, |strings| strings.bridge_n())

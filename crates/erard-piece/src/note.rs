@@ -9,8 +9,6 @@ use crate::score::Wanted;
 const LATE_S: f64 = 2e-3;
 /// A note that is softer than written by more counts is soft; louder, loud.
 const SOFT: f64 = 1.0;
-/// A key was at home if it was ready for so long before its press, s.
-const READY_S: f64 = 0.020;
 
 /// What is wrong with a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -30,6 +28,9 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// All of them, in the order of a summary's counts.
+    pub const ALL: [Fault; 6] = [Fault::Silent, Fault::Twice, Fault::Late, Fault::Early, Fault::Soft, Fault::Loud];
+
     /// As reports call it.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -129,7 +130,7 @@ impl Played {
             impact: None,
             more_impacts: 0,
             released: None,
-            from_home: poise.ready_s >= READY_S,
+            from_home: poise.was_home(),
             trials: 0,
             reasons,
             checked: true,
@@ -200,8 +201,8 @@ pub struct Summary {
     pub from_home: usize,
     /// Notes without a fault.
     pub right: usize,
-    /// Notes by fault, in the order of [`Fault`]; one note may have several.
-    pub faults: [usize; 6],
+    /// Notes by fault, in the order of [`Fault::ALL`]; one note may have several.
+    pub faults: [usize; Fault::ALL.len()],
     /// Largest error of a note from home that sounded: counts of velocity, and s.
     pub home_errors: [f64; 2],
     /// The same of the others.

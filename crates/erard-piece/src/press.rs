@@ -34,8 +34,6 @@ const RISES_M_PER_S: f64 = 0.05;
 const HOME_AGAIN_S: f64 = 0.070;
 /// A hand stays on a key that it has played for so long, s. An estimate: the hammer is in the check by then.
 pub(crate) const STAYS_S: f64 = 0.020;
-/// A key was ready for so long, s: what its hand did is remembered.
-const READY_S: f64 = 0.020;
 
 /// The release of the note before, where it belongs to the stroke.
 #[derive(Debug, Clone, Copy)]
@@ -210,7 +208,7 @@ impl Search<'_, '_, '_, '_> {
                 tried: hand,
                 struck: trial.impact.map(|[at_s, speed]| [at_s - begins_s, speed]),
                 late_s: trial.impact.map_or(0.0, |[at_s, _]| at_s - on_s),
-                from_home: trial.poise.ready_s >= READY_S,
+                from_home: trial.poise.was_home(),
             };
             let is_close = trial.is_close(&self.wanted);
             is_loudest = hand.force_n >= FORCES_N[1] && trial.impact.is_some_and(|[_, speed]| speed < wanted);
@@ -271,7 +269,7 @@ impl Search<'_, '_, '_, '_> {
         }
         let impact = key.impacts.get(before).copied();
         if let Some([at_s, speed]) = impact
-            && poise.ready_s >= READY_S
+            && poise.was_home()
             && poise.jack_is_back
         {
             self.touches.learn(rise, force_n, at_s - begins as f64 * key.h(), speed);

@@ -1,12 +1,11 @@
 //! `erard play`.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 use erard::instrument::Instrument;
-use erard::keyboard::{Keyboard, note_name};
+use erard::keyboard::Keyboard;
 use erard_figures::page::{Shown, page_html};
 use erard_midi::{Law, file};
 use erard_piece::{Options, PerformError, Performance, Score, passage, perform};
@@ -101,9 +100,7 @@ impl Play {
     fn score(&self) -> Result<Score, Failure> {
         let name = shown(&self.piece);
         let wrong = |what: String| Failure::Usage(format!("{name}: {what}"));
-        let mut bytes = Vec::new();
-        inputs::open(&self.piece)
-            .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+        let bytes = inputs::beginning(&self.piece, MOST_BYTES + 1)
             .map_err(|error| wrong(format!("cannot be read: {error}")))?;
         let mut piece = file::read(&bytes).map_err(|error| wrong(error.to_string()))?;
         identity::used("piece", &name, Some(&name), &bytes);
@@ -148,13 +145,14 @@ impl Play {
         let elapsed_s = started.elapsed().as_secs_f64();
         drop(progress);
         let performance = performed.map_err(|error| failed(&keyboard.name, error))?;
-        let sound = spools.finish(|rows| output.stage(&format!("actions{mark}.parquet"), |w| rows.write(w)))?;
+        let (rows, sound) = spools.rows_and_sound();
+        output.stage(&format!("actions{mark}.parquet"), |w| rows.write(w))?;
         if let Some(name) = &self.wav {
             let mixed = file().and_then(|file| sound.mix(file)).map_err(|e| Failure::write(self.out.folder(), e))?;
             let stem = &name[..name.len() - ".wav".len()];
-            output.stage(&format!("{stem}{mark}.wav"), |w| mixed.write_wav(w))?;
+            output.stage(&format!("{stem}{mark}.wav"), |w| mixed.write_wav(file()?, w))?;
         }
-        let pages = self.slow_motions(score, &instruments, &performance, mark, output)?;
+        let pages = self.slow_motions(&instruments, &performance, mark, output)?;
         let side = Side { name: keyboard.name.clone(), performance, elapsed_s, pages };
         output.table(&format!("notes{mark}.csv"), &report::table(&side))?;
         Ok(side)
@@ -163,7 +161,6 @@ impl Play {
     /// A page for each of some notes, those that went wrong first.
     fn slow_motions(
         &self,
-        score: &Score,
         instruments: &[Instrument],
         performance: &Performance,
         mark: &str,
@@ -180,15 +177,8 @@ impl Play {
             let share = index as f64 / moments.len() as f64;
             let instrument = &instruments[moment.key - 1];
             let run = moment.run(instrument, performance.step_s, &mut |_| progress.tell(share))?;
-            let wanted = &score.notes[moment.note];
-            let title = format!(
-                "note {}, {}, written at {:.3} s with velocity {:.0}",
-                moment.note + 1,
-                note_name(moment.key),
-                wanted.on_s,
-                wanted.velocity.counts()
-            );
-            let lines = page::note_lines(&performance.notes[moment.note], &run);
+            let played = &performance.notes[moment.note];
+            let (title, lines) = (page::heading(moment.note, played), page::note_lines(played, &run));
             let name = format!("note-{:04}{mark}.html", moment.note + 1);
             output.text(&name, &page_html(&Shown::new(instrument, &run), &title, &lines))?;
             pages.push((moment.note, name));

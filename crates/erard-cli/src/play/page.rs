@@ -73,14 +73,19 @@ fn roll(played: &Played<'_>, side: &Side) -> Markup {
     }
 }
 
-fn words(n: usize, note: &Note) -> String {
-    let mut words = format!(
+/// A note as it was written: its number, from 0 in the score and from 1 here, key, instant and velocity.
+pub(crate) fn heading(n: usize, note: &Note) -> String {
+    format!(
         "note {}, {}, written at {:.3} s with velocity {:.0}",
         n + 1,
         note_name(note.wanted.key),
         note.wanted.on_s,
         note.wanted.velocity.counts()
-    );
+    )
+}
+
+fn words(n: usize, note: &Note) -> String {
+    let mut words = heading(n, note);
     if let Some((late_s, louder)) = note.late_s().zip(note.louder()) {
         words += &format!("; sounded {:+.2} ms later, {louder:+.2} counts louder", 1e3 * late_s);
     }

@@ -11,9 +11,6 @@ use crate::table::{Table, decimal};
 const LISTED: usize = 1000;
 const PRINTED: usize = 12;
 
-/// All faults, in the order of a summary's counts.
-const FAULTS: [Fault; 6] = [Fault::Silent, Fault::Twice, Fault::Late, Fault::Early, Fault::Soft, Fault::Loud];
-
 /// A note's faults, with commas; empty without one.
 pub(super) fn faults(note: &Note) -> String {
     note.faults().into_iter().map(Fault::name).collect::<Vec<_>>().join(", ")
@@ -69,7 +66,7 @@ pub(crate) fn json(played: &Played<'_>) -> Value {
 fn keyboard_json(side: &Side, duration_s: f64) -> Value {
     let all = side.performance.summary();
     let counts: serde_json::Map<String, Value> =
-        FAULTS.iter().zip(all.faults).map(|(fault, count)| (fault.name().to_owned(), count.into())).collect();
+        Fault::ALL.iter().zip(all.faults).map(|(fault, count)| (fault.name().to_owned(), count.into())).collect();
     let wrong = side.performance.notes.iter().enumerate().filter(|(_, note)| !note.faults().is_empty());
     let listed = wrong.take(LISTED).map(|(n, note)| {
         json!({

@@ -52,23 +52,11 @@ impl Spools {
         Ok(Box::new(Spool(own)))
     }
 
-    fn keys(self) -> BTreeMap<usize, Spooled> {
-        self.0.into_inner().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// All rows as Parquet, key after key; and the sound of all keys together, if there is any.
-    pub(crate) fn finish(
-        self,
-        rows: impl FnOnce(Rows) -> Result<(), crate::failure::Failure>,
-    ) -> Result<Sound, crate::failure::Failure> {
-        let mut sounds = Vec::new();
-        let mut all = Vec::new();
-        for (key, spooled) in self.keys() {
-            all.push((key, spooled.rows));
-            sounds.push(spooled.sound);
-        }
-        rows(Rows(all))?;
-        Ok(Sound(sounds))
+    /// The rows of all keys, and their sound.
+    pub(crate) fn rows_and_sound(self) -> (Rows, Sound) {
+        let keys = self.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let (rows, sounds) = keys.into_iter().map(|(key, spooled)| ((key, spooled.rows), spooled.sound)).unzip();
+        (Rows(rows), Sound(sounds))
     }
 }
 
@@ -76,6 +64,7 @@ impl Spools {
 pub(crate) struct Rows(Vec<(usize, File)>);
 
 impl Rows {
+    /// As Parquet, key after key.
     pub(crate) fn write(self, writer: &mut dyn Write) -> io::Result<()> {
         let names: Vec<&str> = std::iter::once("key").chain(COLUMNS).collect();
         let mut groups = RowGroups::new("actions", &names, writer)?;
@@ -186,13 +175,14 @@ impl Sound {
 }
 
 impl Mixed {
-    pub(crate) fn write_wav(mut self, writer: &mut dyn Write) -> io::Result<()> {
+    /// `spool` is a file for the encoded sound until it is whole.
+    pub(crate) fn write_wav(mut self, spool: File, writer: &mut dyn Write) -> io::Result<()> {
         self.file.rewind()?;
         let mut file = BufReader::new(self.file);
         let mut samples = (0..self.samples).map(|_| {
             let mut number = [0; 8];
             file.read_exact(&mut number).map(|()| f64::from_le_bytes(number))
         });
-        crate::wav::write_long(self.samples, self.peak_n, &mut samples, writer)
+        crate::wav::write_long(self.samples, self.peak_n, &mut samples, spool, writer)
     }
 }
