@@ -102,7 +102,7 @@ fn parse(text: &str) -> Option<Vec<[Effect; 3]>> {
 /// The features of an action.
 pub(super) fn features(readings: &Readings, bench: &Bench) -> Features {
     let mut features = of_known(&Known::of(readings, bench));
-    features[4] = readings.get(Quantity::Ratio);
+    features[at::RATIO] = readings.get(Quantity::Ratio);
     features
 }
 

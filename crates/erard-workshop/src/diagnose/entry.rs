@@ -55,10 +55,14 @@ pub(super) mod at {
     pub const RATIO: usize = 4;
     pub const DIP: usize = 5;
     pub const BLOW: usize = 6;
+    pub const JACK: usize = 7;
+    pub const LEVER: usize = 8;
     pub const LET_OFF: usize = 9;
     pub const DROP: usize = 10;
     pub const AFTERTOUCH: usize = 11;
     pub const CHECK: usize = 12;
+    pub const SPRING: usize = 13;
+    pub const DAMPER: usize = 14;
     pub const KEY_ALONE: usize = 15;
     pub const HAMMER_FLANGE: usize = 16;
     pub const WHIPPEN_FLANGE: usize = 17;
@@ -271,6 +275,12 @@ const TABLE: [Entry; ENTRIES] = [
     ),
 ];
 
+/// A usual range at a key, ends that are open as infinite; `None` where nothing is usual.
+pub(super) fn usual_range(line: &str, key: usize) -> Option<[f64; 2]> {
+    let [low, high] = usual(line)?.at(key);
+    Some([low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)])
+}
+
 /// Everything that can be entered.
 #[must_use]
 pub fn entries() -> &'static [Entry] {
@@ -303,8 +313,7 @@ impl Entry {
             "key_alone_friction_g" => return Some([1.0, 6.0]),
             _ => {}
         }
-        let [low, high] = usual(line)?.at(key);
-        Some([low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)])
+        usual_range(line, key)
     }
 
     /// Why the usual range of this entry is not that of a key; `None` where it is.

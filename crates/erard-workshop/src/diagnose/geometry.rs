@@ -1,4 +1,4 @@
-//! What follows from weights and lengths that were given: leverage and inertia as bands, with what is missing for them.
+//! Leverage and inertia from the given weights and lengths, as bands; what is missing for either is named.
 
 use super::entry::{Known, at};
 use super::healthy::WHIPPEN_AT_FRONT_G;
@@ -43,7 +43,7 @@ const HALF_WAY: [f64; 2] = [0.95, 1.03];
 const LEADS_AT: [f64; 2] = [0.25, 0.9];
 
 impl Geometry {
-    /// Of what is known of a key.
+    /// Leverage, front weight and inertia of a key from its readings.
     #[must_use]
     pub fn of(known: &Known, key: usize) -> Self {
         let mut notes = Vec::new();
@@ -86,7 +86,7 @@ fn whippen_at_front(known: &Known, notes: &mut Vec<String>) -> Band {
         };
         read(known, at).unwrap_or_else(usual)
     };
-    if let (None, None) = (known.at(at::WHIPPEN), known.at(at::KEY_RATIO)) {
+    if known.at(at::WHIPPEN).is_none() && known.at(at::KEY_RATIO).is_none() {
         let [middle, sd] = WHIPPEN_AT_FRONT_G;
         notes.push(format!(
             "whippen weight and key ratio were not given: the whippen is taken to weigh {middle} g at the key's front, within {:.1} g (usual \

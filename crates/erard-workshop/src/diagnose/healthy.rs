@@ -30,13 +30,13 @@ const ELSEWHERE_G: f64 = 1.0;
 const SCREWS: [(usize, &str); 9] = [
     (at::DIP, "dip_deep"),
     (at::BLOW, "hammer_low"),
-    (7, "jack_back"),
-    (8, "lever_high"),
+    (at::JACK, "jack_back"),
+    (at::LEVER, "lever_high"),
     (at::LET_OFF, "let_off_wide"),
     (at::DROP, "drop_large"),
     (at::CHECK, "check_far"),
-    (13, "spring_weak"),
-    (14, "damper_early"),
+    (at::SPRING, "spring_weak"),
+    (at::DAMPER, "damper_early"),
 ];
 /// What screws do not explain of the aftertouch of sound keys, mm: a blow of 46 mm takes 0.5 mm more or less of the key
 /// where the leverage is 5.2 or 5.8. An estimate.
@@ -73,7 +73,7 @@ impl Healthy {
         let [strike, strike_sd] = of("strike_weight_g");
         let [ratio, ratio_sd] = of("strike_weight_ratio_weights");
         healthy.mean[at::RATIO] = ratio;
-        healthy.mean[13] = 0.25;
+        healthy.mean[at::SPRING] = 0.25;
         // The equation of balance: whoever leads a key brings the balance weight right, and the front weight follows.
         healthy.mean[at::FRONT] = WHIPPEN_AT_FRONT_G[0] + ratio * strike - balance;
         healthy.add(&[(BALANCE, balance_sd), (at::FRONT, -balance_sd)]);

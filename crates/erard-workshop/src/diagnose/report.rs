@@ -4,7 +4,7 @@ use super::belief::{Belief, Row};
 use super::bench::friction_of_swings;
 use super::cause::{Cause, causes};
 use super::effect::{BALANCE, FEATURES, FRICTION, N, of_known, precision};
-use super::entry::{Known, at, entries};
+use super::entry::{Known, at, entries, usual_range};
 use super::geometry::Geometry;
 use super::next::next;
 use crate::measure::usual::usual;
@@ -230,8 +230,7 @@ fn lines(known: &Known, key: usize, geometry: &Geometry) -> Vec<Judged> {
                 ("balance_weight_g", "balance weight (D+U)/2", known.balance_g()),
                 ("friction_weight_g", "friction weight (D-U)/2", known.friction_g()),
             ] {
-                let range = usual(name).map(|range| range.at(key));
-                let usual = range.map(|[a, b]| [a.unwrap_or(f64::NEG_INFINITY), b.unwrap_or(f64::INFINITY)]);
+                let usual = usual_range(name, key);
                 if let (Some(value), Some(range)) = (value, usual) {
                     let standing = stands(value, range, 1.0, 1);
                     lines.push(Judged { name, label, unit: "g", decimals: 1, value: Some(value), usual, standing });
