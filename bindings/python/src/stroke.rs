@@ -5,7 +5,7 @@ use std::sync::Arc;
 use erard::level::{DURATION_S, Kind, Reference, named};
 use erard::stroke::{
     ForceSeries, MAX_FORCE_N, MAX_POSITION_M, PositionOf, PositionSeries, Prescribed, SampleError, Series,
-    Stroke as Inner, Touch,
+    Stroke as Inner, Touch, constant_force_fault,
 };
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
@@ -71,10 +71,8 @@ impl Stroke {
     /// A constant force from the start on, N.
     #[staticmethod]
     fn constant(force_n: f64) -> PyResult<Self> {
-        if !(0.0..=MAX_FORCE_N).contains(&force_n) {
-            let why = if force_n < 0.0 { ": a finger pushes the key down, and cannot pull it up" } else { "" };
-            let expected = format!("expected a number from 0 to {MAX_FORCE_N} N{why}");
-            return Err(wrong_argument("force", format!("found {force_n}; {expected}")));
+        if let Some(fault) = constant_force_fault(force_n) {
+            return Err(wrong_argument("force", format!("found {force_n}; {fault}")));
         }
         Ok(Self::of(Inner::constant(format!("{force_n} N"), force_n)))
     }

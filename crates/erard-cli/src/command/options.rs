@@ -10,7 +10,7 @@ use erard::level::LevelError;
 use erard::one_dof;
 use erard::run::{Setup, SimulationError};
 pub(crate) use erard::stroke::Stroke;
-use erard::stroke::{Columns, DrivingError, Prescribed, Series};
+use erard::stroke::{Columns, DrivingError, Prescribed, Series, constant_force_fault};
 use erard_workshop::compare::Which;
 use erard_workshop::measure::norms::{Line, lines};
 use erard_workshop::worklist::Priority;
@@ -391,12 +391,8 @@ impl StrokeOptions {
     /// Reads the stroke, or finds the hand whose level the reference has: the instrument that all are compared with.
     pub(crate) fn load(&self, reference: &Instrument) -> Result<Stroke, Failure> {
         if let Some(force_n) = self.force_step {
-            if !(0.0..=erard::stroke::MAX_FORCE_N).contains(&force_n) {
-                let why = if force_n < 0.0 { ": a finger pushes the key down, and cannot pull it up" } else { "" };
-                return Err(Failure::Usage(format!(
-                    "--force-step {force_n}: expected a number from 0 to {} N{why}",
-                    erard::stroke::MAX_FORCE_N
-                )));
+            if let Some(fault) = constant_force_fault(force_n) {
+                return Err(Failure::Usage(format!("--force-step {force_n}: {fault}")));
             }
             identity::used_without_file("stroke", &format!("a constant force of {force_n} N"));
             if self.drive.is_some_and(|d| d != Prescribed::Force) {

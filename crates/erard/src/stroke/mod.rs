@@ -36,6 +36,17 @@ pub use units::Quantity;
 
 /// Largest force, N: a finger plays fortissimo with less than 50.
 pub const MAX_FORCE_N: f64 = crate::player::LARGEST_FORCE_N;
+
+/// Says what is wrong with a constant force, N, if anything: it is from 0 to [`MAX_FORCE_N`].
+#[must_use]
+pub fn constant_force_fault(force_n: f64) -> Option<String> {
+    if (0.0..=MAX_FORCE_N).contains(&force_n) {
+        return None;
+    }
+    let why = if force_n < 0.0 { ": a finger pushes the key down, and cannot pull it up" } else { "" };
+    Some(format!("expected a number from 0 to {MAX_FORCE_N} N{why}"))
+}
+
 /// Largest position, m: a key dips by 0.01.
 pub const MAX_POSITION_M: f64 = 1.0;
 
