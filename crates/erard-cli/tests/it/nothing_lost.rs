@@ -2,29 +2,14 @@
 //! stays.
 
 use std::fs;
-use std::path::Path;
 use std::process::Output;
 
 use crate::common::Folder;
+use crate::common::tree::look;
 
 const GRAND: &str = include_str!("../../../../instruments/concert-grand.toml");
 const STROKE: &str = "time_s,force_N\n0,0\n0.01,3\n0.02,3\n";
 const SHORT: [&str; 3] = ["press", "--duration", "0.005"];
-
-/// All files below a folder with their bytes, marks included.
-fn everything(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(everything(&path));
-        } else {
-            found.push((path.to_string_lossy().into_owned(), fs::read(&path).unwrap()));
-        }
-    }
-    found.sort();
-    found
-}
 
 fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
@@ -32,10 +17,10 @@ fn said(output: &Output) -> String {
 
 /// Fails with code 2, and not a byte is another.
 fn refused(folder: &Folder, arguments: &[&str], why: &str) {
-    let before = everything(&folder.0);
+    let before = look(&folder.0);
     let message = folder.bad(arguments);
     assert!(message.contains(why), "{arguments:?}: {message}");
-    assert_eq!(everything(&folder.0), before, "{arguments:?}");
+    assert_eq!(look(&folder.0), before, "{arguments:?}");
 }
 
 /// An output that is one of the inputs: by its name, through links of either kind, with `--force` too.
@@ -58,7 +43,7 @@ fn an_input_is_never_replaced() {
     fs::write(own.0.join("s/study.svg"), STROKE).unwrap();
     let values = (0..9).map(|i| format!("{i}.5")).collect::<Vec<_>>().join(",");
     let many = format!("capstan_height=0mm,{values}");
-    let before = everything(&own.0);
+    let before = look(&own.0);
     let output = own.erard(&[
         "study",
         "s/study.svg",
@@ -73,7 +58,7 @@ fn an_input_is_never_replaced() {
     ]);
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
     assert!(said(&output).contains(reads), "{}", said(&output));
-    assert_eq!(everything(&own.0), before);
+    assert_eq!(look(&own.0), before);
     #[cfg(unix)]
     {
         let folder = Folder::new("inputs-links");
@@ -205,12 +190,12 @@ fn standard_output() {
 fn no_room() {
     let folder = Folder::new("no-room");
     folder.good(&SHORT);
-    let before = everything(&folder.0);
+    let before = look(&folder.0);
     let limited = format!("ulimit -f 20; exec '{}' press", env!("CARGO_BIN_EXE_erard"));
     let output = std::process::Command::new("bash").args(["-c", &limited]).current_dir(&folder.0).output().unwrap();
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
     assert!(said(&output).contains("erard-out/run.csv: cannot be written"), "{}", said(&output));
-    assert_eq!(everything(&folder.0), before);
+    assert_eq!(look(&folder.0), before);
     assert_eq!(folder.names(), ["erard-out"]);
 }
 

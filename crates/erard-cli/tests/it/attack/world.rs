@@ -1,15 +1,15 @@
 //! The folder in which command lines are played: inputs of every kind, and what stands in the way of outputs.
 
 use std::cell::Cell;
-use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command};
 
 use serde_json::Value;
 
 use super::line::Line;
 use crate::common::Folder;
+use crate::common::tree::{Look, Thing, look};
 
 const GRAND: &str = include_str!("../../../../../instruments/concert-grand-rigid.toml");
 const STROKE: &str = "time_s,force_N,position_m\n0,0,0\n0.01,3,0.001\n0.02,3,0.003\n";
@@ -69,18 +69,6 @@ pub struct World {
     first: Look,
     changed: Cell<bool>,
 }
-
-/// What stands under a path.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Thing {
-    Folder,
-    File(Vec<u8>),
-    Link(PathBuf),
-    Other,
-}
-
-/// Everything below the folder.
-type Look = BTreeMap<PathBuf, Thing>;
 
 impl World {
     pub fn new() -> Self {
@@ -227,27 +215,4 @@ fn make(folder: &Folder) {
     std::os::unix::fs::symlink("mine", folder.0.join("linked")).unwrap();
     assert!(Command::new("mkfifo").arg(folder.0.join("in/pipe.csv")).status().unwrap().success());
     folder.good(&["press", "--duration", "0.005", "--out", "earlier"]);
-}
-
-fn look(folder: &Path) -> Look {
-    fn below(folder: &Path, root: &Path, found: &mut Look) {
-        for entry in fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            let kind = path.symlink_metadata().unwrap().file_type();
-            let thing = if kind.is_symlink() {
-                Thing::Link(fs::read_link(&path).unwrap())
-            } else if kind.is_dir() {
-                below(&path, root, found);
-                Thing::Folder
-            } else if kind.is_file() {
-                Thing::File(fs::read(&path).unwrap())
-            } else {
-                Thing::Other
-            };
-            found.insert(path.strip_prefix(root).unwrap().to_path_buf(), thing);
-        }
-    }
-    let mut found = Look::new();
-    below(folder, folder, &mut found);
-    found
 }

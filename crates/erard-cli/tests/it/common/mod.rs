@@ -5,6 +5,7 @@
 pub mod schema;
 #[cfg(unix)]
 mod signals;
+pub mod tree;
 
 use std::fs;
 use std::path::{Path, PathBuf};
