@@ -62,7 +62,7 @@ fn the_pieces_are_played() {
     let slow = played(&piece("gymnopedie.mid"), &STRINGS, &Options::default());
     home_is_right(&slow);
     assert_eq!(slow.summary().right, slow.notes.len());
-    // Six notes a second on one key are as written on both; of what is faster the most.
+    // Six notes a second on one key are as written on both keyboards; most of the faster notes are.
     let fast = piece("hanon.mid");
     let [strings, heavy] = [&STRINGS, &HEAVY].map(|keys| played(&fast, keys, &Options::default()));
     for performance in [&strings, &heavy] {

@@ -24,7 +24,7 @@ const PATIENCE: Duration = Duration::from_secs(4);
 const TO_END: Duration = Duration::from_secs(20);
 /// Address space of a command, KiB.
 const ROOM_KIB: u32 = 3 << 20;
-/// Most that is said of what is wrong, in bytes.
+/// Longest message on standard error, in bytes.
 const MOST_SAID: usize = 20_000;
 
 #[test]
