@@ -37,7 +37,7 @@ export const parquet = async ({ visit }) => {
     for (let at = renamed.indexOf("force_N"); at >= 0; at = renamed.indexOf("force_N", at + 1)) renamed.write("f0rce_N", at);
     for (let at = renamed.indexOf("key_m"); at >= 0; at = renamed.indexOf("key_m", at + 1)) renamed.write("k3y_m", at);
     await drop(page, "other.parquet", renamed);
-    await until(page, () => /other\.parquet: .*neither force nor position/.test(document.getElementById("notice").textContent));
+    await until(page, () => /other\.parquet: .*neither a force nor a position/.test(document.getElementById("notice").textContent));
     assert.equal(await blow(page), speed, "what was played is still there");
     return `${speed.toFixed(4)} m/s, as press`;
   } finally {
