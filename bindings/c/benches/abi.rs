@@ -1,4 +1,4 @@
-//! What the C interface costs beside the native call, and what denormal numbers cost: `cargo bench -p erard-c --bench
+//! The cost of the C interface beside the native call, and of denormal numbers: `cargo bench -p erard-c --bench
 //! abi`.
 //!
 //! Both play the same note, in turns, so that what else the machine does falls on both: means over whole rounds, the

@@ -1,5 +1,5 @@
-//! What one turns at a bench or changes at a drawing board, each with its unit and its range: the screws of the file,
-//! and the numbers that designers speak of. A page makes sliders of them.
+//! The numbers that a technician turns at the bench or a designer changes, each with its unit and its range: the screws
+//! of the file, and the numbers that designers speak of. A page makes sliders of them.
 //!
 //! A dial changes numbers of the instrument's file and nothing else: what comes out is a file again, which its reader
 //! checks.

@@ -1,4 +1,4 @@
-//! What goes in and what comes out: plain numbers, SI units; key and finger positive downward, the hammer upward.
+//! Inputs and readings: plain numbers, SI units; key and finger positive downward, the hammer upward.
 
 use erard::Input;
 use erard::player::{Hand, HandInput};

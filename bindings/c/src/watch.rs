@@ -1,4 +1,4 @@
-//! What is seen of a press while it goes on: its instants, and where parts touch.
+//! The instants of a press while it goes on, and where parts touch.
 
 use std::ptr::null_mut;
 

@@ -1,4 +1,4 @@
-//! What a page shows beside the moving action: its picture, and the technician's sheet.
+//! The picture of an action and the technician's sheet, which a page shows beside the moving action.
 
 use std::cell::Cell;
 use std::ffi::{c_char, c_void};

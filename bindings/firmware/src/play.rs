@@ -1,4 +1,4 @@
-//! The same two notes on every machine: 5 N for a quarter of a second, let go for another; then the same by a hand,
+//! Two notes, the same on every machine: 5 N for a quarter of a second, let go for another; then the same by a hand,
 //! whose muscle lifts it off.
 
 use moreau::Scalar;
@@ -14,7 +14,7 @@ const FORCE_N: f64 = 5.0;
 const LIFTING_N: f64 = -1.0;
 const HAND_KG: f64 = 0.2;
 
-/// What was found.
+/// The readings of one note.
 #[derive(Debug, Clone, Copy)]
 pub struct Note {
     /// Of all angles and of the hand's place at the end, as doubles.

@@ -191,7 +191,7 @@ pub fn certainty(certainty: Certainty) -> &'static str {
     }
 }
 
-/// What is built in: instruments, keyboards, linkages, strokes.
+/// Names of the built-in instruments, keyboards, linkages and strokes.
 #[pyfunction]
 pub fn builtin() -> (Vec<&'static str>, Vec<&'static str>, Vec<&'static str>, Vec<&'static str>) {
     (

@@ -1,4 +1,4 @@
-//! What holds the model against measurements: recordings, and published numbers.
+//! Comparison of the model with measurements: recordings, and published numbers.
 
 use erard::run::Setup;
 use erard::stroke::Prescribed;

@@ -1,4 +1,4 @@
-//! What the player does, from numbers, arrays, names and recordings.
+//! Strokes from numbers, arrays, names and recordings.
 
 use std::sync::Arc;
 

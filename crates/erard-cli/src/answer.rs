@@ -1,4 +1,4 @@
-//! What a command answers with `--json`: its own JSON result, or what it says is one, or its table.
+//! The answer of a command with `--json`: its own JSON result, or what it names as one, or its table.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};

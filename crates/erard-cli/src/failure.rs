@@ -1,4 +1,4 @@
-//! What can go wrong, said once and clearly on stderr.
+//! Failures of a command, each reported once and clearly on stderr.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -67,7 +67,7 @@ pub enum Failure {
         /// Why.
         source: std::io::Error,
     },
-    /// What was to be said on standard output cannot be written.
+    /// Standard output cannot be written.
     #[error("standard output cannot be written: {0}")]
     Said(std::io::Error),
     /// Not the user's fault.

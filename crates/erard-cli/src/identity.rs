@@ -1,4 +1,5 @@
-//! What makes this process' results: the program, the command, and the files and built-in data that it was made from.
+//! The sources of this process' results: the program, the command, and the files and built-in data that it was made
+//! from.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;

@@ -1,5 +1,5 @@
-//! What this process reads: every file is opened once, so that a pipe can be one, and remembered, so that it is never
-//! replaced.
+//! The files that this process reads: every file is opened once, so that a pipe can be one, and remembered, so that it
+//! is never replaced.
 
 use std::fs::File;
 use std::io::{self, Read};

@@ -1,4 +1,4 @@
-//! What `regulate` is asked and answers: values with units, the table, and the report.
+//! Arguments and results of `regulate`: values with units, the table, and the report.
 
 use std::fmt;
 use std::time::Duration;

@@ -35,7 +35,7 @@ pub(crate) fn value(summary: &Value, (key, _, factor, ..): &Measure) -> Option<f
 pub(crate) struct Summary {
     /// `summary.json` (chapter "What is written" of the book); null is what did not happen.
     pub json: Value,
-    /// What speaks against the numbers.
+    /// Warnings about the numbers.
     pub warnings: Vec<Warning>,
 }
 

@@ -1,4 +1,4 @@
-//! What can be seen of a run: figures, drawings of the action, and a page that plays it.
+//! Figures of a run, drawings of the action, and a page that plays it.
 //!
 //! No physics here: poses, forces and instants come from [`erard::run::Run`]; these modules only ask for them and draw
 //! them. No files and no terminal either: every function returns text or bytes, for the command, a page or a notebook.

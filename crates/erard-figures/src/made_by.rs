@@ -1,4 +1,4 @@
-//! What made a result, in the result itself: in SVG and PNG, pages and JSON.
+//! Notes in a result about what made it: in SVG and PNG, pages and JSON.
 //!
 //! No time and no place: the same command on the same files gives the same bytes, wherever they are written.
 

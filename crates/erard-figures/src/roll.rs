@@ -38,7 +38,7 @@ pub struct RollNote {
     pub sounded_s: Option<[f64; 2]>,
     /// How it turned out.
     pub kind: RollKind,
-    /// What is said of it where a pointer rests on it.
+    /// The text beside a pointer that rests on it.
     pub words: String,
     /// A page about it, if there is one.
     pub link: Option<String>,

@@ -1,4 +1,4 @@
-//! What the geometry alone says about touch: leverage and sliding, in a second and without dynamics.
+//! Leverage and sliding from the geometry alone: touch in a second, without dynamics.
 //!
 //! A [`Design`] is three levers (key, whippen with its jack, hammer) and the height at which the hammer is let off. It
 //! comes from a linkage file with the papers' lengths L1 to L10 ([`LinkageFile`]) or from an instrument file

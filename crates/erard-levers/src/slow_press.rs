@@ -1,7 +1,7 @@
 //! The dynamic model pressed so slowly that only geometry is left: a check of the kinematics.
 //!
-//! What remains apart: the play and the felts that the first tenths of a millimetre take up, and the felts' breathing
-//! as the forces change on the way.
+//! The difference that remains: the play and the felts that the first tenths of a millimetre take up, and the felts'
+//! breathing as the forces change on the way.
 
 use moreau::Settings;
 use moreau_linkage::three_lever::{DiscLevers, LeverTrain};

@@ -49,7 +49,7 @@ pub enum PerformError {
     /// A fault of the program: a note that was not tried.
     #[error("a note was not tried")]
     Nothing,
-    /// What takes rows and sound refuses.
+    /// The sink refuses rows or sound.
     #[error("rows and sound cannot be written: {0}")]
     Sink(#[from] io::Error),
     /// The caller asked to stop, or work for all keys failed.

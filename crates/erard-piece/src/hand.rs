@@ -1,4 +1,4 @@
-//! What a hand does with a key: one stroke after the other.
+//! The strokes of a hand on one key, one after the other.
 
 use erard::player::{HandError, Input};
 use erard::stroke::{HandStroke, Leave, Muscle};

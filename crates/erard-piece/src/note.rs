@@ -1,4 +1,4 @@
-//! What became of a note.
+//! A note as it was played, and its faults.
 
 use erard_midi::{Law, Velocity};
 
@@ -10,7 +10,7 @@ const LATE_S: f64 = 2e-3;
 /// A note that is softer than written by more counts is soft; louder, loud.
 const SOFT: f64 = 1.0;
 
-/// What is wrong with a note.
+/// The faults of a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Fault {
     /// The hammer did not meet the string.
@@ -163,7 +163,7 @@ impl Played {
         self.impact.map(|[_, speed]| Law::GOEBL.velocity(speed))
     }
 
-    /// What is wrong with it, the worst first.
+    /// Its faults, the worst first.
     #[must_use]
     pub fn faults(&self) -> Vec<Fault> {
         let Some((late_s, louder)) = self.late_s().zip(self.louder()) else { return vec![Fault::Silent] };
@@ -205,7 +205,7 @@ pub struct Summary {
     pub faults: [usize; Fault::ALL.len()],
     /// Largest error of a note from home that sounded: counts of velocity, and s.
     pub home_errors: [f64; 2],
-    /// The same of the others.
+    /// Those errors of the others.
     pub other_errors: [f64; 2],
     /// Trials of all notes.
     pub trials: u64,

@@ -19,7 +19,7 @@ use crate::sink::Sink;
 /// Where a note-off belongs on a keyboard none of whose keys lifts a damper, m: the middle of a usual dip.
 const USUAL_DAMPER_M: f64 = 5e-3;
 
-/// What came of a score.
+/// The outcome of a score.
 #[derive(Debug)]
 pub struct Performance {
     /// The notes, in the score's order.

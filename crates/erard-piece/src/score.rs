@@ -57,7 +57,7 @@ pub struct Score {
     pub shift_s: f64,
     /// When the last note ends, s.
     pub duration_s: f64,
-    /// What of the piece is left out or was mended, a sentence each.
+    /// What was left out of the piece or mended in it, a sentence each.
     pub remarks: Vec<String>,
 }
 

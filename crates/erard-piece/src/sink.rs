@@ -1,9 +1,9 @@
-//! What takes rows and sound as they are made.
+//! Sinks: they take rows and sound as they are made.
 
 use std::io;
 
-/// What a row holds, in this order: SI units, key, finger and pedal rail as an action's reading has them; forces are
-/// those of the row's last step.
+/// The columns of a row, in this order: SI units, key, finger and pedal rail as an action's reading has them; forces
+/// are those of the row's last step.
 pub const COLUMNS: [&str; 9] =
     ["time_s", "key_m", "key_m_per_s", "finger_N", "hammer_m", "hammer_m_per_s", "string_N", "bridge_N", "pedal_m"];
 

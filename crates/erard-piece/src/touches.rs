@@ -1,5 +1,5 @@
-//! What a key's hands have learnt: which force makes the hammer how fast from rest, and how long that takes; how long
-//! before its damper is down the key must be let go.
+//! Forces and times learnt from a key's strokes: which force makes the hammer how fast from rest, and how long that
+//! takes; how long before its damper is down the key must be let go.
 
 /// Rise times of the muscle's force, s, the usual one first. A hand that has little time, or must be louder than the
 /// usual one can, is quicker. The shorter ones are estimates.

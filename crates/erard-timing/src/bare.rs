@@ -1,4 +1,4 @@
-//! What is paid for more than the engine's steps: a recorded press and the keys of a keyboard beside their bare steps.
+//! The cost beyond the engine's steps: a recorded press and the keys of a keyboard beside their bare steps.
 //!
 //! A *bare step* is the engine's step of the same mechanism with the same input, compiled once for its size
 //! ([`moreau::step_out_of_line`]), and nothing else: no readings, no impact, no rows, no energy balance, no search for
@@ -26,7 +26,7 @@ use erard::run::{Setup, press};
 pub struct OverBare {
     /// A bare step, ns.
     pub bare: Times,
-    /// The same step with everything around it, ns.
+    /// That step with everything around it, ns.
     pub whole: Times,
     /// Steps compared, on average in a round.
     pub steps: f64,

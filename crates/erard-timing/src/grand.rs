@@ -1,4 +1,4 @@
-//! What is timed: the concert grand in the engine's own types, and one played note.
+//! The subjects of the timing: the concert grand in the engine's own types, and one played note.
 
 use moreau::{Input, Model, SavedState, Settings, State};
 use moreau_kernels::{Lanes, OwnedDescription, SideBySide, WorkspaceOfSix, side_by_side, steps_of_six};

@@ -53,7 +53,7 @@ impl Effort {
         Effort { rounds: 3, steps: STEPS / 20, groups_per_core: 1, single_steps: 100_000, ticks: 2_000 };
 }
 
-/// What [`measure`] does one after the other, and the share of the whole that is done when each ends, as it lasts on a
+/// The parts of [`measure`] in their order, and the share of the whole that is done when each ends, as it lasts on a
 /// machine of two cores.
 pub const PARTS: [(&str, f64); 6] = [
     ("step, press and pose", 0.2),
@@ -85,7 +85,7 @@ pub fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Value> {
     Some(parts.into_iter().filter_map(|part| part.as_object().cloned()).flatten().collect())
 }
 
-/// What of the processor's vector instructions there is.
+/// The vector instructions that the processor has.
 pub fn instruction_sets() -> Vec<&'static str> {
     #[cfg(target_arch = "x86_64")]
     let all = [

@@ -1,4 +1,4 @@
-//! What the batch is timed with: many grands at once.
+//! The load of the batch: many grands at once.
 
 use std::f64::consts::TAU;
 

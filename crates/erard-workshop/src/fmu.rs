@@ -1,4 +1,4 @@
-//! What an instrument is as a functional mock-up unit (FMI 2.0, co-simulation): its variables, and the description that
+//! An instrument as a functional mock-up unit (FMI 2.0, co-simulation): its variables, and the description that
 //! goes into the archive.
 //!
 //! The library inside the unit (`erard-c`) and the command that writes it must number the variables alike: both ask

@@ -1,4 +1,4 @@
-//! What technicians and researchers do with an action: measure, regulate, balance, study; compare it with recordings,
+//! Work of technicians and researchers with an action: measure, regulate, balance, study; compare it with recordings,
 //! fit it to them, and hold it against published measurements.
 //!
 //! An instrument comes from [`erard`]; what is measured, regulated or studied here is simulated by it.

@@ -1,4 +1,4 @@
-//! What strings cost: a step of the action while its three strings ring and while they are struck, a second of C4
+//! The cost of strings: a step of the action while its three strings ring and while they are struck, a second of C4
 //! beside fixed steps of 50 us, ten fingers' fortissimo tremolo over a keyboard with strings, and the worst step of ten
 //! fingers in the top octave.
 //!

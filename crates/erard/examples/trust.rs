@@ -1,4 +1,4 @@
-//! What the bounds of `erard::trust` are chosen by: `cargo run --release -p erard --example trust`.
+//! Chooses the bounds of `erard::trust`: `cargo run --release -p erard --example trust`.
 //!
 //! Every built-in instrument, and the outer keys of the built-in keyboard, under every built-in stroke and steps of
 //! force, with steps from 1 ms to 12.5 us and both ends of theta: the energy that the energy balance does not explain,

@@ -1,4 +1,4 @@
-//! What is asked for in the place of an instrument: a file, a built-in one by its name, or a key of a keyboard.
+//! The argument that names an instrument: a file, a built-in one by its name, or a key of a keyboard.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ pub const SAMPLE: &str = ":sample=";
 /// The last sample.
 pub(crate) const LAST_SAMPLE: u32 = 1_000_000;
 
-/// What was asked for without its `:sample=N`, which may stand before or behind `:key=N`, and the number of the sample.
+/// Splits `:sample=N`, which may stand before or behind `:key=N`, from the rest of the argument.
 ///
 /// # Errors
 /// [`InstrumentSpecError::NoSample`].

@@ -5,8 +5,8 @@ use moreau::{
     controlled_step,
 };
 
-/// What drives an inner step that begins so many s after the adaptive step and lasts so long, s; the last argument says
-/// where the driven point is then, as [`crate::Observation::site_position`] does.
+/// The drive of an inner step that begins so many s after the adaptive step and lasts so long, s; the last argument
+/// says where the driven point is then, as [`crate::Observation::site_position`] does.
 pub type InputDuring<'a> = dyn FnMut(f64, f64, &dyn Fn() -> f64) -> Input<f64> + 'a;
 
 pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {

@@ -1,4 +1,4 @@
-//! What a mechanism is, in lists of any length.
+//! The description of a mechanism, in lists of any length.
 
 use moreau::{Body, Curve, Description, Dwell, Felt, Model, ModelError, Scalar, Site, Spring, Yields, Zone};
 

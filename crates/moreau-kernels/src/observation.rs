@@ -1,4 +1,4 @@
-//! What can be read of a mechanism's present pose, and the observer of a mechanism that is stepped in lanes.
+//! Readings of a mechanism's present pose, and the observer of a mechanism that is stepped in lanes.
 
 use core::cell::OnceCell;
 

@@ -1,4 +1,4 @@
-//! What touches: discs against lines, discs, plates and polygons, and polygons against each other.
+//! Contacts: discs against lines, discs, plates and polygons, and polygons against each other.
 
 use super::model::{finite, unit};
 use moreau::Scalar;

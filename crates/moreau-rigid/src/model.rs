@@ -1,4 +1,4 @@
-//! What a mechanism of rigid bodies is: bodies, joints, springs, contacts. Immutable once made.
+//! The model of a mechanism of rigid bodies: bodies, joints, springs, contacts. Immutable once made.
 
 use core::fmt;
 

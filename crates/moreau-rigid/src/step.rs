@@ -21,9 +21,9 @@ const NEARLY: u32 = 4;
 pub enum Outcome {
     /// Velocities, laws and joints met their tolerances.
     Converged,
-    /// The same, but a contact that slipped at the start of the step, and did not close then, stayed closed although
-    /// Coulomb's law lets no finite force keep it so (Painleve): an impulse that does not shrink with h did. Other
-    /// solutions may exist.
+    /// As `Converged`, but a contact that slipped at the start of the step, and did not close then, stayed closed
+    /// although Coulomb's law lets no finite force keep it so (Painleve): an impulse that does not shrink with h did.
+    /// Other solutions may exist.
     Painleve,
     /// Impulses that every law admits (no contact pulls, no friction is beyond its cone), but some velocity misses its
     /// law by the report's residual: the sweeps ended before they met the tolerance.

@@ -1,4 +1,4 @@
-//! What a mechanism is, as its caller describes it. [`Description::compile`] checks it and makes the [`Model`](crate::Model) that steps.
+//! The mechanism as its caller describes it. [`Description::compile`] checks it and makes the [`Model`](crate::Model) that steps.
 
 use core::fmt;
 

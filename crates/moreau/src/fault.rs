@@ -1,4 +1,4 @@
-//! What can be wrong with a number of a description.
+//! Faults of a number in a description.
 
 use core::fmt;
 

@@ -1,4 +1,4 @@
-//! What drives a mechanism in a step.
+//! The drive of a mechanism in one step.
 
 use crate::hand::Hand;
 use crate::real::{Real, Scalar, join_all, same_bits};

@@ -1,4 +1,4 @@
-//! What a caller may ask of a model at a pose: compressions, rows, the driven point.
+//! Kinematics of a model at a given pose: compressions, rows, the driven point.
 
 use crate::description::GROUND;
 use crate::model::Model;

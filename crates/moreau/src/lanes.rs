@@ -154,7 +154,7 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
 }
 
 impl<T: Real> Settings<T> {
-    /// The same settings in each lane; in single precision, tolerances no tighter than its rounding allows.
+    /// Copies one lane's settings to all lanes; in single precision, no tolerance is tighter than its rounding allows.
     pub fn in_lanes(one: &Settings<f64>) -> Self {
         use FrictionLaw::{Regularised, SetValued};
         let c = T::from_f64;

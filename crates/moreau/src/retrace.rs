@@ -1,4 +1,4 @@
-//! What acts in a step whose end is known: one that was taken elsewhere, in a lane.
+//! The forces of a step whose end is known because it was taken elsewhere, in a lane.
 
 use crate::curvature::Margins;
 use crate::felt::ONSET;

@@ -15,7 +15,7 @@ pub(crate) struct Throw {
     pub contact_time: f64,
     pub rebound: f64,
     pub residual: f64,
-    /// What the felt lost, J.
+    /// Energy lost in the felt, J.
     pub lost: f64,
     /// The smallest loss of any step, J.
     pub smallest_loss: f64,

@@ -21,7 +21,7 @@ pub(crate) struct Mechanism {
     pub zones: Vec<Zone>,
     /// Where the finger pushes.
     pub finger: Finger,
-    /// What meets the string.
+    /// The point that meets the string.
     pub strike: Strike,
     /// The stroke whose hammer speed is compared.
     pub blow: Blow,

@@ -11,7 +11,7 @@ const STYLE: &str = include_str!("page.css");
 pub(crate) struct Reproduced {
     /// Subject.
     pub subject: Subject,
-    /// What came of it.
+    /// Its section of the report.
     pub section: Section,
 }
 

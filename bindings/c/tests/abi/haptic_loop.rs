@@ -109,12 +109,12 @@ impl Pressing {
     }
 }
 
-/// What came of a press, held for a second.
+/// The outcome of a press, held for a second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// Root mean square of the device's speed in the last tenth of it, m/s.
     pub trembling_m_per_s: f64,
-    /// The same half a second earlier.
+    /// That speed half a second earlier.
     pub earlier_m_per_s: f64,
     /// The largest force that was asked of the motor, N.
     pub largest_n: f64,

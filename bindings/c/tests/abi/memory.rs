@@ -1,4 +1,4 @@
-//! What may be called in real time takes no memory: an allocator counts.
+//! Functions for real time take no memory: an allocator counts.
 
 use std::ptr::{null, null_mut};
 

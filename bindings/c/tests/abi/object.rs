@@ -1,6 +1,6 @@
-//! What the real-time functions can reach in the compiled library, followed from call to call: no allocation, no lock,
-//! no system call; no panic in this interface or in the player, and in the engine's step none but the checks of array
-//! bounds, whose indices the compiled model holds.
+//! The code that the real-time functions can reach in the compiled library, followed from call to call: no allocation,
+//! no lock, no system call; no panic in this interface or in the player, and in the engine's step none but the checks
+//! of array bounds, whose indices the compiled model holds.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

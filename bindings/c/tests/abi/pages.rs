@@ -1,4 +1,4 @@
-//! What a page asks: is this text sound, what does it look like, what does a technician say, turn the screws.
+//! The functions for pages: is this text sound, its picture, the technician's sheet, turning screws.
 
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::{null, null_mut};

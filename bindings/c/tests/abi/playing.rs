@@ -1,5 +1,5 @@
-//! What a page that plays asks beside a control loop: strokes as `erard press` plays them, the instants of a press,
-//! where parts touch, dials.
+//! The functions for pages that play, beside a control loop: strokes as `erard press` plays them, the instants of a
+//! press, where parts touch, dials.
 
 use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};

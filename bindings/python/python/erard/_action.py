@@ -46,7 +46,7 @@ class Action:
 
     @property
     def instrument(self) -> Instrument:
-        """What is played."""
+        """The instrument that is played."""
         return self._instrument
 
     @property
@@ -114,7 +114,7 @@ class Action:
 
     @property
     def reading(self) -> Reading:
-        """What there is to be read now."""
+        """The present reading."""
         return self._inner.reading()
 
     @property

@@ -1,4 +1,4 @@
-"""What the modules share: arguments made into arrays, progress bars, the settings of the steps."""
+"""Helpers that the modules share: arguments made into arrays, progress bars, the settings of the steps."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def floats(key: str, values: ArrayLike, dimensions: int) -> Floats:
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
-    """The same array, not to be written to."""
+    """The array, read-only."""
     array.flags.writeable = False
     return array
 

@@ -1,4 +1,4 @@
-"""What can go wrong, and where."""
+"""The errors that this package raises, and where each comes from."""
 
 from __future__ import annotations
 

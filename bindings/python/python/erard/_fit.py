@@ -70,7 +70,7 @@ class Doubt(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """What a problem is made of."""
+    """The parts of a problem."""
 
     instrument: Instrument
     vary: list[str]
@@ -125,7 +125,7 @@ class Problem:
 
 
 class Fit:
-    """What a fit found.
+    """The result of a fit.
 
     Attributes
     ----------

@@ -118,7 +118,7 @@ class Instrument:
 
     @property
     def description(self) -> str:
-        """What the file says that it is."""
+        """The file's own description."""
         return self._inner.description
 
     @property
@@ -128,7 +128,7 @@ class Instrument:
 
     @property
     def changes(self) -> list[Change]:
-        """What was changed, in order."""
+        """The changes, in order."""
         return self._inner.changes
 
     @property
@@ -143,7 +143,7 @@ class Instrument:
 
     @property
     def screws(self) -> dict[str, str]:
-        """What a positive turn of each screw does."""
+        """The effect of a positive turn of each screw."""
         return dict(self._inner.screws)
 
     @property
@@ -153,7 +153,7 @@ class Instrument:
         return {row.name: row for row in rows}
 
     def vary(self, changes: Mapping[str, float | str] | None = None, /, **more: float | str) -> Instrument:
-        """The same instrument with some numbers changed.
+        """A copy of the instrument with some numbers changed.
 
         Parameters
         ----------
@@ -579,7 +579,7 @@ def as_recording_to_play(source: Any) -> Recording:
 
 
 class Sheet(Mapping[str, Any]):
-    """What was measured of an action: a mapping of the keys of measure.json, and the technician's table when it is shown."""
+    """Measures of an action: a mapping of the keys of measure.json, and the technician's table when it is shown."""
 
     def __init__(self, instrument: str, values: dict[str, Any]) -> None:
         self.instrument, self._values = instrument, values

@@ -60,7 +60,7 @@ def outcomes(found: dict[str, Any]) -> dict[str, NDArray[Any]]:
 
 
 class Rollout(Table):
-    """What N strokes of T samples left behind.
+    """The results of N strokes of T samples.
 
     Columns of shape (N,) tell what came of every stroke, by the names of a study's columns: instants in s (`let_off_s`, ...), nan where it did not
     happen; `hammer_speed_m_per_s`; `strikes`; `failed`; `trusted`. Columns of shape (N, T) are what was sampled, a sample at each of `time_s`.

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def digest(about: dict[str, Any]) -> str:
-    """What tells one piece of work from another: of its description, keys in order."""
+    """The identity of a piece of work: its description, keys in order."""
     return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()[:16]
 
 

@@ -19,7 +19,7 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#0
 
 
 class DrawnRun(Protocol):
-    """What a figure of a run needs of it."""
+    """The part of a run that a figure needs."""
 
     title: str
     events: Mapping[str, float]
@@ -33,7 +33,7 @@ class DrawnRun(Protocol):
 
 
 class DrawnStudy(Protocol):
-    """What a figure of a study needs of it."""
+    """The part of a study that a figure needs."""
 
     @property
     def axes(self) -> Mapping[str, Any]: ...
@@ -45,7 +45,7 @@ class DrawnStudy(Protocol):
 
 
 class DrawnFit(Protocol):
-    """What a figure of a fit needs of it."""
+    """The part of a fit that a figure needs."""
 
     @property
     def channels(self) -> Sequence[Any]: ...

@@ -103,7 +103,7 @@ class Recording(Table):
 
     @property
     def name(self) -> str:
-        """What it is called in messages: its file, or "table"."""
+        """Its name in messages: its file, or "table"."""
         return self._inner.name
 
     @property
@@ -113,7 +113,7 @@ class Recording(Table):
 
     @property
     def notes(self) -> list[str]:
-        """What was done to it and noticed, a line each."""
+        """The report: what was done to it and noticed, a line each."""
         return self._inner.notes
 
     def noise(self, column: str) -> float | None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Run(Table):
-    """What one press leaves behind: a mapping of columns, and what happened when.
+    """The result of one press: a mapping of columns, and the instants of its events.
 
     Columns are read-only views of the memory in which they were computed: `time_s`, `force_N` (of the finger, pushing positive), `key_m` (of the
     front, from rest, down positive), `hammer_head_m` (of the strike point, up positive), `hammer_head_m_per_s` (its speed), of every body

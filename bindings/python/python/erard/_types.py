@@ -30,7 +30,7 @@ class Steps(TypedDict):
 
 
 class Fitted(TypedDict):
-    """What a fit found."""
+    """The result of a fit."""
 
     #: Name, unit, whether it is a factor, bounds, and whether it ended at one.
     free: list[tuple[str, str, bool, float, float, bool]]

@@ -140,7 +140,7 @@ class Sensor:
             raise InputError(f"sensor {self.name}: found {self.rate_hz} Hz, expected 10 to {1 / DT_S:.0f}", key="rate_hz")
 
     def characteristic(self, way_m: Array, gain: float = 1.0) -> Array:
-        """What it reads of a way, as a share of the full scale, without noise and converter; arrays of equal shape."""
+        """The sensor's reading of a way, as a share of the full scale, without noise and converter; arrays of equal shape."""
         share = np.clip((way_m - self.from_m) / (self.to_m - self.from_m), 0.0, 1.0)
         bent: Array = gain * share * (1 + self.curvature * (1 - share))
         return bent
@@ -176,7 +176,7 @@ KINDS = (Kind("pressed", 0.4), Kind("struck", 0.25), Kind("repeated", 0.2), Kind
 
 @dataclass(frozen=True)
 class Plan:
-    """What a data set is made of. The same plan gives the same data, to the bit, whoever computes it.
+    """The plan of a data set. The same plan gives the same data, to the bit, whoever computes it.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-//! What `erard check` says of a recording: its channels, and last the columns that are used and not used.
+//! The report of `erard check` on a recording: its channels, and last the columns that are used and not used.
 
 use erard::stroke::{Column, Cursor, Dialect, PositionOf, PositionSeries, ROLES, Recording, Role, Series};
 use erard_workshop::compare::LONGEST_S;

@@ -20,11 +20,11 @@ pub(crate) const FILES: [&str; 8] =
 /// One of the two.
 #[derive(Debug)]
 pub(crate) struct Played<'a> {
-    /// What was played on.
+    /// The instrument.
     pub instrument: &'a Instrument,
     /// Numbers of its file whose notes speak of what they were.
     pub changed: &'a [ChangedNote],
-    /// What was played.
+    /// The stroke.
     pub stroke: String,
     /// The run.
     pub run: Run,

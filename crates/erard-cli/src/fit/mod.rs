@@ -1,4 +1,4 @@
-//! What `fit` is asked and answers: values with units, the table, the report, the figure.
+//! Arguments and results of `fit`: values with units, the table, the report, the figure.
 
 mod figure;
 mod report;

@@ -1,4 +1,4 @@
-//! What `erard press` shows of the inside of the action when it is asked to: pin reactions and accelerations, and where
+//! The inside of the action, which `erard press` shows on request: pin reactions and accelerations, and where
 //! the energy goes.
 
 mod figure;

@@ -1,4 +1,4 @@
-//! What `erard measure` makes of the sheets: the table, the figures, the page.
+//! The outputs of `erard measure`: the table, the figures, the page.
 
 pub(crate) mod figures;
 mod lines;

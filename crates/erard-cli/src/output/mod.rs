@@ -1,4 +1,4 @@
-//! What a command leaves behind: files in a folder, all of them or none.
+//! The outputs of a command: files in a folder, all of them or none.
 //!
 //! One rule for all commands: **a result belongs to the command that wrote it.** A small file in the folder, [`Mark`],
 //! says which results are whose. A command replaces its own, and takes away those that it no longer makes. What another

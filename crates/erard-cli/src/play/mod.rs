@@ -1,4 +1,4 @@
-//! What `erard play` makes of a performance: tables, a page, sound.
+//! The outputs of `erard play`: tables, a page, sound.
 
 pub(crate) mod page;
 pub(crate) mod report;

@@ -1,4 +1,4 @@
-//! What `erard study` is asked and answers: what is varied, the table, the figure.
+//! Arguments and results of `erard study`: the varied parameters, the table, the figure.
 
 mod figure;
 pub(crate) mod sensitivities;

@@ -11,11 +11,11 @@ use crate::table::{Table, decimal, three};
 /// One stroke of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Row {
-    /// What was varied, as shown, one for each axis.
+    /// The varied values as shown, one for each axis.
     pub values: Vec<f64>,
-    /// What came of it, or why nothing did.
+    /// The outcome, or why there is none.
     pub outcome: Result<Played, String>,
-    /// What was measured of the variant, in the order asked for; or why nothing could be.
+    /// The variant's measures, in the order asked for; or why there are none.
     pub measured: Result<Vec<Option<f64>>, String>,
 }
 

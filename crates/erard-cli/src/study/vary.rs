@@ -107,7 +107,7 @@ pub(crate) struct Axis {
     pub shown: Vec<f64>,
     /// The shown value of one SI unit.
     pub per_si: f64,
-    /// What they are given to.
+    /// The target that receives them.
     pub target: Target,
 }
 

@@ -1,4 +1,4 @@
-//! What each material looks like.
+//! The look of each material.
 
 use crate::svg::escape;
 use erard::instrument::Material;

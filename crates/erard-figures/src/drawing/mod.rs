@@ -72,8 +72,8 @@ pub struct Drawing {
 
 /// Draws an instrument from its geometry.
 ///
-/// What its file draws itself comes on top of a grand action or a key alone, unless the program draws a part of that
-/// name, which follows the geometry; of any other mechanism it is the whole picture.
+/// Outlines of the instrument's own file come on top of a grand action or a key alone, unless the program draws a part
+/// of that name, which follows the geometry; of any other mechanism it is the whole picture.
 #[must_use]
 pub fn drawing(instrument: &Instrument) -> Drawing {
     let all: Vec<usize> = (0..instrument.bodies.len()).collect();

@@ -1,4 +1,4 @@
-//! What a picture is made of: outlines, what carries each, and what it is made of.
+//! The pieces of a picture: outlines, the body that carries each, and its material.
 
 use super::material::Finish;
 use erard::instrument::{Instrument, Part, Placement, Vec2};

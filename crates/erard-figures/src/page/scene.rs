@@ -1,5 +1,5 @@
-//! What a page's script must know of an instrument to move its picture: shapes, hinges, names, which way arrows point.
-//! No run is needed: a page that plays live asks for the same as one that shows what was played.
+//! The data with which a page's script moves the picture of an instrument: shapes, hinges, names, which way arrows
+//! point. No run is needed: a page that plays live asks for the same as one that shows what was played.
 
 use serde_json::{Value, json};
 

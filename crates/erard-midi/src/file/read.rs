@@ -47,7 +47,7 @@ impl std::error::Error for ReadError {}
 /// Reads a piece from the bytes of a Standard MIDI File of format 0 or 1. Memory and work are linear in the number of
 /// bytes but for sorting.
 ///
-/// What a piano does not play is left out, and a remark says so: notes of the percussion channel, notes that are not on
+/// Leaves out, with a remark, what a piano does not play: notes of the percussion channel, notes that are not on
 /// the keyboard. A key that one track or channel presses while another holds it is struck again, and held until the
 /// last of them lets go. A note that no note-off ends is held to the file's last event.
 ///

@@ -16,7 +16,7 @@ fn keys(name: &str) -> Vec<Instrument> {
 
 /// The keyboard that pieces are played on.
 pub static STRINGS: LazyLock<Vec<Instrument>> = LazyLock::new(|| keys("concert-grand-strings"));
-/// The same actions before rigid strings: cheaper.
+/// Those actions before rigid strings: cheaper.
 pub static RIGID: LazyLock<Vec<Instrument>> = LazyLock::new(|| keys("concert-grand"));
 /// An action that is slow to repeat.
 pub static HEAVY: LazyLock<Vec<Instrument>> = LazyLock::new(|| keys("heavy-touch"));
@@ -26,7 +26,7 @@ pub fn note(key: usize, start_s: f64, end_s: f64, velocity: u8) -> Note {
     Note { key, start_s, end_s, velocity: Velocity::of_seven_bits(velocity), release: None }
 }
 
-/// What a foot does: instant, s, controller, value.
+/// A change of a pedal: instant, s, controller, value.
 pub fn foot(time_s: f64, controller: u8, value: u8) -> PedalChange {
     PedalChange { time_s, controller, value }
 }

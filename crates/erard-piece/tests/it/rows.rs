@@ -1,4 +1,4 @@
-//! What is handed over, on how many threads whatever.
+//! Rows and sound are the same on any number of threads.
 
 use erard_piece::{Block, Options, PerformError, Silence, perform};
 

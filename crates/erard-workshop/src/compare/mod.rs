@@ -67,7 +67,7 @@ impl Which {
 /// Both models.
 pub(crate) const MODELS: [Which; 2] = [Which::Action, Which::OneDof];
 
-/// What to compare.
+/// The choice of what to compare.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
     /// Drives to try, of those that the series has.
@@ -131,8 +131,8 @@ pub struct Trial {
     pub force_n: Vec<f64>,
     /// Errors are reported up to here, Hz; infinite where nothing limits them.
     pub told_to_hz: f64,
-    /// What came out against what was measured (position in m, force in N), as far as it is reported; `None` where the
-    /// file holds no such series, or nothing but noise.
+    /// Differences between model and measurement (position in m, force in N), as far as it is reported; `None` where
+    /// the file holds no such series, or nothing but noise.
     pub errors: Option<Errors>,
     /// Rise of the hammer's strike point, m; empty for a model without a hammer.
     pub hammer_m: Vec<f64>,

@@ -27,7 +27,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// What an instrument's pins have: their dry torques over the arms.
+    /// The dry torques of an instrument's pins over the arms.
     ///
     /// # Errors
     /// Where it is no grand action.

@@ -20,7 +20,7 @@ pub struct Cause {
     pub(super) amounts: [f64; 3],
     /// The quick test that tells it from the others.
     pub test: String,
-    /// What is done about it.
+    /// The cure.
     pub cure: String,
     /// Where it was read.
     pub source: String,

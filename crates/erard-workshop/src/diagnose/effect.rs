@@ -1,4 +1,4 @@
-//! What each cause does to each reading: `effects.csv`, simulated on sound grands of the ensemble.
+//! The effect of each cause on each reading: `effects.csv`, simulated on sound grands of the ensemble.
 //!
 //! Three cases of every cause are planted, one at a time, into several drawn, regulated grands; a row holds the mean
 //! change of every feature, and the next its standard deviation from grand to grand. `cargo run --release -p

@@ -1,4 +1,4 @@
-//! What can be read off a key: its names, its unit, how exactly it is read, and which readings cannot be.
+//! The readings of a key: names, unit, precision, and which readings are impossible.
 
 use erard::instrument::Instrument;
 use erard::keyboard::is_sharp;
@@ -16,7 +16,7 @@ pub(super) const ENTRIES: usize = 21;
 pub struct Entry {
     /// Its name in tables and JSON, with the unit at its end; as an option without it and with hyphens.
     pub name: &'static str,
-    /// What the bench calls it.
+    /// Its name at the bench.
     pub label: &'static str,
     /// The unit; empty for a ratio or a count.
     pub unit: &'static str,
@@ -326,7 +326,7 @@ impl Entry {
     }
 }
 
-/// What is known of a key. What is not there was not measured.
+/// The known readings of a key. A reading that is absent was not measured.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Known {
     values: [Option<f64>; ENTRIES],
@@ -342,9 +342,9 @@ pub struct Known {
 pub struct Impossible {
     /// The entry.
     pub entry: &'static str,
-    /// What is wrong.
+    /// The fault.
     pub what: String,
-    /// What would be right.
+    /// What was expected.
     pub expected: String,
 }
 
@@ -372,7 +372,7 @@ impl Known {
         !self.is_not_caught && self.values.iter().all(Option::is_none)
     }
 
-    /// What would be read off an instrument without error: the scale, the distances, and the tests at the bench.
+    /// The readings of an instrument without error: the scale, the distances, and the tests at the bench.
     #[must_use]
     pub fn of(readings: &Readings, bench: &Bench) -> Self {
         let mut known = Known::default();
@@ -392,7 +392,7 @@ impl Known {
         known
     }
 
-    /// The same for an instrument: trials with the key, a slow loop, the scale, and what its pins have.
+    /// Measures them on an instrument: trials with the key, a slow loop, the scale, and what its pins have.
     ///
     /// # Errors
     /// See [`crate::measure::MeasureError`].

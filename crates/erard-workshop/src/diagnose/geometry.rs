@@ -13,7 +13,7 @@ pub struct Band {
     pub high: f64,
 }
 
-/// What a technician cannot weigh, as far as it follows.
+/// Numbers that a technician cannot weigh, as far as they follow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Geometry {
     /// R by the equation of balance, or as it was given; `None` where something is missing.
@@ -22,7 +22,7 @@ pub struct Geometry {
     pub front_weight_g: Option<Band>,
     /// Effective inertia at the key's front, kg.
     pub inertia_kg: Option<Band>,
-    /// What was assumed or left out, a sentence each.
+    /// Assumptions and omissions, a sentence each.
     pub notes: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What is wrong with a key, from whatever was measured of it.
+//! Causes of a key's faults, ranked, from whatever was measured of it.
 //!
 //! `entry` lists what can be read off a key, with the words for it, the precision of a reading and what is impossible;
 //! `table` reads many keys from CSV; `bench` holds the tests that tell places of friction apart. `cause` is the table

@@ -36,7 +36,7 @@ pub enum Standing {
 pub struct Judged {
     /// As in tables.
     pub name: &'static str,
-    /// What the bench calls it.
+    /// Its name at the bench.
     pub label: &'static str,
     /// Its unit.
     pub unit: &'static str,
@@ -59,16 +59,17 @@ pub struct Ranked {
     pub probability: f64,
     /// 1 light, 2 plain, 3 heavy.
     pub case: f64,
-    /// What it explains: readings that it changes by more than their precision, with the change that is believed.
+    /// The readings that it explains: those that it changes by more than their precision, with the change that is
+    /// believed.
     pub explains: Vec<(&'static str, f64)>,
 }
 
 /// The measurement that would narrow the answer most.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Suggestion {
-    /// What to measure, as in tables; D and U come together.
+    /// The reading to take, as in tables; D and U come together.
     pub name: &'static str,
-    /// What the bench calls it.
+    /// Its name at the bench.
     pub label: &'static str,
     /// Its unit.
     pub unit: &'static str,
@@ -78,7 +79,7 @@ pub struct Suggestion {
     pub how: &'static str,
     /// Information expected from it, bits.
     pub bits: f64,
-    /// What it would read under the likeliest combinations of causes, the likeliest first.
+    /// The value that it would have under the likeliest combinations of causes, the likeliest first.
     pub would_read: Vec<(Vec<&'static Cause>, f64)>,
 }
 
@@ -87,13 +88,13 @@ pub struct Suggestion {
 pub struct Diagnosis {
     /// The key, from 1.
     pub key: usize,
-    /// What was read, in the order of the sheet, with balance weight, friction weight and leverage as they follow.
+    /// The readings, in the order of the sheet, with balance weight, friction weight and leverage as they follow.
     pub lines: Vec<Judged>,
     /// The causes, the likeliest first; empty where nothing is out of its range by more than its reading may be off.
     pub causes: Vec<Ranked>,
     /// That none of the table's causes fits.
     pub something_else: f64,
-    /// What to measure next; `None` where nothing would tell much.
+    /// The reading to take next; `None` where nothing would tell much.
     pub next: Option<Suggestion>,
     /// Leverage and inertia.
     pub geometry: Geometry,

@@ -1,4 +1,4 @@
-//! What makes the answer of a fit doubtful, each in one sentence.
+//! Doubts about the answer of a fit, each in one sentence.
 
 use super::data::misfit_unit;
 use super::drive_noise::Disturbed;

@@ -1,4 +1,4 @@
-//! What the noise of what drives does to the residuals: strokes that are disturbed by it are played.
+//! The effect of a noisy drive on the residuals: strokes disturbed by that noise are played.
 
 use std::ops::Range;
 

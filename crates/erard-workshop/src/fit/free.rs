@@ -1,4 +1,4 @@
-//! What is free, between which bounds, and how it is counted.
+//! The free parameters, their bounds and their scales.
 
 use crate::study::{Parameter, Quantity, nearest, quantities};
 use erard::instrument::{Instrument, InstrumentFile};

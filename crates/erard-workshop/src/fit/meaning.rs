@@ -1,4 +1,4 @@
-//! What a fitted parameter whose name misleads comes to on the bench.
+//! The meaning, at the bench, of a fitted parameter whose name misleads.
 
 use erard::grand::{Parts, strike_weight_g};
 use erard::instrument::Instrument;

@@ -1,4 +1,4 @@
-//! What a fit found: values, covariance, and what nobody sees, in words.
+//! The result of a fit: values, covariance, and what the data do not tell, in words.
 
 use super::Free;
 use super::candidate::Candidate;

@@ -1,4 +1,5 @@
-//! What key and shank give, as technicians measure it on the bench: a weight on one end while the other is held.
+//! The flexibility of key and shank, as technicians measure it on the bench: a weight on one end while the other is
+//! held.
 //!
 //! The key lies on its balance hole and its capstan, its back is held, and a kilogram is put on the playing end; the
 //! shank is held at the stock of its knuckle, and a pound hangs 5 1/8 inches from its centre. In a part of rigid pieces

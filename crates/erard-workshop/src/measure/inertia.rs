@@ -1,5 +1,5 @@
-//! What mass the player feels at the key front: the kinetic energy of the whole action over half the square of the key
-//! front's speed, as it changes through the stroke.
+//! The mass that the player feels at the key front: the kinetic energy of the whole action over half the square of the
+//! key front's speed, as it changes through the stroke.
 //!
 //! Until let-off begins, whippen and hammer follow the key by geometry: their speeds are those of the three levers at
 //! the same key travel (`levers.rs`), the damper's that of its contact with the key. Afterwards the jack

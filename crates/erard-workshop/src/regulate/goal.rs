@@ -1,4 +1,4 @@
-//! What can be asked of an action.
+//! Goals of a regulation.
 
 use crate::distances::{Distances, Trial};
 

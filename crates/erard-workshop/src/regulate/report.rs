@@ -1,4 +1,4 @@
-//! What became of a regulation, in the units that people use: for a file, a page, a notebook.
+//! The report of a regulation, in the units that people use: for a file, a page, a notebook.
 
 use erard::instrument::RewriteError;
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! What can be turned: the screws of a grand action by the names that instrument files give them.
+//! The screws that can be turned: those of a grand action by the names that instrument files give them.
 
 use erard::instrument::{Instrument, Screw, ScrewAction, Vec2};
 

@@ -1,7 +1,7 @@
 //! A parameter study: many strokes on many variants of an instrument, in the lanes of the processor's vectors and on
 //! all its cores.
 //!
-//! What is alike in topology goes side by side, as many as the processor has lanes for; what comes out is the same as
+//! Mechanisms alike in topology go side by side, as many as the processor has lanes for; their results are the same as
 //! from [`simulate`], to rounding (of single precision, if that is asked for), and the same bits however many threads
 //! there are. Nothing is recorded but the instants of each stroke. Instruments of six to nine bodies and up to twenty
 //! zones go in lanes; the others on all cores, but one by one. So do instruments whose strings yield, and steps whose
@@ -35,7 +35,7 @@ use erard::trust::{Warning, energy_residual};
 use lanes::{Player, Rested, play, settle};
 use topology::{Topology, groups};
 
-/// What drives the key in a job: as [`erard::Drive`], but owned, so that another thread can take it.
+/// The drive of the key in a job: as [`erard::Drive`], but owned, so that another thread can take it.
 pub type Stroke<'a> = Box<dyn Fn(f64) -> Input + Send + 'a>;
 
 /// One stroke on one instrument.

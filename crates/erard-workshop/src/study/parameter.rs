@@ -1,4 +1,4 @@
-//! What a study varies of an instrument.
+//! The parameters of an instrument that a study varies.
 
 use erard::instrument::{Instrument, ScrewAction, numbers_at};
 use moreau::LawNumber;

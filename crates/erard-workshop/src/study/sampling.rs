@@ -1,4 +1,4 @@
-//! What is sampled along many strokes.
+//! Samples along many strokes.
 
 use erard::instrument::Instrument;
 use erard::run::Run;

@@ -1,4 +1,4 @@
-//! What must be alike for mechanisms to be stepped side by side.
+//! The topology that mechanisms must share to be stepped side by side.
 
 use std::collections::BTreeMap;
 

@@ -66,7 +66,7 @@ pub struct Row {
     pub set_by: Option<String>,
     /// Simulated value that it is compared with, one of [`super::names`]; `None` if the model has none.
     pub measure: Option<String>,
-    /// The same quantity under a constant force, one of [`super::names`]: shown with the row, not counted.
+    /// The quantity under a constant force, one of [`super::names`]: shown with the row, not counted.
     pub beside: Option<String>,
     /// Unit of all its numbers; empty for ratios.
     pub unit: String,

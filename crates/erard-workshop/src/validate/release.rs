@@ -1,6 +1,6 @@
 //! A key let go: how long it takes home, and how far it comes back from its felt.
 //!
-//! The same two numbers are taken of recorded releases (`recordings/releases.py`).
+//! Recorded releases give these two numbers, too (`recordings/releases.py`).
 
 use moreau::Settings;
 

@@ -1,4 +1,4 @@
-//! What the screws' lines are to come to: each the middle of its range, but for dip and blow, of which the aftertouch
+//! The aims of the screws' lines: each the middle of its range, but for dip and blow, of which the aftertouch
 //! is made.
 
 use super::Worked;

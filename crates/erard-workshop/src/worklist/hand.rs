@@ -1,4 +1,4 @@
-//! What a hand does to a key, and how finely.
+//! Works of a hand on a key, and how fine they are.
 
 use crate::balance::{Lead, LeadWork, add_mass};
 use crate::measure::MeasureError;
@@ -88,7 +88,7 @@ impl Work {
         }
     }
 
-    /// The same with another amount. Of leads the last that is put in, or else the last that comes out, weighs more or
+    /// This work with another amount. Of leads the last that is put in, or else the last that comes out, weighs more or
     /// less, as if it stood a little further out or in.
     #[must_use]
     pub fn with_amount(&self, amount: f64, key_front_mm: f64) -> Work {

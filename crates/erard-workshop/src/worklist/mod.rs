@@ -1,4 +1,4 @@
-//! What to do about a key: a list that is worked out line by line, each after the ones before it.
+//! The to-do list of a key, worked out line by line, each after the ones before it.
 //!
 //! `readings` is what a technician reads off the key, `hand` what a hand does to it and how finely, `twin` a model that
 //! has been brought to the readings, `weights` which balance weight goes with a friction weight, `plan` the order of

@@ -1,4 +1,4 @@
-//! What a technician reads off a key before and after a line of work.
+//! The readings of a key before and after a line of work.
 
 use crate::balance::KeyModel;
 use crate::distances::{self, Distances, Protocol};

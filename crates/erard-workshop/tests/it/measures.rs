@@ -1,4 +1,5 @@
-//! What a technician measures obeys what a technician knows: the laws of weights and levers, of friction, of let-off.
+//! A technician's measurements obey the laws that a technician knows: those of weights and levers, of friction, of
+//! let-off.
 //!
 //! Where a law is a formula, the number comes from masses and arms of the instrument file, not from the measuring code.
 

@@ -1,4 +1,4 @@
-//! What is played, and the engine playing it.
+//! The strokes that are played, and the engine playing them.
 
 use std::time::Instant;
 
@@ -35,7 +35,7 @@ pub struct Action<const B: usize, const Z: usize, const N: usize> {
     model: Model<f64, B, Z>,
 }
 
-/// What meets the string: a point of the hammer.
+/// The point of the hammer that meets the string.
 #[derive(Debug, Clone, Copy)]
 pub struct Strike {
     pub body: usize,

@@ -1,5 +1,5 @@
-//! What holds for a grand only, and would be different in an upright: which way key and hammer go, which part is which,
-//! and how parts lie when they are weighed.
+//! Rules that hold for a grand only, and would be different in an upright: which way key and hammer go, which part is
+//! which, and how parts lie when they are weighed.
 //!
 //! All else takes an instrument as it comes: bodies, zones and their roles. Who measures an action asks here where up
 //! is, what is the whippen and what the shank's level pose.

@@ -1,4 +1,4 @@
-//! What is taken out of the action, or out of the key's reach, to weigh the rest.
+//! Parts taken out of the action, or out of the key's reach, to weigh the rest.
 
 use super::{Anatomy, AnatomyError};
 use crate::instrument::{Instrument, Zone};

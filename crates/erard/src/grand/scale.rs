@@ -6,8 +6,8 @@ use crate::instrument::Instrument;
 /// Grams per kilogram.
 const G_PER_KG: f64 = 1e3;
 
-/// What the scale under the key's front end shows, g: the key on its balance pin, level as drawn. `front_m` is the
-/// distance of the front from the pin, positive; a key that is heavier behind shows less than nothing.
+/// The front weight, g, which a scale under the key's front end shows: the key on its balance pin, level as drawn.
+/// `front_m` is the distance of the front from the pin, positive; a key that is heavier behind shows less than nothing.
 #[must_use]
 pub fn front_weight_g(instrument: &Instrument, parts: &Parts, front_m: f64) -> f64 {
     let key = &instrument.bodies[parts.key];
@@ -15,7 +15,7 @@ pub fn front_weight_g(instrument: &Instrument, parts: &Parts, front_m: f64) -> f
     -G_PER_KG * key.mass_kg * level_m / front_m
 }
 
-/// What the scale under the strike point's place shows, g: the hammer on its pin, its shank level.
+/// The strike weight, g, which a scale under the strike point shows: the hammer on its pin, its shank level.
 #[must_use]
 pub fn strike_weight_g(instrument: &Instrument, parts: &Parts) -> f64 {
     let hammer = &instrument.bodies[parts.hammer];
@@ -31,8 +31,8 @@ pub fn falling_moment_n_m(instrument: &Instrument, body: usize) -> f64 {
     body.mass_kg * instrument.gravity_m_s2 * body.center_of_mass_m[0] + body.friction_torque_n_m
 }
 
-/// What the scale under the capstan's place shows, g: the whippen with all that rides on it, on its pin, as drawn.
-/// `arm_m` is the distance of that place from the pin along x, with its sign.
+/// The weight of the whippen, g, which a scale under the capstan's place shows: the whippen with all that rides on it,
+/// on its pin, as drawn. `arm_m` is the distance of that place from the pin along x, with its sign.
 #[must_use]
 pub fn whippen_weight_g(instrument: &Instrument, parts: &Parts, arm_m: f64) -> f64 {
     let drawn = instrument.drawn();

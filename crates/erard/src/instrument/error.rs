@@ -1,4 +1,4 @@
-//! What is wrong with an instrument file, and where.
+//! Faults of an instrument file, and where they are.
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -349,7 +349,7 @@ pub struct Screw {
     pub name: String,
     /// Effect of a positive setting, for people, e.g. `raises the capstan: less lost motion`.
     pub label: String,
-    /// What the screw moves.
+    /// The action of the screw: the number that it moves.
     pub action: ScrewAction,
     /// How far it is turned from the drawn geometry, in the action's own unit (m, rad or N m).
     pub setting: f64,

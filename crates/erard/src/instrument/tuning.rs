@@ -1,4 +1,4 @@
-//! What a string's numbers make of it: frequencies, losses, compliances.
+//! Frequencies, losses and compliances of a string, from its numbers.
 
 use core::f64::consts::PI;
 

@@ -123,7 +123,7 @@ impl Keys {
         self.bank.now_s()
     }
 
-    /// What drives a key from the next step on, until it is driven otherwise. Wakes it if that is anything new. An
+    /// Sets the drive of a key from the next step on, until another is set. Wakes it if that is anything new. An
     /// imposed motion ([`Input::Rigid`]) holds its velocity.
     ///
     /// # Panics
@@ -189,7 +189,7 @@ impl Keys {
         self.bank.output(key - 1)
     }
 
-    /// What there is to be read of a key after the last step, as an [`Action`]'s reading; its outcome is
+    /// The readings of a key after the last step, as an [`Action`]'s; its outcome is
     /// [`Outcome::Converged`], for [`Tick`] counts those of a step.
     #[must_use]
     pub fn reading(&self, key: usize) -> Reading {
@@ -234,7 +234,7 @@ impl Keys {
         Snapshot::new(self.mechanism_state(key), self.bank.surfaces(key - 1))
     }
 
-    /// The same but for how a key's strings vibrate: [`Action::mechanism_state`].
+    /// The state of a key without the vibration of its strings: [`Action::mechanism_state`].
     #[must_use]
     pub fn mechanism_state(&self, key: usize) -> MechanismState {
         MechanismState::new(&self.own[key - 1].identity, self.bank.save(key - 1), None)
@@ -270,7 +270,7 @@ impl Keys {
         self.bank.surfaces(key - 1).map_or(Ok(()), |surfaces| strings_are_finite(surfaces, strings))
     }
 
-    /// The same from its parts: [`Action::restore_from`].
+    /// Restores a key from the parts of a state: [`Action::restore_from`].
     ///
     /// # Errors
     /// [`SnapshotError`].

@@ -49,7 +49,7 @@ pub enum PlayError {
     },
 }
 
-/// What there is to be read after a step: SI units, key and finger positive downward (pushing), hammer positive upward.
+/// The readings after a step: SI units, key and finger positive downward (pushing), hammer positive upward.
 ///
 /// Places and speeds are those at the step's end, from rest. The two forces acted in the step: they belong to its theta
 /// point, half a step before. (A run's rows centre them on the row's instant by the step after; a reading does not wait
@@ -433,8 +433,8 @@ impl Action {
         self.restore_from(&snapshot.mechanism, &|name, number| snapshot.each(name, number))
     }
 
-    /// The same from its parts. `strings` tells the numbers of a list by its name and returns how many there are; of
-    /// none, modal strings are at rest. Does not allocate.
+    /// Restores a state from its parts. `strings` tells the numbers of a list by its name and returns how many there
+    /// are; of none, modal strings are at rest. Does not allocate.
     ///
     /// # Errors
     /// As [`Action::restore`].

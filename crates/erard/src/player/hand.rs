@@ -93,7 +93,7 @@ pub enum HandError {
     Stroke,
 }
 
-/// What a hand is and what its muscle does in one step. Positions in m below the key front's rest; forces and
+/// A hand, and the input of its muscle in one step. Positions in m below the key front's rest; forces and
 /// velocities positive downward. The numbers of the muscle belong to the step's theta point. [`Hand::input`] makes it
 /// of a hand and the input of its muscle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,8 +1,8 @@
-//! What drives an action: owned values, one for each step.
+//! The drive of an action: owned values, one for each step.
 
 use super::hand::HandInput;
 
-/// What drives the key in a step. Forces in N, positions in m from the key front's rest, both positive downward
+/// The drive of the key in a step. Forces in N, positions in m from the key front's rest, both positive downward
 /// (pushing).
 ///
 /// The numbers of a force or of a soft finger belong to the step's theta point (with the usual theta of 1/2: its
@@ -79,7 +79,7 @@ pub const LARGEST_SPEED_M_PER_S: f64 = 100.0;
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("found {found}; expected a number of at most {most} {unit} either way")]
 pub struct InputRange {
-    /// What was given, in `unit`.
+    /// The value given, in `unit`.
     pub found: f64,
     /// The largest, in `unit`.
     pub most: f64,

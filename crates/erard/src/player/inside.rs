@@ -1,4 +1,4 @@
-//! What can be seen of the inside of the action in a run: pin reactions and accelerations, and where the energy goes.
+//! Pin reactions, accelerations and the flow of energy in a run.
 
 use super::Observer;
 use super::losses::LossRecorder;

@@ -1,4 +1,4 @@
-//! What observes the steps of a run.
+//! Observers of the steps of a run.
 
 use crate::mechanism::Mechanism;
 

@@ -1,4 +1,4 @@
-//! What the pins carry: reactions in both components, and angular accelerations.
+//! Reactions of the pins in both components, and angular accelerations.
 //!
 //! The engine's coordinates are angles, so that no pin force appears in its equations. Newton's and Euler's laws give
 //! them back, body by body from the leaves of the tree to the ground: with the acceleration of each centre of mass from
@@ -71,7 +71,7 @@ impl Reactions {
         &self.motion.acceleration
     }
 
-    /// What Euler's law about each body's pin leaves over in the last step, N m: inertia less all moments, those of its
+    /// The residual of Euler's law about each body's pin in the last step, N m: inertia less all moments, those of its
     /// riders' pins among them. Zero but for what the step's Newton iteration left and for the pose that its inertia
     /// was taken at.
     #[must_use]

@@ -1,4 +1,4 @@
-//! What steps cost: counts of steps and iterations.
+//! The work of steps: counts of steps and iterations.
 
 use moreau::{ControlledStep, Outcome, StepReport};
 

@@ -1,4 +1,4 @@
-//! What was done to a recording, and what was noticed: as data and in words.
+//! The report of a recording: what was done to it and what was noticed, as data and in words.
 
 use crate::stroke::{Gaps, Role};
 

@@ -173,7 +173,7 @@ impl Setup {
         Setup { settings: Settings::new(instrument.usual_step_s()), ..Setup::new(duration_s) }
     }
 
-    /// What drives the key under a stroke: the stroke, or the hand that it moves. A run ends as from a number that is
+    /// The drive of the key under a stroke: the stroke, or the hand that it moves. A run ends as from a number that is
     /// not finite where the stroke later imposes the key's motion, which no hand can.
     ///
     /// # Errors

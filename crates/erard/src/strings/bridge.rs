@@ -27,7 +27,7 @@ use crate::instrument::BridgeMode;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Bridge {
     modes: Vec<Own>,
-    /// What w does to the strings' modes: their rows' "shape" is b_n.
+    /// The effect of w on the strings' modes: their rows' "shape" is b_n.
     pub row: Row,
     /// K, N/m.
     stiffness_n_m: f64,

@@ -45,7 +45,7 @@ pub(super) struct Felt {
     /// other way round, m/N.
     rocks_m_n: f64,
     pub rocked_by_m_n: [f64; 2],
-    /// What a newton that rocks it adds to S in a step.
+    /// Change of S in a step by a newton that rocks it.
     pub rocking_sounds: f64,
 }
 

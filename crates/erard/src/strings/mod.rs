@@ -124,7 +124,7 @@ impl Instrument {
         if self.has_yielding_strings() { SOUNDING_STEP_S } else { STEP_S }
     }
 
-    /// The same instrument with a rigid string.
+    /// A copy of the instrument with a rigid string.
     #[must_use]
     pub fn with_rigid_string(&self) -> Self {
         let mut other = self.clone();

@@ -15,7 +15,7 @@ pub(super) struct Block {
     pub qv: [f64; WIDE],
     pub vq: [f64; WIDE],
     pub vv: [f64; WIDE],
-    /// What a newton on the hammer's felt that lasts for the step adds to q, m, and to v, m/s.
+    /// Change of q, m, and of v, m/s, by a newton on the hammer's felt that lasts for the step.
     pub fq: [f64; WIDE],
     pub fv: [f64; WIDE],
     /// Its part of the felt's displacement per metre, with the string's share of the felt.

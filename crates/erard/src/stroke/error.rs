@@ -1,4 +1,4 @@
-//! What is wrong with a stroke file, and where.
+//! Faults of a stroke file, and where they are.
 
 /// The one thing that is wrong with a stroke file: where it stands, what was found, what was expected.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

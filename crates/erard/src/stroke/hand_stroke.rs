@@ -1,4 +1,4 @@
-//! What a pianist's hand does with a key: a hand ([`Hand`]) and what its muscle does, to the release of the key.
+//! The stroke of a pianist's hand: a hand ([`Hand`]) and the force of its muscle, to the release of the key.
 //!
 //! The built-in touches ([`HandStroke::pressed`], [`HandStroke::struck`]) have one number that makes them louder;
 //! [`crate::level`] finds it for a hammer speed. Goebl, Bresin and Galembo (J. Acoust. Soc. Am. 118 (2005) 1154) tell

@@ -125,7 +125,7 @@ impl std::fmt::Display for Warning {
     }
 }
 
-/// What the energy balance leaves unexplained, over what was turned over: the work that the drive put in, or all that
+/// The residual of the energy balance, over the energy turned over: the work that the drive put in, or all that
 /// was lost where that is more, or [`LEAST_TURNOVER_J`].
 #[must_use]
 pub fn energy_residual(ledger: &Ledger) -> f64 {

@@ -1,5 +1,5 @@
-//! What must be the same bits on every target: here, and in the program that `crates/erard/tests/wasm/run` compiles for
-//! WebAssembly.
+//! Runs that must give the same bits on every target: here, and in the program that `crates/erard/tests/wasm/run`
+//! compiles for WebAssembly.
 
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;

@@ -82,9 +82,9 @@ pub struct EnergyAudit<'a> {
     start_j: f64,
     work_j: f64,
     work_in_j: f64,
-    /// What every pin has lost by dry and by viscous friction, J.
+    /// Losses of every pin by dry and by viscous friction, J.
     pub pins_j: Vec<[f64; 2]>,
-    /// What every zone has lost in its felt and by sliding, J.
+    /// Losses of every zone in its felt and by sliding, J.
     pub zones_j: Vec<[f64; 2]>,
     before: Moment,
     now: Moment,
@@ -183,7 +183,7 @@ impl<'a> EnergyAudit<'a> {
         }
     }
 
-    /// What the energy balance leaves unexplained, as [`erard::trust::energy_residual`] does.
+    /// The residual of the energy balance, as [`erard::trust::energy_residual`] does.
     pub fn residual(&self) -> f64 {
         let lost_j: f64 = self.lost_j().iter().sum();
         let left = self.stored_j() - self.start_j - self.work_j + lost_j;

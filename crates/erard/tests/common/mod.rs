@@ -1,4 +1,4 @@
-//! What the physical tests share: the grand, and runs of it under named drives.
+//! The grand, and runs of it under named drives, for the physical tests.
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
 pub mod digests;

@@ -99,7 +99,7 @@ pub fn perturbed(grand: &Instrument, seed: u64) -> Instrument {
     i
 }
 
-/// What happened to one random instrument.
+/// The outcome of one random instrument.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Fate {
     /// Its seed.

@@ -257,7 +257,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         }
     }
 
-    /// The same, but steps that would change nothing are left out: of lanes, where none of them would change. The same
+    /// As `step`, without the steps that would change nothing: of lanes, where none of them would change. The same
     /// bits either way.
     ///
     /// # Panics

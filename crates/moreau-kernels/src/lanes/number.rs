@@ -1,4 +1,4 @@
-//! What vector numbers have in common, written once for every width and precision.
+//! Operations of vector numbers, written once for every width and precision.
 //!
 //! A module that uses these macros gives the lane type, the width, and the intrinsics. Its numbers are private to this
 //! module and exist only inside the kernels of `kernels.rs`, which are entered after the processor has been asked for

@@ -1,4 +1,4 @@
-//! What if a part sat elsewhere: moves of the designer and the technician.
+//! Moves of parts, as a designer or a technician makes them.
 
 use super::{ThreeLever, ThreeLeverError};
 

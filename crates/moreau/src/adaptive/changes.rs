@@ -1,4 +1,4 @@
-//! What became of the set-valued laws during a step in two halves, and the error that comes of it.
+//! The state changes of the set-valued laws during a step in two halves, and the error that they cause.
 //!
 //! Within one inner step a law has one side: that of its velocity at the end. Where it changes within the step, whole
 //! and halves may err alike, so that their difference does not show it. What they hide is computed here from the

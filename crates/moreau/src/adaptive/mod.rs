@@ -78,7 +78,7 @@ pub struct StepDoubling<T: Real, const B: usize, const Z: usize, const N: usize>
     pub settings: Settings<T>,
     /// The state between them.
     pub middle: State<T, B, Z>,
-    /// What acted in each.
+    /// The forces of each half step.
     pub workspace: [Workspace<T, B, Z, N>; 2],
     end: State<T, B, Z>,
     whole: State<T, B, Z>,

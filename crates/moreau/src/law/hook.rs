@@ -1,5 +1,5 @@
-//! What the engine asks of a contact law, and all that it asks: the contract. `../law_contract.rs` holds every law to
-//! it.
+//! The contract between the engine and a contact law: the engine asks nothing else of it. `../law_contract.rs` holds
+//! every law to it.
 //!
 //! A law's force over a step is its rate part ([`RatePart`]: what depends on compression and rate now), or, where it
 //! has a memory, what [`Law::press`] says in its place. Both are mean forces along the step's straight path in g. Every

@@ -1,4 +1,4 @@
-//! What every contact law stands on: the spring k g^r, and what a law makes of it within a step.
+//! The spring k g^r under every contact law, and the force that a law makes of it within a step.
 
 use crate::real::{Real, Scalar};
 

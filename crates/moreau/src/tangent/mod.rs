@@ -37,8 +37,8 @@ const CLOSER: [f64; 2] = [0.02, 4.0 * RESOLUTION];
 /// leaves out.
 const ITERATIONS: u32 = 16;
 
-/// What drives an inner step that begins so many s after the outer step's start and lasts so long, s; the last argument
-/// is where the driven point is then.
+/// The drive of an inner step that begins so many s after the outer step's start and lasts so long, s; the last
+/// argument is where the driven point is then.
 pub type Driven<'a, const D: usize> = dyn FnMut(f64, f64, Dual<D>) -> Input<Dual<D>> + 'a;
 
 /// Report of a step.

@@ -142,7 +142,7 @@ pub(crate) struct Rung {
     pub blow: FirstBlow,
     /// Root mean square of the relative error of the hammer speed over the neighbouring steps.
     pub speed: f64,
-    /// The same of the contact instant, s.
+    /// That of the contact instant, s.
     pub contact: f64,
 }
 

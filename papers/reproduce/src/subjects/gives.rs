@@ -1,4 +1,4 @@
-//! What gives in a blow: how far key, shank, heel and knuckle yield at each instant, and what each does to timing.
+//! Compliance in a blow: how far key, shank, heel and knuckle yield at each instant, and what each does to timing.
 
 use moreau::Settings;
 

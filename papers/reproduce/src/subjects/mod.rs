@@ -57,10 +57,10 @@ pub struct Subject {
 
 pub use erard::Progress;
 
-/// What came of a subject.
+/// The section of the report on a subject.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Section {
-    /// What was done, a paragraph each.
+    /// The method, in paragraphs.
     pub text: Vec<String>,
     /// The claims, each with its verdict.
     pub claims: Vec<Claim>,
@@ -77,9 +77,9 @@ pub struct Section {
 pub struct Claim {
     /// Who says it, e.g. `[T12] fig. 3`.
     pub source: &'static str,
-    /// What is claimed.
+    /// The claim.
     pub says: String,
-    /// What was measured here.
+    /// The value measured here.
     pub measured: String,
     /// Whether it holds.
     pub holds: bool,
@@ -94,7 +94,7 @@ impl Claim {
 /// A table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// What it shows.
+    /// The caption.
     pub caption: String,
     /// Column names.
     pub header: Vec<String>,

@@ -1,4 +1,4 @@
-//! What the papers leave for later, and what of it is here.
+//! Work that the papers leave for later, and how much of it is here.
 
 use super::{Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;

@@ -1,5 +1,5 @@
-//! What a finger could feel of the mechanism, and how well it controls the blow: the papers' two remarks on touch, as
-//! numbers.
+//! Touch and control: how much of the mechanism a finger could feel, and how well it controls the blow; the papers' two
+//! remarks, as numbers.
 //!
 //! **The fine structure of the force.** The whole action and one degree of freedom are led through the same motion of
 //! the key; the difference of the forces that this takes is what the mechanism adds to the touch beyond inertia and

@@ -14,7 +14,7 @@ use crate::common::tree::{Look, Thing, look};
 const GRAND: &str = include_str!("../../../../../instruments/concert-grand-rigid.toml");
 const STROKE: &str = "time_s,force_N,position_m\n0,0,0\n0.01,3,0.001\n0.02,3,0.003\n";
 
-/// What is read.
+/// Input files.
 pub const INPUTS: [&str; 24] = [
     "in/good.toml",
     "in/good.csv",
@@ -104,7 +104,7 @@ impl World {
         command
     }
 
-    /// What has changed that must not: see the rules of `erard_cli::output`.
+    /// Forbidden changes: see the rules of `erard_cli::output`.
     pub fn faults(&self, before: &Look, line: &Line, code: Option<i32>) -> Vec<String> {
         let after = self.look();
         self.changed.set(after != self.first);

@@ -11,7 +11,7 @@ pub struct Block {
     pub kind: Kind,
 }
 
-/// What a block is, by its info string.
+/// The kind of a block, by its info string.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Kind {
     /// `sh`: commands that succeed.

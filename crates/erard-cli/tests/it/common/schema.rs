@@ -16,7 +16,7 @@ pub fn kind(value: &Value) -> &'static str {
     }
 }
 
-/// What of a value is not as its schema says.
+/// Collects the places where a value breaks its schema.
 pub fn faults(value: &Value, schema: &Value, path: &str, found: &mut Vec<String>) {
     let schema = schema.as_object().unwrap();
     let known = ["$schema", "title", "type", "required", "properties", "items", "additionalProperties"];

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What stands under a path.
+/// A file or folder under a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Thing {
     Folder,

@@ -1,4 +1,4 @@
-//! What of a grand action is round, or varies in number or size with more than a place.
+//! Parts of a grand action that are round, or vary in number or size with more than a place.
 
 use super::chain::{Look, carried};
 use super::parts::{Component, Parts};

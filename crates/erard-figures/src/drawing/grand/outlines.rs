@@ -15,7 +15,7 @@ use crate::drawing::material::Finish;
 pub(super) enum Entry {
     /// An outline that hangs on places.
     Outline(Outline),
-    /// What `made` draws.
+    /// A part that `made` draws.
     Made { made: Made },
 }
 

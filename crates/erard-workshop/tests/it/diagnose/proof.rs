@@ -41,7 +41,7 @@ fn read(truth: &Known, chance: &mut Chance) -> Known {
     read
 }
 
-/// What became of one piano.
+/// The outcome for one piano.
 #[derive(Debug)]
 pub struct Course {
     at: usize,
@@ -137,7 +137,7 @@ pub fn course(planted: &Planted) -> Course {
     Course { at, number, cause, case, ranks, is_work, asked, out: out_of, named: named.collect::<Vec<_>>().join(", ") }
 }
 
-/// What was found over many pianos.
+/// The outcome over many pianos.
 #[derive(Debug, Default)]
 pub struct Tally {
     pub courses: Vec<Course>,

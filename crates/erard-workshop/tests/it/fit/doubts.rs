@@ -1,4 +1,4 @@
-//! What makes a fit doubtful is said, kind by kind, and a good fit has no doubts.
+//! Every kind of doubt about a fit is reported, and a good fit has none.
 
 use erard_workshop::fit::{DoubtKind, LeastSquares, Solution, Solver, fit_by};
 

@@ -45,7 +45,7 @@ impl Chance {
     }
 }
 
-/// What was done to a piano.
+/// The disturbances of a piano.
 #[derive(Debug, Clone)]
 pub struct Disturbed {
     pub instrument: Instrument,
@@ -144,9 +144,9 @@ fn seen(truth: &Readings, chance: &mut Chance) -> Readings {
 pub struct Pass {
     /// The lines, as they were carried out.
     pub lines: Vec<String>,
-    /// What was left, and why.
+    /// The lines that were left, and why.
     pub left: Vec<Left>,
-    /// What was read before it.
+    /// The readings before it.
     pub read: Readings,
     /// The truth after it.
     pub truth: Readings,
@@ -174,7 +174,7 @@ pub fn pass(piano: &mut Instrument, leads: &mut Vec<Lead>, model: &Instrument, c
     Pass { lines, left: list.left, read, truth: Readings::of(piano, go_on).unwrap() }
 }
 
-/// What became of one piano.
+/// The outcome for one piano.
 pub struct Course {
     pub what: Vec<String>,
     pub before: Readings,
@@ -195,7 +195,7 @@ pub fn course(healthy: &Instrument, model: &Instrument, seed: u64) -> Course {
     Course { what, before, passes }
 }
 
-/// What the list made of many pianos.
+/// The outcome of the list for many pianos.
 #[derive(Debug, Default)]
 pub struct Tally {
     pub pianos: usize,

@@ -1,4 +1,4 @@
-//! What can be read of strings, and where the pedal is sent.
+//! Readings of strings, and where the pedal is sent.
 
 use super::Strings;
 use crate::instrument::PianoString;

@@ -1,4 +1,4 @@
-//! What the engine asks of strings as of any surface that yields.
+//! Strings as surfaces that yield, for the engine.
 
 use std::any::Any;
 
