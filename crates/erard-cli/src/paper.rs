@@ -3,6 +3,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use clap::Args;
+use erard_figures::HOUSE_STYLE;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::names::{Name, one_of};
@@ -38,13 +39,14 @@ fn words(text: &str) -> Result<String, String> {
     }
 }
 
-/// A page that opens from disk and prints well: nothing is fetched, and there is no script.
+/// A page that opens from disk and prints well: nothing is fetched, and there is no script. `style` is what it adds to
+/// the style of every page.
 pub(crate) fn page(title: &str, style: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
             (html_head(title, style))
-            body { (body) }
+            body { main { (body) } }
         }
     };
     page.into_string() + "\n"
@@ -65,7 +67,7 @@ fn html_head(title: &str, style: &str) -> Markup {
                 content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
             meta name="viewport" content="width=device-width, initial-scale=1";
             title { (title) }
-            style { (PreEscaped(style)) }
+            style { (PreEscaped(HOUSE_STYLE)) (PreEscaped(style)) }
         }
     }
 }

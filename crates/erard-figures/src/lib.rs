@@ -9,3 +9,6 @@ pub mod made_by;
 pub mod page;
 pub mod roll;
 mod svg;
+
+/// The style of every page: colours by day and night, type, tables, figures, print. A page adds what only it has.
+pub const HOUSE_STYLE: &str = include_str!("house.css");

@@ -44,7 +44,7 @@ pub struct RollNote {
     pub link: Option<String>,
 }
 
-/// The style of rolls; colours are those of the page they stand in: `--ink`, `--soft`, `--rule`, `--red`, `--blue`.
+/// The style of rolls; colours are those of the page they stand in, [`crate::HOUSE_STYLE`].
 pub const ROLL_STYLE: &str = include_str!("roll.css");
 
 /// The roll as an SVG for a page: one row for each key from the lowest to the highest, an outline where a note is
@@ -58,7 +58,9 @@ pub fn roll_svg(title: &str, notes: &[RollNote], duration_s: f64, name_of: &dyn 
     let bottom = TOP_PX + ROW_PX * (highest - lowest + 1) as f64;
     let top_of = |key: usize| TOP_PX + ROW_PX * (highest - key) as f64;
     let mut out = format!(
-        "<svg class=\"roll\" role=\"img\" xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\"><title>",
+        "<svg class=\"roll\" role=\"{role}\" xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\"><title>",
+        // A picture that holds links is a group of them.
+        role = if notes.iter().any(|note| note.link.is_some()) { "group" } else { "img" },
         w = number(width),
         h = number(bottom + 4.0)
     );

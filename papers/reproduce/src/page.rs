@@ -1,5 +1,6 @@
 //! The page.
 
+use erard_figures::HOUSE_STYLE;
 use erard_figures::figure::chart_svg;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -25,15 +26,20 @@ pub(crate) fn page(instrument: &str, all: &[Reproduced]) -> String {
                 meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { "The papers, reproduced" }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(HOUSE_STYLE)) (PreEscaped(STYLE)) }
             }
             body {
-                main {
-                    h1 { "The papers, reproduced" }
-                    p { "Instrument: " (instrument) ". Program: erard " (env!("CARGO_PKG_VERSION")) "." }
-                    (introduction())
-                    (overview(all))
-                    @for one in all { (section(one)) }
+                div.indexed {
+                    nav.index aria-label="Contents" {
+                        a href="#claims" { "Claims" }
+                        @for one in all { a href={ "#" (one.subject.name) } { (one.subject.title) } }
+                    }
+                    main {
+                        h1 { "The papers, reproduced" }
+                        (overview(all))
+                        (introduction(instrument))
+                        @for one in all { (section(one)) }
+                    }
                 }
             }
         }
@@ -41,14 +47,14 @@ pub(crate) fn page(instrument: &str, all: &[Reproduced]) -> String {
     page.into_string() + "\n"
 }
 
-fn introduction() -> Markup {
+fn introduction(instrument: &str) -> Markup {
     html! {
         p {
-            "Every number below was computed when this page was written; nothing is kept from one time to the next. Each section names \
-             the command that makes just it again. Times on the clock differ from run to run and stand in tables that say so; \
-             everything else, and every figure, is the same each time."
+            "Instrument: " (instrument) ". Program: erard " (env!("CARGO_PKG_VERSION")) ". Every number was computed when this \
+             page was written. Each section names the command that computes it again. Times on the clock differ from run to \
+             run, and their tables say so; everything else, and every figure, is the same each time."
         }
-        p.sources {
+        p.soft {
             "[T12] Thorin, Boutillon, Lozada, Merlhiot, "
             i { "Simulation of a non-smooth dynamical model of the piano key" }
             ". [T13] Thorin, Boutillon, Merlhiot, Lozada, "
@@ -60,24 +66,37 @@ fn introduction() -> Markup {
     }
 }
 
+/// The verdict: how many claims hold, those that do not, and the count of every subject.
 fn overview(all: &[Reproduced]) -> Markup {
-    let claims = || all.iter().flat_map(|one| &one.section.claims);
-    let (held, count) = (claims().filter(|c| c.holds).count(), claims().count());
+    let claims = || all.iter().flat_map(|one| one.section.claims.iter().map(move |claim| (one, claim)));
+    let (held, count) = (claims().filter(|(_, claim)| claim.holds).count(), claims().count());
     html! {
         h2 #claims { "Claims" }
-        p { (held) " of " (count) " hold." }
-        div.wide tabindex="0" role="region" aria-label="Claims" { table.claims {
-            thead { tr { @for heading in ["where", "the claim", "measured here", "holds", "again"] { th { (heading) } } } }
-            tbody {
-                @for one in all {
-                    @for claim in &one.section.claims {
-                        tr class=(verdict(claim)) {
+        p { b { (held) " of " (count) " hold." } @if held < count { " These do not:" } }
+        @if held < count {
+            div.wide tabindex="0" role="region" aria-label="Claims that do not hold" { table {
+                thead { tr { @for heading in ["where", "the claim", "measured here", "section"] { th scope="col" { (heading) } } } }
+                tbody {
+                    @for (one, claim) in claims().filter(|(_, claim)| !claim.holds) {
+                        tr {
                             td { (claim.source) }
-                            td { (claim.says) }
-                            td { (claim.measured) }
-                            td { @if claim.holds { "yes" } @else { "NO" } }
-                            td { a href={ "#" (one.subject.name) } { code { "--only " (one.subject.name) } } }
+                            td { (with_code(&claim.says)) }
+                            td.out { (with_code(&claim.measured)) }
+                            td { a href={ "#" (one.subject.name) } { (one.subject.title) } }
                         }
+                    }
+                }
+            } }
+        }
+        div.wide tabindex="0" role="region" aria-label="Claims by section" { table {
+            thead { tr { th scope="col" { "section" } th.n scope="col" { "claims that hold" } th scope="col" { "to compute it again" } } }
+            tbody {
+                @for one in all.iter().filter(|one| !one.section.claims.is_empty()) {
+                    @let holds = one.section.claims.iter().filter(|claim| claim.holds).count();
+                    tr {
+                        td { a href={ "#" (one.subject.name) } { (one.subject.title) } }
+                        td.n { (holds) " of " (one.section.claims.len()) }
+                        td { code { "erard-reproduce --only " (one.subject.name) } }
                     }
                 }
             }
@@ -95,7 +114,7 @@ fn section(one: &Reproduced) -> Markup {
     html! {
         section id=(name) {
             h2 { (one.subject.title) }
-            p.again { "Again: " code { "erard-reproduce --only " (name) } }
+            p.soft.again { "Again: " code { "erard-reproduce --only " (name) } }
             @for paragraph in &section.text { p { (with_code(paragraph)) } }
             @for claim in &section.claims {
                 div class={ "claim " (verdict(claim)) } {
@@ -106,10 +125,14 @@ fn section(one: &Reproduced) -> Markup {
                     }
                 }
             }
-            @for (index, chart) in section.charts.iter().enumerate() {
-                figure {
-                    (PreEscaped(chart_svg(chart, &format!("{name}-{index}")).trim_end()))
-                    figcaption { (chart.caption) }
+            @if !section.charts.is_empty() {
+                div.figures {
+                    @for (index, chart) in section.charts.iter().enumerate() {
+                        figure {
+                            (PreEscaped(chart_svg(chart, &format!("{name}-{index}")).trim_end()))
+                            figcaption { (chart.caption) }
+                        }
+                    }
                 }
             }
             @for (caption, text) in &section.listings { figure { pre tabindex="0" { (text) } figcaption { (caption) } } }
@@ -137,7 +160,7 @@ fn table(table: &Table) -> Markup {
         div.wide tabindex="0" role="region" aria-label=(table.caption) {
             table class=[table.clock.then_some("clock")] {
                 caption { (table.caption) }
-                thead { tr { @for (k, cell) in table.header.iter().enumerate() { th class=[class(k)] { (cell) } } } }
+                thead { tr { @for (k, cell) in table.header.iter().enumerate() { th scope="col" class=[class(k)] { (cell) } } } }
                 tbody {
                     @for row in &table.rows {
                         tr { @for (k, cell) in row.iter().enumerate() { td class=[class(k)] { (with_code(cell)) } } }

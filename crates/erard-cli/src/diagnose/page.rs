@@ -60,7 +60,7 @@ fn of_key(one: &Diagnosis, work: &Work<'_>) -> Markup {
             h2 { (verdict(one)) }
             @if !one.causes.is_empty() {
                 table.list {
-                    thead { tr { th {} th { "cause" } th { "test that tells it apart" } th { "then" } th.tick { "done" } } }
+                    thead { tr { td {} th { "cause" } th { "test that tells it apart" } th { "then" } th.tick { "done" } } }
                     tbody {
                         @for (rank, ranked) in one.causes.iter().enumerate() {
                             tr {
@@ -102,7 +102,7 @@ fn of_key(one: &Diagnosis, work: &Work<'_>) -> Markup {
 fn readings(one: &Diagnosis, work: &Work<'_>) -> Markup {
     html! {
         table {
-            thead { tr { th { "reading" } th.n { "here" } th {} th.n { "usual" } } }
+            thead { tr { th { "reading" } th.n { "here" } td {} th.n { "usual" } } }
             tbody {
                 @for line in &one.lines {
                     @let number = value(line.value, line.unit, line.decimals, work.lengths);

@@ -155,21 +155,19 @@ fn figure(sides: &[Side; 2]) -> String {
 fn page(sides: &[Side; 2], figure: &str) -> String {
     let title = format!("{} beside {}", sides[0].name, sides[1].name);
     let body = html! {
-        main {
-            header {
-                h1 { (title) }
-                dl {
-                    div { dt { "1" } dd { (sides[0].name) } }
-                    div { dt { "2" } dd { (sides[1].name) } }
-                }
+        header {
+            h1 { (title) }
+            dl {
+                div { dt { "1" } dd { (sides[0].name) } }
+                div { dt { "2" } dd { (sides[1].name) } }
             }
-            figure {
-                (picture("Weights and hammer speeds of both keyboards over the number of the key; the table below holds the numbers", figure))
-            }
-            div.wide tabindex="0" role="region" aria-label="Every key" { (table(sides)) }
-            p.soft {
-                "Touch weights as measured in a slow loop, dampers lifted. Hammer speed: pressed once with a mezzo forte."
-            }
+        }
+        figure {
+            (picture("Weights and hammer speeds of both keyboards over the number of the key; the table below holds the numbers", figure))
+        }
+        div.wide tabindex="0" role="region" aria-label="Every key" { (table(sides)) }
+        p.soft {
+            "Touch weights as measured in a slow loop, dampers lifted. Hammer speed: pressed once with a mezzo forte."
         }
     };
     paper::page(&title, &format!("{STYLE}@page{{size:A4 landscape}}body{{max-width:75rem}}"), &body)

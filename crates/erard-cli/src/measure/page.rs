@@ -15,7 +15,16 @@ use maud::{Markup, html};
 
 const STYLE: &str = include_str!("page.css");
 
-/// The page: flags first, then the pictures, the table and the timing sheets.
+/// Sections of the page and their headings, in their order.
+const HEADINGS: [(&str, &str); 5] = [
+    ("measures", "Measures"),
+    ("timing", "Timing sheet"),
+    ("flight", "Free flight"),
+    ("bench", "At the bench"),
+    ("pictures", "Pictures"),
+];
+
+/// The page: what is out of its range first, then the tables, then the pictures.
 pub(crate) fn html(
     measured: &[Measured],
     drawings: &[Drawn],
@@ -25,28 +34,34 @@ pub(crate) fn html(
 ) -> String {
     let names: Vec<&str> = measured.iter().map(|one| one.label.as_str()).collect();
     let title = names.join(" beside ");
+    let several = measured.len() > 1;
     let body = html! {
-        main {
-            h1 { (title) }
-            @if headed.serial.is_some() || headed.date.is_some() {
-                p {
-                    @if let Some(serial) = &headed.serial { "Serial " (serial) ". " }
-                    @if let Some(date) = &headed.date { (date) }
+        div.indexed {
+            nav.index aria-label="Contents" {
+                @for (id, heading) in HEADINGS { a href={ "#" (id) } { (heading) } }
+            }
+            div {
+                h1 { (title) }
+                @if headed.serial.is_some() || headed.date.is_some() {
+                    p {
+                        @if let Some(serial) = &headed.serial { "Serial " (serial) ". " }
+                        @if let Some(date) = &headed.date { (date) }
+                    }
                 }
+                @if let Some(note) = &headed.note { p { (note) } }
+                p.soft {
+                    "Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
+                     Grams on the key are gram weights on the key front."
+                }
+                @for one in measured { (flags(one, several)) }
+                (table(measured, lengths))
+                div id="timing" { @for one in measured { (timing(one, several)) } }
+                div id="flight" { @for one in measured { (flight(one, several)) } }
+                div id="bench" { @for one in measured { (bench(one, several)) } }
+                h2 id="pictures" { "Pictures" }
+                @for drawn in drawings { (captioned(drawn, None, &at_night(&drawn.svg))) }
+                @for drawn in figures { (captioned(drawn, Some("plot"), &drawn.svg)) }
             }
-            @if let Some(note) = &headed.note { p { (note) } }
-            p.soft {
-                "Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
-                 Grams on the key are gram weights on the key front."
-            }
-            @for one in measured { (flags(one, measured.len() > 1)) }
-            h2 { "Pictures" }
-            @for drawn in drawings { (captioned(drawn, None, &at_night(&drawn.svg))) }
-            @for drawn in figures { (captioned(drawn, Some("plot"), &drawn.svg)) }
-            (table(measured, lengths))
-            @for one in measured { (timing(one, measured.len() > 1)) }
-            @for one in measured { (flight(one, measured.len() > 1)) }
-            @for one in measured { (bench(one, measured.len() > 1)) }
         }
     };
     page(&format!("{title}: protocol sheet"), &format!("{STYLE}{}", on_every_page(&title, headed)), &body)
@@ -90,7 +105,7 @@ fn table(measured: &[Measured], lengths: Lengths) -> Markup {
     let is_shown =
         |line: &&Line| line.norm().is_some() || measured.iter().any(|one| (line.value)(&one.sheet).is_some());
     html! {
-        h2 { "Measures" }
+        h2 id="measures" { "Measures" }
         div.wide tabindex="0" role="region" aria-label="Measures" { table {
             thead {
                 tr {

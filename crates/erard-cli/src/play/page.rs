@@ -11,8 +11,7 @@ use super::{Played, Side};
 use crate::paper::page;
 
 const STYLE: &str = include_str!("../paper.css");
-/// The colour of what sounded, by day and by night.
-const BLUE: &str = ":root{--blue:#2f6690}@media screen and (prefers-color-scheme:dark){:root{--blue:#7fb5dc}}.roll-frame{overflow-x:auto;border:1px solid var(--rule)}";
+const FRAME: &str = ".roll-frame{overflow-x:auto;border:1px solid var(--rule)}";
 /// So many notes that went wrong stand on the page.
 const LISTED: usize = 300;
 
@@ -45,7 +44,7 @@ pub(crate) fn html(played: &Played<'_>) -> String {
             @for remark in &played.score.remarks { p { (remark) "." } }
         }
     };
-    page(&title, &format!("{STYLE}{BLUE}{ROLL_STYLE}"), &body)
+    page(&title, &format!("{STYLE}{FRAME}{ROLL_STYLE}"), &body)
 }
 
 fn roll(played: &Played<'_>, side: &Side) -> Markup {

@@ -9,6 +9,7 @@ mod scene;
 
 pub use scene::scene;
 
+use crate::HOUSE_STYLE;
 use crate::drawing::{self, ChangedNote, Drawing, Piece, changed_marks, gradients, shapes};
 use crate::figure::{self, Figure};
 use crate::svg::{escape, number};
@@ -156,7 +157,7 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
          script-src 'unsafe-inline'; img-src data: blob:\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n"
+         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{HOUSE_STYLE}{STYLE}</style>\n</head>\n"
     );
     let doubts: String = shown.iter().map(|one| doubts(one, shown.len() > 1)).collect();
     let changed: String = shown.iter().map(|one| changed_list(one, shown.len() > 1)).collect();
