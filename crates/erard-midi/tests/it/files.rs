@@ -180,3 +180,24 @@ fn damaged_files_are_read_or_refused() {
     println!("{read_well} read, {refused} refused");
     assert!(read_well > 1000 && refused > 10);
 }
+
+/// The seeds of the fuzzer: what each is made to hold is found in it.
+#[test]
+fn the_seeds_of_the_fuzzer() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds/midi");
+    let seed = |name: &str| read(&std::fs::read(format!("{folder}/{name}")).unwrap());
+    let counts = |name: &str| seed(name).map(|piece| [piece.notes.len(), piece.pedals.len(), piece.remarks.len()]);
+    let expected = [
+        ("00", Ok([1, 0, 0])),                // running status, a note-off by velocity 0
+        ("01", Ok([2, 0, 0])),                // one key on two tracks
+        ("02", Ok([1, 0, 0])),                // time code
+        ("03", Ok([2, 1, 1])),                // tempi, a note without end
+        ("04", Ok([1, 4, 0])),                // velocity in 14 bits, three pedals
+        ("05", Ok([0, 0, 2])),                // percussion, and a note below the keyboard
+        ("06", Err(ReadError::Sequences(2))), // format 2
+        ("07", Err(ReadError::NoTime)),       // no ticks
+        ("08", Ok([1, 1, 2])),                // a track that breaks off, with a note
+        ("09", Ok([1, 1, 1])),                // other messages, and the longest delta
+    ];
+    assert_eq!(expected.each_ref().map(|(name, _)| counts(name)), expected.each_ref().map(|(_, found)| found.clone()));
+}
