@@ -197,12 +197,7 @@ impl Play {
         say!("{}", report::text(played));
         for side in &played.sides {
             let times = score.duration_s / side.elapsed_s;
-            say!(
-                "{}: real-time factor {times:.2} ({:.1} s on {} threads; above 1 it is faster than it sounds)",
-                side.name,
-                side.elapsed_s,
-                played.threads
-            );
+            say!("{}: real-time factor {times:.2} ({:.1} s on {} threads)", side.name, side.elapsed_s, played.threads);
         }
         say!();
     }
