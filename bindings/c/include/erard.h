@@ -510,6 +510,13 @@ ErardStatus erard_save(const struct ErardAction *action, uint8_t *bytes, size_t 
 ErardStatus erard_set_pedal(struct ErardAction *action, double lift_m);
 
 /**
+ * Writes the force of the strings on the bridge now, N, to `force_n`, positive as the hammer pushes them; 0 for an
+ * action without modal strings. The sound that `erard press --wav` writes is this less its value at rest. Real time:
+ * yes.
+ */
+ErardStatus erard_bridge_force(const struct ErardAction *action, double *force_n);
+
+/**
  * The places at which erard_string_shape looks at the middle string, m from the striking point, away from its nearer
  * end: as many as `count` has room for are written to `places_m` (which may be NULL). Returns how many there are; 0
  * for an action without modal strings, and for NULL. Real time: yes.
@@ -576,6 +583,12 @@ ErardStatus erard_contact_forces(const struct ErardAction *action, double *force
 struct ErardKeyboard *erard_keyboard_new(const char *text, size_t length, double step_s, ErardStatus *status);
 
 /**
+ * A built-in keyboard by its name, as erard_keyboard_new makes one of a text: `concert-grand`, or
+ * `concert-grand-strings`, whose strings sound. NULL where there is none of that name, and as there. Real time: no.
+ */
+struct ErardKeyboard *erard_keyboard_builtin(const char *called, double step_s, ErardStatus *status);
+
+/**
  * Ends a keyboard. NULL does nothing. Real time: no.
  */
 void erard_keyboard_free(struct ErardKeyboard *keyboard);
@@ -603,6 +616,16 @@ ErardStatus erard_keyboard_place_hand(struct ErardKeyboard *keyboard,
                                       uint32_t key,
                                       double position_m,
                                       double velocity_m_per_s);
+
+/**
+ * Sends the sustain pedal's rail to a lift, m, under all keys that have one, as erard_set_pedal does. Real time: yes.
+ */
+ErardStatus erard_keyboard_set_pedal(struct ErardKeyboard *keyboard, double lift_m);
+
+/**
+ * Writes the force of a key's strings on the bridge now, N, to `force_n`, as erard_bridge_force does. Real time: yes.
+ */
+ErardStatus erard_keyboard_bridge_force(const struct ErardKeyboard *keyboard, uint32_t key, double *force_n);
 
 /**
  * So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their

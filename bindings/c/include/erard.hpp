@@ -83,15 +83,24 @@ class Action {
     [[nodiscard]] ErardStatus motion(double m, double m_per_s, ErardReading &r) noexcept {
         return erard_step_motion(own.get(), m, m_per_s, &r);
     }
+    [[nodiscard]] ErardStatus rigid(double m, double m_per_s, ErardReading &r) noexcept {
+        return erard_step_rigid(own.get(), m, m_per_s, &r);
+    }
     [[nodiscard]] ErardStatus step(const ErardInput &in, ErardReading &r) noexcept { return erard_step_input(own.get(), &in, &r); }
     [[nodiscard]] ErardStatus place_hand(double m, double m_per_s) noexcept { return erard_place_hand(own.get(), m, m_per_s); }
     [[nodiscard]] ErardStatus advance(double dt_s, const ErardInput &in, ErardReading &r) noexcept {
         return erard_advance(own.get(), dt_s, &in, &r);
     }
+    [[nodiscard]] ErardStatus set_pedal(double lift_m) noexcept { return erard_set_pedal(own.get(), lift_m); }
     ErardReading reading() const noexcept {
         ErardReading r{};
         erard_read(own.get(), &r);
         return r;
+    }
+    double bridge_force() const noexcept {
+        double n = 0.0;
+        erard_bridge_force(own.get(), &n);
+        return n;
     }
     std::vector<unsigned char> save() const {
         std::size_t n = 0;
@@ -109,6 +118,7 @@ class Action {
 
 class Keyboard {
     detail::Owned<ErardKeyboard> own;
+    explicit Keyboard(detail::Owned<ErardKeyboard> p) : own(std::move(p)) {}
 
   public:
     explicit Keyboard(double step_s = 50e-6) {
@@ -116,8 +126,38 @@ class Keyboard {
         auto *p = erard_keyboard_new(nullptr, 0, step_s, &s);
         own = detail::owned(p, s);
     }
+    static Keyboard builtin(const char *name, double step_s = 50e-6) {
+        ErardStatus s;
+        auto *p = erard_keyboard_builtin(name, step_s, &s);
+        return Keyboard(detail::owned(p, s));
+    }
     [[nodiscard]] ErardStatus drive(std::uint32_t key, const ErardInput &in) noexcept {
         return erard_keyboard_drive(own.get(), key, &in);
+    }
+    [[nodiscard]] ErardStatus place_hand(std::uint32_t key, double m, double m_per_s) noexcept {
+        return erard_keyboard_place_hand(own.get(), key, m, m_per_s);
+    }
+    [[nodiscard]] ErardStatus set_pedal(double lift_m) noexcept { return erard_keyboard_set_pedal(own.get(), lift_m); }
+    [[nodiscard]] ErardStatus read(std::uint32_t key, ErardReading &r) const noexcept {
+        return erard_keyboard_read(own.get(), key, &r);
+    }
+    [[nodiscard]] ErardStatus angles(std::uint32_t key, double *rad, std::size_t room) const noexcept {
+        return erard_keyboard_angles(own.get(), key, rad, room);
+    }
+    double bridge_force(std::uint32_t key) const noexcept {
+        double n = 0.0;
+        erard_keyboard_bridge_force(own.get(), key, &n);
+        return n;
+    }
+    std::vector<unsigned char> save() const {
+        std::size_t n = 0;
+        erard_keyboard_save(own.get(), nullptr, &n);
+        std::vector<unsigned char> bytes(n);
+        erard_keyboard_save(own.get(), bytes.data(), &n);
+        return bytes;
+    }
+    [[nodiscard]] ErardStatus restore(const std::vector<unsigned char> &bytes) noexcept {
+        return erard_keyboard_restore(own.get(), bytes.data(), bytes.size());
     }
     [[nodiscard]] ErardStatus step(std::uint32_t steps, ErardBlow *blows, std::size_t room, std::size_t &count) noexcept {
         return erard_keyboard_step(own.get(), steps, blows, room, &count);

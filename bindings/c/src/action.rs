@@ -3,7 +3,7 @@
 use std::ffi::{CString, c_char};
 use std::ptr::null_mut;
 
-use erard::strings::ShapeProbe;
+use erard::strings::{ShapeProbe, Strings};
 use erard::{Action, Input, Instrument};
 
 use crate::instrument::{ErardInstrument, parse};
@@ -284,6 +284,21 @@ pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) 
     }
     quick(|| {
         action.play.action.set_pedal(lift_m);
+        ErardStatus::Ok
+    })
+}
+
+/// Writes the force of the strings on the bridge now, N, to `force_n`, positive as the hammer pushes them; 0 for an
+/// action without modal strings. The sound that `erard press --wav` writes is this less its value at rest. Real time:
+/// yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_bridge_force(action: *const ErardAction, force_n: *mut f64) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or what their types say.
+    let (Some(action), Some(force_n)) = (unsafe { action.as_ref() }, unsafe { force_n.as_mut() }) else {
+        return ErardStatus::Null;
+    };
+    quick(|| {
+        *force_n = action.play.action.strings().map_or(0.0, Strings::bridge_n);
         ErardStatus::Ok
     })
 }

@@ -12,10 +12,11 @@ use std::ptr::null_mut;
 use erard::instrument::{InstrumentFile, with_numbers};
 use erard::player::SNAPSHOT_MARK;
 use erard::saved::{Lists, Writer};
+use erard::strings::Strings;
 use erard_workshop::fmu::{INSTRUMENT, Role, STEP_S, Variable, guid, variables};
 
 use crate::action::ErardAction;
-use crate::reading::{ERARD_FORCE, ERARD_FREE, ERARD_MOTION, ErardInput, ErardReading};
+use crate::reading::{ERARD_FORCE, ERARD_FREE, ERARD_HAND, ERARD_MOTION, ERARD_RIGID, ErardInput, ErardReading};
 use crate::status::ErardStatus;
 
 /// fmi2Status.
@@ -46,8 +47,8 @@ pub(crate) struct Component {
     values: Vec<f64>,
     /// There from the end of initialisation.
     action: Option<ErardAction>,
-    /// What drives the key: force, position, velocity.
-    inputs: [f64; 3],
+    /// Force, position, velocity, and the pedal's lift.
+    inputs: [f64; 4],
     start_s: f64,
     /// Steps taken since then.
     steps: u64,
@@ -109,7 +110,13 @@ impl Component {
             Role::Force => self.inputs[0],
             Role::Position => self.inputs[1],
             Role::Velocity => self.inputs[2],
-            Role::Drive | Role::Step | Role::Number(..) => self.values[index],
+            Role::Pedal => self.inputs[3],
+            Role::Drive
+            | Role::Step
+            | Role::HandMass
+            | Role::MuscleStiffness
+            | Role::MuscleDamping
+            | Role::Number(..) => self.values[index],
             Role::Reading(n) => [
                 r.key_m,
                 r.key_m_per_s,
@@ -119,6 +126,9 @@ impl Component {
                 r.string_n,
                 if r.blows > 0 { self.start_s + r.blow_time_s } else { 0.0 },
                 r.hammer_speed_m_per_s,
+                self.action.as_ref().and_then(|one| one.play.action.strings()).map_or(0.0, Strings::bridge_n),
+                r.hand_m,
+                r.hand_m_per_s,
             ][n],
             Role::Blows => f64::from(r.blows),
             Role::Contact(zone) => self.action.as_ref().map_or(0.0, |action| action.play.action.contact_force(zone)),
@@ -126,7 +136,8 @@ impl Component {
     }
 
     fn set(&mut self, index: usize, value: f64) -> Result<(), String> {
-        let Variable { name, role, .. } = &self.variables[index];
+        let variable = &self.variables[index];
+        let Variable { name, role, .. } = variable;
         if !value.is_finite() {
             return Err(format!("`{name}` cannot be {value}"));
         }
@@ -134,8 +145,9 @@ impl Component {
             Role::Force => self.inputs[0] = value,
             Role::Position => self.inputs[1] = value,
             Role::Velocity => self.inputs[2] = value,
-            Role::Drive | Role::Step | Role::Number(..) if self.action.is_none() => self.values[index] = value,
-            Role::Drive | Role::Step | Role::Number(..) => {
+            Role::Pedal => self.inputs[3] = value,
+            _ if variable.is_parameter() && self.action.is_none() => self.values[index] = value,
+            _ if variable.is_parameter() => {
                 return Err(format!("`{name}` is a parameter: it can be set before the end of initialisation only"));
             }
             _ => return Err(format!("`{name}` is an output: it cannot be set")),
@@ -153,10 +165,21 @@ impl Component {
             0.0 => ERARD_FREE,
             1.0 => ERARD_FORCE,
             2.0 => ERARD_MOTION,
-            other => return Err(format!("`drive` is {other}; expected 0, 1 or 2")),
+            3.0 => ERARD_RIGID,
+            4.0 => ERARD_HAND,
+            other => return Err(format!("`drive` is {other}; expected 0, 1, 2, 3 or 4")),
         };
-        let [force_n, position_m, velocity_m_per_s] = self.inputs;
-        Ok(ErardInput { kind, force_n, position_m, velocity_m_per_s, ..ErardInput::default() })
+        let [force_n, position_m, velocity_m_per_s, _] = self.inputs;
+        Ok(ErardInput {
+            kind,
+            reserved: 0,
+            force_n,
+            position_m,
+            velocity_m_per_s,
+            hand_mass_kg: self.value(Role::HandMass),
+            muscle_n_per_m: self.value(Role::MuscleStiffness),
+            muscle_n_s_per_m: self.value(Role::MuscleDamping),
+        })
     }
 
     /// The instrument with its parameters, at rest.
@@ -208,7 +231,7 @@ impl Component {
         if status != ErardStatus::Ok {
             return Err(format!("the state belongs to another instance: {status:?}"));
         }
-        self.inputs = [0.0; 3];
+        self.inputs = [0.0; 4];
         lists.fill(INPUTS, &mut self.inputs);
         self.start_s = lists.number("fmu_start_s").unwrap_or(0.0);
         self.steps = lists.word("fmu_steps").unwrap_or(0);
@@ -301,7 +324,7 @@ unsafe extern "C" fn fmi2Instantiate(
             values: variables.iter().map(|variable| variable.start.unwrap_or(0.0)).collect(),
             variables,
             action: None,
-            inputs: [0.0; 3],
+            inputs: [0.0; 4],
             start_s: 0.0,
             steps: 0,
         })),
@@ -361,7 +384,7 @@ unsafe extern "C" fn fmi2Terminate(component: *mut Component) -> c_int {
 unsafe extern "C" fn fmi2Reset(component: *mut Component) -> c_int {
     unsafe {
         done(component, |c| {
-            (c.action, c.inputs, c.start_s, c.steps) = (None, [0.0; 3], 0.0, 0);
+            (c.action, c.inputs, c.start_s, c.steps) = (None, [0.0; 4], 0.0, 0);
             c.values = c.variables.iter().map(|variable| variable.start.unwrap_or(0.0)).collect();
             Ok(OK)
         })
@@ -462,9 +485,10 @@ unsafe extern "C" fn fmi2DoStep(
         done(component, |c| {
             let input = c.input()?;
             let step_s = c.value(Role::Step);
-            let Component { action: Some(action), start_s, steps, .. } = c else {
+            let Component { action: Some(action), start_s, steps, inputs, .. } = c else {
                 return Err("a step before the end of initialisation".into());
             };
+            action.play.action.set_pedal(inputs[3]);
             let until = (now_s + length_s - *start_s) / step_s;
             if !(length_s >= 0.0 && until.is_finite() && until > -0.5 && until - *steps as f64 <= MOST_STEPS as f64) {
                 return Err(format!("a communication step of {length_s} s at {now_s} s"));
@@ -473,9 +497,10 @@ unsafe extern "C" fn fmi2DoStep(
             let until = until.round() as u64;
             let mut worst = OK;
             while *steps < until {
-                // A finger that moves goes on moving within the communication step; the step receives where it is in
-                // its middle.
-                let later_s = (*start_s + (*steps as f64 + 0.5) * step_s - now_s).max(0.0);
+                // What moves goes on moving within the communication step; the step receives where a finger is in its
+                // middle, and where an imposed key front is at its end.
+                let share = if input.kind == ERARD_RIGID { 1.0 } else { 0.5 };
+                let later_s = (*start_s + (*steps as f64 + share) * step_s - now_s).max(0.0);
                 let position_m = input.position_m + input.velocity_m_per_s * later_s;
                 let step = ErardInput { position_m, ..input }.checked();
                 match step.map_or_else(|status| status, |input| action.play.step(input)) {

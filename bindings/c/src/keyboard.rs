@@ -10,13 +10,14 @@ use erard::keyboard::{Keyboard, Keys, KeysError};
 use erard::mechanism::TellNumbers;
 use erard::player::MechanismState;
 use erard::saved::{Lists, Writer};
+use erard::strings::Strings;
 
 use crate::action::moving;
 use crate::instrument::file_fault;
 use crate::play::{settings, status_of};
 use crate::reading::{ErardBlow, ErardInput, ErardReading};
 use crate::status::{ErardStatus, Fault, quick, told};
-use crate::text::bytes;
+use crate::text::{bytes, name};
 
 /// A whole keyboard under the caller's control. It belongs to whoever made it, until erard_keyboard_free. One thread at
 /// a time may use it.
@@ -47,22 +48,46 @@ pub unsafe extern "C" fn erard_keyboard_new(
     told(null_mut(), status, || {
         // SAFETY: passed on.
         let keyboard = match unsafe { bytes(text, length) }? {
-            None => Keyboard::builtin("concert-grand")
-                .ok_or_else(|| Fault::new(ErardStatus::Internal, "the built-in keyboard is not there"))?,
+            None => builtin("concert-grand")?,
             Some(bytes) => {
                 let text = utf8(bytes, "keyboard").map_err(|error| file_fault(&error))?;
                 Keyboard::parse(text, "keyboard", Path::new("")).map_err(|error| file_fault(&error))?
             }
         };
-        let fault = |status, error: &KeysError| Fault::new(status, error.to_string());
-        // Before 88 instruments are read.
-        Action::check_step(step_s).map_err(|error| fault(ErardStatus::Range, &KeysError { key: 1, error }))?;
-        let instruments = keyboard.instruments().map_err(|error| file_fault(&error))?;
-        let keys = Keys::at_rest(&instruments, settings(step_s)).map_err(|error| fault(ErardStatus::Model, &error))?;
-        let (inputs, blows) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
-        let offset_s = -keys.time_s();
-        Ok(Box::into_raw(Box::new(ErardKeyboard { keys, inputs, blows, offset_s })))
+        at_rest(&keyboard, step_s)
     })
+}
+
+/// A built-in keyboard by its name, as erard_keyboard_new makes one of a text: `concert-grand`, or
+/// `concert-grand-strings`, whose strings sound. NULL where there is none of that name, and as there. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_builtin(
+    called: *const c_char,
+    step_s: f64,
+    status: *mut ErardStatus,
+) -> *mut ErardKeyboard {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        at_rest(&builtin(unsafe { name(called, "the keyboard's name") }?)?, step_s)
+    })
+}
+
+fn builtin(name: &str) -> Result<Keyboard, Fault> {
+    Keyboard::builtin(name).ok_or_else(|| {
+        let known = Keyboard::builtin_names().collect::<Vec<_>>().join(", ");
+        Fault::new(ErardStatus::NoSuch, format!("{name}: no built-in keyboard; expected one of {known}"))
+    })
+}
+
+fn at_rest(keyboard: &Keyboard, step_s: f64) -> Result<*mut ErardKeyboard, Fault> {
+    let fault = |status, error: &KeysError| Fault::new(status, error.to_string());
+    // Before 88 instruments are read.
+    Action::check_step(step_s).map_err(|error| fault(ErardStatus::Range, &KeysError { key: 1, error }))?;
+    let instruments = keyboard.instruments().map_err(|error| file_fault(&error))?;
+    let keys = Keys::at_rest(&instruments, settings(step_s)).map_err(|error| fault(ErardStatus::Model, &error))?;
+    let (inputs, blows) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
+    let offset_s = -keys.time_s();
+    Ok(Box::into_raw(Box::new(ErardKeyboard { keys, inputs, blows, offset_s })))
 }
 
 /// Ends a keyboard. NULL does nothing. Real time: no.
@@ -137,6 +162,40 @@ pub unsafe extern "C" fn erard_keyboard_place_hand(
     };
     quick(|| {
         keyboard.keys.place_hand(key as usize, position_m, velocity_m_per_s);
+        ErardStatus::Ok
+    })
+}
+
+/// Sends the sustain pedal's rail to a lift, m, under all keys that have one, as erard_set_pedal does. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_set_pedal(keyboard: *mut ErardKeyboard, lift_m: f64) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or a keyboard.
+    let Some(keyboard) = (unsafe { keyboard.as_mut() }) else { return ErardStatus::Null };
+    if !lift_m.is_finite() {
+        return ErardStatus::NotFinite;
+    }
+    quick(|| {
+        keyboard.keys.set_pedal(lift_m);
+        ErardStatus::Ok
+    })
+}
+
+/// Writes the force of a key's strings on the bridge now, N, to `force_n`, as erard_bridge_force does. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_bridge_force(
+    keyboard: *const ErardKeyboard,
+    key: u32,
+    force_n: *mut f64,
+) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or what their types say.
+    let (Some(keyboard), Some(force_n)) = (unsafe { keyboard.as_ref() }, unsafe { force_n.as_mut() }) else {
+        return ErardStatus::Null;
+    };
+    if key == 0 || key as usize > keyboard.inputs.len() {
+        return ErardStatus::NoSuch;
+    }
+    quick(|| {
+        *force_n = keyboard.keys.strings(key as usize).map_or(0.0, Strings::bridge_n);
         ErardStatus::Ok
     })
 }

@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use erard::instrument::Instrument as Inner;
 use erard::player::{self, Action as Player, Hand, Input, Snapshot};
+use erard::strings::Strings;
 use erard::{Outcome, SimulationError};
 use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
@@ -36,13 +37,14 @@ pub(crate) struct Reading {
     string_n: f64,
     hand_m: f64,
     hand_m_per_s: f64,
+    bridge_n: f64,
     converged: bool,
     /// The speed of the blow whose hammer met the string in this step, and when.
     blow: Option<(f64, f64)>,
 }
 
 /// What a reading is made of, in its order.
-type Parts = (f64, f64, f64, f64, f64, f64, f64, f64, f64, bool, Option<(f64, f64)>);
+type Parts = (f64, f64, f64, f64, f64, f64, f64, f64, f64, f64, bool, Option<(f64, f64)>);
 
 #[pymethods]
 impl Reading {
@@ -58,6 +60,7 @@ impl Reading {
         string_n: f64,
         hand_m: f64,
         hand_m_per_s: f64,
+        bridge_n: f64,
         converged: bool,
         blow: Option<(f64, f64)>,
     ) -> Self {
@@ -71,6 +74,7 @@ impl Reading {
             string_n,
             hand_m,
             hand_m_per_s,
+            bridge_n,
             converged,
             blow,
         }
@@ -79,7 +83,7 @@ impl Reading {
     /// So that it pickles.
     fn __getnewargs__(&self) -> Parts {
         let Self { time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, .. } = *self;
-        let Self { hand_m, hand_m_per_s, converged, blow, .. } = *self;
+        let Self { hand_m, hand_m_per_s, bridge_n, converged, blow, .. } = *self;
         (
             time_s,
             key_m,
@@ -90,6 +94,7 @@ impl Reading {
             string_n,
             hand_m,
             hand_m_per_s,
+            bridge_n,
             converged,
             blow,
         )
@@ -103,25 +108,33 @@ impl Reading {
     }
 }
 
-fn reading(player: &Player) -> Reading {
-    let reading = player.reading();
-    Reading {
-        time_s: player.time_s(),
-        key_m: reading.key_m,
-        key_m_per_s: reading.key_m_per_s,
-        finger_n: reading.finger_n,
-        hammer_m: reading.hammer_m,
-        hammer_m_per_s: reading.hammer_m_per_s,
-        string_n: reading.string_n,
-        hand_m: reading.hand_m,
-        hand_m_per_s: reading.hand_m_per_s,
-        converged: reading.outcome == Outcome::Converged,
-        blow: player.impact().map(|blow| (blow.time_s, blow.hammer_speed_m_per_s)),
+impl Reading {
+    /// A reading at an instant, s, with the blow in its step and the force on the bridge, N.
+    pub(crate) fn of(time_s: f64, now: &player::Reading, blow: Option<(f64, f64)>, bridge_n: f64) -> Self {
+        Reading {
+            time_s,
+            key_m: now.key_m,
+            key_m_per_s: now.key_m_per_s,
+            finger_n: now.finger_n,
+            hammer_m: now.hammer_m,
+            hammer_m_per_s: now.hammer_m_per_s,
+            string_n: now.string_n,
+            hand_m: now.hand_m,
+            hand_m_per_s: now.hand_m_per_s,
+            bridge_n,
+            converged: now.outcome == Outcome::Converged,
+            blow,
+        }
     }
 }
 
+fn reading(player: &Player) -> Reading {
+    let blow = player.impact().map(|blow| (blow.time_s, blow.hammer_speed_m_per_s));
+    Reading::of(player.time_s(), &player.reading(), blow, player.strings().map_or(0.0, Strings::bridge_n))
+}
+
 /// A force, a fingertip's motion or the key's own (position and velocity), or none of them.
-fn input(force: Option<f64>, motion: Option<(f64, f64)>, rigid: Option<(f64, f64)>) -> PyResult<Input> {
+pub(crate) fn input(force: Option<f64>, motion: Option<(f64, f64)>, rigid: Option<(f64, f64)>) -> PyResult<Input> {
     let (name, input) = match (force, motion, rigid) {
         (None, None, None) => return Ok(Input::Free),
         (Some(force), None, None) => ("force", Input::Force(force)),
@@ -186,6 +199,11 @@ impl Action {
         }
         self.lock(py).place_hand(position_m, velocity_m_per_s);
         Ok(())
+    }
+
+    /// Sends the sustain pedal's rail to a lift, m.
+    fn set_pedal(&self, py: Python<'_>, lift_m: f64) {
+        self.lock(py).set_pedal(lift_m);
     }
 
     /// One step for each force, N.

@@ -9,6 +9,7 @@ mod fault;
 mod fit;
 mod gradient;
 mod instrument;
+mod keys;
 mod lab;
 mod many;
 mod press;
@@ -31,6 +32,8 @@ mod _erard {
     use super::gradient::gradient;
     #[pymodule_export]
     use super::instrument::{Instrument, builtin};
+    #[pymodule_export]
+    use super::keys::Keys;
     #[pymodule_export]
     use super::lab::{compare, validate};
     #[pymodule_export]

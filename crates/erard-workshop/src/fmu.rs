@@ -25,6 +25,14 @@ pub enum Role {
     Position,
     /// Its velocity, m/s.
     Velocity,
+    /// Lift to which the sustain pedal sends its rail, m.
+    Pedal,
+    /// Mass of the hand, kg; its muscle's stiffness, N/m, and damping, N s/m.
+    HandMass,
+    /// See [`Role::HandMass`].
+    MuscleStiffness,
+    /// See [`Role::HandMass`].
+    MuscleDamping,
     /// Selects the drive, see the description of [`Variable`]; an integer.
     Drive,
     /// Length of a step, s.
@@ -40,7 +48,7 @@ pub enum Role {
 }
 
 /// The reading's numbers: name, unit, what it is.
-pub(crate) const READING: [(&str, &str, &str); 8] = [
+pub(crate) const READING: [(&str, &str, &str); 11] = [
     ("key", "m", "Travel of the key front, down positive"),
     ("key_speed", "m/s", "Its speed"),
     ("finger_force", "N", "Force of the finger on the key in the last step"),
@@ -49,6 +57,9 @@ pub(crate) const READING: [(&str, &str, &str); 8] = [
     ("string_force", "N", "Force between hammer and string in the last step"),
     ("blow_time", "s", "Instant of the last blow; 0 before the first"),
     ("blow_speed", "m/s", "Speed of the strike point in the last blow; 0 before the first"),
+    ("bridge_force", "N", "Force of the strings on the bridge; 0 where they do not sound"),
+    ("hand", "m", "Place of the hand, below the key front's rest (drive = 4)"),
+    ("hand_speed", "m/s", "Its speed"),
 ];
 
 /// A variable of the unit.
@@ -78,13 +89,16 @@ impl Variable {
     /// Whether it may be set before initialisation only.
     #[must_use]
     pub fn is_parameter(&self) -> bool {
-        matches!(self.role, Role::Drive | Role::Step | Role::Number(..))
+        matches!(
+            self.role,
+            Role::Drive | Role::Step | Role::HandMass | Role::MuscleStiffness | Role::MuscleDamping | Role::Number(..)
+        )
     }
 
     /// Whether it is set at any time.
     #[must_use]
     pub(crate) fn is_input(&self) -> bool {
-        matches!(self.role, Role::Force | Role::Position | Role::Velocity)
+        matches!(self.role, Role::Force | Role::Position | Role::Velocity | Role::Pedal)
     }
 }
 
@@ -105,25 +119,36 @@ pub fn variables(file: &InstrumentFile, text: &str) -> Vec<Variable> {
         description: description.to_owned(),
     };
     let mut all = vec![
-        variable(0, "force", Role::Force, Some(0.0), "N", "Force on the key front, down positive (drive = 1)"),
+        variable(
+            0,
+            "force",
+            Role::Force,
+            Some(0.0),
+            "N",
+            "Force on the key front (drive = 1) or of the muscle on its hand (drive = 4), down positive",
+        ),
         variable(
             1,
             "position",
             Role::Position,
             Some(0.0),
             "m",
-            "The finger's end of the fingertip at the beginning of a communication step, below the key's rest; it goes on at its velocity (drive = 2)",
+            "Below the key's rest, at the beginning of a communication step, from where it goes on at its velocity: the finger's end of the fingertip (drive = 2), the key front (3), where the muscle holds its hand (4)",
         ),
-        variable(2, "velocity", Role::Velocity, Some(0.0), "m/s", "Its velocity (drive = 2)"),
+        variable(2, "velocity", Role::Velocity, Some(0.0), "m/s", "Its velocity"),
         variable(
             0,
             "drive",
             Role::Drive,
             Some(1.0),
             "",
-            "What drives the key: 1 a force, 2 a motion through the fingertip, 0 nothing",
+            "What drives the key: 0 nothing, 1 a force, 2 a motion through the fingertip, 3 the key front's own motion, 4 a hand of some mass",
         ),
         variable(3, "step_s", Role::Step, Some(STEP_S), "s", "Length of a step of the simulation"),
+        variable(4, "pedal", Role::Pedal, Some(0.0), "m", "Lift of the sustain pedal's rail, 0 to 0.010"),
+        variable(5, "hand_mass", Role::HandMass, Some(0.2), "kg", "Mass of the hand at its fingertip (drive = 4)"),
+        variable(6, "muscle_stiffness", Role::MuscleStiffness, Some(0.0), "N/m", "Stiffness of its muscle (drive = 4)"),
+        variable(7, "muscle_damping", Role::MuscleDamping, Some(0.0), "N.s/m", "Damping of its muscle (drive = 4)"),
     ];
     for (n, (name, unit, description)) in READING.iter().enumerate() {
         all.push(variable(READING_FROM + n as u32, name, Role::Reading(n), None, unit, description));

@@ -301,6 +301,63 @@ fn a_strung_keyboard_goes_on() {
     assert_eq!(unsafe { erard_keyboard_restore(second.0, bad.as_ptr(), bad.len()) }, ErardStatus::Saved);
 }
 
+/// A chord on strings, the pedal down: the force of each key on the bridge is that of the native keys, to the bit; and
+/// that of one action is the native action's.
+#[test]
+fn a_chord_is_heard_at_the_bridge() {
+    const STEP_S: f64 = 1.0 / 24_000.0;
+    let name = c"concert-grand-strings";
+    let keyboard = Keyboard(unsafe { erard_keyboard_builtin(name.as_ptr(), STEP_S, null_mut()) });
+    assert!(!keyboard.0.is_null(), "{}", last_error());
+    let native = erard::keyboard::Keyboard::builtin("concert-grand-strings").unwrap();
+    let mut keys =
+        erard::keyboard::Keys::at_rest(&native.instruments().unwrap(), erard::Settings::new(STEP_S)).unwrap();
+    keys.set_pedal(0.007);
+    assert_eq!(unsafe { erard_keyboard_set_pedal(keyboard.0, 0.007) }, ErardStatus::Ok);
+    let alone = Action(unsafe {
+        let instrument = erard_instrument_builtin(name.as_ptr(), null_mut());
+        let action = erard_action_of(instrument, STEP_S, null_mut());
+        erard_instrument_free(instrument);
+        action
+    });
+    assert_eq!(unsafe { erard_set_pedal(alone.0, 0.007) }, ErardStatus::Ok);
+    let own = erard::Instrument::builtin("concert-grand-strings").unwrap();
+    let mut beside = erard::Action::with(&own, erard::Settings::new(STEP_S)).unwrap();
+    beside.set_pedal(0.007);
+    let (mut blows, mut loudest_n, mut force_n) = (0, 0.0_f64, f64::NAN);
+    for n in 0..4800 {
+        let finger_n = if n < 2400 { 6.0 } else { 0.0 };
+        for key in [40, 44, 47] {
+            keyboard.drive(key, finger_n);
+            keys.drive(key as usize, Input::Force(finger_n));
+        }
+        blows += keyboard.step(1).len();
+        keys.step();
+        for key in [40, 44, 47] {
+            assert_eq!(unsafe { erard_keyboard_bridge_force(keyboard.0, key, &raw mut force_n) }, ErardStatus::Ok);
+            let own_n = keys.strings(key as usize).unwrap().bridge_n();
+            assert_eq!(force_n.to_bits(), own_n.to_bits(), "key {key} in step {n}: {force_n} and {own_n}");
+            loudest_n = loudest_n.max(force_n.abs());
+        }
+        alone.force(finger_n);
+        beside.step(Input::Force(finger_n));
+        assert_eq!(unsafe { erard_bridge_force(alone.0, &raw mut force_n) }, ErardStatus::Ok);
+        assert_eq!(force_n.to_bits(), beside.strings().unwrap().bridge_n().to_bits(), "step {n}");
+    }
+    assert!(blows == 3 && loudest_n > 1.0, "{blows} blows, {loudest_n} N");
+    // A key that rests is silent; what is wrong is refused.
+    unsafe {
+        assert_eq!(erard_keyboard_bridge_force(keyboard.0, 89, &raw mut force_n), ErardStatus::NoSuch);
+        assert_eq!(erard_keyboard_bridge_force(keyboard.0, 40, null_mut()), ErardStatus::Null);
+        assert_eq!(erard_bridge_force(null_mut(), &raw mut force_n), ErardStatus::Null);
+        assert_eq!(erard_keyboard_set_pedal(keyboard.0, f64::NAN), ErardStatus::NotFinite);
+        let mut status = ErardStatus::Ok;
+        assert!(erard_keyboard_builtin(c"harpsichord".as_ptr(), STEP_S, &raw mut status).is_null());
+        assert_eq!(status, ErardStatus::NoSuch);
+        assert!(last_error().contains("expected one of concert-grand"), "{}", last_error());
+    }
+}
+
 /// The keys that are played blow, each as an action of its own does; those at rest sleep. Saved and restored, at
 /// another instant of the clock and one step before a blow: the same bits, the same blow.
 #[test]

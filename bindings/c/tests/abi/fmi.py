@@ -1,5 +1,5 @@
-"""fmi.py UNIT MASS SPEED TIME SPEED TIME: validates an unpacked unit with fmpy and plays it; the blow of 5 N as it is, and with a hammer of that mass in g
-and the let-off button half a millimetre lower."""
+"""fmi.py UNIT MASS SPEED TIME SPEED TIME STRUNG: validates an unpacked unit with fmpy and plays it; the blow of 5 N as it is, and with a hammer of that mass in g
+and the let-off button half a millimetre lower. STRUNG is a unit whose strings sound, with heard.txt: their force on the bridge under a hand, a line each ms."""
 
 import ctypes
 import sys
@@ -9,7 +9,7 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_model_description
 
 unit = sys.argv[1]
-mass_g, *expected = [float(x) for x in sys.argv[2:]]
+mass_g, *expected = [float(x) for x in sys.argv[2:7]]
 description = read_model_description(unit, validate=True, validate_variable_names=True, validate_model_structure=True)
 problems = validate_model_description(description)
 assert not problems, problems
@@ -127,6 +127,40 @@ for n in range(40):
     fmu.doStep(n * 1e-3, 1e-3)
 assert 3e-3 < get(fmu, "key") < 4.2e-3, get(fmu, "key")
 assert get(fmu, "finger_force") > 0.1
+fmu.terminate()
+fmu.freeInstance()
+
+# The key's own motion: it is where it is put.
+fmu = instance()
+fmu.setupExperiment(startTime=0.0)
+fmu.enterInitializationMode()
+fmu.setInteger([references["drive"]], [3])
+fmu.exitInitializationMode()
+for n in range(40):
+    fmu.setReal([references["position"], references["velocity"]], [n * 1e-3 * 0.1, 0.1])
+    fmu.doStep(n * 1e-3, 1e-3)
+assert abs(get(fmu, "key") - 4e-3) < 1e-9, get(fmu, "key")
+fmu.terminate()
+fmu.freeInstance()
+
+# A hand and the pedal on strings that sound: to the bit what the native action does.
+strung = sys.argv[7]
+description = read_model_description(strung, validate=True)
+references = {v.name: v.valueReference for v in description.modelVariables}
+arguments = dict(guid=description.guid, unzipDirectory=strung, modelIdentifier="erard", instanceName="strung")
+heard = [float(line) for line in open(f"{strung}/heard.txt")]
+fmu = instance()
+fmu.setupExperiment(startTime=0.0)
+fmu.enterInitializationMode()
+fmu.setInteger([references["drive"]], [4])
+for name, value in {"hand_mass": 0.3, "muscle_damping": 2.0, "force": 7.0, "pedal": 0.007}.items():
+    fmu.setReal([references[name]], [value])
+fmu.exitInitializationMode()
+for n, wanted in enumerate(heard):
+    fmu.doStep(n * 1e-3, 1e-3)
+    assert get(fmu, "bridge_force") == wanted, (n, get(fmu, "bridge_force"), wanted)
+assert get(fmu, "hand") > 5e-3 and max(map(abs, heard)) > 1.0
+print(f"strings: {len(heard)} forces on the bridge, the same bits; the hand is {1e3 * get(fmu, 'hand'):.1f} mm down")
 fmu.terminate()
 fmu.freeInstance()
 print("done")

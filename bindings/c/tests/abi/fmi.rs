@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use erard::instrument::InstrumentFile;
+use erard::player::Hand;
 use erard::{Action, Input, Instrument};
 use erard_workshop::fmu::{INSTRUMENT, model_description};
 
@@ -23,22 +24,39 @@ fn python() -> Option<String> {
 }
 
 /// fmpy validates the unit and plays it: the blow is the native one's at communication steps of 50 us and 1 ms,
-/// parameters act, states come back.
+/// parameters act, states come back; a hand and the pedal act, and the strings are heard as natively.
 #[test]
 fn fmpy_plays_it() {
     let Some(python) = python() else { return };
-    // The unit, unpacked: what `erard fmu` packs (its own test looks at the archive).
-    let folder = tempfile::tempdir().expect("a folder");
-    let text = Instrument::builtin_text("concert-grand").unwrap();
-    let file = InstrumentFile::parse(text, INSTRUMENT).unwrap();
-    let write = |name: &str, bytes: &[u8]| {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, bytes).unwrap();
+    // Units, unpacked: what `erard fmu` packs (its own test looks at the archive).
+    let unit = |name: &str| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = Instrument::builtin_text(name).unwrap();
+        let file = InstrumentFile::parse(text, INSTRUMENT).unwrap();
+        let write = |name: &str, bytes: &[u8]| {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, bytes).unwrap();
+        };
+        write("modelDescription.xml", model_description(&file, text).as_bytes());
+        write(INSTRUMENT, text.as_bytes());
+        write("binaries/linux64/erard.so", &std::fs::read(library("liberard_c.so")).unwrap());
+        (folder, text, file)
     };
-    write("modelDescription.xml", model_description(&file, text).as_bytes());
-    write(INSTRUMENT, text.as_bytes());
-    write("binaries/linux64/erard.so", &std::fs::read(library("liberard_c.so")).unwrap());
+    let (folder, text, file) = unit("concert-grand");
+    let (strung, _, strings) = unit("concert-grand-strings");
+    // A hand presses the one whose strings sound, the pedal down: the force on the bridge after each millisecond.
+    let mut action = Action::new(&strings.instrument).unwrap();
+    let hand = Hand { mass_kg: 0.3, stiffness_n_per_m: 0.0, damping_n_s_per_m: 2.0, ..Hand::default() };
+    action.set_pedal(0.007);
+    let mut heard = String::new();
+    for n in 1..=3000 {
+        action.step(hand.input(&Input::Force(7.0)).unwrap());
+        if n % 20 == 0 {
+            heard += &format!("{:?}\n", action.strings().unwrap().bridge_n());
+        }
+    }
+    std::fs::write(strung.path().join("heard.txt"), heard).unwrap();
 
     let blow = |instrument: &Instrument| {
         let mut action = Action::new(instrument).unwrap();
@@ -61,6 +79,7 @@ fn fmpy_plays_it() {
     for blow in expected {
         run.arg(format!("{:?}", blow.hammer_speed_m_per_s)).arg(format!("{:?}", blow.time_s));
     }
+    run.arg(strung.path());
     let output = run.output().expect("it runs");
     let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     println!("{said}");

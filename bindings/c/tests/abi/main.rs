@@ -3,6 +3,7 @@
 mod bad_callers;
 mod exact;
 mod fmi;
+mod fronts;
 mod haptic;
 mod haptic_loop;
 mod header;

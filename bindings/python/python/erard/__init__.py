@@ -33,6 +33,7 @@ from ._instrument import (
     load,
     validate,
 )
+from ._keys import Keys
 from ._many import Rollout, Study, rollout, study
 from ._recording import Recording
 from ._run import Run
@@ -57,6 +58,7 @@ __all__ = [
     "InputError",
     "Instrument",
     "Keyboard",
+    "Keys",
     "Kinematics",
     "MissingFileError",
     "Parameter",

@@ -76,7 +76,7 @@ class Action:
         -------
         Reading
             `time_s`, `key_m`, `key_m_per_s`, `finger_n` (force of the finger on the key), `hammer_m`, `hammer_m_per_s` (up positive), `string_n`,
-            `hand_m` and `hand_m_per_s` (the hand, where there is one), `converged`, and `blow`: instant and speed of the blow whose hammer met the string in this step, else `None`.
+            `hand_m` and `hand_m_per_s` (the hand, where there is one), `bridge_n` (force of the strings on the bridge, where they sound), `converged`, and `blow`: instant and speed of the blow whose hammer met the string in this step, else `None`.
         """
         return self._inner.step(force, motion, rigid)
 
@@ -96,6 +96,16 @@ class Action:
             Where the action has no hand, or a number is not finite.
         """
         self._inner.place_hand(number("position_m", position_m), number("velocity_m_per_s", velocity_m_per_s))
+
+    def set_pedal(self, lift_m: float) -> None:
+        """Sends the rail that the sustain pedal lifts to a lift. Without modal strings it does nothing.
+
+        Parameters
+        ----------
+        lift_m : float
+            m, from 0 to 0.010; the rail moves at 0.5 m/s at most.
+        """
+        self._inner.set_pedal(number("lift_m", lift_m))
 
     def play(self, force: ArrayLike) -> Table:
         """Takes a step for each force.

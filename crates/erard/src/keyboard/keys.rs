@@ -148,7 +148,7 @@ impl Keys {
     pub fn set_pedal(&mut self, lift_m: f64) {
         for index in 0..self.bank.count() {
             let aim = |strings: &Strings| strings.pedal_aim_m().filter(|aim_m| *aim_m != lift_m);
-            if self.bank.surfaces(index).and_then(|one| one.as_any().downcast_ref()).and_then(aim).is_some()
+            if self.strings(index + 1).and_then(aim).is_some()
                 && let Some(surfaces) = self.bank.surfaces_mut(index)
                 && let Some(strings) = surfaces.as_any_mut().downcast_mut::<Strings>()
             {
@@ -201,6 +201,12 @@ impl Keys {
     #[must_use]
     pub fn string_force(&self, key: usize) -> f64 {
         self.output(key).zone_n
+    }
+
+    /// A key's strings, where they sound: their force on the bridge ([`Strings::bridge_n`]), for one.
+    #[must_use]
+    pub fn strings(&self, key: usize) -> Option<&Strings> {
+        self.bank.surfaces(key - 1)?.as_any().downcast_ref()
     }
 
     /// Force of the finger on a key in the last step, N.

@@ -1,0 +1,112 @@
+//! What each front offers: every name in the table is looked up in that front's interface, and the table in the book is
+//! the one that is made from here: `ERARD_FRONTS=write cargo test -p erard-c --test abi fronts` makes it anew.
+
+use std::path::Path;
+
+use erard::Instrument;
+use erard::instrument::InstrumentFile;
+use erard_workshop::fmu::{INSTRUMENT, variables};
+
+const FRONTS: [&str; 6] = ["Rust", "Python", "C", "C++", "FMU", "studio"];
+
+/// Nothing of the kind.
+const NO: &str = "";
+
+/// What is offered, and by which name in each front.
+const TABLE: [(&str, [&str; 6]); 9] = [
+    ("a hand: mass and muscle", ["Input::Hand", "Hand", "ERARD_HAND", "place_hand", "hand_mass", "erard_stroke_new"]),
+    ("the key front's own motion", ["Input::Rigid", "rigid", "erard_step_rigid", "rigid", "position", NO]),
+    ("sustain pedal", ["Action::set_pedal", "set_pedal", "erard_set_pedal", "set_pedal", "pedal", "erard_set_pedal"]),
+    ("88 keys played together", ["Keys::step", "Keys", "erard_keyboard_step", "Keyboard", NO, "erard_keyboard_step"]),
+    ("keyboards with strings, by name", ["Keyboard::builtin", "keyboard", "erard_keyboard_builtin", "builtin", NO, NO]),
+    ("force on the string", ["Reading::string_n", "string_n", "string_n", "reading", "string_force", "erard_read"]),
+    (
+        "force on the bridge",
+        ["Strings::bridge_n", "bridge_n", "erard_bridge_force", "bridge_force", "bridge_force", NO],
+    ),
+    ("saved states", ["Action::save", "save", "erard_save", "save", "fmi2GetFMUstate", "erard_save"]),
+    ("a body's mass with its inertia, by one name", ["Parameter::Mass", "vary", NO, NO, NO, NO]),
+];
+
+fn read(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Whether a word stands in a text by itself.
+fn has_word(text: &str, word: &str) -> bool {
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    text.match_indices(word)
+        .any(|(at, _)| !text[..at].ends_with(is_part) && !text[at + word.len()..].starts_with(is_part))
+}
+
+/// The texts in which a front's names stand.
+fn interface(front: &str) -> String {
+    let all = |paths: &[&str]| paths.iter().map(|path| read(path)).collect::<Vec<_>>().join("\n");
+    match front {
+        "Rust" => all(&[
+            "crates/erard/src/player/action.rs",
+            "crates/erard/src/player/input.rs",
+            "crates/erard/src/keyboard/keys.rs",
+            "crates/erard/src/keyboard/file.rs",
+            "crates/erard/src/strings/modal/reading.rs",
+            "crates/erard-workshop/src/study/parameter.rs",
+        ]),
+        "Python" => all(&[
+            "bindings/python/python/erard/_erard.pyi",
+            "bindings/python/python/erard/_keys.py",
+            "bindings/python/python/erard/_action.py",
+            "bindings/python/python/erard/_common.py",
+            "bindings/python/python/erard/_instrument.py",
+        ]),
+        "C" => read("bindings/c/include/erard.h"),
+        "C++" => read("bindings/c/include/erard.hpp"),
+        // A unit's variables, and the standard's functions.
+        "FMU" => {
+            let text = Instrument::builtin_text("concert-grand-strings").unwrap();
+            let file = InstrumentFile::parse(text, INSTRUMENT).unwrap();
+            let names: Vec<String> = variables(&file, text).into_iter().map(|variable| variable.name).collect();
+            names.join("\n") + &read("bindings/c/src/fmi.rs")
+        }
+        "studio" => read("studio/src/engine/library.ts"),
+        other => panic!("{other}"),
+    }
+}
+
+fn made() -> String {
+    let mut out = format!("| | {} |\n|---|{}\n", FRONTS.join(" | "), "---|".repeat(FRONTS.len()));
+    for (what, names) in TABLE {
+        let cells = names.map(|name| if name == NO { "no".to_owned() } else { format!("`{name}`") });
+        out += &format!("| {what} | {} |\n", cells.join(" | "));
+    }
+    out
+}
+
+#[test]
+fn every_front_has_what_the_book_says() {
+    for (place, front) in FRONTS.iter().enumerate() {
+        let text = interface(front);
+        for (what, names) in TABLE {
+            let name = names[place];
+            for part in name.split("::").filter(|part| *part != NO) {
+                assert!(has_word(&text, part), "{front}, {what}: there is no `{name}`");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_books_table_is_this_one() {
+    const PATH: &str = "book/src/builders.md";
+    const BEGIN: &str = "<!-- fronts -->\n";
+    const END: &str = "<!-- end of fronts -->";
+    let book = read(PATH);
+    let (before, rest) = book.split_once(BEGIN).expect("the table's beginning");
+    let (found, after) = rest.split_once(END).expect("the table's end");
+    if std::env::var("ERARD_FRONTS").is_ok_and(|word| word == "write") {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(PATH);
+        std::fs::write(path, format!("{before}{BEGIN}{}{END}{after}", made())).unwrap();
+        return;
+    }
+    assert_eq!(found, made(), "ERARD_FRONTS=write makes it anew");
+}

@@ -1,0 +1,157 @@
+//! The keys of a keyboard, played together, from Python.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use erard::instrument_spec::InstrumentSpec;
+use erard::keyboard::Keys as Player;
+use erard::player::{Hand, Reading as Now, Snapshot};
+use erard::strings::Strings;
+use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
+use pyo3::types::PyBytes;
+
+use crate::action::{Reading, input};
+use crate::fault::{self, failed, wrong, wrong_argument};
+use crate::setup::Steps;
+
+/// Steps between two looks for signals.
+const PORTION: usize = 1000;
+
+/// The keys of a keyboard. Two threads may step it: one waits for the other.
+#[pyclass(frozen, module = "erard._erard")]
+pub(crate) struct Keys {
+    player: Mutex<Player>,
+    hand: Option<Hand>,
+    /// The clock of the keys when they were made, s: they have come to rest by then.
+    began_s: f64,
+}
+
+impl Keys {
+    fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Player> {
+        self.player.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn has(player: &Player, key: usize) -> PyResult<usize> {
+        if (1..=player.count()).contains(&key) {
+            return Ok(key);
+        }
+        Err(wrong_argument("key", format!("found {key}, expected 1 to {}", player.count())))
+    }
+}
+
+#[pymethods]
+impl Keys {
+    #[new]
+    fn new(py: Python<'_>, asked: &str, steps: Steps) -> PyResult<Self> {
+        let keyboard =
+            InstrumentSpec::of(asked).and_then(InstrumentSpec::keyboard).map_err(|error| fault::asked(&error))?;
+        let instruments = py.detach(|| keyboard.instruments()).map_err(|error| fault::file(&error))?;
+        let first = instruments.first().ok_or_else(|| wrong("the keyboard has no key"))?;
+        let (settings, hand) = (steps.settings(first)?, steps.hand()?);
+        steps.setup(first, 0.0, 1.0)?.check().map_err(|error| fault::simulation(&error))?;
+        let mut player = py
+            .detach(|| Player::at_rest(&instruments, settings))
+            .map_err(|error| wrong(format!("{}, key {}: {}", keyboard.name, error.key, error.error)))?;
+        if let Some(hand) = &hand {
+            (1..=player.count()).for_each(|key| player.place_hand(key, hand.start_m, hand.start_m_per_s));
+        }
+        let began_s = player.time_s();
+        Ok(Keys { player: Mutex::new(player), hand, began_s })
+    }
+
+    fn count(&self, py: Python<'_>) -> usize {
+        self.lock(py).count()
+    }
+
+    fn awake(&self, py: Python<'_>) -> usize {
+        self.lock(py).awake()
+    }
+
+    fn step_s(&self, py: Python<'_>) -> f64 {
+        self.lock(py).settings().step
+    }
+
+    fn time_s(&self, py: Python<'_>) -> f64 {
+        self.lock(py).time_s() - self.began_s
+    }
+
+    #[pyo3(signature = (key, force, motion, rigid))]
+    fn drive(
+        &self,
+        py: Python<'_>,
+        key: usize,
+        force: Option<f64>,
+        motion: Option<(f64, f64)>,
+        rigid: Option<(f64, f64)>,
+    ) -> PyResult<()> {
+        let input = input(force, motion, rigid)?;
+        let input = self.hand.map_or(Ok(input), |hand| hand.input(&input).map_err(wrong))?;
+        let mut player = self.lock(py);
+        let key = Self::has(&player, key)?;
+        player.drive(key, input);
+        Ok(())
+    }
+
+    fn place_hand(&self, py: Python<'_>, key: usize, position_m: f64, velocity_m_per_s: f64) -> PyResult<()> {
+        if self.hand.is_none() {
+            return Err(wrong("these keys have no hands; expected some that were made with `hand=erard.Hand()`"));
+        }
+        let mut player = self.lock(py);
+        let key = Self::has(&player, key)?;
+        player.place_hand(key, position_m, velocity_m_per_s);
+        Ok(())
+    }
+
+    fn set_pedal(&self, py: Python<'_>, lift_m: f64) {
+        self.lock(py).set_pedal(lift_m);
+    }
+
+    /// So many steps; the blows in them: key, instant, speed.
+    fn step(&self, py: Python<'_>, steps: usize) -> PyResult<Vec<(usize, f64, f64)>> {
+        let (mut blows, mut left) = (Vec::new(), steps);
+        while left > 0 {
+            // A signal's handler may step the keys itself: nothing is locked then.
+            py.check_signals()?;
+            let portion = left.min(PORTION);
+            left -= portion;
+            // Without Python's lock, so that other threads go on.
+            py.detach(|| {
+                let mut player = self.player.lock().unwrap_or_else(PoisonError::into_inner);
+                for _ in 0..portion {
+                    if player.step().non_finite > 0 {
+                        return Err("a number became infinite; that key is where it was before the step");
+                    }
+                    let impacts = player.impacts().iter();
+                    blows.extend(
+                        impacts.map(|b| (b.key, b.impact.time_s - self.began_s, b.impact.hammer_speed_m_per_s)),
+                    );
+                }
+                Ok(())
+            })
+            .map_err(failed)?;
+        }
+        Ok(blows)
+    }
+
+    fn reading(&self, py: Python<'_>, key: usize) -> PyResult<Reading> {
+        let player = self.lock(py);
+        let key = Self::has(&player, key)?;
+        let now: Now = player.reading(key);
+        let blow = now.impact.map(|blow| (blow.time_s - self.began_s, blow.hammer_speed_m_per_s));
+        Ok(Reading::of(player.time_s() - self.began_s, &now, blow, player.strings(key).map_or(0.0, Strings::bridge_n)))
+    }
+
+    /// All that a key's next steps depend on, as an action's.
+    fn save<'py>(&self, py: Python<'py>, key: usize) -> PyResult<Bound<'py, PyBytes>> {
+        let player = self.lock(py);
+        let key = Self::has(&player, key)?;
+        Ok(PyBytes::new(py, &player.save(key).to_vec()))
+    }
+
+    fn restore(&self, py: Python<'_>, key: usize, saved: &[u8]) -> PyResult<()> {
+        let snapshot = Snapshot::from_bytes(saved).map_err(wrong)?;
+        let mut player = self.lock(py);
+        let key = Self::has(&player, key)?;
+        player.restore(key, &snapshot).map_err(wrong)
+    }
+}
