@@ -273,3 +273,38 @@ fn refusals() {
     let stopped = follow(&plain, &[], &force, &setup, &poses, how, &mut |_| false);
     assert!(stopped.is_err_and(|error| error.is_interruption()));
 }
+
+/// What the book's page lists is all that is apart: every derivative of the concert grand's numbers at pp, mf and ff is
+/// within 2 % of differences whose steps have converged, or within their own scatter, or listed.
+mod nightly {
+    #[path = "../../../examples/derivatives/compare.rs"]
+    mod compare;
+
+    use compare::{LEVELS, Verdict, first_cases, level, line};
+    use erard::Instrument;
+
+    #[test]
+    #[ignore = "nightly: derivatives of all numbers at three levels beside differences in steps of 5 and 2.5 us"]
+    fn all_derivatives_are_those_of_converged_differences() {
+        for [moves, held] in first_cases() {
+            for [derivative, differences] in [moves, held] {
+                assert!((derivative / differences - 1.0).abs() < 0.02, "{derivative} {differences}");
+            }
+        }
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        let page = std::fs::read_to_string(folder.join("../../book/src/derivatives.md")).unwrap();
+        let instrument = Instrument::builtin("concert-grand").unwrap();
+        for name in LEVELS {
+            let found = level(&instrument, name);
+            // A page that lists everything would show nothing.
+            let agree = |verdict| matches!(verdict, Verdict::Within | Verdict::Scatter);
+            let [agree, apart] = [true, false].map(|wanted| {
+                found.rows.iter().filter(|row| row.verdict != Verdict::NoEffect && agree(row.verdict) == wanted).count()
+            });
+            assert!(agree > apart, "{name}: {agree} agree, {apart} do not");
+            for row in found.rows.iter().filter(|row| matches!(row.verdict, Verdict::Apart | Verdict::Refused)) {
+                assert!(page.contains(&line(name, row)), "{name} {row:?}");
+            }
+        }
+    }
+}
