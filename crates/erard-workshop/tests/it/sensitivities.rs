@@ -1,5 +1,10 @@
 //! Derivatives of a press against differences, against each other, and what has none.
 
+// The example prints what the test does not read.
+#[path = "../../examples/derivatives/compare.rs"]
+#[allow(dead_code)]
+mod compare;
+
 use erard::gradient::{Direction, GradientError, How, Poses, follow};
 use erard::instrument::Dwell;
 use erard::level::{Kind, MASS_KG, Reference};
@@ -277,10 +282,7 @@ fn refusals() {
 /// What the book's page lists is all that is apart: every derivative of the concert grand's numbers at pp, mf and ff is
 /// within 2 % of differences whose steps have converged, or within their own scatter, or listed.
 mod nightly {
-    #[path = "../../../examples/derivatives/compare.rs"]
-    mod compare;
-
-    use compare::{LEVELS, Verdict, first_cases, level, line};
+    use super::compare::{LEVELS, Verdict, first_cases, level, line};
     use erard::Instrument;
 
     #[test]
