@@ -38,7 +38,7 @@ pub(crate) fn gradient<'py>(
     duration: Option<f64>,
     steps: Steps,
     every: Option<u64>,
-    (held, compares, refuses, of): How,
+    how: How,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -63,6 +63,7 @@ pub(crate) fn gradient<'py>(
         Some(threads) => threads,
         None => cores::count(),
     };
+    let (held, compares, refuses, of) = how;
     let rest = if held { Rest::Held } else { Rest::Moves };
     let how = Differentiation { rest, sample_every: every, compares, refuses, of, threads };
     let found = watched(
