@@ -25,8 +25,8 @@ type How = (bool, bool, bool, Vec<String>);
 
 /// A press and its derivatives, per bare number, by parameters, by `force`, and by what lies between two instruments:
 /// `values` and `slopes` of every quantity (`in_shorter_steps` and `unresolved`, too, if they are compared), `columns`
-/// and `column_slopes` (one row for each variable) where `every` says after how many steps they are sampled, `switches`,
-/// `refused` (quantity, variable, why).
+/// and `column_slopes` (one row for each variable) where `every` says after how many steps they are sampled,
+/// `switches`, `refused` (quantity, variable, why).
 #[pyfunction]
 #[pyo3(signature = (instrument, by, stroke, duration, steps, every, how, threads, progress))]
 #[allow(clippy::too_many_arguments)]

@@ -2,9 +2,9 @@
 //! forward mode.
 //!
 //! The press is played once in numbers that carry derivatives ([`moreau_kernels::Tangents`]), up to eight directions at
-//! a time, from its rest to the blow. What is differentiated is the motion with dry friction that truly sticks and felts
-//! that are not smoothed: steps end where sliding comes to rest or turns round, and there the derivatives jump as they
-//! must (the engine's README, "Derivatives"). Of the map from an instrument's numbers to the mechanism's, which is
+//! a time, from its rest to the blow. What is differentiated is the motion with dry friction that truly sticks and
+//! felts that are not smoothed: steps end where sliding comes to rest or turns round, and there the derivatives jump as
+//! they must (the engine's README, "Derivatives"). Of the map from an instrument's numbers to the mechanism's, which is
 //! smooth, differences are taken.
 //!
 //! It starts at the rest of [`crate::simulate`], to the bit ([`Poses`]). With dry friction an action can rest in many

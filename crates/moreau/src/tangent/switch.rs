@@ -120,8 +120,8 @@ impl<const B: usize, const Z: usize> Before<B, Z> {
             if !pressed {
                 return None;
             }
-            // A force may be at its bound although nothing slips: what is stuck in several places at once shares its load
-            // as the solver happens to find it. That is no switch.
+            // A force may be at its bound although nothing slips: what is stuck in several places at once shares its
+            // load as the solver happens to find it. That is no switch.
             let slips = |w: &[f64; B]| side(model.supports[z].product(&step.contacts.slip_row[z], w));
             let remembered = |remembered: f64, w: &[f64; B]| if slips(w) == 0.0 { 0.0 } else { remembered };
             let before = self.zone[z].map_or_else(|| slips(&self.w), |side| remembered(side, &self.w));
