@@ -73,7 +73,7 @@ class Gradient(Mapping[str, Mapping[str, float]]):
     Examples
     --------
     >>> import erard
-    >>> g = erard.gradient(erard.load("concert-grand-rigid"), ["body.hammer.mass", "let_off"], force=5.0)
+    >>> g = erard.gradient(erard.load("concert-grand-rigid"), ["body.hammer.mass", "let_off"], of=["hammer_speed_m_per_s"], force=5.0)
     >>> g["hammer_speed_m_per_s"]["let_off"] == float(g.jacobian[0, 1])
     True
     """
@@ -254,8 +254,9 @@ def gradient(
     --------
     >>> import erard
     >>> grand = erard.load("concert-grand-rigid")
-    >>> g = erard.gradient(grand, ["force", "body.hammer.mass"], force=5.0, columns=["key_m"])
-    >>> g["hammer_speed_m_per_s"]["force"] > 0 > g["let_off_s"]["force"]
+    >>> speed, contact = "hammer_speed_m_per_s", "hammer_contact_s"
+    >>> g = erard.gradient(grand, ["force", "body.hammer.mass"], of=[speed, contact], force=5.0, columns=["key_m"])
+    >>> g[speed]["force"] > 0 > g[contact]["force"]
     True
     >>> g.column_jacobian["key_m"].shape == (len(g.time_s), 2)
     True
