@@ -3,7 +3,7 @@
 use erard::gradient::GradientError;
 use erard::run::Setup;
 use erard_workshop::cores;
-use erard_workshop::sensitivities::{SensitivityError, Variable, gradient as find};
+use erard_workshop::sensitivities::{Differentiation, Rest, SensitivityError, Variable, gradient as find};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -19,11 +19,16 @@ use crate::watch::watched;
 /// are.
 type Sides<'py> = (Bound<'py, Instrument>, Bound<'py, Instrument>, f64);
 
+/// Whether the rest is held, whether steps of two lengths are compared, whether what does not converge is an error, and
+/// the quantities for which that counts: all of them if there are none.
+type How = (bool, bool, bool, Vec<String>);
+
 /// A press and its derivatives, per bare number, by parameters, by `force`, and by what lies between two instruments:
-/// `values` and `slopes` of every quantity, `columns` and `column_slopes` (one row for each variable) where `every`
-/// says after how many steps they are sampled, `switches`.
+/// `values` and `slopes` of every quantity (`in_shorter_steps` and `unresolved`, too, if they are compared), `columns`
+/// and `column_slopes` (one row for each variable) where `every` says after how many steps they are sampled,
+/// `switches`, `refused` (quantity, variable, why).
 #[pyfunction]
-#[pyo3(signature = (instrument, by, stroke, duration, steps, every, threads, progress))]
+#[pyo3(signature = (instrument, by, stroke, duration, steps, every, how, threads, progress))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn gradient<'py>(
     py: Python<'py>,
@@ -33,6 +38,7 @@ pub(crate) fn gradient<'py>(
     duration: Option<f64>,
     steps: Steps,
     every: Option<u64>,
+    how: How,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -57,22 +63,32 @@ pub(crate) fn gradient<'py>(
         Some(threads) => threads,
         None => cores::count(),
     };
+    let (held, compares, refuses, of) = how;
+    let rest = if held { Rest::Held } else { Rest::Moves };
+    let how = Differentiation { rest, sample_every: every, compares, refuses, of, threads };
     let found = watched(
         py,
         progress,
         |going| {
             let drive = || inner.inputs(&own.finger).unwrap_or_else(|_| Box::new(|_| erard::Input::Free));
-            find(&own, by, &drive, &setup, every, threads, going)
+            find(&own, by, &drive, &setup, how, going)
         },
         told,
     )?;
     let all = PyDict::new(py);
-    let (values, slopes) = (PyDict::new(py), PyDict::new(py));
+    let (values, slopes, shorter, unresolved) = (PyDict::new(py), PyDict::new(py), PyDict::new(py), PyDict::new(py));
     for (key, one) in found.of {
-        let (value, slope) = one.map_or((None, vec![f64::NAN; count]), |(value, slope)| (Some(value), slope));
-        values.set_item(key, value)?;
-        slopes.set_item(key, array(py, slope))?;
+        values.set_item(key, one.as_ref().map(|one| one.value))?;
+        let unknown = || vec![f64::NAN; count];
+        let each = one.map_or_else(
+            || [unknown(), unknown(), unknown()],
+            |one| [one.slopes, one.in_shorter_steps, one.unresolved],
+        );
+        for (place, numbers) in [&slopes, &shorter, &unresolved].into_iter().zip(each) {
+            place.set_item(key, array(py, numbers))?;
+        }
     }
+    let refused = found.refused.iter().map(|one| (one.of, one.by.clone(), one.told.clone())).collect::<Vec<_>>();
     let (columns, column_slopes) = (PyDict::new(py), PyDict::new(py));
     for one in found.sampled {
         let slopes = PyArray2::from_vec2(py, &one.slopes).map_err(fault::failed)?;
@@ -81,6 +97,9 @@ pub(crate) fn gradient<'py>(
     }
     all.set_item("values", values)?;
     all.set_item("slopes", slopes)?;
+    all.set_item("in_shorter_steps", shorter)?;
+    all.set_item("unresolved", unresolved)?;
+    all.set_item("refused", refused)?;
     all.set_item("columns", columns)?;
     all.set_item("column_slopes", column_slopes)?;
     all.set_item("switches", found.switches.to_vec())?;
@@ -92,8 +111,8 @@ pub(crate) fn told(error: &SensitivityError) -> PyErr {
         SensitivityError::Simulation(error) | SensitivityError::Gradient(GradientError::Simulation(error)) => {
             fault::simulation(error)
         }
-        SensitivityError::Gradient(GradientError::NoRest) => fault::failed(error),
         SensitivityError::Gradient(error) => fault::wrong(error),
+        SensitivityError::Unconverged { .. } => fault::failed(error),
         SensitivityError::Measure(error) => fault::measure(error),
     }
 }

@@ -86,7 +86,7 @@ def test_everything_pickles_compares_and_says_what_it_is(grand: erard.Instrument
         grand, grand.parameters["let_off"], run, erard.Recording(run), action, action.reading, action.play([5.0] * 3), grand.draw(),
         grand.measure(only=["dip_mm"]), grand.kinematics(), grand.compare(run, drives=["force"], models=["action"]), erard.keyboard(keys=[40]),
         erard.rollout(grand, force=[[5.0, 5.0]], dt=1e-3), erard.study(grand, let_off=[0.0], force=5.0, duration=0.05),
-        erard.gradient(grand, ["let_off"], force=5.0, duration=0.05, error=False),
+        erard.gradient(grand, ["let_off"], force=5.0, duration=0.05, compare=False),
     ]  # fmt: skip
     for thing in things:
         again = pickle.loads(pickle.dumps(thing))

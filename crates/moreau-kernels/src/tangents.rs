@@ -1,6 +1,9 @@
 //! One mechanism and the derivatives of its motion.
 
-use moreau::{Driven, Dual, Model, Pose, Real, Settings, Tangent, TangentError, TangentReport, TrackedPoint};
+use moreau::{
+    Driven, Dual, Model, Pose, Real, SavedState, Settings, State, Switched, Tangent, TangentError, TangentReport,
+    TrackedPoint,
+};
 
 use crate::{OwnedDescription, Size};
 
@@ -11,13 +14,19 @@ pub type Number = Dual<DIRECTIONS>;
 
 /// A mechanism and the derivatives of its motion. Indices follow the description's bodies and zones.
 pub trait Tangents: Send {
-    /// Advances by `settings.step`.
-    fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, DIRECTIONS>) -> TangentReport;
-    /// Stands still from now on.
-    fn stop(&mut self);
-    /// Places the hand: world coordinate along the drive's direction, m, and velocity, m/s.
-    fn place_hand(&mut self, hand: [Number; 2]);
-    /// Where the hand is, and how fast, likewise.
+    /// Advances by `settings.step`; `switched` hears of every switch of friction on the way.
+    fn step(
+        &mut self,
+        settings: &Settings<f64>,
+        input: &mut Driven<'_, DIRECTIONS>,
+        switched: &mut Switched<'_>,
+    ) -> TangentReport;
+    /// Goes on from another state.
+    fn begin(&mut self, state: &SavedState<Number, 12, 32>);
+    /// From now on derivatives go on as they were across switches that cannot be distinguished
+    /// ([`Tangent::passes_unresolved`]).
+    fn pass_unresolved(&mut self);
+    /// Where the hand is (world coordinate along the drive's direction, m), and how fast, m/s.
     fn hand(&self) -> [Number; 2];
     /// World coordinate of the driven point along the drive's direction, m.
     fn site_position(&self) -> Number;
@@ -69,16 +78,21 @@ struct Differentiated<const B: usize, const Z: usize, const N: usize> {
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Tangents for Differentiated<B, Z, N> {
-    fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, DIRECTIONS>) -> TangentReport {
-        self.tangent.step(settings, input)
+    fn step(
+        &mut self,
+        settings: &Settings<f64>,
+        input: &mut Driven<'_, DIRECTIONS>,
+        switched: &mut Switched<'_>,
+    ) -> TangentReport {
+        self.tangent.step(settings, input, switched)
     }
 
-    fn stop(&mut self) {
-        self.tangent.stop();
+    fn begin(&mut self, state: &SavedState<Number, 12, 32>) {
+        self.tangent.state = State::from(state.sized());
     }
 
-    fn place_hand(&mut self, hand: [Number; 2]) {
-        self.tangent.state.hand = hand;
+    fn pass_unresolved(&mut self) {
+        self.tangent.passes_unresolved = true;
     }
 
     fn hand(&self) -> [Number; 2] {

@@ -113,7 +113,7 @@ pub use sleep::Sleep;
 pub use state::State;
 pub use step::{LanesReport, Outcome, StepReport, step, step_lanes, step_out_of_line};
 pub use surface::{COUPLED, Surface};
-pub use tangent::{Driven, Tangent, TangentError, TangentReport};
+pub use tangent::{Driven, Switch, SwitchKind, Switched, SwitchingLaw, Tangent, TangentError, TangentReport};
 pub use tracking::{Clearance, TrackedPoint};
 pub use vector::Vector;
 pub use workspace::Workspace;

@@ -221,6 +221,7 @@ def gradient(
     duration: float | None,
     steps: Steps,
     every: int | None,
+    how: tuple[bool, bool, bool, list[str]],
     threads: int | None,
     progress: Progress,
 ) -> dict[str, Any]: ...

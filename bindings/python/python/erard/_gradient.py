@@ -34,8 +34,8 @@ QUANTITIES = (
 )
 #: Columns that have derivatives.
 COLUMNS = ("key_m", "hammer_head_m", "force_N")
-#: The step of the second press, by which errors are estimated, as a share of the first one's.
-SHORTER = 0.8
+#: What happens to the rest while a number changes.
+RESTS = ("moves", "held")
 #: Half the way over which the map from a number of the file to the mechanism's numbers is differenced, as a share of
 #: it, and at least.
 HALF, LEAST = 1e-4, 1e-9
@@ -53,8 +53,14 @@ class Gradient(Mapping[str, Mapping[str, float]]):
     jacobian : ndarray of shape (Q, P)
         Derivatives of the quantities (rows) by the numbers (columns), in SI units per bare number as `Instrument.vary` takes it: per metre of a screw's
         turn, per factor of a parameter (the derivative for one percent is a hundredth of it), per unit of the file of a number of the file, per N.
-    error : ndarray of shape (Q, P) or None
-        How far the derivatives of steps that are a fifth shorter differ from them; `None` where that was not asked for.
+    in_shorter_steps : ndarray of shape (Q, P) or None
+        The derivatives in steps that are a fifth shorter; `None` where they were not asked for. How far the two are apart is no error bar: what all
+        lengths of step have wrong alike is not in it.
+    unresolved_effect : ndarray of shape (Q, P) or None
+        How far a derivative changes with the treatment of switches of friction that could not be told from another one; zero where there are none.
+    refused : dict of (str, str) to str
+        Quantity and number of each derivative that does not converge, which is nan in `jacobian`, and why: the switch from which on steps of two lengths
+        disagree, and differences to both sides. Empty unless `unconverged="nan"` was asked for.
     time_s : ndarray of shape (T,)
         Instants of the columns' samples; empty without columns.
     columns : dict of str to ndarray of shape (T,)
@@ -67,7 +73,7 @@ class Gradient(Mapping[str, Mapping[str, float]]):
     Examples
     --------
     >>> import erard
-    >>> g = erard.gradient(erard.load("concert-grand-rigid"), ["body.hammer.mass", "let_off"], force=5.0)
+    >>> g = erard.gradient(erard.load("concert-grand-rigid"), ["body.hammer.mass", "let_off"], of=["hammer_speed_m_per_s"], force=5.0)
     >>> g["hammer_speed_m_per_s"]["let_off"] == float(g.jacobian[0, 1])
     True
     """
@@ -78,17 +84,21 @@ class Gradient(Mapping[str, Mapping[str, float]]):
         by: list[str],
         value: dict[str, float],
         jacobian: NDArray[np.float64],
-        error: NDArray[np.float64] | None,
+        in_shorter_steps: NDArray[np.float64] | None,
+        unresolved_effect: NDArray[np.float64] | None,
+        refused: dict[tuple[str, str], str],
         time_s: NDArray[np.float64],
         columns: dict[str, NDArray[np.float64]],
         column_jacobian: dict[str, NDArray[np.float64]],
         switches: tuple[int, int],
         title: str,
     ) -> None:
-        self.of, self.by, self.value, self.jacobian, self.error = of, by, value, read_only(jacobian), error
+        self.of, self.by, self.value, self.jacobian, self.refused = of, by, value, read_only(jacobian), refused
+        self.in_shorter_steps, self.unresolved_effect = in_shorter_steps, unresolved_effect
         self.time_s, self.columns, self.column_jacobian = read_only(time_s), columns, column_jacobian
-        for array in (*columns.values(), *column_jacobian.values(), *(() if error is None else (error,))):
-            read_only(array)
+        for array in (*columns.values(), *column_jacobian.values(), in_shorter_steps, unresolved_effect):
+            if array is not None:
+                read_only(array)
         self.switches, self.unresolved = switches
         self.title = title
 
@@ -127,10 +137,10 @@ class Gradient(Mapping[str, Mapping[str, float]]):
     def _rows(self) -> list[tuple[str, ...]]:
         rows = [("", "value", *self.by)]
         for k, name in enumerate(self.of):
-            errors = [None] * len(self.by) if self.error is None else list(self.error[k])
+            others = [None] * len(self.by) if self.in_shorter_steps is None else list(self.in_shorter_steps[k])
             cells = [
-                quantity(float(slope), "") + ("" if error is None else f" +- {error:.1g}")
-                for slope, error in zip(self.jacobian[k], errors, strict=True)
+                quantity(float(slope), "") + ("" if other is None else f" ({quantity(float(other), '')})")
+                for slope, other in zip(self.jacobian[k], others, strict=True)
             ]
             rows.append((name, quantity(self.value[name], ""), *cells))
         return rows
@@ -140,7 +150,9 @@ class Gradient(Mapping[str, Mapping[str, float]]):
         wide = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
         lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, wide, strict=True)).rstrip() for row in rows]
         unresolved = f", {self.unresolved} of them unresolved" if self.unresolved else ""
-        return "\n".join([f"<erard.Gradient of {self.title}: {self.switches} switches of friction{unresolved}", *lines, ">"])
+        brackets = "" if self.in_shorter_steps is None else "; in brackets: in steps a fifth shorter"
+        why = [f"refused: {sentence}" for sentence in self.refused.values()]
+        return "\n".join([f"<erard.Gradient of {self.title}: {self.switches} switches of friction{unresolved}{brackets}", *lines, *why, ">"])
 
     def _repr_html_(self) -> str:
         cells = (f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in self._rows())
@@ -180,7 +192,9 @@ def gradient(
     rigid: ArrayLike | None = None,
     drive: str | None = None,
     duration: float | None = None,
-    error: bool = True,
+    rest: str = "moves",
+    compare: bool = True,
+    unconverged: str = "raise",
     threads: int | None = None,
     progress: bool | None = None,
     **how: Unpack[Stepping],
@@ -188,8 +202,11 @@ def gradient(
     """Presses the key once and says what its speeds, instants and columns change by with the numbers of the instrument.
 
     The press is played in numbers that carry their derivatives, eight at a time. What is differentiated is the motion with friction that truly sticks, from
-    the pose as drawn over the rest on; where sliding comes to rest or turns round derivatives jump, and the steps end there (the book, "Which numbers
-    matter").
+    the rest at which `Instrument.press` starts; where sliding comes to rest or turns round derivatives jump, and the steps end there (the book,
+    "Derivatives").
+
+    For many numbers `study` is cheaper: differences of presses side by side cost less than derivatives. Derivatives serve where the step of a difference
+    is in doubt, for one number or few, and sample by sample.
 
     Parameters
     ----------
@@ -205,8 +222,15 @@ def gradient(
         Steps between two samples of the columns.
     force, dt, stroke, touch, motion, rigid, drive, duration
         What the player does, as in `Instrument.press`.
-    error : bool
-        Play it again in steps that are a fifth shorter, and tell how far the derivatives differ.
+    rest : {"moves", "held"}
+        What happens to the rest while a number changes. With dry friction an action can rest in a range of poses. "moves": it comes to rest anew, from the
+        pose as drawn, as each `press` does. "held": its friction holds the pose that it has.
+    compare : bool
+        Play it again in steps that are a fifth shorter, and compare. A derivative that differs by more than a tenth, and by something that matters to its
+        quantity, does not converge.
+    unconverged : {"raise", "nan"}
+        What becomes of a derivative that does not converge: the call raises, and names the switch of friction from which on it does not; or it is nan, and
+        `Gradient.refused` says why.
     threads : int, optional
         By default as many as there are cores.
     progress : bool, optional
@@ -223,13 +247,16 @@ def gradient(
     InputError
         Where a name is wrong, and where something of the instrument has no derivatives: friction that grows at rest, felts with a set-valued loss,
         strings that yield, friction="tanh".
+    SimulationError
+        Where a derivative does not converge.
 
     Examples
     --------
     >>> import erard
     >>> grand = erard.load("concert-grand-rigid")
-    >>> g = erard.gradient(grand, ["force", "body.hammer.mass"], force=5.0, columns=["key_m"])
-    >>> g["hammer_speed_m_per_s"]["force"] > 0 > g["let_off_s"]["force"]
+    >>> speed, contact = "hammer_speed_m_per_s", "hammer_contact_s"
+    >>> g = erard.gradient(grand, ["force", "body.hammer.mass"], of=[speed, contact], force=5.0, columns=["key_m"])
+    >>> g[speed]["force"] > 0 > g[contact]["force"]
     True
     >>> g.column_jacobian["key_m"].shape == (len(g.time_s), 2)
     True
@@ -246,6 +273,9 @@ def gradient(
             raise InputError(f"{key}: found {unknown[0]!r}, expected {', '.join(known)}", key=key, found=unknown[0])
     own = steps({"step": 25e-6, **how})
     every = whole("record_every", record_every)
+    for key, word, known in (("rest", rest, RESTS), ("unconverged", unconverged, ("raise", "nan"))):
+        if word not in known:
+            raise InputError(f"{key}: found {word!r}, expected {' or '.join(known)}", key=key, found=str(word))
     made = stroke_of(
         instrument, force=force, dt=dt, stroke=stroke, touch=touch, motion=motion, rigid=rigid, drive=drive, hand=how.get("hand")
     )
@@ -253,30 +283,20 @@ def gradient(
         raise InputError("columns: force_N has no derivatives under a rigid drive, whose force is what its motion takes", key="columns", found="force_N")
     length = None if duration is None else number("duration", duration)
     sides = variables(instrument, names)
+    how_asked = (rest == "held", bool(compare), unconverged == "raise", asked)
     with bar(progress, "gradient") as tell:
-
-        def share(begin: float, part: float) -> Any:
-            return None if tell is None else lambda done: tell(begin + part * done)
-
-        first = 0.55 if error else 1.0
-        found = _erard.gradient(
-            instrument._inner, sides, made, length, own, every if sampled else None, threads, share(0.0, first)
-        )
-        again = None
-        if error:
-            shorter = {**own, "step": SHORTER * step_of(own, instrument._inner.usual_step_s)}
-            again = _erard.gradient(instrument._inner, sides, made, length, shorter, None, threads, share(first, 1.0 - first))  # type: ignore[arg-type]
+        found = _erard.gradient(instrument._inner, sides, made, length, own, every if sampled else None, how_asked, threads, tell)
     told = asked or [name for name in QUANTITIES if found["values"][name] is not None]
-    rows = [found["slopes"][name] for name in told]
-    jacobian = np.array(rows, dtype=np.float64).reshape(len(told), len(names))
-    apart = None
-    if again is not None:
-        apart = np.abs(np.array([again["slopes"][name] for name in told]).reshape(jacobian.shape) - jacobian)
+
+    def matrix(of: str) -> NDArray[np.float64]:
+        return np.array([found[of][name] for name in told], dtype=np.float64).reshape(len(told), len(names))
+
+    others = (matrix("in_shorter_steps"), matrix("unresolved")) if compare else (None, None)
     value = {name: float("nan") if found["values"][name] is None else float(found["values"][name]) for name in told}
     count = len(next(iter(found["columns"].values()), ()))
     time_s = made.start_s + step_of(own, instrument._inner.usual_step_s) * every * np.arange(count, dtype=np.float64)
     return Gradient(
-        told, names, value, jacobian, apart, time_s,
+        told, names, value, matrix("slopes"), *others, {(of, by): why for of, by, why in found["refused"]}, time_s,
         {name: found["columns"][name] for name in sampled},
         {name: np.ascontiguousarray(found["column_slopes"][name].T) for name in sampled},
         (found["switches"][0], found["switches"][1]), f"{instrument.name}, {made.title}",

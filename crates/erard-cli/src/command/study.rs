@@ -9,6 +9,7 @@ use erard_workshop::cores;
 use erard_workshop::measure::measure_some;
 use erard_workshop::measure::norms::Line;
 use erard_workshop::sample::SampleError;
+use erard_workshop::sensitivities::Rest;
 use erard_workshop::study::{Job, OwnResult, Stroke as JobStroke, Workers, play_all, play_each};
 
 use super::bands::{self, BandOptions, BandRow};
@@ -62,6 +63,9 @@ pub(crate) struct Study {
     /// down_weight_g, balance_weight_g]
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',', requires = "sensitivities", conflicts_with = "vary")]
     of: Vec<String>,
+    /// With --sensitivities: what happens to the rest at which the stroke starts while a number changes
+    #[arg(long, value_enum, default_value = "moves", requires = "sensitivities")]
+    rest: RestAsked,
     /// Also measure every variant: keys of measure.json with commas
     /// (down_weight_g,effective_inertia_kg,repetition_rate_half_hz)
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',')]
@@ -89,6 +93,15 @@ pub(crate) struct Study {
     single: bool,
     #[command(flatten)]
     out: OutOptions,
+}
+
+/// What happens to the rest while a number changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum RestAsked {
+    /// Every variant comes to rest anew, from the pose as drawn, as in `erard press`
+    Moves,
+    /// Friction holds the pose of the unchanged action
+    Held,
 }
 
 /// Most strokes: their rows are held in memory.
@@ -241,7 +254,8 @@ impl Study {
         drop(stroke.inputs(&instrument.finger)?);
         let finger = instrument.finger;
         let inputs = || stroke.inputs(&finger).unwrap_or_else(|_| Box::new(|_| Input::Free));
-        let found = sensitive::find(&instrument, by, of, &inputs, &setup)?;
+        let rest = if self.rest == RestAsked::Held { Rest::Held } else { Rest::Moves };
+        let found = sensitive::find(&instrument, by, of, &inputs, &setup, rest)?;
         let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive_name());
         output.table("sensitivities.csv", &Table::of_records(&sensitive::rows(&found))?)?;
         output.json("sensitivities.json", &sensitive::report(&found, &instrument.name, &stroke.title))?;

@@ -5,7 +5,7 @@ use erard::run::Setup;
 use erard_figures::figure::{Bar, Tornado, TornadoPanel, tornado_svg};
 use erard_workshop::cores;
 use erard_workshop::sensitivities::{
-    Mark, Quantity, Sensitivities, Sensitivity, SensitivityError, USUAL, Variable, VariableError, quantities,
+    Mark, Quantity, Rest, Sensitivities, Sensitivity, SensitivityError, USUAL, Variable, VariableError, quantities,
     sensitivities,
 };
 use serde_json::{Value, json};
@@ -76,9 +76,10 @@ pub(crate) fn find<'a>(
     of: Vec<Quantity>,
     stroke: &(dyn Fn() -> erard_workshop::study::Stroke<'a> + Sync),
     setup: &Setup,
+    rest: Rest,
 ) -> Result<Sensitivities, Failure> {
     let mut progress = Progress::new("differentiating");
-    sensitivities(instrument, by, of, stroke, setup, cores::count(), &mut |share| progress.tell(share)).map_err(
+    sensitivities(instrument, by, of, stroke, setup, rest, cores::count(), &mut |share| progress.tell(share)).map_err(
         |error| match error {
             SensitivityError::Simulation(error) => Failure::Simulation(error),
             SensitivityError::Measure(error) => Failure::Measure { label: instrument.name.clone(), error },
@@ -96,14 +97,17 @@ fn row(all: &Sensitivities, one: &Sensitivity) -> Value {
         "by": by.name,
         "per": by.per,
         "derivative": one.derivative,
-        "error": one.error,
+        "spread": one.spread,
         "usual_change": by.usual,
         "effect": one.effect(all),
         "elasticity": one.elasticity(all),
         "method": of.method.name(),
         "differences": one.differences.map(|[slope, _]| slope),
-        "differences_error": one.differences.map(|[_, error]| error),
+        "differences_spread": one.differences.map(|[_, spread]| spread),
+        "below": one.sides.map(|[below, _]| below),
+        "above": one.sides.map(|[_, above]| above),
         "mark": one.mark.name(),
+        "event": one.event,
     })
 }
 
@@ -150,14 +154,14 @@ pub(crate) fn figure(all: &Sensitivities, title: &str) -> String {
         bars: all
             .rows
             .iter()
-            .filter(|one| one.of == k && one.effect(all) != 0.0)
+            .filter(|one| one.of == k && one.effect(all).is_finite() && one.effect(all) != 0.0)
             .take(MOST_BARS)
             .map(|one| {
                 let variable = &all.by[one.by];
                 Bar {
                     label: format!("{} +{}", variable.name, usual(variable)),
                     effect: shown(&all.of[k], one.effect(all)),
-                    error: shown(&all.of[k], one.error * variable.usual),
+                    error: shown(&all.of[k], one.spread * variable.usual),
                     marked: one.mark != Mark::None,
                 }
             })
@@ -193,8 +197,9 @@ pub(crate) fn lines(all: &Sensitivities, most: usize) -> Vec<String> {
         if rows.is_empty() {
             continue;
         }
-        let unit = format!("{} +-", of.unit);
-        let heads = ["", "change", &unit, "error", "elasticity", "differences", ""].map(str::to_owned);
+        let unit = of.unit.to_owned();
+        // No error bar: of a derivative it compares lengths of step, of a difference two windows.
+        let heads = ["", "change", &unit, "spread", "elasticity", "differences", ""].map(str::to_owned);
         let cells = rows.iter().take(most).map(|one| {
             let variable = &all.by[one.by];
             let scaled = |x: f64| digits(shown(of, x * variable.usual));
@@ -202,13 +207,17 @@ pub(crate) fn lines(all: &Sensitivities, most: usize) -> Vec<String> {
                 variable.name.clone(),
                 usual(variable),
                 scaled(one.derivative),
-                scaled(one.error),
+                scaled(one.spread),
                 one.elasticity(all).map_or("-".to_owned(), digits),
                 one.differences.map_or("-".to_owned(), |[slope, _]| scaled(slope)),
                 one.mark.name().to_owned(),
             ]
         });
         lines.extend(Table::of(heads, cells).to_string().lines().map(str::to_owned));
+        for one in rows.iter().take(most).filter(|one| one.mark == Mark::Unconverged) {
+            let (name, event) = (&all.by[one.by].name, one.event.as_deref().unwrap_or("nowhere to be named"));
+            lines.push(format!("  {name} has no derivative: steps of different lengths part {event}"));
+        }
         if rows.len() > most {
             lines.push(format!("  {} more; sensitivities.csv holds them", rows.len() - most));
         }

@@ -1,7 +1,7 @@
 //! How residuals change with the inner parameters: by differences side by side in lanes, or by derivatives of the model
 //! itself.
 
-use crate::sensitivities::{Sampled, SensitivityError, Variable, gradient};
+use crate::sensitivities::{Differentiation, Rest, Sampled, SensitivityError, Variable, gradient};
 use crate::study::Stroke;
 use erard::player::Input;
 use erard::stroke::Prescribed;
@@ -93,7 +93,15 @@ impl Problem {
             let (watch, count) = (&mut self.watch, self.evaluations);
             let setup = one.setup();
             let mut tell = |_: f64| watch(count);
-            let found = gradient(&instrument, by.clone(), &stroke, &setup, Some(one.every), self.threads, &mut tell)?;
+            let how = Differentiation {
+                rest: Rest::Moves,
+                sample_every: Some(one.every),
+                compares: false,
+                refuses: false,
+                of: Vec::new(),
+                threads: self.threads,
+            };
+            let found = gradient(&instrument, by.clone(), &stroke, &setup, how, &mut tell)?;
             self.differentiated += 1;
             played.push(found.sampled);
         }

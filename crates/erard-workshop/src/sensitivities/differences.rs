@@ -28,8 +28,8 @@ pub(super) struct Differences {
     pub slope: f64,
     /// How far the two windows are apart.
     pub error: f64,
-    /// To either side.
-    sides: [f64; 2],
+    /// To below and to above.
+    pub sides: [f64; 2],
     /// What of the five values no parabola explains.
     left: f64,
     window: f64,

@@ -16,6 +16,14 @@ pub enum SensitivityError {
     /// Not played.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    /// A derivative does not converge.
+    #[error("{told}{}", if *more == 0 { String::new() } else { format!("; {more} more do not") })]
+    Unconverged {
+        /// Which, and why.
+        told: String,
+        /// How many others do not.
+        more: usize,
+    },
     /// Not weighed.
     #[error(transparent)]
     Measure(#[from] MeasureError),
@@ -27,6 +35,7 @@ impl Ending for SensitivityError {
             SensitivityError::Gradient(error) => error.is_interruption(),
             SensitivityError::Simulation(error) => error.is_interruption(),
             SensitivityError::Measure(error) => error.is_interruption(),
+            SensitivityError::Unconverged { .. } => false,
         }
     }
 }

@@ -1,19 +1,24 @@
 //! Which parameters of an instrument matter, and how much: the derivatives of a stroke's outcome by them.
 //!
 //! Speeds and instants are differentiated in one pass each ([`erard::gradient`]): exact to first order, errors of the
-//! steps' length apart. It is done with three steps, `SHARES` of the stroke's: the middle result is reported, half of
-//! their range is its error. Beside it stand differences over a window that is wide against anything that one step
-//! resolves: where they say something else, or something else to either side, the solution jumps nearby, and the row is
-//! marked. Touch weights are the largest and the smallest force of a slow loop, and have differences alone.
+//! steps' length apart. It is done with three steps, `SHARES` of the stroke's: the middle result is reported, and half
+//! of their range beside it, which is no error bar. Where they do not agree there is no derivative, and the row names
+//! the switch of friction from which on they part. Beside it stand differences over a window that is wide against
+//! anything that one step resolves: where they say something else, or something else to either side, the solution jumps
+//! nearby, and the row is marked. Touch weights are the largest and the smallest force of a slow loop, and have
+//! differences alone.
 
 mod differences;
 mod error;
+mod gradient;
+mod parting;
 mod passes;
 mod variable;
 
 pub use error::SensitivityError;
-pub(crate) use passes::Sampled;
-pub use passes::{Gradient, gradient};
+pub(crate) use gradient::Sampled;
+pub use gradient::{Differentiation, Gradient, SHORTER, ValueAndSlopes, gradient};
+pub use parting::{Event, Refusal};
 pub use variable::{Variable, VariableError};
 
 use erard::Progress;
@@ -23,7 +28,21 @@ use erard::run::Setup;
 
 use crate::study::Stroke;
 use differences::{Differences, Window};
-use passes::{Passes, passes};
+use gradient::converges;
+use parting::parting;
+use passes::{How, Passes, passes};
+
+/// What happens to the pose in which the action rests while a number changes a little.
+///
+/// With dry friction an action can rest in a whole range of poses; it depends on the way there which one it is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rest {
+    /// It moves as the rest of [`erard::simulate`] does, which lets every variant come to rest from the pose as drawn.
+    #[default]
+    Moves,
+    /// Friction holds it: the angles are those of the unchanged action, whatever felts and screws then do.
+    Held,
+}
 
 /// A quantity that is differentiated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,6 +116,8 @@ pub fn quantities() -> Vec<Quantity> {
 pub enum Mark {
     /// Nothing.
     None,
+    /// Steps of different lengths have different derivatives: there is none.
+    Unconverged,
     /// Differences to the two sides are not those of one slope: the solution jumps or has a corner within the window.
     Jumps,
     /// Differences over the window are not what the derivative says: it holds for a smaller neighbourhood only.
@@ -110,6 +131,7 @@ impl Mark {
     pub fn name(self) -> &'static str {
         match self {
             Mark::None => "",
+            Mark::Unconverged => "unconverged",
             Mark::Jumps => "jumps",
             Mark::Local => "local",
             Mark::OneSided => "one-sided",
@@ -118,18 +140,25 @@ impl Mark {
 }
 
 /// One derivative.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivity {
     /// Quantity: place in [`Sensitivities::of`].
     pub of: usize,
     /// By which number: place in [`Sensitivities::by`].
     pub by: usize,
-    /// Change of the quantity (SI units, or g) per unit of the number ([`Variable::per`]).
+    /// Change of the quantity (SI units, or g) per unit of the number ([`Variable::per`]). No number where it does not
+    /// converge.
     pub derivative: f64,
-    /// Its error: of the steps' length, or of the differences.
-    pub error: f64,
-    /// Differences over the window, and their own error; `None` where the number cannot be changed so.
+    /// Half the range of the derivatives in steps of three lengths, and what switches of friction that could not be
+    /// told from others make uncertain; or how far differences over two windows are apart. No error bar: what all
+    /// lengths of step have wrong alike is not in it.
+    pub spread: f64,
+    /// Differences over the window, and how far two windows are apart; `None` where the number cannot be changed so.
     pub differences: Option<[f64; 2]>,
+    /// Differences to below and to above.
+    pub sides: Option<[f64; 2]>,
+    /// Where the derivatives part that do not converge.
+    pub event: Option<String>,
     /// Reservation about it.
     pub mark: Mark,
 }
@@ -173,12 +202,14 @@ const PARTS: [f64; 3] = [1.0, 1.0, 20.0];
 ///
 /// # Errors
 /// What cannot be differentiated or played as it stands; a number that cannot be changed has a mark.
+#[allow(clippy::too_many_arguments)]
 pub fn sensitivities<'a>(
     instrument: &Instrument,
     by: Vec<Variable>,
     of: Vec<Quantity>,
     stroke: &(dyn Fn() -> Stroke<'a> + Sync),
     setup: &Setup,
+    rest: Rest,
     threads: usize,
     progress: &mut Progress<'_>,
 ) -> Result<Sensitivities, SensitivityError> {
@@ -194,14 +225,16 @@ pub fn sensitivities<'a>(
     let total: f64 = parts.iter().sum();
     let mut tell =
         |part: usize, share: f64| progress((parts[..part].iter().sum::<f64>() + share * parts[part]) / total);
+    let how = How { rest, shares: &SHARES, sample_every: None, threads };
     let found = match followed {
-        true => passes(instrument, &by, stroke, setup, &SHARES, None, threads, &mut |share| tell(0, share))?,
+        true => passes(instrument, &by, stroke, setup, &how, &mut |share| tell(0, share))?,
         false => Passes::default(),
     };
     let variables = by.clone();
     let window = Window::new(instrument, &variables, |one| one.window);
     let heavy = Window::new(instrument, &variables, |one| one.weighing);
-    let played = match followed {
+    // Differences move the rest.
+    let played = match followed && rest == Rest::Moves {
         true => window.play(stroke, setup, threads, &mut |share| tell(1, share))?,
         false => Vec::new(),
     };
@@ -209,65 +242,108 @@ pub fn sensitivities<'a>(
         true => heavy.weigh(threads, &mut |share| tell(2, share))?,
         false => Vec::new(),
     };
-    let mut all = Sensitivities { values: vec![None; of.len()], of, by, rows: Vec::new(), switches: found.switches };
+    let switches = found.switches();
+    let mut all = Sensitivities { values: vec![None; of.len()], of, by, rows: Vec::new(), switches };
     for (k, quantity) in all.of.iter().enumerate() {
         let mut rows = Vec::new();
         let gradient = QUANTITIES.iter().find(|(key, _)| *key == quantity.key);
         for (i, variable) in all.by.iter().enumerate() {
-            let row = match gradient {
+            let place = [k, i];
+            match gradient {
                 Some((_, get)) => {
                     let pass = |which: usize| found.one(which, i).and_then(|f| get(&f.instants));
                     let [Some(a), Some(b), Some(c)] = [pass(0), pass(1), pass(2)] else { continue };
                     all.values[k] = Some(c.value);
                     let differences = window.of_events(&played, i, quantity.key);
-                    let mut slopes = [a, b, c].map(|x: Number| x.slope[i % DIRECTIONS]);
-                    slopes.sort_by(f64::total_cmp);
-                    let [least, slope, most] = slopes;
-                    judged(slope, 0.5 * (most - least), differences, slope * variable.usual, all.values[k])
+                    let slopes = [a, b, c].map(|x: Number| x.slope[i % DIRECTIONS]);
+                    let passing = found.passing(i).and_then(|f| get(&f.instants));
+                    let unresolved = passing.map_or(0.0, |x| (x - a).slope[i % DIRECTIONS].abs());
+                    let mut row = judged(place, slopes, unresolved, differences, variable.usual, c.value);
+                    if rest == Rest::Held && row.mark == Mark::OneSided {
+                        row.mark = Mark::None;
+                    }
+                    if !found.has_rest(i) && row.derivative.abs() * variable.usual > NEGLIGIBLE * c.value.abs() {
+                        row.mark = Mark::Unconverged;
+                        row.event = Some("the rest does not move by one slope to both sides".to_owned());
+                    } else if row.mark == Mark::Unconverged {
+                        let [first, second] = [0, 2].map(|which| found.one(which, i));
+                        let event = first.zip(second).and_then(|(a, b)| parting(a, b, i % DIRECTIONS));
+                        row.event = event.map(|event| event.told(instrument));
+                    }
+                    if row.mark == Mark::Unconverged {
+                        row.derivative = f64::NAN;
+                    }
+                    rows.push(row);
                 }
                 None => {
                     all.values[k] = weights.first().and_then(|w| differences::weight(w, quantity.key));
                     let Some(found) = heavy.of_weights(&weights, i, quantity.key) else { continue };
                     let mark = if found.jumps() { Mark::Jumps } else { Mark::None };
-                    (found.slope, found.error, Some([found.slope, found.error]), mark)
+                    rows.push(row_of(place, found.slope, found.error, Some(found), mark));
                 }
-            };
-            let (derivative, error, differences, mark) = row;
-            rows.push(Sensitivity { of: k, by: i, derivative, error, differences, mark });
+            }
         }
-        let size = |row: &Sensitivity| (row.derivative * all.by[row.by].usual).abs();
+        // What does not converge stands where its differences put it.
+        let slope = |row: &Sensitivity| match row.mark {
+            Mark::Unconverged => row.differences.map_or(0.0, |[slope, _]| slope),
+            _ => row.derivative,
+        };
+        let size = |row: &Sensitivity| (slope(row) * all.by[row.by].usual).abs();
         rows.sort_by(|a, b| size(b).total_cmp(&size(a)));
         all.rows.extend(rows);
     }
     Ok(all)
 }
 
-/// A derivative beside differences.
-fn judged(
-    slope: f64,
-    error: f64,
+fn row_of(
+    [of, by]: [usize; 2],
+    derivative: f64,
+    spread: f64,
     differences: Option<Differences>,
-    effect: f64,
-    value: Option<f64>,
-) -> (f64, f64, Option<[f64; 2]>, Mark) {
-    let Some(found) = differences else { return (slope, error, None, Mark::OneSided) };
-    // What does not change the quantity by a hundred-thousandth does not matter, whatever its mark.
-    let matters = value.is_some_and(|value| effect.abs() > NEGLIGIBLE * value.abs() || found.matters(value));
-    let apart = (slope - found.slope).abs();
-    let mark = if !matters {
-        Mark::None
-    } else if found.jumps() {
-        Mark::Jumps
-    } else if apart > SAME * slope.abs().max(found.slope.abs()) + 3.0 * error + found.error {
-        Mark::Local
+    mark: Mark,
+) -> Sensitivity {
+    let sides = differences.map(|found| found.sides);
+    let differences = differences.map(|found| [found.slope, found.error]);
+    Sensitivity { of, by, derivative, spread, differences, sides, event: None, mark }
+}
+
+/// Derivatives in steps of three lengths beside differences.
+fn judged(
+    place: [usize; 2],
+    mut slopes: [f64; 3],
+    unresolved: f64,
+    differences: Option<Differences>,
+    usual: f64,
+    value: f64,
+) -> Sensitivity {
+    slopes.sort_by(f64::total_cmp);
+    let [least, slope, most] = slopes;
+    let spread = 0.5 * (most - least) + unresolved;
+    let mark = if !converges(slope - spread, slope + spread, usual, value) {
+        Mark::Unconverged
+    } else if let Some(found) = differences {
+        // What does not change the quantity by a hundred-thousandth does not matter, whatever its mark.
+        let matters = (slope * usual).abs() > NEGLIGIBLE * value.abs() || found.matters(value);
+        let apart = (slope - found.slope).abs();
+        if !matters {
+            Mark::None
+        } else if found.jumps() {
+            Mark::Jumps
+        } else if apart > SAME * slope.abs().max(found.slope.abs()) + 3.0 * spread + found.error {
+            Mark::Local
+        } else {
+            Mark::None
+        }
     } else {
-        Mark::None
+        Mark::OneSided
     };
-    (slope, error, Some([found.slope, found.error]), mark)
+    row_of(place, slope, spread, differences, mark)
 }
 
 /// A usual change of a number that changes a quantity by less than this share of it does not matter.
 const NEGLIGIBLE: f64 = 1e-5;
+/// Derivatives in steps of different lengths that differ by more than this share of the larger one do not converge.
+const CONVERGED: f64 = 0.1;
 /// Derivative and differences are the same where they differ by less than this share, beyond what either errs by.
 const SAME: f64 = 0.1;
 

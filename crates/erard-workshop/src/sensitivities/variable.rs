@@ -12,6 +12,10 @@ use crate::study::{Parameter, number_of};
 const HALF: f64 = 1e-4;
 /// The same for a screw, m, rad or N m.
 const HALF_TURN: f64 = 1e-5;
+/// Half the window over which the rest is differenced: of a factor, and of a screw, m, rad or N m.
+const REST: f64 = 1e-5;
+/// See [`REST`].
+const REST_TURN: f64 = 1e-7;
 
 /// A number of an instrument, and how it is counted.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,9 +41,15 @@ pub struct Variable {
 #[derive(Debug, Clone, PartialEq)]
 enum Target {
     Parameter(Parameter, f64),
-    Number { text: String, path: String, which: usize, value: f64 },
+    Number {
+        text: String,
+        path: String,
+        which: usize,
+        value: f64,
+    },
     Force,
-    Between,
+    /// Two instruments, and how far each is from the own one.
+    Between(Box<[Instrument; 2]>, f64),
 }
 
 /// Why nothing can be differentiated by a number.
@@ -69,7 +79,7 @@ impl Variable {
     /// Every parameter of an instrument that has a name of its own ([`Parameter::all`]). Those that cannot be changed
     /// to both sides are left out.
     pub fn all(instrument: &Instrument) -> Vec<Variable> {
-        let plain = Instrument { parts: Vec::new(), ..instrument.clone() };
+        let plain = without_outlines(instrument.clone());
         let all = Parameter::all(&plain).into_iter();
         all.filter_map(|(name, parameter)| Self::parameter(&plain, name, parameter).ok()).collect()
     }
@@ -79,7 +89,7 @@ impl Variable {
     /// # Errors
     /// See [`VariableError`].
     pub fn named(instrument: &Instrument, text: &str, name: &str) -> Result<Variable, VariableError> {
-        let plain = Instrument { parts: Vec::new(), ..instrument.clone() };
+        let plain = without_outlines(instrument.clone());
         let all = Parameter::all(&plain);
         if let Some((name, parameter)) = all.iter().find(|(known, _)| known == name) {
             return Self::parameter(&plain, name.clone(), parameter.clone());
@@ -118,7 +128,7 @@ impl Variable {
             window: apart,
             weighing: apart,
             direction,
-            target: Target::Between,
+            target: Target::Between(Box::new([low.clone(), high.clone()].map(without_outlines)), 0.5 * apart),
         })
     }
 
@@ -185,16 +195,28 @@ impl Variable {
 
     /// How many of its units ([`Variable::per`]) a bare number is: what `study --vary` takes for a parameter (a turn in
     /// m, rad or N m; a factor), the number itself of the file, and 1 N.
-    pub(crate) fn per_bare_number(&self) -> f64 {
+    pub fn per_bare_number(&self) -> f64 {
         match &self.target {
             Target::Parameter(_, per_si) => *per_si,
-            Target::Number { .. } | Target::Force | Target::Between => 1.0,
+            Target::Number { .. } | Target::Force | Target::Between(..) => 1.0,
         }
     }
 
     /// The number that elasticities take it for, in its unit; `None` where a share of it means nothing.
     pub(crate) fn relative(&self) -> Option<f64> {
         self.value.filter(|value| *value != 0.0 && self.per != "mm" && self.per != "deg")
+    }
+
+    /// Half the window, in its unit, over which the rest is differenced: so narrow that the search for the rest goes
+    /// through the same switches at both ends, and wide against rounding.
+    pub(super) fn rest_half(&self) -> f64 {
+        match &self.target {
+            Target::Parameter(parameter, per_si) => per_si * if parameter.is_factor() { REST } else { REST_TURN },
+            Target::Number { .. } if self.per == "mm" || self.per == "deg" => 1e3 * REST_TURN,
+            Target::Number { value, .. } => REST * value.abs().max(1e-12),
+            Target::Force => 0.0,
+            Target::Between(_, half) => *half,
+        }
     }
 
     /// Whether it is the force, and no number of the instrument.
@@ -211,7 +233,10 @@ impl Variable {
                 parameter.vary(&mut varied, if parameter.is_factor() { 1.0 + si } else { si }).then_some(varied)
             }
             Target::Force => Some(instrument.clone()),
-            Target::Between => None,
+            Target::Between(sides, half) => {
+                let [low, high] = &**sides;
+                ((by.abs() - half).abs() < 1e-9 * half).then(|| if by < 0.0 { low.clone() } else { high.clone() })
+            }
             number => read(number, by).ok(),
         }
     }
@@ -224,7 +249,12 @@ fn read(target: &Target, by: f64) -> Result<Instrument, String> {
     };
     let new = with_numbers(text, &[(path, *which, value + by)]).ok_or("it is not there")?;
     let read = Instrument::parse(&new, "the varied instrument").map_err(|error| error.to_string())?;
-    Ok(Instrument { parts: Vec::new(), ..read })
+    Ok(without_outlines(read))
+}
+
+/// Outlines are for drawings.
+fn without_outlines(instrument: Instrument) -> Instrument {
+    Instrument { parts: Vec::new(), ..instrument }
 }
 
 /// The unit at the end of a key of the file.

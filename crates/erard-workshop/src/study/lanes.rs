@@ -26,7 +26,7 @@ type State = SavedState<f64, 12, 32>;
 /// An instrument described, undriven and at rest.
 pub(super) struct AtRest {
     description: OwnedDescription,
-    state: State,
+    pub state: State,
 }
 
 /// The same, or why there is none.

@@ -10,6 +10,7 @@
 mod change;
 mod lanes;
 mod parameter;
+mod rests;
 mod sampling;
 mod topology;
 
@@ -18,6 +19,7 @@ pub use change::{Change, ChangeError, nearest, number_of, quantities, varied};
 pub(crate) use change::Quantity;
 pub use parameter::Parameter;
 pub(crate) use parameter::ten_digits;
+pub(crate) use rests::rests;
 pub use sampling::{Sampling, SamplingError};
 
 pub use moreau_kernels::Lanes;

@@ -1,6 +1,6 @@
 //! Which features of a run combine: every line of the book's table, played.
 
-use erard::gradient::{Direction, STACK_BYTES, follow};
+use erard::gradient::{Direction, GradientError, How, Poses, STACK_BYTES, check, follow};
 use erard::instrument::Dwell;
 use erard::player::{Hand, Inside, LossRecorder, ReactionRecorder};
 use erard::run::{Events, simulate_observed};
@@ -114,7 +114,11 @@ impl Asked {
         let (instrument, setup) = (self.instrument.clone(), self.setup);
         let followed = std::thread::Builder::new()
             .stack_size(STACK_BYTES)
-            .spawn(move || follow(&instrument, &[Direction::force()], &stroke, &setup, 50e-6, None, &mut |_| true))
+            .spawn(move || -> Result<_, GradientError> {
+                check(&instrument)?;
+                let poses = Poses::of(&instrument, 0.0, &mut |_| true)?;
+                follow(&instrument, &[Direction::force()], &stroke, &setup, &poses, How::default(), &mut |_| true)
+            })
             .unwrap()
             .join()
             .unwrap();

@@ -2,29 +2,36 @@
 //! forward mode.
 //!
 //! The press is played once in numbers that carry derivatives ([`moreau_kernels::Tangents`]), up to eight directions at
-//! a time, from the pose as drawn over the rest to the blow. What is differentiated is the motion with dry friction
-//! that truly sticks and felts that are not smoothed: steps end where sliding comes to rest or turns round, and there
-//! the derivatives jump as they must (the engine's README, "Derivatives"). Of the map from an instrument's numbers to
-//! the mechanism's, which is smooth, differences are taken.
+//! a time, from its rest to the blow. What is differentiated is the motion with dry friction that truly sticks and
+//! felts that are not smoothed: steps end where sliding comes to rest or turns round, and there the derivatives jump as
+//! they must (the engine's README, "Derivatives"). Of the map from an instrument's numbers to the mechanism's, which is
+//! smooth, differences are taken.
+//!
+//! It starts at the rest of [`crate::simulate`], to the bit ([`Poses`]). With dry friction an action can rest in many
+//! poses; the one it is in depends on how it got there. So a [`Direction`] says what happens to the rest:
+//! [`Direction::moving`] has it move as the rest of `simulate` moves, [`Direction::between`] alone holds it, as an
+//! action that is changed while its friction holds it.
 //!
 //! A derivative holds for the piece of the solution on which the press is. Where the solution jumps beside it, as where
 //! a hammer strikes twice or only once, a derivative says nothing of the jump.
 
+mod start;
 mod watch;
 
 pub use moreau_kernels::{DIRECTIONS, Number};
+pub use start::Poses;
 pub use watch::{Instants, QUANTITIES};
 
-use moreau::{Input, ModelError, Real, Settings, TangentError, TangentReport};
+use moreau::{Input, ModelError, Real, Settings, Switch, SwitchKind, TangentError, TangentReport};
 use moreau_kernels::{Tangents, tangents};
 use thiserror::Error;
 
 use crate::assembly::describe;
 use crate::instrument::Instrument;
-use crate::player::equilibrium::{self, Settling};
 use crate::player::{self, Drive};
 use crate::progress::Progress;
 use crate::run::{Setup, SimulationError};
+use start::Moves;
 use watch::DualEventDetector;
 
 /// Why there are no derivatives.
@@ -55,9 +62,6 @@ pub enum GradientError {
         /// What.
         what: &'static str,
     },
-    /// The action does not come to rest by itself.
-    #[error("the action does not come to rest within {:.0} s; its rest has no derivatives", equilibrium::PATIENCE_S)]
-    NoRest,
     /// Changing the number changes what the mechanism is made of.
     #[error("a small change of the number changes what the mechanism is made of")]
     Makeup,
@@ -100,15 +104,18 @@ pub struct Direction {
     head: [f64; 2],
     /// That of the force on the key, N.
     force: f64,
+    /// Those of the poses at the start; `None` where they are held.
+    moves: Option<Moves>,
 }
 
 impl Direction {
     /// The force on the key: by 1 N.
     pub fn force() -> Self {
-        Direction { numbers: Vec::new(), head: [0.0; 2], force: 1.0 }
+        Direction { numbers: Vec::new(), head: [0.0; 2], force: 1.0, moves: None }
     }
 
     /// From an instrument with a number a little lower to one with the number a little higher, which is `apart` more.
+    /// The pose at the start is held.
     ///
     /// # Errors
     /// [`GradientError::Makeup`].
@@ -122,8 +129,26 @@ impl Direction {
         let slope = |(x, y): (&f64, &f64)| (y - x) / apart;
         let numbers = x.iter().zip(&y).map(slope).collect();
         let [p, q] = [low, high].map(|one| one.roles.hammer_head_m);
-        Ok(Direction { numbers, head: [slope((&p[0], &q[0])), slope((&p[1], &q[1]))], force: 0.0 })
+        Ok(Direction { numbers, head: [slope((&p[0], &q[0])), slope((&p[1], &q[1]))], force: 0.0, moves: None })
     }
+
+    /// The same, and the poses at the start move: from those with the number a little lower to those with it a little
+    /// higher, which is `apart` more.
+    #[must_use]
+    pub fn moving(self, low: &Poses, high: &Poses, apart: f64) -> Self {
+        Direction { moves: Some(Moves::between(low, high, apart)), ..self }
+    }
+}
+
+/// A switch of friction in a press.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SwitchAt {
+    /// When, s.
+    pub time_s: f64,
+    /// Which law, and what became of it.
+    pub switch: Switch,
+    /// Derivatives of the bodies' angular velocities at the end of the step, rad/s per unit of every direction.
+    pub slopes: Vec<[f64; DIRECTIONS]>,
 }
 
 /// What came of a press in dual numbers.
@@ -135,19 +160,44 @@ pub struct Followed {
     /// the start on; until the end of the setup's duration then. Under a rigid drive the force is the one that its
     /// motion takes, and is not known here: NaN.
     pub samples: Vec<[Number; 3]>,
-    /// Switches at which derivatives jumped.
-    pub switches: u32,
-    /// Switches so close upon another that they were taken as they came: derivatives may be off.
-    pub unresolved: u32,
+    /// Switches of friction, in the order of time.
+    pub switches: Vec<SwitchAt>,
     /// Steps in which velocities or derivatives did not converge.
     pub unconverged: u32,
+}
+
+impl Followed {
+    /// Switches at which derivatives jumped, and switches so close upon another that they were taken as they came:
+    /// derivatives may be off.
+    pub fn counts(&self) -> [u32; 2] {
+        let unresolved = self.switches.iter().filter(|one| one.switch.kind == SwitchKind::Unresolved).count();
+        [self.switches.len() - unresolved, unresolved].map(|count| count as u32)
+    }
+}
+
+/// What a press in dual numbers tells, and what it does at switches that cannot be distinguished from others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct How {
+    /// Steps between two samples, if there are to be any.
+    pub sample_every: Option<u64>,
+    /// Derivatives go on as they were across switches that cannot be distinguished. How far they then are from those of
+    /// the other way, which steps across, is what such switches make uncertain.
+    pub passes_unresolved: bool,
+}
+
+/// Whether an instrument has derivatives at all: the same errors as [`follow`], before any work.
+///
+/// # Errors
+/// See [`GradientError`].
+pub fn check(instrument: &Instrument) -> Result<(), GradientError> {
+    tangents(&describe::<f64>(instrument), &[])?;
+    Ok(())
 }
 
 /// Presses the key in numbers that carry the derivatives in at most [`DIRECTIONS`] directions. The run ends when all
 /// has been seen, or with the setup's duration; with samples every so many steps, with the duration.
 ///
-/// The setup's step is that of the press; the rest is found in steps of `rest_step_s` (usually
-/// [`equilibrium::STEP_S`]).
+/// It starts at `poses`: those of the instrument ([`Poses::of`]).
 ///
 /// # Errors
 /// See [`GradientError`].
@@ -161,10 +211,11 @@ pub fn follow(
     directions: &[Direction],
     drive: &Drive<'_>,
     setup: &Setup,
-    rest_step_s: f64,
-    sample_every: Option<u64>,
+    poses: &Poses,
+    how: How,
     progress: &mut Progress<'_>,
 ) -> Result<Followed, GradientError> {
+    let How { sample_every, passes_unresolved } = how;
     assert!(directions.len() <= DIRECTIONS, "at most {DIRECTIONS} directions");
     let steps = setup.check()?;
     if setup.tolerance.is_some() {
@@ -187,20 +238,20 @@ pub fn follow(
         force[d] = direction.force;
     }
     let mut mechanism = tangents(&description, &slopes)?;
-    let mut all = settle(mechanism.as_mut(), rest_step_s, &Input::Free, progress)?;
+    let [at_rest, mut start] = start::dual(poses, directions.iter().map(|one| one.moves.as_ref()));
+    if passes_unresolved {
+        mechanism.pass_unresolved();
+    }
+    mechanism.begin(&at_rest);
     let site = mechanism.site_position();
-    let begins_at = drive(setup.start_s).position_m();
     let rest = Places { site, head, force };
-    if begins_at > 0.0 {
-        let finger = Input::Motion { position: site + Number::constant(begins_at), velocity: Number::ZERO };
-        all = all.and(settle(mechanism.as_mut(), rest_step_s, &finger, progress)?);
-    }
+    let mut watch = DualEventDetector::new(instrument, &rest, mechanism.as_ref());
     if let Some(hand) = &setup.hand {
-        mechanism.place_hand([site + Number::constant(hand.start_m), Number::constant(hand.start_m_per_s)]);
+        start.hand = [site + Number::constant(hand.start_m), Number::constant(hand.start_m_per_s)];
     }
+    mechanism.begin(&start);
     let settings = Settings { tolerance: setup.settings.tolerance.min(TOLERANCE), ..setup.settings };
     let h = settings.step;
-    let mut watch = DualEventDetector::new(instrument, &rest, mechanism.as_ref());
     watch.observe(setup.start_s, &setup.settings, mechanism.as_ref());
     let sample = |watch: &DualEventDetector, mechanism: &dyn Tangents, time_s: f64| {
         let [key_m, hammer_m] = watch.travels(mechanism);
@@ -208,14 +259,22 @@ pub fn follow(
     };
     let first = sample_every.map(|_| sample(&watch, mechanism.as_ref(), setup.start_s));
     let mut samples: Vec<[Number; 3]> = first.into_iter().collect();
+    let (mut all, mut switches) = (TangentReport::default(), Vec::new());
     for n in 0..steps {
         if n.is_multiple_of(ASK_EVERY) && !progress(0.0) {
             return Err(SimulationError::Interrupted.into());
         }
         let t0 = setup.start_s + n as f64 * h;
-        let did = mechanism
-            .step(&settings, &mut |from, length, at| rest.input(drive, t0 + from, length, settings.theta, h, at));
+        let before = switches.len();
+        let did = mechanism.step(
+            &settings,
+            &mut |from, length, at| rest.input(drive, t0 + from, length, settings.theta, h, at),
+            &mut |switch| switches.push(SwitchAt { time_s: t0 + switch.after_s, switch, slopes: Vec::new() }),
+        );
         all = all.and(did);
+        for one in &mut switches[before..] {
+            one.slopes = mechanism.velocities().iter().map(|v| v.slope).collect();
+        }
         if did.failed {
             return Err(SimulationError::NonFinite { time_s: t0 }.into());
         }
@@ -227,8 +286,7 @@ pub fn follow(
             _ => {}
         }
     }
-    let TangentReport { switches, unresolved, unconverged, .. } = all;
-    Ok(Followed { instants: watch.finish(), samples, switches, unresolved, unconverged })
+    Ok(Followed { instants: watch.finish(), samples, switches, unconverged: all.unconverged })
 }
 
 /// Room that [`follow`] needs on its thread's stack, bytes: a step's working memory in numbers with derivatives is nine
@@ -293,36 +351,4 @@ impl Places {
             }),
         }
     }
-}
-
-/// Lets it come to rest, as [`equilibrium::settle`] does; where that would have to slow it down by force there is no
-/// derivative.
-fn settle(
-    mechanism: &mut dyn Tangents,
-    step_s: f64,
-    input: &Input<Number>,
-    progress: &mut Progress<'_>,
-) -> Result<TangentReport, GradientError> {
-    let settings = Settings { step: step_s, tolerance: TOLERANCE, ..equilibrium::settings() };
-    let (mut all, mut settling, mut steps) = (TangentReport::default(), Settling::of_steps(step_s), 0_u64);
-    loop {
-        if steps.is_multiple_of(ASK_EVERY) && !progress(0.0) {
-            return Err(SimulationError::Interrupted.into());
-        }
-        steps += 1;
-        let did = mechanism.step(&settings, &mut |_, _, _| *input);
-        all = all.and(did);
-        if did.failed {
-            return Err(SimulationError::NonFinite { time_s: 0.0 }.into());
-        }
-        let fastest = mechanism.velocities().iter().fold(0.0_f64, |m, v| m.max(v.value.abs()));
-        if settling.rests(&[fastest]) {
-            break;
-        }
-        if settling.time_s > equilibrium::PATIENCE_S {
-            return Err(GradientError::NoRest);
-        }
-    }
-    mechanism.stop();
-    Ok(all)
 }

@@ -52,6 +52,10 @@ pub(super) struct DualEventDetector {
     flight: [Option<[Number; 3]>; 2],
     /// The last two steps' pushes on the knuckle, the older one first: the middle of a step, s, and the mean force, N.
     pushes: [(f64, Number); 2],
+    /// Compressions of the knuckle's zones before the last step.
+    knuckle: Vec<Number>,
+    /// When the last of them parted, s.
+    parted_s: Option<Number>,
     released_s: Option<Number>,
     highest_m: f64,
     released_at_apex_s: Option<Number>,
@@ -80,13 +84,21 @@ impl Sample {
     }
 }
 
-/// As [`crate::events::EventDetector`] has it.
-fn end_of_push(older: (f64, Number), last: (f64, Number), until: f64) -> Number {
+/// As [`crate::events::EventDetector`] has it, with the derivative of the instant at which the zones `parted` if that
+/// was near: the line through two forces jumps from step to step around the end of a felt's curved force.
+fn end_of_push(older: (f64, Number), last: (f64, Number), until: f64, parted: Option<Number>) -> Number {
     let t = Number::constant;
     let falls_by = older.1 - last.1;
     let end = t(last.0) + t(last.0 - older.0) * (last.1 / falls_by);
-    if falls_by.value > 0.0 && end.value < until { end } else { t(until) }
+    let end = if falls_by.value > 0.0 && end.value < until { end } else { t(until) };
+    match parted.filter(|parted| (parted.value - end.value).abs() < NEAR * (until - older.0)) {
+        Some(parted) => Number { slope: parted.slope, ..end },
+        None => end,
+    }
 }
+
+/// Zones that part so many steps from the end of the push end it.
+const NEAR: f64 = 1.5;
 
 impl DualEventDetector {
     /// Of a mechanism that stands at rest.
@@ -102,6 +114,8 @@ impl DualEventDetector {
             before: None,
             flight: [None; 2],
             pushes: [(0.0, Number::ZERO); 2],
+            knuckle: Vec::new(),
+            parted_s: None,
             released_s: None,
             highest_m: f64::NEG_INFINITY,
             released_at_apex_s: None,
@@ -130,6 +144,15 @@ impl DualEventDetector {
             toe: compression(roles.let_off),
             push,
         };
+        if let Some(before) = self.before {
+            let parted = self.knuckle.iter().zip(&roles.knuckle).filter_map(|(a, &zone)| {
+                let b = m.compression(zone);
+                (a.value > 0.0 && b.value <= 0.0).then(|| before.at_zero(*a, b, &now))
+            });
+            let last = parted.max_by(|a, b| a.value.total_cmp(&b.value));
+            self.parted_s = last.or(self.parted_s);
+        }
+        self.knuckle = roles.knuckle.iter().map(|&zone| m.compression(zone)).collect();
         let mut impact = None;
         if let Some(hammer) = roles.hammer {
             let [place, velocity] = m.motion(hammer, self.head);
@@ -172,7 +195,7 @@ impl DualEventDetector {
         if now.push.1.value > 0.0 {
             self.released_s = None;
         } else if last.1.value > 0.0 {
-            self.released_s = Some(end_of_push(older, last, now.push.0));
+            self.released_s = Some(end_of_push(older, last, now.push.0, self.parted_s));
         }
         self.pushes = [last, now.push];
         if hammer_m > self.highest_m {

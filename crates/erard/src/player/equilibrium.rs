@@ -67,12 +67,10 @@ pub fn settings() -> Settings<f64> {
 }
 
 /// Watches a mechanism come to rest.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Settling {
     /// Simulated time so far, s.
     pub time_s: f64,
-    /// Length of a step, s.
-    step_s: f64,
     quiet_s: f64,
     /// Largest angular speed now, rad/s.
     speed: f64,
@@ -80,23 +78,12 @@ pub struct Settling {
     unsolved: u32,
 }
 
-impl Default for Settling {
-    fn default() -> Self {
-        Settling::of_steps(STEP_S)
-    }
-}
-
 impl Settling {
-    /// In steps of another length than [`STEP_S`], s.
-    pub(crate) fn of_steps(step_s: f64) -> Self {
-        Settling { time_s: 0.0, step_s, quiet_s: 0.0, speed: 0.0, unsolved: 0 }
-    }
-
-    /// Looks after every step; true when the mechanism has come to rest.
+    /// Looks after every step, of [`STEP_S`]; true when the mechanism has come to rest.
     pub fn rests(&mut self, velocities: &[f64]) -> bool {
-        self.time_s += self.step_s;
+        self.time_s += STEP_S;
         self.speed = velocities.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        self.quiet_s = if self.speed <= CREEP_RAD_PER_S { self.quiet_s + self.step_s } else { 0.0 };
+        self.quiet_s = if self.speed <= CREEP_RAD_PER_S { self.quiet_s + STEP_S } else { 0.0 };
         self.quiet_s >= QUIET_S
     }
 

@@ -132,7 +132,7 @@ pub enum SimulationError {
 
 impl SimulationError {
     /// An interruption is one, wherever it is heard.
-    pub(super) fn settling(error: EquilibriumError) -> Self {
+    pub(crate) fn settling(error: EquilibriumError) -> Self {
         match error {
             EquilibriumError::Interrupted => SimulationError::Interrupted,
             error => error.into(),

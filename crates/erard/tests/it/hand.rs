@@ -1,7 +1,7 @@
 //! A hand that presses: what it does that a prescribed force does not.
 
 use crate::common::grand;
-use erard::gradient::{Direction, follow};
+use erard::gradient::{Direction, How, Poses, follow};
 use erard::keyboard::Keys;
 use erard::player::{self, Hand, Inside, LossRecorder, ReactionRecorder};
 use erard::run::{Run, simulate_observed};
@@ -193,7 +193,10 @@ fn derivatives_take_a_hand() {
         .stack_size(erard::gradient::STACK_BYTES)
         .spawn({
             let (rigid, setup) = (rigid.clone(), setup);
-            move || follow(&rigid, &[Direction::force()], &stroke, &setup, 50e-6, None, &mut |_| true).unwrap()
+            move || {
+                let poses = Poses::of(&rigid, 0.0, &mut |_| true).unwrap();
+                follow(&rigid, &[Direction::force()], &stroke, &setup, &poses, How::default(), &mut |_| true).unwrap()
+            }
         })
         .unwrap()
         .join()

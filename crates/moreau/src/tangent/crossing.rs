@@ -1,6 +1,6 @@
 //! The step across a switch that is just ahead, in plain numbers.
 
-use super::switch::{Before, Change, Law, Slips};
+use super::switch::{Before, Change, Slips, SwitchingLaw};
 use super::{Driven, Tangent, plain};
 use crate::settings::Settings;
 use crate::state::State;
@@ -13,7 +13,7 @@ const LEAST: f64 = 1e-4;
 
 /// A step across a switch.
 pub(super) struct Crossing<const B: usize, const Z: usize> {
-    pub law: Law,
+    pub law: SwitchingLaw,
     /// How fast the law's slip changes before it.
     pub rate: f64,
     /// Length of the step, s.
@@ -39,7 +39,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
             let [u0, u1] = [slips[0].slip(law).value, slips[1].slip(law).value];
             (law, u1, (u1 - u0) / small)
         };
-        let until = |(_, u, rate): &(Law, f64, f64)| (u / rate).abs();
+        let until = |(_, u, rate): &(SwitchingLaw, f64, f64)| (u / rate).abs();
         let (mut low, mut high) = (0.0, 2.0 * small);
         let mut found: Option<Crossing<B, Z>> = None;
         for _ in 0..TRIES {
@@ -47,7 +47,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
             let drive = input(from, length, self.site());
             let after = self.probe(settings, length, &drive);
             let laws = before.changes(&self.plain, &self.probe, &after).filter_map(Change::switch).map(approach);
-            let (mut first, mut count): (Option<(Law, f64, f64)>, u32) = (None, 0);
+            let (mut first, mut count): (Option<(SwitchingLaw, f64, f64)>, u32) = (None, 0);
             for one in laws.filter(|(_, u, rate)| u * rate < 0.0) {
                 count += 1;
                 if first.is_none_or(|first| until(&one) < until(&first)) {
@@ -78,7 +78,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         from: f64,
         after: &State<f64, B, Z>,
         [length, small]: [f64; 2],
-        law: Law,
+        law: SwitchingLaw,
         input: &mut Driven<'_, D>,
     ) -> (State<f64, B, Z>, State<f64, B, Z>, f64) {
         let (site, mut ahead) = (self.site(), small);

@@ -20,6 +20,8 @@ use crate::workspace::Workspace;
 use crossing::Crossing;
 use switch::{Before, Change, LetGo, Slips};
 
+pub use switch::SwitchingLaw;
+
 /// The instant of a switch is found to this part of the step. Derivatives err by about as much; rounding forbids far
 /// less.
 const RESOLUTION: f64 = 1e-5;
@@ -40,6 +42,31 @@ const ITERATIONS: u32 = 16;
 /// The drive of an inner step that begins so many s after the outer step's start and lasts so long, s; the last
 /// argument is where the driven point is then.
 pub type Driven<'a, const D: usize> = dyn FnMut(f64, f64, Dual<D>) -> Input<Dual<D>> + 'a;
+
+/// Hears of every switch.
+pub type Switched<'a> = dyn FnMut(Switch) + 'a;
+
+/// A switch of friction on the way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Switch {
+    /// How long after the start of the step, s.
+    pub after_s: f64,
+    /// Which law; `None` where that could not be told.
+    pub law: Option<SwitchingLaw>,
+    /// What became of it.
+    pub kind: SwitchKind,
+}
+
+/// What becomes of a law that slips.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SwitchKind {
+    /// It comes to stick.
+    Sticks,
+    /// It slips the other way.
+    Reverses,
+    /// It could not be distinguished from another switch.
+    Unresolved,
+}
 
 /// Report of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -77,6 +104,10 @@ pub struct Tangent<const B: usize, const Z: usize, const N: usize, const D: usiz
     pub state: State<Dual<D>, B, Z>,
     workspace: Workspace<Dual<D>, B, Z, N>,
     probe: Workspace<f64, B, Z, N>,
+    /// What the derivatives do across a switch that cannot be distinguished from another: where this is set they go on
+    /// as they were, else they are those of a step across it. How far the two are apart is what such switches make
+    /// uncertain.
+    pub passes_unresolved: bool,
     /// Length of the last inner step, s; 0 before the first.
     last: f64,
 }
@@ -115,17 +146,18 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
             return Err(TangentError::Yielding);
         }
         let workspace = Workspace::for_model(&model).map_err(TangentError::Model)?;
-        Ok(Tangent { model, plain, state: State::at_rest(angle), workspace, probe: Workspace::new(), last: 0.0 })
+        let (state, probe) = (State::at_rest(angle), Workspace::new());
+        Ok(Tangent { model, plain, state, workspace, probe, passes_unresolved: false, last: 0.0 })
     }
 
-    /// Brings it to a stand where it is.
-    pub fn stop(&mut self) {
-        self.state.velocity = [Dual::ZERO; B];
-        self.state.increment = [Dual::ZERO; B];
-    }
-
-    /// Advances by h = `settings.step`, in as many inner steps as there are switches, and one more.
-    pub fn step(&mut self, settings: &Settings<f64>, input: &mut Driven<'_, D>) -> TangentReport {
+    /// Advances by h = `settings.step`, in as many inner steps as there are switches, and one more. `switched` hears of
+    /// every switch.
+    pub fn step(
+        &mut self,
+        settings: &Settings<f64>,
+        input: &mut Driven<'_, D>,
+        switched: &mut Switched<'_>,
+    ) -> TangentReport {
         let h = settings.step;
         let (mut done, mut all, mut gone) = (0.0, TangentReport::default(), LetGo::default());
         // Each inner step but the last ends on a change; as many as there are laws may come at once.
@@ -139,12 +171,13 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
             if !self.changes(&whole, &gone) {
                 return all.and(self.go(settings, left, &drive));
             }
-            let (until, stretch) = self.advance_to_change(settings, done, left, &mut gone, input);
+            let (until, stretch) = self.advance_to_change(settings, [done, left], &mut gone, input, switched);
             all = all.and(stretch);
             done += until;
         }
         let left = h - done;
         let drive = input(done, left, self.site());
+        switched(Switch { after_s: done, law: None, kind: SwitchKind::Unresolved });
         all.and(TangentReport { unresolved: 1, ..self.go(settings, left, &drive) })
     }
 
@@ -210,10 +243,10 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
     fn advance_to_change(
         &mut self,
         settings: &Settings<f64>,
-        done: f64,
-        left: f64,
+        [done, left]: [f64; 2],
         gone: &mut LetGo,
         input: &mut Driven<'_, D>,
+        switched: &mut Switched<'_>,
     ) -> (f64, TangentReport) {
         let h = settings.step;
         let site = self.site();
@@ -231,14 +264,15 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         let drive = input(done, high, site);
         let state = self.probe(settings, high, &drive);
         let before = Before::of(&self.plain, &plain(&self.state));
-        let (mut switches, now) = (false, *gone);
+        let (mut switches, now) = (None, *gone);
         for change in before.changes(&self.plain, &self.probe, &state).filter(|change| now.is_new(*change)) {
             match change {
-                Change::Switches(_) => switches = true,
+                Change::Switches(law) => switches = Some(law),
                 Change::LetsGo(law) => gone.add(law),
             }
         }
-        if !switches {
+        let unresolved = |after_s: f64, law| Switch { after_s, law, kind: SwitchKind::Unresolved };
+        if switches.is_none() {
             // From here on it may slip.
             if low <= SHORTEST * h {
                 return (0.0, TangentReport::default());
@@ -255,7 +289,16 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         if small < 0.1 * SHORTEST * h {
             let across = (2.0 * high).max(SHORTEST * h).min(left);
             let drive = input(done, across, site);
-            return (across, TangentReport { unresolved: 1, ..self.go(settings, across, &drive) });
+            switched(unresolved(done + high, switches));
+            let report = TangentReport { unresolved: 1, ..TangentReport::default() };
+            if self.passes_unresolved {
+                let after = self.probe(settings, across, &drive);
+                self.move_on(across);
+                self.take_over(&after);
+                self.last = across;
+                return (across, report);
+            }
+            return (across, report.and(self.go(settings, across, &drive)));
         }
         let (mut all, mut at) = (TangentReport::default(), 0.0);
         // Two small steps up to the switch tell the slips and accelerations before it.
@@ -270,35 +313,48 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         }
         let crossing = self.cross(settings, done + at, &slips, [small, 2.0 * high], input);
         let Some(Crossing { law, rate, length, after, together }) = crossing else {
+            switched(unresolved(done + at, switches));
             return (at, all.and(TangentReport { unresolved: 1, ..TangentReport::default() }));
         };
         let (first, second, ahead) = self.beyond(settings, done + at, &after, [length, small], law, input);
         let slip = slips[1].slip(law);
+        self.move_on(length);
         for i in 0..B {
+            if together > 0 && self.passes_unresolved {
+                break;
+            }
             let acceleration = (velocity[1][i] - velocity[0][i]) / small;
             let thereafter = (second.velocity[i] - first.velocity[i]) / ahead;
             // The saltation matrix: I + (f_after - f_before) grad(u) / (du/dt before).
             let jump = (thereafter - acceleration) / rate;
-            let SavedState { velocity, angle, .. } = &mut *self.state;
-            let (v, q) = (&mut velocity[i], &mut angle[i]);
+            let v = &mut self.state.velocity[i];
             for d in 0..D {
-                q.slope[d] += length * v.slope[d];
                 v.slope[d] += jump * slip.slope[d];
             }
-        }
-        // A hand's force does not jump.
-        let [place, velocity] = &mut self.state.hand;
-        for d in 0..D {
-            place.slope[d] += length * velocity.slope[d];
         }
         // A step across a reversal may end at rest, and only the next one slips again. That is no stick: a dual step
         // from there would ask for du = 0.
         let [rests, goes] = [&after, &second].map(|state| law.side(&self.plain, state));
+        let kind = if rests == 0.0 && goes == 0.0 { SwitchKind::Sticks } else { SwitchKind::Reverses };
+        switched(Switch { after_s: done + at, law: Some(law), kind });
+        if together > 0 {
+            switched(unresolved(done + at, None));
+        }
         let (end, length, last) =
             if rests == 0.0 && goes != 0.0 { (second, length + 2.0 * ahead, ahead) } else { (after, length, length) };
         self.take_over(&end);
         self.last = last;
         (at + length, all.and(TangentReport { switches: 1, unresolved: together, ..TangentReport::default() }))
+    }
+
+    /// Moves the derivatives of the places by those of the velocities. A hand's force does not jump at a switch.
+    fn move_on(&mut self, length: f64) {
+        let SavedState { velocity, angle, hand: [place, speed], .. } = &mut *self.state;
+        for (q, v) in angle.iter_mut().zip(velocity.iter()).chain([(place, &*speed)]) {
+            for d in 0..D {
+                q.slope[d] += length * v.slope[d];
+            }
+        }
     }
 
     /// Goes on from a plain state; what depends on the directions is kept.

@@ -12,16 +12,16 @@ use crate::workspace::Workspace;
 /// Slower than this, rad/s or m/s, sticks: the solver's tolerance.
 const STILL: f64 = 1e-11;
 
-/// A set-valued law.
+/// A set-valued law that may switch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Law {
+pub enum SwitchingLaw {
     /// Dry friction of a pivot.
     Pivot(usize),
     /// Coulomb friction of a zone.
     Zone(usize),
 }
 
-impl Law {
+impl SwitchingLaw {
     /// Which way it slips after a step: 0 where it sticks.
     pub(crate) fn side<const B: usize, const Z: usize>(
         self,
@@ -29,9 +29,9 @@ impl Law {
         state: &State<f64, B, Z>,
     ) -> f64 {
         match self {
-            Law::Pivot(i) => side(model.tree.relative(&state.velocity)[i]),
+            SwitchingLaw::Pivot(i) => side(model.tree.relative(&state.velocity)[i]),
             // The remembered side is the force's.
-            Law::Zone(z) => -state.side[z],
+            SwitchingLaw::Zone(z) => -state.side[z],
         }
     }
 }
@@ -40,14 +40,14 @@ impl Law {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Change {
     /// A sliding contact sticks or reverses: derivatives jump.
-    Switches(Law),
+    Switches(SwitchingLaw),
     /// A sticking contact slips: derivatives do not jump, but a step over that instant has the wrong law for a part of
     /// it.
-    LetsGo(Law),
+    LetsGo(SwitchingLaw),
 }
 
 impl Change {
-    fn of(law: Law, before: f64, after: f64) -> Option<Self> {
+    fn of(law: SwitchingLaw, before: f64, after: f64) -> Option<Self> {
         match (before != 0.0, before != after) {
             (_, false) => None,
             (true, true) => Some(Change::Switches(law)),
@@ -56,7 +56,7 @@ impl Change {
     }
 
     /// The law that switches, if it does.
-    pub(crate) fn switch(self) -> Option<Law> {
+    pub(crate) fn switch(self) -> Option<SwitchingLaw> {
         if let Change::Switches(law) = self { Some(law) } else { None }
     }
 }
@@ -66,13 +66,13 @@ impl Change {
 pub(super) struct LetGo(u128);
 
 impl LetGo {
-    fn bit(law: Law) -> u128 {
-        let (Law::Pivot(i) | Law::Zone(i)) = law;
-        let place = if matches!(law, Law::Pivot(_)) { i } else { 64 + i };
+    fn bit(law: SwitchingLaw) -> u128 {
+        let (SwitchingLaw::Pivot(i) | SwitchingLaw::Zone(i)) = law;
+        let place = if matches!(law, SwitchingLaw::Pivot(_)) { i } else { 64 + i };
         1_u128.checked_shl(place as u32).unwrap_or(0)
     }
 
-    pub(crate) fn add(&mut self, law: Law) {
+    pub(crate) fn add(&mut self, law: SwitchingLaw) {
         self.0 |= LetGo::bit(law);
     }
 
@@ -113,15 +113,19 @@ impl<const B: usize, const Z: usize> Before<B, Z> {
     ) -> impl Iterator<Item = Change> + 'a {
         let w1 = model.tree.relative(&after.velocity);
         let pivots = (0..B).filter(|&i| model.dry[i] > 0.0);
-        let pivots = pivots.filter_map(move |i| Change::of(Law::Pivot(i), side(self.w[i]), side(w1[i])));
+        let pivots = pivots.filter_map(move |i| Change::of(SwitchingLaw::Pivot(i), side(self.w[i]), side(w1[i])));
         let sliding = model.sliding_zones[..model.sliding_count].iter().copied();
         let zones = sliding.filter_map(move |z| {
             let pressed = step.touched_in(z) && step.contacts.states[z].force > 0.0;
-            let arrives = || side(model.supports[z].product(&step.contacts.slip_row[z], &self.w));
             if !pressed {
                 return None;
             }
-            Change::of(Law::Zone(z), self.zone[z].unwrap_or_else(arrives), -after.side[z])
+            // A force may be at its bound although nothing slips: what is stuck in several places at once shares its
+            // load as the solver happens to find it. That is no switch.
+            let slips = |w: &[f64; B]| side(model.supports[z].product(&step.contacts.slip_row[z], w));
+            let remembered = |remembered: f64, w: &[f64; B]| if slips(w) == 0.0 { 0.0 } else { remembered };
+            let before = self.zone[z].map_or_else(|| slips(&self.w), |side| remembered(side, &self.w));
+            Change::of(SwitchingLaw::Zone(z), before, remembered(-after.side[z], &w1))
         });
         pivots.chain(zones)
     }
@@ -154,10 +158,10 @@ impl<const B: usize, const Z: usize, const D: usize> Slips<B, Z, D> {
         slips
     }
 
-    pub(crate) fn slip(&self, law: Law) -> Dual<D> {
+    pub(crate) fn slip(&self, law: SwitchingLaw) -> Dual<D> {
         match law {
-            Law::Pivot(i) => self.pivot[i],
-            Law::Zone(z) => self.zone[z],
+            SwitchingLaw::Pivot(i) => self.pivot[i],
+            SwitchingLaw::Zone(z) => self.zone[z],
         }
     }
 }

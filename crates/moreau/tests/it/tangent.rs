@@ -61,7 +61,7 @@ fn run<const B: usize, const N: usize>(
     tangent.state.velocity = velocity;
     let (settings, mut all) = (Settings::new(h), TangentReport::default());
     for _ in 0..steps {
-        all = all.and(tangent.step(&settings, &mut |_, _, _| Input::Free));
+        all = all.and(tangent.step(&settings, &mut |_, _, _| Input::Free, &mut |_| {}));
     }
     (tangent.state, all)
 }
@@ -250,7 +250,7 @@ fn a_reversal_in_a_contact_that_turns_is_no_stick() {
         tangent.state.velocity[0] = Dual { value: -v0, slope: [-1.0, 0.0] };
         let mut all = TangentReport::default();
         for _ in 0..(END / h).round() as usize {
-            all = all.and(tangent.step(&Settings::new(h), &mut |_, _, _| Input::Free));
+            all = all.and(tangent.step(&Settings::new(h), &mut |_, _, _| Input::Free, &mut |_| {}));
         }
         let slope = tangent.state.velocity[0].slope;
         assert!(!all.failed && all.switches > 0, "{h} {all:?}");

@@ -1,0 +1,291 @@
+//! Derivatives of a press beside differences of presses whose steps have converged.
+
+use std::time::Instant;
+
+use erard::gradient::QUANTITIES;
+use erard::level::{Kind, MASS_KG, Reference, named};
+use erard::player::Input;
+use erard::stroke::{HandStroke, Touch};
+use erard::{Action, Instrument, Settings, Setup};
+use erard_workshop::sensitivities::{Differentiation, Gradient, Rest, Variable, gradient};
+use erard_workshop::study::{Job, JobResult, OUTCOMES, Parameter, Stroke, Workers, play_all};
+
+/// The levels that are compared.
+pub const LEVELS: [&str; 3] = ["pp", "mf", "ff"];
+/// What is compared.
+pub const OF: [&str; 2] = ["hammer_speed_m_per_s", "hammer_contact_s"];
+/// The step of the press that is differentiated, s.
+const STEP_S: f64 = 5e-6;
+/// The step in which both are timed, s: Python's default.
+const TIMED_S: f64 = 25e-6;
+/// The steps of the differences, s.
+const CONVERGED_S: [f64; 2] = [5e-6, 2.5e-6];
+/// Half the windows of the differences, as shares of a number's usual change; each is so many times the one before.
+/// They are wide, because over a narrow one no switch of friction moves by a whole step, and differences of fixed steps
+/// then see what a step in dual numbers sees, which is wrong (the engine's README, "Derivatives").
+const WINDOWS: [f64; 4] = [0.05, 0.2, 0.8, 3.2];
+/// See [`WINDOWS`].
+const WIDER: f64 = 4.0;
+/// Derivative and differences agree within this share.
+const SHARE: f64 = 0.02;
+/// A number whose usual change moves a result by less than this share of it has no effect that differences see.
+const UNSEEN: f64 = 1e-5;
+/// How long a stroke is played after the impact of the unchanged action, s.
+const AFTER_S: f64 = 4e-3;
+
+/// How a derivative and differences stand to each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// They differ by at most [`SHARE`].
+    Within,
+    /// By more, but by no more than the differences among themselves.
+    Scatter,
+    /// By more than that.
+    Apart,
+    /// The call refuses the derivative.
+    Refused,
+    /// The number has no effect that differences see.
+    NoEffect,
+}
+
+/// A derivative beside differences, per usual change of the number.
+#[derive(Debug, Clone)]
+pub struct Row {
+    pub of: &'static str,
+    pub by: String,
+    pub derivative: f64,
+    /// The same in shorter steps.
+    pub shorter: f64,
+    pub differences: f64,
+    /// How far differences over two windows, and in two steps, are apart.
+    pub scatter: f64,
+    /// To below and to above, in the shorter steps.
+    pub sides: [f64; 2],
+    /// Half the window, as a share of the usual change.
+    pub window: f64,
+    pub verdict: Verdict,
+}
+
+impl Row {
+    /// How far the two are apart, as a share of the differences.
+    pub fn apart(&self) -> f64 {
+        (self.derivative - self.differences).abs() / self.differences.abs()
+    }
+}
+
+/// How a row begins in the book's list of those that are apart.
+pub fn line(level: &str, row: &Row) -> String {
+    format!("| {level} | `{}` | `{}` |", row.of, row.by)
+}
+
+/// The numbers of the first cases.
+pub const FIRST: [&str; 3] = ["body.jack.friction", "body.hammer.friction", "body.key.friction"];
+/// Of one: derivative and differences of hammer speed, m/s per factor, with a rest that moves, and one that is held.
+pub type First = [[f64; 2]; 2];
+
+/// The first cases: frictions of the rigid grand under 5 N, over windows of 1 %.
+pub fn first_cases() -> [First; 3] {
+    const HALF: f64 = 1e-2;
+    let instrument = Instrument::builtin("concert-grand-rigid").unwrap();
+    let parameters = Parameter::all(&instrument);
+    let rest = Action::new(&instrument).unwrap().mechanism().save();
+    let speed = |name: &str, by: f64, held: bool| {
+        let (_, parameter) = parameters.iter().find(|(known, _)| known == name).unwrap();
+        let mut varied = instrument.clone();
+        assert!(parameter.vary(&mut varied, 1.0 + by));
+        let mut action = Action::with(&varied, Settings::new(CONVERGED_S[0])).unwrap();
+        if held {
+            action.mechanism_mut().restore(&rest);
+            action.rest_here(&varied);
+        }
+        while action.impact().is_none() {
+            assert!(action.time_s() < 0.2, "{name} {by}");
+            action.step(Input::Force(5.0));
+        }
+        action.impact().unwrap().hammer_speed_m_per_s
+    };
+    let by: Vec<Variable> = FIRST.iter().map(|name| Variable::named(&instrument, "", name).unwrap()).collect();
+    let stroke = || -> Stroke<'static> { Box::new(move |_| Input::Force(5.0)) };
+    let setup = Setup { settings: Settings::new(TIMED_S), ledger: false, ..Setup::new(0.2) };
+    let found = [Rest::Moves, Rest::Held].map(|rest| {
+        let how = Differentiation { rest, of: vec![OF[0].to_owned()], ..compared() };
+        gradient(&instrument, by.clone(), &stroke, &setup, how, &mut |_| true).unwrap()
+    });
+    core::array::from_fn(|k| {
+        [0, 1].map(|which| {
+            let derived = found[which].of[0].1.as_ref().unwrap().slopes[k];
+            let held = which == 1;
+            [derived, (speed(FIRST[k], HALF, held) - speed(FIRST[k], -HALF, held)) / (2.0 * HALF)]
+        })
+    })
+}
+
+/// Steps of two lengths, on all cores.
+fn compared() -> Differentiation {
+    Differentiation {
+        rest: Rest::Moves,
+        sample_every: None,
+        compares: true,
+        refuses: false,
+        of: OF.map(str::to_owned).to_vec(),
+        threads: erard_workshop::cores::count(),
+    }
+}
+
+/// A level: its rows, and what the work took.
+pub struct Level {
+    pub name: &'static str,
+    pub rows: Vec<Row>,
+    /// Processor time of one core for all derivatives, in one length of step, s.
+    pub gradient_s: f64,
+    /// The same for central differences in lanes with steps of the same length, s.
+    pub differences_s: f64,
+}
+
+/// The instrument's numbers, as derivatives and as studies take them.
+struct Numbers {
+    variables: Vec<Variable>,
+    parameters: Vec<Parameter>,
+}
+
+impl Numbers {
+    fn of(instrument: &Instrument) -> Self {
+        let variables = Variable::all(instrument);
+        let all = Parameter::all(instrument);
+        let known = |one: &Variable| all.iter().find(|(name, _)| *name == one.name).map(|(_, found)| found.clone());
+        let parameters = variables.iter().filter_map(known).collect();
+        Numbers { variables, parameters }
+    }
+
+    /// Of one, its usual change as a bare number.
+    fn usual(&self, k: usize) -> f64 {
+        self.variables[k].usual / self.variables[k].per_bare_number()
+    }
+
+    /// An instrument with one of them changed by so many usual changes.
+    fn varied(&self, instrument: &Instrument, k: usize, by: f64) -> Instrument {
+        let (mut varied, by) = (instrument.clone(), by * self.usual(k));
+        let value = if self.parameters[k].is_factor() { 1.0 + by } else { by };
+        assert!(self.parameters[k].vary(&mut varied, value), "{}", self.variables[k].name);
+        varied
+    }
+}
+
+/// Plays the stroke on instruments, in lanes.
+fn play(instruments: &[Instrument], hand: &HandStroke, setup: &Setup, workers: Workers) -> Vec<JobResult> {
+    let stroke = || -> Stroke<'static> {
+        let hand = *hand;
+        Box::new(move |t| -> Input { hand.input(t) })
+    };
+    let jobs = (0..instruments.len()).map(|instrument| Job { instrument, stroke: stroke() });
+    play_all(instruments, jobs.collect(), setup, workers, &mut |_| true).unwrap()
+}
+
+fn value(played: &JobResult, key: &str) -> f64 {
+    let (_, of) = OUTCOMES.iter().find(|(name, _)| *name == key).unwrap();
+    played.as_ref().ok().and_then(of).unwrap_or(f64::NAN)
+}
+
+/// Compares all derivatives of an instrument's press at a level.
+pub fn level(instrument: &Instrument, name: &'static str) -> Level {
+    let instrument = &Instrument { parts: Vec::new(), ..instrument.clone() };
+    let kind = Kind { touch: Touch::Pressed, mass_kg: MASS_KG };
+    let solved = Reference::new(instrument, &mut |_| true)
+        .and_then(|mut reference| reference.solve(kind, named(name).unwrap(), &mut |_| true));
+    let solved = solved.unwrap();
+    let hand = solved.held();
+    let setup = |step_s: f64| Setup {
+        settings: Settings::new(step_s),
+        ledger: false,
+        hand: Some(hand.hand),
+        ..Setup::new(solved.impact.time_s + AFTER_S)
+    };
+    let numbers = Numbers::of(instrument);
+    let stroke = || -> Stroke<'static> { Box::new(move |t| hand.input(t)) };
+    let find = |step_s: f64, how: Differentiation| {
+        gradient(instrument, numbers.variables.clone(), &stroke, &setup(step_s), how, &mut |_| true).unwrap()
+    };
+    let found = find(STEP_S, compared());
+    let begun = Instant::now();
+    find(TIMED_S, Differentiation { compares: false, threads: 1, ..compared() });
+    let gradient_s = begun.elapsed().as_secs_f64();
+
+    let count = numbers.variables.len();
+    let pairs = |window: f64| {
+        let both = (0..count).flat_map(|k| [-window, window].map(|by| (k, by)));
+        both.map(|(k, by)| numbers.varied(instrument, k, by)).collect::<Vec<_>>()
+    };
+    let begun = Instant::now();
+    play(&pairs(WINDOWS[1]), &hand, &setup(TIMED_S), Workers::one());
+    let differences_s = begun.elapsed().as_secs_f64();
+
+    // Of every window and step: the unchanged action, then two for each number.
+    let played = WINDOWS.map(|window| {
+        let instruments: Vec<Instrument> = std::iter::once(instrument.clone()).chain(pairs(window)).collect();
+        CONVERGED_S.map(|step_s| play(&instruments, &hand, &setup(step_s), Workers::all()))
+    });
+    let mut rows = Vec::new();
+    for of in OF {
+        for k in 0..count {
+            // The widest pair of windows whose differences are one within SHARE, over both steps, else the one that
+            // agrees best.
+            let windows = WINDOWS.each_ref().map(|window| {
+                let place = WINDOWS.iter().position(|one| one == window).unwrap();
+                played[place].each_ref().map(|all| {
+                    let [own, low, high] = [0, 2 * k + 1, 2 * k + 2].map(|place| value(&all[place], of));
+                    [(own - low) / window, (high - own) / window]
+                })
+            });
+            let pairs = windows.windows(2).zip(&WINDOWS).map(|(pair, window)| Sides::of(pair, *window));
+            let pairs: Vec<Sides> = pairs.collect();
+            let one = pairs.iter().rfind(|one| one.scatter <= SHARE * one.slope.abs());
+            let best = || pairs.iter().min_by(|a, b| a.scatter.total_cmp(&b.scatter));
+            rows.push(row(&found, of, k, &numbers, one.or_else(best).unwrap()));
+        }
+    }
+    Level { name, rows, gradient_s, differences_s }
+}
+
+/// Differences over two windows in two steps, per usual change.
+struct Sides {
+    /// Extrapolated from the two windows to none, in the shorter steps.
+    slope: f64,
+    /// How far the two windows are apart, and the two steps.
+    scatter: f64,
+    /// To below and to above, over the narrower window in the shorter steps.
+    sides: [f64; 2],
+    window: f64,
+}
+
+impl Sides {
+    /// From the slopes to below and to above in two steps, over a window and a wider one.
+    fn of(pair: &[[[f64; 2]; 2]], window: f64) -> Self {
+        let middle = |[below, above]: [f64; 2]| 0.5 * (below + above);
+        let [near, far] = [pair[0].map(middle), pair[1].map(middle)];
+        let slope = |step: usize| near[step] + (near[step] - far[step]) / (WIDER * WIDER - 1.0);
+        let scatter = (near[1] - far[1]).abs() + (slope(1) - slope(0)).abs();
+        Sides { slope: slope(1), scatter, sides: pair[0][1], window }
+    }
+}
+
+fn row(found: &Gradient, of: &'static str, k: usize, numbers: &Numbers, sides: &Sides) -> Row {
+    let place = QUANTITIES.iter().position(|(key, _)| *key == of).unwrap();
+    let derived = found.of[place].1.as_ref().unwrap();
+    let usual = numbers.usual(k);
+    let (differences, scatter) = (sides.slope, sides.scatter);
+    let [derivative, shorter] = [derived.slopes[k], derived.in_shorter_steps[k]].map(|slope| slope * usual);
+    let apart = (derivative - differences).abs();
+    let verdict = if derivative.is_nan() {
+        Verdict::Refused
+    } else if derivative.abs().max(differences.abs()) < UNSEEN * derived.value.abs() {
+        Verdict::NoEffect
+    } else if apart <= SHARE * differences.abs() {
+        Verdict::Within
+    } else if apart <= scatter {
+        Verdict::Scatter
+    } else {
+        Verdict::Apart
+    };
+    let by = numbers.variables[k].name.clone();
+    Row { of, by, derivative, shorter, differences, scatter, sides: sides.sides, window: sides.window, verdict }
+}

@@ -1,0 +1,143 @@
+//! The book's page on derivatives: all numbers of the concert grand at pp, mf and ff, beside differences whose steps
+//! have converged, with the times of both.
+//!
+//! `cargo run --release -p erard-workshop --example derivatives > book/src/derivatives.md`; `-- --all` prints every row
+//! with its numbers instead.
+
+mod compare;
+
+use std::error::Error;
+use std::fmt::Write;
+
+use compare::{FIRST, First, LEVELS, Level, OF, Row, Verdict, first_cases, level};
+use erard::Instrument;
+
+const PAGE: &str = include_str!("page.md");
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let first = first_cases();
+    let instrument = Instrument::builtin("concert-grand")?;
+    let levels: Vec<Level> = LEVELS.into_iter().map(|name| level(&instrument, name)).collect();
+    if std::env::args().any(|flag| flag == "--all") {
+        levels.iter().for_each(list);
+        return Ok(());
+    }
+    let count = levels[0].rows.len() / OF.len();
+    let page = PAGE
+        .replace("{first}", &first_table(&first)?)
+        .replace("{times}", &times(&levels)?)
+        .replace("{count}", &count.to_string())
+        .replace("{table}", &table(&levels, count)?)
+        .replace("{summary}", &summary(&levels)?)
+        .replace("{listed}", &listed(&levels)?);
+    print!("{page}");
+    Ok(())
+}
+
+fn list(level: &Level) {
+    for row in &level.rows {
+        let Row { of, by, derivative, shorter, differences, scatter, sides: [below, above], window, verdict } = row;
+        println!(
+            "{:3} {of:22} {by:30} {derivative:10.3e} {shorter:10.3e} | {differences:10.3e} +- {scatter:8.1e} \
+             [{below:10.3e} {above:10.3e}] {window:4} {verdict:?}",
+            level.name
+        );
+    }
+}
+
+fn first_table(first: &[First]) -> Result<String, std::fmt::Error> {
+    let mut text = "| friction of | moves: derivative | differences | held: derivative | differences |\n".to_owned();
+    writeln!(text, "|---|---|---|---|---|")?;
+    for (name, one) in FIRST.iter().zip(first) {
+        let [[a, b], [c, d]] = one;
+        writeln!(text, "| `{name}` | {a:.3e} | {b:.3e} | {c:.3e} | {d:.3e} |")?;
+    }
+    Ok(text.trim_end().to_owned())
+}
+
+fn times(levels: &[Level]) -> Result<String, std::fmt::Error> {
+    let mut text =
+        "| level | derivatives, one length of step | central differences in lanes |\n|---|---|---|\n".to_owned();
+    for one in levels {
+        writeln!(text, "| {} | {:.1} s | {:.1} s |", one.name, one.gradient_s, one.differences_s)?;
+    }
+    Ok(text.trim_end().to_owned())
+}
+
+/// Of hammer speed.
+fn table(levels: &[Level], count: usize) -> Result<String, std::fmt::Error> {
+    let mut text = "|  |".to_owned();
+    for one in levels {
+        write!(text, " {} |  |  |", one.name)?;
+    }
+    text += "\n|---|";
+    text += &"---|".repeat(3 * levels.len());
+    text.push('\n');
+    for k in 0..count {
+        write!(text, "| `{}` |", levels[0].rows[k].by)?;
+        for one in levels {
+            let row = &one.rows[k];
+            if row.verdict == Verdict::NoEffect {
+                text += " 0 | 0 | = |";
+                continue;
+            }
+            let same = match row.verdict {
+                Verdict::Within | Verdict::Scatter => " =",
+                _ => "",
+            };
+            write!(text, " {} | {} | {}%{same} |", micro(row.derivative), micro(row.differences), share(row.apart()))?;
+        }
+        text.push('\n');
+    }
+    Ok(text.trim_end().to_owned())
+}
+
+fn micro(x: f64) -> String {
+    if x.is_nan() {
+        return "refused".to_owned();
+    }
+    let x = 1e6 * x;
+    if x.abs() < 100.0 { format!("{x:.1}") } else { format!("{x:.0}") }
+}
+
+fn share(x: f64) -> String {
+    if x.is_nan() { "-".to_owned() } else { format!("{:.1} ", 100.0 * x) }
+}
+
+fn summary(levels: &[Level]) -> Result<String, std::fmt::Error> {
+    let mut text =
+        "| result | level | within 2 % | within the scatter | listed | no effect |\n|---|---|---|---|---|---|\n"
+            .to_owned();
+    for of in OF {
+        for one in levels {
+            let count = |verdicts: &[Verdict]| {
+                one.rows.iter().filter(|row| row.of == of && verdicts.contains(&row.verdict)).count()
+            };
+            let [within, scatter] = [Verdict::Within, Verdict::Scatter].map(|verdict| count(&[verdict]));
+            let (listed, none) = (count(&[Verdict::Apart, Verdict::Refused]), count(&[Verdict::NoEffect]));
+            writeln!(text, "| `{of}` | {} | {within} | {scatter} | {listed} | {none} |", one.name)?;
+        }
+    }
+    Ok(text.trim_end().to_owned())
+}
+
+fn listed(levels: &[Level]) -> Result<String, std::fmt::Error> {
+    let mut text = "| level | result | number | apart | scatter | 5 to 4 us | below to above |\n".to_owned();
+    writeln!(text, "|---|---|---|---|---|---|---|")?;
+    for one in levels {
+        for row in one.rows.iter().filter(|row| matches!(row.verdict, Verdict::Apart | Verdict::Refused)) {
+            let [below, above] = row.sides;
+            let of = |x: f64| share(x / row.differences.abs());
+            writeln!(
+                text,
+                "{} {}%| {}%| {}%| {}%|",
+                compare::line(one.name, row),
+                share(row.apart()),
+                of(row.scatter),
+                of((row.derivative - row.shorter).abs()),
+                of((above - below).abs())
+            )?;
+        }
+    }
+    Ok(text.trim_end().to_owned())
+}

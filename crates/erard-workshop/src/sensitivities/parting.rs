@@ -1,0 +1,117 @@
+//! Where the derivatives of two presses in steps of two lengths part.
+
+use erard::gradient::{Followed, SwitchAt};
+use erard::instrument::Instrument;
+use moreau::{SwitchKind, SwitchingLaw};
+
+/// Derivatives of velocities that differ by more than this share of the largest one have parted.
+const PARTED: f64 = 0.1;
+/// Switches of one law that are farther apart than this, s, are two.
+const SAME_INSTANT_S: f64 = 1e-4;
+
+/// A derivative that does not converge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refusal {
+    /// Places of quantity and number.
+    pub(super) place: [usize; 2],
+    /// Quantity.
+    pub of: &'static str,
+    /// Number.
+    pub by: String,
+    /// The derivative in the steps that were asked for, and in the shorter ones, per bare number.
+    pub slopes: [f64; 2],
+    /// The switch of friction from which on the two differ; `None` where it is the rest that does not move by one slope
+    /// to both sides.
+    pub event: Option<Event>,
+    /// Differences to below and to above, per bare number, in steps of the press; `None` where the number cannot be
+    /// changed so.
+    pub sides: Option<[f64; 2]>,
+    /// All of it in words.
+    pub told: String,
+}
+
+/// A switch of friction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// When, s.
+    pub time_s: f64,
+    /// Which law; `None` where that could not be told.
+    pub law: Option<SwitchingLaw>,
+    /// What became of it.
+    pub kind: SwitchKind,
+}
+
+impl Event {
+    fn of(one: &SwitchAt) -> Self {
+        Event { time_s: one.time_s, law: one.switch.law, kind: one.switch.kind }
+    }
+
+    /// In words: `at 41.32 ms, where the friction of zone jack_knuckle reverses`.
+    pub fn told(&self, instrument: &Instrument) -> String {
+        let law = match self.law {
+            Some(SwitchingLaw::Pivot(i)) => {
+                instrument.bodies.get(i).map_or(String::new(), |body| format!("the pivot of {}", body.name))
+            }
+            Some(SwitchingLaw::Zone(z)) => {
+                instrument.zones.get(z).map_or(String::new(), |zone| format!("the contact {}", zone.name))
+            }
+            None => "something".to_owned(),
+        };
+        let does = match self.kind {
+            SwitchKind::Sticks => "comes to stick",
+            SwitchKind::Reverses => "slides the other way",
+            SwitchKind::Unresolved => "switches together with another",
+        };
+        format!("at {:.2} ms, where {law} {does}", 1e3 * self.time_s)
+    }
+}
+
+impl Refusal {
+    /// In words. `steps_s`: the two lengths of step, s.
+    pub(super) fn tell(&self, instrument: &Instrument, steps_s: [f64; 2]) -> String {
+        let ([a, b], [h, shorter]) = (self.slopes, steps_s.map(|step| 1e6 * step));
+        let (of, by) = (self.of, &self.by);
+        let begin = format!("the derivative of {of} by {by} does not converge");
+        let why = match &self.event {
+            Some(event) => format!(
+                "it is {a:.4e} in steps of {h:.4} us and {b:.4e} in steps of {shorter:.4} us, which part {}; shorter steps may tell",
+                event.told(instrument)
+            ),
+            None => "the rest at which the press starts does not move by one slope to both sides".to_owned(),
+        };
+        let sides = self.sides.map_or_else(String::new, |[below, above]| {
+            format!(". Differences give {below:.4e} to below and {above:.4e} to above")
+        });
+        format!("{begin}: {why}{sides}")
+    }
+}
+
+/// The switch after which the derivatives in a direction differ between two presses, and do not agree again.
+pub(super) fn parting(first: &Followed, second: &Followed, direction: usize) -> Option<Event> {
+    let (mut parted, mut next) = (None, 0);
+    for one in &first.switches {
+        let is_twin =
+            |other: &SwitchAt| other.switch.law == one.switch.law && (other.time_s - one.time_s).abs() < SAME_INSTANT_S;
+        let twin = second.switches[next..].iter().position(is_twin);
+        let agree = twin.is_some_and(|at| {
+            let other = &second.switches[next + at];
+            next += at + 1;
+            are_near(one, other, direction)
+        });
+        match agree {
+            true => parted = None,
+            false => parted = parted.or(Some(one)),
+        }
+    }
+    parted.or(first.switches.last()).map(Event::of)
+}
+
+/// Whether the derivatives of all velocities are near each other.
+fn are_near(one: &SwitchAt, other: &SwitchAt, direction: usize) -> bool {
+    let (mut largest, mut apart) = (0.0_f64, 0.0_f64);
+    for (a, b) in one.slopes.iter().zip(&other.slopes) {
+        largest = largest.max(a[direction].abs()).max(b[direction].abs());
+        apart = apart.max((a[direction] - b[direction]).abs());
+    }
+    apart <= PARTED * largest
+}
