@@ -60,7 +60,7 @@ class Gradient(Mapping[str, Mapping[str, float]]):
         How far a derivative changes with the treatment of switches of friction that could not be told from another one; zero where there are none.
     refused : dict of (str, str) to str
         Quantity and number of each derivative that does not converge, which is nan in `jacobian`, and why: the switch from which on steps of two lengths
-        disagree, and differences to both sides. Empty unless `unconverged="nan"` was asked for.
+        disagree, and differences to both sides. Empty where such a derivative raises.
     time_s : ndarray of shape (T,)
         Instants of the columns' samples; empty without columns.
     columns : dict of str to ndarray of shape (T,)
@@ -194,7 +194,7 @@ def gradient(
     duration: float | None = None,
     rest: str = "moves",
     compare: bool = True,
-    unconverged: str = "raise",
+    unconverged: str | None = None,
     threads: int | None = None,
     progress: bool | None = None,
     **how: Unpack[Stepping],
@@ -228,9 +228,9 @@ def gradient(
     compare : bool
         Play it again in steps that are a fifth shorter, and compare. A derivative that differs by more than a tenth, and by something that matters to its
         quantity, does not converge.
-    unconverged : {"raise", "nan"}
+    unconverged : {"raise", "nan"}, optional
         What becomes of a derivative that does not converge: the call raises, and names the switch of friction from which on it does not; or it is nan, and
-        `Gradient.refused` says why.
+        `Gradient.refused` says why. By default the call raises where `of` asks for quantities by name.
     threads : int, optional
         By default as many as there are cores.
     progress : bool, optional
@@ -273,6 +273,7 @@ def gradient(
             raise InputError(f"{key}: found {unknown[0]!r}, expected {', '.join(known)}", key=key, found=unknown[0])
     own = steps({"step": 25e-6, **how})
     every = whole("record_every", record_every)
+    unconverged = unconverged or ("raise" if asked else "nan")
     for key, word, known in (("rest", rest, RESTS), ("unconverged", unconverged, ("raise", "nan"))):
         if word not in known:
             raise InputError(f"{key}: found {word!r}, expected {' or '.join(known)}", key=key, found=str(word))
