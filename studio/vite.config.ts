@@ -12,6 +12,13 @@ export const POLICY = [
 
 const built = (name: string) => readFileSync(new URL(`./built/${name}`, import.meta.url));
 
+const page = (name: string) => readFileSync(new URL(`./${name}`, import.meta.url));
+/** The first picture, each path with the part that it belongs to: a style sheet can colour it before any script runs. */
+const picture = () => built("picture.svg").toString().trim().replace(
+  /<path ([^>]*)><title>([^<]*)<\/title><\/path>/g,
+  (_, path: string, name: string) => `<path ${path} data-part="${name.split(",")[0]!.trim()}" data-detail="${name}"/>`,
+);
+
 /** The policy, the first picture, the engine, and a service worker that keeps all of it for when there is no
  * network. */
 const studio = (): Plugin => ({
@@ -20,7 +27,7 @@ const studio = (): Plugin => ({
     order: "post",
     handler: (html, { server }) => {
       const policy = server ? "" : `<meta http-equiv="Content-Security-Policy" content="${POLICY}">`;
-      return html.replace("<!--policy-->", policy).replace("<!--picture-->", built("picture.svg").toString().trim());
+      return html.replace("<!--policy-->", policy).replace("<!--picture-->", picture());
     },
   },
   configureServer(server) {
@@ -32,8 +39,8 @@ const studio = (): Plugin => ({
   },
   generateBundle(_, bundle) {
     this.emitFile({ type: "asset", fileName: "engine.bin", source: built("engine.bin") });
-    const files = ["./", "engine.bin", "icon.svg", "studio.webmanifest", ...Object.keys(bundle).filter((name) => !name.endsWith(".html") && name !== "engine.bin")];
-    const version = createHash("sha256").update(built("engine.bin")).update(Object.keys(bundle).join()).update(built("picture.svg")).digest("hex").slice(0, 16);
+    const files = ["./", "tools.html", "engine.bin", "icon.svg", "studio.webmanifest", ...Object.keys(bundle).filter((name) => !name.endsWith(".html") && name !== "engine.bin")];
+    const version = createHash("sha256").update(built("engine.bin")).update(Object.keys(bundle).join()).update(built("picture.svg")).update(page("index.html")).update(page("tools.html")).digest("hex").slice(0, 16);
     const source = readFileSync(new URL("./src/sw.js", import.meta.url), "utf8").replace("/*version*/", version).replace("/*files*/", files.map((name) => JSON.stringify(name)).join(", "));
     this.emitFile({ type: "asset", fileName: "sw.js", source });
   },
@@ -42,7 +49,7 @@ const studio = (): Plugin => ({
 export default defineConfig({
   base: "./",
   plugins: [studio()],
-  build: { target: "es2022", outDir: "dist", emptyOutDir: true, assetsInlineLimit: 0, modulePreload: { polyfill: false }, reportCompressedSize: false },
+  build: { rolldownOptions: { input: ["index.html", "tools.html"] }, target: "es2022", outDir: "dist", emptyOutDir: true, assetsInlineLimit: 0, modulePreload: { polyfill: false }, reportCompressedSize: false },
   worker: { format: "es" },
   preview: { headers: { "Content-Security-Policy": POLICY } },
 });

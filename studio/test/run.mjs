@@ -10,11 +10,17 @@ import * as play from "./play.mjs";
 import * as grasp from "./grasp.mjs";
 import * as bench from "./bench.mjs";
 import * as page from "./page.mjs";
+import * as story from "./story.mjs";
 
 const { values: asked } = parseArgs({ options: { seconds: { type: "string", default: "20" }, shots: { type: "string" }, only: { type: "string" } } });
 const tests = {
   size: page.size,
   ...(process.env.ERARD ? { bits, parquet } : {}),
+  "first picture": story.first,
+  "the story, step by step": story.tasks,
+  "the story by the keyboard alone": story.keys,
+  "the story by touch": story.touch,
+  "the story read": story.reader,
   "a stranger's path": page.stranger,
   "press by mouse": play.mouse,
   "press by touch": play.touch,
@@ -30,7 +36,6 @@ const tests = {
   "a broken file": bench.file,
   compare: bench.compare,
   keyboard: bench.keyboard,
-  scenes: bench.scenes,
   link: page.link,
   offline: page.offline,
   faults: page.faults,

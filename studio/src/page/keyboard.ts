@@ -92,7 +92,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
       const at = data.shown.key - 1;
       picture.draw([{
         time_s: 0, key_m: data.key_m[at]!, hammer_m: data.hammer_m[at]!, finger_n: data.finger_n[at]!, string_n: 0, hammer_m_per_s: 0,
-        angles: data.shown.angles, contacts: new Float32Array(5 * scene.zones.length), string: new Float32Array(),
+        angles: data.shown.angles, contacts: new Float32Array(5 * scene.zones.length), string: new Float32Array(), swing_m: 0,
       }]);
       const text = `key ${fixed(1e3 * data.key_m[at]!, 2)} mm, hammer ${fixed(1e3 * data.hammer_m[at]!, 1)} mm, finger ${fixed(data.finger_n[at]!, 2)} N`;
       if (numbers.textContent !== text) numbers.textContent = text;

@@ -1,25 +1,15 @@
 // The page: gets the engine, and puts panels and keys to work.
 import "uplot/dist/uPlot.min.css";
+import { engine } from "../engine/load";
 import { App } from "./app";
 import { byId, h, say } from "./dom";
 import { comparePanel } from "./compare";
 import { filePanel } from "./file";
 import { keyboardPanel } from "./keyboard";
-import { learnPanel } from "./learn";
 import { numbers } from "./numbers";
 import { partCard } from "./part";
 import { PEDAL_MM, playPanel } from "./play";
 import { screwsPanel } from "./screws";
-
-/** The engine's bytes, packed or not, whatever a server makes of them. */
-const engine = async (): Promise<WebAssembly.Module> => {
-  const answer = await fetch(new URL("engine.bin", document.baseURI));
-  if (!answer.ok) throw new Error(`the engine could not be had: ${answer.status}`);
-  const bytes = new Uint8Array(await answer.arrayBuffer());
-  if (bytes[0] !== 0x1f) return WebAssembly.compile(bytes);
-  const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compileStreaming(new Response(unpacked, { headers: { "Content-Type": "application/wasm" } }));
-};
 
 const SPEEDS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
 
@@ -53,6 +43,8 @@ const begin = async (): Promise<void> => {
   const speed = byId<HTMLSelectElement>("speed");
   for (const slower of SPEEDS) speed.add(new Option(slower === 1 ? "real time" : `1/${slower}`, String(1 / slower)));
   speed.addEventListener("change", () => app.setSpeed(Number(speed.value)));
+  const slow = byId<HTMLInputElement>("slow");
+  slow.addEventListener("change", () => void app.change({ slow: slow.checked }));
   const time = byId<HTMLInputElement>("time");
   time.addEventListener("input", () => app.seek(Number(time.value)));
 
@@ -66,7 +58,6 @@ const begin = async (): Promise<void> => {
     { id: "file", title: "File", make: filePanel },
     { id: "compare", title: "Compare", make: comparePanel },
     { id: "keyboard", title: "Keyboard", make: keyboardPanel },
-    { id: "learn", title: "Learn", make: learnPanel },
   ];
   const tabs = document.querySelector(".tabs")!;
   const made = panels.map(({ id, title, make }) => {
@@ -93,6 +84,7 @@ const begin = async (): Promise<void> => {
     for (const [id, what] of boxes) byId<HTMLInputElement>(id).checked = app.state[what];
     const slower = SPEEDS.reduce((best, one) => (Math.abs(Math.log(one * app.state.speed)) < Math.abs(Math.log(best * app.state.speed)) ? one : best));
     speed.value = String(1 / slower);
+    slow.checked = app.state.slow;
     byId<HTMLButtonElement>("undo").disabled = !app.canUndo;
     byId<HTMLButtonElement>("redo").disabled = !app.canRedo;
   };
