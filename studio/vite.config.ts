@@ -1,4 +1,4 @@
-// Builds the page into dist/: static files for any web space. The engine and the first picture are in built/, which
+// Builds the page into site/: static files for any web space. The engine and the first picture are in built/, which
 // `studio/wasm` fills.
 import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
@@ -13,7 +13,8 @@ export const POLICY = [
 const built = (name: string) => readFileSync(new URL(`./built/${name}`, import.meta.url));
 
 const page = (name: string) => readFileSync(new URL(`./${name}`, import.meta.url));
-/** The first picture, each path with the part that it belongs to: a style sheet can colour it before any script runs. */
+/** The first picture, each path with the part that it belongs to: a style sheet can colour it before any script
+ * runs. */
 const picture = () => built("picture.svg").toString().trim().replace(
   /<path ([^>]*)><title>([^<]*)<\/title><\/path>/g,
   (_, path: string, name: string) => `<path ${path} data-part="${name.split(",")[0]!.trim()}" data-detail="${name}"/>`,
@@ -49,7 +50,7 @@ const studio = (): Plugin => ({
 export default defineConfig({
   base: "./",
   plugins: [studio()],
-  build: { rolldownOptions: { input: ["index.html", "tools.html"] }, target: "es2022", outDir: "dist", emptyOutDir: true, assetsInlineLimit: 0, modulePreload: { polyfill: false }, reportCompressedSize: false },
+  build: { rolldownOptions: { input: ["index.html", "tools.html"] }, target: "es2022", outDir: "site", emptyOutDir: true, assetsInlineLimit: 0, modulePreload: { polyfill: false }, reportCompressedSize: false },
   worker: { format: "es" },
   preview: { headers: { "Content-Security-Policy": POLICY } },
 });

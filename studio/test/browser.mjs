@@ -4,7 +4,8 @@ import { serve } from "../serve.mjs";
 
 const WHERE = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
-/** Opens the built pages in a browser of its own: `visit` the workbench, `read` the story. Every error, refused request and request to elsewhere is collected in
+/** Opens the built pages in a browser of its own: `visit` the workbench, `read` the story. Every error, refused request
+ * and request to elsewhere is collected in
  * `faults`. */
 export const open = async () => {
   const server = await serve(0);

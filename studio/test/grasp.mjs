@@ -98,12 +98,12 @@ export const keys_only = async ({ visit }) => {
   await page.keyboard.down(" ");
   await struck(page);
   await page.keyboard.up(" ");
-  await to(({ id }) => id === "parts");
-  await page.keyboard.press("l");
-  await until(page, () => !document.getElementById("part").hidden);
   await to(({ id }) => id === "tab-play");
   await page.keyboard.press("ArrowRight");
   await until(page, () => studio.state.tab === "screws");
+  await to(({ id }) => id === "parts");
+  await page.keyboard.press("l");
+  await until(page, () => !document.getElementById("part").hidden);
   await to(({ name }) => name === "let-off");
   await page.keyboard.press("ArrowLeft");
   await until(page, () => "let_off" in studio.loaded[0].setting.turns);

@@ -12,14 +12,14 @@ const STEPS = ["lever", "flight", "escapement", "check", "damper", "again", "era
 const FIRST = 100_000, PLAYING = 1_450_000, LATER = 40_000;
 
 export const size = async () => {
-  const dist = new URL("../dist/", import.meta.url);
-  const text = (name) => readFile(new URL(name, dist), "utf8");
+  const site = new URL("../site/", import.meta.url);
+  const text = (name) => readFile(new URL(name, site), "utf8");
   const packed = async (name) => {
-    const bytes = await readFile(new URL(name, dist));
+    const bytes = await readFile(new URL(name, site));
     // The engine is packed already.
     return name === "engine.bin" ? bytes.length : gzipSync(bytes, { level: 9 }).length;
   };
-  const all = (await readdir(new URL("assets/", dist))).map((name) => `assets/${name}`);
+  const all = (await readdir(new URL("assets/", site))).map((name) => `assets/${name}`);
   const kb = (bytes) => `${(bytes / 1e3).toFixed(0)} kB`;
   const told = [];
   let later = 0;
@@ -76,7 +76,7 @@ export const stranger = async ({ browser, address }) => {
   await page.mouse.move(x, y);
   await page.mouse.down();
   for (let n = 1; n <= 6; n++) await page.mouse.move(x, y + 5 * n);
-  await until(page, () => story.figures.lever.now?.gesture.impacts > 0);
+  await until(page, () => story.figures.lever.now?.press.impacts > 0);
   const blown = since();
   await page.mouse.up();
   await page.click(".bar .bench");

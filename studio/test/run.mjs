@@ -10,6 +10,7 @@ import * as play from "./play.mjs";
 import * as grasp from "./grasp.mjs";
 import * as bench from "./bench.mjs";
 import * as page from "./page.mjs";
+import { edges } from "./edges.mjs";
 import * as story from "./story.mjs";
 
 const { values: asked } = parseArgs({ options: { seconds: { type: "string", default: "20" }, shots: { type: "string" }, only: { type: "string" } } });
@@ -36,6 +37,7 @@ const tests = {
   "a broken file": bench.file,
   compare: bench.compare,
   keyboard: bench.keyboard,
+  "rough edges": edges,
   link: page.link,
   offline: page.offline,
   faults: page.faults,

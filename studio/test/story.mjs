@@ -12,7 +12,7 @@ const to = async (page, id) => {
 };
 const now = (page, id) => page.evaluate((id) => {
   const { now, done, slowest } = story.figures[id];
-  return { ...now?.gesture, up_mm: now?.gesture.up_mm, key_mm: 1e3 * (now?.pose.key_m ?? 0), hammer_mm: 1e3 * (now?.pose.hammer_m ?? 0), swing: now?.pose.swing_m, events: now?.events, resting: now?.resting, done, slowest };
+  return { ...now?.press, up_mm: now?.press.up_mm, key_mm: 1e3 * (now?.pose.key_m ?? 0), hammer_mm: 1e3 * (now?.pose.hammer_m ?? 0), swing: now?.pose.swing_m, events: now?.events, resting: now?.resting, done, slowest };
 }, id);
 const rest = (page, id) => until(page, (id) => story.figures[id].now?.pose.key_m < 2e-4 && story.figures[id].now.resting, id, 60_000);
 const done = (page, id) => until(page, (id) => story.figures[id].done, id, 30_000).catch(async () => {
@@ -97,7 +97,7 @@ export const tasks = async ({ read }) => {
   await page.mouse.up();
   await rest(page, "lever");
   await press(page, "lever");
-  await until(page, () => story.figures.lever.now.gesture.impacts > 0);
+  await until(page, () => story.figures.lever.now.press.impacts > 0);
   await page.mouse.up();
   await slow("lever");
   const sheet = await measured(page, "lever", "dip_mm,blow_mm,strike_weight_g,strike_weight_ratio_weights,effective_inertia_kg,effective_inertia_hammer_kg,check_mm,damper_start_share");
@@ -120,7 +120,7 @@ export const tasks = async ({ read }) => {
     await rest(page, id);
     const before = (await now(page, id)).first_impact_s;
     await press(page, id);
-    await until(page, ([id, before]) => story.figures[id].now.gesture.first_impact_s > before && story.figures[id].now.gesture.later_m > 0, [id, before], 60_000);
+    await until(page, ([id, before]) => story.figures[id].now.press.first_impact_s > before && story.figures[id].now.press.later_m > 0, [id, before], 60_000);
     swings[id] = await now(page, id);
     if (id === "escapement") {
       const all = await rows(page);
@@ -150,7 +150,7 @@ export const tasks = async ({ read }) => {
   for (const which of [0, 1]) {
     await choose(page, "check", which);
     await press(page, "check");
-    await until(page, (which) => story.figures.check.now.option === which && story.figures.check.now.resting && story.figures.check.now.gesture.impacts > 0, which, 60_000);
+    await until(page, (which) => story.figures.check.now.option === which && story.figures.check.now.resting && story.figures.check.now.press.impacts > 0, which, 60_000);
     impacts.push(await now(page, "check"));
     await page.mouse.up();
     await rest(page, "check");
@@ -168,7 +168,7 @@ export const tasks = async ({ read }) => {
   for (const which of [0, 1]) {
     await choose(page, "damper", which);
     await press(page, "damper");
-    await until(page, () => story.figures.damper.now.gesture.impacts > 0 && story.figures.damper.now.pose.time_s > story.figures.damper.now.gesture.first_impact_s + 0.3, undefined, 60_000);
+    await until(page, () => story.figures.damper.now.press.impacts > 0 && story.figures.damper.now.pose.time_s > story.figures.damper.now.press.first_impact_s + 0.3, undefined, 60_000);
     const before = await now(page, "damper");
     await page.mouse.up();
     await until(page, () => story.figures.damper.now.pose.key_m < 1e-3);
@@ -190,13 +190,13 @@ export const tasks = async ({ read }) => {
     await page.mouse.move(at.x, at.y);
     await page.mouse.down();
     await move(page, at, 0, 10.2, 60);
-    await until(page, (id) => story.figures[id].now.gesture.presses === 1 && story.figures[id].now.gesture.impacts === 1 && story.figures[id].now.pose.hammer_m < 0.04, id)
+    await until(page, (id) => story.figures[id].now.press.presses === 1 && story.figures[id].now.press.impacts === 1 && story.figures[id].now.pose.hammer_m < 0.04, id)
       .catch(async (error) => assert.fail(`${error.message} ${JSON.stringify(await now(page, id))}`));
     await move(page, at, 10.2, 5.2, 180);
     await until(page, (id) => story.figures[id].now.pose.key_m < 6e-3, id, 60_000);
     await page.waitForTimeout(700);
     await move(page, at, 5.2, 10.2, 60);
-    await until(page, (id) => story.figures[id].now.gesture.presses === 2, id);
+    await until(page, (id) => story.figures[id].now.press.presses === 2, id);
     await done(page, id);
     await page.mouse.up();
     await slow(id);
@@ -261,7 +261,7 @@ export const tasks = async ({ read }) => {
   near("fifths", sheet.effective_inertia_hammer_kg / sheet.effective_inertia_kg, 0.03);
   await rest(page, "touch");
   await press(page, "touch");
-  await until(page, () => story.figures.touch.now.gesture.impacts > 0);
+  await until(page, () => story.figures.touch.now.press.impacts > 0);
   await page.mouse.up();
   await slow("touch");
 
@@ -361,7 +361,7 @@ export const keys = async ({ read }) => {
   await grip("erard");
   await until(page, () => story.active === "erard" && document.querySelector("[data-scene=erard]").dataset.live === "true");
   await page.keyboard.press("End");
-  await until(page, () => story.figures.erard.now.gesture.presses === 1 && story.figures.erard.now.pose.hammer_m < 0.04);
+  await until(page, () => story.figures.erard.now.press.presses === 1 && story.figures.erard.now.pose.hammer_m < 0.04);
   for (let n = 0; n < 2; n++) await page.keyboard.press("PageUp");
   await until(page, () => story.figures.erard.now.pose.key_m < 7e-3, undefined, 60_000);
   await page.waitForTimeout(700);
@@ -422,7 +422,7 @@ export const reader = async ({ read, faults }) => {
   await page.click("#fault button");
   await until(page, () => document.getElementById("fault").hidden && story.figures.lever.element.dataset.live === "true");
   await press(page, "lever");
-  await until(page, () => story.figures.lever.now.gesture.impacts > 0);
+  await until(page, () => story.figures.lever.now.press.impacts > 0);
   await page.mouse.up();
   assert.deepEqual(faults, []);
 };

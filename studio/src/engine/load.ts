@@ -1,6 +1,7 @@
 // The engine's file, fetched and compiled; knows nothing of pages.
 
-/** The engine's bytes, packed or not, whatever a server makes of them. `progress` is told which share of them is here. */
+/** The engine's bytes, packed or not, whatever a server makes of them. `progress` receives which share of them is
+ * here. */
 export const engine = async (progress: (share: number) => void = () => {}): Promise<WebAssembly.Module> => {
   const answer = await fetch(new URL("engine.bin", document.baseURI));
   if (!answer.ok) throw new Error(`the engine is not where the page expects it: ${answer.url} answers ${answer.status}`);

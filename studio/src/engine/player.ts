@@ -14,7 +14,8 @@ const RAMP_S = 0.012;
 const FASTEST_M_PER_S = 2;
 /** A hand in slow motion keeps its speed, but is never slower than this, m/s: a mezzo forte. */
 const SLOWED_M_PER_S = 0.15;
-/** What is left of the hand's speed from one frame to the next where the pointer stands still: pointers move in jumps. */
+/** What is left of the hand's speed from one frame to the next where the pointer stands still: pointers move in
+ * jumps. */
 const HAND = 0.8;
 
 /** Which of the instruments could not be loaded, and why. */
@@ -137,7 +138,8 @@ export class Player {
       const steps = Math.floor(this.owed_s / length_s + 1e-6);
       if (steps === 0) break;
       if (!moved) {
-        // What rests under what has not changed rests on: its clock stands still, and the last second stays what it was.
+        // What rests under what has not changed rests on: its clock stands still, and the last second stays what it
+        // was.
         this.resting = same && !this.pedalled && !this.striking && this.actions.every((one) => one.rests);
         if (this.resting) {
           this.owed_s = Math.max(this.owed_s - steps * length_s, 0);

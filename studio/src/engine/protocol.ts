@@ -66,7 +66,8 @@ export type Touch = { kind: "finger"; position_m: number | null } | { kind: "for
  * text are no lines of the file. */
 export type Stroke = { nuance: string; struck: boolean } | { csv: string; name: string; rows?: boolean };
 
-/** When time slows down by itself: while the key or the hammer is between two places and moves at least so fast (`going`
+/** When time slows down by itself: while the key or the hammer is between two places and moves at least so fast
+ * (`going`
  * 1: the key down, the hammer up; -1: back; 0: either way), or for so long after an impact. The slowest rule that holds
  * decides. */
 export type Slow =

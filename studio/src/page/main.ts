@@ -61,7 +61,7 @@ const begin = async (): Promise<void> => {
   ];
   const tabs = document.querySelector(".tabs")!;
   const made = panels.map(({ id, title, make }) => {
-    const tab = h("button", { type: "button", role: "tab", id: `tab-${id}`, "aria-controls": `panel-${id}`, onclick: () => void app.change({ tab: id }) }, title);
+    const tab = h("button", { type: "button", role: "tab", id: `tab-${id}`, "aria-controls": `panel-${id}`, "data-title": title, onclick: () => void app.change({ tab: id }) }, title);
     tabs.append(tab);
     const panel = h("div", { role: "tabpanel", id: `panel-${id}`, "aria-labelledby": `tab-${id}`, tabindex: 0 });
     byId("panels").append(panel);
@@ -103,7 +103,20 @@ const begin = async (): Promise<void> => {
   partCard(app);
 
   // Keys. The space bar is a finger, unless the focus is on something that takes it itself.
-  const takes = (target: EventTarget | null) => target instanceof Element && target.matches("input, textarea, select, button, [role=tab], summary, .keys");
+  const takes = (target: EventTarget | null) => target instanceof Element && target.matches("input:not([type=range]), textarea, select, button, [role=tab], summary, .keys");
+  // A control that was clicked has done its work: it does not keep the space bar from the key.
+  let pointer = false;
+  for (const event of ["pointerdown", "keydown"] as const) addEventListener(event, () => (pointer = event === "pointerdown"), { capture: true });
+  const leave = (target: EventTarget | null) => {
+    if (target instanceof HTMLElement && target === document.activeElement) target.blur();
+  };
+  document.addEventListener("click", ({ detail, target }) => {
+    if (detail > 0) leave((target as Element).closest("button, summary, input[type=checkbox]"));
+  });
+  document.addEventListener("change", ({ target }) => {
+    if (pointer && target instanceof HTMLSelectElement) leave(target);
+  });
+  let space = false;
   window.addEventListener("keydown", (event) => {
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !(event.target instanceof HTMLTextAreaElement)) {
       event.preventDefault();
@@ -113,7 +126,9 @@ const begin = async (): Promise<void> => {
     if (event.ctrlKey || event.altKey || event.metaKey || takes(event.target)) return;
     if (event.key === " " || event.key === "Enter") {
       event.preventDefault();
-      if (!event.repeat) app.push(app.state.force);
+      if (event.repeat) return;
+      space = true;
+      app.push(app.state.force);
     } else if (event.key === "r") app.replay();
     else if (event.key === "l") app.goLive();
     else if (event.key === "p" && app.scenes.some(({ pedal }) => pedal)) void app.change({ pedal: app.state.pedal ? 0 : PEDAL_MM });
@@ -123,7 +138,9 @@ const begin = async (): Promise<void> => {
     else if (event.key === "-") pictures((picture) => picture.zoom(1.25));
   });
   window.addEventListener("keyup", (event) => {
-    if ((event.key === " " || event.key === "Enter") && !takes(event.target)) app.push(0);
+    if (!space || (event.key !== " " && event.key !== "Enter")) return;
+    space = false;
+    app.push(0);
   });
   addEventListener("blur", () => app.push(0));
   // For tests.

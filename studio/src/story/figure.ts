@@ -5,7 +5,7 @@ import { Picture } from "../page/picture";
 import type { Frame, Live } from "./live";
 import { Plot, Strip, STRIP_S } from "./plot";
 import type { Now, Step } from "./scenes";
-import { Gesture } from "./strokes";
+import { Press } from "./strokes";
 
 /** How far the finger goes, mm below the key's rest: the last of it presses on the felt under the key. */
 const DEEPEST_MM = 11;
@@ -37,11 +37,11 @@ export class Figure {
   private plot: Plot | null = null;
   private strip: Strip | null = null;
   private option = 0;
-  private last: (Gesture | null)[];
+  private last: (Press | null)[];
   /** Where the finger is held, mm; null lifts it. */
   private held_mm: number | null = null;
   private readonly pressing = new Set<string>();
-  private gesture = new Gesture();
+  private press = new Press();
   private rested = true;
   private said = "";
   /** The last frame's numbers; for tests, too. */
@@ -99,7 +99,7 @@ export class Figure {
       h("label", {}, h("input", { type: "radio", name: `${this.id}-setup`, value: which, checked: which === 0, onchange: () => void this.choose(which) }), label!)));
   }
 
-  // ------------------------------------------------------------------------------------------------------------- the engine
+  // -------------------------------------------------------------------------------------------------------- the engine
 
   /** The engine plays this figure from now on. */
   async begin(live: Live): Promise<void> {
@@ -143,7 +143,7 @@ export class Figure {
   async choose(which: number): Promise<void> {
     this.option = which;
     for (const input of this.element.querySelectorAll<HTMLInputElement>(".switch input")) input.checked = Number(input.value) === which;
-    this.gesture = new Gesture();
+    this.press = new Press();
     this.rested = true;
     const { live } = this;
     if (!live) return;
@@ -160,7 +160,7 @@ export class Figure {
     this.live?.play(this.step.show);
   }
 
-  // ------------------------------------------------------------------------------------------------------------- the finger
+  // -------------------------------------------------------------------------------------------------------- the finger
 
   private hold(down_mm: number | null): void {
     this.held_mm = down_mm === null ? null : Math.min(Math.max(down_mm, -0.5), DEEPEST_MM);
@@ -251,7 +251,7 @@ export class Figure {
     });
   }
 
-  // ------------------------------------------------------------------------------------------------------------- what is seen
+  // ------------------------------------------------------------------------------------------------------ what is seen
 
   private take(frame: Frame): void {
     const pose = frame.poses[0], events = frame.events[0];
@@ -261,17 +261,17 @@ export class Figure {
     if (pose.key_m < REST_M) this.rested ||= lifted && frame.resting;
     else if (this.rested) {
       this.rested = false;
-      this.gesture = this.last[this.option] = new Gesture();
+      this.press = this.last[this.option] = new Press();
       this.plot?.begin();
       this.strip?.begin();
       if (this.strip && this.live) this.live.since = { from_s: pose.time_s - BEFORE_S, most_s: STRIP_S };
     }
     const key_mm = 1e3 * pose.key_m, hammer_mm = 1e3 * pose.hammer_m;
-    this.gesture.see({ time_s: pose.time_s, key_mm, hammer_mm, finger_n: pose.finger_n, swing_m: pose.swing_m, impacts: frame.blows });
+    this.press.see({ time_s: pose.time_s, key_mm, hammer_mm, finger_n: pose.finger_n, swing_m: pose.swing_m, impacts: frame.blows });
     if (pose.finger_n > FELT_N) this.plot?.add(key_mm, pose.finger_n * 101.97);
     const { curves } = frame, since = this.live?.since;
     if (curves && since) this.strip?.draw(since.from_s, curves.times, curves.series[0]![0]!, curves.series[0]![1]!, frame.blows.map(({ time_s }) => time_s));
-    this.now = { gesture: this.gesture, pose, events, resting: frame.resting, option: this.option, last: this.last };
+    this.now = { press: this.press, pose, events, resting: frame.resting, option: this.option, last: this.last };
     const [text, done] = this.step.outcome(this.now);
     if (text && this.result.textContent !== text) this.result.textContent = text;
     if (done && !this.done) {

@@ -1,4 +1,5 @@
-// The engine under one figure at a time: what is asked of the player's worker, frame by frame. Knows nothing of figures.
+// The engine under one figure at a time: what is asked of the player's worker, frame by frame. Knows nothing of
+// figures.
 import type { FromPlayer, Scene, Slow, ToPlayer, Touch } from "../engine/protocol";
 import { Bench } from "../page/bench";
 

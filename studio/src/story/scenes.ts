@@ -4,16 +4,16 @@ import type { Events, Pose, Slow } from "../engine/protocol";
 import { fixed } from "../page/dom";
 import type { View } from "../page/picture";
 import type { Setup } from "./live";
-import { type Gesture, gesture, ramp, weight } from "./strokes";
+import { type Press, path, ramp, weight } from "./strokes";
 
 export interface Now {
-  gesture: Gesture;
+  press: Press;
   pose: Pose;
   events: Events;
   resting: boolean;
-  /** Which position its switch has, and for each what its last gesture was. */
+  /** Which position its switch has, and for each what its last press was. */
   option: number;
-  last: (Gesture | null)[];
+  last: (Press | null)[];
 }
 
 export interface Step {
@@ -70,14 +70,15 @@ const times = (count: number): string => (count === 0 ? "not at all" : count ===
 const KEY = (now: Now): [string, string] => ["key down", mm(now.pose.key_m)];
 const HAMMER = (now: Now): [string, string] => ["hammer up", mm(now.pose.hammer_m)];
 const SWING = (now: Now): [string, string] => ["string swings", mm(now.pose.swing_m, 2)];
-const IMPACTS = (now: Now): [string, string] => ["impacts", String(now.gesture.impacts)];
+const IMPACTS = (now: Now): [string, string] => ["impacts", String(now.press.impacts)];
 const SOFT = "Too soft. The hammer was set free, and fell back before it reached the string. A real piano is silent, too. Press faster.";
 /** A hammer that was let go and did not arrive. */
-const soft = ({ gesture, pose }: Now): boolean => gesture.impacts === 0 && gesture.deepest_mm > 9 && gesture.highest_mm > 40 && 1e3 * pose.hammer_m < gesture.highest_mm - 0.3 && Math.abs(pose.hammer_m_per_s) < 0.1;
+const soft = ({ press, pose }: Now): boolean => press.impacts === 0 && press.deepest_mm > 9 && press.highest_mm > 40 && 1e3 * pose.hammer_m < press.highest_mm - 0.3 && Math.abs(pose.hammer_m_per_s) < 0.1;
 const WAITING: [string, boolean] = ["", false];
-const going = ({ gesture }: Now): boolean => gesture.deepest_mm > 0.5;
+const going = ({ press }: Now): boolean => press.deepest_mm > 0.5;
 
-/** The action without its repetition lever, and with a fixed rail on which the hammer rests: the file's lever is put out
+/** The action without its repetition lever, and with a fixed rail on which the hammer rests: the file's lever is put
+ * out
  * of the knuckle's reach, and the cushion under the shank stands on the ground. */
 export const simple = (text: string): string => {
   const zone = (name: string, change: (lines: string) => string): void => {
@@ -91,17 +92,17 @@ export const simple = (text: string): string => {
   return text;
 };
 
-const twice = ({ gesture }: Now): string =>
-  `You pressed ${times(gesture.presses)}; the key came up ${fixed(gesture.released_mm, 1)} mm in between. The hammer struck ${times(gesture.impacts)}.`;
+const twice = ({ press }: Now): string =>
+  `You pressed ${times(press.presses)}; the key came up ${fixed(press.released_mm, 1)} mm in between. The hammer struck ${times(press.impacts)}.`;
 
 export const STEPS: Record<string, Step> = {
   lever: {
     setups: [GRAND], wide: WHOLE, narrow: WHOLE, slow: NEAR, press_n: 4, mark_mm: 5,
-    show: gesture([0, 0], [0.05, 0], [0.9, 5], [2.2, 5], [2.9, 0], [3, 0]),
+    show: path([0, 0], [0.05, 0], [0.9, 5], [2.2, 5], [2.9, 0], [3, 0]),
     facts: (now) => [KEY(now), HAMMER(now), ["ratio", now.pose.key_m > 5e-4 ? `${fixed(now.pose.hammer_m / now.pose.key_m, 1)} times` : "\u2013"]],
     outcome: (now) => {
       const { key_m, hammer_m } = now.pose;
-      if (now.gesture.impacts && key_m > 8e-3) return [`All the way: the hammer struck at ${fixed(now.gesture.hammer_speed_m_per_s, 1)} m/s, some six times as fast as the key moved. Now come up to halfway.`, false];
+      if (now.press.impacts && key_m > 8e-3) return [`All the way: the hammer struck at ${fixed(now.press.hammer_speed_m_per_s, 1)} m/s, some six times as fast as the key moved. Now come up to halfway.`, false];
       if (!going(now)) return WAITING;
       const half = key_m > 4.5e-3 && key_m < 5.6e-3;
       return [`The key is ${mm(key_m)} down, and the hammer has risen by ${mm(hammer_m)}: ${fixed(hammer_m / Math.max(key_m, 1e-4), 1)} times as far.`, half];
@@ -112,7 +113,7 @@ export const STEPS: Record<string, Step> = {
     show: weight(5, 0.9),
     facts: (now) => [IMPACTS(now), SWING(now)],
     outcome: (now) => {
-      const { gesture: g } = now;
+      const { press: g } = now;
       if (!g.impacts) return going(now) ? ["The hammer is on its way. Press it all the way.", false] : WAITING;
       const so_far = `The hammer has struck the string ${times(g.impacts)}, and ${now.pose.key_m > 8e-3 ? "cannot get away" : "is free at last"}.`;
       if (Number.isNaN(g.later_m)) return [`${so_far} The swing was ${mm(g.swing_m, 2)}. Keep the key down.`, false];
@@ -124,7 +125,7 @@ export const STEPS: Record<string, Step> = {
     show: weight(5, 0.9),
     facts: (now) => [["below the string", now.pose.hammer_m < 0.0475 ? mm(0.0475 - now.pose.hammer_m) : "0.0 mm"], SWING(now)],
     outcome: (now) => {
-      const { gesture: g, events } = now;
+      const { press: g, events } = now;
       if (soft(now)) return [SOFT, false];
       if (!g.impacts) return going(now) ? ["The jack pushes. Go on, all the way down.", false] : WAITING;
       const free = Number.isFinite(events.free_flight_s) ? `set free ${fixed(1e3 * events.free_flight_s, 1)} ms before it struck, at ${fixed(g.hammer_speed_m_per_s, 1)} m/s` : `and struck at ${fixed(g.hammer_speed_m_per_s, 1)} m/s`;
@@ -139,7 +140,7 @@ export const STEPS: Record<string, Step> = {
     show: weight(6, 0.9),
     facts: (now) => [IMPACTS(now), ["below the string", mm(Math.max(0.0475 - now.pose.hammer_m, 0))]],
     outcome: (now) => {
-      const { gesture: g, option, last } = now;
+      const { press: g, option, last } = now;
       const both = (last[0]?.impacts ?? 0) > 1 && (last[1]?.impacts ?? 0) === 1;
       if (!g.impacts) return soft(now) ? [SOFT, both] : [going(now) ? "Press firmly, all the way down." : "", both];
       if (!option) return [g.impacts > 1 ? `Nothing caught the hammer. It struck ${times(g.impacts)}. Now put the check back.` : "It struck once, so far. Keep the key down; if it stays at once, press harder.", both];
@@ -157,7 +158,7 @@ export const STEPS: Record<string, Step> = {
     show: weight(5, 0.7),
     facts: (now) => [KEY(now), SWING(now)],
     outcome: (now) => {
-      const { gesture: g, option, last } = now;
+      const { press: g, option, last } = now;
       const seen = [0, 1].every((which) => (which === option ? g : last[which])?.impacts && ((which === option ? g : last[which])?.up_mm ?? 0) > 7);
       if (!g.impacts) return soft(now) ? [SOFT, seen] : [going(now) ? "Press faster, all the way down." : "", seen];
       const swing = `The string swings by ${mm(now.pose.swing_m, 3)}; at most it was ${mm(g.swing_m, 3)}.`;
@@ -167,10 +168,10 @@ export const STEPS: Record<string, Step> = {
   },
   again: {
     setups: [{ ...GRAND, edit: simple }], wide: INNER, narrow: INNER, slow: REPEAT, press_n: 5, mark_mm: 5,
-    show: gesture([0, 0], [0.05, 0], [0.09, 9.4], [0.3, 9.4], [0.4, 5.4], [0.5, 5.4], [0.54, 9.4], [0.8, 9.4], [1.1, 0], [1.2, 0]),
-    facts: (now) => [["presses", String(now.gesture.presses)], IMPACTS(now)],
+    show: path([0, 0], [0.05, 0], [0.09, 9.4], [0.3, 9.4], [0.4, 5.4], [0.5, 5.4], [0.54, 9.4], [0.8, 9.4], [1.1, 0], [1.2, 0]),
+    facts: (now) => [["presses", String(now.press.presses)], IMPACTS(now)],
     outcome: (now) => {
-      const { gesture: g } = now;
+      const { press: g } = now;
       if (!going(now)) return WAITING;
       if (g.presses === 1 && soft(now)) return [SOFT, false];
       if (g.presses < 2) return [g.presses ? (g.up_mm > 1 ? `The key has come up ${fixed(g.up_mm, 1)} mm. Now press again.` : `It struck ${times(g.impacts)}. Let the key come up halfway, and press again.`) : "Press, all the way down.", false];
@@ -179,10 +180,10 @@ export const STEPS: Record<string, Step> = {
   },
   erard: {
     setups: [GRAND], wide: INNER, narrow: INNER, slow: REPEAT, press_n: 5, mark_mm: 5,
-    show: gesture([0, 0], [0.05, 0], [0.09, 9.4], [0.3, 9.4], [0.4, 5.4], [0.5, 5.4], [0.54, 9.4], [0.8, 9.4], [1.1, 0], [1.2, 0]),
-    facts: (now) => [["presses", String(now.gesture.presses)], IMPACTS(now)],
+    show: path([0, 0], [0.05, 0], [0.09, 9.4], [0.3, 9.4], [0.4, 5.4], [0.5, 5.4], [0.54, 9.4], [0.8, 9.4], [1.1, 0], [1.2, 0]),
+    facts: (now) => [["presses", String(now.press.presses)], IMPACTS(now)],
     outcome: (now) => {
-      const { gesture: g } = now;
+      const { press: g } = now;
       if (!going(now)) return WAITING;
       if (g.presses === 1 && soft(now)) return [SOFT, false];
       if (g.presses < 2) return [g.presses ? (g.up_mm > 1 ? `The key has come up ${fixed(g.up_mm, 1)} mm, and the lever has raised the hammer. Now press again.` : `It struck ${times(g.impacts)}. Let the key come up halfway, and press again.`) : "Press, all the way down.", false];
@@ -194,7 +195,7 @@ export const STEPS: Record<string, Step> = {
     show: ramp(4, 9.8),
     facts: (now) => [KEY(now), ["finger", `${fixed(now.pose.finger_n * 101.97, 0)} g`]],
     outcome: (now) => {
-      const { gesture: g } = now;
+      const { press: g } = now;
       if (!going(now)) return WAITING;
       if (g.impacts) return [`That was fast: up to ${fixed(g.hardest_n, 1)} N, as ${fixed(g.hardest_n * 101.97, 0)} grams weigh. The hammer struck at ${fixed(g.hammer_speed_m_per_s, 1)} m/s.`, false];
       return g.deepest_mm < 9 ? [`At this depth the finger carries ${fixed(now.pose.finger_n * 101.97, 0)} grams.`, false] : ["Slow enough: the hammer did not even strike. The curve shows the damper halfway, then the notch.", true];

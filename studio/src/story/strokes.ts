@@ -1,8 +1,9 @@
-// Strokes that a figure plays by itself, and what is counted of a gesture. No page and no engine here.
+// Strokes that a figure plays by itself, and what is counted of a press. No page and no engine here.
 
-/** From place to place of the key's front, s and mm, on half a cosine each, a row every millisecond: a curve through few
+/** From place to place of the key's front, s and mm, on half a cosine each, a row every millisecond: a curve through
+ * few
  * points would overshoot. */
-export const gesture = (...through: [number, number][]): string => {
+export const path = (...through: [number, number][]): string => {
   const rows = ["time_s,position_m"];
   for (let n = 0; n <= 1000 * through.at(-1)![0]; n++) {
     const time = n / 1000, next = Math.max(through.findIndex(([at]) => at >= time), 1);
@@ -29,7 +30,7 @@ const DOWN_MM = 8.6;
 const AGAIN_MM = 1.5;
 
 /** What has happened since the key left its rest. */
-export class Gesture {
+export class Press {
   /** How often the key went down, and how far it came up before it last did, mm. */
   presses = 0;
   released_mm = 0;
