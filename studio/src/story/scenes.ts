@@ -65,7 +65,7 @@ const REPEAT: Slow[] = [
 ];
 
 const GRAND: Setup = { base: "concert-grand" }, STRINGS: Setup = { base: "concert-grand-strings" };
-const mm = (m: number, decimals = 1): string => `${fixed(1e3 * m, decimals)} mm`;
+const mm = (m: number, decimals = 1): string => `${fixed(1e3 * m, decimals)}\u00a0mm`;
 const times = (count: number): string => (count === 0 ? "not at all" : count === 1 ? "once" : count === 2 ? "twice" : `${count} times`);
 const KEY = (now: Now): [string, string] => ["key down", mm(now.pose.key_m)];
 const HAMMER = (now: Now): [string, string] => ["hammer up", mm(now.pose.hammer_m)];
