@@ -11,17 +11,18 @@ import * as grasp from "./grasp.mjs";
 import * as bench from "./bench.mjs";
 import * as page from "./page.mjs";
 import { edges } from "./edges.mjs";
+import * as reader from "./reader.mjs";
 import * as story from "./story.mjs";
 
 const { values: asked } = parseArgs({ options: { seconds: { type: "string", default: "20" }, shots: { type: "string" }, only: { type: "string" } } });
 const tests = {
   size: page.size,
   ...(process.env.ERARD ? { bits, parquet } : {}),
-  "first picture": story.first,
+  "first picture": reader.first,
   "the story, step by step": story.tasks,
-  "the story by the keyboard alone": story.keys,
-  "the story by touch": story.touch,
-  "the story read": story.reader,
+  "the story by the keyboard alone": reader.keys,
+  "the story by touch": reader.touch,
+  "the story read": reader.reader,
   "a stranger's path": page.stranger,
   "press by mouse": play.mouse,
   "press by touch": play.touch,
