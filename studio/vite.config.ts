@@ -1,4 +1,4 @@
-// Builds the page into dist/: static files for any web space. The engine and the first picture are in built/, which
+// Builds the page into site/: static files for any web space. The engine and the first picture are in built/, which
 // `studio/wasm` fills.
 import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
@@ -12,15 +12,37 @@ export const POLICY = [
 
 const built = (name: string) => readFileSync(new URL(`./built/${name}`, import.meta.url));
 
+const page = (name: string) => readFileSync(new URL(`./${name}`, import.meta.url));
+/** The first picture, each path with the part that it belongs to: a style sheet can colour it before any script
+ * runs. */
+const picture = () => built("picture.svg").toString().trim().replace(
+  /<path ([^>]*)><title>([^<]*)<\/title><\/path>/g,
+  (_, path: string, name: string) => `<path ${path} data-part="${name.split(",")[0]!.trim()}" data-detail="${name}"/>`,
+);
+/** The same for the story, which colours it itself: without inks, and to a tenth of a millimetre, for the first picture
+ * waits for every byte of it. */
+const plain = () => picture()
+  .replace(/<defs>.*<\/defs>/s, "")
+  .replace(/ (fill|stroke)="[^"]*"/g, "").replace(/ data-detail="[^"]*"/g, "")
+  .replace(/-?\d+\.\d{2,}/g, (number) => String(Number(Number(number).toFixed(1)) + 0))
+  .replace(/(-?[\d.]+ -?[\d.]+)(?:L\1(?![\d.]))+/g, "$1");
+
+/** Scripts are asked for once the page itself is here: before, they would share the line with the first picture. */
+const last = (html: string) => {
+  const scripts = html.match(/<script type="module"[^>]*src=[^>]*><\/script>|<link rel="modulepreload"[^>]*>/g) ?? [];
+  return scripts.reduce((rest, one) => rest.replace(one, ""), html).replace("</body>", `${scripts.join("\n")}\n</body>`);
+};
+
 /** The policy, the first picture, the engine, and a service worker that keeps all of it for when there is no
  * network. */
 const studio = (): Plugin => ({
   name: "studio",
   transformIndexHtml: {
     order: "post",
-    handler: (html, { server }) => {
+    handler: (html, { server, path }) => {
       const policy = server ? "" : `<meta http-equiv="Content-Security-Policy" content="${POLICY}">`;
-      return html.replace("<!--policy-->", policy).replace("<!--picture-->", built("picture.svg").toString().trim());
+      html = last(html);
+      return html.replace("<!--policy-->", policy).replace("<!--picture-->", path.endsWith("index.html") ? plain() : picture());
     },
   },
   configureServer(server) {
@@ -32,8 +54,8 @@ const studio = (): Plugin => ({
   },
   generateBundle(_, bundle) {
     this.emitFile({ type: "asset", fileName: "engine.bin", source: built("engine.bin") });
-    const files = ["./", "engine.bin", "icon.svg", "studio.webmanifest", ...Object.keys(bundle).filter((name) => !name.endsWith(".html") && name !== "engine.bin")];
-    const version = createHash("sha256").update(built("engine.bin")).update(Object.keys(bundle).join()).update(built("picture.svg")).digest("hex").slice(0, 16);
+    const files = ["./", "tools.html", "engine.bin", "icon.svg", "studio.webmanifest", ...Object.keys(bundle).filter((name) => !name.endsWith(".html") && name !== "engine.bin")];
+    const version = createHash("sha256").update(built("engine.bin")).update(Object.keys(bundle).join()).update(built("picture.svg")).update(page("index.html")).update(page("tools.html")).digest("hex").slice(0, 16);
     const source = readFileSync(new URL("./src/sw.js", import.meta.url), "utf8").replace("/*version*/", version).replace("/*files*/", files.map((name) => JSON.stringify(name)).join(", "));
     this.emitFile({ type: "asset", fileName: "sw.js", source });
   },
@@ -42,7 +64,7 @@ const studio = (): Plugin => ({
 export default defineConfig({
   base: "./",
   plugins: [studio()],
-  build: { target: "es2022", outDir: "dist", emptyOutDir: true, assetsInlineLimit: 0, modulePreload: { polyfill: false }, reportCompressedSize: false },
+  build: { rolldownOptions: { input: ["index.html", "tools.html"] }, target: "es2022", outDir: "site", emptyOutDir: true, assetsInlineLimit: 0, modulePreload: { polyfill: false }, reportCompressedSize: false },
   worker: { format: "es" },
   preview: { headers: { "Content-Security-Policy": POLICY } },
 });

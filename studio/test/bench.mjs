@@ -1,4 +1,4 @@
-// Screws, files, two actions, the keyboard, the scenes.
+// Screws, files, two actions, the keyboard.
 import { assert, atRest, blow, percentile, struck, until } from "./help.mjs";
 
 const line = (page, name) => page.evaluate((name) => {
@@ -205,93 +205,4 @@ export const keyboard = async ({ visit }) => {
   await page.evaluate(() => studio.push(8));
   await struck(page);
   return `ten keys take ${(100 * share).toFixed(0)} % of real time in the middle, ${(100 * percentile(busy, 0.95)).toFixed(0)} % at the 95th percentile`;
-};
-
-/** Every scene shows what it says: the numbers of the model, not of the text. */
-export const scenes = async ({ visit }) => {
-  const page = await visit("#tab=learn");
-  const go = async (scene) => {
-    await page.click(`.scenes li:nth-child(${scene}) button`);
-    await until(page, (title) => document.querySelector("#scene h2").textContent.length > 0 && document.querySelector(".scenes [aria-current]") !== null, scene);
-    await page.waitForTimeout(300);
-  };
-  const go_on = async (label) => {
-    await page.evaluate(() => studio.letGo());
-    await page.waitForTimeout(100);
-    const before = await page.evaluate(() => `${studio.loads} ${studio.events[0].blow_s}`);
-    await page.click(`.tries button:has-text("${label}")`);
-    return before;
-  };
-  // An action that was turned is a new one, whose clock begins anew.
-  const pressed = (before) => until(page, (before) => !studio.reloading && !studio.loading && studio.events[0].blow_s > 0 && `${studio.loads} ${studio.events[0].blow_s}` !== before, before);
-  const seen = (which = 0) => page.evaluate((which) => ({ ...studio.events[which], now: studio.blowOf(which) }), which);
-  await go(1);
-  await pressed(await go_on("Show it slowly"));
-  const let_off = await seen();
-  assert(let_off.let_off_s < let_off.blow_s, "let off before the blow");
-  await go(2);
-  await pressed(await go_on("Press and hold"));
-  await atRest(page);
-  const held = await page.evaluate(() => ({ hammer: studio.poses[0].hammer_m, check: Number.isFinite(studio.events[0].check_s) }));
-  assert(held.check && held.hammer > 0.025, JSON.stringify(held));
-  const blows = () => page.evaluate(() => studio.events[0].blows);
-  const over = () => until(page, () => document.getElementById("replay").textContent === "Pause");
-  const once = async (label, expected, done = over) => {
-    await pressed(await go_on(label));
-    await done();
-    assert.equal(await blows() > 1 ? "twice" : "once", expected, label);
-  };
-  await go_on("Let go");
-  await once("Check bent away, and hold", "twice", () => atRest(page));
-  assert(Number.isNaN(await page.evaluate(() => studio.events[0].check_s)), "nothing catches the hammer");
-  await go(1);
-  await page.waitForTimeout(500);
-  await pressed(await go_on("Button 3 mm higher, and hold"));
-  await page.waitForTimeout(600);
-  assert((await page.evaluate(() => studio.poses[0].hammer_m)) > 0.0465, "the hammer stays at the string");
-  await go(3);
-  await page.waitForTimeout(500);
-  await once("A loud note", "once");
-  await once("2 mm more punching", "twice");
-  await go(5);
-  await page.waitForTimeout(500);
-  await once("Down, 4 mm up, down again", "twice");
-  await once("The same with a weak spring", "once");
-  await go(4);
-  await until(page, () => studio.scenes.length === 2);
-  const both = async (label) => {
-    await pressed(await go_on(label));
-    await over();
-    return page.evaluate(() => [0, 1].map((which) => ({ ...studio.events[which], speed: studio.blowOf(which) })));
-  };
-  for (const [label, slower] of [["5 N on both", 1], ["Fortissimo", 1], ["Lighter B: 6 g", -1]]) {
-    const [a, b] = await both(label);
-    assert(slower * (a.speed - b.speed) > 0.03 * a.speed, `${label}: ${a.speed} m/s and ${b.speed} m/s`);
-    if (label === "5 N on both") assert(b.blow_s - b.key_start_s > a.blow_s - a.key_start_s, "the heavier one takes longer");
-  }
-  await go(6);
-  const bottoms = {};
-  for (const label of ["pp", "ff", "mf, struck"]) {
-    await page.evaluate(() => studio.goLive());
-    await page.click(`.tries button:text-is("${label}")`);
-    await until(page, () => document.getElementById("replay").textContent === "Pause");
-    bottoms[label] = (await seen()).key_bottom_after_blow_s;
-  }
-  assert(bottoms["pp"] > 0 && bottoms["ff"] < 0 && bottoms["mf, struck"] > 0, JSON.stringify(bottoms));
-  // The numbers in the texts are the model's.
-  const text = await page.evaluate(async () => {
-    const of = (turns) => studio.bench.ask({ kind: "base", of: { builtin: "concert-grand" } }).then((text) => (turns ? studio.bench.ask({ kind: "turned", text, turns }) : text));
-    const lines = "let_off_mm,aftertouch_mm,check_mm,effective_inertia_kg,strike_weight_g,strike_weight_ratio_weights";
-    const [as, heavier] = [await of(null), await of({ hammer: 9.718 })];
-    return Promise.all([as, heavier].map((text) => studio.bench.ask({ kind: "measure", text, lines })));
-  });
-  const [as, heavier] = text;
-  const share = (heavier.effective_inertia_kg - as.effective_inertia_kg) / 1e-3;
-  assert(Math.abs(as.let_off_mm - 1.5) < 0.1, "for the last millimetre and a half the hammer flies alone");
-  assert(Math.abs(as.check_mm - 13) < 0.5, "13 mm below the string");
-  assert(Math.abs(as.aftertouch_mm - 1) < 0.25, "about one more millimetre");
-  assert(as.strike_weight_ratio_weights > 5 && as.strike_weight_ratio_weights < 6, "five to six times");
-  assert(Math.abs(share - 30) < 2, `its inertia thirty times: ${share}`);
-  assert(Math.abs((share * 8.718e-3) / as.effective_inertia_kg - 0.8) < 0.05, "four fifths of what is set in motion");
-  return `ff: the key is down ${(-1e3 * bottoms["ff"]).toFixed(1)} ms before the blow; struck ${(1e3 * bottoms["mf, struck"]).toFixed(1)} ms after it`;
 };

@@ -10,11 +10,19 @@ import * as play from "./play.mjs";
 import * as grasp from "./grasp.mjs";
 import * as bench from "./bench.mjs";
 import * as page from "./page.mjs";
+import { edges } from "./edges.mjs";
+import * as reader from "./reader.mjs";
+import * as story from "./story.mjs";
 
 const { values: asked } = parseArgs({ options: { seconds: { type: "string", default: "20" }, shots: { type: "string" }, only: { type: "string" } } });
 const tests = {
   size: page.size,
   ...(process.env.ERARD ? { bits, parquet } : {}),
+  "first picture": reader.first,
+  "the story, step by step": story.tasks,
+  "the story by the keyboard alone": reader.keys,
+  "the story by touch": reader.touch,
+  "the story read": reader.reader,
   "a stranger's path": page.stranger,
   "press by mouse": play.mouse,
   "press by touch": play.touch,
@@ -30,7 +38,7 @@ const tests = {
   "a broken file": bench.file,
   compare: bench.compare,
   keyboard: bench.keyboard,
-  scenes: bench.scenes,
+  "rough edges": edges,
   link: page.link,
   offline: page.offline,
   faults: page.faults,

@@ -21,6 +21,8 @@ export type Drive =
   | { kind: "finger"; position_m: number; velocity_m_per_s: number }
   | { kind: "stroke" };
 
+/** How far back a string's swing is looked at, rows: 20 ms, five periods of middle C. */
+const SWING_ROWS = 400;
 /** Numbers at the head of a row of the ring: then the angles, then five of every zone, then the string's shape. */
 const HEAD = 5;
 
@@ -184,6 +186,20 @@ export class Played {
     return this.library.f64(this.reading, 10)[9]!;
   }
 
+  /** Speed of the key's front, m/s, down. */
+  get key_m_per_s(): number {
+    return this.library.f64(this.reading, 3)[2]!;
+  }
+
+  get hammer_m(): number {
+    return this.library.f64(this.reading, 6)[5]!;
+  }
+
+  /** Speed of the hammer's strike point now, m/s, up. */
+  get hammer_m_per_s(): number {
+    return this.library.f64(this.reading, 7)[6]!;
+  }
+
   get key_m(): number {
     return this.library.f64(this.reading, 2)[1]!;
   }
@@ -218,7 +234,25 @@ export class Played {
       angles: mixed.slice(HEAD, HEAD + bodies),
       contacts: mixed.slice(HEAD + bodies, last),
       string: mixed.slice(last),
+      swing_m: this.swing(index),
     };
+  }
+
+  /** How much the string swings about its mean over the last rows before one, m. */
+  private swing(index: number): number {
+    const { ring, places } = this, first = ring.width - places, from = Math.max(index + 1 - SWING_ROWS, 0);
+    if (!places || index - from < SWING_ROWS / 4) return 0;
+    let squares = 0;
+    for (let place = first; place < ring.width; place++) {
+      let sum = 0, square = 0;
+      for (let k = from; k <= index; k++) {
+        const value = ring.at(k, place);
+        sum += value;
+        square += value * value;
+      }
+      squares += square - (sum * sum) / (index + 1 - from);
+    }
+    return Math.sqrt(Math.max(squares, 0) / (places * (index + 1 - from)));
   }
 
   /** Key (mm), hammer (mm), finger (N) and string (N) at so many instants; of forces the largest since the instant

@@ -3,7 +3,7 @@
 import type { Library } from "./library";
 import { LibraryError } from "./library";
 import { type Drive, Played, STEP_S } from "./played";
-import type { Blow, Scene, Stroke, Touch } from "./protocol";
+import type { Blow, Scene, Slow, Stroke, Touch } from "./protocol";
 import type { Ring } from "./ring";
 
 /** A page that was away wakes up late: never more than this at once, s. */
@@ -12,6 +12,11 @@ const LONGEST_S = 0.1;
 const RAMP_S = 0.012;
 /** How much a fingertip may move at most, m/s: pointers jump. */
 const FASTEST_M_PER_S = 2;
+/** A hand in slow motion keeps its speed, but is never slower than this, m/s: a mezzo forte. */
+const SLOWED_M_PER_S = 0.15;
+/** What is left of the hand's speed from one frame to the next where the pointer stands still: pointers move in
+ * jumps. */
+const HAND = 0.8;
 
 /** Which of the instruments could not be loaded, and why. */
 export class LoadError extends Error {
@@ -25,6 +30,12 @@ export class Player {
   private spare: Ring[] = [];
   private force_n = 0;
   private finger_m: number | null = null;
+  /** How fast the finger moved in real time, m/s. */
+  private hand_m_per_s = 0;
+  /** The last impact on the first action, s. */
+  private blow_s = -Infinity;
+  /** Seconds of the action in a second of the page. */
+  pace = 1;
   private pressed = false;
   private owed_s = 0;
   private pedal_m = 0;
@@ -59,6 +70,9 @@ export class Player {
     this.pressed = false;
     this.owed_s = 0;
     this.fresh = [];
+    this.hand_m_per_s = 0;
+    this.blow_s = -Infinity;
+    this.pace = 1;
     this.resting = false;
     this.pedalled = this.pedal_m !== 0;
     this.actions.forEach((one) => one.pedal(this.pedal_m));
@@ -103,11 +117,12 @@ export class Player {
     return this.actions.some((one) => one.strokeLeft_s > 0);
   }
 
-  /** Moves the clock on by so much under a touch, which has got from where it was to where it is at an even pace. */
-  advance(seconds: number, touch: Touch): void {
+  /** Moves the clock on by so many seconds of the page under a touch, which has got from where it was to where it is at
+   * an even pace. Seconds of the action are `pace` times those, or fewer while one of `slow` holds. In slow motion the
+   * hand is slow, too: it keeps the speed that it had in real time. */
+  advance(seconds: number, touch: Touch, pace = 1, slow: readonly Slow[] = []): void {
+    this.pace = this.paceNow(pace, slow);
     this.owed_s = Math.min(this.owed_s + Math.max(seconds, 0), LONGEST_S);
-    const steps = Math.floor(this.owed_s / STEP_S + 1e-6);
-    this.owed_s = Math.max(this.owed_s - steps * STEP_S, 0);
     const to = touch.kind === "finger" ? touch.position_m : null;
     const presses = to !== null || (touch.kind === "force" && touch.force_n > 0);
     // A finger ends a stroke that is still played, and begins a press of its own.
@@ -117,32 +132,76 @@ export class Player {
     }
     const same = touch.kind === "force" ? this.force_n === touch.force_n : to === this.finger_m && this.force_n === 0;
     this.pressed = presses;
-    // What rests under what has not changed rests on: its clock stands still, and the last second stays what it was.
-    this.resting = steps > 0 && same && !this.pedalled && !this.striking && this.actions.every((one) => one.rests);
-    if (this.resting || steps === 0) return;
-    this.pedalled = false;
+    let moved = false;
+    for (;;) {
+      const length_s = STEP_S / this.pace;
+      const steps = Math.floor(this.owed_s / length_s + 1e-6);
+      if (steps === 0) break;
+      if (!moved) {
+        // What rests under what has not changed rests on: its clock stands still, and the last second stays what it
+        // was.
+        this.resting = same && !this.pedalled && !this.striking && this.actions.every((one) => one.rests);
+        if (this.resting) {
+          this.owed_s = Math.max(this.owed_s - steps * length_s, 0);
+          return;
+        }
+        this.pedalled = false;
+        moved = true;
+      }
+      const done = this.walk(steps, to, touch.kind === "force" ? touch.force_n : 0, pace, slow);
+      this.owed_s = Math.max(this.owed_s - done * length_s, 0);
+    }
+    if (!moved) this.resting = false;
+    else if (this.good) this.good.saved = this.actions.map((one) => one.save());
+  }
+
+  /** So many steps towards where the finger is wanted, or fewer where the pace of time changes on the way. @returns how
+   * many. */
+  private walk(steps: number, to: number | null, target_n: number, wanted_pace: number, slow: readonly Slow[]): number {
     const from = this.finger_m ?? to;
     const wanted = to === null || from === null ? 0 : (to - from) / (steps * STEP_S);
-    const velocity = Math.min(Math.max(wanted, -FASTEST_M_PER_S), FASTEST_M_PER_S);
-    const target_n = touch.kind === "force" ? touch.force_n : 0;
+    const most = this.pace < 1 ? Math.max(this.hand_m_per_s, SLOWED_M_PER_S) : FASTEST_M_PER_S;
+    const velocity = Math.min(Math.max(wanted, -most), most);
+    if (this.pace === 1) this.hand_m_per_s = Math.max(Math.abs(velocity), HAND * this.hand_m_per_s);
     const rate = (Math.max(target_n, this.force_n, 1) * STEP_S) / RAMP_S;
-    let force = this.force_n;
-    for (let n = 0; n < steps; n++) {
-      force += Math.min(Math.max(target_n - force, -rate), rate);
+    let n = 0;
+    for (let pace = this.pace; n < steps && pace === this.pace; ) {
+      this.force_n += Math.min(Math.max(target_n - this.force_n, -rate), rate);
       let drive: Drive = { kind: "free" };
       if (to !== null && from !== null) {
         drive = { kind: "finger", position_m: from + velocity * (n + 0.5) * STEP_S, velocity_m_per_s: velocity };
-      } else if (force > 0) drive = { kind: "force", force_n: force };
+      } else if (this.force_n > 0) drive = { kind: "force", force_n: this.force_n };
       this.actions.forEach((one, action) => {
         const before = one.blows;
         one.step(one.strokeLeft_s > 0 ? { kind: "stroke" } : drive);
-        if (one.blows !== before) this.fresh.push({ action, time_s: one.time_s, speed_m_per_s: one.hammer_speed_m_per_s });
+        if (one.blows === before) return;
+        this.fresh.push({ action, time_s: one.time_s, speed_m_per_s: one.hammer_speed_m_per_s });
+        if (action === 0) this.blow_s = one.time_s;
       });
+      n += 1;
+      if (slow.length) pace = this.paceNow(wanted_pace, slow);
     }
-    this.steps += steps;
-    this.force_n = force;
-    this.finger_m = to === null || from === null ? null : from + velocity * steps * STEP_S;
-    if (this.good) this.good.saved = this.actions.map((one) => one.save());
+    this.steps += n;
+    this.finger_m = to === null || from === null ? null : from + velocity * n * STEP_S;
+    if (slow.length) this.pace = this.paceNow(wanted_pace, slow);
+    return n;
+  }
+
+  /** How slowly time runs now. */
+  private paceNow(pace: number, slow: readonly Slow[]): number {
+    const one = this.actions[0];
+    if (!one) return pace;
+    for (const rule of slow) {
+      if (rule.pace >= pace) continue;
+      if (rule.of === "impact") {
+        if (one.time_s - this.blow_s < rule.for_s) pace = rule.pace;
+        continue;
+      }
+      const key = rule.of === "key", at = key ? one.key_m : one.hammer_m, speed = key ? one.key_m_per_s : one.hammer_m_per_s;
+      const fast = rule.going ? rule.going * speed : Math.abs(speed);
+      if (at >= rule.from_m && at <= rule.to_m && fast >= rule.least_m_per_s) pace = rule.pace;
+    }
+    return pace;
   }
 
   /** What was seen since the last time. */

@@ -63,12 +63,12 @@ const act = async (message: ToPlayer): Promise<void> => {
       const passed_s = last_ms === null || message.at_s !== null ? 0 : (message.wall_ms - last_ms) / 1e3;
       last_ms = message.wall_ms;
       const before = player.steps;
-      player.advance(passed_s, message.touch);
+      player.advance(passed_s, message.touch, message.pace, message.slow);
       const asked = message.curves;
       const curves = asked && asked.to > asked.from ? player.curves(asked.from, asked.to, asked.points) : null;
       say({
         kind: "frame", wall_ms: message.wall_ms, poses: player.poses(message.at_s), events: player.events(), span: player.span, blows: player.takeBlows(),
-        resting: player.resting, striking: player.striking, limited: player.limited, curves, steps: player.steps - before, cost_ms: performance.now() - began,
+        resting: player.resting, limited: player.limited, curves, steps: player.steps - before, pace: player.pace, cost_ms: performance.now() - began,
       });
       return;
     }

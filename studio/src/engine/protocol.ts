@@ -46,6 +46,9 @@ export interface Pose {
   contacts: Float32Array;
   /** How far the string is from its rest at its places, m; none where it is rigid. */
   string: Float32Array;
+  /** How much the string swings about its mean, m: the root mean square over its places and the last 20 ms; 0 where it
+   * is rigid. */
+  swing_m: number;
 }
 
 /** A blow that was just struck. */
@@ -63,6 +66,14 @@ export type Touch = { kind: "finger"; position_m: number | null } | { kind: "for
  * text are no lines of the file. */
 export type Stroke = { nuance: string; struck: boolean } | { csv: string; name: string; rows?: boolean };
 
+/** When time slows down by itself: while the key or the hammer is between two places and moves at least so fast
+ * (`going`
+ * 1: the key down, the hammer up; -1: back; 0: either way), or for so long after an impact. The slowest rule that holds
+ * decides. */
+export type Slow =
+  | { of: "key" | "hammer"; from_m: number; to_m: number; going: -1 | 0 | 1; least_m_per_s: number; pace: number }
+  | { of: "impact"; for_s: number; pace: number };
+
 export type ToPlayer =
   | { kind: "open"; module: WebAssembly.Module }
   | { kind: "load"; id: number; texts: string[]; firmness_n_m: number; keep: boolean }
@@ -70,7 +81,11 @@ export type ToPlayer =
   | { kind: "stop" }
   | { kind: "pedal"; lift_m: number }
   | { kind: "rest" }
-  | { kind: "frame"; wall_ms: number; touch: Touch; at_s: number | null; curves: { from: number; to: number; points: number } | null }
+  | {
+      kind: "frame"; wall_ms: number; touch: Touch; at_s: number | null; curves: { from: number; to: number; points: number } | null;
+      /** Seconds of the action in a second of the page, at most 1, and what slows it further. */
+      pace: number; slow: Slow[];
+    }
   | { kind: "restore" };
 
 export type FromPlayer =
@@ -80,8 +95,8 @@ export type FromPlayer =
   | { kind: "no-stroke"; message: string }
   | { kind: "stroke-begun"; told: string[] }
   | {
-      kind: "frame"; wall_ms: number; poses: Pose[]; events: Events[]; span: [number, number]; blows: Blow[]; resting: boolean; striking: boolean;
-      limited: number; cost_ms: number; steps: number; curves: { times: Float64Array; series: Float64Array[][] } | null;
+      kind: "frame"; wall_ms: number; poses: Pose[]; events: Events[]; span: [number, number]; blows: Blow[]; resting: boolean;
+      limited: number; cost_ms: number; steps: number; pace: number; curves: { times: Float64Array; series: Float64Array[][] } | null;
     }
   | { kind: "fault"; message: string }
   | { kind: "restored"; scenes: Scene[] };

@@ -109,7 +109,6 @@ export class App {
         return;
       case "loaded":
         if (message.id !== this.loadId) return;
-        this.struck = this.replayNext = false;
         this.at_s = null;
         this.playing = false;
         this.loading = true;
@@ -282,18 +281,10 @@ export class App {
     this.timing.steps.push(frame.steps);
     if (frame.curves) this.curves.draw(frame.curves, this.names, this.state.difference, this.at_s);
     this.onframe.forEach((told) => told(frame));
-    if (frame.striking) this.struck = true;
-    else if (this.struck) {
-      this.struck = false;
-      if (this.replayNext) this.replay(true, null);
-      this.replayNext = false;
-    }
     this.transport(frame);
     // While nothing happens nothing is asked for.
     if (frame.resting && frame.curves && !this.woken && !this.playing && this.at_s === null) this.needed = false;
   }
-
-  private struck = false;
 
   private readonly tick = (now: number): void => {
     requestAnimationFrame(this.tick);
@@ -323,7 +314,7 @@ export class App {
     this.asked_ms = now;
     this.waited = 0;
     this.woken = false;
-    this.tell({ kind: "frame", wall_ms: now, touch: this.touch, at_s: this.at_s, curves });
+    this.tell({ kind: "frame", wall_ms: now, touch: this.touch, at_s: this.at_s, curves, pace: this.state.slow ? this.state.speed : 1, slow: [] });
   };
 
   private transport(frame: Frame): void {
@@ -384,15 +375,6 @@ export class App {
     this.begin();
   }
 
-  /** Lets go of everything: no finger, no stroke, no looking back. */
-  letGo(): void {
-    this.struck = this.replayNext = false;
-    this.touch = { kind: "finger", position_m: null };
-    this.tell({ kind: "stop" });
-    this.goLive();
-    this.begin();
-  }
-
   private sendPedal(): void {
     this.tell({ kind: "pedal", lift_m: 1e-3 * this.state.pedal });
     this.begin();
@@ -420,13 +402,6 @@ export class App {
       this.at_s = from ?? (this.at_s === null || this.at_s >= this.span[1] ? first : this.at_s);
     }
     this.wake();
-  }
-
-  private replayNext = false;
-
-  /** Once the stroke that is played is over, it is shown again slowly. */
-  replayWhenOver(): void {
-    this.replayNext = true;
   }
 
   seek(time: number): void {

@@ -8,7 +8,8 @@ const NAMES = ["C", "C\u266f", "D", "D\u266f", "E", "F", "F\u266f", "G", "G\u266
 /** Key 1 is the lowest A. */
 const nameOf = (key: number): string => `${NAMES[(key + 8) % 12]}${Math.floor((key + 8) / 12)}`;
 const isSharp = (key: number): boolean => [1, 3, 6, 8, 10].includes((key + 8) % 12);
-/** The computer's keys, as they lie: two rows are an octave and a half, from middle C. */
+/** The computer's keys, as they lie: the lower rows are an octave and a half from the C below middle C on, the upper
+ * ones from middle C on. */
 const ROWS = ["KeyZ", "KeyS", "KeyX", "KeyD", "KeyC", "KeyV", "KeyG", "KeyB", "KeyH", "KeyN", "KeyJ", "KeyM", "Comma", "KeyL", "Period", "Semicolon", "Slash"];
 const UPPER = ["KeyQ", "Digit2", "KeyW", "Digit3", "KeyE", "KeyR", "Digit5", "KeyT", "Digit6", "KeyY", "Digit7", "KeyU", "KeyI", "Digit9", "KeyO", "Digit0", "KeyP"];
 const MIDDLE_C = 40;
@@ -24,9 +25,9 @@ const KEYS = 88;
 type Frame = Extract<FromKeys, { kind: "frame" }>;
 
 export const keyboardPanel = (app: App, into: HTMLElement): void => {
-  const canvas = h("canvas", { class: "keys", tabindex: 0, id: "keys", role: "application", "aria-label": "88 keys. Two rows of the computer's keys play from middle C; arrow keys choose a key, space presses it." });
+  const canvas = h("canvas", { class: "keys", tabindex: 0, id: "keys", role: "application", "aria-label": "88 keys. On the computer's keyboard Z is the C below middle C, Q is middle C; arrow keys choose a key, space presses it." });
   const chosen = h("output", { id: "chosen" });
-  const told = h("p", { class: "quiet", id: "keys-said" }, "The 88 actions are made ready \u2026");
+  const told = h("p", { class: "quiet", id: "keys-said" }, "The 88 actions are getting ready \u2026");
   const list = h("ol", { class: "blows", id: "blows" });
   const open = h("button", { type: "button", id: "open-key" }, "Play this action");
   /** The chosen key's action, as it moves. */
@@ -92,7 +93,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
       const at = data.shown.key - 1;
       picture.draw([{
         time_s: 0, key_m: data.key_m[at]!, hammer_m: data.hammer_m[at]!, finger_n: data.finger_n[at]!, string_n: 0, hammer_m_per_s: 0,
-        angles: data.shown.angles, contacts: new Float32Array(5 * scene.zones.length), string: new Float32Array(),
+        angles: data.shown.angles, contacts: new Float32Array(5 * scene.zones.length), string: new Float32Array(), swing_m: 0,
       }]);
       const text = `key ${fixed(1e3 * data.key_m[at]!, 2)} mm, hammer ${fixed(1e3 * data.hammer_m[at]!, 1)} mm, finger ${fixed(data.finger_n[at]!, 2)} N`;
       if (numbers.textContent !== text) numbers.textContent = text;
@@ -106,7 +107,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     if (data.steps > 0) app.keysTiming.push([data.cost_ms, data.steps, data.awake]);
     if (app.keysTiming.length > 5000) app.keysTiming.splice(0, 2500);
     const load = data.steps ? (data.cost_ms / (data.steps * 0.05)) * 100 : 0;
-    told.textContent = data.awake ? `${data.awake} ${data.awake === 1 ? "key" : "keys"} awake, ${fixed(load, 0)} % of real time${late_s > 0.05 ? `; ${fixed(late_s, 1)} s were left out, for this machine was busy` : ""}` : "All keys rest, and cost nothing.";
+    told.textContent = data.awake ? `${data.awake} ${data.awake === 1 ? "key" : "keys"} awake, ${fixed(load, 0)} % of real time${late_s > 0.05 ? `; ${fixed(late_s, 1)} s were left out, for this machine was busy` : ""}` : held.size ? `${held.size} ${held.size === 1 ? "key is" : "keys are"} held, and still: nothing is computed.` : "All keys rest, and cost nothing.";
     draw();
   };
 
@@ -277,7 +278,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     told,
     h("h2", {}, "Blows"),
     list,
-    h("p", { class: "quiet" }, "With the keyboard in focus, ", h("kbd", {}, "Z"), " \u2026 ", h("kbd", {}, "/"), " and ", h("kbd", {}, "Q"), " \u2026 ", h("kbd", {}, "P"), " play two octaves and a half; the force is that of the Play panel."),
+    h("p", { class: "quiet" }, "With the keyboard in focus, ", h("kbd", {}, "Z"), " \u2026 ", h("kbd", {}, "/"), " play from C3 on, ", h("kbd", {}, "Q"), " \u2026 ", h("kbd", {}, "P"), " from middle C, C4, on; the force is that of the Play panel."),
   );
   choose(MIDDLE_C, false);
   const tick = (now: number) => {

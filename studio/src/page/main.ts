@@ -1,25 +1,15 @@
 // The page: gets the engine, and puts panels and keys to work.
 import "uplot/dist/uPlot.min.css";
+import { engine } from "../engine/load";
 import { App } from "./app";
 import { byId, h, say } from "./dom";
 import { comparePanel } from "./compare";
 import { filePanel } from "./file";
 import { keyboardPanel } from "./keyboard";
-import { learnPanel } from "./learn";
 import { numbers } from "./numbers";
 import { partCard } from "./part";
 import { PEDAL_MM, playPanel } from "./play";
 import { screwsPanel } from "./screws";
-
-/** The engine's bytes, packed or not, whatever a server makes of them. */
-const engine = async (): Promise<WebAssembly.Module> => {
-  const answer = await fetch(new URL("engine.bin", document.baseURI));
-  if (!answer.ok) throw new Error(`the engine could not be had: ${answer.status}`);
-  const bytes = new Uint8Array(await answer.arrayBuffer());
-  if (bytes[0] !== 0x1f) return WebAssembly.compile(bytes);
-  const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compileStreaming(new Response(unpacked, { headers: { "Content-Type": "application/wasm" } }));
-};
 
 const SPEEDS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
 
@@ -53,6 +43,8 @@ const begin = async (): Promise<void> => {
   const speed = byId<HTMLSelectElement>("speed");
   for (const slower of SPEEDS) speed.add(new Option(slower === 1 ? "real time" : `1/${slower}`, String(1 / slower)));
   speed.addEventListener("change", () => app.setSpeed(Number(speed.value)));
+  const slow = byId<HTMLInputElement>("slow");
+  slow.addEventListener("change", () => void app.change({ slow: slow.checked }));
   const time = byId<HTMLInputElement>("time");
   time.addEventListener("input", () => app.seek(Number(time.value)));
 
@@ -66,11 +58,10 @@ const begin = async (): Promise<void> => {
     { id: "file", title: "File", make: filePanel },
     { id: "compare", title: "Compare", make: comparePanel },
     { id: "keyboard", title: "Keyboard", make: keyboardPanel },
-    { id: "learn", title: "Learn", make: learnPanel },
   ];
   const tabs = document.querySelector(".tabs")!;
   const made = panels.map(({ id, title, make }) => {
-    const tab = h("button", { type: "button", role: "tab", id: `tab-${id}`, "aria-controls": `panel-${id}`, onclick: () => void app.change({ tab: id }) }, title);
+    const tab = h("button", { type: "button", role: "tab", id: `tab-${id}`, "aria-controls": `panel-${id}`, "data-title": title, onclick: () => void app.change({ tab: id }) }, title);
     tabs.append(tab);
     const panel = h("div", { role: "tabpanel", id: `panel-${id}`, "aria-labelledby": `tab-${id}`, tabindex: 0 });
     byId("panels").append(panel);
@@ -93,6 +84,7 @@ const begin = async (): Promise<void> => {
     for (const [id, what] of boxes) byId<HTMLInputElement>(id).checked = app.state[what];
     const slower = SPEEDS.reduce((best, one) => (Math.abs(Math.log(one * app.state.speed)) < Math.abs(Math.log(best * app.state.speed)) ? one : best));
     speed.value = String(1 / slower);
+    slow.checked = app.state.slow;
     byId<HTMLButtonElement>("undo").disabled = !app.canUndo;
     byId<HTMLButtonElement>("redo").disabled = !app.canRedo;
   };
@@ -111,7 +103,20 @@ const begin = async (): Promise<void> => {
   partCard(app);
 
   // Keys. The space bar is a finger, unless the focus is on something that takes it itself.
-  const takes = (target: EventTarget | null) => target instanceof Element && target.matches("input, textarea, select, button, [role=tab], summary, .keys");
+  const takes = (target: EventTarget | null) => target instanceof Element && target.matches("input:not([type=range]), textarea, select, button, [role=tab], summary, .keys");
+  // A control that was clicked has done its work: it does not keep the space bar from the key.
+  let pointer = false;
+  for (const event of ["pointerdown", "keydown"] as const) addEventListener(event, () => (pointer = event === "pointerdown"), { capture: true });
+  const leave = (target: EventTarget | null) => {
+    if (target instanceof HTMLElement && target === document.activeElement) target.blur();
+  };
+  document.addEventListener("click", ({ detail, target }) => {
+    if (detail > 0) leave((target as Element).closest("button, summary, input[type=checkbox]"));
+  });
+  document.addEventListener("change", ({ target }) => {
+    if (pointer && target instanceof HTMLSelectElement) leave(target);
+  });
+  let space = false;
   window.addEventListener("keydown", (event) => {
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !(event.target instanceof HTMLTextAreaElement)) {
       event.preventDefault();
@@ -121,7 +126,9 @@ const begin = async (): Promise<void> => {
     if (event.ctrlKey || event.altKey || event.metaKey || takes(event.target)) return;
     if (event.key === " " || event.key === "Enter") {
       event.preventDefault();
-      if (!event.repeat) app.push(app.state.force);
+      if (event.repeat) return;
+      space = true;
+      app.push(app.state.force);
     } else if (event.key === "r") app.replay();
     else if (event.key === "l") app.goLive();
     else if (event.key === "p" && app.scenes.some(({ pedal }) => pedal)) void app.change({ pedal: app.state.pedal ? 0 : PEDAL_MM });
@@ -131,7 +138,9 @@ const begin = async (): Promise<void> => {
     else if (event.key === "-") pictures((picture) => picture.zoom(1.25));
   });
   window.addEventListener("keyup", (event) => {
-    if ((event.key === " " || event.key === "Enter") && !takes(event.target)) app.push(0);
+    if (!space || (event.key !== " " && event.key !== "Enter")) return;
+    space = false;
+    app.push(0);
   });
   addEventListener("blur", () => app.push(0));
   // For tests.

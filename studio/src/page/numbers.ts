@@ -1,6 +1,6 @@
 // The blow's numbers beside the action.
 import type { App } from "./app";
-import { fixed, h } from "./dom";
+import { byId, fixed, h, say } from "./dom";
 import type { Events, Pose } from "../engine/protocol";
 
 interface Line {
@@ -22,11 +22,22 @@ const LINES: Line[] = [
   { name: "finger", title: "its force now", unit: "N", of: (_, pose) => fixed(pose.finger_n, 2) },
 ];
 
+const SOFT = "Too soft to sound: the hammer was let off and fell back before it reached the string. Press faster.";
+
 export const numbers = (app: App, into: HTMLElement): void => {
   const cells = LINES.map((line) => {
     const value = h("dd");
     into.append(h("div", { title: line.title }, h("dt", {}, line.name), value));
     return value;
+  });
+  // A press that went all the way and did not sound is no fault of the page, which says so.
+  const soft = byId("soft");
+  app.onframe.push(({ events: [first] }) => {
+    const silent = first !== undefined && Number.isFinite(first.toe_contact_s) && Number.isFinite(first.key_bottom_s) && !Number.isFinite(first.blow_s);
+    if (soft.hidden === !silent) return;
+    soft.hidden = !silent;
+    soft.textContent = silent ? SOFT : "";
+    if (silent) say(SOFT);
   });
   app.onframe.push(({ events, poses }) => {
     into.classList.toggle("pair", poses.length > 1);

@@ -46,6 +46,8 @@ export interface Grasp {
   /** A part that can be turned by hand is taken: the function that receives where the hand is, mm to the right and up
    * from there. */
   take(action: number, part: string): ((x_mm: number, y_mm: number) => void) | null;
+  /** The view is not moved by hand: wheel and pan are the page's. */
+  fixed?: boolean;
 }
 
 /** Times by which a string's swing is exaggerated, and how far it then goes at most, mm of the picture. */
@@ -127,6 +129,7 @@ export class Picture {
       for (const part of group.querySelectorAll<SVGElement>(".parts > path")) {
         const title = part.querySelector("title");
         part.dataset.part = mainPart(title?.textContent ?? "");
+        part.dataset.detail = title?.textContent ?? "";
         title?.remove();
         const way = this.grasp.way(index, part.dataset.part);
         if (way) part.classList.add(`turns-${way}`);
@@ -352,13 +355,13 @@ export class Picture {
   /** One finger on the key presses it, elsewhere it moves the picture; two zoom it. */
   private listen(): void {
     const { svg, fingers } = this;
-    svg.addEventListener("wheel", (event) => {
+    if (!this.grasp.fixed) svg.addEventListener("wheel", (event) => {
       event.preventDefault();
       const [x, y] = this.at(event);
       this.zoom(Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), x, y);
     }, { passive: false });
     svg.addEventListener("pointerdown", (event) => {
-      if (event.button !== 0) return;
+      if (event.button !== 0 || (this.grasp.fixed && !(event.target as Element).closest(".key"))) return;
       svg.setPointerCapture(event.pointerId);
       const key = (event.target as Element).closest(".key") !== null && ![...fingers.values()].some((other) => other.key);
       const at = this.partOf(event.target);
@@ -398,7 +401,7 @@ export class Picture {
     svg.addEventListener("pointerup", over);
     svg.addEventListener("pointercancel", over);
     svg.addEventListener("pointerleave", () => this.grasp.point(null));
-    svg.addEventListener("dblclick", () => this.lookWhole());
+    if (!this.grasp.fixed) svg.addEventListener("dblclick", () => this.lookWhole());
   }
 
 }

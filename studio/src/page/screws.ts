@@ -6,7 +6,7 @@ import { Dropped } from "./bench";
 import { fixed, h, later, say } from "./dom";
 import { Sheet } from "./sheet";
 
-const GROUPS: Record<string, string> = { screws: "Screws", places: "Where parts stand", weights: "Weights", felts: "Felts, springs, what bends", friction: "Friction" };
+const GROUPS: Record<string, string> = { screws: "Screws, from where they are", places: "Where parts stand", weights: "Weights", felts: "Felts, springs, what bends", friction: "Friction" };
 
 /** Sliders of an action's dials. */
 export class Dials {
@@ -33,9 +33,9 @@ export class Dials {
     const { turns } = (this.which ? this.app.state.b : this.app.state.a) ?? loaded.setting;
     for (const [name, { input, number, back, dial }] of this.rows) {
       const value = turns[name] ?? dial.value;
-      if (document.activeElement !== number) number.value = value.toFixed(dial.decimals);
+      if (document.activeElement !== number) number.value = shown(dial, value).toFixed(dial.decimals);
       if (document.activeElement !== input || Math.abs(Number(input.value) - value) > 1e-9) input.value = String(value);
-      input.setAttribute("aria-valuetext", `${fixed(value, dial.decimals)} ${spoken(dial.unit)}`);
+      input.setAttribute("aria-valuetext", `${fixed(shown(dial, value), dial.decimals)} ${spoken(dial.unit)}`);
       back.classList.toggle("idle", !(name in turns));
       back.disabled = !(name in turns);
     }
@@ -61,8 +61,8 @@ export class Dials {
   private row(dial: Dial): HTMLElement {
     const step = 10 ** -dial.decimals;
     const input = h("input", { type: "range", min: dial.from, max: dial.to, step: step / 10, "aria-label": dial.label, [this.some ? "data-turn" : "data-dial"]: dial.name });
-    const number = h("input", { type: "number", min: dial.from, max: dial.to, step, "aria-label": `${dial.label}, ${spoken(dial.unit)}`, class: "exact" });
-    const back = h("button", { type: "button", class: "back", title: `Back to ${fixed(dial.value, dial.decimals)} ${spoken(dial.unit)}`, "aria-label": `${dial.label}: back to the file's` }, "\u21ba");
+    const number = h("input", { type: "number", min: shown(dial, dial.from), max: shown(dial, dial.to), step, "aria-label": `${dial.label}, ${spoken(dial.unit)}`, class: "exact" });
+    const back = h("button", { type: "button", class: "back", title: `Back to ${fixed(shown(dial, dial.value), dial.decimals)} ${spoken(dial.unit)}, as the file has it`, "aria-label": `${dial.label}: back to the file's` }, "\u21ba");
     const turn = (text: string) => {
       const value = Number(text);
       if (text === "" || !Number.isFinite(value)) return;
@@ -70,15 +70,20 @@ export class Dials {
       void this.app.turn(this.which, dial.name, Math.abs(rounded - dial.value) < step / 20 ? null : rounded);
     };
     input.addEventListener("input", () => {
-      number.value = Number(input.value).toFixed(dial.decimals);
+      number.value = shown(dial, Number(input.value)).toFixed(dial.decimals);
       turn(input.value);
     });
-    number.addEventListener("change", () => turn(number.value));
+    number.addEventListener("change", () => number.value === "" || turn(String(Number(number.value) + dial.value - shown(dial, dial.value))));
     back.addEventListener("click", () => void this.app.turn(this.which, dial.name, null));
     this.rows.set(dial.name, { input, number, back, dial });
     return h("div", { class: "dial", title: dial.note }, h("span", { class: "name" }, dial.label), input, h("span", { class: "value" }, number, h("span", { class: "unit" }, dial.unit === "x" ? "\u00d7" : dial.unit)), back);
   }
 }
+
+/** What a dial shows of a value: a screw is turned from where the file has it, so that it starts at 0; a mass or a
+ * place
+ * is itself. */
+const shown = (dial: Dial, value: number): number => (dial.group === "screws" ? value - dial.value : value);
 
 const spoken = (unit: string): string => (unit === "x" ? "times the file's" : unit);
 

@@ -13,7 +13,6 @@ export interface State {
   b: Setting | null;
   beside: boolean;
   tab: string;
-  scene: number;
   /** How firm the fingertip is, N/mm. */
   firmness: number;
   /** How hard a computer key presses, N. */
@@ -22,6 +21,8 @@ export interface State {
   pedal: number;
   /** How slowly one looks back. */
   speed: number;
+  /** Whether what happens now is as slow. */
+  slow: boolean;
   forces: boolean;
   names: boolean;
   /** Whether curves are B's less A's. */
@@ -31,8 +32,8 @@ export interface State {
 }
 
 export const FIRST: State = {
-  a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", scene: 0, firmness: 0.8, force: 5, pedal: 0,
-  speed: 1 / 50, forces: true, names: false, difference: false, view: null,
+  a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", firmness: 0.8, force: 5, pedal: 0,
+  speed: 1 / 50, slow: false, forces: true, names: false, difference: false, view: null,
 };
 
 /** As far as the engine's rail goes, mm. */
@@ -89,11 +90,11 @@ export const toHash = async (state: State): Promise<string> => {
   if (state.b) hash.set("b", await written(state.b));
   if (state.beside) hash.set("beside", "1");
   if (state.tab !== FIRST.tab) hash.set("tab", state.tab);
-  if (state.tab === "learn" && state.scene) hash.set("scene", String(state.scene + 1));
   if (state.firmness !== FIRST.firmness) hash.set("firm", String(state.firmness));
   if (state.force !== FIRST.force) hash.set("force", String(state.force));
   if (state.pedal) hash.set("pedal", String(state.pedal));
   if (state.speed !== FIRST.speed) hash.set("slower", String(Math.round(1 / state.speed)));
+  if (state.slow) hash.set("slow", "1");
   if (!state.forces) hash.set("forces", "0");
   if (state.names) hash.set("names", "1");
   if (state.difference) hash.set("difference", "1");
@@ -118,11 +119,11 @@ export const fromHash = async (text: string): Promise<{ state: State; fault: str
   }
   state.beside = hash.get("beside") === "1";
   state.tab = hash.get("tab") ?? FIRST.tab;
-  state.scene = number("scene", 1, 6, 1) - 1;
   state.firmness = number("firm", 0.05, 50, FIRST.firmness);
   state.force = number("force", 0.1, 50, FIRST.force);
   state.pedal = number("pedal", 0, MOST_PEDAL_MM, FIRST.pedal);
   state.speed = 1 / number("slower", 1, 1000, 1 / FIRST.speed);
+  state.slow = hash.get("slow") === "1";
   state.forces = hash.get("forces") !== "0";
   state.names = hash.get("names") === "1";
   state.difference = hash.get("difference") === "1";

@@ -96,7 +96,7 @@ impl Studio {
         let command = std::env::current_exe().map_err(|error| Failure::Internal(error.to_string()))?;
         let beside = command.parent().unwrap_or(Path::new("."));
         let mut places = vec![beside.join("studio"), beside.join("../share/erard/studio")];
-        places.extend(beside.ancestors().map(|folder| folder.join("studio/dist")));
+        places.extend(beside.ancestors().map(|folder| folder.join("studio/site")));
         places.into_iter().find(|place| is_page(place)).map(Page::Folder).ok_or_else(|| {
             Failure::Usage(format!(
                 "the studio's page was not found in this command nor in {}. Build it with studio/build from the source, or name its folder with --folder",
