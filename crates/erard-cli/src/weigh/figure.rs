@@ -3,13 +3,14 @@
 use erard::keyboard::KEYS;
 use erard_figures::figure::{Dash, Figure, Panel, Trace, figure_svg};
 use erard_workshop::balance::BalancedKey;
+use erard_workshop::worklist::KeyboardList;
 
 use super::Work;
 use crate::keyboard::KEY_NUMBERS;
 
 /// The figure.
 pub(crate) fn weighed_svg(work: &Work<'_>) -> String {
-    let plan = work.plan;
+    let plan = &work.list.plan;
     let weighed: Vec<f64> = plan.keys.iter().map(|key| key.measured.key as f64).collect();
     let all: Vec<f64> = (1..=KEYS).map(|key| key as f64).collect();
     let points = |label: &str, style: usize, of: &dyn Fn(&BalancedKey) -> Option<f64>| {
@@ -21,6 +22,10 @@ pub(crate) fn weighed_svg(work: &Work<'_>) -> String {
     };
     let level = |label: &str, style: usize, value: Option<f64>| {
         Trace::new(label, &all, vec![value.unwrap_or(f64::NAN); KEYS], style, Dash::Dashed)
+    };
+    let usual = |label: &str, end: usize| {
+        let of = |key: usize| KeyboardList::usual_friction_g(key)[end];
+        Trace::new(label, &all, (1..=KEYS).map(of).collect::<Vec<f64>>(), 6, Dash::Dashed)
     };
     let curves = &plan.curves;
     let mut inertia =
@@ -55,14 +60,20 @@ pub(crate) fn weighed_svg(work: &Work<'_>) -> String {
             vec![
                 points("weighed", 0, &|key| key.balance_weight_g),
                 points("after the leads", 1, &|key| key.after_balance_weight_g),
-                level("aim", 6, Some(plan.target_balance_weight_g)),
+                level("aim", 6, Some(plan.target.balance_weight_g)),
             ],
         ),
-        Panel::new("friction weight", "g", 110.0, vec![points("weighed", 3, &|key| key.friction_weight_g)]),
+        Panel::new(
+            "friction weight",
+            "g",
+            130.0,
+            vec![points("weighed", 3, &|key| key.friction_weight_g), usual("usual, from", 0), usual("usual, to", 1)],
+        ),
         Panel::new("ratio", "", 110.0, vec![points("weighed", 2, &|key| key.ratio), curve("smooth", 6, &curves.ratio)]),
         Panel::new("inertia", "kg", 110.0, inertia),
     ];
-    let title = format!("{}: weighed, and where it is to go", work.name);
-    let subtitle = format!("{}; points are keys, dashed lines are smooth curves and aims", work.file);
+    let title = format!("{}: weighed, and where it is to go", work.file);
+    let subtitle =
+        format!("points are keys, dashed lines smooth curves, aims and usual ranges; not weighed: {}", work.name);
     figure_svg(&Figure::over(KEY_NUMBERS, (0.0, 89.0), title, subtitle, panels))
 }
