@@ -72,7 +72,7 @@ fn sheet(one: &Advised<'_>) -> Markup {
             }
             @if let Some(note) = &headed.note { p.note { (note) } }
             p.soft {
-                "Weighed with the pedal down. Usual ranges are those of " (note_name(measured.sheet.norms_for_key))
+                "Usual ranges are those of " (note_name(measured.sheet.norms_for_key))
                 " (key " (measured.sheet.norms_for_key) "). "
                 @if out == 0 { "Nothing is out of it." } @else { "Values outside are marked !" }
             }
@@ -84,6 +84,10 @@ fn sheet(one: &Advised<'_>) -> Markup {
             (to_do(one))
             figure.action {
                 (picture(&format!("{}, at rest", measured.label), one.drawing))
+            }
+            p.soft {
+                "How D and U are taken: pedal down, the weight on the key's front, the key let go from rest or just before let-off. Down-weight is the least weight with which it sinks \
+                 slowly to let-off, up-weight the largest that it lifts again; speed must not help it. "
             }
             footer.soft {
                 "Measured in simulation of this file, as on the bench. Turns are estimates: " (pitch(CAPSTAN_THREAD_M, one.lengths))

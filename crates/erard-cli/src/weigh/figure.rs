@@ -27,9 +27,13 @@ pub(crate) fn weighed_svg(work: &Work<'_>) -> String {
         let of = |key: usize| KeyboardList::usual_friction_g(key)[end];
         Trace::new(label, &all, (1..=KEYS).map(of).collect::<Vec<f64>>(), 6, Dash::Dashed)
     };
+    // What is to be weighed again first has no weights to come.
+    let waits = KeyboardList::is_friction_out;
     let curves = &plan.curves;
-    let mut inertia =
-        vec![points("as weighed", 0, &|key| key.inertia_kg), points("after the leads", 1, &|key| key.after_inertia_kg)];
+    let mut inertia = vec![
+        points("as weighed", 0, &|key| key.inertia_kg),
+        points("after the list", 1, &|key| if waits(key) { None } else { key.after_inertia_kg }),
+    ];
     if plan.target.inertia_kg.is_some() {
         inertia.push(level("aim", 6, plan.target.inertia_kg));
     }
@@ -59,7 +63,7 @@ pub(crate) fn weighed_svg(work: &Work<'_>) -> String {
             150.0,
             vec![
                 points("weighed", 0, &|key| key.balance_weight_g),
-                points("after the leads", 1, &|key| key.after_balance_weight_g),
+                points("after the list", 1, &|key| if waits(key) { None } else { key.after_balance_weight_g }),
                 level("aim", 6, Some(plan.target.balance_weight_g)),
             ],
         ),

@@ -57,8 +57,8 @@ pub(crate) fn table(work: &Work<'_>) -> Table<'static> {
     const WORK: [Number; 4] = [
         ("strike_weight_change_g", |key| key.strike_change_g),
         ("capstan_to_the_player_mm", |key| key.capstan_move_mm),
-        ("balance_weight_after_leads_g", |key| key.after_balance_weight_g),
-        ("inertia_after_leads_kg", |key| key.after_inertia_kg),
+        ("balance_weight_after_g", |key| key.after_balance_weight_g.filter(|_| !KeyboardList::is_friction_out(key))),
+        ("inertia_after_kg", |key| key.after_inertia_kg.filter(|_| !KeyboardList::is_friction_out(key))),
     ];
     let keys = &work.list.plan.keys;
     let numbers = |table: Table<'static>, (name, get): Number| {
@@ -170,6 +170,7 @@ fn of_leads(work: &LeadWork) -> Value {
 }
 
 fn of_key(key: &BalancedKey) -> Value {
+    let waits = KeyboardList::is_friction_out(key);
     let apart = key.apart.iter().map(|apart| json!({"quantity": apart.quantity, "neighbours": apart.neighbours}));
     json!({
         "key": key.measured.key,
@@ -191,8 +192,8 @@ fn of_key(key: &BalancedKey) -> Value {
         "target_front_weight_g": key.target_front_weight_g,
         "strike_weight_change_g": key.strike_change_g,
         "capstan_to_the_player_mm": key.capstan_move_mm,
-        "balance_weight_after_leads_g": key.after_balance_weight_g,
-        "inertia_after_leads_kg": key.after_inertia_kg,
+        "balance_weight_after_g": key.after_balance_weight_g.filter(|_| !waits),
+        "inertia_after_kg": key.after_inertia_kg.filter(|_| !waits),
     })
 }
 

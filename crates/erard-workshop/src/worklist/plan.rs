@@ -100,6 +100,21 @@ impl Worklist {
     pub fn is_out(&self, quantity: Quantity, readings: &Readings) -> bool {
         readings.is_out(quantity, self.key)
     }
+
+    /// The list with its first so many lines only, carried out on `begun`, from which it was worked out. `progress`
+    /// receives the share that is done, and ends the work by returning false.
+    ///
+    /// # Errors
+    /// See [`super::WorklistError`].
+    pub fn first(&self, lines: usize, begun: &Instrument, progress: &mut Progress<'_>) -> Worked<Worklist> {
+        let items: Vec<Item> = self.items.iter().take(lines).cloned().collect();
+        let mut copy = begun.clone();
+        for item in &items {
+            item.work.carry_out(&mut copy, progress)?;
+        }
+        let after = items.last().map_or(self.before, |item| item.after);
+        Ok(Worklist { key: self.key, before: self.before, items, after, left: Vec::new(), copy })
+    }
 }
 
 /// Works out what to do about a key. `copy` is the instrument itself, or a [`super::twin`] of a piano; `readings` are

@@ -41,8 +41,7 @@ fn all_weighed(piano: &[(usize, Instrument)]) -> Vec<WeighedKey> {
 
 /// Other levers, heavier hammers, leads for one balance weight; then what is wrong with them.
 fn piano(grand: &Keyboard) -> Vec<(usize, Instrument)> {
-    let mut piano: Vec<(usize, Instrument)> =
-        PIANO.iter().map(|(key, ..)| (*key, grand.key(*key).unwrap())).collect();
+    let mut piano: Vec<(usize, Instrument)> = PIANO.iter().map(|(key, ..)| (*key, grand.key(*key).unwrap())).collect();
     for (_, key) in &mut piano {
         does(&Work::Capstan { by_mm: 1.5 }, key);
         does(&Work::Hammer { by_g: 0.4 }, key);
@@ -100,7 +99,8 @@ fn a_keyboard_that_is_not_known_is_put_right() {
     };
     let mut piano = piano(&grand);
     let mut chance = Chance::new(31);
-    let disturbed: Vec<usize> = PIANO.iter().filter(|(_, a, b, c)| *a != 0.0 || *b != 0.0 || *c != 0.0).map(|one| one.0).collect();
+    let disturbed: Vec<usize> =
+        PIANO.iter().filter(|(_, a, b, c)| *a != 0.0 || *b != 0.0 || *c != 0.0).map(|one| one.0).collect();
     let mut counts = Vec::new();
     for pass in 1..=2 {
         let weighed = all_weighed(&piano);
