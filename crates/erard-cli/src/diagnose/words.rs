@@ -106,6 +106,37 @@ pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
     )
 }
 
+/// What to do, in its order: readings that are in doubt, the measurement that tells most, friction, the other causes,
+/// and all readings again.
+pub(super) fn to_do(diagnosis: &Diagnosis) -> Vec<String> {
+    if !diagnosis.is_work() {
+        return Vec::new();
+    }
+    let mut lines = Vec::new();
+    let doubtful = diagnosis.lines.iter().filter(|line| line.standing == Standing::Doubtful);
+    let doubtful: Vec<&str> = doubtful.map(|line| line.label).collect();
+    if !doubtful.is_empty() {
+        lines.push(format!("Take again what may be read wrong: {}.", doubtful.join(", ")));
+    }
+    if let Some(next) = &diagnosis.next {
+        lines.push(format!("Measure {} ({}) and enter it: the causes below then change.", next.label, next.how));
+    }
+    let rubs = |ranked: &&Ranked| ranked.explains.iter().any(|(name, by)| *name == "friction_weight_g" && *by > 0.0);
+    let numbers = |rubbing: bool| {
+        let ranked = diagnosis.causes.iter().enumerate().filter(|(_, ranked)| rubs(ranked) == rubbing);
+        ranked.map(|(at, _)| (at + 1).to_string()).collect::<Vec<_>>().join(", ")
+    };
+    let (friction, others) = (numbers(true), numbers(false));
+    if !friction.is_empty() {
+        lines.push(format!("Friction before all else, for it is in every weight: the tests of {friction}. Mend what a test finds, and weigh again."));
+    }
+    if !others.is_empty() {
+        lines.push(format!("Then the tests of {others}, the likeliest first. Mend only what a test finds."));
+    }
+    lines.push("Take all readings again: what is still out has another cause.".to_owned());
+    lines
+}
+
 /// Why a reading is not judged, once.
 pub(super) fn not_judged(diagnosis: &Diagnosis) -> Option<&'static str> {
     diagnosis.lines.iter().find_map(|line| match line.standing {
@@ -323,6 +354,7 @@ pub(crate) fn report(work: &Work<'_>) -> Value {
             "is_work": one.is_work(),
             "causes": one.causes.iter().map(cause).collect::<Vec<_>>(),
             "something_else": rounded(one.something_else),
+            "to_do": to_do(one),
             "measure_next": one.next.as_ref().map(next),
             "leverage": ends(one.geometry.ratio),
             "front_weight_g": ends(one.geometry.front_weight_g),

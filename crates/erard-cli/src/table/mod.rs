@@ -180,7 +180,7 @@ impl<'a> Table<'a> {
             tbody {
                 @for row in 0..self.rows() {
                     tr {
-                        @for column in columns.iter().take(1) { th scope="row" { (column.cells[row]) } }
+                        @for column in columns.iter().take(1) { th class=[class(column)] scope="row" { (column.cells[row]) } }
                         @for column in columns.iter().skip(1) { td class=[class(column)] { (column.cells[row]) } }
                     }
                 }

@@ -15,7 +15,7 @@ pub(crate) fn weighed_svg(work: &Work<'_>) -> String {
     let all: Vec<f64> = (1..=KEYS).map(|key| key as f64).collect();
     let points = |label: &str, style: usize, of: &dyn Fn(&BalancedKey) -> Option<f64>| {
         let y: Vec<f64> = plan.keys.iter().map(|key| of(key).unwrap_or(f64::NAN)).collect();
-        Trace::new(label, &weighed, y, style, Dash::Points)
+        Trace::new(label, &weighed, y, style, Dash::Alone)
     };
     let curve = |label: &str, style: usize, curve: &Option<[f64; KEYS]>| {
         Trace::new(label, &all, curve.map_or(vec![f64::NAN; KEYS], Vec::from), style, Dash::Dashed)

@@ -13,7 +13,8 @@ const STYLE: &str = include_str!("../paper.css");
 pub(crate) fn html(work: &Work<'_>, figure: &str) -> String {
     let headed = work.headed;
     let title = format!("{}: work list", work.file);
-    let style = format!("{STYLE}@page{{size:{}}}", headed.paper);
+    let phone = "@media screen and (max-width:40rem){.wide table.list{min-width:34rem}}";
+    let style = format!("{STYLE}{phone}@page{{size:{}}}", headed.paper);
     let sections = sections(work);
     let body = html! {
         header {
@@ -21,7 +22,7 @@ pub(crate) fn html(work: &Work<'_>, figure: &str) -> String {
             dl {
                 div { dt { "serial" } dd { (headed.serial.as_deref().unwrap_or("")) } }
                 div { dt { "date" } dd { (headed.date.as_deref().unwrap_or("")) } }
-                div { dt { "not weighed, from" } dd { (work.name) } }
+                div { dt { "not weighed: as in" } dd { (work.name) } }
             }
         }
         @if let Some(note) = &headed.note { p.note { (note) } }

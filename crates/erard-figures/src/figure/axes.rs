@@ -64,8 +64,10 @@ pub(super) fn together(
             let run: Vec<(f64, f64)> = run.into_iter().map(|(x, value)| (x, y_of(value))).collect();
             // A logarithm may be infinite where the value is not.
             for run in run.split(|(_, y)| !y.is_finite()).filter(|run| !run.is_empty()) {
-                polyline(out, curve, run);
-                if curve.dash == Dash::Points {
+                if curve.dash != Dash::Alone {
+                    polyline(out, curve, run);
+                }
+                if matches!(curve.dash, Dash::Points | Dash::Alone) {
                     let inside = |(x, y): &&(f64, f64)| {
                         (area.left..=area.right()).contains(x) && (area.top..=area.bottom()).contains(y)
                     };
@@ -193,17 +195,19 @@ pub(super) fn legend(out: &mut String, panel: &Panel, left: f64, top: f64) {
     // A curve without a name goes with the one before it.
     for (index, curve) in panel.curves.iter().filter(|curve| !curve.label.is_empty()).enumerate() {
         let y = top + 12.0 + 17.0 * index as f64;
-        let _ = write!(
-            out,
-            "<line x1=\"{}\" y1=\"{y}\" x2=\"{}\" y2=\"{y}\" stroke=\"{}\" stroke-width=\"2\"{}/>",
-            number(left),
-            number(left + 22.0),
-            curve.colour,
-            dashes(curve.dash),
-            y = number(y),
-        );
+        if curve.dash != Dash::Alone {
+            let _ = write!(
+                out,
+                "<line x1=\"{}\" y1=\"{y}\" x2=\"{}\" y2=\"{y}\" stroke=\"{}\" stroke-width=\"2\"{}/>",
+                number(left),
+                number(left + 22.0),
+                curve.colour,
+                dashes(curve.dash),
+                y = number(y),
+            );
+        }
         text(out, "ink", [left + 28.0, y + 4.0], "", &curve.label);
-        if curve.dash == Dash::Points {
+        if matches!(curve.dash, Dash::Points | Dash::Alone) {
             point(out, index, left + 11.0, y, curve.colour);
         }
     }
@@ -222,7 +226,7 @@ pub(super) fn line(out: &mut String, class: &str, from: [f64; 2], to: [f64; 2]) 
 
 fn dashes(dash: Dash) -> &'static str {
     match dash {
-        Dash::Solid | Dash::Points => "",
+        Dash::Solid | Dash::Points | Dash::Alone => "",
         Dash::Dashed => " stroke-dasharray=\"6 3\"",
         Dash::Dotted => " stroke-dasharray=\"1.5 2.5\"",
     }

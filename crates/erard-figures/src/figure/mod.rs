@@ -56,6 +56,8 @@ pub enum Dash {
     Dotted,
     /// Unbroken, with a point at every sample.
     Points,
+    /// A point at every sample, and nothing between: samples that are no steps of one thing.
+    Alone,
 }
 
 /// One curve.

@@ -27,13 +27,16 @@ pub(super) struct Weighed {
 }
 
 /// What is compared, how far a key and its neighbours may differ (twice a reading's precision; of strike weights, what
-/// the hammers of one set scatter by), and whether sharps are compared with sharps: the lever of a sharp is another.
-const COMPARED: [(&str, f64, bool); 4] = [
-    ("strike_weight_g", 0.3, false),
-    ("ratio", 0.3, true),
-    ("balance_weight_g", 2.0, false),
-    ("friction_weight_g", 2.0, false),
+/// the hammers of one set scatter by), whether sharps are compared with sharps (the lever of a sharp is another), and
+/// how many keys must be near: hammers are made along a smooth curve, whatever lies between two of them.
+const COMPARED: [(&str, f64, bool, usize); 4] = [
+    ("strike_weight_g", 0.3, false, 0),
+    ("ratio", 0.3, true, 4),
+    ("balance_weight_g", 2.0, false, 4),
+    ("friction_weight_g", 2.0, false, 4),
 ];
+/// As near as an octave.
+const NEAR_KEYS: usize = 12;
 /// Standard deviations beyond which a key sticks out, and how many of them are in a median of absolute residuals.
 const DEVIATIONS: f64 = 3.0;
 const PER_MEDIAN: f64 = 1.4826;
@@ -51,7 +54,7 @@ impl Weighed {
 #[must_use]
 pub(super) fn apart(keys: &[Weighed]) -> Vec<Vec<Apart>> {
     let mut all = vec![Vec::new(); keys.len()];
-    for (which, (quantity, room, is_by_colour)) in COMPARED.into_iter().enumerate() {
+    for (which, (quantity, room, is_by_colour, fewest)) in COMPARED.into_iter().enumerate() {
         let groups: &[&dyn Fn(usize) -> bool] =
             if is_by_colour { &[&is_sharp, &|key| !is_sharp(key)] } else { &[&|_| true] };
         for is_in in groups {
@@ -64,7 +67,9 @@ pub(super) fn apart(keys: &[Weighed]) -> Vec<Vec<Apart>> {
             let residuals: Vec<f64> = known.iter().map(|(_, key, value)| (value - curve[*key]).abs()).collect();
             let scatter = PER_MEDIAN * median(&residuals).unwrap_or(0.0);
             for ((at, key, _), residual) in known.iter().zip(&residuals) {
-                if *residual > room.max(DEVIATIONS * scatter) {
+                let near =
+                    known.iter().filter(|(_, other, _)| other != key && other.abs_diff(*key) <= NEAR_KEYS).count();
+                if near >= fewest && *residual > room.max(DEVIATIONS * scatter) {
                     all[*at].push(Apart { quantity, neighbours: curve[*key] });
                 }
             }
@@ -119,6 +124,27 @@ mod tests {
         keys[sharp - 1] = one(sharp, 5.6);
         let found = apart(&keys);
         assert!(found.iter().enumerate().all(|(at, apart)| apart.is_empty() != (at + 1 == sharp)), "{found:?}");
+    }
+
+    /// Keys that stand alone have no neighbours but along the curve of hammers.
+    #[test]
+    fn keys_that_stand_alone() {
+        let keys: Vec<Weighed> = [1, 20, 35, 40, 42, 59, 61, 64, 88]
+            .into_iter()
+            .map(|key| {
+                weighed(
+                    key,
+                    if key == 40 { 20.0 } else { 12.0 },
+                    10.5 - 0.06 * key as f64 + if key == 59 { 1.0 } else { 0.0 },
+                )
+            })
+            .collect();
+        let found: Vec<(usize, &str)> = keys
+            .iter()
+            .zip(apart(&keys))
+            .flat_map(|(one, apart)| apart.into_iter().map(|a| (one.key, a.quantity)).collect::<Vec<_>>())
+            .collect();
+        assert_eq!(found, [(59, "strike_weight_g")]);
     }
 
     #[test]
