@@ -29,8 +29,8 @@ pub(crate) struct WeighOptions {
     /// values come from KEYBOARD
     #[arg(long, value_name = "MEASURED.csv", conflicts_with_all = ["every", "key"])]
     weigh: Option<std::path::PathBuf>,
-    /// Target for every key: balance=38g, or inertia=0.25kg, or both [default: the balance weight nearest to the median with which down-weight
-    /// and up-weight can be usual]
+    /// Target for every key: balance=38g, or inertia=0.25kg, or both [default: the balance weight nearest to the median
+    /// with which down-weight and up-weight can be usual]
     #[arg(long = "target", value_name = "WHAT=VALUE", requires = "weigh")]
     targets: Vec<String>,
     /// First bring all strike weights to their smooth curve (or to the target inertia), then add leads; without it only

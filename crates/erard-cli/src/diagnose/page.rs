@@ -4,7 +4,8 @@ use maud::{Markup, html};
 
 use super::Work;
 use super::words::{
-    BASIS, explains, geometry, key, mark, not_judged, percent, rows, to_do, usual, value, verdict, would_read,
+    BASIS, assumed_key, explains, geometry, key, mark, not_judged, percent, rows, to_do, usual, value, verdict,
+    would_read,
 };
 use crate::paper::page;
 use crate::table::Table;
@@ -30,6 +31,7 @@ pub(crate) fn html(work: &Work<'_>) -> String {
             }
         }
         @if let Some(note) = &headed.note { p.note { (note) } }
+        @if let Some(line) = assumed_key(work) { p.note { (line) } }
         @if let [one] = work.found {
             (of_key(one, work))
         } @else {

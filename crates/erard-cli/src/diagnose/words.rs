@@ -106,6 +106,12 @@ pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
     )
 }
 
+/// Whose usual ranges hold where nobody named the key.
+pub(super) fn assumed_key(work: &Work<'_>) -> Option<String> {
+    let one = work.found.first().filter(|_| work.is_key_assumed)?;
+    Some(format!("No key was named: usual ranges are those of {}. Name yours with --key.", key(one)))
+}
+
 /// What to do, in its order: readings that are in doubt, the measurement that tells most, friction, the other causes,
 /// and all readings again.
 pub(super) fn to_do(diagnosis: &Diagnosis) -> Vec<String> {
@@ -165,10 +171,15 @@ pub(super) fn geometry(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// The answers for people.
 pub(crate) fn text(work: &Work<'_>) -> String {
-    match work.found {
+    let mut out = match work.found {
         [one] => of_one(one, work.lengths),
         found => of_many(found, work),
+    };
+    if let Some(assumed) = assumed_key(work) {
+        let _ = writeln!(out);
+        line(&mut out, 2, &assumed);
     }
+    out
 }
 
 fn line(out: &mut String, indent: usize, text: &str) {

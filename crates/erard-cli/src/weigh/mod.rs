@@ -1,5 +1,5 @@
-//! What `erard keyboard --weigh` makes of a keyboard that was weighed: the readings, the work list by operation, as text,
-//! table, page and figure.
+//! What `erard keyboard --weigh` makes of a keyboard that was weighed: the readings, the work list by operation, as
+//! text, table, page and figure.
 
 mod figure;
 mod lists;

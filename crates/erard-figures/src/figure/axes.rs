@@ -175,7 +175,7 @@ pub(super) fn short(value: f64) -> String {
 
 /// The panel's quantity, turned to run along the ordinate.
 pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
-    let (x, y) = (LEFT - 56.0, top + 0.5 * panel.height_px);
+    let (x, y) = (LEFT - 56.0, top + 0.5 * panel.height());
     // A logarithmic axis says so: its numbers alone are easily misread.
     let scale = match panel.layout {
         Layout::Together | Layout::Stacked => "",
@@ -190,11 +190,21 @@ pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
     text(out, "ink", [x, y], &turned, &name);
 }
 
+/// Between the legend's first entry and the panel's top, and from entry to entry, px.
+const LEGEND_TOP: f64 = 12.0;
+const LEGEND_PITCH: f64 = 17.0;
+
+/// What a panel's legend needs, px.
+pub(super) fn legend_height(panel: &Panel) -> f64 {
+    let entries = panel.curves.iter().filter(|curve| !curve.label.is_empty()).count();
+    if entries == 0 { 0.0 } else { LEGEND_TOP + LEGEND_PITCH * (entries - 1) as f64 + 6.0 }
+}
+
 /// Names of the curves beside the panel.
 pub(super) fn legend(out: &mut String, panel: &Panel, left: f64, top: f64) {
     // A curve without a name goes with the one before it.
     for (index, curve) in panel.curves.iter().filter(|curve| !curve.label.is_empty()).enumerate() {
-        let y = top + 12.0 + 17.0 * index as f64;
+        let y = top + LEGEND_TOP + LEGEND_PITCH * index as f64;
         if curve.dash != Dash::Alone {
             let _ = write!(
                 out,

@@ -6,9 +6,9 @@
 //!
 //! with balance weight BW = (D + U) / 2, friction weight F = (D - U) / 2, front weight FW, key ratio KR, whippen weight
 //! WW, strike weight SW and strike-weight ratio R: `equation`. What was measured: `measured`, from tables with a row
-//! for each key: `rows`. Curves over the keyboard: `smooth`; keys that differ from their neighbours: `neighbours`. Leads
-//! that exist: `leads`. What reaches the target, key by
-//! key: `plan`. Whether it does in the dynamic model: `check`.
+//! for each key: `rows`. Curves over the keyboard: `smooth`; keys that differ from their neighbours: `neighbours`.
+//! Leads that exist: `leads`. What reaches the target, key by key: `plan`. Whether it does in the dynamic model:
+//! `check`.
 //!
 //! Grams are gram-forces at the key front or on the scale, as in the trade; millimetres along the key count from its
 //! balance pin, positive toward the player.

@@ -228,7 +228,7 @@ fn lines_of(key: &BalancedKey) -> Vec<KeyLine> {
     lines
 }
 
-/// Marks the first and the last key of every section, operation by operation.
+/// Says which lines are of the first and the last key of every section, operation by operation.
 fn samples(lines: &mut [KeyLine], section_ends: &[usize]) {
     let section = |key: usize| section_ends.iter().filter(|end| key > **end).count();
     let places: Vec<(Operation, usize, usize)> =

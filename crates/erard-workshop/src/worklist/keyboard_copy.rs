@@ -12,8 +12,8 @@ use erard::instrument::Instrument;
 
 /// Carries a list out and weighs again: the table that a technician would bring back from the piano. `instruments` has
 /// every key's model, the first key at index 0. Each key with work is copied from its model, which gets the key's
-/// strike weight, front weight and, where it is to be eased, friction. What the work changes of the copy's weights, it changes of the key's.
-/// `progress` receives the share that is done, and ends the work by returning false.
+/// strike weight, front weight and, where it is to be eased, friction. What the work changes of the copy's weights, it
+/// changes of the key's. `progress` receives the share that is done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].

@@ -4,8 +4,8 @@
 //! has been brought to the readings, `weights` which balance weight goes with a friction weight, `plan` the order of
 //! work, `aims` what the screws' lines are to come to, `leads` which leads, `written` the file on which it has been
 //! done, and `settle` a regulation that ends with the aftertouch in its range. Over all keys that were weighed,
-//! `keyboard` is the list by operation, and `keyboard_copy` carries it out on copies. A line is tried on a simulated copy
-//! before the next is worked out; what it changes of the copy's readings is what it is expected to change of the
+//! `keyboard` is the list by operation, and `keyboard_copy` carries it out on copies. A line is tried on a simulated
+//! copy before the next is worked out; what it changes of the copy's readings is what it is expected to change of the
 //! piano's.
 
 mod aims;

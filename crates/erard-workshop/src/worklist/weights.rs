@@ -34,8 +34,8 @@ pub(super) fn best_friction_g(key: usize) -> f64 {
         .unwrap_or(0.5 * (low + high))
 }
 
-/// How much a friction weight changes toward an aim, g: of the hand's steps on either side of the aim, the one that ends
-/// in the range, or else nearest to it.
+/// How much a friction weight changes toward an aim, g: of the hand's steps on either side of the aim, the one that
+/// ends in the range, or else nearest to it.
 #[must_use]
 pub(super) fn friction_change_g(friction_g: f64, aim_g: f64, key: usize) -> f64 {
     let [low, high] = Quantity::FrictionWeight.range(key);
