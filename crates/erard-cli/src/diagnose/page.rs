@@ -33,7 +33,7 @@ pub(crate) fn html(work: &Work<'_>) -> String {
         @if let Some(note) = &headed.note { p.note { (note) } }
         @if let Some(line) = assumed_key(work) { p.note { (line) } }
         @if let [one] = work.found {
-            (of_key(one, work))
+            div.one-page { (of_key(one, work)) }
         } @else {
             (list(work))
             @for one in work.found.iter().filter(|one| one.is_work()) {

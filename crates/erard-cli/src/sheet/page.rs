@@ -14,9 +14,8 @@ use crate::units::Lengths;
 
 const STYLE: &str = include_str!("../paper.css");
 
-/// What keeps a sheet with a long list on one page of paper.
-const ONE_PAGE: &str = "@media screen and (min-width:40rem){.pair{grid-template-columns:1fr 1fr}}@media print{.pair{grid-template-columns:1fr 1fr}}\
-@media print{body{font-size:8.8pt}figure.action img{max-height:38mm}figure.action{margin:.3rem 0}h2{margin-top:.4rem}p{margin:.15rem 0}th,td{padding:.02rem .4rem}}";
+/// Both columns of numbers alike.
+const COLUMNS: &str = "@media screen and (min-width:40rem){.pair{grid-template-columns:1fr 1fr}}@media print{.pair{grid-template-columns:1fr 1fr}}";
 
 /// A line of the sheet: which of the protocol's, and what the bench calls it.
 type Value = (&'static str, &'static str);
@@ -58,7 +57,7 @@ pub(crate) fn html(all: &[Advised<'_>]) -> String {
     let names: Vec<&str> = all.iter().map(|one| one.measured.label.as_str()).collect();
     let paper = all.first().map_or("A4", |one| one.headed.paper);
     let title = format!("{}: technician's sheet", names.join(", "));
-    let style = format!("{STYLE}@page{{size:{paper}}}section+section{{break-before:page}}{ONE_PAGE}");
+    let style = format!("{STYLE}@page{{size:{paper}}}section+section{{break-before:page}}{COLUMNS}");
     page(&title, &style, &html! { @for one in all { (sheet(one)) } })
 }
 
@@ -66,7 +65,7 @@ fn sheet(one: &Advised<'_>) -> Markup {
     let (measured, headed) = (one.measured, one.headed);
     let out = measured.sheet.flags.len();
     html! {
-        section {
+        section.one-page {
             header {
                 h1 { (measured.label) }
                 dl {
