@@ -20,7 +20,8 @@ fn json(folder: &Folder, name: &str) -> Value {
 #[test]
 fn two_instruments_say_how_often_each_strikes() {
     let folder = Folder::new("strikes-again");
-    let both = ["--instrument", "concert-grand", "--instrument", "heavy-touch", "--stroke", "pp", "--duration", "0.5"];
+    let both =
+        ["--instrument", "concert-grand", "--instrument", "heavy-touch", "--force-step", "1", "--duration", "0.6"];
     let said = folder.good(&[&["press"][..], &both, &["--out", "two"]].concat());
     let row = said.lines().find(|line| line.contains("impacts on the string")).unwrap();
     assert_eq!(row.split_whitespace().skip(4).collect::<Vec<_>>(), ["1", "2", "+1"], "{said}");
