@@ -31,6 +31,9 @@ pub(crate) fn turned_text(turned: &Turned, lengths: Lengths) -> String {
         (factor, "mm") => lengths.signed(by * factor, 3),
         (factor, unit) => format!("{:+.3} {unit}", by * factor),
     };
+    if !far.contains(|digit: char| ('1'..='9').contains(&digit)) {
+        return format!("{} not turned", turned.name);
+    }
     let turns = match known_screw(&turned.name).map(|known| known.work) {
         Some(Handwork::Thread(pitch_m)) => format!(", {}", turns_text(by / pitch_m)),
         _ => String::new(),

@@ -21,14 +21,17 @@ const SIZE: [f64; 2] = [900.0, 460.0];
 const PLOT: [f64; 4] = [70.0, 50.0, 800.0, 350.0];
 
 /// Levels of a sound, dB below the loudest place and at least -[`RANGE_DB`]: columns of rows, the lowest frequency
-/// first.
+/// first. Columns share the duration equally, and each has its window around its middle: a tone that begins is half as
+/// strong there as later.
 fn levels(samples: &[f64], rate_hz: f64) -> Vec<Vec<f64>> {
-    let hop = (samples.len().saturating_sub(WINDOW) / COLUMNS).max(1);
+    let columns = samples.len().clamp(1, COLUMNS);
     let fft = FftPlanner::new().plan_fft_forward(WINDOW);
     let weight = |i: usize| 0.5 - 0.5 * (2.0 * PI * i as f64 / WINDOW as f64).cos();
     let bins = (HIGHEST_HZ / rate_hz * WINDOW as f64) as usize;
-    let column = |from: usize| -> Vec<f64> {
-        let at = |i: usize| samples.get(from + i).copied().unwrap_or(0.0);
+    let column = |index: usize| -> Vec<f64> {
+        let middle = (2 * index + 1) * samples.len() / (2 * columns);
+        // Before the sound and after it there is silence.
+        let at = |i: usize| (middle + i).checked_sub(WINDOW / 2).and_then(|i| samples.get(i)).copied().unwrap_or(0.0);
         let mut spectrum: Vec<Complex<f64>> = (0..WINDOW).map(|i| Complex::new(weight(i) * at(i), 0.0)).collect();
         fft.process(&mut spectrum);
         (0..ROWS)
@@ -38,7 +41,7 @@ fn levels(samples: &[f64], rate_hz: f64) -> Vec<Vec<f64>> {
             })
             .collect()
     };
-    let powers: Vec<Vec<f64>> = (0..samples.len().max(1)).step_by(hop).take(COLUMNS).map(column).collect();
+    let powers: Vec<Vec<f64>> = (0..columns).map(column).collect();
     let loudest = powers.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
     let level = |power: f64| (10.0 * (power / loudest).max(1e-30).log10()).max(-RANGE_DB);
     powers.into_iter().map(|column| column.into_iter().map(level).collect()).collect()
@@ -59,8 +62,10 @@ pub(crate) fn spectrogram_svg(samples: &[f64], rate_hz: f64, title: &str) -> Str
         let _ = write!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{words}</text>");
     };
     text(&mut svg, left, 20.0, "start", title);
-    let about =
-        format!("force on the bridge, not a piano; {RANGE_DB:.0} dB from white to black, windows of {WINDOW} samples");
+    let about = format!(
+        "force on the bridge, not a piano; {RANGE_DB:.0} dB from white to black; each place shows {:.0} ms around it",
+        1e3 * WINDOW as f64 / rate_hz
+    );
     text(&mut svg, left, 38.0, "start", &about);
     for shade in 1..=SHADES {
         let mut path = String::new();
@@ -108,10 +113,16 @@ mod tests {
         let samples: Vec<f64> = (0..48_000).map(tone).collect();
         let levels = levels(&samples, 48e3);
         let row = (3e3 / HIGHEST_HZ * ROWS as f64) as usize;
-        let of = |share: f64| &levels[(share * (levels.len() - 1) as f64) as usize];
+        let of = |share: f64| &levels[(share * levels.len() as f64) as usize];
         let near = |column: &Vec<f64>| column[row - 1..=row + 1].iter().copied().fold(-1e3, f64::max);
         assert!(near(of(0.8)) > -1.0 && near(of(0.2)) < -80.0);
         assert!(of(0.8)[row + 20] < -80.0 && of(0.8)[row - 20] < -80.0);
+        // It begins where it does: nothing half a window earlier, half of its amplitude (-6 dB) there, all of it half a
+        // window later.
+        let half = WINDOW as f64 / 2.0 / 48e3;
+        let at = |time_s: f64| near(of(time_s));
+        assert!(at(0.5 - half - 0.01) < -80.0 && at(0.5 + half + 0.01) > -0.1);
+        assert!((at(0.5) + 6.0).abs() < 1.5, "{}", at(0.5));
         assert!(spectrogram_svg(&samples, 48e3, "a < b").contains("a &lt; b"));
     }
 }

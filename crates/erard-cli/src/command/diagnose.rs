@@ -113,7 +113,9 @@ impl Diagnose {
         }
         drop(progress);
         let name = self.file.as_deref().map(inputs::shown);
-        let work = Work { file: name.as_deref(), found: &found, headed: &self.headed, lengths: self.lengths };
+        let is_key_assumed = self.file.is_none() && self.key.is_none();
+        let work =
+            Work { file: name.as_deref(), is_key_assumed, found: &found, headed: &self.headed, lengths: self.lengths };
         output.text("diagnosis.html", &html(&work))?;
         output.json("diagnosis.json", &report(&work))?;
         if found.len() > 1 {

@@ -63,9 +63,10 @@ pub(crate) struct Measure {
     /// behind it). The work list moves or removes them before it adds new ones
     #[arg(long, value_name = "G@MM,..", value_delimiter = ',', requires = "sheet", allow_hyphen_values = true)]
     leads: Vec<String>,
-    /// With --sheet: also write the instrument file as it is after the work (carried-out.toml)
-    #[arg(long, requires = "sheet")]
-    carry_out: bool,
+    /// With --sheet: also write the instrument file as it is after the work, or after its first LINES lines
+    /// (carried-out.toml)
+    #[arg(long, value_name = "LINES", requires = "sheet", num_args = 0..=1, require_equals = true, value_parser = clap::value_parser!(u8).range(1..), default_missing_value = "255")]
+    carry_out: Option<u8>,
     /// Key of the instrument, by number (1 to 88) or note (A0 to C8), which selects the usual ranges [default: that of
     /// the instrument, else C4]
     #[arg(long, value_name = "KEY", value_parser = key, allow_negative_numbers = true)]
@@ -96,7 +97,7 @@ impl Measure {
         }
         let named = self.load(&asked)?;
         let leads = self.leads.iter().map(|text| lead(text)).collect::<Result<Vec<_>, _>>()?;
-        let texts = asked.iter().filter(|_| self.carry_out).map(|name| Ok(load_instrument_and_text(name)?.1));
+        let texts = asked.iter().filter(|_| self.carry_out.is_some()).map(|name| Ok(load_instrument_and_text(name)?.1));
         let texts = texts.collect::<Result<Vec<String>, Failure>>()?;
         let mut output = self.out.prepare("measure", &["measure.json", "measure.html"])?;
         let mut progress = Progress::new("measuring");
@@ -136,9 +137,14 @@ impl Measure {
         if self.sheet {
             output.text("sheet.html", &sheet::html(&advised))?;
             output.json("sheet.json", &advised.iter().map(sheet::report).collect::<Vec<_>>())?;
-            for (index, one) in advised.iter().enumerate().filter(|_| self.carry_out) {
-                let text = texts.get(index).map_or("", String::as_str);
-                let done = one.list.rewrite(&one.measured.instrument, text);
+            for (index, one) in advised.iter().enumerate() {
+                let Some(lines) = self.carry_out.map(usize::from) else { break };
+                let (text, begun) = (texts.get(index).map_or("", String::as_str), &one.measured.instrument);
+                let done = if lines < one.list.items.len() {
+                    one.list.first(lines, begun, &mut |_| true)?.rewrite(begun, text)
+                } else {
+                    one.list.rewrite(begun, text)
+                };
                 let name = if advised.len() > 1 {
                     format!("carried-out-{}.toml", index + 1)
                 } else {
@@ -150,18 +156,24 @@ impl Measure {
         let written = output.commit()?;
 
         match &measured[..] {
+            [one] if self.sheet => say!("{} - technician's sheet", one.label),
             [one] => say!("{} - protocol sheet", one.label),
             _ => say!("Protocol sheets side by side"),
         }
         say!();
-        say!("{}", table::text(&measured, self.lengths).trim_end_matches('\n'));
-        say!();
+        // Of one action the sheet has every line that work can set; the whole protocol is in measure.html.
+        if !self.sheet || measured.len() > 1 {
+            say!("{}", table::text(&measured, self.lengths).trim_end_matches('\n'));
+            say!();
+        }
         for one in &measured {
             for doubt in doubts(&one.sheet) {
                 tell!("warning: {}: this result cannot be trusted: {doubt}", one.label);
             }
         }
         for one in &advised {
+            say!("{}", before_and_after(one).trim_end_matches('\n'));
+            say!();
             let whose = if advised.len() > 1 { format!(" ({})", one.measured.label) } else { String::new() };
             say!("  To do{whose}, each line after the ones before it:");
             let tasks = tasks(one);
@@ -182,10 +194,6 @@ impl Measure {
                 say!("    not by this list: {line}");
             }
             say!();
-            if !tasks.is_empty() {
-                say!("{}", before_and_after(one).trim_end_matches('\n'));
-                say!();
-            }
         }
         say!("{written}");
         Ok(())

@@ -72,7 +72,21 @@ fn rows(summaries: [&Value; 2]) -> Vec<(String, [String; 3])> {
         });
         Some(((*name).to_owned(), [shown(values[0]), shown(values[1]), signed]))
     };
-    MEASURES.iter().filter_map(row).collect()
+    let mut rows: Vec<(String, [String; 3])> = MEASURES.iter().filter_map(row).collect();
+    // A hammer that strikes again is no detail: the row stands first.
+    let impacts = impacts(summaries);
+    if impacts.iter().any(|count| *count > 1) {
+        let [first, second] = impacts;
+        let difference = i64::try_from(second).unwrap_or(0) - i64::try_from(first).unwrap_or(0);
+        let difference = if difference == 0 { "0".to_owned() } else { format!("{difference:+}") };
+        rows.insert(0, ("impacts on the string".to_owned(), [first.to_string(), second.to_string(), difference]));
+    }
+    rows
+}
+
+/// How often each hammer strikes.
+fn impacts(summaries: [&Value; 2]) -> [usize; 2] {
+    summaries.map(|summary| summary["strikes"].as_array().map_or(0, Vec::len))
 }
 
 /// Stages the page, the figure, the tables and the numbers.
@@ -90,6 +104,8 @@ pub(crate) fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(),
         let second_less_first = values[0].zip(values[1]).map(|(a, b)| (b - a) / factor);
         difference.insert((*key).to_owned(), json!(second_less_first));
     }
+    let [first, second] = impacts(summaries);
+    difference.insert("impacts".to_owned(), json!(second as f64 - first as f64));
     let rows = rows(summaries);
     let both = json!({"names": names, "runs": summaries, "difference": difference});
     output.json("summary.json", &both)?;
@@ -115,6 +131,9 @@ pub(crate) fn tell(played: &[Played<'_>; 2]) {
     say!("{}", title(played));
     say!();
     let rows = rows(json_of(played)).into_iter().map(|(name, cells)| [vec![name], cells.to_vec()].concat());
-    let heads = [String::new()].into_iter().chain(names).chain(["difference".to_owned()]);
+    let heads = [String::new()].into_iter().chain(names.clone()).chain(["difference".to_owned()]);
     say!("{}", Table::of(heads, rows));
+    for (name, count) in names.iter().zip(impacts(json_of(played))).filter(|(_, count)| *count > 1) {
+        say!("  {name}: the hammer strikes {count} times.");
+    }
 }

@@ -6,10 +6,12 @@ use clap::Args;
 use erard::instrument::Instrument;
 use erard::instrument::utf8;
 use erard::keyboard::{KEYS, Keyboard};
-use erard_workshop::balance::{BalancedKey, KeyModel, LEADS_G, Target, check, plan, read};
+use erard_workshop::balance::{BalancedKey, KeyModel, LEADS_G, check, read};
 use erard_workshop::cores;
 use erard_workshop::measure::MeasureError;
+use erard_workshop::worklist::{KeyboardGoal, KeyboardList, SECTION_ENDS, carry_out, keyboard_list};
 
+use super::options::key;
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs;
@@ -17,25 +19,34 @@ use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
 use crate::units::Lengths;
-use crate::weigh::{Work, html, report, table, text, weighed_svg};
+use crate::weigh::{Work, again, again_text, html, report, table, text, weighed_svg};
 
 /// What is asked of weighed keys.
 #[derive(Debug, Args)]
 pub(crate) struct WeighOptions {
     /// Weights measured on a piano, a CSV with key (or note), strike weight, front weight, down-weight and up-weight;
-    /// keys and cells may be missing. Writes a work list of leads, hammers and capstans. Lengths and unmeasured values
-    /// come from KEYBOARD
+    /// keys and cells may be missing. Writes a work list by operation: friction, hammers, leads. Lengths and unmeasured
+    /// values come from KEYBOARD
     #[arg(long, value_name = "MEASURED.csv", conflicts_with_all = ["every", "key"])]
     weigh: Option<std::path::PathBuf>,
-    /// Target for every key: balance=38g, or inertia=0.25kg, or both [default: the median balance weight]
+    /// Target for every key: balance=38g, or inertia=0.25kg, or both [default: the balance weight nearest to the median
+    /// with which down-weight and up-weight can be usual]
     #[arg(long = "target", value_name = "WHAT=VALUE", requires = "weigh")]
     targets: Vec<String>,
-    /// First bring the strike weights to their smooth curve (or to the target inertia), then add leads
+    /// First bring all strike weights to their smooth curve (or to the target inertia), then add leads; without it only
+    /// hammers that stick out from their neighbours
     #[arg(long, requires = "weigh")]
     hammers: bool,
     /// Masses of the available leads, g [default: 14,10,7,4]
     #[arg(long, value_name = "G,G,..", value_delimiter = ',', requires = "weigh")]
     leads: Vec<f64>,
+    /// Last key of each section of strings but the highest, by number or note: samples of an operation are at the ends
+    /// of sections [default: 20,50,70, an estimate for a concert grand]
+    #[arg(long = "sections", value_name = "KEY,KEY,..", value_delimiter = ',', value_parser = key, requires = "weigh")]
+    section_ends: Vec<usize>,
+    /// Carry the list out on simulated copies of the keys, and weigh them again: again.csv, a table for --weigh
+    #[arg(long, requires = "weigh")]
+    carry_out: bool,
     /// Number of keys to check in the dynamic model, from bass to treble
     #[arg(long, value_name = "KEYS", default_value_t = 3, requires = "weigh")]
     sample: usize,
@@ -56,13 +67,12 @@ impl WeighOptions {
 
     /// Runs the work.
     pub(crate) fn run(&self, path: &Path, keyboard: &Keyboard, out: &OutOptions) -> Result<(), Failure> {
-        let target = self.target()?;
-        let leads_g = self.leads_g()?;
+        let goal = self.goal()?;
         let (file, bytes) = inputs::bytes(path)?;
         let measured = read(utf8(&bytes, &file)?, &file).map_err(|error| Failure::Usage(error.to_string()))?;
         let instruments = keyboard.instruments()?;
-        let mut output =
-            out.prepare("keyboard", &["weigh.csv", "weigh.json", "weigh.html", "weigh.svg", "weigh.png"])?;
+        let files = ["weigh.csv", "weigh.json", "weigh.html", "weigh.svg", "weigh.png", "again.csv"];
+        let mut output = out.prepare("keyboard", &files[..if self.carry_out { 6 } else { 5 }])?;
         let failed = |error: MeasureError| Failure::Measure { label: keyboard.name.clone(), error };
 
         let mut progress = Progress::new("weighing");
@@ -70,23 +80,32 @@ impl WeighOptions {
         let models = cores::map(&instruments, cores::count(), &mut |share| progress.tell(0.3 * share), model);
         let models = models.map_err(failed)?.into_boxed_slice();
         let models: Box<[KeyModel; KEYS]> = models.try_into().map_err(|_| failed(MeasureError::Lost))?;
-        let Some(plan) = plan(&measured, &models, target, &leads_g) else {
+        let Some(list) = keyboard_list(&measured, &models, &goal) else {
             let why = "no key has both a down-weight and an up-weight; expected --target balance=38g";
             return Err(Failure::Usage(format!("{file}: {why}")));
         };
-        let sample: Vec<(&BalancedKey, _)> = spread(&plan.keys, self.sample)
+        let sample: Vec<(&BalancedKey, _)> = spread(&list, self.sample)
             .into_iter()
             .map(|key| (key, instruments[key.measured.key - 1].clone()))
             .collect();
         progress.say("checking");
-        let checked = check(&sample, &mut |share| progress.tell(0.3 + 0.7 * share)).map_err(failed)?;
+        let rest = if self.carry_out { 0.2 } else { 0.7 };
+        let checked = check(&sample, &mut |share| progress.tell(0.3 + rest * share)).map_err(failed)?;
+        let weighed_again = if self.carry_out {
+            progress.say("carrying out");
+            let tell = &mut |share: f64| progress.tell(0.5 + 0.5 * share);
+            Some(carry_out(&list, &instruments, tell).map_err(failed)?)
+        } else {
+            None
+        };
         drop(progress);
 
         let work = Work {
             name: &keyboard.name,
             file: &file,
-            plan: &plan,
+            list: &list,
             checked: &checked,
+            again: weighed_again.as_deref(),
             headed: &self.headed,
             lengths: self.lengths,
         };
@@ -96,17 +115,33 @@ impl WeighOptions {
         output.json("weigh.json", &report(&work))?;
         output.text("weigh.html", &page)?;
         output.figure("weigh", &svg)?;
+        if let Some(keys) = &weighed_again {
+            output.table("again.csv", &again(keys))?;
+        }
         let written = output.commit()?;
-        say!("{} - {} keys weighed in {file}", keyboard.name, plan.keys.len());
+        let keys = if list.plan.keys.len() == 1 { "key" } else { "keys" };
+        say!("{file} - {} {keys} weighed; what was not comes from {}", list.plan.keys.len(), keyboard.name);
         say!();
         say!("{}", text(&work).trim_end_matches('\n'));
         say!();
+        if let Some(keys) = weighed_again.as_ref().filter(|_| !list.lines.is_empty()) {
+            say!("  The list carried out on copies of these keys, weighed again:");
+            say!();
+            say!("{}", again_text(&work, keys).trim_end_matches('\n'));
+            say!();
+        }
         say!("{written}");
         Ok(())
     }
 
-    fn target(&self) -> Result<Target, Failure> {
-        let mut target = Target { balance_weight_g: None, inertia_kg: None, hammers: self.hammers };
+    fn goal(&self) -> Result<KeyboardGoal, Failure> {
+        let mut target = KeyboardGoal {
+            balance_weight_g: None,
+            inertia_kg: None,
+            hammers: self.hammers,
+            leads_g: self.leads_g()?,
+            section_ends: if self.section_ends.is_empty() { SECTION_ENDS.to_vec() } else { self.section_ends.clone() },
+        };
         for text in &self.targets {
             let wrong = |expected: &str| Failure::Usage(format!("--target {text}: expected {expected}"));
             let (what, value) = text.split_once('=').ok_or_else(|| wrong("balance=38g or inertia=0.25kg"))?;
@@ -141,13 +176,16 @@ impl WeighOptions {
     }
 }
 
-/// So many keys that something can be done to, spread over those that were weighed.
-fn spread(keys: &[BalancedKey], count: usize) -> Vec<&BalancedKey> {
+/// So many keys that leads would do something to, spread over those that were weighed.
+fn spread(list: &KeyboardList, count: usize) -> Vec<&BalancedKey> {
     let able = |key: &&BalancedKey| {
-        let is_off = key.leads.as_ref().is_none_or(|leads| leads.front_weight_g != 0.0);
-        is_off && key.balance_weight_g.is_some() && key.measured.front_weight_g.is_some()
+        let is_off = key.front_change_g.is_some_and(|by_g| by_g != 0.0);
+        is_off
+            && key.balance_weight_g.is_some()
+            && key.measured.front_weight_g.is_some()
+            && !KeyboardList::is_friction_out(key)
     };
-    let able: Vec<&BalancedKey> = keys.iter().filter(able).collect();
+    let able: Vec<&BalancedKey> = list.plan.keys.iter().filter(able).collect();
     let count = count.min(able.len());
     (0..count)
         .filter_map(|k| able.get(if count > 1 { k * (able.len() - 1) / (count - 1) } else { able.len() / 2 }))

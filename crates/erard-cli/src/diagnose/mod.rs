@@ -16,6 +16,8 @@ use crate::units::Lengths;
 pub(crate) struct Work<'a> {
     /// The file of the readings; `None` where they were options.
     pub file: Option<&'a str>,
+    /// Whether nobody named the key, so that another's usual ranges stand in.
+    pub is_key_assumed: bool,
     /// The answers, a key each.
     pub found: &'a [Diagnosis],
     /// What stands at the head of the page.

@@ -4,7 +4,8 @@ use maud::{Markup, html};
 
 use super::Work;
 use super::words::{
-    BASIS, explains, geometry, key, mark, not_judged, percent, rows, usual, value, verdict, would_read,
+    BASIS, assumed_key, explains, geometry, key, mark, not_judged, percent, rows, to_do, usual, value, verdict,
+    would_read,
 };
 use crate::paper::page;
 use crate::table::Table;
@@ -30,8 +31,9 @@ pub(crate) fn html(work: &Work<'_>) -> String {
             }
         }
         @if let Some(note) = &headed.note { p.note { (note) } }
+        @if let Some(line) = assumed_key(work) { p.note { (line) } }
         @if let [one] = work.found {
-            (of_key(one, work))
+            div.one-page { (of_key(one, work)) }
         } @else {
             (list(work))
             @for one in work.found.iter().filter(|one| one.is_work()) {
@@ -40,7 +42,7 @@ pub(crate) fn html(work: &Work<'_>) -> String {
             }
         }
         footer.soft {
-            "D and U are weighed with the pedal down. A reading is out (!) where it leaves its usual range by more than it may be off. " (BASIS)
+            "D and U are weighed with the pedal down: D is the least weight on the key's front with which the key, let go from rest, sinks slowly to let-off, U the largest that it lifts again from just before let-off. A reading is out (!) where it leaves its usual range by more than it may be off. " (BASIS)
         }
     };
     page(&format!("Diagnosis: {what}"), &style, &body)
@@ -57,6 +59,12 @@ fn of_key(one: &Diagnosis, work: &Work<'_>) -> Markup {
         section {
             (readings(one, work))
             @if let Some(why) = not_judged(one) { p.soft { "Not judged: " (why) "." } }
+            @if one.is_work() {
+                h2 { "To do, in this order" }
+                table.list { tbody { @for (at, line) in to_do(one).iter().enumerate() {
+                    tr { th scope="row" { (at + 1) } td { (line) } td.tick { "☐" } }
+                } } }
+            }
             h2 { (verdict(one)) }
             @if !one.causes.is_empty() {
                 table.list {

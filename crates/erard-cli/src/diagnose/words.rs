@@ -106,6 +106,43 @@ pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
     )
 }
 
+/// Whose usual ranges hold where nobody named the key.
+pub(super) fn assumed_key(work: &Work<'_>) -> Option<String> {
+    let one = work.found.first().filter(|_| work.is_key_assumed)?;
+    Some(format!("No key was named: usual ranges are those of {}. Name yours with --key.", key(one)))
+}
+
+/// What to do, in its order: readings that are in doubt, the measurement that tells most, friction, the other causes,
+/// and all readings again.
+pub(super) fn to_do(diagnosis: &Diagnosis) -> Vec<String> {
+    if !diagnosis.is_work() {
+        return Vec::new();
+    }
+    let mut lines = Vec::new();
+    let doubtful = diagnosis.lines.iter().filter(|line| line.standing == Standing::Doubtful);
+    let doubtful: Vec<&str> = doubtful.map(|line| line.label).collect();
+    if !doubtful.is_empty() {
+        lines.push(format!("Take again what may be read wrong: {}.", doubtful.join(", ")));
+    }
+    if let Some(next) = &diagnosis.next {
+        lines.push(format!("Measure {} ({}) and enter it: the causes below then change.", next.label, next.how));
+    }
+    let rubs = |ranked: &&Ranked| ranked.explains.iter().any(|(name, by)| *name == "friction_weight_g" && *by > 0.0);
+    let numbers = |rubbing: bool| {
+        let ranked = diagnosis.causes.iter().enumerate().filter(|(_, ranked)| rubs(ranked) == rubbing);
+        ranked.map(|(at, _)| (at + 1).to_string()).collect::<Vec<_>>().join(", ")
+    };
+    let (friction, others) = (numbers(true), numbers(false));
+    if !friction.is_empty() {
+        lines.push(format!("Friction before all else, for it is in every weight: the tests of {friction}. Mend what a test finds, and weigh again."));
+    }
+    if !others.is_empty() {
+        lines.push(format!("Then the tests of {others}, the likeliest first. Mend only what a test finds."));
+    }
+    lines.push("Take all readings again: what is still out has another cause.".to_owned());
+    lines
+}
+
 /// Why a reading is not judged, once.
 pub(super) fn not_judged(diagnosis: &Diagnosis) -> Option<&'static str> {
     diagnosis.lines.iter().find_map(|line| match line.standing {
@@ -134,10 +171,15 @@ pub(super) fn geometry(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// The answers for people.
 pub(crate) fn text(work: &Work<'_>) -> String {
-    match work.found {
+    let mut out = match work.found {
         [one] => of_one(one, work.lengths),
         found => of_many(found, work),
+    };
+    if let Some(assumed) = assumed_key(work) {
+        let _ = writeln!(out);
+        line(&mut out, 2, &assumed);
     }
+    out
 }
 
 fn line(out: &mut String, indent: usize, text: &str) {
@@ -323,6 +365,7 @@ pub(crate) fn report(work: &Work<'_>) -> Value {
             "is_work": one.is_work(),
             "causes": one.causes.iter().map(cause).collect::<Vec<_>>(),
             "something_else": rounded(one.something_else),
+            "to_do": to_do(one),
             "measure_next": one.next.as_ref().map(next),
             "leverage": ends(one.geometry.ratio),
             "front_weight_g": ends(one.geometry.front_weight_g),

@@ -174,20 +174,19 @@ fn timing(measured: &[Measured]) -> String {
         rows.sort_by(|a, b| a.hammer_speed_m_per_s.unwrap_or(0.0).total_cmp(&b.hammer_speed_m_per_s.unwrap_or(0.0)));
         rows
     };
-    let touches = [("pressed", Dash::Solid), ("struck", Dash::Dashed)];
+    let touches = ["pressed", "struck"];
     struct Strokes {
         label: String,
         colour: usize,
-        dash: Dash,
         speeds: Vec<f64>,
         rows: Vec<TimingRow>,
     }
     let mut series = Vec::new();
     for (index, one) in measured.iter().enumerate() {
-        for (touch, dash) in touches {
+        for touch in touches {
             let rows = sounded(one, touch);
             let speeds = rows.iter().filter_map(|row| row.hammer_speed_m_per_s).collect();
-            series.push(Strokes { label: label(measured, index, touch), colour: index, dash, speeds, rows });
+            series.push(Strokes { label: label(measured, index, touch), colour: index, speeds, rows });
         }
     }
     let curves = |value: fn(&TimingRow) -> Option<f64>| -> Vec<Trace<'_>> {
@@ -195,7 +194,8 @@ fn timing(measured: &[Measured]) -> String {
             .iter()
             .map(|one| {
                 let y: Vec<f64> = one.rows.iter().map(|row| value(row).unwrap_or(f64::NAN)).collect();
-                Trace::new(&one.label, &one.speeds, y, one.colour, one.dash)
+                // Five touches, each another motion of the hand: nothing lies between two of them.
+                Trace::new(&one.label, &one.speeds, y, one.colour, Dash::Alone)
             })
             .collect()
     };
@@ -207,7 +207,7 @@ fn timing(measured: &[Measured]) -> String {
     ];
     let far = largest(series.iter().flat_map(|one| &one.speeds));
     let title = titled(measured, "timing");
-    let what = "after key start; hammer ahead of key bottom; from the last push to the string. pp, p, mf, f, ff";
+    let what = "after key start; hammer ahead of key bottom; from the last push to the string. From the left: pp, p, mf, f, ff";
     let over = (0.0, 1.04 * far.max(0.1));
     figure_svg(&Figure::over("hammer speed (m/s)", over, title, subtitled(measured, what), panels))
 }

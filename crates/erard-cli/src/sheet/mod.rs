@@ -57,6 +57,10 @@ pub(crate) fn before_and_after(one: &Advised<'_>) -> String {
         let usual = crate::measure::usual(quantity.line(), list.key, lengths);
         [name(quantity).to_owned(), cell(&list.before), cell(&list.after), usual]
     });
+    if list.items.is_empty() {
+        return Table::of(["line", "here", "usual"], rows.map(|[line, here, _, usual]| [line, here, usual]))
+            .to_string();
+    }
     Table::of(["line", "here", "after the list", "usual"], rows).to_string()
 }
 

@@ -14,6 +14,9 @@ use crate::units::Lengths;
 
 const STYLE: &str = include_str!("../paper.css");
 
+/// Both columns of numbers alike.
+const COLUMNS: &str = "@media screen and (min-width:40rem){.pair{grid-template-columns:1fr 1fr}}@media print{.pair{grid-template-columns:1fr 1fr}}";
+
 /// A line of the sheet: which of the protocol's, and what the bench calls it.
 type Value = (&'static str, &'static str);
 
@@ -28,7 +31,7 @@ const PARTS: [Value; 4] = [
     ("strike_weight_g", "hammer (strike weight)"),
     ("front_weight_g", "key front weight"),
     ("whippen_weight_g", "whippen weight"),
-    ("strike_weight_ratio_weights", "leverage (strike-weight ratio)"),
+    ("strike_weight_ratio_weights", "leverage (ratio)"),
 ];
 const REGULATION: [Value; 11] = [
     ("dip_mm", "dip"),
@@ -40,7 +43,7 @@ const REGULATION: [Value; 11] = [
     ("aftertouch_mm", "aftertouch"),
     ("check_mm", "checking distance"),
     ("repetition_spring_m_per_s", "rise from the check"),
-    ("damper_start_share", "damper start, of the dip"),
+    ("damper_start_share", "damper start"),
     ("lost_motion_mm", "lost motion"),
 ];
 const PLAYING: [Value; 3] = [
@@ -54,7 +57,7 @@ pub(crate) fn html(all: &[Advised<'_>]) -> String {
     let names: Vec<&str> = all.iter().map(|one| one.measured.label.as_str()).collect();
     let paper = all.first().map_or("A4", |one| one.headed.paper);
     let title = format!("{}: technician's sheet", names.join(", "));
-    let style = format!("{STYLE}@page{{size:{paper}}}section+section{{break-before:page}}");
+    let style = format!("{STYLE}@page{{size:{paper}}}section+section{{break-before:page}}{COLUMNS}");
     page(&title, &style, &html! { @for one in all { (sheet(one)) } })
 }
 
@@ -62,7 +65,7 @@ fn sheet(one: &Advised<'_>) -> Markup {
     let (measured, headed) = (one.measured, one.headed);
     let out = measured.sheet.flags.len();
     html! {
-        section {
+        section.one-page {
             header {
                 h1 { (measured.label) }
                 dl {
@@ -72,13 +75,13 @@ fn sheet(one: &Advised<'_>) -> Markup {
             }
             @if let Some(note) = &headed.note { p.note { (note) } }
             p.soft {
-                "Weighed with the pedal down. Usual ranges are those of " (note_name(measured.sheet.norms_for_key))
+                "Usual ranges are those of " (note_name(measured.sheet.norms_for_key))
                 " (key " (measured.sheet.norms_for_key) "). "
                 @if out == 0 { "Nothing is out of it." } @else { "Values outside are marked !" }
             }
             div.pair {
-                div { (values("Touch", &TOUCH, one)) (values("On the scale", &PARTS, one)) }
-                div { (values("Regulation", &REGULATION, one)) (values("Playing", &PLAYING, one)) }
+                div { (values("Touch", &TOUCH, one)) (values("On the scale", &PARTS, one)) (values("Playing", &PLAYING, one)) }
+                div { (values("Regulation", &REGULATION, one)) }
             }
             h2 { "To do, in this order: each line is worked out after the ones before it" }
             (to_do(one))
@@ -86,6 +89,8 @@ fn sheet(one: &Advised<'_>) -> Markup {
                 (picture(&format!("{}, at rest", measured.label), one.drawing))
             }
             footer.soft {
+                "How D and U are taken: pedal down, the weight on the key's front. D is the least with which the key, let go from rest, sinks slowly to let-off, \
+                 U the largest that it lifts again from just before let-off; its speed must not help it. Damper start is a share of the dip. "
                 "Measured in simulation of this file, as on the bench. Turns are estimates: " (pitch(CAPSTAN_THREAD_M, one.lengths))
                 " a turn for capstans, let-off and dampers (as a 10-24 machine screw, which Nossaman uses for dampers, Caut list 2007), "
                 (pitch(SMALL_THREAD_M, one.lengths)) " for the small screws; give a turn, measure, and go by that. Sources of the usual ranges, all values and the curves: measure.html, the appendix."

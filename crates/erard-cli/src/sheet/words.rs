@@ -132,20 +132,12 @@ fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Len
             format!("ease it by {:.0} g (key bushings, centre pins, knuckle); weigh again before you go on", -by_g)
         }
         Work::Friction { by_g } => format!("{by_g:.0} g too little: loose centre pins? weigh again before you go on"),
-        Work::Hammer { by_g } if *by_g < 0.0 => format!("take {:.1} g off", -by_g),
-        Work::Hammer { by_g } => format!("add {by_g:.1} g"),
+        Work::Hammer { by_g } => crate::weigh::hammer_text(*by_g),
         Work::Capstan { by_mm } => {
             format!("move it {} {}", lengths.text(by_mm.abs(), 1), item.work.way(instrument))
         }
         Work::Leads(leads) => crate::weigh::leads_text(leads, lengths),
-        Work::FrontWeight { by_g } if *by_g < 0.0 => {
-            let place = lengths.text(10.0 * (-by_g * front_mm(instrument) / LEAD_G / 10.0).round(), 0);
-            format!(
-                "take {:.1} g of front weight out: move leads toward the pin or take one out (a {LEAD_G:.0} g lead at {place} from the pin is as much)",
-                -by_g
-            )
-        }
-        Work::FrontWeight { by_g } => format!("put {by_g:.1} g of front weight in"),
+        Work::FrontWeight { by_g } => crate::weigh::front_weight_text(*by_g, front_mm(instrument), lengths),
         Work::Screw { name, by } => {
             let way = item.work.way(instrument);
             match known_screw(name).map(|known| known.work) {
@@ -171,9 +163,6 @@ fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Len
         }
     }
 }
-
-/// A usual lead, g: for an example of front weight.
-const LEAD_G: f64 = 14.0;
 
 fn front_mm(instrument: &erard::instrument::Instrument) -> f64 {
     1e3 * instrument.roles.key_front_m[0].abs()

@@ -179,10 +179,12 @@ impl<'a> Table<'a> {
             } } }
             tbody {
                 @for row in 0..self.rows() {
-                    tr {
-                        @for column in columns.iter().take(1) { th scope="row" { (column.cells[row]) } }
+                    @if text::is_heading(&columns, row) {
+                        tr.group { th colspan=(columns.len()) { (columns[0].cells[row].trim()) } }
+                    } @else { tr {
+                        @for column in columns.iter().take(1) { th class=[class(column)] scope="row" { (column.cells[row]) } }
                         @for column in columns.iter().skip(1) { td class=[class(column)] { (column.cells[row]) } }
-                    }
+                    } }
                 }
             }
         }

@@ -52,7 +52,7 @@ impl Table<'_> {
 }
 
 /// Whether a row has one word only: it is a heading, and runs over the columns behind it.
-fn is_heading(columns: &[Shown<'_>], row: usize) -> bool {
+pub(super) fn is_heading(columns: &[Shown<'_>], row: usize) -> bool {
     columns.len() > 1 && columns[1..].iter().all(|column| column.cells[row].trim().is_empty())
 }
 

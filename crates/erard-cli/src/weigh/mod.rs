@@ -1,37 +1,62 @@
-//! What `erard keyboard --weigh` makes of a plan: the work list as text, table, page and figure.
+//! What `erard keyboard --weigh` makes of a keyboard that was weighed: the readings, the work list by operation, as
+//! text, table, page and figure.
 
 mod figure;
+mod lists;
 mod page;
 mod table;
+mod text;
 
 pub(crate) use figure::weighed_svg;
 pub(crate) use page::html;
-pub(crate) use table::{report, table, text};
+pub(crate) use table::{again, report, table};
+pub(crate) use text::{again_text, text};
 
-use erard_workshop::balance::{Checked, Lead, LeadWork, Plan};
+use erard_workshop::balance::{Checked, Lead, LeadWork, MeasuredKey};
+use erard_workshop::worklist::KeyboardList;
 
 use crate::paper::Headed;
 use crate::units::Lengths;
 
-/// A plan with what belongs to its pages.
+/// A list with what belongs to its pages.
 #[derive(Debug)]
 pub(crate) struct Work<'a> {
-    /// What is weighed: the keyboard's name and the table's.
+    /// The keyboard whose model stands in where nothing was weighed.
     pub name: &'a str,
     /// The table's name.
     pub file: &'a str,
-    /// The plan.
-    pub plan: &'a Plan,
+    /// What to do.
+    pub list: &'a KeyboardList,
     /// The sample that was checked.
     pub checked: &'a [Checked],
+    /// The keys weighed again on copies on which the list was carried out, where that was asked for.
+    pub again: Option<&'a [MeasuredKey]>,
     /// What stands at the head of the page.
     pub headed: &'a Headed,
     /// How lengths are shown.
     pub lengths: Lengths,
 }
 
-/// Keys whose hammers are off the target by more than this are said, g: what hammers of one set scatter by.
-const HAMMER_OFF_G: f64 = 0.3;
+/// A usual lead, g: for examples of front weight.
+const LEAD_G: f64 = 14.0;
+
+/// Front weight where nobody said which leads are there, in words. `front_mm` is from the balance pin to the key's
+/// front.
+pub(crate) fn front_weight_text(by_g: f64, front_mm: f64, lengths: Lengths) -> String {
+    if by_g > 0.0 {
+        return format!("put {by_g:.1} g of front weight in");
+    }
+    let place = lengths.text(10.0 * (-by_g * front_mm / LEAD_G / 10.0).round(), 0);
+    format!(
+        "take {:.1} g of front weight out: move leads toward the pin or take one out (a {LEAD_G:.0} g lead at {place} from the pin is as much)",
+        -by_g
+    )
+}
+
+/// Weight of a hammer, in words.
+pub(crate) fn hammer_text(by_g: f64) -> String {
+    if by_g < 0.0 { format!("take {:.1} g off", -by_g) } else { format!("add {by_g:.1} g") }
+}
 
 /// What is done to a key's leads, in words.
 pub(crate) fn leads_text(work: &LeadWork, lengths: Lengths) -> String {

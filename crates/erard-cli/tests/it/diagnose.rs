@@ -37,8 +37,13 @@ fn a_few_readings() {
         assert!(said.contains(told), "{told}: {said}");
     }
     assert!(said.lines().all(|line| line.chars().count() <= 100), "{said}");
+    assert!(!said.contains("No key was named"), "{said}");
     let found = read(&folder, "erard-out-diagnose/diagnosis.json");
     let key = &found["keys"][0];
+    // The page begins with what to do: measure, friction, the rest, everything again.
+    let to_do: Vec<&str> = key["to_do"].as_array().unwrap().iter().filter_map(|line| line.as_str()).collect();
+    let begins = ["Measure ", "Friction before all else", "Then the tests of", "Take all readings again"];
+    assert!(to_do.len() == 4 && to_do.iter().zip(begins).all(|(line, word)| line.starts_with(word)), "{to_do:?}");
     assert_eq!(
         (key["key"].as_u64(), key["is_work"].as_bool(), key["inertia_kg"].is_null()),
         (Some(40), Some(true), true)
@@ -52,6 +57,15 @@ fn a_few_readings() {
             && page.contains("@page{size:A4}")
             && !page.contains("<script>")
     );
+}
+
+/// Where nobody names the key, the answer says whose ranges it took.
+#[test]
+fn a_key_that_was_not_named() {
+    let folder = folder("unnamed");
+    let said = folder.good(&["--down-weight", "58", "--up-weight", "18"]);
+    assert!(said.contains("No key was named: usual ranges are those of C4 (key 40)"), "{said}");
+    assert!(folder.read("erard-out-diagnose/diagnosis.html").contains("No key was named"));
 }
 
 /// Many keys, by number or note, with empty cells; the sound one gets no work, and a sharp's dip is not judged.

@@ -16,6 +16,20 @@ fn json(folder: &Folder, name: &str) -> Value {
     serde_json::from_str(&folder.read(name)).unwrap()
 }
 
+/// A soft touch makes the heavy action's hammer strike again: side by side, numbers and words say so.
+#[test]
+fn two_instruments_say_how_often_each_strikes() {
+    let folder = Folder::new("strikes-again");
+    let both =
+        ["--instrument", "concert-grand", "--instrument", "heavy-touch", "--force-step", "1", "--duration", "0.6"];
+    let said = folder.good(&[&["press"][..], &both, &["--out", "two"]].concat());
+    let row = said.lines().find(|line| line.contains("impacts on the string")).unwrap();
+    assert_eq!(row.split_whitespace().skip(4).collect::<Vec<_>>(), ["1", "2", "+1"], "{said}");
+    assert!(said.contains("Heavy touch, C4: the hammer strikes 2 times"), "{said}");
+    assert_eq!(json(&folder, "two/summary.json")["difference"]["impacts"], 1.0);
+    assert!(folder.read("two/run.html").contains("impacts on the string"));
+}
+
 /// The first command of the README.
 #[test]
 fn with_no_argument_the_grand_plays() {

@@ -39,6 +39,13 @@ const CALLS: &[(&str, &[&[&str]])] = &[
     ),
     ("measure", &[&["measure"]]),
     ("keyboard", &[&["keyboard", "--every", "60"]]),
+    (
+        "keyboard-weigh",
+        &[
+            &["keyboard", "--weigh", "weighed.csv", "--sample", "1", "--carry-out", "--out", "w1"],
+            &["keyboard", "--weigh", "weighed.csv", "--sample", "0", "--target", "balance=38g", "--out", "w2"],
+        ],
+    ),
     ("regulate", &[&["regulate", "mine.toml", "--let-off", "2mm", "--out", "regulated.toml", "--force"]]),
     ("validate", &[&["validate"]]),
     (
@@ -179,6 +186,7 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
         noisy.push_str(&format!("{:.1};{force};{:.4}\n", n as f64 * 0.2, 1.0 + 0.09 * push + 0.02 * noise(5)));
     }
     folder.file("noisy.csv", &noisy);
+    folder.file("weighed.csv", crate::weigh::FEW_KEYS);
     std::fs::write(folder.0.join("two.mid"), crate::play::two_notes()).unwrap();
     let mut without: Vec<&str> = Vec::new();
     for (name, calls) in CALLS.iter().filter(|(name, _)| chosen(name)) {
@@ -199,7 +207,7 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
             let mut schema = infer(&answers.iter().collect::<Vec<_>>(), "");
             let own = schema.as_object_mut().unwrap();
             own.insert("$schema".into(), "http://json-schema.org/draft-07/schema#".into());
-            own.insert("title".into(), format!("erard {} --json", name.replace("-sens", " --sens")).into());
+            own.insert("title".into(), format!("erard {} --json", name.replacen('-', " --", 1)).into());
             std::fs::write(home(name), serde_json::to_string_pretty(&schema).unwrap() + "\n").unwrap();
         }
         let Ok(text) = std::fs::read_to_string(home(name)) else {

@@ -3,7 +3,21 @@
 use crate::common::Folder;
 use serde_json::Value;
 
-/// A piano with a ratio of 5.6, whose keys have a balance weight of 40 g in the bass and 36 g in the treble; key 30 was
+/// Some keys of a piano: at middle C it rubs, C6 has lost a lead, and G5's hammer is too heavy.
+pub const FEW_KEYS: &str = "\
+key,strike_weight_g,front_weight_g,down_weight_g,up_weight_g,leads
+A0,10.4,31.5,53,21,
+E2,9.7,28,52,22,
+G3,9.1,25,50,24,
+C4,8.7,22.5,58,18,14@164 14@146
+D4,8.7,22.5,48,24,
+G5,8.4,14.5,54,32,
+A5,7.3,14.5,47,26,
+C6,7.0,8,52,31,10@100
+C8,4.8,0.5,47,27,
+";
+
+/// A piano with a ratio of 5.6, whose keys have a balance weight of 44 g in the bass and 32 g in the treble; key 30 was
 /// not weighed, key 40 only in part; key 50's hammer is a gram too heavy for its neighbours. Decimal commas, as a
 /// spreadsheet writes them here.
 fn piano() -> String {
@@ -11,7 +25,7 @@ fn piano() -> String {
     for key in (1..=88).filter(|key| *key != 30) {
         let x = f64::from(key);
         let strike = 10.6 - 0.065 * x + if key == 50 { 1.0 } else { 0.0 };
-        let balance = 40.0 - 4.0 * (x - 1.0) / 87.0;
+        let balance = 44.0 - 12.0 * (x - 1.0) / 87.0;
         let friction = 15.0 - 5.0 * (x - 1.0) / 87.0;
         // What balances at that, with KR WW of 10.3 g.
         let front = 10.3 + 5.6 * strike - balance;
@@ -37,35 +51,48 @@ fn a_work_list() {
     let arguments =
         ["keyboard", "--weigh", "piano.csv", "--target", "balance=38g", "--sample", "2", "--serial", "D 1234"];
     let said = folder.good(&[&arguments[..], &["--out", "work"]].concat());
-    assert!(said.starts_with("Concert grand - 87 keys weighed in piano.csv"), "{said}");
-    // Every key that was weighed has its line.
-    assert_eq!(
-        said.lines().filter(|line| line.contains(" forward") || line.contains(" back")).count(),
-        87 + 2,
-        "{said}"
-    );
+    assert!(said.starts_with("piano.csv - 87 keys weighed"), "{said}");
+    assert!(said.lines().all(|line| line.chars().count() <= 100), "{said}");
     let plan = read(&folder, "work/weigh.json");
-    assert_eq!(plan["target_balance_weight_g"], 38.0);
-    let keys = plan["keys"].as_array().unwrap();
+    assert_eq!((plan["target_balance_weight_g"].as_f64(), &plan["target_from"]), (Some(38.0), &"asked".into()));
+    let (keys, work) = (plan["keys"].as_array().unwrap(), plan["work"].as_array().unwrap());
+    let line = |key: &Value, operation: &str| {
+        work.iter().find(|line| line["key"] == *key && line["operation"] == operation).cloned()
+    };
     for one in keys {
         let number = |key: &str| one[key].as_f64().unwrap();
         let x = number("key");
-        let balance = 40.0 - 4.0 * (x - 1.0) / 87.0;
+        let balance = 44.0 - 12.0 * (x - 1.0) / 87.0;
         assert!((number("balance_weight_g") - balance).abs() < 0.02, "{one}");
         assert!((number("friction_weight_g") - (15.0 - 5.0 * (x - 1.0) / 87.0)).abs() < 0.02, "{one}");
+        // The hammer of key 50 comes to its neighbours first: a gram of it is 5.6 g at the key.
+        let hammer = line(&one["key"], "hammers");
+        assert_eq!(hammer.is_some(), x == 50.0, "{one}");
+        let wanted = balance - 38.0 - if x == 50.0 { 5.6 } else { 0.0 };
         // A gram in front is a gram of balance weight less; leads make it, at 265 mm, to a quarter of a gram.
-        let leads = one["leads"].as_object().unwrap();
-        let moment: f64 = leads["put"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|lead| lead[0].as_f64().unwrap() * lead[1].as_f64().unwrap())
-            .sum();
-        let wanted = if (balance - 38.0).abs() < 0.5 { 0.0 } else { balance - 38.0 };
-        assert!((moment / 265.0 - wanted).abs() < 0.27, "{one}");
-        let after = number("balance_weight_after_leads_g");
-        assert!((after - 38.0).abs() < 0.52, "{one}");
+        let Some(leads) = line(&one["key"], "leads") else {
+            assert!(wanted.abs() < 2.1, "{one}");
+            continue;
+        };
+        assert!(wanted.abs() > 1.9, "{one}");
+        let by = leads["by_g"].as_f64().unwrap();
+        assert!((by - wanted).abs() < 0.4, "{leads}");
+        // Where weight must go and nobody said which leads are there, none is named.
+        if let Some(put) = leads["leads"]["put"].as_array() {
+            let moment: f64 = put.iter().map(|lead| lead[0].as_f64().unwrap() * lead[1].as_f64().unwrap()).sum();
+            assert!((moment / 265.0 - wanted).abs() < 0.27, "{leads}");
+        } else {
+            assert!(wanted < 0.0, "{leads}");
+        }
+        let then = |key: &str| leads["then"][key].as_f64().unwrap();
+        let after = 0.5 * (then("down_weight_g") + then("up_weight_g"));
+        assert!((after - 38.0).abs() < 0.52 && (number("balance_weight_after_g") - after).abs() < 0.2, "{leads}");
     }
+    // Every line of the list is printed, and the ends of the sections come first.
+    let leads: Vec<u64> =
+        work.iter().filter(|l| l["operation"] == "leads").map(|l| l["key"].as_u64().unwrap()).collect();
+    assert!(leads.len() > 40 && leads[..4] == [1, 20, 21, 50], "{leads:?}");
+    assert!(said.contains("samples at section ends") && said.contains("the rest"), "{said}");
     // Key 40's hammer comes from the curve; its neighbours' line says 8.0 g.
     let middle = keys.iter().find(|one| one["key"] == 40).unwrap();
     assert_eq!(middle["from_curves"], true);
@@ -74,13 +101,62 @@ fn a_work_list() {
     assert!((at(40) - (10.6 - 0.065 * 40.0)).abs() < 0.02, "{}", at(40));
     // The key that was not weighed has its aims, and the heavy hammer bends nothing.
     assert!((at(30) - (10.6 - 0.065 * 30.0)).abs() < 0.02 && (at(50) - (10.6 - 0.065 * 50.0)).abs() < 0.02);
-    assert!(said.contains("off their curve") && said.contains("A#4"), "{said}");
+    assert!(said.contains("Strike weight that sticks out, g: A#4 8.3 (neighbours 7.3)"), "{said}");
     assert!(plan["checked"].as_array().unwrap().len() >= 4);
     assert!(plan["largest_difference_g"].as_f64().unwrap() < 0.5, "{plan}");
     let page = folder.read("work/weigh.html");
-    assert!(page.contains("D 1234") && page.contains("@page{size:A4}") && page.matches("<tr>").count() == 88, "{page}");
+    assert!(
+        page.contains("D 1234") && page.contains("@page{size:A4}") && page.matches("<tr>").count() > 88 + leads.len(),
+        "{page}"
+    );
     assert!(folder.read("work/weigh.csv").lines().count() == 88);
     assert!(std::fs::read(folder.0.join("work/weigh.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+/// 20 g of friction are not answered with "leave": it is eased first, everything else of that key waits, and its own
+/// balance weight is not the aim.
+#[test]
+fn friction_comes_first() {
+    let folder = Folder::new("weigh-friction");
+    folder.file("lone.csv", "key,DW,UW\nC4,58,18\n");
+    let said = folder.good(&["keyboard", "--weigh", "lone.csv", "--out", "work"]);
+    assert!(said.contains("20.0 !") && said.contains("ease 8 g") && said.contains("wait: first friction"), "{said}");
+    let plan = read(&folder, "work/weigh.json");
+    assert_eq!(plan["work"].as_array().unwrap().len(), 1);
+    assert_eq!((&plan["keys"][0]["friction_is_out"], &plan["target_from"]), (&true.into(), &"most_room".into()));
+    let aim = plan["target_balance_weight_g"].as_f64().unwrap();
+    assert!((34.0..=36.4).contains(&aim), "{aim}");
+}
+
+/// The list is carried out and the keys weighed again, twice: nothing is left to do, and every weight is where it
+/// should be.
+#[test]
+#[ignore = "ci: nine keys worked on twice"]
+fn the_list_carried_out_leaves_nothing_to_do() {
+    let folder = Folder::new("weigh-again");
+    folder.file("piano.csv", FEW_KEYS);
+    let mut file = "piano.csv".to_owned();
+    let mut lines = Vec::new();
+    for pass in ["one", "two", "three"] {
+        folder.good(&["keyboard", "--weigh", &file, "--sample", "0", "--carry-out", "--out", pass]);
+        let plan = read(&folder, &format!("{pass}/weigh.json"));
+        let work = plan["work"].as_array().unwrap();
+        lines.push(work.iter().map(|one| format!("{} {}", one["operation"], one["note"])).collect::<Vec<_>>());
+        for line in work {
+            let again = plan["again"].as_array().unwrap().iter().find(|one| one["key"] == line["key"]).unwrap();
+            let last = work.iter().rfind(|one| one["key"] == line["key"]).unwrap();
+            for weight in ["down_weight_g", "up_weight_g", "strike_weight_g", "front_weight_g"] {
+                let (then, found) = (last["then"][weight].as_f64().unwrap(), again[weight].as_f64().unwrap());
+                // The ratio of the equation is not the model's: a gram of hammer may be half a gram off at the key.
+                assert!((then - found).abs() < 1.5, "{weight}: {last} {again}");
+            }
+        }
+        file = format!("{pass}/again.csv");
+    }
+    assert!(lines[0].iter().any(|line| line.contains("friction") && line.contains("C4")), "{lines:?}");
+    assert!(lines[0].iter().any(|line| line.contains("hammers") && line.contains("G5")), "{lines:?}");
+    assert!(lines[0].iter().any(|line| line.contains("leads") && line.contains("C6")), "{lines:?}");
+    assert!(lines[2].is_empty(), "{lines:?}");
 }
 
 /// An inertia as a target asks for hammers that have it, and the leads balance them.
@@ -93,7 +169,7 @@ fn a_target_inertia() {
     let plan = read(&folder, "work/weigh.json");
     let mut reached = 0;
     for one in plan["keys"].as_array().unwrap().iter().filter(|one| one["from_curves"] == false) {
-        if let Some(after) = one["inertia_after_leads_kg"].as_f64() {
+        if let Some(after) = one["inertia_after_kg"].as_f64() {
             // The leads' places are not the ones that the estimate of the key's own inertia has.
             assert!((after - 0.28).abs() < 0.02, "{one}");
             reached += 1;
@@ -119,6 +195,7 @@ fn what_is_wrong_is_named() {
         (&["--weigh", "piano.csv", "--target", "balance=38", "--target", "balance=39"], "given twice"),
         (&["--weigh", "piano.csv", "--leads", "0.1"], "masses from 1 to 50 g"),
         (&["--target", "balance=38g"], "--weigh"),
+        (&["--weigh", "piano.csv", "--sections", "20,H9"], "a note from A0 to C8"),
     ] {
         let error = folder.bad(&[&["keyboard"][..], arguments].concat());
         assert!(error.contains(told), "{arguments:?}: {error}");

@@ -64,8 +64,10 @@ pub(super) fn together(
             let run: Vec<(f64, f64)> = run.into_iter().map(|(x, value)| (x, y_of(value))).collect();
             // A logarithm may be infinite where the value is not.
             for run in run.split(|(_, y)| !y.is_finite()).filter(|run| !run.is_empty()) {
-                polyline(out, curve, run);
-                if curve.dash == Dash::Points {
+                if curve.dash != Dash::Alone {
+                    polyline(out, curve, run);
+                }
+                if matches!(curve.dash, Dash::Points | Dash::Alone) {
                     let inside = |(x, y): &&(f64, f64)| {
                         (area.left..=area.right()).contains(x) && (area.top..=area.bottom()).contains(y)
                     };
@@ -173,7 +175,7 @@ pub(super) fn short(value: f64) -> String {
 
 /// The panel's quantity, turned to run along the ordinate.
 pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
-    let (x, y) = (LEFT - 56.0, top + 0.5 * panel.height_px);
+    let (x, y) = (LEFT - 56.0, top + 0.5 * panel.height());
     // A logarithmic axis says so: its numbers alone are easily misread.
     let scale = match panel.layout {
         Layout::Together | Layout::Stacked => "",
@@ -188,22 +190,34 @@ pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
     text(out, "ink", [x, y], &turned, &name);
 }
 
+/// Between the legend's first entry and the panel's top, and from entry to entry, px.
+const LEGEND_TOP: f64 = 12.0;
+const LEGEND_PITCH: f64 = 17.0;
+
+/// What a panel's legend needs, px.
+pub(super) fn legend_height(panel: &Panel) -> f64 {
+    let entries = panel.curves.iter().filter(|curve| !curve.label.is_empty()).count();
+    if entries == 0 { 0.0 } else { LEGEND_TOP + LEGEND_PITCH * (entries - 1) as f64 + 6.0 }
+}
+
 /// Names of the curves beside the panel.
 pub(super) fn legend(out: &mut String, panel: &Panel, left: f64, top: f64) {
     // A curve without a name goes with the one before it.
     for (index, curve) in panel.curves.iter().filter(|curve| !curve.label.is_empty()).enumerate() {
-        let y = top + 12.0 + 17.0 * index as f64;
-        let _ = write!(
-            out,
-            "<line x1=\"{}\" y1=\"{y}\" x2=\"{}\" y2=\"{y}\" stroke=\"{}\" stroke-width=\"2\"{}/>",
-            number(left),
-            number(left + 22.0),
-            curve.colour,
-            dashes(curve.dash),
-            y = number(y),
-        );
+        let y = top + LEGEND_TOP + LEGEND_PITCH * index as f64;
+        if curve.dash != Dash::Alone {
+            let _ = write!(
+                out,
+                "<line x1=\"{}\" y1=\"{y}\" x2=\"{}\" y2=\"{y}\" stroke=\"{}\" stroke-width=\"2\"{}/>",
+                number(left),
+                number(left + 22.0),
+                curve.colour,
+                dashes(curve.dash),
+                y = number(y),
+            );
+        }
         text(out, "ink", [left + 28.0, y + 4.0], "", &curve.label);
-        if curve.dash == Dash::Points {
+        if matches!(curve.dash, Dash::Points | Dash::Alone) {
             point(out, index, left + 11.0, y, curve.colour);
         }
     }
@@ -222,7 +236,7 @@ pub(super) fn line(out: &mut String, class: &str, from: [f64; 2], to: [f64; 2]) 
 
 fn dashes(dash: Dash) -> &'static str {
     match dash {
-        Dash::Solid | Dash::Points => "",
+        Dash::Solid | Dash::Points | Dash::Alone => "",
         Dash::Dashed => " stroke-dasharray=\"6 3\"",
         Dash::Dotted => " stroke-dasharray=\"1.5 2.5\"",
     }

@@ -83,7 +83,7 @@ fn abscissae(chart: &Chart) -> (f64, f64) {
     let place = |x: f64| if chart.x_log { x.log10() } else { x };
     let places = || curves().flat_map(|curve| &curve.x).map(|x| place(*x)).filter(|x| x.is_finite());
     let (low, high) = places().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-    let has_points = curves().any(|curve| curve.mark == Dash::Points);
+    let has_points = curves().any(|curve| matches!(curve.mark, Dash::Points | Dash::Alone));
     let (low, high) = if has_points || low >= high { padded_range(places()) } else { (low, high) };
     if chart.x_log { (10f64.powf(low), 10f64.powf(high)) } else { (low, high) }
 }

@@ -56,6 +56,8 @@ pub enum Dash {
     Dotted,
     /// Unbroken, with a point at every sample.
     Points,
+    /// A point at every sample, and nothing between: samples that are no steps of one thing.
+    Alone,
 }
 
 /// One curve.
@@ -123,6 +125,14 @@ pub struct Panel<'a> {
 }
 
 impl<'a> Panel<'a> {
+    /// Its height, px: as much as its legend needs, at least.
+    fn height(&self) -> f64 {
+        match self.layout {
+            Layout::Lanes { .. } => self.height_px,
+            Layout::Together | Layout::Logarithmic | Layout::Stacked => self.height_px.max(axes::legend_height(self)),
+        }
+    }
+
     /// Curves over one axis that fits them.
     pub fn new(quantity: impl Into<String>, unit: &'static str, height_px: f64, curves: Vec<Trace<'a>>) -> Self {
         Panel { quantity: quantity.into(), unit, height_px, layout: Layout::Together, y_range: None, curves }
@@ -267,7 +277,7 @@ pub(crate) fn figure_svg_named(figure: &Figure, name: &str) -> String {
     let heading = if figure.windows.iter().all(|window| window.heading.is_empty()) { 0.0 } else { 18.0 };
     let top = 30.0 + if figure.subtitle.is_empty() { 0.0 } else { 18.0 } + heading;
     let marks = if named { markers::HEIGHT } else { 8.0 };
-    let heights: f64 = figure.panels.iter().map(|panel| panel.height_px).sum();
+    let heights: f64 = figure.panels.iter().map(Panel::height).sum();
     let gaps = PANEL_GAP * figure.panels.len().saturating_sub(1) as f64;
     let (width, height) = (figure.width_px, top + marks + heights + gaps + BOTTOM);
     let mut out = sheet(&figure.title, [width, height], 12, "", [LEFT, 22.0]);
@@ -288,7 +298,7 @@ pub(crate) fn figure_svg_named(figure: &Figure, name: &str) -> String {
     for (index, panel) in figure.panels.iter().enumerate() {
         let is_last = index + 1 == figure.panels.len();
         for (column, (window, (left, wide))) in figure.windows.iter().zip(&columns).enumerate() {
-            let area = Area { left: *left, top: y, width: *wide, height: panel.height_px };
+            let area = Area { left: *left, top: y, width: *wide, height: panel.height() };
             let clip = format!("{name}-{index}-{column}");
             let place = sides([area.left, area.top, area.width, area.height]);
             let _ = write!(out, "<clipPath id=\"{clip}\"><rect{place}/></clipPath>");
@@ -309,7 +319,7 @@ pub(crate) fn figure_svg_named(figure: &Figure, name: &str) -> String {
             }
             Layout::Lanes { .. } => lanes::names(&mut out, panel, width - RIGHT + 12.0, y),
         }
-        y += panel.height_px + PANEL_GAP;
+        y += panel.height() + PANEL_GAP;
     }
     if let (Some((first, _)), Some((last, wide))) = (columns.first(), columns.last()) {
         let middle = [0.5 * (first + last + wide), height - 12.0];
@@ -383,6 +393,24 @@ mod tests {
             #[cfg(feature = "png")]
             png_from_svg(&svg, 0.5).unwrap();
         }
+    }
+
+    /// A legend that is longer than its panel makes the panel longer, and does not run into the next one's.
+    #[test]
+    fn long_legends_have_room() {
+        let curves =
+            |count: usize| (0..count).map(|k| Trace::new(format!("c{k}"), &[0.0, 1.0], vec![0.0, 1.0], k, Dash::Solid));
+        let panel = |count| Panel::new("q", "", 60.0, curves(count).collect());
+        let figure = Figure::over("x", (0.0, 1.0), "t".into(), String::new(), vec![panel(12), panel(1)]);
+        let svg = figure_svg(&figure);
+        let y_of = |label: &str| -> f64 {
+            let before = svg.split(&format!(">{label}</text>")).next().unwrap();
+            before.rsplit(" y=\"").next().unwrap().split('"').next().unwrap().parse().unwrap()
+        };
+        assert!(svg.matches(">c0</text>").count() == 2);
+        let second = svg.rsplit(">c0</text>").nth(1).unwrap();
+        let second: f64 = second.rsplit(" y=\"").next().unwrap().split('"').next().unwrap().parse().unwrap();
+        assert!(second - y_of("c11") > 17.0, "{} {second}", y_of("c11"));
     }
 
     /// Areas stand one upon the other: parts of 1 and 3 end at 1 and at 4 of an axis that ends at 4.2, a twentieth

@@ -162,7 +162,7 @@ fn panel_value(panel: &Panel, shown: &[Shown<'_>], lanes: &[(usize, usize)], tim
         .enumerate()
         .map(|(index, curve)| {
             let dash: &[f64] = match curve.dash {
-                Dash::Solid | Dash::Points => &[],
+                Dash::Solid | Dash::Points | Dash::Alone => &[],
                 Dash::Dashed => &[6.0, 3.0],
                 Dash::Dotted => &[1.5, 2.5],
             };

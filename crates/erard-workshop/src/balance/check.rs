@@ -69,7 +69,7 @@ fn check_key(
     let ratio = (before_g + front_g - whippen_g) / strike_g;
     let mut checked = Vec::new();
     let mut remedies: Vec<(Remedy, f64, Instrument)> = Vec::new();
-    if let Some(leads) = key.leads.clone().filter(|leads| leads.front_weight_g != 0.0) {
+    if let Some(leads) = key.leads.clone().map(|leads| leads.work).filter(|leads| leads.front_weight_g != 0.0) {
         let mut after = as_weighed.clone();
         leads.put.iter().for_each(|lead| front(&mut after, lead.mass_g, lead.at_mm));
         leads.out.iter().for_each(|lead| front(&mut after, -lead.mass_g, lead.at_mm));

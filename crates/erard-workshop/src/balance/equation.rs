@@ -1,5 +1,7 @@
 //! The equation of balance, solved for each of its quantities.
 
+use super::measured::MeasuredKey;
+
 /// The parts that a key balances, g and ratios.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parts {
@@ -37,6 +39,12 @@ pub(crate) struct Balance {
 }
 
 impl Balance {
+    /// Of a key, where both were found.
+    #[must_use]
+    pub(super) fn of(key: &MeasuredKey) -> Option<Self> {
+        Some(Balance { down_weight_g: key.down_weight_g?, up_weight_g: key.up_weight_g? })
+    }
+
     /// BW = (D + U) / 2, g.
     #[must_use]
     pub(crate) fn balance_weight_g(&self) -> f64 {

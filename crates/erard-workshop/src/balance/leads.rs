@@ -69,6 +69,36 @@ impl LeadWork {
     }
 }
 
+/// Where a lead is taken to stand that nobody has named, as a share of the key's front arm: an estimate (the built-in
+/// grand's two leads stand at 0.62 and 0.55 of it).
+pub(super) const LEADS_AT: f64 = 0.6;
+
+/// What a lead that nobody has named adds to the inertia at the key's front when it moves so far to the front, g: an
+/// estimate.
+#[must_use]
+pub fn moved_inertia_g(mass_g: f64, by_mm: f64, key_front_mm: f64) -> f64 {
+    let from = Lead { mass_g, at_mm: LEADS_AT * key_front_mm };
+    let to = Lead { mass_g, at_mm: from.at_mm + by_mm };
+    to.inertia_g(key_front_mm) - from.inertia_g(key_front_mm)
+}
+
+/// Leads for a change of front weight, and what else would do it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LeadChoice {
+    /// The choice: what is there is moved or taken out before any is added.
+    pub work: LeadWork,
+    /// Where that takes leads out or moves them: leads that would be added instead, with nothing taken out.
+    pub adding: Option<LeadWork>,
+}
+
+/// [`lead_work`], beside it the leads that would have to be added if those that are there stay.
+#[must_use]
+pub(crate) fn lead_choice(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead]) -> Option<LeadChoice> {
+    let work = lead_work(change_g, key_front_mm, masses_g, present)?;
+    let adding = if work.out.is_empty() { None } else { best_work(change_g, key_front_mm, masses_g, present, true) };
+    Some(LeadChoice { work, adding })
+}
+
 /// The leads that change the front weight by so much, to the nearest that leads of these masses, each at a whole
 /// millimetre, can. `present` are the key's own leads where they are known: they are moved or taken out before any is
 /// added, nothing is put where one of them stays, and nothing goes behind the pin where several stand in front. Of what
@@ -79,9 +109,14 @@ pub(crate) fn lead_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], pres
     if change_g.abs() < FEWEST_GRAMS {
         return Some(LeadWork::default());
     }
+    best_work(change_g, key_front_mm, masses_g, present, false)
+}
+
+/// The best of all works, or of those that take nothing out.
+fn best_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead], all_stay: bool) -> Option<LeadWork> {
     let mut best: Option<([usize; 2], f64, LeadWork)> = None;
     // Which of the present leads come out: few keys have more than five.
-    let known = &present[..present.len().min(8)];
+    let known = &present[..if all_stay { 0 } else { present.len().min(8) }];
     let several_in_front = present.iter().filter(|lead| lead.at_mm > 0.0).count() > 1;
     for set in 0..1_usize << known.len() {
         let out: Vec<Lead> = (0..known.len()).filter(|i| set >> i & 1 == 1).map(|i| known[i]).collect();
@@ -266,6 +301,26 @@ mod tests {
         assert_eq!((out.len(), new.len()), (0, 0), "{work:?}");
         assert_eq!(moves, [[lead(14.0, 165.0), lead(14.0, 129.0)]]);
         assert!((work.front_weight_g + 14.0 * 36.0 / 250.0).abs() < 1e-12);
+    }
+
+    /// By hand, at a front 250 mm away. 2 g less: a move of 14 g toward the pin takes inertia off, 14 g x (165^2 -
+    /// 129^2) / 250^2, and with two leads in front none is added behind the pin. 2 g more: 14 g moved out by 36 mm, or
+    /// a lead added near the pin, with less inertia than the move.
+    #[test]
+    fn moving_is_compared_with_adding() {
+        let present = [lead(14.0, 165.0), lead(14.0, 147.0)];
+        let less = lead_choice(-2.0, FRONT_MM, &LEADS_G, &present).unwrap();
+        assert_eq!(less.adding, None);
+        let by_hand = -14.0 * (165.0_f64.powi(2) - 129.0_f64.powi(2)) / FRONT_MM.powi(2);
+        assert!((less.work.inertia_g - by_hand).abs() < 1e-12, "{less:?}");
+        let one = [lead(14.0, 120.0)];
+        let more = lead_choice(2.0, FRONT_MM, &LEADS_G, &one).unwrap();
+        assert_eq!((more.work.out.len(), more.work.put[0].at_mm), (1, 156.0), "{more:?}");
+        let adding = more.adding.unwrap();
+        assert!(adding.out.is_empty() && (adding.front_weight_g - 2.0).abs() <= CLOSE_G, "{adding:?}");
+        let put = adding.put[0];
+        assert!((adding.inertia_g - put.mass_g * (put.at_mm / FRONT_MM).powi(2)).abs() < 1e-12);
+        assert!(adding.inertia_g < more.work.inertia_g);
     }
 
     /// With several leads in front none goes behind the pin, whatever is asked for; and none is added while moving

@@ -6,8 +6,9 @@
 //!
 //! with balance weight BW = (D + U) / 2, friction weight F = (D - U) / 2, front weight FW, key ratio KR, whippen weight
 //! WW, strike weight SW and strike-weight ratio R: `equation`. What was measured: `measured`, from tables with a row
-//! for each key: `rows`. Curves over the keyboard: `smooth`. Leads that exist: `leads`. What reaches the target, key by
-//! key: `plan`. Whether it does in the dynamic model: `check`.
+//! for each key: `rows`. Curves over the keyboard: `smooth`; keys that differ from their neighbours: `neighbours`.
+//! Leads that exist: `leads`. What reaches the target, key by key: `plan`. Whether it does in the dynamic model:
+//! `check`.
 //!
 //! Grams are gram-forces at the key front or on the scale, as in the trade; millimetres along the key count from its
 //! balance pin, positive toward the player.
@@ -17,6 +18,7 @@ mod equation;
 mod leads;
 mod measured;
 mod model;
+mod neighbours;
 mod plan;
 mod rows;
 mod smooth;
@@ -25,12 +27,13 @@ pub use check::{Checked, check};
 
 pub use equation::Parts;
 pub(crate) use leads::lead_work;
-pub use leads::{LEADS_G, Lead, LeadWork};
+pub use leads::{LEADS_G, Lead, LeadChoice, LeadWork, moved_inertia_g};
 pub use measured::{MeasuredKey, read};
 pub use model::KeyModel;
 pub(crate) use model::add_mass;
+pub use neighbours::Apart;
 pub(crate) use plan::median;
-pub use plan::{BalancedKey, Curves, Plan, Remedy, Target, plan};
+pub use plan::{BalancedKey, Curves, LEAST_BALANCE_G, Plan, Remedy, Target, plan};
 pub use rows::MeasuredError;
 pub(crate) use rows::rows_of_keys;
 pub use smooth::smooth;

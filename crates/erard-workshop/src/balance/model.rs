@@ -1,5 +1,6 @@
 //! What a keyboard's model gives where nothing was weighed: lengths, ratios, and the inertia of what no scale tells.
 
+use super::leads::LEADS_AT;
 use crate::measure::MeasureError;
 use crate::measure::levers::Levers;
 use erard::grand::{Parts, front_weight_g, strike_weight_g, whippen_weight_g};
@@ -36,9 +37,6 @@ const G: f64 = 1e3;
 const MM: f64 = 1e3;
 /// The trip of the key that inertias belong to: half-way to where let-off usually begins, m.
 const HALF_WAY_M: f64 = 4e-3;
-/// Where leads are taken to stand when a measured front weight differs from the model's, as a share of the key's front
-/// arm: an estimate (the built-in grand's two leads stand at 0.62 and 0.55 of it).
-const LEADS_AT: f64 = 0.6;
 
 impl KeyModel {
     /// Of an instrument, unbent.

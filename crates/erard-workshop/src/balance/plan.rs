@@ -3,20 +3,29 @@
 use erard::keyboard::{KEYS, note_name};
 
 use super::equation::{Balance, Parts};
-use super::leads::{LeadWork, lead_work};
+use super::leads::{LeadChoice, LeadWork, lead_choice};
 use super::measured::MeasuredKey;
 use super::model::KeyModel;
+use super::neighbours::{Apart, Weighed, apart};
 use super::smooth::smooth;
+use crate::measure::norms::lines;
+
+/// A balance weight nearer to its aim than this is left, g: D and U are weighed in steps of 2 g.
+pub const LEAST_BALANCE_G: f64 = 2.0;
+/// The step in which a hammer's weight is changed, g: what a scale shows.
+const HAMMER_STEP_G: f64 = 0.1;
+/// The step in which front weight is asked for where no lead is named, g.
+const FRONT_STEP_G: f64 = 0.5;
 
 /// Goal of the work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
-    /// Balance weight of every key, g; `None`: the median of those weighed.
-    pub balance_weight_g: Option<f64>,
+    /// Balance weight of every key, g.
+    pub balance_weight_g: f64,
     /// Effective inertia of every key at its front, kg; then the hammers follow it, not the smooth curve.
     pub inertia_kg: Option<f64>,
-    /// Whether hammers come to their target strike weights first, and leads follow; otherwise hammers stay, and leads
-    /// do it alone.
+    /// Whether all hammers come to their target strike weights first, and leads follow; otherwise only those that stick
+    /// out from their neighbours.
     pub hammers: bool,
 }
 
@@ -72,11 +81,18 @@ pub struct BalancedKey {
     pub from_curves: bool,
     /// Its target strike weight, g.
     pub target_strike_weight_g: Option<f64>,
-    /// The front weight that reaches the target balance weight, the hammer as it is or at its target
-    /// ([`Target::hammers`]), g.
+    /// The front weight that reaches the target balance weight, the hammer as it is or changed first, g.
     pub target_front_weight_g: Option<f64>,
-    /// Leads that reach the goal; `None` if too little is known or no leads reach it.
-    pub leads: Option<LeadWork>,
+    /// Where it differs from its neighbours by more than readings are off by and the rest scatters.
+    pub apart: Vec<Apart>,
+    /// What the hammer comes to before the leads, more strike weight, g; 0 where it stays.
+    pub hammer_change_g: f64,
+    /// What the leads are to add to the front weight, g: 0 where they stay, `None` if too little is known.
+    pub front_change_g: Option<f64>,
+    /// Whether the leads could add more, but for the ceiling of the front weight.
+    pub is_at_ceiling: bool,
+    /// Leads that do it; `None` where nobody said which are there and some must go, or no leads reach it.
+    pub leads: Option<LeadChoice>,
     /// The change of strike weight that would do it alone, g.
     pub strike_change_g: Option<f64>,
     /// The move of the capstan toward the player that would do it alone, mm.
@@ -94,22 +110,15 @@ pub struct Plan {
     pub keys: Vec<BalancedKey>,
     /// The curves.
     pub curves: Curves,
-    /// g.
-    pub target_balance_weight_g: f64,
     /// Goal of the work.
     pub target: Target,
 }
 
 /// Plans the work. `models` has every key's model, the first key at index 0; `leads_g` are the masses of the leads at
-/// hand. `None` where no balance weight is asked for and no key has both weights to take one from.
+/// hand.
 #[must_use]
-pub fn plan(measured: &[MeasuredKey], models: &[KeyModel; KEYS], target: Target, leads_g: &[f64]) -> Option<Plan> {
-    let balance = |key: &MeasuredKey| {
-        let (down_weight_g, up_weight_g) = (key.down_weight_g?, key.up_weight_g?);
-        Some(Balance { down_weight_g, up_weight_g })
-    };
-    let balances: Vec<f64> = measured.iter().filter_map(|key| Some(balance(key)?.balance_weight_g())).collect();
-    let target_balance_weight_g = target.balance_weight_g.or_else(|| median(&balances))?;
+pub fn plan(measured: &[MeasuredKey], models: &[KeyModel; KEYS], target: Target, leads_g: &[f64]) -> Plan {
+    let target_balance_weight_g = target.balance_weight_g;
     let mut strike_weights = [None; KEYS];
     let mut ratios = [None; KEYS];
     for key in measured {
@@ -121,7 +130,7 @@ pub fn plan(measured: &[MeasuredKey], models: &[KeyModel; KEYS], target: Target,
             whippen_weight_g: key.whippen_weight_g.unwrap_or(model.whippen_weight_g),
             key_ratio: key.key_ratio.unwrap_or(model.key_ratio),
         });
-        ratios[key.key - 1] = parts.zip(balance(key)).map(|(parts, own)| parts.ratio(own.balance_weight_g()));
+        ratios[key.key - 1] = parts.zip(Balance::of(key)).map(|(parts, own)| parts.ratio(own.balance_weight_g()));
     }
     let strike_weight_g = smooth(&strike_weights);
     let ratio = smooth(&ratios);
@@ -141,21 +150,40 @@ pub fn plan(measured: &[MeasuredKey], models: &[KeyModel; KEYS], target: Target,
         })
     });
     let curves = Curves { strike_weight_g, ratio, target_strike_weight_g, target_front_weight_g };
+    let weighed: Vec<Weighed> = measured.iter().map(|key| Weighed::of(key, ratios[key.key - 1])).collect();
+    let apart = apart(&weighed);
     let keys = measured
         .iter()
-        .map(|key| {
+        .zip(apart)
+        .map(|(key, apart)| {
             let at = key.key - 1;
-            let known = Known { balance: balance(key), ratio: ratios[at] };
-            balanced(key, &models[at], known, &curves, target_balance_weight_g, target, leads_g)
+            let known = Known { balance: Balance::of(key), ratio: ratios[at], apart };
+            balanced(key, &models[at], known, &curves, target, leads_g)
         })
         .collect();
-    Some(Plan { keys, curves, target_balance_weight_g, target })
+    Plan { keys, curves, target }
 }
 
 /// What follows from a key's own weights.
 struct Known {
     balance: Option<Balance>,
     ratio: Option<f64>,
+    apart: Vec<Apart>,
+}
+
+/// What a hammer comes to before the leads, more strike weight, g: all of them to their aim, or one that sticks out to
+/// its neighbours.
+fn hammer_change_g(strike_g: Option<f64>, aim_g: Option<f64>, apart: &[Apart], all: bool) -> f64 {
+    let alone = apart.iter().find(|apart| apart.quantity == "strike_weight_g").map(|apart| apart.neighbours);
+    let aim_g = if all { aim_g } else { alone };
+    let by_g = strike_g.zip(aim_g).map_or(0.0, |(now, aim)| aim - now);
+    (by_g / HAMMER_STEP_G).round() * HAMMER_STEP_G
+}
+
+/// The most front weight that is usual at a key, g.
+fn ceiling_g(key: usize) -> f64 {
+    let line = lines().find(|line| line.key == "front_weight_g");
+    line.and_then(|line| line.range(key)[1]).unwrap_or(f64::INFINITY)
 }
 
 fn balanced(
@@ -163,7 +191,6 @@ fn balanced(
     model: &KeyModel,
     known: Known,
     curves: &Curves,
-    target_g: f64,
     target: Target,
     leads_g: &[f64],
 ) -> BalancedKey {
@@ -185,26 +212,41 @@ fn balanced(
     let inertia = |strike_g: Option<f64>, front_g: Option<f64>| Some(model.inertia_kg(strike_g?, front_g?, ratio?));
 
     // The hammer first, where it is to come to its target; then what is left for the leads.
-    let hammer_change_g = if target.hammers {
-        strike_weight_g.zip(target_strike_weight_g).map(|(now, then)| then - now)
-    } else {
-        Some(0.0)
+    let target_g = target.balance_weight_g;
+    let own_strike_g = if target.hammers { strike_weight_g } else { key.strike_weight_g };
+    let hammer_change_g = hammer_change_g(own_strike_g, target_strike_weight_g, &known.apart, target.hammers);
+    let balance_then_g = match hammer_change_g {
+        0.0 => balance_weight_g,
+        by_g => balance_weight_g.zip(ratio).map(|(balance_g, ratio)| balance_g + ratio * by_g),
     };
-    let balance_then_g = || Some(balance_weight_g? + ratio? * hammer_change_g?);
-    let balance_then_g = if hammer_change_g == Some(0.0) { balance_weight_g } else { balance_then_g() };
     // A gram of front weight is a gram of balance weight less.
-    let front_change_g = balance_then_g.map(|balance_g| balance_g - target_g);
-    let leads = front_change_g.and_then(|change_g| lead_work(change_g, model.key_front_mm, leads_g, &key.leads));
+    let wanted_g = balance_then_g.map(|balance_g| balance_g - target_g);
+    let room_g = key.front_weight_g.map_or(f64::INFINITY, |front_g| (ceiling_g(key.key) - front_g).max(0.0));
+    let front_change_g =
+        wanted_g.map(|by_g| by_g.min(room_g)).map(|by_g| if by_g.abs() < LEAST_BALANCE_G { 0.0 } else { by_g });
+    let is_at_ceiling = wanted_g.is_some_and(|by_g| by_g >= LEAST_BALANCE_G && by_g > room_g);
+    // Where nobody said which leads are there, those that must go are for the eye.
+    let for_the_eye =
+        |by_g: f64| by_g < 0.0 && key.leads.is_empty() && key.front_weight_g.is_none_or(|front_g| front_g + by_g > 0.0);
+    let leads = front_change_g
+        .filter(|by_g| !for_the_eye(*by_g))
+        .and_then(|by_g| lead_choice(by_g, model.key_front_mm, leads_g, &key.leads));
+    let front_change_g = front_change_g.map(|by_g| match &leads {
+        Some(leads) => leads.work.front_weight_g,
+        None => (by_g / FRONT_STEP_G).round() * FRONT_STEP_G,
+    });
     let strike_change_g = balance_weight_g.zip(ratio).map(|(balance_g, ratio)| (target_g - balance_g) / ratio);
     // The capstan changes all that stands on it by one factor.
     let capstan_move_mm = balance_weight_g.zip(key.front_weight_g).and_then(|(balance_g, front_g)| {
         let factor = (target_g + front_g) / (balance_g + front_g);
         (factor.is_finite() && factor > 0.0).then(|| model.capstan_move_mm(factor))
     });
-    let after_balance_weight_g = balance_then_g.zip(leads.as_ref()).map(|(g, leads)| g - leads.front_weight_g);
-    let after_strike_g = strike_weight_g.zip(hammer_change_g).map(|(now, by)| now + by);
-    let after_inertia_kg =
-        inertia(after_strike_g, key.front_weight_g).zip(leads.as_ref()).map(|(kg, leads)| kg + 1e-3 * leads.inertia_g);
+    let after_balance_weight_g = balance_then_g.zip(front_change_g).map(|(g, by_g)| g - by_g);
+    let after_strike_g = strike_weight_g.map(|now| now + hammer_change_g);
+    let after_inertia_kg = match &leads {
+        Some(leads) => inertia(after_strike_g, key.front_weight_g).map(|kg| kg + 1e-3 * leads.work.inertia_g),
+        None => inertia(after_strike_g, key.front_weight_g.zip(front_change_g).map(|(now, by)| now + by)),
+    };
     BalancedKey {
         note: note_name(key.key),
         model: *model,
@@ -217,7 +259,11 @@ fn balanced(
         inertia_kg: inertia(strike_weight_g, key.front_weight_g),
         from_curves: key.strike_weight_g.is_none() || known.ratio.is_none() || weighed.is_none(),
         target_strike_weight_g,
-        target_front_weight_g: key.front_weight_g.zip(front_change_g).map(|(now, by)| now + by),
+        target_front_weight_g: key.front_weight_g.zip(wanted_g).map(|(now, by)| now + by),
+        apart: known.apart,
+        hammer_change_g,
+        front_change_g,
+        is_at_ceiling,
         leads,
         strike_change_g,
         capstan_move_mm,

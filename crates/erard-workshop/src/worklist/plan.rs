@@ -5,7 +5,7 @@ use super::Worked;
 use super::aims::{Aims, REGULATION};
 use super::hand::{Work, screw_step};
 use super::readings::{Quantity, Readings};
-use super::weights::best_friction_g;
+use super::weights::{best_friction_g, friction_change_g};
 use crate::balance::{KeyModel, Lead};
 use crate::distances::Protocol;
 use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
@@ -99,6 +99,21 @@ impl Worklist {
     #[must_use]
     pub fn is_out(&self, quantity: Quantity, readings: &Readings) -> bool {
         readings.is_out(quantity, self.key)
+    }
+
+    /// The list with its first so many lines only, carried out on `begun`, from which it was worked out. `progress`
+    /// receives the share that is done, and ends the work by returning false.
+    ///
+    /// # Errors
+    /// See [`super::WorklistError`].
+    pub fn first(&self, lines: usize, begun: &Instrument, progress: &mut Progress<'_>) -> Worked<Worklist> {
+        let items: Vec<Item> = self.items.iter().take(lines).cloned().collect();
+        let mut copy = begun.clone();
+        for item in &items {
+            item.work.carry_out(&mut copy, progress)?;
+        }
+        let after = items.last().map_or(self.before, |item| item.after);
+        Ok(Worklist { key: self.key, before: self.before, items, after, left: Vec::new(), copy })
     }
 }
 
@@ -264,20 +279,12 @@ impl Planner<'_, '_> {
         if !is_out {
             return Ok(());
         }
-        let [low, high] = FrictionWeight.range(self.key);
+        let [_, high] = FrictionWeight.range(self.key);
         let best_g = best_friction_g(self.key);
         // What goes with hammer and leverage goes after this line, and until then friction is to be in its range.
         let later_g = self.friction_of_parts(&then)?;
         let aim_g = if then_g > high { (best_g + later_g).clamp(best_g, high) } else { best_g };
-        // Steps are coarse: of those that end in the range, the one nearest to the aim.
-        let step = Work::Friction { by_g: 0.0 }.step();
-        let steps = ((aim_g - then_g) / step).floor();
-        let off = |by_g: &f64| {
-            let after_g = then_g + by_g;
-            100.0 * (low - after_g).max(after_g - high).max(0.0) + (after_g - aim_g).abs()
-        };
-        let candidates = [steps, steps + 1.0].map(|n| n * step);
-        let by_g = candidates.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_default();
+        let by_g = friction_change_g(then_g, aim_g, self.key);
         // Nothing rubs less than nothing.
         if now_g + by_g > 0.0 { self.do_it(FrictionWeight, &Work::Friction { by_g }, None) } else { Ok(()) }
     }

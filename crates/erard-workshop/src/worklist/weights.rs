@@ -1,6 +1,7 @@
 //! The weights that a key can have: where down-weight, up-weight, balance weight and friction weight are all in their
 //! ranges.
 
+use super::hand::Work;
 use super::readings::Quantity;
 
 /// A balance weight, and how far it keeps every reading that depends on it inside its range (negative: so far outside).
@@ -31,6 +32,21 @@ pub(super) fn best_friction_g(key: usize) -> f64 {
         .map(|n| low + (high - low) * f64::from(n) / f64::from(STEPS))
         .max_by(|a, b| margin(*a).total_cmp(&margin(*b)))
         .unwrap_or(0.5 * (low + high))
+}
+
+/// How much a friction weight changes toward an aim, g: of the hand's steps on either side of the aim, the one that
+/// ends in the range, or else nearest to it.
+#[must_use]
+pub(super) fn friction_change_g(friction_g: f64, aim_g: f64, key: usize) -> f64 {
+    let [low, high] = Quantity::FrictionWeight.range(key);
+    let step = Work::Friction { by_g: 0.0 }.step();
+    let steps = ((aim_g - friction_g) / step).floor();
+    let off = |by_g: &f64| {
+        let after_g = friction_g + by_g;
+        100.0 * (low - after_g).max(after_g - high).max(0.0) + (after_g - aim_g).abs()
+    };
+    let candidates = [steps, steps + 1.0].map(|n| n * step);
+    candidates.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_default()
 }
 
 #[cfg(test)]

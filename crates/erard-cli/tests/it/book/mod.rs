@@ -55,8 +55,8 @@ fn files(folder: &Path) -> Vec<String> {
 
 /// Chapters with a command that takes half a minute or more: a fit, a reproduction, a sheet with its list of work, the
 /// sensitivities of all numbers, a validation.
-const LONG: [&str; 7] =
-    ["bench.md", "gives.md", "measured.md", "model/strings.md", "real.md", "study.md", "validate.md"];
+const LONG: [&str; 8] =
+    ["bench.md", "gives.md", "measured.md", "model/strings.md", "morning.md", "real.md", "study.md", "validate.md"];
 
 /// The blocks of all chapters but the long ones.
 #[test]

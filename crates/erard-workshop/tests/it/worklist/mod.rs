@@ -1,5 +1,6 @@
 //! The list of work: each line stands on a copy that has been worked on.
 
+mod keyboard;
 pub mod proof;
 
 use std::collections::BTreeMap;

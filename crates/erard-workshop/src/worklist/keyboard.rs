@@ -1,0 +1,354 @@
+//! What to do over a keyboard that has been weighed: a list by operation, friction first, then hammers, then leads.
+//!
+//! Friction is in every weight. So a key whose friction is out of its range gets no line but that one, and is weighed
+//! again before anything else is done to it. In each operation the first and the last key of every section come first:
+//! samples, which show whether the operation does what it should before the rest follows.
+
+use erard::keyboard::KEYS;
+
+use super::hand::Work;
+use super::plan::Why;
+use super::readings::Quantity;
+use super::weights::{balance_for, best_friction_g, friction_change_g};
+use crate::balance::{BalancedKey, KeyModel, LEAST_BALANCE_G, MeasuredKey, Plan, Target, median, plan};
+
+use Quantity::FrictionWeight;
+
+/// Fewest keys whose median says what balance weight a keyboard has.
+const FEWEST: usize = 4;
+/// The last keys of the sections of strings but the highest: an estimate for a concert grand. Every piano has its own.
+pub const SECTION_ENDS: [usize; 3] = [20, 50, 70];
+
+/// Where the balance weight that is aimed at comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AimFrom {
+    /// It was asked for.
+    Asked,
+    /// The median of the keys that were weighed.
+    Median,
+    /// The balance weight nearest to that median with which D, U and balance weight are usual at every key, where the
+    /// median is farther from it than a hand can weigh.
+    NearMedian,
+    /// The balance weight that leaves D, U and balance weight most room, for too few keys were weighed for a median.
+    MostRoom,
+}
+
+/// An operation over the keyboard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Operation {
+    /// Easing of friction, or repinning.
+    Friction,
+    /// Weight off or on hammers.
+    Hammers,
+    /// Leads.
+    Leads,
+}
+
+impl Operation {
+    /// All of them, in the order of work.
+    pub const ALL: [Operation; 3] = [Operation::Friction, Operation::Hammers, Operation::Leads];
+}
+
+/// Weights of a key, g; `None` is not known.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Weights {
+    /// D.
+    pub down_g: Option<f64>,
+    /// U.
+    pub up_g: Option<f64>,
+    /// SW.
+    pub strike_g: Option<f64>,
+    /// FW.
+    pub front_g: Option<f64>,
+}
+
+/// A line of work.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeyLine {
+    /// The operation.
+    pub operation: Operation,
+    /// The key.
+    pub key: usize,
+    /// Whether it is the first or the last of its section in this operation.
+    pub is_sample: bool,
+    /// The work.
+    pub work: Work,
+    /// Leads that would be added, where the work moves some or takes some out.
+    pub instead: Option<Work>,
+    /// Weights that are expected after it.
+    pub after: Weights,
+}
+
+/// What to do over a keyboard.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeyboardList {
+    /// What follows from the weights, key by key.
+    pub plan: Plan,
+    /// Where its balance weight comes from.
+    pub aim_from: AimFrom,
+    /// The lines, in the order of work.
+    pub lines: Vec<KeyLine>,
+    /// Keys at which something stays out of its aim or range, and why.
+    pub left: Vec<(usize, Why)>,
+}
+
+impl KeyboardList {
+    /// Whether the friction of a key is out of its range by more than its reading may be off.
+    #[must_use]
+    pub fn is_friction_out(key: &BalancedKey) -> bool {
+        beyond_g(key).is_some_and(|by_g| by_g > FrictionWeight.precision())
+    }
+
+    /// Whether it is out by less: the reading cannot say.
+    #[must_use]
+    pub fn is_friction_doubtful(key: &BalancedKey) -> bool {
+        beyond_g(key).is_some_and(|by_g| by_g > 0.0) && !Self::is_friction_out(key)
+    }
+
+    /// The usual friction weights of a key, g.
+    #[must_use]
+    pub fn usual_friction_g(key: usize) -> [f64; 2] {
+        FrictionWeight.range(key)
+    }
+}
+
+/// How far the friction of a key is out of its range as it is read, g: 0 inside.
+fn beyond_g(key: &BalancedKey) -> Option<f64> {
+    let [low, high] = FrictionWeight.range(key.measured.key);
+    let friction_g = key.friction_weight_g?;
+    let is_out = FrictionWeight.line().is_out_at(Some(friction_g), key.measured.key);
+    Some(if is_out { (low - friction_g).max(friction_g - high) } else { 0.0 })
+}
+
+/// What is asked of a keyboard.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeyboardGoal {
+    /// Balance weight of every key, g; `None`: see [`AimFrom`].
+    pub balance_weight_g: Option<f64>,
+    /// As in [`Target`], kg.
+    pub inertia_kg: Option<f64>,
+    /// As in [`Target`].
+    pub hammers: bool,
+    /// Masses of the leads at hand, g.
+    pub leads_g: Vec<f64>,
+    /// The last keys of the sections of strings; the highest section needs none.
+    pub section_ends: Vec<usize>,
+}
+
+/// Works out what to do. `models` has every key's model, the first key at index 0. `None` where no balance weight was
+/// asked for and no key has both weights.
+#[must_use]
+pub fn keyboard_list(measured: &[MeasuredKey], models: &[KeyModel; KEYS], goal: &KeyboardGoal) -> Option<KeyboardList> {
+    let (balance_weight_g, aim_from) = match goal.balance_weight_g {
+        Some(asked_g) => (asked_g, AimFrom::Asked),
+        None => aim(measured)?,
+    };
+    let target = Target { balance_weight_g, inertia_kg: goal.inertia_kg, hammers: goal.hammers };
+    let plan = plan(measured, models, target, &goal.leads_g);
+    let (mut lines, mut left) = (Vec::new(), Vec::new());
+    for key in &plan.keys {
+        let of_key = lines_of(key);
+        if KeyboardList::is_friction_out(key) {
+            if of_key.len() > 1 || of_key.iter().any(|line| line.operation != Operation::Friction) {
+                left.push((key.measured.key, Why::Friction));
+            }
+            lines.extend(of_key.into_iter().filter(|line| line.operation == Operation::Friction));
+            continue;
+        }
+        if key.is_at_ceiling {
+            left.push((key.measured.key, Why::Ceiling));
+        }
+        lines.extend(of_key);
+    }
+    samples(&mut lines, &goal.section_ends);
+    lines.sort_by_key(|line| (line.operation, !line.is_sample, line.key));
+    Some(KeyboardList { plan, aim_from, lines, left })
+}
+
+/// The balance weight that keys come to where nobody says, g. Each key bears those with which D, U and balance weight
+/// are all usual, its friction being what it should be.
+fn aim(measured: &[MeasuredKey]) -> Option<(f64, AimFrom)> {
+    let own = |key: &MeasuredKey| Some((key.key, 0.5 * (key.down_weight_g? + key.up_weight_g?)));
+    let balances: Vec<(usize, f64)> = measured.iter().filter_map(own).collect();
+    let middle = median(&balances.iter().map(|(_, balance_g)| *balance_g).collect::<Vec<_>>())?;
+    let borne = balances.iter().map(|(key, _)| balance_for(best_friction_g(*key), *key));
+    let [low, high] = borne.fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], one| {
+        [low.max(one.balance_g - one.margin_g), high.min(one.balance_g + one.margin_g)]
+    });
+    let most_room_g = 0.5 * (low + high);
+    if balances.len() < FEWEST {
+        return Some((most_room_g, AimFrom::MostRoom));
+    }
+    let near_g = if low <= high { middle.clamp(low, high) } else { most_room_g };
+    // An aim less than that away would move some keys and leave their neighbours.
+    let is_near = (middle - near_g).abs() < LEAST_BALANCE_G;
+    Some(if is_near { (middle, AimFrom::Median) } else { (near_g, AimFrom::NearMedian) })
+}
+
+/// What a key needs, in the order of work.
+fn lines_of(key: &BalancedKey) -> Vec<KeyLine> {
+    let number = key.measured.key;
+    let mut now = Weights {
+        down_g: key.measured.down_weight_g,
+        up_g: key.measured.up_weight_g,
+        strike_g: key.measured.strike_weight_g,
+        front_g: key.measured.front_weight_g,
+    };
+    let mut lines = Vec::new();
+    let mut push = |operation, work, instead, after| {
+        lines.push(KeyLine { operation, key: number, is_sample: false, work, instead, after });
+    };
+    let by = |weight: &mut Option<f64>, by_g: Option<f64>| *weight = weight.zip(by_g).map(|(now, by_g)| now + by_g);
+    if let Some(friction_g) = key.friction_weight_g.filter(|_| KeyboardList::is_friction_out(key)) {
+        let by_g = friction_change_g(friction_g, best_friction_g(number), number);
+        if by_g != 0.0 {
+            by(&mut now.down_g, Some(by_g));
+            by(&mut now.up_g, Some(-by_g));
+            push(Operation::Friction, Work::Friction { by_g }, None, now);
+        }
+    }
+    if key.hammer_change_g != 0.0 {
+        let by_g = key.hammer_change_g;
+        let at_key_g = key.ratio.map(|ratio| ratio * by_g);
+        by(&mut now.strike_g, Some(by_g));
+        by(&mut now.down_g, at_key_g);
+        by(&mut now.up_g, at_key_g);
+        push(Operation::Hammers, Work::Hammer { by_g }, None, now);
+    }
+    if let Some(by_g) = key.front_change_g.filter(|by_g| *by_g != 0.0) {
+        by(&mut now.front_g, Some(by_g));
+        by(&mut now.down_g, Some(-by_g));
+        by(&mut now.up_g, Some(-by_g));
+        let (work, instead) = match &key.leads {
+            Some(leads) => (Work::Leads(leads.work.clone()), leads.adding.clone().map(Work::Leads)),
+            None => (Work::FrontWeight { by_g }, None),
+        };
+        push(Operation::Leads, work, instead, now);
+    }
+    lines
+}
+
+/// Says which lines are of the first and the last key of every section, operation by operation.
+fn samples(lines: &mut [KeyLine], section_ends: &[usize]) {
+    let section = |key: usize| section_ends.iter().filter(|end| key > **end).count();
+    let places: Vec<(Operation, usize, usize)> =
+        lines.iter().map(|line| (line.operation, section(line.key), line.key)).collect();
+    for line in lines {
+        let beside =
+            || places.iter().filter(|(operation, at, _)| (*operation, *at) == (line.operation, section(line.key)));
+        line.is_sample = beside().all(|(.., key)| *key >= line.key) || beside().all(|(.., key)| *key <= line.key);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::balance::{LEADS_G, Lead};
+    use erard::keyboard::Keyboard;
+    use std::sync::LazyLock;
+
+    static MODELS: LazyLock<[KeyModel; KEYS]> = LazyLock::new(|| {
+        let grand = Keyboard::builtin("concert-grand").unwrap();
+        std::array::from_fn(|at| KeyModel::of(&grand.key(at + 1).unwrap()).unwrap())
+    });
+
+    fn goal(balance_weight_g: Option<f64>) -> KeyboardGoal {
+        let (leads_g, section_ends) = (LEADS_G.to_vec(), SECTION_ENDS.to_vec());
+        KeyboardGoal { balance_weight_g, inertia_kg: None, hammers: false, leads_g, section_ends }
+    }
+
+    fn weighed(key: usize, down_g: f64, up_g: f64) -> MeasuredKey {
+        MeasuredKey { key, down_weight_g: Some(down_g), up_weight_g: Some(up_g), ..MeasuredKey::default() }
+    }
+
+    /// D 58 and U 18 at middle C: 20 g of friction are 7.5 over the range. 8 g less come nearest to the best, D 50 and
+    /// U 26; its own balance weight is not the aim, and no lead moves before it has been weighed again.
+    #[test]
+    fn a_lone_key_with_friction() {
+        let list = keyboard_list(&[weighed(40, 58.0, 18.0)], &MODELS, &goal(None)).unwrap();
+        let works: Vec<&Work> = list.lines.iter().map(|line| &line.work).collect();
+        assert_eq!(works, [&Work::Friction { by_g: -8.0 }]);
+        assert_eq!((list.lines[0].after.down_g, list.lines[0].after.up_g), (Some(50.0), Some(26.0)));
+        assert_eq!((list.aim_from, list.left.as_slice()), (AimFrom::MostRoom, &[(40, Why::Friction)][..]));
+        // D from 45, U to 25 and a balance weight from 34 g leave 34 to 36.4 g at the best friction.
+        assert!((list.plan.target.balance_weight_g - 35.2).abs() < 0.1, "{list:?}");
+        // A lone key of 44 g that rubs as it should: the aim is not its own.
+        let list = keyboard_list(&[weighed(40, 55.0, 33.0)], &MODELS, &goal(None)).unwrap();
+        assert!(matches!(list.lines[0].work, Work::Leads(_)), "{list:?}");
+        let after_g = list.lines[0].after;
+        assert!((0.5 * (after_g.down_g.unwrap() + after_g.up_g.unwrap()) - 35.2).abs() < 0.3, "{after_g:?}");
+        assert!(keyboard_list(&[MeasuredKey { key: 3, ..MeasuredKey::default() }], &MODELS, &goal(None)).is_none());
+    }
+
+    /// Friction before hammers before leads, and in each the ends of the sections first.
+    #[test]
+    fn operations_and_their_samples() {
+        let mut keys: Vec<MeasuredKey> = (1..=88).map(|key| weighed(key, 53.0, 31.0)).collect();
+        for key in &mut keys {
+            let x = key.key as f64;
+            (key.strike_weight_g, key.front_weight_g) = (Some(10.5 - 0.06 * x), Some(2.0));
+            if (30..=34).contains(&key.key) {
+                (key.down_weight_g, key.up_weight_g) = (Some(62.0), Some(22.0));
+            }
+        }
+        keys[59].strike_weight_g = keys[59].strike_weight_g.map(|g| g + 1.0);
+        let list = keyboard_list(&keys, &MODELS, &goal(Some(38.0))).unwrap();
+        let of = |wanted| list.lines.iter().filter(move |line| line.operation == wanted);
+        let keys_of = |operation| of(operation).map(|line| line.key).collect::<Vec<_>>();
+        assert_eq!(keys_of(Operation::Friction), [30, 34, 31, 32, 33]);
+        assert_eq!(keys_of(Operation::Hammers), [60]);
+        assert_eq!(&keys_of(Operation::Leads)[..8], &[1, 20, 21, 50, 51, 70, 71, 88]);
+        // A gram of hammer is R grams at the key, and the leads do the rest.
+        let hammer = of(Operation::Hammers).next().unwrap();
+        assert!((hammer.work.amount() + 1.0).abs() < 1e-9, "{hammer:?}");
+        let ratio = list.plan.keys[59].ratio.unwrap();
+        assert!((hammer.after.down_g.unwrap() - (53.0 - ratio)).abs() < 1e-9);
+        for line in of(Operation::Leads) {
+            let after_g = 0.5 * (line.after.down_g.unwrap() + line.after.up_g.unwrap());
+            assert!((after_g - 38.0).abs() < 0.3, "{line:?}");
+        }
+        // Keys that rub wait for their leads.
+        assert_eq!(list.left, (30..=34).map(|key| (key, Why::Friction)).collect::<Vec<_>>());
+        // The order of the operations is that of the work.
+        assert!(list.lines.is_sorted_by_key(|line| line.operation));
+    }
+
+    /// What nobody can weigh is not asked for, a key has no more lead than is usual, and a median that leaves U no room
+    /// is not followed.
+    #[test]
+    fn what_is_not_asked_for() {
+        let keys: Vec<MeasuredKey> = (38..=42).map(|key| weighed(key, 49.0, 26.0)).collect();
+        let list = keyboard_list(&keys, &MODELS, &goal(Some(39.0))).unwrap();
+        assert!(list.lines.is_empty() && list.left.is_empty(), "{list:?}");
+        // 37.5 g is 1.1 g over what leaves U its range: not worth a lead at every key. 40 g is.
+        let list = keyboard_list(&keys, &MODELS, &goal(None)).unwrap();
+        assert_eq!((list.aim_from, list.plan.target.balance_weight_g), (AimFrom::Median, 37.5));
+        assert!(list.lines.is_empty(), "{list:?}");
+        let keys: Vec<MeasuredKey> = (38..=42).map(|key| weighed(key, 52.0, 28.0)).collect();
+        let list = keyboard_list(&keys, &MODELS, &goal(None)).unwrap();
+        assert_eq!((list.aim_from, list.lines.len()), (AimFrom::NearMedian, 5));
+        assert!((list.plan.target.balance_weight_g - 36.4).abs() < 0.1, "{list:?}");
+        // 13 g of friction are half a gram over: less than a reading is off by.
+        let list = keyboard_list(&[weighed(40, 48.5, 22.5)], &MODELS, &goal(None)).unwrap();
+        assert!(list.lines.is_empty() && KeyboardList::is_friction_doubtful(&list.plan.keys[0]), "{list:?}");
+        let mut full = weighed(40, 56.0, 33.0);
+        (full.front_weight_g, full.strike_weight_g) = (Some(30.0), Some(10.0));
+        let list = keyboard_list(&[full], &MODELS, &goal(Some(38.0))).unwrap();
+        assert!(list.lines.is_empty(), "{list:?}");
+        assert_eq!(list.left, [(40, Why::Ceiling)]);
+    }
+
+    /// Leads that are there move; where nobody said which they are, none is put behind the pin to take weight away.
+    #[test]
+    fn leads_that_are_there() {
+        let mut key = weighed(40, 42.0, 21.0);
+        key.front_weight_g = Some(25.0);
+        let list = keyboard_list(std::slice::from_ref(&key), &MODELS, &goal(Some(38.0))).unwrap();
+        assert_eq!(list.lines[0].work, Work::FrontWeight { by_g: -6.5 });
+        key.leads = vec![Lead { mass_g: 14.0, at_mm: 165.0 }, Lead { mass_g: 14.0, at_mm: 120.0 }];
+        let list = keyboard_list(&[key], &MODELS, &goal(Some(38.0))).unwrap();
+        let Work::Leads(leads) = &list.lines[0].work else { panic!("{list:?}") };
+        assert!(!leads.out.is_empty() && leads.put.iter().all(|lead| lead.at_mm > 0.0), "{leads:?}");
+        assert!((leads.front_weight_g + 6.5).abs() <= 0.25, "{leads:?}");
+    }
+}
