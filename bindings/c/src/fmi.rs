@@ -13,7 +13,7 @@ use erard::instrument::{InstrumentFile, with_numbers};
 use erard::player::SNAPSHOT_MARK;
 use erard::saved::{Lists, Writer};
 use erard::strings::Strings;
-use erard_workshop::fmu::{INSTRUMENT, Role, STEP_S, Variable, guid, variables};
+use erard_workshop::fmu::{INSTRUMENT, Role, Variable, guid, variables};
 
 use crate::action::ErardAction;
 use crate::reading::{ERARD_FORCE, ERARD_FREE, ERARD_HAND, ERARD_MOTION, ERARD_RIGID, ErardInput, ErardReading};
@@ -638,6 +638,3 @@ without! {
     fmi2GetBooleanStatus(c_int, *mut c_int) -> Ok(DISCARD);
     fmi2GetStringStatus(c_int, *mut *const c_char) -> Ok(DISCARD);
 }
-
-/// The usual step is what the description says.
-const _: () = assert!(STEP_S == 50e-6);

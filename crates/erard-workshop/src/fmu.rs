@@ -13,8 +13,6 @@ use erard::saved::{FNV1A, fnv1a};
 pub const MODEL: &str = "erard";
 /// Path of the instrument file inside the archive.
 pub const INSTRUMENT: &str = "resources/instrument.toml";
-/// Length of a step, s, unless the parameter `step_s` says otherwise.
-pub const STEP_S: f64 = 50e-6;
 
 /// Meaning of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -144,7 +142,14 @@ pub fn variables(file: &InstrumentFile, text: &str) -> Vec<Variable> {
             "",
             "What drives the key: 0 nothing, 1 a force, 2 a motion through the fingertip, 3 the key front's own motion, 4 a hand of some mass",
         ),
-        variable(3, "step_s", Role::Step, Some(STEP_S), "s", "Length of a step of the simulation"),
+        variable(
+            3,
+            "step_s",
+            Role::Step,
+            Some(file.instrument.usual_step_s()),
+            "s",
+            "Length of a step of the simulation: at first that of a press, 50e-6, or 1/24000 where strings sound",
+        ),
         variable(4, "pedal", Role::Pedal, Some(0.0), "m", "Lift of the sustain pedal's rail, 0 to 0.010"),
         variable(5, "hand_mass", Role::HandMass, Some(0.2), "kg", "Mass of the hand at its fingertip (drive = 4)"),
         variable(6, "muscle_stiffness", Role::MuscleStiffness, Some(0.0), "N/m", "Stiffness of its muscle (drive = 4)"),

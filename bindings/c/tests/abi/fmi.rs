@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use erard::instrument::InstrumentFile;
-use erard::player::Hand;
+use erard::player::HandInput;
 use erard::{Action, Input, Instrument};
 use erard_workshop::fmu::{INSTRUMENT, model_description};
 
@@ -47,12 +47,12 @@ fn fmpy_plays_it() {
     let (strung, _, strings) = unit("concert-grand-strings");
     // A hand presses the one whose strings sound, the pedal down: the force on the bridge after each millisecond.
     let mut action = Action::new(&strings.instrument).unwrap();
-    let hand = Hand { mass_kg: 0.3, stiffness_n_per_m: 0.0, damping_n_s_per_m: 2.0, ..Hand::default() };
+    let hand = HandInput { mass_kg: 0.3, force_n: 7.0, damping_n_s_per_m: 2.0, ..HandInput::default() };
     action.set_pedal(0.007);
     let mut heard = String::new();
-    for n in 1..=3000 {
-        action.step(hand.input(&Input::Force(7.0)).unwrap());
-        if n % 20 == 0 {
+    for n in 1..=3600 {
+        action.step(Input::Hand(hand));
+        if n % 24 == 0 {
             heard += &format!("{:?}\n", action.strings().unwrap().bridge_n());
         }
     }

@@ -7,8 +7,8 @@ use erard::player::Input;
 use erard::run::Events;
 use erard::run::{Setup, SimulationError};
 
-use super::Variable;
 use super::error::SensitivityError;
+use super::variable::Variable;
 use crate::cores;
 use crate::measure::weights::Touch;
 use crate::study::{Job, JobResult, OUTCOMES, Played, Stroke, Workers, play_all};

@@ -8,9 +8,14 @@ use erard::run::Setup;
 use super::differences::Window;
 use super::error::SensitivityError;
 use super::parting::{Refusal, parting};
-use super::passes::{How, Passes, passes};
-use super::{CONVERGED, NEGLIGIBLE, Rest, Variable};
+use super::passes::{How, Passes, Rest, passes};
+use super::variable::Variable;
 use crate::study::Stroke;
+
+/// A usual change of a number that changes a quantity by less than this share of it does not matter.
+pub(super) const NEGLIGIBLE: f64 = 1e-5;
+/// Derivatives in steps of different lengths that differ by more than this share of the larger one do not converge.
+const CONVERGED: f64 = 0.1;
 
 /// A press, and what it depends on.
 #[derive(Debug, Clone, PartialEq)]

@@ -19,6 +19,7 @@ pub use error::SensitivityError;
 pub(crate) use gradient::Sampled;
 pub use gradient::{Differentiation, Gradient, SHORTER, ValueAndSlopes, gradient};
 pub use parting::{Event, Refusal};
+pub use passes::Rest;
 pub use variable::{Variable, VariableError};
 
 use erard::Progress;
@@ -28,21 +29,9 @@ use erard::run::Setup;
 
 use crate::study::Stroke;
 use differences::{Differences, Window};
-use gradient::converges;
+use gradient::{NEGLIGIBLE, converges};
 use parting::parting;
 use passes::{How, Passes, passes};
-
-/// What happens to the pose in which the action rests while a number changes a little.
-///
-/// With dry friction an action can rest in a whole range of poses; it depends on the way there which one it is in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Rest {
-    /// It moves as the rest of [`erard::simulate`] does, which lets every variant come to rest from the pose as drawn.
-    #[default]
-    Moves,
-    /// Friction holds it: the angles are those of the unchanged action, whatever felts and screws then do.
-    Held,
-}
 
 /// A quantity that is differentiated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -340,10 +329,6 @@ fn judged(
     row_of(place, slope, spread, differences, mark)
 }
 
-/// A usual change of a number that changes a quantity by less than this share of it does not matter.
-const NEGLIGIBLE: f64 = 1e-5;
-/// Derivatives in steps of different lengths that differ by more than this share of the larger one do not converge.
-const CONVERGED: f64 = 0.1;
 /// Derivative and differences are the same where they differ by less than this share, beyond what either errs by.
 const SAME: f64 = 0.1;
 

@@ -11,9 +11,21 @@ use erard::run::{Setup, SimulationError};
 use moreau::Settings;
 
 use super::error::SensitivityError;
-use super::{Rest, Variable};
+use super::variable::Variable;
 use crate::cores::{do_all, job};
 use crate::study::{Stroke, rests};
+
+/// The pose in which the action rests, while a number changes a little.
+///
+/// With dry friction an action can rest in a whole range of poses; it depends on the way there which one it is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rest {
+    /// It moves as the rest of [`erard::simulate`] does, which lets every variant come to rest from the pose as drawn.
+    #[default]
+    Moves,
+    /// Friction holds it: the angles are those of the unchanged action, whatever felts and screws then do.
+    Held,
+}
 
 /// Two slopes of the rest to the two sides that differ by more than this share of the larger one are not one slope.
 const ONE_SLOPE: f64 = 0.1;
