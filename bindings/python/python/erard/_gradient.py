@@ -274,9 +274,9 @@ def gradient(
     own = steps({"step": 25e-6, **how})
     every = whole("record_every", record_every)
     unconverged = unconverged or ("raise" if asked else "nan")
-    for key, word, known in (("rest", rest, RESTS), ("unconverged", unconverged, ("raise", "nan"))):
-        if word not in known:
-            raise InputError(f"{key}: found {word!r}, expected {' or '.join(known)}", key=key, found=str(word))
+    for key, word, words in (("rest", rest, RESTS), ("unconverged", unconverged, ("raise", "nan"))):
+        if word not in words:
+            raise InputError(f"{key}: found {word!r}, expected {' or '.join(words)}", key=key, found=str(word))
     made = stroke_of(
         instrument, force=force, dt=dt, stroke=stroke, touch=touch, motion=motion, rigid=rigid, drive=drive, hand=how.get("hand")
     )
@@ -292,12 +292,12 @@ def gradient(
     def matrix(of: str) -> NDArray[np.float64]:
         return np.array([found[of][name] for name in told], dtype=np.float64).reshape(len(told), len(names))
 
-    others = (matrix("in_shorter_steps"), matrix("unresolved")) if compare else (None, None)
+    shorter, unresolved = (matrix("in_shorter_steps"), matrix("unresolved")) if compare else (None, None)
     value = {name: float("nan") if found["values"][name] is None else float(found["values"][name]) for name in told}
     count = len(next(iter(found["columns"].values()), ()))
     time_s = made.start_s + step_of(own, instrument._inner.usual_step_s) * every * np.arange(count, dtype=np.float64)
     return Gradient(
-        told, names, value, matrix("slopes"), *others, {(of, by): why for of, by, why in found["refused"]}, time_s,
+        told, names, value, matrix("slopes"), shorter, unresolved, {(of, by): why for of, by, why in found["refused"]}, time_s,
         {name: found["columns"][name] for name in sampled},
         {name: np.ascontiguousarray(found["column_slopes"][name].T) for name in sampled},
         (found["switches"][0], found["switches"][1]), f"{instrument.name}, {made.title}",
