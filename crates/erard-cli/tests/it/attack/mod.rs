@@ -33,14 +33,20 @@ fn nothing_is_lost() {
 }
 
 #[test]
-#[ignore = "ci: 150 command lines"]
-fn nothing_is_lost_by_hundreds() {
-    let [done, refused, ended] = attack(24..174);
+#[ignore = "ci: 70 command lines"]
+fn nothing_is_lost_by_dozens() {
+    let [done, refused, ended] = attack(24..94);
     // Most command lines are refused at once; enough of them are not.
-    assert!(done >= 20 && refused >= 20, "{done} done, {refused} refused, {ended} ended from outside");
+    assert!(done >= 10 && refused >= 10, "{done} done, {refused} refused, {ended} ended from outside");
 }
 
 mod nightly {
+    #[test]
+    #[ignore = "nightly: another 80 command lines"]
+    fn nothing_is_lost_by_more() {
+        super::attack(94..174);
+    }
+
     #[test]
     #[ignore = "nightly: three thousand command lines"]
     fn nothing_is_lost_by_thousands() {
