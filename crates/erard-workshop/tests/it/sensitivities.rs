@@ -164,7 +164,8 @@ fn touch_weights_have_differences() {
 
 /// A derivative does not hang on the length of the step: at some lengths a step across a reversal ends at rest, at some
 /// two laws switch within a few nanoseconds. The first case once gave 1.2e-3 for 4.2e-4, the second -1.18e-3 for
-/// -1.15e-3, the third 3e-4 for 2.5e-5.
+/// -1.15e-3, the third 3e-4 for 2.5e-5. Where one length in twenty still gives another derivative (3.77e-2 for 4.26e-2
+/// in the first case, at 14.9 us), the comparison with shorter steps refuses it.
 #[test]
 #[ignore = "ci: derivatives in steps of several lengths"]
 fn a_derivative_is_the_same_whatever_the_step() {
@@ -176,25 +177,30 @@ fn a_derivative_is_the_same_whatever_the_step() {
     for (name, nuance, by, [from, to], count) in CASES {
         let (instrument, text) = (Instrument::builtin(name).unwrap(), Instrument::builtin_text(name).unwrap());
         let (stroke, _) = Stroke::curve(nuance, Touch::Pressed, None).unwrap().unwrap();
-        let mut slopes = Vec::new();
-        for k in 0..count {
-            let step = 1e-6 * from * f64::powf(to / from, k as f64 / (count - 1) as f64);
+        let step = |k: usize| 1e-6 * from * f64::powf(to / from, k as f64 / (count - 1) as f64);
+        let found = |k: usize, how| {
             let setup = Setup {
-                settings: Settings::new(step),
+                settings: Settings::new(step(k)),
                 start_s: stroke.start_s,
                 ledger: false,
                 ..Setup::new(stroke.duration_s)
             };
             let drive = || stroke.inputs(&instrument.finger).unwrap();
             let by = vec![Variable::named(&instrument, text, by).unwrap()];
-            let found = gradient(&instrument, by, &drive, &setup, plainly(None), &mut |_| true).unwrap();
-            let (_, speed) = &found.of[0];
-            slopes.push(speed.as_ref().unwrap().slopes[0]);
-        }
+            gradient(&instrument, by, &drive, &setup, how, &mut |_| true).unwrap()
+        };
+        let slopes: Vec<f64> =
+            (0..count).map(|k| found(k, plainly(None)).of[0].1.as_ref().unwrap().slopes[0]).collect();
         let mut sorted = slopes.clone();
         sorted.sort_by(f64::total_cmp);
         let middle = sorted[count / 2];
-        assert!(slopes.iter().all(|x| (x - middle).abs() < 0.1 * middle.abs()), "{name} {by}: {slopes:?}");
+        let others: Vec<usize> = (0..count).filter(|&k| (slopes[k] - middle).abs() >= 0.1 * middle.abs()).collect();
+        assert!(others.len() <= 1, "{name} {by}: {slopes:?}");
+        for k in others {
+            let of = vec!["hammer_speed_m_per_s".to_owned()];
+            let compared = found(k, Differentiation { compares: true, of, ..plainly(None) });
+            assert_eq!(compared.refused.len(), 1, "{name} {by}, {:.2} us: {slopes:?}", 1e6 * step(k));
+        }
     }
 }
 
