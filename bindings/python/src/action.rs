@@ -148,11 +148,9 @@ pub(crate) fn input(force: Option<f64>, motion: Option<(f64, f64)>, rigid: Optio
     Ok(input)
 }
 
-impl Action {
-    /// What drives the key: the input, or the hand that it moves.
-    fn driven(&self, input: Input) -> PyResult<Input> {
-        self.hand.map_or(Ok(input), |hand| hand.input(&input).map_err(wrong))
-    }
+/// The drive of the key: the input, or the hand that it moves.
+pub(crate) fn driven(hand: Option<Hand>, input: Input) -> PyResult<Input> {
+    hand.map_or(Ok(input), |hand| hand.input(&input).map_err(wrong))
 }
 
 #[pymethods]
@@ -183,7 +181,7 @@ impl Action {
         motion: Option<(f64, f64)>,
         rigid: Option<(f64, f64)>,
     ) -> PyResult<Reading> {
-        let input = self.driven(input(force, motion, rigid)?)?;
+        let input = driven(self.hand, input(force, motion, rigid)?)?;
         let mut player = self.lock(py);
         player.step(input);
         if player.reading().outcome == Outcome::NonFinite {
@@ -218,7 +216,7 @@ impl Action {
             // A signal's handler may step the action itself: nothing is locked then.
             py.check_signals()?;
             let inputs: Vec<Input> =
-                portion.iter().map(|force| self.driven(Input::Force(*force))).collect::<PyResult<_>>()?;
+                portion.iter().map(|force| driven(self.hand, Input::Force(*force))).collect::<PyResult<_>>()?;
             // Without Python's lock, so that other threads go on.
             py.detach(|| {
                 let mut player = self.player.lock().unwrap_or_else(PoisonError::into_inner);

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyBytes;
 
-use crate::action::{Reading, input};
+use crate::action::{Reading, driven, input};
 use crate::fault::{self, failed, wrong, wrong_argument};
 use crate::setup::Steps;
 
@@ -84,8 +84,7 @@ impl Keys {
         motion: Option<(f64, f64)>,
         rigid: Option<(f64, f64)>,
     ) -> PyResult<()> {
-        let input = input(force, motion, rigid)?;
-        let input = self.hand.map_or(Ok(input), |hand| hand.input(&input).map_err(wrong))?;
+        let input = driven(self.hand, input(force, motion, rigid)?)?;
         let mut player = self.lock(py);
         let key = Self::has(&player, key)?;
         player.drive(key, input);

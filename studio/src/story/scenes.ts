@@ -78,8 +78,7 @@ const WAITING: [string, boolean] = ["", false];
 const going = ({ press }: Now): boolean => press.deepest_mm > 0.5;
 
 /** The action without its repetition lever, and with a fixed rail on which the hammer rests: the file's lever is put
- * out
- * of the knuckle's reach, and the cushion under the shank stands on the ground. */
+ * out of the knuckle's reach, and the cushion under the shank stands on the ground. */
 export const simple = (text: string): string => {
   const zone = (name: string, change: (lines: string) => string): void => {
     const from = text.indexOf(`[[zone]]\nname = "${name}"`), next = text.indexOf("\n[[", from + 1);
@@ -94,6 +93,22 @@ export const simple = (text: string): string => {
 
 const twice = ({ press }: Now): string =>
   `You pressed ${times(press.presses)}; the key came up ${fixed(press.released_mm, 1)} mm in between. The hammer struck ${times(press.impacts)}.`;
+
+/** A key that is pressed, comes up halfway, and is pressed again. */
+const TWICE: Omit<Step, "setups" | "outcome"> = {
+  wide: INNER, narrow: INNER, slow: REPEAT, press_n: 5, mark_mm: 5,
+  show: path([0, 0], [0.05, 0], [0.09, 9.4], [0.3, 9.4], [0.4, 5.4], [0.5, 5.4], [0.54, 9.4], [0.8, 9.4], [1.1, 0], [1.2, 0]),
+  facts: (now) => [["presses", String(now.press.presses)], IMPACTS(now)],
+};
+/** What is said until the second press; `raised` is what has happened on the key's way up. */
+const first = (now: Now, raised: string): [string, boolean] => {
+  const { press: g } = now;
+  if (!going(now)) return WAITING;
+  if (g.presses === 1 && soft(now)) return [SOFT, false];
+  if (!g.presses) return ["Press, all the way down.", false];
+  if (g.up_mm > 1) return [`The key has come up ${fixed(g.up_mm, 1)} mm${raised}. Now press again.`, false];
+  return [`It struck ${times(g.impacts)}. Let the key come up halfway, and press again.`, false];
+};
 
 export const STEPS: Record<string, Step> = {
   lever: {
@@ -167,26 +182,18 @@ export const STEPS: Record<string, Step> = {
     },
   },
   again: {
-    setups: [{ ...GRAND, edit: simple }], wide: INNER, narrow: INNER, slow: REPEAT, press_n: 5, mark_mm: 5,
-    show: path([0, 0], [0.05, 0], [0.09, 9.4], [0.3, 9.4], [0.4, 5.4], [0.5, 5.4], [0.54, 9.4], [0.8, 9.4], [1.1, 0], [1.2, 0]),
-    facts: (now) => [["presses", String(now.press.presses)], IMPACTS(now)],
+    ...TWICE, setups: [{ ...GRAND, edit: simple }],
     outcome: (now) => {
       const { press: g } = now;
-      if (!going(now)) return WAITING;
-      if (g.presses === 1 && soft(now)) return [SOFT, false];
-      if (g.presses < 2) return [g.presses ? (g.up_mm > 1 ? `The key has come up ${fixed(g.up_mm, 1)} mm. Now press again.` : `It struck ${times(g.impacts)}. Let the key come up halfway, and press again.`) : "Press, all the way down.", false];
+      if (!going(now) || g.presses < 2) return first(now, "");
       return g.impacts < g.presses ? [`${twice(now)} The jack stood in front of the knuckle, and pushed nothing.`, true] : [`${twice(now)} That was far enough for the jack. Now try it with less.`, false];
     },
   },
   erard: {
-    setups: [GRAND], wide: INNER, narrow: INNER, slow: REPEAT, press_n: 5, mark_mm: 5,
-    show: path([0, 0], [0.05, 0], [0.09, 9.4], [0.3, 9.4], [0.4, 5.4], [0.5, 5.4], [0.54, 9.4], [0.8, 9.4], [1.1, 0], [1.2, 0]),
-    facts: (now) => [["presses", String(now.press.presses)], IMPACTS(now)],
+    ...TWICE, setups: [GRAND],
     outcome: (now) => {
       const { press: g } = now;
-      if (!going(now)) return WAITING;
-      if (g.presses === 1 && soft(now)) return [SOFT, false];
-      if (g.presses < 2) return [g.presses ? (g.up_mm > 1 ? `The key has come up ${fixed(g.up_mm, 1)} mm, and the lever has raised the hammer. Now press again.` : `It struck ${times(g.impacts)}. Let the key come up halfway, and press again.`) : "Press, all the way down.", false];
+      if (!going(now) || g.presses < 2) return first(now, ", and the lever has raised the hammer");
       return g.impacts >= g.presses && g.released_mm < 6.5 ? [`${twice(now)} The jack was back under the knuckle in time.`, true] : [`${twice(now)} ${g.impacts < g.presses ? "A press was too soft, or came before the jack was back." : "Now try it with less."}`, false];
     },
   },

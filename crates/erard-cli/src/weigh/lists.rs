@@ -212,13 +212,8 @@ fn neighbours(work: &Work<'_>) -> Vec<String> {
             .iter()
             .filter_map(|key| {
                 let apart = key.apart.iter().find(|apart| apart.quantity == quantity)?;
-                let own = match quantity {
-                    "friction_weight_g" => key.friction_weight_g,
-                    "strike_weight_g" => key.measured.strike_weight_g,
-                    "ratio" => key.ratio,
-                    _ => key.balance_weight_g,
-                }?;
-                Some(format!("{} {own:.decimals$} (neighbours {:.decimals$})", key.note, apart.neighbours))
+                let (own, beside) = (apart.value, apart.neighbours);
+                Some(format!("{} {own:.decimals$} (neighbours {beside:.decimals$})", key.note))
             })
             .collect();
         (!keys.is_empty()).then(|| format!("^ {name} that sticks out{unit}: {}.", keys.join(", ")))

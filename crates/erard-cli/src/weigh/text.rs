@@ -42,8 +42,6 @@ pub(crate) fn again_text(work: &Work<'_>, again: &[MeasuredKey]) -> String {
     let worked = |key: usize| work.list.lines.iter().any(|line| line.key == key);
     let pairs = keys.iter().map(|key| &key.measured).zip(again).filter(|(before, _)| worked(before.key));
     let rows = pairs.map(|(before, after)| {
-        let balance = |key: &MeasuredKey| Some(0.5 * (key.down_weight_g? + key.up_weight_g?));
-        let friction = |key: &MeasuredKey| Some(0.5 * (key.down_weight_g? - key.up_weight_g?));
         let both = |of: &dyn Fn(&MeasuredKey) -> Option<f64>| {
             format!("{} to {}", decimal(of(before), 1), decimal(of(after), 1))
         };
@@ -52,8 +50,8 @@ pub(crate) fn again_text(work: &Work<'_>, again: &[MeasuredKey]) -> String {
             erard::keyboard::note_name(before.key),
             both(&|key| key.down_weight_g),
             both(&|key| key.up_weight_g),
-            both(&balance),
-            both(&friction),
+            both(&MeasuredKey::balance_weight_g),
+            both(&MeasuredKey::friction_weight_g),
         ]
     });
     Table::of(["key", "note", "D g", "U g", "BW g", "F g"], rows).to_string()

@@ -58,6 +58,20 @@ impl Balance {
     }
 }
 
+impl MeasuredKey {
+    /// BW = (D + U) / 2, g, where both were found.
+    #[must_use]
+    pub fn balance_weight_g(&self) -> Option<f64> {
+        Balance::of(self).map(|own| own.balance_weight_g())
+    }
+
+    /// F = (D - U) / 2, g, where both were found.
+    #[must_use]
+    pub fn friction_weight_g(&self) -> Option<f64> {
+        Balance::of(self).map(|own| own.friction_weight_g())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,7 +5,6 @@
 
 use erard::keyboard::{KEYS, is_sharp};
 
-use super::equation::Balance;
 use super::measured::MeasuredKey;
 use super::plan::median;
 use super::smooth::smooth;
@@ -15,6 +14,8 @@ use super::smooth::smooth;
 pub struct Apart {
     /// `strike_weight_g`, `ratio`, `balance_weight_g` or `friction_weight_g`.
     pub quantity: &'static str,
+    /// Its value at the key, in its unit.
+    pub value: f64,
     /// What the neighbours have here, in its unit.
     pub neighbours: f64,
 }
@@ -43,10 +44,8 @@ const PER_MEDIAN: f64 = 1.4826;
 
 impl Weighed {
     pub(super) fn of(key: &MeasuredKey, ratio: Option<f64>) -> Self {
-        let balance = Balance::of(key);
-        let balance_g = balance.map(|own| own.balance_weight_g());
-        let friction_g = balance.map(|own| own.friction_weight_g());
-        Weighed { key: key.key, values: [key.strike_weight_g, ratio, balance_g, friction_g] }
+        let values = [key.strike_weight_g, ratio, key.balance_weight_g(), key.friction_weight_g()];
+        Weighed { key: key.key, values }
     }
 }
 
@@ -66,11 +65,11 @@ pub(super) fn apart(keys: &[Weighed]) -> Vec<Vec<Apart>> {
             let Some(curve) = smooth(&values) else { continue };
             let residuals: Vec<f64> = known.iter().map(|(_, key, value)| (value - curve[*key]).abs()).collect();
             let scatter = PER_MEDIAN * median(&residuals).unwrap_or(0.0);
-            for ((at, key, _), residual) in known.iter().zip(&residuals) {
+            for ((at, key, value), residual) in known.iter().zip(&residuals) {
                 let near =
                     known.iter().filter(|(_, other, _)| other != key && other.abs_diff(*key) <= NEAR_KEYS).count();
                 if near >= fewest && *residual > room.max(DEVIATIONS * scatter) {
-                    all[*at].push(Apart { quantity, neighbours: curve[*key] });
+                    all[*at].push(Apart { quantity, value: *value, neighbours: curve[*key] });
                 }
             }
         }

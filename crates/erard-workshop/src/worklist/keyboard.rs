@@ -168,7 +168,7 @@ pub fn keyboard_list(measured: &[MeasuredKey], models: &[KeyModel; KEYS], goal: 
 /// The balance weight that keys come to where nobody says, g. Each key bears those with which D, U and balance weight
 /// are all usual, its friction being what it should be.
 fn aim(measured: &[MeasuredKey]) -> Option<(f64, AimFrom)> {
-    let own = |key: &MeasuredKey| Some((key.key, 0.5 * (key.down_weight_g? + key.up_weight_g?)));
+    let own = |key: &MeasuredKey| Some((key.key, key.balance_weight_g()?));
     let balances: Vec<(usize, f64)> = measured.iter().filter_map(own).collect();
     let middle = median(&balances.iter().map(|(_, balance_g)| *balance_g).collect::<Vec<_>>())?;
     let borne = balances.iter().map(|(key, _)| balance_for(best_friction_g(*key), *key));
