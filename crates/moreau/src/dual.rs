@@ -6,6 +6,7 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
+use crate::power::power;
 use crate::real::{COSINE, Real, SINE, Scalar};
 
 /// A Newton iteration on derivatives ends when none of them changes any more by this part of the largest of its
@@ -215,9 +216,9 @@ impl<const D: usize> Real for Dual<D> {
     }
 
     fn powf(self, exponent: Self) -> Self {
-        let value = libm::pow(self.value, exponent.value);
+        let value = power(self.value, exponent.value);
         if self.value > 0.0 {
-            let by_base = exponent.value * libm::pow(self.value, exponent.value - 1.0);
+            let by_base = exponent.value * power(self.value, exponent.value - 1.0);
             self.both(exponent, value, by_base, value * libm::log(self.value))
         } else {
             // Zero to a power: smooth from one on, and whatever the power is.

@@ -72,6 +72,7 @@ mod model;
 mod narrow_phase;
 pub mod osnsp;
 mod pose;
+mod power;
 mod real;
 mod retrace;
 mod saved;

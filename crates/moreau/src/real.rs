@@ -352,7 +352,7 @@ macro_rules! real_for {
     };
 }
 
-real_for!(f64, libm::sqrt, libm::pow, libm::tanh, libm::sincos);
+real_for!(f64, libm::sqrt, crate::power::power, libm::tanh, libm::sincos);
 real_for!(f32, libm::sqrtf, libm::powf, libm::tanhf, libm::sincosf);
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ vector_number! {
     add: _mm256_add_pd, sub: _mm256_sub_pd, mul: _mm256_mul_pd, div: _mm256_div_pd,
     fused: _mm256_fmadd_pd, fused_minus: _mm256_fnmadd_pd,
     sqrt: _mm256_sqrt_pd, max: _mm256_max_pd, min: _mm256_min_pd, splat: _mm256_set1_pd, features: "avx2,fma",
-    pow: libm::pow, tanh: libm::tanh, sincos: libm::sincos,
+    pow: moreau::Real::powf, tanh: libm::tanh, sincos: libm::sincos,
 }
 
 mask_of_bits! {

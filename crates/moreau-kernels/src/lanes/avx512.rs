@@ -16,7 +16,7 @@ vector_number! {
     fused: _mm512_fmadd_pd, fused_minus: _mm512_fnmadd_pd,
     sqrt: _mm512_sqrt_pd, max: _mm512_max_pd, min: _mm512_min_pd, splat: _mm512_set1_pd,
     features: "avx512f,avx512vl,avx512dq,avx512bw",
-    pow: libm::pow, tanh: libm::tanh, sincos: libm::sincos,
+    pow: moreau::Real::powf, tanh: libm::tanh, sincos: libm::sincos,
 }
 
 mask_register! {
