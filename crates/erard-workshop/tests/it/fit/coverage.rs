@@ -85,7 +85,10 @@ fn covered(each: usize, is_told: bool) -> Vec<(usize, &'static str, Hits)> {
 #[test]
 #[ignore = "ci: 200 fits of one to four parameters"]
 fn the_truth_lies_within_the_errors_as_often_as_it_should() {
-    let all: Vec<_> = [true, false].into_iter().flat_map(|is_told| covered(25, is_told)).collect();
+    let all = std::thread::scope(|scope| {
+        let both = [true, false].map(|is_told| scope.spawn(move || covered(25, is_told)));
+        both.map(|cases| cases.join().unwrap()).concat()
+    });
     let fits: usize = all.iter().map(|(.., hits)| hits.fits).sum();
     for (k, share) in SHARES.into_iter().enumerate() {
         let within: usize = all.iter().map(|(.., hits)| hits.within[k]).sum();
