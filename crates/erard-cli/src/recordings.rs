@@ -204,7 +204,13 @@ const PARQUET: &[u8] = b"PAR1";
 fn read(path: &Path, name: &str, columns: &Columns) -> Result<Recording, Box<StrokeError>> {
     let mut file = match inputs::open(path) {
         Ok(file) => file,
-        Err(error) => return Recording::read_opened(Err::<File, _>(error), name, columns),
+        Err(error) => {
+            if let Some(force) = force(name) {
+                let expected = format!("a stroke file; a constant force is --force-step {force}");
+                return Err(fault(name, "", format!("cannot be read: {error}"), &expected));
+            }
+            return Recording::read_opened(Err::<File, _>(error), name, columns);
+        }
     };
     let mut head = Vec::new();
     if let Err(error) = (&mut file).take(PARQUET.len() as u64).read_to_end(&mut head) {
@@ -225,6 +231,12 @@ fn read(path: &Path, name: &str, columns: &Columns) -> Result<Recording, Box<Str
     let recording = Recording::read(hashed, name, columns)?;
     identity::used_hashed("recording", name, name, hash);
     Ok(recording)
+}
+
+/// The number of a force that was given where a file belongs: `2`, `2N`, `2.5 N`.
+fn force(name: &str) -> Option<f64> {
+    let number = name.strip_suffix(['N', 'n']).unwrap_or(name).trim();
+    number.parse().ok().filter(|force: &f64| force.is_finite())
 }
 
 /// What is read through it, or written to it, is hashed.

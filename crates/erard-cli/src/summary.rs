@@ -30,6 +30,16 @@ pub(crate) fn value(summary: &Value, (key, _, factor, ..): &Measure) -> Option<f
     summary.get(key)?.as_f64().map(|value| value * factor)
 }
 
+/// Why the hammer does not reach the string: how far the escapement went.
+fn why_no_blow(summary: &Value) -> &'static str {
+    let happened = |key: &str| !summary[key].is_null();
+    match (happened("toe_contact_s"), happened("let_off_s")) {
+        (_, true) => "the hammer was let off too slowly, and fell back",
+        (true, _) => "the jack met its button, but was not pushed out",
+        _ => "the key did not go down to let-off",
+    }
+}
+
 /// The numbers of a run.
 #[derive(Debug, Clone)]
 pub(crate) struct Summary {
@@ -115,7 +125,7 @@ impl Summary {
         for measure @ (key, name, _, unit, decimals) in &MEASURES {
             let shown = match value(json, measure) {
                 Some(value) => format!("{value:.decimals$} {unit}"),
-                None if *key == "hammer_speed_m_per_s" => "- (the string is not reached)".to_owned(),
+                None if *key == "hammer_speed_m_per_s" => format!("- (no blow: {})", why_no_blow(json)),
                 None => "-".to_owned(),
             };
             if *key != "drive_work_J" && (!one_dof || ["key_start_s", "key_bottom_s", "peak_force_N"].contains(key)) {

@@ -104,6 +104,10 @@ pub(crate) fn shown(axes: &[Axis], measures: &[&Line], rows: &[Row], most: usize
             (Err(error), _) => format!("failed: {error}"),
             (_, Err(error)) => format!("not measured: {error}"),
             (Ok(played), _) if !played.warnings.is_empty() => "not trusted".to_owned(),
+            // The jack still pushes when the hammer strikes: it blocks.
+            (Ok(played), _) if played.events.let_off_s.is_none() && !played.events.impacts.is_empty() => {
+                "not let off".to_owned()
+            }
             _ => String::new(),
         });
         cells
