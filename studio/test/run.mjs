@@ -10,6 +10,7 @@ import * as play from "./play.mjs";
 import * as grasp from "./grasp.mjs";
 import * as bench from "./bench.mjs";
 import * as page from "./page.mjs";
+import { diagnose } from "./diagnose.mjs";
 import { edges } from "./edges.mjs";
 import * as reader from "./reader.mjs";
 import * as story from "./story.mjs";
@@ -38,6 +39,7 @@ const tests = {
   "a broken file": bench.file,
   compare: bench.compare,
   keyboard: bench.keyboard,
+  ...(process.env.ERARD ? { diagnose } : {}),
   "rough edges": edges,
   link: page.link,
   offline: page.offline,
@@ -48,7 +50,7 @@ const tests = {
 };
 
 if (asked.shots) mkdirSync(asked.shots, { recursive: true });
-if (!process.env.ERARD) console.log("not run: bits and parquet, for ERARD names no command");
+if (!process.env.ERARD) console.log("not run: bits, parquet and diagnose, for ERARD names no command");
 const browser = await open();
 let failed = 0;
 for (const [name, test] of Object.entries(tests)) {

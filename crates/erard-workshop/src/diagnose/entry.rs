@@ -340,7 +340,7 @@ pub struct Known {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{what}; expected {expected}")]
 pub struct Impossible {
-    /// The entry.
+    /// The entry's name; `key` and `leads` of a form; empty where the fault belongs to none.
     pub entry: &'static str,
     /// The fault.
     pub what: String,
@@ -408,10 +408,16 @@ impl Known {
     /// # Errors
     /// Which, why, and what would be right.
     pub fn check(&self) -> Result<(), Impossible> {
+        self.faults().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// Every reading that cannot be.
+    pub(super) fn faults(&self) -> Vec<Impossible> {
+        let mut faults = Vec::new();
         for (entry, value) in TABLE.iter().zip(self.values) {
             let [least, most] = entry.limits;
             if let Some(value) = value.filter(|value| !(least..=most).contains(value)) {
-                return Err(Impossible {
+                faults.push(Impossible {
                     entry: entry.name,
                     what: format!("{} {value} {}", entry.label, entry.unit).trim_end().to_owned(),
                     expected: format!("a number from {least} to {most} {}", entry.unit).trim_end().to_owned(),
@@ -432,10 +438,10 @@ impl Known {
                 let [small, large] = [small, large].map(|at| &TABLE[at]);
                 let what =
                     format!("{} of {less} {} over {} of {more} {}", small.label, small.unit, large.label, large.unit);
-                return Err(Impossible { entry: small.name, what, expected: expected.to_owned() });
+                faults.push(Impossible { entry: small.name, what, expected: expected.to_owned() });
             }
         }
-        Ok(())
+        faults
     }
 
     /// (D + U) / 2, g.
