@@ -40,7 +40,7 @@ export const diagnose = async ({ visit }) => {
     assert(text.includes(`${key.note} (key ${key.key})`), text.slice(0, 80));
     assert.equal(text.includes("No key was named"), theirs.is_key_assumed);
     assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll("#diagnosis [data-cause]")].map(({ dataset }) => dataset.cause)), key.causes.map(({ cause }) => cause));
-    assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll("#diagnosis tr.out")].map(({ dataset }) => dataset.reading)), key.readings.filter(({ standing }) => standing === "out").map(({ name }) => name));
+    assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll("#diagnosis tr:has(.out)")].map(({ dataset }) => dataset.reading)), key.readings.filter(({ standing }) => standing === "out").map(({ name }) => name));
     for (const { value, decimals, label } of key.readings) assert(value === null || text.includes(value.toFixed(decimals)), `${label} ${value}`);
     for (const line of [...key.to_do, key.verdict, ...key.causes.flatMap(({ test, cure }) => [test, cure]), ...key.notes, ...(key.measure_next ? [`Measure next: ${key.measure_next.label}`] : [])]) assert(text.includes(line), line);
     compared++;
