@@ -34,7 +34,7 @@ const sheetOf = (key: Diagnosed, { is_key_assumed, rests_on }: Diagnosis, head: 
     h("thead", {}, h("tr", {}, ...["reading", "here", "usual", ""].map((text) => (text ? h("th", { scope: "col" }, text) : h("td"))))),
     h("tbody", {}, ...key.readings.map((line) => {
       const value = line.value === null ? "none" : `${fixed(line.value, line.decimals)} ${line.unit}`.trim();
-      return h("tr", { class: line.standing === "out" ? "out" : "", "data-reading": line.name }, h("th", { scope: "row" }, line.label), h("td", {}, value), h("td", {}, range(line.usual_low, line.usual_high, line.decimals)), h("td", { class: "mark-text" }, MARKS[line.standing] ?? ""));
+      return h("tr", { "data-reading": line.name }, h("th", { scope: "row" }, line.label), h("td", { class: line.standing === "out" ? "out" : null }, value), h("td", {}, range(line.usual_low, line.usual_high, line.decimals)), h("td", { class: `mark-text${line.standing === "out" ? " out" : ""}` }, MARKS[line.standing] ?? ""));
     })),
   );
   const causes = key.causes.map((cause) =>
@@ -54,20 +54,20 @@ const sheetOf = (key: Diagnosed, { is_key_assumed, rests_on }: Diagnosis, head: 
     ...(head.length ? [h("dl", { class: "head" }, ...head.flatMap(([name, text]) => [h("dt", {}, name), h("dd", {}, text)]))] : []),
     ...(is_key_assumed ? [h("p", { class: "assumed" }, `No key was named: usual ranges are those of ${key.note} (key ${key.key}).`)] : []),
     readings,
-    ...(why ? [h("p", { class: "quiet" }, `Not judged: ${why}.`)] : []),
+    ...(why ? [h("p", { class: "soft" }, `Not judged: ${why}.`)] : []),
     ...(key.to_do.length ? [h("h3", {}, "To do, in this order"), h("ol", { class: "to-do" }, ...key.to_do.map((line) => h("li", {}, line)))] : []),
     h(key.is_work ? "h3" : "p", { class: "verdict" }, key.verdict),
     ...(causes.length ? [h("ol", { class: "causes" }, ...causes)] : []),
-    ...(key.something_else > 0.05 ? [h("p", { class: "quiet" }, `Something that is not in this list: ${percent(key.something_else)}.`)] : []),
+    ...(key.something_else > 0.05 ? [h("p", { class: "soft" }, `Something that is not in this list: ${percent(key.something_else)}.`)] : []),
     ...(next ? [
       h("h3", {}, `Measure next: ${next.label}`),
       h("p", {}, `How: ${next.how}.`),
       h("ul", { class: "next" }, ...next.would_read.map(({ value, names }) => h("li", {}, `about ${fixed(value, next.decimals)} ${next.unit}: ${names}`.replace(" :", ":")))),
     ] : []),
     h("h3", {}, "What follows from the weights"),
-    ...[`leverage: ${band(key.leverage, 2, "")}`, `inertia at the key: ${band(key.inertia_kg, 2, " kg")}`, ...key.notes].map((line) => h("p", { class: "quiet" }, line)),
-    ...key.readings.filter(({ name }) => name === "down_weight_g" || name === "up_weight_g").map(({ name, label }) => h("p", { class: "quiet" }, `${label}, ${how(name)}.`)),
-    ...(key.is_work ? [h("p", { class: "quiet" }, rests_on)] : []),
+    ...[`leverage: ${band(key.leverage, 2, "")}`, `inertia at the key: ${band(key.inertia_kg, 2, " kg")}`, ...key.notes].map((line) => h("p", { class: "soft" }, line)),
+    ...key.readings.filter(({ name }) => name === "down_weight_g" || name === "up_weight_g").map(({ name, label }) => h("p", { class: "soft" }, `${label}, ${how(name)}.`)),
+    ...(key.is_work ? [h("p", { class: "soft" }, rests_on)] : []),
   ];
 };
 
@@ -86,7 +86,7 @@ export const diagnosePanel = (app: App, into: HTMLElement): void => {
   const field = (of: Field, decimals = 0): HTMLElement => {
     const id = `reading-${of.name}`;
     const input = h("input", { id, type: "text", inputmode: of.name === "key" || of.name === "leads" ? "text" : "decimal", autocomplete: "off", spellcheck: "false", "aria-describedby": `${id}-wrong ${id}-how` });
-    const how = h("p", { class: "quiet", id: `${id}-how` }, hint(of, decimals));
+    const how = h("p", { class: "soft", id: `${id}-how` }, hint(of, decimals));
     const wrong = h("p", { class: "bad", id: `${id}-wrong`, hidden: true });
     inputs.set(of.name, { input, how, wrong, field: of });
     return h("div", { class: "reading", "data-field": of.name }, h("label", { for: id }, of.label), h("span", { class: "number" }, input, h("span", { class: "unit" }, of.unit)), wrong, how);
@@ -182,7 +182,7 @@ export const diagnosePanel = (app: App, into: HTMLElement): void => {
   };
 
   into.append(
-    h("p", { class: "quiet" }, "For your own piano. Enter what you measured of one key, however little; leave the rest empty."),
+    h("p", { class: "soft" }, "For your own piano. Enter what you measured of one key, however little; leave the rest empty."),
     h("div", { class: "columns" }, form, sheet),
   );
   const follow = () => {
