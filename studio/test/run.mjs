@@ -1,5 +1,6 @@
 // node test/run.mjs [--seconds N] [--shots FOLDER] [--only WORD] [--lanes N]: the pages in a real browser, N tests at a
-// time, each lane in a browser of its own; tests of time run alone at the end. Exit code 1 where something does not hold.
+// time, each lane in a browser of its own; tests of time run alone at the end. Exit code 1 where something does not
+// hold.
 // ERARD names the command whose bits the page is compared with; CHROMIUM the browser.
 import { mkdirSync } from "node:fs";
 import { parseArgs } from "node:util";
