@@ -7,6 +7,7 @@ pub mod balance;
 pub mod compare;
 pub mod cores;
 pub mod diagnose;
+pub mod digits;
 pub mod distances;
 pub mod fit;
 pub mod fmu;

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use erard::keyboard::note_name;
 use erard_workshop::diagnose::{BASIS, Band, Diagnosis, Judged, Ranked, Standing, Suggestion, explained_as, joined};
+use erard_workshop::digits::{plain, signed};
 
 use super::Work;
 use crate::table::{Table, USUAL, wrapped};
@@ -14,7 +15,7 @@ pub(super) fn value(value: Option<f64>, unit: &str, decimals: usize, lengths: Le
     match value {
         None => "none".to_owned(),
         Some(mm) if unit == "mm" => lengths.text(mm, decimals),
-        Some(value) => format!("{:.decimals$} {unit}", value + 0.0).trim_end().to_owned(),
+        Some(value) => format!("{} {unit}", plain(value, decimals)).trim_end().to_owned(),
     }
 }
 
@@ -62,7 +63,7 @@ pub(super) fn explains(ranked: &Ranked, lengths: Lengths) -> String {
         if unit == "mm" {
             format!("{label} {}", lengths.signed(*by, decimals))
         } else {
-            format!("{label} {by:+.decimals$} {unit}").trim_end().to_owned()
+            format!("{label} {} {unit}", signed(*by, decimals)).trim_end().to_owned()
         }
     };
     ranked.explains.iter().map(one).collect::<Vec<_>>().join(", ")
