@@ -1,6 +1,9 @@
 // One's own measurements: the form gives the command's answer for the same numbers, points at what cannot be, and makes
 // a sheet that can be printed.
 import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import { assert, until } from "./help.mjs";
 
 const answered = (page) => until(page, () => document.querySelector("#diagnosis:not(.waiting) .verdict") !== null);
@@ -28,7 +31,9 @@ export const diagnose = async ({ visit }) => {
   let compared = 0;
   for (const { readings } of SETS) {
     const options = Object.entries(readings).map(([name, text]) => `--${name.replace(/_(g|mm)$/, "").replaceAll("_", "-")}=${name === "leads" ? text.replaceAll(" ", "") : text}`);
-    const theirs = JSON.parse(execFileSync(process.env.ERARD, ["diagnose", "--json", ...options]));
+    const work = mkdtempSync(join(tmpdir(), "erard-diagnose-"));
+    const theirs = JSON.parse(execFileSync(process.env.ERARD, ["diagnose", "--json", ...options], { cwd: work }));
+    rmSync(work, { recursive: true });
     const ours = await page.evaluate((readings) => studio.bench.ask({ kind: "diagnose", readings }), readings);
     assert(ours.answer, JSON.stringify(ours.faults));
     for (const [name, value] of Object.entries(ours.answer)) assert.deepEqual(value, theirs[name], `${name} of ${JSON.stringify(readings)}`);

@@ -12,6 +12,7 @@ use erard_workshop::diagnose::{self, Typed, diagnose};
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::norms::{GROUPS, Line, MIDDLE_C, lines};
 use erard_workshop::measure::{MeasureError, measure, measure_some};
+use erard_workshop::regional::ours;
 use erard_workshop::regulate::{Goal, Specification, parse_value, regulate};
 use erard_workshop::trying::try_once;
 use serde_json::{Map, Value, json};
@@ -104,7 +105,7 @@ pub(crate) fn going(progress: ErardProgress, user: *mut c_void, share: f64) -> b
 /// The lines of the sheet of such names.
 fn named(list: &str) -> Result<Vec<&'static Line>, Fault> {
     let each = list.split(',').map(str::trim).map(|key| {
-        lines().find(|line| line.key == key).ok_or_else(|| {
+        lines().find(|line| line.key == ours(key)).ok_or_else(|| {
             let known = lines().map(|line| line.key).collect::<Vec<_>>().join(", ");
             Fault::new(ErardStatus::NoSuch, format!("the sheet has no line `{key}`; it has {known}"))
         })
@@ -161,7 +162,7 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
         return Err(wrong("the goals are no JSON object, such as {\"let-off\": 1.5}".into()));
     };
     let each = goals.into_iter().map(|(name, value)| {
-        let goal = Goal::ALL.into_iter().find(|goal| goal.name() == name).ok_or_else(|| {
+        let goal = Goal::ALL.into_iter().find(|goal| goal.name() == ours(&name)).ok_or_else(|| {
             let known = Goal::ALL.map(Goal::name).join(", ");
             wrong(format!("there is no goal `{name}`; expected one of {known}"))
         })?;

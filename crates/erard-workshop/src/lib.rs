@@ -12,6 +12,7 @@ pub mod distances;
 pub mod fit;
 pub mod fmu;
 pub mod measure;
+pub mod regional;
 pub mod regulate;
 pub mod sample;
 pub mod sensitivities;
