@@ -111,6 +111,8 @@ export const keys_only = async ({ visit }) => {
   await until(page, () => Object.keys(studio.state.a.turns).length === 0);
   await page.focus("#tab-screws");
   await page.keyboard.press("End");
+  await until(page, () => studio.state.tab === "diagnose");
+  await page.keyboard.press("ArrowLeft");
   await until(page, () => studio.state.tab === "keyboard");
   return `${tabs} times Tab`;
 };

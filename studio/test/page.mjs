@@ -1,15 +1,13 @@
-// The page as a page: size, first picture, links, no network, faults, screen readers, phones, pictures to look at.
+// The page as a page: size, first picture, links, no network, faults, pictures to look at.
 import { readFile, readdir } from "node:fs/promises";
-import { createRequire } from "node:module";
 import { gzipSync } from "node:zlib";
 import { assert, struck, until } from "./help.mjs";
+import { LOOKS, READ, STATES } from "./states.mjs";
 
-const TABS = ["play", "screws", "file", "compare", "keyboard"];
-const STEPS = ["lever", "flight", "escapement", "check", "damper", "again", "erard", "touch"];
 /** Budgets of each of the two pages, bytes as they travel. What the first picture needs takes a tenth of a second at
  * 1 MB/s; all that playing needs, the engine included, less than one and a half; what is loaded when it is asked for
  * (the reader of Parquet) counts apart. */
-const FIRST = 100_000, PLAYING = 1_450_000, LATER = 40_000;
+const FIRST = 100_000, PLAYING = 1_500_000, LATER = 40_000;
 
 export const size = async () => {
   const site = new URL("../site/", import.meta.url);
@@ -182,98 +180,6 @@ export const faults = async ({ visit, faults }) => {
   // One that never answers again is replaced.
   await broken(() => engine().evaluate(() => { globalThis.player.advance = () => { for (;;); }; }), /does not answer/);
   assert.deepEqual(faults, []);
-};
-
-const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
-
-/** What can be on the page: every panel, and what opens in it. */
-const STATES = {
-  ...Object.fromEntries(TABS.map((tab) => [tab, { hash: `#tab=${tab}${tab === "compare" ? "&b=heavy-touch" : ""}` }])),
-  "side by side": { hash: "#tab=compare&b=heavy-touch&beside=1&names=1" },
-  "with a pedal": { hash: "#a=concert-grand-strings" },
-  "a part": { hash: "", act: (page) => page.selectOption("#parts", "let-off button") },
-  "a wrong file": {
-    hash: "#tab=file",
-    act: async (page) => {
-      await page.fill("#file-text", (await page.inputValue("#file-text")).replace(/mass_g = [^\n]*/, "mass_g = -1"));
-      await until(page, () => document.getElementById("file-said").textContent.startsWith("Line"));
-    },
-  },
-  "what cannot work": {
-    hash: "#tab=screws",
-    act: async (page) => {
-      await page.evaluate(() => studio.turn(0, "let_off", 40));
-      await until(page, () => !document.getElementById("why").hidden);
-    },
-  },
-  "a regulation": {
-    hash: "#tab=screws&a=concert-grand;let_off:-1",
-    act: async (page) => {
-      await page.click("#regulate");
-      await until(page, () => document.querySelector("#log ol") !== null, undefined, 120_000);
-    },
-  },
-  "a wrong recording": {
-    hash: "",
-    act: async (page) => {
-      await page.evaluate(() => studio.stroke({ csv: "time_s\n1", name: "wrong.csv" }));
-      await until(page, () => !document.getElementById("notice").hidden);
-    },
-  },
-  "a fault": {
-    hash: "",
-    act: async (page) => {
-      await page.workers().find((one) => one.url().includes("player")).evaluate(() => { globalThis.player.actions[0].action = 0x7fffff00; });
-      await page.evaluate(() => studio.push(4));
-      await page.waitForSelector("#fault:not([hidden]) button");
-    },
-  },
-  "looking back": {
-    hash: "",
-    act: async (page) => {
-      await page.evaluate(() => studio.stroke({ nuance: "mf", struck: false }));
-      await struck(page);
-      await page.click("#replay");
-    },
-  },
-};
-/** The story: its beginning, and every step in the middle of its own stroke. */
-const READ = {
-  "the story": { act: async () => {} },
-  ...Object.fromEntries(STEPS.map((id) => [id, {
-    act: async (page) => {
-      await page.evaluate((id) => {
-        const { top, height } = document.querySelector(`[data-scene=${id}]`).getBoundingClientRect();
-        scrollTo({ top: scrollY + top + height / 2 - innerHeight / 2, behavior: "instant" });
-      }, id);
-      await until(page, (id) => story.active === id && document.querySelector(`[data-scene=${id}]`).dataset.live === "true", id);
-      await page.click(`[data-scene=${id}] .show`);
-      await until(page, (id) => story.figures[id].now?.pose.key_m > 1e-3, id);
-      await page.waitForTimeout(1500);
-    },
-  }])),
-};
-const LOOKS = { light: {}, dark: { colorScheme: "dark" }, phone: PHONE };
-
-export const axe = async ({ visit, read }) => {
-  const source = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-  let checked = 0;
-  for (const [look, options] of Object.entries(LOOKS)) {
-    for (const [name, { hash, act }] of [...Object.entries(READ), ...Object.entries(STATES)]) {
-      const page = await (hash === undefined ? read("", { ...options, bypassCSP: true }) : visit(hash, { ...options, bypassCSP: true }));
-      await page.waitForTimeout(200);
-      await act?.(page);
-      await page.evaluate(source);
-      const found = await page.evaluate(() => axe.run(document, { resultTypes: ["violations"] }).then(({ violations }) => violations.map(({ id, nodes }) => `${id}: ${nodes.slice(0, 4).map(({ html }) => html.slice(0, 140)).join(" | ")}`)));
-      assert.deepEqual(found, [], `${name}, ${look}`);
-      const { width } = page.viewportSize();
-      const wide = await page.evaluate(() => document.documentElement.scrollWidth);
-      assert(wide <= width, `${name}, ${look}: ${wide} px wide`);
-      checked++;
-      await page.context().close();
-    }
-  }
-  return `${checked} states without findings, none wider than its screen`;
 };
 
 /** Pictures of all of it, to be looked at. */

@@ -1,8 +1,11 @@
-// node test/run.mjs [--seconds N] [--shots FOLDER] [--only WORD]: the page in a real browser. Exit code 1 where
-// something does not hold. ERARD names the command whose bits the page is compared with; CHROMIUM the browser.
+// node test/run.mjs [--seconds N] [--shots FOLDER] [--only WORD] [--lanes N]: the pages in a real browser, N tests at a
+// time, each lane in a browser of its own; tests of time run alone at the end. Exit code 1 where something does not
+// hold.
+// ERARD names the command whose bits the page is compared with; CHROMIUM the browser.
 import { mkdirSync } from "node:fs";
 import { parseArgs } from "node:util";
 import { open } from "./browser.mjs";
+import { axe } from "./axe.mjs";
 import { bits } from "./bits.mjs";
 import { parquet } from "./parquet.mjs";
 import { wild } from "./wild.mjs";
@@ -10,11 +13,12 @@ import * as play from "./play.mjs";
 import * as grasp from "./grasp.mjs";
 import * as bench from "./bench.mjs";
 import * as page from "./page.mjs";
+import { diagnose } from "./diagnose.mjs";
 import { edges } from "./edges.mjs";
 import * as reader from "./reader.mjs";
 import * as story from "./story.mjs";
 
-const { values: asked } = parseArgs({ options: { seconds: { type: "string", default: "20" }, shots: { type: "string" }, only: { type: "string" } } });
+const { values: asked } = parseArgs({ options: { seconds: { type: "string", default: "20" }, shots: { type: "string" }, only: { type: "string" }, lanes: { type: "string", default: "2" } } });
 const tests = {
   size: page.size,
   ...(process.env.ERARD ? { bits, parquet } : {}),
@@ -38,34 +42,47 @@ const tests = {
   "a broken file": bench.file,
   compare: bench.compare,
   keyboard: bench.keyboard,
+  ...(process.env.ERARD ? { diagnose } : {}),
   "rough edges": edges,
   link: page.link,
   offline: page.offline,
   faults: page.faults,
-  "axe, light, dark, phone": page.axe,
+  "axe, light, dark, phone": axe,
   ...(asked.shots ? { screenshots: (browser) => page.screenshots(browser, asked.shots) } : {}),
   "random playing": (browser) => wild(browser, Number(asked.seconds)),
 };
 
+/** Tests of time, which have the machine for themselves. */
+const ALONE = new Set(["first picture", "a stranger's path", "the pedal", "keyboard", "rough edges", "screenshots", "random playing"]);
+/** Tests that take long: they begin, so that no lane waits for another's last one. */
+const LONG = ["axe, light, dark, phone", "the story, step by step"];
+
 if (asked.shots) mkdirSync(asked.shots, { recursive: true });
-if (!process.env.ERARD) console.log("not run: bits and parquet, for ERARD names no command");
-const browser = await open();
+if (!process.env.ERARD) console.log("not run: bits, parquet and diagnose, for ERARD names no command");
+const names = Object.keys(tests).filter((name) => !asked.only || name.includes(asked.only));
+const together = names.filter((name) => !ALONE.has(name)).sort((a, b) => LONG.includes(b) - LONG.includes(a));
 let failed = 0;
-for (const [name, test] of Object.entries(tests)) {
-  if (asked.only && !name.includes(asked.only)) continue;
-  const began = performance.now();
-  browser.faults.length = 0;
-  let said = "";
-  try {
-    said = (await test(browser)) ?? "";
-    if (browser.faults.length) throw new Error(browser.faults.join("\n  "));
-  } catch (error) {
-    failed++;
-    said = `FAILED: ${error.message}`;
+/** Runs tests one after the other in a browser of its own, until none is left. */
+const lane = async (left) => {
+  if (!left.length) return;
+  const browser = await open();
+  for (let name; (name = left.shift()) !== undefined;) {
+    const began = performance.now();
+    browser.faults.length = 0;
+    let said = "";
+    try {
+      said = (await tests[name](browser)) ?? "";
+      if (browser.faults.length) throw new Error(browser.faults.join("\n  "));
+    } catch (error) {
+      failed++;
+      said = `FAILED: ${error.message}`;
+    }
+    for (const context of browser.browser.contexts()) await context.close();
+    console.log(`${name} (${((performance.now() - began) / 1000).toFixed(1)} s) ${said}`);
   }
-  for (const context of browser.browser.contexts()) await context.close();
-  console.log(`${name} (${((performance.now() - began) / 1000).toFixed(1)} s) ${said}`);
-}
-await browser.close();
+  await browser.close();
+};
+await Promise.all(Array.from({ length: Number(asked.lanes) }, () => lane(together)));
+await lane(names.filter((name) => ALONE.has(name)));
 console.log(failed ? `${failed} failed` : "all hold");
 process.exit(failed ? 1 : 0);

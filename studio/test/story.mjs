@@ -135,12 +135,20 @@ export const tasks = async ({ read }) => {
   near("once", swings.escapement.impacts, 0);
   claim("free", (value) => swings.escapement.later_m > value * swings.escapement.swing_m, swings.escapement.later_m / swings.escapement.swing_m);
   near("let-off", (await measured(page, "escapement", "let_off_mm")).let_off_mm, 0.1);
-  // Too soft, and the page says so.
+  // Too soft, and the page says so. A machine that stalls lets the finger jump: that press is not soft, and is made
+  // again.
   const gently = await finger(page, "escapement");
-  await page.mouse.move(gently.x, gently.y);
-  await page.mouse.down();
-  await move(page, gently, 0, 10, 3000);
-  await until(page, () => document.querySelector("[data-scene=escapement] .outcome").textContent.startsWith("Too soft"));
+  const soft = () => page.evaluate(() => document.querySelector("[data-scene=escapement] .outcome").textContent.startsWith("Too soft"));
+  for (let n = 0; n < 3; n++) {
+    await page.mouse.move(gently.x, gently.y);
+    await page.mouse.down();
+    await move(page, gently, 0, 10, 3000);
+    await page.waitForTimeout(500);
+    if (await soft()) break;
+    await page.mouse.up();
+    await rest(page, "escapement");
+  }
+  assert(await soft(), "a soft press says so");
   near("soft", (await now(page, "escapement")).impacts, 0);
   await page.mouse.up();
 

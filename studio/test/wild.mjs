@@ -46,7 +46,7 @@ export const wild = async ({ visit }, seconds) => {
     async () => page.evaluate(() => studio.undo()),
     async () => page.evaluate(() => studio.redo()),
     async () => page.evaluate(() => studio.change({ a: { ...studio.state.a, turns: {} } })),
-    async () => page.click(`#tab-${pick(["play", "screws", "compare", "file", "keyboard"])}`),
+    async () => page.click(`#tab-${pick(["play", "screws", "compare", "file", "keyboard", "diagnose"])}`),
     async () => page.evaluate((b) => studio.change({ b: b && { base: { builtin: b }, turns: {} } }), pick([null, null, "heavy-touch", "steinway-o", "concert-grand-strings"])),
     async () => page.evaluate((on) => studio.change({ beside: on }), chance() < 0.5),
     async () => page.evaluate(() => studio.replay()),

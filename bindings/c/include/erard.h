@@ -796,6 +796,29 @@ char *erard_scene(const struct ErardInstrument *instrument, size_t *length, Erar
 char *erard_sheet(uint32_t key, size_t *length, ErardStatus *status);
 
 /**
+ * Diagnoses a key of a real piano from whatever was measured of it, as JSON: what `erard diagnose` writes to
+ * diagnosis.json, with readings, causes, what to do and what to measure next. `readings` is a JSON object: "key" (1 to
+ * 88, or a note; without it C4 is assumed, and "is_key_assumed" says so), "leads" ("14@165, 14@147") and readings by
+ * the names of erard_diagnosable, as numbers or as texts with units. Takes up to seconds. Give the text back with
+ * erard_text_free.
+ */
+char *erard_diagnose(const char *readings, size_t *length, ErardStatus *status);
+
+/**
+ * Everything that is wrong with readings for erard_diagnose, as JSON: an array of "name" (the reading's, "key" or
+ * "leads"; empty where the fault belongs to none), "found" and "expected"; empty where they are sound. Give the text
+ * back with erard_text_free.
+ */
+char *erard_diagnose_check(const char *readings, size_t *length, ErardStatus *status);
+
+/**
+ * What can be measured of a real piano's key, as JSON: an array of "name" (as erard_diagnose takes it), "label",
+ * "unit", "decimals", "limits", "precision", "usual" ([low, high] at that key, 1 to 88; null where open or not this
+ * key's) and "how" it is taken. Give the text back with erard_text_free.
+ */
+char *erard_diagnosable(uint32_t key, size_t *length, ErardStatus *status);
+
+/**
  * Screws and parameters of an instrument that can be changed, as JSON: dials, each with "name", "label", "note",
  * "group", "unit", "decimals", "value", "from" and "to". Give the text back with erard_text_free.
  */

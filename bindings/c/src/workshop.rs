@@ -8,9 +8,11 @@ use erard::instrument::InstrumentFile;
 use erard::keyboard::KEYS;
 use erard_figures::drawing::{PoseOptions, pose_svg};
 use erard_figures::page::scene;
+use erard_workshop::diagnose::{self, Typed, diagnose};
 use erard_workshop::distances::Protocol;
-use erard_workshop::measure::norms::{GROUPS, Line, lines};
+use erard_workshop::measure::norms::{GROUPS, Line, MIDDLE_C, lines};
 use erard_workshop::measure::{MeasureError, measure, measure_some};
+use erard_workshop::regional::ours;
 use erard_workshop::regulate::{Goal, Specification, parse_value, regulate};
 use erard_workshop::trying::try_once;
 use serde_json::{Map, Value, json};
@@ -103,7 +105,7 @@ pub(crate) fn going(progress: ErardProgress, user: *mut c_void, share: f64) -> b
 /// The lines of the sheet of such names.
 fn named(list: &str) -> Result<Vec<&'static Line>, Fault> {
     let each = list.split(',').map(str::trim).map(|key| {
-        lines().find(|line| line.key == key).ok_or_else(|| {
+        lines().find(|line| line.key == ours(key)).ok_or_else(|| {
             let known = lines().map(|line| line.key).collect::<Vec<_>>().join(", ");
             Fault::new(ErardStatus::NoSuch, format!("the sheet has no line `{key}`; it has {known}"))
         })
@@ -160,7 +162,7 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
         return Err(wrong("the goals are no JSON object, such as {\"let-off\": 1.5}".into()));
     };
     let each = goals.into_iter().map(|(name, value)| {
-        let goal = Goal::ALL.into_iter().find(|goal| goal.name() == name).ok_or_else(|| {
+        let goal = Goal::ALL.into_iter().find(|goal| goal.name() == ours(&name)).ok_or_else(|| {
             let known = Goal::ALL.map(Goal::name).join(", ");
             wrong(format!("there is no goal `{name}`; expected one of {known}"))
         })?;
@@ -196,10 +198,7 @@ pub unsafe extern "C" fn erard_scene(
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
     told(null_mut(), status, || {
-        let key = key as usize;
-        if !(1..=KEYS).contains(&key) {
-            return Err(Fault::new(ErardStatus::NoSuch, format!("there is no key {key}; expected 1 to {KEYS}")));
-        }
+        let key = known_key(key)?;
         let groups = GROUPS.iter().map(|group| {
             let lines = group.lines.iter().map(|line| {
                 json!({
@@ -215,6 +214,62 @@ pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardSt
         });
         give(Value::Array(groups.collect()).to_string(), length)
     })
+}
+
+/// Diagnoses a key of a real piano from whatever was measured of it, as JSON: what `erard diagnose` writes to
+/// diagnosis.json, with readings, causes, what to do and what to measure next. `readings` is a JSON object: "key" (1 to
+/// 88, or a note; without it C4 is assumed, and "is_key_assumed" says so), "leads" ("14@165, 14@147") and readings by
+/// the names of erard_diagnosable, as numbers or as texts with units. Takes up to seconds. Give the text back with
+/// erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_diagnose(
+    readings: *const c_char,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let typed = Typed::read(unsafe { name(readings, "the readings") }?).map_err(|faults| {
+            let each: Vec<String> = faults.iter().map(ToString::to_string).collect();
+            Fault::new(ErardStatus::Argument, each.join("; "))
+        })?;
+        let found = diagnose(&typed.known, typed.key.unwrap_or(MIDDLE_C));
+        give(diagnose::answer(&[found], None, typed.key.is_none()).to_string(), length)
+    })
+}
+
+/// Everything that is wrong with readings for erard_diagnose, as JSON: an array of "name" (the reading's, "key" or
+/// "leads"; empty where the fault belongs to none), "found" and "expected"; empty where they are sound. Give the text
+/// back with erard_text_free.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_diagnose_check(
+    readings: *const c_char,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: passed on.
+        let faults = Typed::read(unsafe { name(readings, "the readings") }?).err().unwrap_or_default();
+        give(diagnose::faults(&faults).to_string(), length)
+    })
+}
+
+/// What can be measured of a real piano's key, as JSON: an array of "name" (as erard_diagnose takes it), "label",
+/// "unit", "decimals", "limits", "precision", "usual" ([low, high] at that key, 1 to 88; null where open or not this
+/// key's) and "how" it is taken. Give the text back with erard_text_free.
+#[unsafe(no_mangle)]
+pub extern "C" fn erard_diagnosable(key: u32, length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
+    told(null_mut(), status, || give(diagnose::form(known_key(key)?).to_string(), length))
+}
+
+/// A key that there is.
+fn known_key(key: u32) -> Result<usize, Fault> {
+    let key = key as usize;
+    if (1..=KEYS).contains(&key) {
+        Ok(key)
+    } else {
+        Err(Fault::new(ErardStatus::NoSuch, format!("there is no key {key}; expected 1 to {KEYS}")))
+    }
 }
 
 /// Screws and parameters of an instrument that can be changed, as JSON: dials, each with "name", "label", "note",

@@ -3,6 +3,7 @@
 use erard::recording::{ChannelReport, Report, Whence};
 use erard::stroke::Quantity;
 use erard_workshop::compare::{Band, Comparison, Errors, RATE_HZ, Trial, outcome, share};
+use erard_workshop::digits::plain;
 use serde_json::{Value, json};
 
 use crate::say;
@@ -53,7 +54,7 @@ pub(crate) fn print_table(comparison: &Comparison) {
                 format!("{:.4} {unit}", e.largest * factor),
                 share(e.explained, 2).replace("less than ", "< "),
                 format!("{:.5}", e.correlation),
-                format!("{:.2} ms", e.delay_s * 1e3),
+                format!("{} ms", plain(e.delay_s * 1e3, 2)),
             ],
             None => [const { String::new() }; 6],
         };

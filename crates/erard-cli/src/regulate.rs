@@ -3,6 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
+use erard_workshop::digits::{is_nothing, signed};
 use erard_workshop::distances::Distances;
 use erard_workshop::regulate::{
     Achieved, Goal, Handwork, Kind, Regulated, Turned, known_screw, screw_unit, turns_text, unit,
@@ -29,9 +30,9 @@ pub(crate) fn turned_text(turned: &Turned, lengths: Lengths) -> String {
     let by = turned.setting[1] - turned.setting[0];
     let far = match screw_unit(&turned.action) {
         (factor, "mm") => lengths.signed(by * factor, 3),
-        (factor, unit) => format!("{:+.3} {unit}", by * factor),
+        (factor, unit) => format!("{} {unit}", signed(by * factor, 3)),
     };
-    if !far.contains(|digit: char| ('1'..='9').contains(&digit)) {
+    if is_nothing(&far) {
         return format!("{} not turned", turned.name);
     }
     let turns = match known_screw(&turned.name).map(|known| known.work) {

@@ -1,6 +1,7 @@
 //! Lengths in the unit of the reader's ruler.
 
 use clap::Args;
+use erard_workshop::digits::{is_nothing, plain};
 
 /// Millimetres in an inch.
 pub(crate) const MM_PER_INCH: f64 = 25.4;
@@ -24,12 +25,11 @@ impl Lengths {
     /// rulers of the trade are.
     #[must_use]
     pub(crate) fn number(self, mm: f64, decimals: usize) -> String {
-        // Adding zero turns -0 into 0.
         if self.inches {
             let decimals = [2, 3, 3].get(decimals).copied().unwrap_or(4);
-            format!("{:.decimals$}", mm / MM_PER_INCH + 0.0)
+            plain(mm / MM_PER_INCH, decimals)
         } else {
-            format!("{:.decimals$}", mm + 0.0)
+            plain(mm, decimals)
         }
     }
 
@@ -39,11 +39,12 @@ impl Lengths {
         format!("{} {}", self.number(mm, decimals), self.unit())
     }
 
-    /// The same with a sign.
+    /// The same with a sign, unless it rounds to nothing.
     #[must_use]
     pub(crate) fn signed(self, mm: f64, decimals: usize) -> String {
         let text = self.text(mm.abs(), decimals);
-        format!("{}{text}", if mm < 0.0 { '-' } else { '+' })
+        let sign = if mm < 0.0 { "-" } else { "+" };
+        format!("{}{text}", if is_nothing(&text) { "" } else { sign })
     }
 
     /// Inches, whatever was asked for.
@@ -66,6 +67,10 @@ mod tests {
         assert_eq!(
             (Lengths::inches().signed(-0.1, 1), Lengths::default().signed(0.1, 2)),
             ("-0.004 in".into(), "+0.10 mm".into())
+        );
+        assert_eq!(
+            (Lengths::default().signed(-0.04, 1), Lengths::default().text(-0.04, 1)),
+            ("0.0 mm".into(), "0.0 mm".into())
         );
     }
 }

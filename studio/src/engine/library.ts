@@ -24,6 +24,9 @@ export interface Exports {
   erard_dials(instrument: number, length: number, status: number): number;
   erard_scene(instrument: number, length: number, status: number): number;
   erard_sheet(key: number, length: number, status: number): number;
+  erard_diagnosable(key: number, length: number, status: number): number;
+  erard_diagnose(readings: number, length: number, status: number): number;
+  erard_diagnose_check(readings: number, length: number, status: number): number;
   erard_try(instrument: number, length: number, status: number): number;
   erard_check(text: number, length: number, jsonLength: number, status: number): number;
   erard_builtin(length: number, status: number): number;

@@ -133,6 +133,58 @@ export interface Regulated {
   file: string;
 }
 
+/** What can be measured of a key of one's own piano, as erard_diagnosable has it. */
+export interface Measurable {
+  name: string;
+  label: string;
+  unit: string;
+  decimals: number;
+  limits: [number, number];
+  precision: number;
+  usual: [number | null, number | null];
+  how: string;
+}
+
+/** A reading that cannot be: `name` is that of its field, empty where it belongs to none. */
+export interface ReadingFault {
+  name: string;
+  found: string;
+  expected: string;
+}
+
+/** A key in erard_diagnose's answer, which is the command's diagnosis.json. */
+export interface Diagnosed {
+  key: number;
+  note: string;
+  readings: {
+    name: string; label: string; value: number | null; unit: string; decimals: number; usual_low: number | null; usual_high: number | null;
+    standing: "inside" | "doubtful" | "out" | "no_range" | "not_judged"; likely_reason: string | null;
+  }[];
+  is_work: boolean;
+  verdict: string;
+  causes: {
+    cause: string; name: string; probability: number; case: number; test: string; cure: string; odds_assumed: number;
+    explains: { name: string; label: string; by: number; unit: string; decimals: number }[];
+  }[];
+  something_else: number;
+  to_do: string[];
+  measure_next: {
+    name: string; label: string; unit: string; decimals: number; how: string; bits: number;
+    would_read: { value: number; causes: string[]; names: string }[];
+  } | null;
+  leverage: { low: number; high: number } | null;
+  front_weight_g: { low: number; high: number } | null;
+  inertia_kg: { low: number; high: number } | null;
+  notes: string[];
+}
+
+export interface Diagnosis {
+  readings_from: string | null;
+  is_key_assumed: boolean;
+  rests_on: string;
+  keys: Diagnosed[];
+}
+
 export type Task =
   | { kind: "builtin" }
   | { kind: "base"; of: { builtin: string } | { key: number } | { text: string } }
@@ -143,7 +195,9 @@ export type Task =
   | { kind: "columns"; titles: string[] }
   | { kind: "try"; text: string }
   | { kind: "measure"; text: string; lines: string }
-  | { kind: "regulate"; text: string };
+  | { kind: "regulate"; text: string }
+  | { kind: "diagnosable"; key: number }
+  | { kind: "diagnose"; readings: Record<string, string> };
 
 export type ToWorkshop = { kind: "open"; module: WebAssembly.Module } | { kind: "task"; id: number; task: Task };
 export type FromWorkshop =

@@ -40,6 +40,13 @@ const answer = (task: Task): unknown => {
         library.given(task.lines, (at) => library.json(raw.erard_measure(instrument, at, 0, 0, 0, 0))));
     case "regulate":
       return library.withInstrument(task.text, (instrument) => library.json(raw.erard_regulate(instrument, 0, 0, 0, 0, 0)));
+    case "diagnosable":
+      return library.json(raw.erard_diagnosable(task.key, 0, 0));
+    case "diagnose":
+      return library.given(JSON.stringify(task.readings), (at) => {
+        const faults = library.json<unknown[]>(raw.erard_diagnose_check(at, 0, 0));
+        return faults.length ? { faults } : { answer: library.json(raw.erard_diagnose(at, 0, 0)) };
+      });
   }
 };
 

@@ -86,7 +86,7 @@ export const filePanel = (app: App, into: HTMLElement): void => {
     h("div", { class: "row" }, h("button", { type: "button", id: "open", onclick: () => choose.click() }, "Open"), h("button", { type: "button", id: "save", onclick: save }, "Save"), choose, go),
     said,
     h("div", { class: "editor" }, gutter, area),
-    h("p", { class: "quiet" }, "Millimetres, grams, degrees. What you write here is read as the command reads it; a file can also be dropped onto the page."),
+    h("p", { class: "soft" }, "Millimetres, grams, degrees. What you write here is read as the command reads it; a file can also be dropped onto the page."),
   );
   app.onchange.push(() => {
     const text = app.loaded[0]?.text;

@@ -27,12 +27,12 @@ type Frame = Extract<FromKeys, { kind: "frame" }>;
 export const keyboardPanel = (app: App, into: HTMLElement): void => {
   const canvas = h("canvas", { class: "keys", tabindex: 0, id: "keys", role: "application", "aria-label": "88 keys. On the computer's keyboard Z is the C below middle C, Q is middle C; arrow keys choose a key, space presses it." });
   const chosen = h("output", { id: "chosen" });
-  const told = h("p", { class: "quiet", id: "keys-said" }, "The 88 actions are getting ready \u2026");
+  const told = h("p", { class: "soft", id: "keys-said" }, "The 88 actions are getting ready \u2026");
   const list = h("ol", { class: "blows", id: "blows" });
   const open = h("button", { type: "button", id: "open-key" }, "Play this action");
   /** The chosen key's action, as it moves. */
   const inside = h("div", { class: "inside" });
-  const numbers = h("p", { class: "quiet", id: "key-numbers" });
+  const numbers = h("p", { class: "soft", id: "key-numbers" });
   let finger_m: number | null = null;
   let scene: Scene | null = null, asked = 0, drawn = 0;
   const picture = new Picture(inside, "The chosen key's action", {
@@ -183,7 +183,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
         context.fillStyle = sharps ? "#000" : "#c9c2b4";
         context.fillRect(x + 0.5 * scale, bottom - 6 * scale + down, wide - scale, 3 * scale);
         if (which === key) {
-          context.strokeStyle = ink("--accent");
+          context.strokeStyle = ink("--link");
           context.lineWidth = 2.5 * scale;
           context.strokeRect(x + 2 * scale, top + 2 * scale, wide - 4 * scale, bottom - top - 8 * scale);
           context.lineWidth = scale;
@@ -278,7 +278,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     told,
     h("h2", {}, "Blows"),
     list,
-    h("p", { class: "quiet" }, "With the keyboard in focus, ", h("kbd", {}, "Z"), " \u2026 ", h("kbd", {}, "/"), " play from C3 on, ", h("kbd", {}, "Q"), " \u2026 ", h("kbd", {}, "P"), " from middle C, C4, on; the force is that of the Play panel."),
+    h("p", { class: "soft" }, "With the keyboard in focus, ", h("kbd", {}, "Z"), " \u2026 ", h("kbd", {}, "/"), " play from C3 on, ", h("kbd", {}, "Q"), " \u2026 ", h("kbd", {}, "P"), " from middle C, C4, on; the force is that of the Play panel."),
   );
   choose(MIDDLE_C, false);
   const tick = (now: number) => {

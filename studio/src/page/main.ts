@@ -4,6 +4,7 @@ import { engine } from "../engine/load";
 import { App } from "./app";
 import { byId, h, say } from "./dom";
 import { comparePanel } from "./compare";
+import { diagnosePanel } from "./diagnose";
 import { filePanel } from "./file";
 import { keyboardPanel } from "./keyboard";
 import { numbers } from "./numbers";
@@ -58,6 +59,7 @@ const begin = async (): Promise<void> => {
     { id: "file", title: "File", make: filePanel },
     { id: "compare", title: "Compare", make: comparePanel },
     { id: "keyboard", title: "Keyboard", make: keyboardPanel },
+    { id: "diagnose", title: "Diagnose", make: diagnosePanel },
   ];
   const tabs = document.querySelector(".tabs")!;
   const made = panels.map(({ id, title, make }) => {

@@ -43,7 +43,7 @@ const numbersOf = (scene: Scene, pose: Pose | undefined, part: string, body: num
 
 export const partCard = (app: App): void => {
   const card = byId("part"), pointed = byId("pointed"), list = byId<HTMLSelectElement>("parts");
-  const name = h("h2"), does = h("p"), numbers = h("dl"), sliders = h("div", { class: "dials" }), drag = h("p", { class: "quiet" });
+  const name = h("h2"), does = h("p"), numbers = h("dl"), sliders = h("div", { class: "dials" }), drag = h("p", { class: "soft" });
   const close = h("button", { type: "button", class: "back", "aria-label": "Close", onclick: () => choose(null) }, "\u00d7");
   card.append(h("div", { class: "row" }, name, close), does, numbers, sliders, drag);
   let chosen: Chosen | null = null, hovered: Chosen | null = null;

@@ -29,7 +29,7 @@ export const playPanel = (app: App, into: HTMLElement): void => {
   const force = decades("force of a pressed key", "N", 0.5, 30, 1, () => app.state.force, (value) => void app.change({ force: value }));
   const pedalled = h("output"), pedal = h("input", { type: "range", min: 0, max: MOST_PEDAL_MM, step: 0.05, id: "pedal", "aria-label": "sustain pedal, lift of its rail" });
   pedal.addEventListener("input", () => void app.change({ pedal: Number(pedal.value) }));
-  const pedalRow = h("div", { hidden: true }, h("label", { class: "slider" }, h("span", {}, "sustain pedal, lift of its rail"), pedalled, pedal), h("p", { class: "quiet" }, "Dampers lie on the strings at 0, half at 2 mm, and are clear of them at 7. ", h("kbd", {}, "P"), " puts it down and lifts it."));
+  const pedalRow = h("div", { hidden: true }, h("label", { class: "slider" }, h("span", {}, "sustain pedal, lift of its rail"), pedalled, pedal), h("p", { class: "soft" }, "Dampers lie on the strings at 0, half at 2 mm, and are clear of them at 7. ", h("kbd", {}, "P"), " puts it down and lifts it."));
   const press = h("button", { type: "button", class: "press", id: "press" }, "Press");
   const down = (event: PointerEvent) => {
     press.setPointerCapture(event.pointerId);
@@ -53,8 +53,8 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     strokes.append(row);
   }
 
-  const recorded = h("p", { class: "quiet", id: "recorded" });
-  const done = h("ul", { class: "quiet", id: "made-ready" });
+  const recorded = h("p", { class: "soft", id: "recorded" });
+  const done = h("ul", { class: "soft", id: "made-ready" });
   let kept: { csv: string; name: string; rows?: boolean } | null = null;
   const again = h("button", { type: "button", hidden: true, onclick: () => kept && app.stroke(kept) }, "Play it again");
   const read = async (file: File) => {
@@ -98,18 +98,18 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     h("p", {}, "Drag the key down in the picture: the pointer is the end of a soft fingertip. Or hold ", h("kbd", {}, "space"), ", or this:"),
     press,
     firm.row,
-    h("p", { class: "quiet" }, "Soft: the pointer goes far for little force. Firm: the key follows it."),
+    h("p", { class: "soft" }, "Soft: the pointer goes far for little force. Firm: the key follows it."),
     force.row,
     pedalRow,
     h("h2", {}, "Strokes"),
     strokes,
     h("h2", {}, "A recording"),
-    h("p", { class: "quiet" }, "A CSV or Parquet file with a column for the time and one for force or position (a run.csv is one), dropped onto the page or opened here. It is prepared as the command does: its zero is the rest before the touch."),
+    h("p", { class: "soft" }, "A CSV or Parquet file with a column for the time and one for force or position (a run.csv is one), dropped onto the page or opened here. It is prepared as the command does: its zero is the rest before the touch."),
     h("div", { class: "row" }, h("button", { type: "button", onclick: () => choose.click() }, "Open a recording"), again, choose),
     recorded,
     done,
     h("h2", {}, "Looking back"),
-    h("p", { class: "quiet" }, "The last second is always kept, every step of it. ", h("kbd", {}, "R"), " replays it, ", h("kbd", {}, "L"), " goes back to now; drag the slider or the curves to look at an instant. Speeds go down to 1/1000."),
+    h("p", { class: "soft" }, "The last second is always kept, every step of it. ", h("kbd", {}, "R"), " replays it, ", h("kbd", {}, "L"), " goes back to now; drag the slider or the curves to look at an instant. Speeds go down to 1/1000."),
   );
   app.onchange.push(() => {
     firm.show();

@@ -140,7 +140,7 @@ export const screwsPanel = (app: App, into: HTMLElement): void => {
     why,
     log,
     h("div", { class: "columns" }, sliders, h("div", { class: "sheet-place" }, sheet.table)),
-    h("p", { class: "quiet" }, "Norms are those of the key, of middle C where the file does not say which it is. Every line is measured as on a piano, in a simulation of its own: weights take some seconds."),
+    h("p", { class: "soft" }, "Norms are those of the key, of middle C where the file does not say which it is. Every line is measured as on a piano, in a simulation of its own: weights take some seconds."),
   );
   const follow = () => {
     const seen = app.state.tab === "screws";

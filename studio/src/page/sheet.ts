@@ -122,7 +122,7 @@ export class Sheet {
       now.textContent = known ? `${fixed(value, line.decimals)} ${line.unit}`.trim() : "\u2026";
       const [low, high] = line.usual;
       const out = known && ((value === null && (low !== null || high !== null)) || (value !== null && value !== undefined && ((low !== null && value < low - 1e-9) || (high !== null && value > high + 1e-9))));
-      row.classList.toggle("out", out);
+      now.classList.toggle("out", out);
       if (out) now.append(h("span", { class: "flag" }, value === null ? " none" : value! < (low ?? -Infinity) ? " low" : " high"));
       if (low !== null && high !== null && value !== null && value !== undefined) {
         const share = Math.min(Math.max((value - low) / (high - low), -0.5), 1.5);

@@ -29,11 +29,13 @@ export interface State {
   difference: boolean;
   /** What is seen of the picture, mm: left, top, width, height; null is all of it. */
   view: number[] | null;
+  /** What was measured of one's own piano, as it was typed, by the names of erard_diagnosable. */
+  readings: Record<string, string>;
 }
 
 export const FIRST: State = {
   a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", firmness: 0.8, force: 5, pedal: 0,
-  speed: 1 / 50, slow: false, forces: true, names: false, difference: false, view: null,
+  speed: 1 / 50, slow: false, forces: true, names: false, difference: false, view: null, readings: {},
 };
 
 /** As far as the engine's rail goes, mm. */
@@ -99,6 +101,7 @@ export const toHash = async (state: State): Promise<string> => {
   if (state.names) hash.set("names", "1");
   if (state.difference) hash.set("difference", "1");
   if (state.view) hash.set("view", state.view.map((value) => Number(value.toFixed(1))).join(","));
+  if (Object.keys(state.readings).length) hash.set("readings", Object.entries(state.readings).map(([name, text]) => `${name}:${text.replaceAll(";", ",")}`).join(";"));
   return hash.toString().replaceAll("%3A", ":").replaceAll("%3B", ";").replaceAll("%2C", ",");
 };
 
@@ -129,5 +132,9 @@ export const fromHash = async (text: string): Promise<{ state: State; fault: str
   state.difference = hash.get("difference") === "1";
   const view = (hash.get("view") ?? "").split(",").map(Number);
   if (view.length === 4 && view.every(Number.isFinite) && view[2]! > 0 && view[3]! > 0) state.view = view;
+  for (const reading of (hash.get("readings") ?? "").split(";")) {
+    const [name, ...text] = reading.split(":");
+    if (name && text.length) state.readings[name] = text.join(":").slice(0, 200);
+  }
   return { state, fault };
 };

@@ -136,6 +136,8 @@ fn nothing_at_all() {
             erard_draw(instrument, null(), 0, 800.0, 0, null_mut(), place),
             erard_measure(instrument, null(), None, null_mut(), null_mut(), place),
             erard_regulate(instrument, null(), None, null_mut(), null_mut(), place),
+            erard_diagnose(null(), null_mut(), place),
+            erard_diagnose_check(null(), null_mut(), place),
         ] {
             assert!(text.is_null() && *place == ErardStatus::Null);
         }

@@ -13,7 +13,7 @@ const FRONTS: [&str; 6] = ["Rust", "Python", "C", "C++", "FMU", "studio"];
 const NO: &str = "";
 
 /// What is offered, and by which name in each front.
-const TABLE: [(&str, [&str; 6]); 9] = [
+const TABLE: [(&str, [&str; 6]); 10] = [
     ("a hand: mass and muscle", ["Input::Hand", "Hand", "ERARD_HAND", "place_hand", "hand_mass", "erard_stroke_new"]),
     ("the key front's own motion", ["Input::Rigid", "rigid", "erard_step_rigid", "rigid", "position", NO]),
     ("sustain pedal", ["Action::set_pedal", "set_pedal", "erard_set_pedal", "set_pedal", "pedal", "erard_set_pedal"]),
@@ -25,6 +25,7 @@ const TABLE: [(&str, [&str; 6]); 9] = [
         ["Strings::bridge_n", "bridge_n", "erard_bridge_force", "bridge_force", "bridge_force", NO],
     ),
     ("saved states", ["Action::save", "save", "erard_save", "save", "fmi2GetFMUstate", "erard_save"]),
+    ("causes from one's own readings of a key", ["diagnose", NO, "erard_diagnose", NO, NO, "erard_diagnose"]),
     ("a body's mass with its inertia, by one name", ["Parameter::Mass", "vary", NO, NO, NO, NO]),
 ];
 
@@ -51,6 +52,7 @@ fn interface(front: &str) -> String {
             "crates/erard/src/keyboard/file.rs",
             "crates/erard/src/strings/modal/reading.rs",
             "crates/erard-workshop/src/study/parameter.rs",
+            "crates/erard-workshop/src/diagnose/report.rs",
         ]),
         "Python" => all(&[
             "bindings/python/python/erard/_erard.pyi",

@@ -5,6 +5,7 @@ use std::ptr::{null, null_mut};
 
 use erard::Instrument;
 use erard_c::*;
+use erard_workshop::diagnose::{Known, answer, diagnose};
 use serde_json::Value;
 
 use crate::{Action, last_error, taken};
@@ -224,4 +225,55 @@ fn memory_is_lent() {
     bytes.fill(1);
     unsafe { erard_memory_free(memory, 1 << 16) };
     assert!(erard_memory_new(usize::MAX).is_null());
+}
+
+fn of_readings(
+    readings: &str,
+    call: unsafe extern "C" fn(*const c_char, *mut usize, *mut ErardStatus) -> *mut c_char,
+) -> Value {
+    let readings = CString::new(readings).unwrap();
+    let text = unsafe { call(readings.as_ptr(), null_mut(), null_mut()) };
+    assert!(!text.is_null(), "{}", last_error());
+    serde_json::from_str(&taken(text)).unwrap()
+}
+
+/// One's own readings: the answer of the workshop for the same numbers, worked out by hand where it can be; everything
+/// that is wrong at its own name.
+#[test]
+fn own_readings_are_diagnosed() {
+    let found = of_readings(r#"{"key": "C4", "down_weight_g": 58, "up-weight": "18 g", "drop": 0}"#, erard_diagnose);
+    let key = &found["keys"][0];
+    let value = |name: &str| {
+        let lines = key["readings"].as_array().unwrap();
+        lines.iter().find(|line| line["name"] == name).map(|line| line["value"].clone()).unwrap_or_default()
+    };
+    assert_eq!((value("balance_weight_g"), value("friction_weight_g")), (38.0.into(), 20.0.into()));
+    let mut known = Known::default();
+    [("down_weight_g", 58.0), ("up_weight_g", 18.0), ("drop_mm", 0.0)]
+        .iter()
+        .for_each(|(name, value)| known.set(name, Some(*value)));
+    assert_eq!(found, answer(&[diagnose(&known, 40)], None, false));
+    assert_eq!(of_readings(r#"{"drop_mm": 0}"#, erard_diagnose)["is_key_assumed"], true);
+
+    let swapped = r#"{"down_weight_g": 18, "up_weight_g": 58, "key": 89}"#;
+    let faults = of_readings(swapped, erard_diagnose_check);
+    let names: Vec<&str> = faults.as_array().unwrap().iter().filter_map(|fault| fault["name"].as_str()).collect();
+    assert_eq!(names, ["key", "up_weight_g"]);
+    assert_eq!(of_readings(r#"{"drop_mm": 0}"#, erard_diagnose_check), Value::Array(vec![]));
+    for (readings, told) in [(swapped, "are they swapped?"), ("{}", "no reading was given"), ("{", "no JSON object")] {
+        let (text, mut status) = (CString::new(readings).unwrap(), ErardStatus::Ok);
+        assert!(unsafe { erard_diagnose(text.as_ptr(), null_mut(), &raw mut status) }.is_null());
+        assert!(status == ErardStatus::Argument && last_error().contains(told), "{status:?}: {}", last_error());
+    }
+
+    // Every name of the form is one that is understood, with its own usual range at the key.
+    let form = serde_json::from_str::<Value>(&taken(erard_diagnosable(40, null_mut(), null_mut()))).unwrap();
+    for line in form.as_array().unwrap() {
+        let name = line["name"].as_str().unwrap();
+        let middle = (line["limits"][0].as_f64().unwrap() + line["limits"][1].as_f64().unwrap()) / 2.0;
+        assert_eq!(of_readings(&format!("{{\"{name}\": {middle}}}"), erard_diagnose_check), Value::Array(vec![]));
+    }
+    assert_eq!(form[0]["usual"], serde_json::json!([45.0, 55.0]));
+    let mut status = ErardStatus::Ok;
+    assert!(erard_diagnosable(0, null_mut(), &raw mut status).is_null() && status == ErardStatus::NoSuch);
 }

@@ -6,13 +6,15 @@ use clap::{Arg, ArgMatches, Args, FromArgMatches};
 use erard::instrument::utf8;
 use erard::keyboard::key_named;
 use erard_workshop::balance::Lead;
-use erard_workshop::diagnose::{Diagnosis, Entry, Known, diagnose, entries, read};
+use erard_workshop::diagnose::{Diagnosis, Entry, Known, answer, diagnose, entries, read};
+use erard_workshop::measure::norms::MIDDLE_C;
+use erard_workshop::regional::theirs;
 use serde_json::Value;
 
 use super::measure::lead;
 use super::options::key;
 use super::out::OutOptions;
-use crate::diagnose::{Work, html, report, table, text};
+use crate::diagnose::{Work, html, table, text};
 use crate::failure::Failure;
 use crate::identity;
 use crate::inputs;
@@ -23,8 +25,6 @@ use crate::units::Lengths;
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/diagnose.txt");
-/// The key where nobody says which.
-const MIDDLE_C: usize = 40;
 
 /// Ranks what may be wrong with a key of your own piano, from whatever was measured of it.
 ///
@@ -67,6 +67,7 @@ impl Args for Readings {
         entries().iter().fold(command, |command, entry| {
             let long = option(entry);
             let names = std::iter::once(entry.name).chain(entry.also.iter().copied());
+            let names = names.flat_map(|name| [vec![name.to_owned()], theirs(name)].concat());
             let aliases = names.map(|name| name.replace('_', "-")).filter(|name| *name != long);
             let unit = if entry.unit.is_empty() { "NUMBER" } else { entry.unit };
             let arg = Arg::new(entry.name)
@@ -117,7 +118,7 @@ impl Diagnose {
         let work =
             Work { file: name.as_deref(), is_key_assumed, found: &found, headed: &self.headed, lengths: self.lengths };
         output.text("diagnosis.html", &html(&work))?;
-        output.json("diagnosis.json", &report(&work))?;
+        output.json("diagnosis.json", &answer(&found, work.file, is_key_assumed))?;
         if found.len() > 1 {
             output.table("diagnosis.csv", &table(&work))?;
         }

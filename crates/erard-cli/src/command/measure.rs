@@ -309,16 +309,7 @@ impl Measure {
 
 /// A lead: its mass in grams, and where it is in millimetres in front of the balance pin.
 pub(super) fn lead(text: &str) -> Result<Lead, Failure> {
-    let read = text.trim().split_once('@').and_then(|(mass, at)| {
-        let (mass_g, at_mm) = (mass.trim().parse::<f64>().ok()?, at.trim().parse::<f64>().ok()?);
-        Some(Lead { mass_g, at_mm })
-    });
-    let sound = |lead: &Lead| (0.5..=60.0).contains(&lead.mass_g) && (-250.0..=400.0).contains(&lead.at_mm);
-    read.filter(sound).ok_or_else(|| {
-        Failure::Usage(format!(
-            "--leads {text}: expected grams (0.5 to 60), @ and millimetres in front of the balance pin, e.g. 14@165"
-        ))
-    })
+    Lead::read(text).ok_or_else(|| Failure::Usage(format!("--leads {text}: expected {}", Lead::EXPECTED)))
 }
 
 /// An instrument by what it is called here, and the key whose norms hold for it.

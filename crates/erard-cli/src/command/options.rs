@@ -13,6 +13,7 @@ pub(crate) use erard::stroke::Stroke;
 use erard::stroke::{Columns, DrivingError, Prescribed, Series, constant_force_fault};
 use erard_workshop::compare::Which;
 use erard_workshop::measure::norms::{Line, lines};
+use erard_workshop::regional::ours;
 use erard_workshop::worklist::Priority;
 use moreau::{FrictionLaw, Settings, Solver};
 
@@ -270,7 +271,7 @@ pub(crate) fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
 /// The lines of the protocol sheet by their keys in measure.json; `option` is who asks.
 pub(crate) fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'static Line>, Failure> {
     let find = |key: &String| {
-        lines().find(|line| line.key == key.trim()).ok_or_else(|| {
+        lines().find(|line| line.key == ours(key)).ok_or_else(|| {
             let known: Vec<&str> = lines().map(|line| line.key).collect();
             Failure::Usage(format!("{option} {key}: unknown quantity; expected one of {}", known.join(", ")))
         })

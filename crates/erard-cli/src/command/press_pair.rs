@@ -5,6 +5,7 @@ use erard::run::Run;
 use erard_figures::drawing::ChangedNote;
 use erard_figures::figure::pair_svg;
 use erard_figures::page::{Shown, SummaryTable, pair_html};
+use erard_workshop::digits::signed;
 use serde_json::{Map, Value, json};
 
 use crate::failure::Failure;
@@ -64,12 +65,7 @@ fn rows(summaries: [&Value; 2]) -> Vec<(String, [String; 3])> {
         }
         let shown = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.decimals$} {unit}"));
         let difference = values[0].zip(values[1]).map(|(a, b)| b - a);
-        let signed = difference.map_or("-".to_owned(), |d| {
-            // What rounds to nothing has no sign.
-            let text = format!("{d:+.decimals$}");
-            let is_nothing = !text.contains(|c: char| ('1'..='9').contains(&c));
-            format!("{} {unit}", if is_nothing { text.trim_start_matches(['+', '-']).to_owned() } else { text })
-        });
+        let signed = difference.map_or("-".to_owned(), |d| format!("{} {unit}", signed(d, *decimals)));
         Some(((*name).to_owned(), [shown(values[0]), shown(values[1]), signed]))
     };
     let mut rows: Vec<(String, [String; 3])> = MEASURES.iter().filter_map(row).collect();

@@ -1,10 +1,10 @@
-//! What `erard diagnose` makes of its answers: text, table, JSON, page.
+//! What `erard diagnose` makes of its answers: text, table, page.
 
 mod page;
 mod words;
 
 pub(crate) use page::html;
-pub(crate) use words::{report, table, text};
+pub(crate) use words::{table, text};
 
 use erard_workshop::diagnose::Diagnosis;
 

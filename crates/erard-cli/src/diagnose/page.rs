@@ -3,13 +3,10 @@
 use maud::{Markup, html};
 
 use super::Work;
-use super::words::{
-    BASIS, assumed_key, explains, geometry, key, mark, not_judged, percent, rows, to_do, usual, value, verdict,
-    would_read,
-};
+use super::words::{assumed_key, explains, geometry, key, mark, percent, rows, usual, value, would_read};
 use crate::paper::page;
 use crate::table::Table;
-use erard_workshop::diagnose::{Diagnosis, Standing};
+use erard_workshop::diagnose::{BASIS, Diagnosis, Standing};
 
 const STYLE: &str = include_str!("../paper.css");
 
@@ -58,14 +55,14 @@ fn of_key(one: &Diagnosis, work: &Work<'_>) -> Markup {
     html! {
         section {
             (readings(one, work))
-            @if let Some(why) = not_judged(one) { p.soft { "Not judged: " (why) "." } }
+            @if let Some(why) = one.not_judged() { p.soft { "Not judged: " (why) "." } }
             @if one.is_work() {
                 h2 { "To do, in this order" }
-                table.list { tbody { @for (at, line) in to_do(one).iter().enumerate() {
+                table.list { tbody { @for (at, line) in one.to_do().iter().enumerate() {
                     tr { th scope="row" { (at + 1) } td { (line) } td.tick { "☐" } }
                 } } }
             }
-            h2 { (verdict(one)) }
+            h2 { (one.verdict()) }
             @if !one.causes.is_empty() {
                 table.list {
                     thead { tr { td {} th { "cause" } th { "test that tells it apart" } th { "then" } th.tick { "done" } } }

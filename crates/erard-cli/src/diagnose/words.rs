@@ -1,25 +1,21 @@
-//! Answers as text, as a table and as JSON.
+//! Answers as text and as a table.
 
 use std::fmt::Write as _;
 
 use erard::keyboard::note_name;
-use erard_workshop::diagnose::{Band, Cause, Diagnosis, Judged, Ranked, Standing, Suggestion, entries};
-use serde_json::{Value, json};
+use erard_workshop::diagnose::{BASIS, Band, Diagnosis, Judged, Ranked, Standing, Suggestion, explained_as, joined};
+use erard_workshop::digits::{plain, signed};
 
 use super::Work;
 use crate::table::{Table, USUAL, wrapped};
 use crate::units::Lengths;
-
-/// What every answer rests on.
-pub(super) const BASIS: &str = "What a cause does to each reading is simulated on grands around the built-in concert-grand, not on your piano; how \
-     common each cause is, is an estimate. Probabilities are no better than these.";
 
 /// A value with its unit, lengths as the ruler shows them.
 pub(super) fn value(value: Option<f64>, unit: &str, decimals: usize, lengths: Lengths) -> String {
     match value {
         None => "none".to_owned(),
         Some(mm) if unit == "mm" => lengths.text(mm, decimals),
-        Some(value) => format!("{:.decimals$} {unit}", value + 0.0).trim_end().to_owned(),
+        Some(value) => format!("{} {unit}", plain(value, decimals)).trim_end().to_owned(),
     }
 }
 
@@ -63,27 +59,14 @@ pub(super) fn percent(share: f64) -> String {
 /// What a cause explains: `let-off +2.1 mm, drop -0.3 mm`.
 pub(super) fn explains(ranked: &Ranked, lengths: Lengths) -> String {
     let one = |(name, by): &(&'static str, f64)| {
-        let entry = entries().iter().find(|entry| entry.name == *name);
-        let (label, unit, decimals) = match *name {
-            "balance_weight_g" => ("balance weight", "g", 0),
-            "friction_weight_g" => ("friction weight", "g", 0),
-            _ => entry.map_or((*name, "", 1), |entry| (entry.label, entry.unit, entry.decimals)),
-        };
+        let (label, unit, decimals) = explained_as(name);
         if unit == "mm" {
             format!("{label} {}", lengths.signed(*by, decimals))
         } else {
-            format!("{label} {by:+.decimals$} {unit}").trim_end().to_owned()
+            format!("{label} {} {unit}", signed(*by, decimals)).trim_end().to_owned()
         }
     };
     ranked.explains.iter().map(one).collect::<Vec<_>>().join(", ")
-}
-
-/// Causes of a combination, joined.
-pub(super) fn joined(causes: &[&Cause]) -> String {
-    match causes {
-        [] => "none of these".to_owned(),
-        causes => causes.iter().map(|cause| cause.name.as_str()).collect::<Vec<_>>().join(" + "),
-    }
 }
 
 /// The likeliest combinations of causes, and what the suggested reading would be under each.
@@ -94,61 +77,10 @@ pub(super) fn would_read(next: &Suggestion, lengths: Lengths) -> Vec<(String, St
     told.collect()
 }
 
-/// The verdict in a sentence.
-pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
-    if diagnosis.is_work() {
-        return "Causes, the likeliest first; several may be there at once".to_owned();
-    }
-    let doubtful = diagnosis.lines.iter().any(|line| line.standing == Standing::Doubtful);
-    let again = if doubtful { " Take those marked ? again." } else { "" };
-    format!(
-        "No reading is out of its usual range by more than it may be off: no work.{again} What was not measured was not judged."
-    )
-}
-
 /// Whose usual ranges hold where nobody named the key.
 pub(super) fn assumed_key(work: &Work<'_>) -> Option<String> {
     let one = work.found.first().filter(|_| work.is_key_assumed)?;
     Some(format!("No key was named: usual ranges are those of {}. Name yours with --key.", key(one)))
-}
-
-/// What to do, in its order: readings that are in doubt, the measurement that tells most, friction, the other causes,
-/// and all readings again.
-pub(super) fn to_do(diagnosis: &Diagnosis) -> Vec<String> {
-    if !diagnosis.is_work() {
-        return Vec::new();
-    }
-    let mut lines = Vec::new();
-    let doubtful = diagnosis.lines.iter().filter(|line| line.standing == Standing::Doubtful);
-    let doubtful: Vec<&str> = doubtful.map(|line| line.label).collect();
-    if !doubtful.is_empty() {
-        lines.push(format!("Take again what may be read wrong: {}.", doubtful.join(", ")));
-    }
-    if let Some(next) = &diagnosis.next {
-        lines.push(format!("Measure {} ({}) and enter it: the causes below then change.", next.label, next.how));
-    }
-    let rubs = |ranked: &&Ranked| ranked.explains.iter().any(|(name, by)| *name == "friction_weight_g" && *by > 0.0);
-    let numbers = |rubbing: bool| {
-        let ranked = diagnosis.causes.iter().enumerate().filter(|(_, ranked)| rubs(ranked) == rubbing);
-        ranked.map(|(at, _)| (at + 1).to_string()).collect::<Vec<_>>().join(", ")
-    };
-    let (friction, others) = (numbers(true), numbers(false));
-    if !friction.is_empty() {
-        lines.push(format!("Friction before all else, for it is in every weight: the tests of {friction}. Mend what a test finds, and weigh again."));
-    }
-    if !others.is_empty() {
-        lines.push(format!("Then the tests of {others}, the likeliest first. Mend only what a test finds."));
-    }
-    lines.push("Take all readings again: what is still out has another cause.".to_owned());
-    lines
-}
-
-/// Why a reading is not judged, once.
-pub(super) fn not_judged(diagnosis: &Diagnosis) -> Option<&'static str> {
-    diagnosis.lines.iter().find_map(|line| match line.standing {
-        Standing::NotJudged(why) => Some(why),
-        _ => None,
-    })
 }
 
 fn band(band: Option<Band>, unit: &str, decimals: usize) -> String {
@@ -199,11 +131,11 @@ fn of_one(one: &Diagnosis, lengths: Lengths) -> String {
         ]
     });
     out += &Table::of(["reading", "here", "usual", ""], rows).to_string();
-    if let Some(why) = not_judged(one) {
+    if let Some(why) = one.not_judged() {
         line(&mut out, 2, &format!("Not judged: {why}."));
     }
     let _ = writeln!(out);
-    line(&mut out, 2, &format!("{}{}", verdict(one), if one.is_work() { ":" } else { "" }));
+    line(&mut out, 2, &format!("{}{}", one.verdict(), if one.is_work() { ":" } else { "" }));
     for (rank, ranked) in one.causes.iter().enumerate() {
         line(&mut out, 2, &format!("{}. {}, {}", rank + 1, ranked.cause.name, percent(ranked.probability)));
         for (what, text) in [
@@ -307,75 +239,4 @@ pub(crate) fn table(work: &Work<'_>) -> Table<'static> {
 
 fn rounded(x: f64) -> f64 {
     (x * 1e3).round() / 1e3
-}
-
-/// diagnosis.json.
-pub(crate) fn report(work: &Work<'_>) -> Value {
-    let line = |line: &Judged| {
-        let end = |x: f64| if x.is_finite() { Value::from(x) } else { Value::Null };
-        let (standing, why) = match line.standing {
-            Standing::Inside => ("inside", None),
-            Standing::Doubtful => ("doubtful", None),
-            Standing::Out => ("out", None),
-            Standing::NoRange => ("no_range", None),
-            Standing::NotJudged(why) => ("not_judged", Some(why)),
-        };
-        json!({
-            "name": line.name,
-            "value": line.value.map(rounded),
-            "unit": line.unit,
-            "usual_low": line.usual.map_or(Value::Null, |[low, _]| end(low)),
-            "usual_high": line.usual.map_or(Value::Null, |[_, high]| end(high)),
-            "standing": standing,
-            "likely_reason": why,
-        })
-    };
-    let cause = |ranked: &Ranked| {
-        let explains: Vec<Value> =
-            ranked.explains.iter().map(|(name, by)| json!({"name": name, "by": rounded(*by)})).collect();
-        json!({
-            "cause": ranked.cause.key,
-            "name": ranked.cause.name,
-            "probability": rounded(ranked.probability),
-            "case": rounded(ranked.case),
-            "explains": explains,
-            "test": ranked.cause.test,
-            "cure": ranked.cause.cure,
-            "odds_assumed": ranked.cause.common,
-        })
-    };
-    let next = |next: &Suggestion| {
-        let told = |(causes, value): &(Vec<&'static Cause>, f64)| {
-            let keys: Vec<&str> = causes.iter().map(|cause| cause.key.as_str()).collect();
-            json!({"value": rounded(*value), "causes": keys})
-        };
-        json!({
-            "name": next.name,
-            "how": next.how,
-            "bits": rounded(next.bits),
-            "would_read": next.would_read.iter().map(told).collect::<Vec<_>>(),
-        })
-    };
-    let ends = |band: Option<Band>| band.map(|band| json!({"low": rounded(band.low), "high": rounded(band.high)}));
-    let key = |one: &Diagnosis| {
-        json!({
-            "key": one.key,
-            "note": note_name(one.key),
-            "readings": one.lines.iter().map(line).collect::<Vec<_>>(),
-            "is_work": one.is_work(),
-            "causes": one.causes.iter().map(cause).collect::<Vec<_>>(),
-            "something_else": rounded(one.something_else),
-            "to_do": to_do(one),
-            "measure_next": one.next.as_ref().map(next),
-            "leverage": ends(one.geometry.ratio),
-            "front_weight_g": ends(one.geometry.front_weight_g),
-            "inertia_kg": ends(one.geometry.inertia_kg),
-            "notes": one.geometry.notes,
-        })
-    };
-    json!({
-        "readings_from": work.file,
-        "rests_on": BASIS,
-        "keys": work.found.iter().map(key).collect::<Vec<_>>(),
-    })
 }

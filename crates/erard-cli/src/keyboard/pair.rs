@@ -1,6 +1,7 @@
 //! Two keyboards beside each other: both tables, what differs, both in one figure and on one page.
 
 use erard_figures::figure::{COINCIDE, Dash, Panel, Trace};
+use erard_workshop::digits::{plain, signed};
 use erard_workshop::weighing::WeighedKey;
 use maud::{Markup, html};
 use serde_json::{Value, json};
@@ -72,9 +73,7 @@ fn shown(value: f64, decimals: usize, is_difference: bool) -> String {
     if !value.is_finite() {
         return "-".to_owned();
     }
-    let text = format!("{value:+.decimals$}");
-    let is_nothing = !text.contains(|c: char| ('1'..='9').contains(&c));
-    if is_difference && !is_nothing { text } else { format!("{:.decimals$}", if is_nothing { 0.0 } else { value }) }
+    if is_difference { signed(value, decimals) } else { plain(value, decimals) }
 }
 
 /// Sample notes as text.

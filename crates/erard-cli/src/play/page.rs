@@ -4,6 +4,7 @@ use erard::keyboard::note_name;
 use erard::run::Run;
 use erard_figures::roll::{ROLL_STYLE, RollKind, RollNote, roll_svg};
 use erard_piece::Played as Note;
+use erard_workshop::digits::signed;
 use maud::{Markup, PreEscaped, html};
 
 use super::report::{counts, differing, faults, reasons, wrong};
@@ -86,7 +87,7 @@ pub(crate) fn heading(n: usize, note: &Note) -> String {
 fn words(n: usize, note: &Note) -> String {
     let mut words = heading(n, note);
     if let Some((late_s, louder)) = note.late_s().zip(note.louder()) {
-        words += &format!("; sounded {:+.2} ms later, {louder:+.2} counts louder", 1e3 * late_s);
+        words += &format!("; sounded {} ms later, {} counts louder", signed(1e3 * late_s, 2), signed(louder, 2));
     }
     for more in [faults(note), reasons(note)] {
         if !more.is_empty() {

@@ -4,7 +4,7 @@ use erard::instrument::{Instrument, with_numbers};
 use erard::keyboard::{Between, Graded, KEYS, Keyboard};
 use erard::stroke::MAX_FORCE_N;
 use erard_workshop::regulate::screw_unit;
-use erard_workshop::study::{Parameter, nearest, number_of};
+use erard_workshop::study::{Parameter, known_name, nearest, number_of};
 
 /// What a value is given to.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,7 +130,9 @@ impl Axis {
         let (name, values) = text
             .split_once('=')
             .ok_or_else(|| format!("`{text}`: expected a name, `=`, and values such as `let_off=-1mm..1mm:41`"))?;
-        let name = name.trim();
+        let all = Parameter::all(instrument);
+        let name = known_name(name, &all, &source.text(None));
+        let name = name.as_str();
         if name == KEY {
             return Self::keys(values);
         }
@@ -142,7 +144,6 @@ impl Axis {
         } else if let Some((path, which, _)) = number_of(&source.text(None), name) {
             (Target::Number(path, which), 1.0, "", &[])
         } else {
-            let all = Parameter::all(instrument);
             let Some((_, parameter)) = all.iter().find(|(known, _)| known == name) else {
                 return Err(format!(
                     "--vary: unknown name `{name}`, nearest {}; expected a screw or parameter, {FORCE}, {KEY} or {GRADING}NAME (of a keyboard), or the path of a number in the file, e.g. `body.hammer.mass_g`",

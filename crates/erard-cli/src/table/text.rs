@@ -2,6 +2,8 @@
 
 use std::fmt::{self, Write};
 
+use erard_workshop::digits::plain;
+
 use super::Table;
 
 /// The widest that a table is printed, characters; [`USUAL`] wherever it can be.
@@ -198,6 +200,5 @@ pub fn three(x: f64) -> String {
 
 /// A number with so many decimals; a dash where there is none.
 pub(crate) fn decimal(value: Option<f64>, decimals: usize) -> String {
-    // Adding zero turns -0 into 0.
-    value.filter(|x| x.is_finite()).map_or("-".to_owned(), |x| format!("{:.decimals$}", x + 0.0))
+    value.filter(|x| x.is_finite()).map_or("-".to_owned(), |x| plain(x, decimals))
 }

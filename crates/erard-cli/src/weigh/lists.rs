@@ -2,6 +2,7 @@
 
 use erard::keyboard::note_name;
 use erard_workshop::balance::BalancedKey;
+use erard_workshop::digits::signed;
 use erard_workshop::worklist::{KeyLine, KeyboardList, Operation, Why, Work as Works};
 
 use super::{LEAD_G, Work, front_weight_text, hammer_text, leads_text};
@@ -138,7 +139,7 @@ fn cells(line: &KeyLine, work: &Work<'_>) -> Vec<String> {
 /// Leads, and what they do to the inertia at the key's front.
 fn leads(works: &Works, key: &BalancedKey, work: &Work<'_>) -> String {
     match works {
-        Works::Leads(leads) => format!("{} ({:+.1} g)", leads_text(leads, work.lengths), leads.inertia_g),
+        Works::Leads(leads) => format!("{} ({} g)", leads_text(leads, work.lengths), signed(leads.inertia_g, 1)),
         works => front_weight_text(works.amount(), key.model.key_front_mm, work.lengths),
     }
 }
@@ -149,7 +150,7 @@ fn unknown_leads(key: &BalancedKey, work: &Work<'_>) -> Option<String> {
     let by_mm = by_g * key.model.key_front_mm / LEAD_G;
     let inertia_g = erard_workshop::balance::moved_inertia_g(LEAD_G, by_mm, key.model.key_front_mm);
     let way = work.lengths.text(by_mm, 0);
-    Some(format!("{LEAD_G:.0} g {way} to the front ({inertia_g:+.1} g)"))
+    Some(format!("{LEAD_G:.0} g {way} to the front ({} g)", signed(inertia_g, 1)))
 }
 
 /// What is worth saying below the readings.

@@ -2,6 +2,7 @@
 
 use erard::keyboard::{KEYS, note_name};
 use erard_workshop::balance::{BalancedKey, Checked, Lead, LeadWork, MeasuredKey, Remedy};
+use erard_workshop::digits::signed;
 use erard_workshop::worklist::{AimFrom, KeyLine, KeyboardList, Operation, Why, Work as Works};
 use serde_json::{Value, json};
 
@@ -24,14 +25,14 @@ fn worst(checked: &[Checked]) -> Option<f64> {
 fn checked_text(one: &Checked, work: &Work<'_>) -> String {
     let what = match &one.remedy {
         Remedy::Leads(leads) => format!("leads {}", leads_text(leads, work.lengths)),
-        Remedy::Strike(by_g) => format!("strike weight {by_g:+.1} g"),
+        Remedy::Strike(by_g) => format!("strike weight {} g", signed(*by_g, 1)),
         Remedy::Capstan(by_mm) => format!("capstan {}", capstan_text(*by_mm, work.lengths)),
     };
-    let model = one.in_model_g.map_or("no weight moves the key".to_owned(), |g| format!("{g:+.1} g"));
+    let model = one.in_model_g.map_or("no weight moves the key".to_owned(), |g| format!("{} g", signed(g, 1)));
     format!(
-        "Checked, {}: {what}: balance weight {:+.1} g by the equation, {model} in the model.",
+        "Checked, {}: {what}: balance weight {} g by the equation, {model} in the model.",
         note_name(one.key),
-        one.by_equation_g
+        signed(one.by_equation_g, 1)
     )
 }
 

@@ -44,6 +44,18 @@ fn a_level_may_be_found_for_each() {
     assert!(said.contains("--each") && said.contains("--model one-dof"), "{said}");
 }
 
+/// A row that is not printed is counted: a button so high that the hammer strikes again, a force that is too small.
+#[test]
+fn several_strikes_and_none_are_counted() {
+    let folder = Folder::new("study-strikes");
+    // In words of another region, too; the column has this program's name.
+    let said = folder.good(&["study", "--vary", "set_off=0,1mm", "--force-step", "5"]);
+    assert_eq!(column(&folder, "erard-out-study/study.csv", "let_off_mm").len(), 2);
+    assert!(said.contains("2 strokes; 0 failed; 1 with several strikes"), "{said}");
+    let said = folder.good(&["study", "--vary", "let_off=0,0.1mm", "--force-step", "0.2", "--out", "soft"]);
+    assert!(said.contains("2 strokes; 0 failed; 2 without a strike"), "{said}");
+}
+
 /// A screw that is set and the distance that it sets have a title each.
 #[test]
 fn a_screw_and_what_it_sets_are_two_columns() {

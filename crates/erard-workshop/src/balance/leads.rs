@@ -1,5 +1,7 @@
 //! Leads that exist, at places where they fit.
 
+use super::rows::number;
+
 /// A lead in a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lead {
@@ -10,6 +12,18 @@ pub struct Lead {
 }
 
 impl Lead {
+    /// How a lead is written.
+    pub const EXPECTED: &str =
+        "grams (0.5 to 60), @ and millimetres in front of the balance pin (behind it negative), e.g. 14@165";
+
+    /// Reads `14@165`, with or without the unit mm; `None` where it is no lead, or none that a key can hold.
+    #[must_use]
+    pub fn read(text: &str) -> Option<Self> {
+        let (mass, at) = text.trim().split_once('@')?;
+        let (mass_g, at_mm) = (number(mass)?, number(at.trim_end_matches("mm"))?);
+        ((0.5..=60.0).contains(&mass_g) && (-250.0..=400.0).contains(&at_mm)).then_some(Lead { mass_g, at_mm })
+    }
+
     /// What it adds to the front weight of a key whose front is so far from the pin, g.
     #[must_use]
     pub(crate) fn front_weight_g(&self, key_front_mm: f64) -> f64 {

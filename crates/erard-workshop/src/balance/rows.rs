@@ -173,13 +173,5 @@ fn key_of<'t>(number: &'t str, note: &'t str) -> Result<usize, (&'static str, &'
 
 fn leads(text: &str, separator: char) -> Result<Vec<Lead>, String> {
     let text = if separator == ',' { text.to_owned() } else { text.replace(',', ".") };
-    text.split_whitespace()
-        .map(|one| {
-            let lead = one.split_once('@').and_then(|(mass, at)| {
-                let (mass_g, at_mm) = (number(mass)?, number(at.trim_end_matches("mm"))?);
-                ((0.1..=50.0).contains(&mass_g) && at_mm.abs() <= 300.0).then_some(Lead { mass_g, at_mm })
-            });
-            lead.ok_or_else(|| one.to_owned())
-        })
-        .collect()
+    text.split_whitespace().map(|one| Lead::read(one).ok_or_else(|| one.to_owned())).collect()
 }

@@ -6,6 +6,7 @@ use erard::keyboard::is_sharp;
 use super::bench::Bench;
 use crate::balance::Lead;
 use crate::measure::usual::usual;
+use crate::regional::ours;
 use crate::worklist::{Quantity, Readings};
 
 /// Number of entries.
@@ -20,7 +21,7 @@ pub struct Entry {
     pub label: &'static str,
     /// The unit; empty for a ratio or a count.
     pub unit: &'static str,
-    /// Other names, among them those of other regions.
+    /// Other names, with this program's words: those of other regions are understood for each.
     pub also: &'static [&'static str],
     /// The least and the most that is possible.
     pub limits: [f64; 2],
@@ -157,7 +158,7 @@ const TABLE: [Entry; ENTRIES] = [
         "let_off_mm",
         "let-off",
         "mm",
-        &["let_off", "letoff", "set_off", "setoff", "set_off_mm", "escapement"],
+        &["let_off"],
         [0.0, 40.0],
         0.25,
         1,
@@ -187,7 +188,7 @@ const TABLE: [Entry; ENTRIES] = [
         "check_mm",
         "checking distance",
         "mm",
-        &["check", "back_check", "backcheck", "checking", "check_distance"],
+        &["check", "back_check", "checking", "check_distance"],
         [0.0, 60.0],
         0.25,
         1,
@@ -237,7 +238,7 @@ const TABLE: [Entry; ENTRIES] = [
         "whippen_flange_g",
         "whippen flange, at 25 mm",
         "g",
-        &["whippen_flange", "wippen_flange", "wippen_flange_g", "wippen_centre", "whippen_center", "repetition_flange"],
+        &["whippen_flange", "whippen_centre", "whippen_center", "repetition_flange"],
         [0.0, 200.0],
         0.5,
         1,
@@ -257,7 +258,7 @@ const TABLE: [Entry; ENTRIES] = [
         "whippen_weight_g",
         "whippen weight",
         "g",
-        &["ww", "whippen_weight", "wippen_weight", "wippen_weight_g", "repetition_weight"],
+        &["ww", "whippen_weight", "repetition_weight"],
         [5.0, 50.0],
         0.2,
         1,
@@ -291,7 +292,7 @@ impl Entry {
     /// Whether a name, in whatever spelling of case, spaces and hyphens, is this entry's.
     #[must_use]
     pub fn is_called(&self, name: &str) -> bool {
-        let name = name.trim().to_lowercase().replace([' ', '-'], "_");
+        let name = ours(&name.trim().to_lowercase().replace([' ', '-'], "_"));
         name == self.name || self.also.contains(&name.as_str())
     }
 
@@ -340,7 +341,7 @@ pub struct Known {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{what}; expected {expected}")]
 pub struct Impossible {
-    /// The entry.
+    /// The entry's name; `key` and `leads` of a form; empty where the fault belongs to none.
     pub entry: &'static str,
     /// The fault.
     pub what: String,
@@ -408,10 +409,16 @@ impl Known {
     /// # Errors
     /// Which, why, and what would be right.
     pub fn check(&self) -> Result<(), Impossible> {
+        self.faults().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// Every reading that cannot be.
+    pub(super) fn faults(&self) -> Vec<Impossible> {
+        let mut faults = Vec::new();
         for (entry, value) in TABLE.iter().zip(self.values) {
             let [least, most] = entry.limits;
             if let Some(value) = value.filter(|value| !(least..=most).contains(value)) {
-                return Err(Impossible {
+                faults.push(Impossible {
                     entry: entry.name,
                     what: format!("{} {value} {}", entry.label, entry.unit).trim_end().to_owned(),
                     expected: format!("a number from {least} to {most} {}", entry.unit).trim_end().to_owned(),
@@ -432,10 +439,10 @@ impl Known {
                 let [small, large] = [small, large].map(|at| &TABLE[at]);
                 let what =
                     format!("{} of {less} {} over {} of {more} {}", small.label, small.unit, large.label, large.unit);
-                return Err(Impossible { entry: small.name, what, expected: expected.to_owned() });
+                faults.push(Impossible { entry: small.name, what, expected: expected.to_owned() });
             }
         }
-        Ok(())
+        faults
     }
 
     /// (D + U) / 2, g.

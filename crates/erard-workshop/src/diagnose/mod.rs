@@ -5,8 +5,10 @@
 //! of causes (`causes.toml`: how common, quick test, remedy), `plant` puts a cause into a simulated action, `effect`
 //! what each cause does to each reading (`effects.csv`, simulated on an ensemble), `healthy` how readings of sound keys
 //! lie, `belief` the probability of every cause and combination, `next` the measurement that would tell most, and
-//! `geometry` what follows from weights. `report` draws the answer together.
+//! `geometry` what follows from weights. `report` draws the answer together, `answer` says it in sentences and as JSON,
+//! and `typed` takes the readings of a form.
 
+mod answer;
 mod belief;
 mod bench;
 mod cause;
@@ -19,7 +21,9 @@ mod plant;
 mod report;
 mod spd;
 mod table;
+mod typed;
 
+pub use answer::{BASIS, answer, explained_as, faults, form, joined};
 pub use bench::{Bench, passes};
 pub use cause::{Cause, causes};
 pub use effect::{check_effects, effects_csv};
@@ -28,3 +32,4 @@ pub use geometry::{Band, Geometry};
 pub use plant::{plant, plant_amount};
 pub use report::{Diagnosis, Judged, Ranked, Standing, Suggestion, diagnose};
 pub use table::{is_table_of_keys, read};
+pub use typed::Typed;

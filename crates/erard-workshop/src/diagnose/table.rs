@@ -66,7 +66,8 @@ pub fn is_table_of_keys(text: &str) -> bool {
 }
 
 impl Known {
-    /// Enters a reading as people write it: a number with or without its unit, or a word where there is one.
+    /// Enters a reading as people write it: a number, with a point or a comma, with or without its unit, or a word
+    /// where there is one.
     ///
     /// # Errors
     /// What was expected.
@@ -84,6 +85,7 @@ impl Known {
             _ => {
                 let number = word.strip_suffix(entry.unit).unwrap_or(&word).trim().to_owned();
                 let value = number
+                    .replacen(',', ".", 1)
                     .parse::<f64>()
                     .ok()
                     .filter(|value| value.is_finite() && (entry.limits[0]..=entry.limits[1]).contains(value));

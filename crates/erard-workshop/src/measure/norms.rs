@@ -7,6 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::sheet::Sheet;
 use super::usual::{UsualRange, usual};
+use crate::digits::plain;
 use erard::keyboard::note_name;
 
 /// The key whose norms hold where nobody says which it is: middle C.
@@ -142,8 +143,7 @@ impl Line {
     #[must_use]
     pub fn text(&self, value: Option<f64>) -> String {
         match value {
-            // Adding zero turns -0 into 0.
-            Some(value) => format!("{:.*} {}", self.decimals, value + 0.0, self.unit).trim_end().to_owned(),
+            Some(value) => format!("{} {}", plain(value, self.decimals), self.unit).trim_end().to_owned(),
             None => "-".to_owned(),
         }
     }

@@ -5,7 +5,7 @@ use erard::instrument::{Instrument, ScrewAction, with_numbers};
 use thiserror::Error;
 
 use crate::regulate::screw_unit;
-use crate::study::{Parameter, number_of};
+use crate::study::{Parameter, known_name, number_of};
 
 /// Half the way, in the units that [`Parameter::vary`] takes, over which the map from a number to the mechanism's
 /// numbers is differenced. It is smooth, and mostly linear.
@@ -91,6 +91,8 @@ impl Variable {
     pub fn named(instrument: &Instrument, text: &str, name: &str) -> Result<Variable, VariableError> {
         let plain = without_outlines(instrument.clone());
         let all = Parameter::all(&plain);
+        let name = known_name(name, &all, text);
+        let name = name.as_str();
         if let Some((name, parameter)) = all.iter().find(|(known, _)| known == name) {
             return Self::parameter(&plain, name.clone(), parameter.clone());
         }

@@ -6,6 +6,7 @@ use erard::instrument::{
 use thiserror::Error;
 
 use super::Parameter;
+use crate::regional::ours;
 
 /// Change of a number.
 #[derive(Debug, Clone, PartialEq)]
@@ -215,6 +216,8 @@ fn number(text: &str) -> Option<f64> {
 pub fn varied(text: &str, file_name: &str, changes: &[(String, Change)]) -> Result<InstrumentFile, ChangeError> {
     let mut file = InstrumentFile::parse(text, file_name)?;
     let all = Parameter::all(&file.instrument);
+    let changes: Vec<(String, &Change)> =
+        changes.iter().map(|(name, change)| (known_name(name, &all, text), change)).collect();
     let find = |name: &str| all.iter().find(|(known, _)| known == name).map(|(_, parameter)| parameter);
     let mut numbers: Vec<(String, usize, f64)> = Vec::new();
     for (name, change) in changes.iter().filter(|(name, _)| find(name).is_none()) {
@@ -227,7 +230,7 @@ pub fn varied(text: &str, file_name: &str, changes: &[(String, Change)]) -> Resu
         let new = with_numbers(text, &changes).unwrap_or_else(|| text.to_owned());
         file = InstrumentFile::parse(&new, file_name)?;
     }
-    for (name, change) in changes {
+    for (name, change) in &changes {
         if let Some(parameter) = find(name) {
             vary(&mut file.instrument, name, parameter, change)?;
         }
@@ -320,6 +323,15 @@ fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, change: 
     Ok(())
 }
 
+/// The name of a parameter, or the path of a number in a file's text: as it is written where there is one, else with
+/// this program's words for those of other regions.
+#[must_use]
+pub fn known_name(name: &str, all: &[(String, Parameter)], text: &str) -> String {
+    let name = name.trim();
+    let is_known = all.iter().any(|(known, _)| known == name) || number_of(text, name).is_some();
+    if is_known { name.to_owned() } else { ours(name) }
+}
+
 fn unknown(name: &str, all: &[(String, Parameter)]) -> ChangeError {
     let nearest = nearest(name, all.iter().map(|(known, _)| known));
     ChangeError::Unknown {
@@ -357,6 +369,12 @@ mod tests {
     #[test]
     fn numbers_change_as_they_say() {
         let grand = Instrument::builtin("concert-grand").unwrap();
+        // Words of other regions; what a file itself calls so stays.
+        assert_eq!(written("set_off", "-0.2 mm").unwrap(), written("let_off", "-0.2 mm").unwrap());
+        let mass = |name: &str| with(&[(name, Change::Text("= 10 g".to_owned()))]);
+        assert_eq!(mass("body.wippen.mass_g").unwrap(), mass("body.whippen.mass_g").unwrap());
+        let wippen = text().replace("\"whippen\"", "\"wippen\"");
+        assert_eq!(known_name("body.wippen.mass_g", &[], &wippen), "body.wippen.mass_g");
         let all = Parameter::all(&grand);
         let value = |instrument: &Instrument, name: &str| {
             all.iter().find(|(known, _)| known == name).unwrap().1.value(instrument)
@@ -411,7 +429,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named() {
         for (name, text, told) in [
-            ("letoff", "1 mm", "`let_off`"),
+            ("letof", "1 mm", "`let_off`"),
             ("let_off", "1 g", "units: m, mm"),
             ("let_off", "1", "with its unit"),
             ("let_off", "+1", "with its unit"),

@@ -1,0 +1,211 @@
+//! The answer in sentences, and as JSON: the same for every front.
+
+use erard::keyboard::note_name;
+use serde_json::{Value, json};
+
+use super::cause::Cause;
+use super::entry::{Entry, Impossible, entries};
+use super::geometry::Band;
+use super::report::{Diagnosis, Judged, Ranked, Standing, Suggestion};
+
+/// What every answer rests on.
+pub const BASIS: &str = "What a cause does to each reading is simulated on grands around the built-in concert-grand, not on your piano; how \
+     common each cause is, is an estimate. Probabilities are no better than these.";
+
+/// Causes of a combination, joined.
+#[must_use]
+pub fn joined(causes: &[&Cause]) -> String {
+    match causes {
+        [] => "none of these".to_owned(),
+        causes => causes.iter().map(|cause| cause.name.as_str()).collect::<Vec<_>>().join(" + "),
+    }
+}
+
+/// How a feature of [`Ranked::explains`] is named at the bench: its label, its unit, and the decimals that are shown.
+#[must_use]
+pub fn explained_as(name: &'static str) -> (&'static str, &'static str, usize) {
+    match name {
+        "balance_weight_g" => ("balance weight", "g", 0),
+        "friction_weight_g" => ("friction weight", "g", 0),
+        _ => {
+            let entry = entries().iter().find(|entry| entry.name == name);
+            entry.map_or((name, "", 1), |entry| (entry.label, entry.unit, entry.decimals))
+        }
+    }
+}
+
+impl Diagnosis {
+    /// The verdict in a sentence.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        if self.is_work() {
+            return "Causes, the likeliest first; several may be there at once".to_owned();
+        }
+        let doubtful = self.lines.iter().any(|line| line.standing == Standing::Doubtful);
+        let again = if doubtful { " Take those marked ? again." } else { "" };
+        format!(
+            "No reading is out of its usual range by more than it may be off: no work.{again} What was not measured was not judged."
+        )
+    }
+
+    /// What to do, in its order: readings that are in doubt, the measurement that tells most, friction, the other
+    /// causes, and all readings again.
+    #[must_use]
+    pub fn to_do(&self) -> Vec<String> {
+        if !self.is_work() {
+            return Vec::new();
+        }
+        let mut lines = Vec::new();
+        let doubtful = self.lines.iter().filter(|line| line.standing == Standing::Doubtful);
+        let doubtful: Vec<&str> = doubtful.map(|line| line.label).collect();
+        if !doubtful.is_empty() {
+            lines.push(format!("Take again what may be read wrong: {}.", doubtful.join(", ")));
+        }
+        if let Some(next) = &self.next {
+            lines.push(format!("Measure {} ({}) and enter it: the causes below then change.", next.label, next.how));
+        }
+        let rubs =
+            |ranked: &&Ranked| ranked.explains.iter().any(|(name, by)| *name == "friction_weight_g" && *by > 0.0);
+        let numbers = |rubbing: bool| {
+            let ranked = self.causes.iter().enumerate().filter(|(_, ranked)| rubs(ranked) == rubbing);
+            ranked.map(|(at, _)| (at + 1).to_string()).collect::<Vec<_>>().join(", ")
+        };
+        let (friction, others) = (numbers(true), numbers(false));
+        if !friction.is_empty() {
+            lines.push(format!("Friction before all else, for it is in every weight: the tests of {friction}. Mend what a test finds, and weigh again."));
+        }
+        if !others.is_empty() {
+            lines.push(format!("Then the tests of {others}, the likeliest first. Mend only what a test finds."));
+        }
+        lines.push("Take all readings again: what is still out has another cause.".to_owned());
+        lines
+    }
+
+    /// Why some reading is not judged; `None` where all are.
+    #[must_use]
+    pub fn not_judged(&self) -> Option<&'static str> {
+        self.lines.iter().find_map(|line| match line.standing {
+            Standing::NotJudged(why) => Some(why),
+            _ => None,
+        })
+    }
+}
+
+/// The answers as programs and pages take them: `diagnosis.json`. `readings_from` is the file of the readings;
+/// `is_key_assumed` says that nobody named the key, so that another's usual ranges stand in.
+#[must_use]
+pub fn answer(found: &[Diagnosis], readings_from: Option<&str>, is_key_assumed: bool) -> Value {
+    json!({
+        "readings_from": readings_from,
+        "is_key_assumed": is_key_assumed,
+        "rests_on": BASIS,
+        "keys": found.iter().map(of_key).collect::<Vec<_>>(),
+    })
+}
+
+fn of_key(one: &Diagnosis) -> Value {
+    let ends = |band: Option<Band>| band.map(|band| json!({"low": rounded(band.low), "high": rounded(band.high)}));
+    json!({
+        "key": one.key,
+        "note": note_name(one.key),
+        "readings": one.lines.iter().map(of_line).collect::<Vec<_>>(),
+        "is_work": one.is_work(),
+        "verdict": one.verdict(),
+        "causes": one.causes.iter().map(of_cause).collect::<Vec<_>>(),
+        "something_else": rounded(one.something_else),
+        "to_do": one.to_do(),
+        "measure_next": one.next.as_ref().map(of_next),
+        "leverage": ends(one.geometry.ratio),
+        "front_weight_g": ends(one.geometry.front_weight_g),
+        "inertia_kg": ends(one.geometry.inertia_kg),
+        "notes": one.geometry.notes,
+    })
+}
+
+fn of_line(line: &Judged) -> Value {
+    let end = |x: f64| if x.is_finite() { Value::from(x) } else { Value::Null };
+    let (standing, why) = match line.standing {
+        Standing::Inside => ("inside", None),
+        Standing::Doubtful => ("doubtful", None),
+        Standing::Out => ("out", None),
+        Standing::NoRange => ("no_range", None),
+        Standing::NotJudged(why) => ("not_judged", Some(why)),
+    };
+    json!({
+        "name": line.name,
+        "label": line.label,
+        "value": line.value.map(rounded),
+        "unit": line.unit,
+        "decimals": line.decimals,
+        "usual_low": line.usual.map_or(Value::Null, |[low, _]| end(low)),
+        "usual_high": line.usual.map_or(Value::Null, |[_, high]| end(high)),
+        "standing": standing,
+        "likely_reason": why,
+    })
+}
+
+fn of_cause(ranked: &Ranked) -> Value {
+    let explains = ranked.explains.iter().map(|(name, by)| {
+        let (label, unit, decimals) = explained_as(name);
+        json!({"name": name, "label": label, "by": rounded(*by), "unit": unit, "decimals": decimals})
+    });
+    json!({
+        "cause": ranked.cause.key,
+        "name": ranked.cause.name,
+        "probability": rounded(ranked.probability),
+        "case": rounded(ranked.case),
+        "explains": explains.collect::<Vec<_>>(),
+        "test": ranked.cause.test,
+        "cure": ranked.cause.cure,
+        "odds_assumed": ranked.cause.common,
+    })
+}
+
+fn of_next(next: &Suggestion) -> Value {
+    let told = |(causes, value): &(Vec<&'static Cause>, f64)| {
+        let keys: Vec<&str> = causes.iter().map(|cause| cause.key.as_str()).collect();
+        json!({"value": rounded(*value), "causes": keys, "names": joined(causes)})
+    };
+    json!({
+        "name": next.name,
+        "label": next.label,
+        "unit": next.unit,
+        "decimals": next.decimals,
+        "how": next.how,
+        "bits": rounded(next.bits),
+        "would_read": next.would_read.iter().map(told).collect::<Vec<_>>(),
+    })
+}
+
+/// To a thousandth.
+fn rounded(x: f64) -> f64 {
+    (x * 1e3).round() / 1e3
+}
+
+/// What can be measured, for a form: each entry with its label, its unit, what is possible, its usual range at a key
+/// (null where open, where nothing is usual, or where the range is not this key's), and how it is taken.
+#[must_use]
+pub fn form(key: usize) -> Value {
+    let of = |entry: &Entry| {
+        let end = |x: f64| x.is_finite().then_some(x);
+        let usual = entry.range(key).filter(|_| entry.not_judged(key).is_none());
+        json!({
+            "name": entry.name,
+            "label": entry.label,
+            "unit": entry.unit,
+            "decimals": entry.decimals,
+            "limits": entry.limits,
+            "precision": entry.precision,
+            "usual": usual.map_or([None; 2], |[low, high]| [end(low), end(high)]),
+            "how": entry.how,
+        })
+    };
+    entries().iter().map(of).collect()
+}
+
+/// Faults of typed readings, for a form: each with the `name` of its entry (`key`, `leads`; empty where it belongs to
+/// none), what was `found` and what is `expected`.
+#[must_use]
+pub fn faults(all: &[Impossible]) -> Value {
+    all.iter().map(|one| json!({"name": one.entry, "found": one.what, "expected": one.expected})).collect()
+}

@@ -1,0 +1,132 @@
+//! Readings of one key as a form or a program gives them: JSON, everything that is wrong with it at once.
+
+use erard::keyboard::key_named;
+use serde_json::{Map, Value};
+
+use super::entry::{Entry, Impossible, Known, entries};
+use crate::balance::Lead;
+
+/// Readings of one key.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Typed {
+    /// The key, 1 to 88; `None` where nobody named it.
+    pub key: Option<usize>,
+    /// What was measured.
+    pub known: Known,
+}
+
+impl Typed {
+    /// Reads `{"key": "C4", "leads": "14@165, 14@147", "down_weight_g": 58, "let-off": "3,5 mm"}`: entries by any of
+    /// their names, as numbers or as people write them. What is null or empty was not measured.
+    ///
+    /// # Errors
+    /// Everything that is wrong, each with the name of its entry, `key` or `leads`; without a name what belongs to
+    /// none.
+    pub fn read(json: &str) -> Result<Self, Vec<Impossible>> {
+        let wrong = |entry, what, expected: &str| Impossible { entry, what, expected: expected.to_owned() };
+        let object: Map<String, Value> = serde_json::from_str(json).map_err(|error| {
+            let what = format!("the readings are no JSON object: {error}");
+            vec![wrong("", what, "an object such as {\"key\": \"C4\", \"down_weight_g\": 58}")]
+        })?;
+        let (mut typed, mut faults, mut entered) = (Typed::default(), Vec::new(), Vec::<&Entry>::new());
+        for (name, value) in object {
+            let text = match value {
+                Value::Null => continue,
+                Value::String(text) => text,
+                other => other.to_string(),
+            };
+            let text = text.trim();
+            if text.is_empty() {
+                continue;
+            }
+            if name == "key" {
+                typed.key = key_named(text);
+                if typed.key.is_none() {
+                    faults.push(wrong("key", format!("`{text}` is no key"), "1 to 88, or a note from A0 to C8"));
+                }
+            } else if name == "leads" {
+                match leads(text) {
+                    Ok(leads) => typed.known.leads = leads,
+                    Err(found) => faults.push(wrong("leads", format!("`{found}`"), Lead::EXPECTED)),
+                }
+            } else if let Some(entry) = entries().iter().find(|entry| entry.is_called(&name)) {
+                if entered.contains(&entry) {
+                    faults.push(wrong(entry.name, format!("`{name}` is a second name of it"), "each reading once"));
+                } else if let Err(expected) = typed.known.enter(entry, text) {
+                    faults.push(wrong(entry.name, format!("`{text}`"), &expected));
+                }
+                entered.push(entry);
+            } else {
+                let known = entries().iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
+                faults.push(wrong("", format!("there is no reading `{name}`"), &format!("key, leads, {known}")));
+            }
+        }
+        faults.extend(typed.known.faults());
+        if faults.is_empty() && typed.known.is_empty() {
+            faults.push(wrong(
+                "",
+                "no reading was given".to_owned(),
+                "one at least, such as down-weight and up-weight",
+            ));
+        }
+        if faults.is_empty() { Ok(typed) } else { Err(faults) }
+    }
+}
+
+/// Leads with commas, semicolons or blanks between them; the one that is none.
+fn leads(text: &str) -> Result<Vec<Lead>, String> {
+    let each = text.split([',', ';', ' ']).map(str::trim).filter(|one| !one.is_empty());
+    each.map(|one| Lead::read(one).ok_or_else(|| one.to_owned())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Any name, numbers or texts with units and decimal commas; what is empty was not measured.
+    #[test]
+    fn readings_as_people_type_them() {
+        let typed = Typed::read(
+            r#"{"key": "C4", "D": 58, "up_weight_g": "18 g", "set-off": "3,5mm", "drop_mm": 0, "dip": "", "blow_mm": null,
+                "check": "none", "leads": "14@165, 14@147mm"}"#,
+        )
+        .unwrap();
+        let known = &typed.known;
+        assert_eq!((typed.key, known.friction_g(), known.get("let_off_mm")), (Some(40), Some(20.0), Some(3.5)));
+        assert_eq!((known.get("drop_mm"), known.get("dip_mm"), known.get("blow_mm")), (Some(0.0), None, None));
+        assert!(known.is_not_caught && known.leads.len() == 2 && known.leads[1].at_mm == 147.0);
+        assert_eq!(Typed::read(r#"{"key": 41, "d": 50}"#).unwrap().key, Some(41));
+    }
+
+    /// Everything that is wrong comes at once, each at its own name.
+    #[test]
+    fn all_faults_by_name() {
+        let faults = |json: &str| -> Vec<(&str, String)> {
+            Typed::read(json).unwrap_err().into_iter().map(|one| (one.entry, one.to_string())).collect()
+        };
+        let all = faults(
+            r#"{"key": "H9", "leads": "14", "down_weight_g": 18, "up_weight_g": 58, "drop": "much", "dip_mm": 8, "aftertouch_mm": 9}"#,
+        );
+        for (entry, told) in [
+            ("key", "`H9` is no key; expected 1 to 88"),
+            ("leads", "`14`; expected grams"),
+            ("drop_mm", "`much`; expected a number from 0 to 40 mm"),
+            ("up_weight_g", "are they swapped?"),
+            ("aftertouch_mm", "less than the dip"),
+        ] {
+            assert!(all.iter().any(|(name, text)| *name == entry && text.contains(told)), "{entry}: {all:?}");
+        }
+        assert_eq!(all.len(), 5, "{all:?}");
+        for (json, told) in [
+            ("", "no JSON object"),
+            ("[1]", "no JSON object"),
+            ("{}", "no reading was given"),
+            (r#"{"key": "C4", "leads": "14@165"}"#, "no reading was given"),
+            (r#"{"colour": 1}"#, "there is no reading `colour`; expected key, leads, down_weight_g"),
+            (r#"{"d": 50, "dw": 50}"#, "each reading once"),
+        ] {
+            let found = faults(json);
+            assert!(found.len() == 1 && found[0].1.contains(told), "{json}: {found:?}");
+        }
+    }
+}

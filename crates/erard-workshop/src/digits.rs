@@ -1,0 +1,35 @@
+//! Numbers as people read them: what rounds to nothing has no sign.
+
+/// A number with so many decimals.
+#[must_use]
+pub fn plain(x: f64, decimals: usize) -> String {
+    let text = format!("{x:.decimals$}");
+    if is_nothing(&text) { text.trim_start_matches('-').to_owned() } else { text }
+}
+
+/// A difference with so many decimals and its sign.
+#[must_use]
+pub fn signed(x: f64, decimals: usize) -> String {
+    let text = format!("{x:+.decimals$}");
+    if is_nothing(&text) { text.trim_start_matches(['+', '-']).to_owned() } else { text }
+}
+
+/// Whether a number in digits is 0.
+#[must_use]
+pub fn is_nothing(text: &str) -> bool {
+    !text.contains(|c: char| c.is_ascii_digit() && c != '0')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_rounds_to_nothing_has_no_sign() {
+        for (x, decimals, without, with) in
+            [(0.26, 1, "0.3", "+0.3"), (-0.26, 1, "-0.3", "-0.3"), (-0.004, 2, "0.00", "0.00"), (-0.0, 0, "0", "0")]
+        {
+            assert_eq!((plain(x, decimals).as_str(), signed(x, decimals).as_str()), (without, with));
+        }
+    }
+}

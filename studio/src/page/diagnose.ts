@@ -1,0 +1,204 @@
+// One's own piano: whatever was measured of a key is typed in; out come balance and friction, what is out of range, the
+// likely causes with their tests, and what to measure next. The answer is erard_diagnose's, the command's own.
+import type { Diagnosed, Diagnosis, Measurable, ReadingFault } from "../engine/protocol";
+import type { App } from "./app";
+import { Dropped } from "./bench";
+import { fixed, h, say } from "./dom";
+import { same } from "./state";
+
+/** What most people can measure, in the order of work; the rest is folded. */
+const FIRST = ["down_weight_g", "up_weight_g", "let_off_mm", "drop_mm", "dip_mm", "blow_mm", "aftertouch_mm", "strike_weight_g", "front_weight_g", "leads", "key_ratio"];
+const MIDDLE_C = 40;
+/** Fields that are no entries of the table. */
+const KEY = { name: "key", label: "key", unit: "", usual: [null, null], how: "by number (1 to 88) or note (A0 to C8): usual ranges differ along the keyboard" };
+const LEADS = { name: "leads", label: "leads", unit: "g@mm", usual: [null, null], how: "grams at millimetres in front of the balance pin, as in 14@165, 14@147; behind it negative" };
+/** What stands at the head of the printed sheet, and is no reading. */
+const HEAD = ["piano", "date", "note"];
+
+type Field = Pick<Measurable, "name" | "label" | "unit" | "usual" | "how">;
+type Answer = { faults: ReadingFault[] } | { answer: Diagnosis };
+
+const range = (low: number | null, high: number | null, decimals: number): string =>
+  low !== null && high !== null ? `${fixed(low, decimals)}\u2013${fixed(high, decimals)}` : low !== null ? `from ${fixed(low, decimals)}` : high !== null ? `to ${fixed(high, decimals)}` : "";
+const signed = (value: number, decimals: number): string => (value < 0 ? fixed(value, decimals) : `+${fixed(value, decimals)}`);
+const percent = (share: number): string => {
+  const whole = Math.round(100 * share);
+  return whole < 1 ? "under 1\u00a0%" : whole > 99 ? "over 99\u00a0%" : `${whole}\u00a0%`;
+};
+const MARKS: Record<string, string> = { out: "!", doubtful: "? take it again", not_judged: "not judged" };
+
+/** The sheet of a key: what can be printed and taken to the piano. */
+const sheetOf = (key: Diagnosed, { is_key_assumed, rests_on }: Diagnosis, head: [string, string][], how: (name: string) => string): HTMLElement[] => {
+  const readings = h("table", { class: "sheet" }, h("caption", {}, "Readings"));
+  readings.append(
+    h("thead", {}, h("tr", {}, ...["reading", "here", "usual", ""].map((text) => (text ? h("th", { scope: "col" }, text) : h("td"))))),
+    h("tbody", {}, ...key.readings.map((line) => {
+      const value = line.value === null ? "none" : `${fixed(line.value, line.decimals)} ${line.unit}`.trim();
+      return h("tr", { "data-reading": line.name }, h("th", { scope: "row" }, line.label), h("td", { class: line.standing === "out" ? "out" : null }, value), h("td", {}, range(line.usual_low, line.usual_high, line.decimals)), h("td", { class: `mark-text${line.standing === "out" ? " out" : ""}` }, MARKS[line.standing] ?? ""));
+    })),
+  );
+  const causes = key.causes.map((cause) =>
+    h("li", { "data-cause": cause.cause },
+      h("b", {}, cause.name), `, ${percent(cause.probability)}`,
+      h("dl", { class: "facts" },
+        ...(cause.explains.length ? [h("dt", {}, "explains"), h("dd", {}, cause.explains.map(({ label, by, unit, decimals }) => `${label} ${signed(by, decimals)} ${unit}`.trim()).join(", "))] : []),
+        h("dt", {}, "test"), h("dd", {}, cause.test),
+        h("dt", {}, "then"), h("dd", {}, cause.cure),
+      ),
+    ));
+  const next = key.measure_next;
+  const why = key.readings.find(({ standing }) => standing === "not_judged")?.likely_reason;
+  const band = (of: { low: number; high: number } | null, decimals: number, unit: string) => (of ? `${fixed(of.low, decimals)} to ${fixed(of.high, decimals)}${unit}` : "left out");
+  return [
+    h("h2", {}, `${key.note} (key ${key.key}): diagnosis of your readings`),
+    ...(head.length ? [h("dl", { class: "head" }, ...head.flatMap(([name, text]) => [h("dt", {}, name), h("dd", {}, text)]))] : []),
+    ...(is_key_assumed ? [h("p", { class: "assumed" }, `No key was named: usual ranges are those of ${key.note} (key ${key.key}).`)] : []),
+    readings,
+    ...(why ? [h("p", { class: "soft" }, `Not judged: ${why}.`)] : []),
+    ...(key.to_do.length ? [h("h3", {}, "To do, in this order"), h("ol", { class: "to-do" }, ...key.to_do.map((line) => h("li", {}, line)))] : []),
+    h(key.is_work ? "h3" : "p", { class: "verdict" }, key.verdict),
+    ...(causes.length ? [h("ol", { class: "causes" }, ...causes)] : []),
+    ...(key.something_else > 0.05 ? [h("p", { class: "soft" }, `Something that is not in this list: ${percent(key.something_else)}.`)] : []),
+    ...(next ? [
+      h("h3", {}, `Measure next: ${next.label}`),
+      h("p", {}, `How: ${next.how}.`),
+      h("ul", { class: "next" }, ...next.would_read.map(({ value, names }) => h("li", {}, `about ${fixed(value, next.decimals)} ${next.unit}: ${names}`.replace(" :", ":")))),
+    ] : []),
+    h("h3", {}, "What follows from the weights"),
+    ...[`leverage: ${band(key.leverage, 2, "")}`, `inertia at the key: ${band(key.inertia_kg, 2, " kg")}`, ...key.notes].map((line) => h("p", { class: "soft" }, line)),
+    ...key.readings.filter(({ name }) => name === "down_weight_g" || name === "up_weight_g").map(({ name, label }) => h("p", { class: "soft" }, `${label}, ${how(name)}.`)),
+    ...(key.is_work ? [h("p", { class: "soft" }, rests_on)] : []),
+  ];
+};
+
+export const diagnosePanel = (app: App, into: HTMLElement): void => {
+  const form = h("form", { class: "readings", novalidate: true, "aria-label": "Readings" });
+  const sheet = h("div", { class: "diagnosis", id: "diagnosis" });
+  const wrongAll = h("p", { class: "bad", id: "wrong-all", role: "alert", hidden: true });
+  const inputs = new Map<string, { input: HTMLInputElement; how: HTMLElement; wrong: HTMLElement; field: Field }>();
+  const head = new Map<string, HTMLInputElement>();
+  let key = MIDDLE_C, shown: Record<string, string> | null = null;
+
+  const hint = ({ how, usual: [low, high], unit }: Field, decimals: number) => {
+    const usual = range(low, high, decimals);
+    return `${how}${usual ? `. Usual: ${usual} ${unit}`.trimEnd() : ""}`;
+  };
+  const field = (of: Field, decimals = 0): HTMLElement => {
+    const id = `reading-${of.name}`;
+    const input = h("input", { id, type: "text", inputmode: of.name === "key" || of.name === "leads" ? "text" : "decimal", autocomplete: "off", spellcheck: "false", "aria-describedby": `${id}-wrong ${id}-how` });
+    const how = h("p", { class: "soft", id: `${id}-how` }, hint(of, decimals));
+    const wrong = h("p", { class: "bad", id: `${id}-wrong`, hidden: true });
+    inputs.set(of.name, { input, how, wrong, field: of });
+    return h("div", { class: "reading", "data-field": of.name }, h("label", { for: id }, of.label), h("span", { class: "number" }, input, h("span", { class: "unit" }, of.unit)), wrong, how);
+  };
+
+  const given = (): Record<string, string> =>
+    Object.fromEntries([...inputs].map(([name, { input }]) => [name, input.value.trim()] as const).filter(([, text]) => text !== ""));
+
+  const point = (faults: ReadingFault[]) => {
+    const general: string[] = [];
+    for (const { input, wrong } of inputs.values()) {
+      wrong.hidden = true;
+      input.removeAttribute("aria-invalid");
+    }
+    for (const { name, found, expected } of faults) {
+      const place = inputs.get(name);
+      if (!place) {
+        general.push(`${found}; expected ${expected}.`.replace(/^./, (first) => first.toUpperCase()));
+        continue;
+      }
+      place.wrong.textContent = `${found}; expected ${expected}`;
+      place.wrong.hidden = false;
+      place.input.setAttribute("aria-invalid", "true");
+      const folded = place.input.closest("details");
+      if (folded) folded.open = true;
+    }
+    wrongAll.textContent = general.join(" ");
+    wrongAll.hidden = general.length === 0;
+  };
+
+  const take = async (): Promise<void> => {
+    const readings = given();
+    app.bench.drop("diagnose");
+    sheet.classList.add("waiting");
+    try {
+      const told = await app.bench.ask<Answer>({ kind: "diagnose", readings }, "diagnose");
+      if (!same(readings, given())) return;
+      point("faults" in told ? told.faults : []);
+      if ("faults" in told) {
+        sheet.replaceChildren();
+        say(told.faults.map(({ found, expected }) => `${found}; expected ${expected}`).join(". "));
+      } else {
+        const [one] = told.answer.keys;
+        sheet.replaceChildren(...sheetOf(one!, told.answer, HEAD.map((name): [string, string] => [name, head.get(name)!.value.trim()]).filter(([, text]) => text), (name) => inputs.get(name)!.field.how));
+        say(one!.is_work ? `${one!.causes.length} causes, the likeliest: ${one!.causes[0]?.name ?? "none"}.` : one!.verdict);
+        await ranges(one!.key);
+      }
+      sheet.classList.remove("waiting");
+      print.disabled = "faults" in told;
+    } catch (error) {
+      if (error instanceof Dropped) return;
+      point([{ name: "", found: (error as Error).message, expected: "readings that can be diagnosed" }]);
+    }
+  };
+
+  /** Usual ranges beside the fields are those of the key. */
+  const ranges = async (of: number): Promise<void> => {
+    if (of === key) return;
+    key = of;
+    for (const one of await app.bench.ask<Measurable[]>({ kind: "diagnosable", key })) inputs.get(one.name)!.how.textContent = hint(one, one.decimals);
+  };
+
+  const print = h("button", { type: "button", id: "print", disabled: true, onclick: () => window.print() }, "Print the sheet");
+  const clear = h("button", { type: "button", id: "clear", onclick: () => void app.change({ readings: {} }) }, "Clear");
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    // What is typed and asked for again is answered again: it may be nothing.
+    if (same(given(), app.state.readings)) void take();
+    else void app.change({ readings: given() });
+  });
+  form.addEventListener("change", ({ target }) => {
+    if (HEAD.includes((target as HTMLInputElement).name)) void (sheet.childElementCount && take());
+    else void app.change({ readings: given() });
+  });
+
+  const build = async () => {
+    const all = await app.bench.ask<Measurable[]>({ kind: "diagnosable", key: MIDDLE_C });
+    const of = (name: string) => (name === "leads" ? field(LEADS as Field) : ((one) => field(one, one.decimals))(all.find((one) => one.name === name)!));
+    const rest = all.filter(({ name }) => !FIRST.includes(name));
+    const titled = (name: string) => {
+      const input = h("input", { type: "text", id: `head-${name}`, name, autocomplete: "off", maxlength: 400 });
+      head.set(name, input);
+      return h("div", { class: "reading" }, h("label", { for: `head-${name}` }, name), h("span", { class: "number" }, input));
+    };
+    form.append(
+      h("div", { class: "fields" }, field(KEY as Field), ...FIRST.map(of)),
+      h("details", {}, h("summary", {}, "More readings"), h("div", { class: "fields" }, ...rest.map(({ name }) => of(name)))),
+      h("details", {}, h("summary", {}, "Head of the printed sheet"), h("div", { class: "fields" }, ...HEAD.map(titled))),
+      wrongAll,
+      h("div", { class: "row" }, h("button", { type: "submit", id: "diagnose" }, "Diagnose"), print, clear),
+    );
+    follow();
+  };
+
+  into.append(
+    h("p", { class: "soft" }, "For your own piano. Enter what you measured of one key, however little; leave the rest empty."),
+    h("div", { class: "columns" }, form, sheet),
+  );
+  const follow = () => {
+    if (inputs.size === 0 || app.state.tab !== "diagnose") return;
+    const { readings } = app.state;
+    if (shown !== null && same(shown, readings)) return;
+    const first = shown === null;
+    shown = readings;
+    for (const [name, { input }] of inputs) if (input.value.trim() !== (readings[name] ?? "")) input.value = readings[name] ?? "";
+    if (Object.keys(readings).length) void take();
+    else {
+      sheet.replaceChildren();
+      print.disabled = true;
+      if (!first) point([]);
+    }
+  };
+  app.onchange.push(follow);
+  void build();
+};
