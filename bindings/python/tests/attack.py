@@ -29,8 +29,8 @@ ROOM = 4 << 30
 #: Longest message of an error, characters.
 MOST_SAID = 20_000
 
-#: What may be raised: the package's own errors, and Python's where a call has arguments of the wrong kind or number, or something that the function
-#: needs is not installed.
+#: What may be raised: the package's own errors, and Python's where a call has arguments of the wrong kind or number,
+#: or something that the function needs is not installed.
 ALLOWED = (erard.InputError, erard.SimulationError, TypeError, ImportError)
 #: What is raised as well: of a text that has no UTF-8 form, and by `Drawing.save` where no file can be written.
 AS_WELL = {"": UnicodeEncodeError, "Drawing.save": OSError}
@@ -102,7 +102,8 @@ RESULTS: dict[str, Callable[[], Any]] = {
     "Study": lambda: erard.study(GRAND, let_off=[0.0], force=5.0, duration=0.02, progress=False),
     "Table": lambda: erard.Action(GRAND).play([5.0] * 3),
 }
-#: Classes whose constructors users call. What is no class of the package's own (named tuples) checks nothing by itself: it is attacked as an argument.
+#: Classes whose constructors users call. What is no class of the package's own (named tuples) checks nothing by itself:
+#: it is attacked as an argument.
 MADE = ("Action", "Instrument", "Keys", "Recording")
 #: Methods that a class has from Python's own.
 INHERITED = ("get", "items", "keys", "values", "count", "index")
@@ -266,7 +267,7 @@ def main(arguments: list[str]) -> int:
                 faults += 1
                 print(f"wrong: {fault}", flush=True)
             left = [path.name for path in Path().iterdir()]
-            # Only who is told to writes a file.
+            # Only a call that saves writes a file.
             if left and not call(seed)[0].startswith("Drawing.save"):
                 faults += 1
                 print(f"wrong: seed {seed}: {call(seed)[0]}: left {left}", flush=True)

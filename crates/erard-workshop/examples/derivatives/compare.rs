@@ -318,10 +318,7 @@ pub fn level(instrument: &Instrument, name: &'static str) -> Level {
             let pairs: Vec<Sides> = pairs.collect();
             let one = pairs.iter().rfind(|one| one.scatter <= SHARE * one.slope.abs());
             let best = || pairs.iter().min_by(|a, b| a.scatter.total_cmp(&b.scatter));
-            rows.push(Row {
-                narrowest: windows[0][1],
-                ..row(&found, of, k, numbers, one.or_else(best).unwrap())
-            });
+            rows.push(Row { narrowest: windows[0][1], ..row(&found, of, k, numbers, one.or_else(best).unwrap()) });
         }
     }
     Level { name, rows, gradient_s, differences_s }
@@ -368,5 +365,16 @@ fn row(found: &Gradient, of: &'static str, k: usize, numbers: &Numbers, sides: &
         Verdict::Apart
     };
     let by = numbers.variables[k].name.clone();
-    Row { of, by, derivative, shorter, differences, scatter, sides: sides.sides, narrowest: sides.sides, window: sides.window, verdict }
+    Row {
+        of,
+        by,
+        derivative,
+        shorter,
+        differences,
+        scatter,
+        sides: sides.sides,
+        narrowest: sides.sides,
+        window: sides.window,
+        verdict,
+    }
 }

@@ -140,7 +140,8 @@ fn summary(levels: &[Level]) -> Result<String, std::fmt::Error> {
 }
 
 fn listed(levels: &[Level]) -> Result<String, std::fmt::Error> {
-    let mut text = "| level | result | number | apart | scatter | shorter steps | below to above | because |\n".to_owned();
+    let mut text =
+        "| level | result | number | apart | scatter | shorter steps | below to above | because |\n".to_owned();
     writeln!(text, "|---|---|---|---|---|---|---|---|")?;
     for one in levels {
         for row in one.rows.iter().filter(|row| matches!(row.verdict, Verdict::Apart | Verdict::Refused)) {
