@@ -68,6 +68,19 @@ thread_local! {
     static LAST: RefCell<Option<CString>> = const { RefCell::new(None) };
 }
 
+/// Of a longer text only the beginning and the end are kept, so many bytes of each: a caller may have given a name of a
+/// million letters.
+const SHOWN: usize = 1000;
+
+/// The text, or its beginning and its end where it is long.
+fn shortened(text: &str) -> String {
+    let (begin, end) = (text.floor_char_boundary(SHOWN), text.ceil_char_boundary(text.len().saturating_sub(SHOWN)));
+    if begin >= end {
+        return text.to_owned();
+    }
+    format!("{} ... ({} bytes left out) ... {}", &text[..begin], end - begin, &text[end..])
+}
+
 /// What went wrong, with its code.
 #[derive(Debug)]
 pub(crate) struct Fault {
@@ -112,7 +125,7 @@ pub(crate) fn told<T>(none: T, status: *mut ErardStatus, work: impl FnOnce() -> 
         Ok(result) => (result, ErardStatus::Ok),
         Err(fault) => {
             // A text for C ends at its first zero.
-            let text = CString::new(fault.text.replace('\0', " ")).unwrap_or_default();
+            let text = CString::new(shortened(&fault.text).replace('\0', " ")).unwrap_or_default();
             LAST.with(|last| *last.borrow_mut() = Some(text));
             (none, fault.status)
         }

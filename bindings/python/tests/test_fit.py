@@ -1,6 +1,7 @@
 """Fits find what made the data, and say what the data do not tell."""
 
 import pickle
+import warnings
 
 import erard
 import numpy as np
@@ -216,3 +217,47 @@ def test_the_posterior_heeds_the_noise_of_what_drives(rigid: erard.Instrument) -
 def test_recordings_pickle(rigid: erard.Instrument) -> None:
     recording = erard.Recording(recorded(rigid))
     assert pickle.loads(pickle.dumps(recording)) == recording
+
+
+#: The sets whose coverage is counted, as those of Rust's test: each has one parameter more than the one before.
+COVERED = ["body.hammer.mass", "zone.capstan_heel.stiffness", "body.key.friction", "let_off"]
+
+
+def covered(rigid: erard.Instrument, each: int, sigma: dict[str, float] | None) -> dict[tuple[int, str], list[float]]:
+    """How many errors the fitted numbers are from the true ones, by set and parameter, of grands drawn up to 20 % away."""
+    off: dict[tuple[int, str], list[float]] = {}
+    for count in range(1, len(COVERED) + 1):
+        for n in range(each):
+            rng = np.random.default_rng([count, n, sigma is None])
+            true = {name: 2e-4 * rng.uniform(-1, 1) if name == "let_off" else 1 + 0.2 * rng.uniform(-1, 1) for name in COVERED[:count]}
+            data = recorded(rigid.vary(true), seed=10_000 * count + n)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", erard.DoubtfulFitWarning)
+                found = erard.fit(rigid, data, vary=list(true), bounds=BOUNDS if "let_off" in true else None, sigma=sigma, restarts=0, progress=False)
+            for name, value in true.items():
+                off.setdefault((count, name), []).append((found.x[name] - value) / found.std[name])
+    return off
+
+
+def check_coverage(all_off: list[float], alpha_z: float = 2.576) -> None:
+    """Within one and two errors as often as a normal number, by a binomial test."""
+    for errors, share in ((1.0, 0.6827), (2.0, 0.9545)):
+        within, fits = sum(abs(off) <= errors for off in all_off), len(all_off)
+        assert abs(within - share * fits) < alpha_z * (fits * share * (1 - share)) ** 0.5, (errors, within, fits)
+
+
+KNOWN = {**NOISE, "force_N": 0.0}
+
+
+def test_the_truth_lies_within_the_errors_as_often_as_it_should(rigid: erard.Instrument) -> None:
+    """With known noise, few of each set; over all together, at 1 %."""
+    check_coverage([one for off in covered(rigid, 3, KNOWN).values() for one in off])
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("sigma", [KNOWN, None], ids=["told", "from the recording"])
+def test_the_truth_lies_within_the_errors_for_every_parameter(rigid: erard.Instrument, sigma: dict[str, float] | None) -> None:
+    """Of 200 recordings of each set, by parameter: three times the scatter of the count is allowed, for there are twenty counts."""
+    for (count, name), off in covered(rigid, 200, sigma).items():
+        print(count, name, [sum(abs(one) <= errors for one in off) / len(off) for errors in (1.0, 2.0)])
+        check_coverage(off, 3.0)

@@ -173,5 +173,10 @@ fn finding(f: &Finding<'_>) -> Value {
         "unit": f.unit,
         "told_to_Hz": Some(f.told_to_hz).filter(|hz| *hz < 0.5 * RATE_HZ),
         "errors": errors,
+        "worth": f.trial.worth.filter(|_| f.quantity == "force").map(|worth| json!({
+            "position_noise_m": worth.noise_m,
+            "force_rms_N": Some(worth.rms_n).filter(|n| n.is_finite()),
+            "force_within_95_N": Some(worth.within_n).filter(|n| n.is_finite()),
+        })),
     })
 }

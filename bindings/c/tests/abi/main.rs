@@ -1,5 +1,6 @@
 //! The C interface from outside: what a good caller gets, what a bad one, from Rust and from plain C.
 
+mod attack;
 mod bad_callers;
 mod exact;
 mod fmi;

@@ -19,7 +19,7 @@ pub(crate) fn library(name: &str) -> PathBuf {
     library
 }
 
-fn has(tool: &str) -> bool {
+pub(crate) fn has(tool: &str) -> bool {
     let is_there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
     if !is_there {
         not_run(&format!("no {tool}"));
@@ -27,7 +27,7 @@ fn has(tool: &str) -> bool {
     is_there
 }
 
-fn run(command: &mut Command) -> String {
+pub(crate) fn run(command: &mut Command) -> String {
     let output = command.output().expect("it runs");
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(

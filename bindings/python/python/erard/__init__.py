@@ -28,6 +28,7 @@ from ._instrument import (
     Sheet,
     builtin,
     compare,
+    instrument_of,
     keyboard,
     kinematics,
     load,
@@ -121,7 +122,7 @@ def vary(instrument: Instrument, changes: Any = None, /, **more: float | str) ->
     -------
     Instrument
     """
-    return instrument.vary(changes, **more)
+    return instrument_of(instrument).vary(changes, **more)
 
 
 def press(instrument: Instrument, force: Any = None, /, **options: Any) -> Run:
@@ -137,7 +138,7 @@ def press(instrument: Instrument, force: Any = None, /, **options: Any) -> Run:
     -------
     Run
     """
-    return instrument.press(force, **options)
+    return instrument_of(instrument).press(force, **options)
 
 
 def measure(instrument: Instrument, **options: Any) -> Sheet:
@@ -153,7 +154,7 @@ def measure(instrument: Instrument, **options: Any) -> Sheet:
     -------
     Sheet
     """
-    return instrument.measure(**options)
+    return instrument_of(instrument).measure(**options)
 
 
 def regulate(instrument: Instrument, **goals: Any) -> Instrument:
@@ -169,4 +170,4 @@ def regulate(instrument: Instrument, **goals: Any) -> Instrument:
     -------
     Instrument
     """
-    return instrument.regulate(**goals)
+    return instrument_of(instrument).regulate(**goals)

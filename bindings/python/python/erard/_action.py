@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Unpack
 
 from . import _erard
-from ._common import Stepping, floats, number, steps
+from ._common import Stepping, floats, number, pair, steps
 from ._instrument import instrument_of
 from ._table import Table
 
@@ -78,7 +78,7 @@ class Action:
             `time_s`, `key_m`, `key_m_per_s`, `finger_n` (force of the finger on the key), `hammer_m`, `hammer_m_per_s` (up positive), `string_n`,
             `hand_m` and `hand_m_per_s` (the hand, where there is one), `bridge_n` (force of the strings on the bridge, where they sound), `converged`, and `blow`: instant and speed of the blow whose hammer met the string in this step, else `None`.
         """
-        return self._inner.step(force, motion, rigid)
+        return self._inner.step(None if force is None else number("force", force), pair("motion", motion), pair("rigid", rigid))
 
     def place_hand(self, position_m: float, velocity_m_per_s: float = 0.0) -> None:
         """Places the hand of an action that was made with one.

@@ -100,11 +100,15 @@ def number(key: str, value: Any) -> float:
     """A finite number, or an error that names the argument."""
     try:
         found = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{key}: found {value!r}, expected a number", key=key, found=repr(value)) from None
     if not np.isfinite(found):
         raise InputError(f"{key}: found {found}, expected a finite number", key=key, found=str(found))
     return found
+
+
+#: What the extension counts with.
+_LARGEST = 2**63 - 1
 
 
 def whole(key: str, value: Any, least: int = 1) -> int:
@@ -113,7 +117,7 @@ def whole(key: str, value: Any, least: int = 1) -> int:
         found = operator.index(value)
     except TypeError:
         found = least - 1
-    if found < least:
+    if not least <= found <= _LARGEST:
         raise InputError(f"{key}: found {value!r}, expected a whole number from {least}", key=key, found=repr(value))
     return found
 
@@ -122,7 +126,37 @@ def names_of(key: str, values: Iterable[str] | None) -> list[str]:
     """A list of names; one alone is no list of its letters."""
     if isinstance(values, str):
         raise InputError(f"{key}: found {values!r}, expected a list of names, as in [{values!r}]", key=key, found=values)
-    return [str(value) for value in values or ()]
+    if values is None:
+        return []
+    if not isinstance(values, Iterable):
+        raise InputError(f"{key}: found {values!r}, expected a list of names", key=key, found=repr(values))
+    return [str(value) for value in values]
+
+
+def mapping(key: str, value: Any) -> Mapping[Any, Any]:
+    """A mapping of names, or an error that names the argument; `None` is an empty one."""
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping):
+        raise InputError(f"{key}: found {value!r}, expected a mapping of names to values", key=key, found=repr(value))
+    return value
+
+
+def pair(key: str, value: Any) -> tuple[float, float] | None:
+    """Position and velocity, or an error that names the argument; `None` is nothing."""
+    if value is None:
+        return None
+    if isinstance(value, (str, bytes)) or np.shape(value) != (2,):
+        raise InputError(f"{key}: found {value!r}, expected two numbers, m and m/s", key=key, found=repr(value))
+    position, velocity = unmasked(key, value)
+    return number(f"{key}[0]", position), number(f"{key}[1]", velocity)
+
+
+def _told(progress: Any) -> bool | None:
+    """Whether progress is shown, or an error: an array is neither."""
+    if progress is None or isinstance(progress, (bool, np.bool_)):
+        return None if progress is None else bool(progress)
+    raise InputError(f"progress: found {progress!r}, expected True, False or None", key="progress", found=repr(progress))
 
 
 def unmasked(key: str, values: Any) -> Any:
@@ -186,6 +220,7 @@ def _tqdm() -> Any:
 @contextmanager
 def bar(progress: bool | None, what: str) -> Iterator[Progress]:
     """A function that is told the share done. `None`: a bar on a terminal or in a notebook, if it takes more than a second."""
+    progress = _told(progress)
     if progress is False:
         yield None
         return
@@ -210,6 +245,7 @@ def bar(progress: bool | None, what: str) -> Iterator[Progress]:
 @contextmanager
 def counter(progress: bool | None, what: str, unit: str) -> Iterator[Callable[[int], None] | None]:
     """A function that is told how many more are done, where nobody knows how many there will be. `None` as in `bar`."""
+    progress = _told(progress)
     if progress is False:
         yield None
         return

@@ -3,6 +3,17 @@
 from __future__ import annotations
 
 
+#: Of a longer text only the beginning and the end are shown, so many characters of each.
+_SHOWN = 400
+
+
+def shortened(text: str) -> str:
+    """The text, or its beginning and its end where it is long: nobody reads a million digits."""
+    if len(text) <= 2 * _SHOWN:
+        return text
+    return f"{text[:_SHOWN]} ... ({len(text) - 2 * _SHOWN} characters left out) ... {text[-_SHOWN:]}"
+
+
 class InputError(ValueError):
     """Something that was given is wrong: a name, a number, an array, a file.
 
@@ -44,6 +55,8 @@ class InputError(ValueError):
         found: str | None = None,
         expected: str | None = None,
     ) -> None:
+        message = shortened(str(message))
+        found, key = (None if text is None else shortened(str(text)) for text in (found, key))
         super().__init__(message, file, line, key, found, expected)
         self.file, self.line, self.key, self.found, self.expected = file, line, key, found, expected
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Stepping, counter, names_of, number, steps, whole
+from ._common import Stepping, counter, mapping, names_of, number, steps, whole
 from ._errors import DoubtfulFitWarning, InputError
 from ._instrument import Instrument, instrument_of
 from ._recording import Recording, as_recording
@@ -374,16 +374,16 @@ def fit(
     asked = Asked(
         instrument_of(instrument),
         names_of("vary", vary),
-        [(name, _bounds(name, limits)) for name, limits in (bounds or {}).items()],
+        [(name, _bounds(name, limits)) for name, limits in mapping("bounds", bounds).items()],
         [as_recording(source) for source in sources],
         drive,
         None if columns is None else names_of("columns", columns),
         bool(delay),
-        [(name, number(f"sigma[{name!r}]", value)) for name, value in (sigma or {}).items()],
+        [(name, number(f"sigma[{name!r}]", value)) for name, value in mapping("sigma", sigma).items()],
         steps(how),
         None if threads is None else whole("threads", threads),
     )
-    begin = [(name, number(f"start[{name!r}]", value)) for name, value in (start or {}).items()]
+    begin = [(name, number(f"start[{name!r}]", value)) for name, value in mapping("start", start).items()]
     problem = Problem(asked)
     with counter(progress, "fit", "strokes") as tell:
         found = problem._inner.fit((begin, loss, jacobian, restarts, most), _by_scipy if minimizer == "scipy" else None, tell)

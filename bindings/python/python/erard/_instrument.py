@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Union, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Hand, Stepping, bar, floats, names_of, number, quantity, step_of, steps, whole
+from ._common import Hand, Stepping, bar, floats, mapping, names_of, number, quantity, step_of, steps, whole
 from ._errors import InputError
 from ._recording import Recording, as_recording
 from ._run import Run
@@ -189,7 +189,7 @@ class Instrument:
         erard._errors.InputError: unknown name `letoff`; ...nearest `let_off`...
         """
         asked: list[Change] = []
-        for key, value in {**(changes or {}), **more}.items():
+        for key, value in {**mapping("changes", changes), **more}.items():
             asked.append((str(key), value if isinstance(value, str) else number(str(key), value)))
         return Instrument._of(self._inner.varied(asked))
 
@@ -690,7 +690,8 @@ def kinematics(
     """
     instrument = design._inner if isinstance(design, Instrument) else None
     linkage = None if isinstance(design, Instrument) else os.fspath(design)
-    columns, about = _erard.kinematics(instrument, linkage, float(start), end, steps)
+    until = None if end is None else number("end", end)
+    columns, about = _erard.kinematics(instrument, linkage, number("start", start), until, whole("steps", steps))
     return Kinematics(columns, about)
 
 
@@ -751,7 +752,7 @@ def compare(
             made._inner,
             None if drives is None else names_of("drives", drives),
             None if models is None else names_of("models", models),
-            duration,
+            None if duration is None else number("duration", duration),
             steps(how),
             tell,
         )

@@ -6,7 +6,7 @@ import os
 from typing import TYPE_CHECKING, Unpack
 
 from . import _erard
-from ._common import Stepping, number, steps
+from ._common import Stepping, number, pair, steps
 
 if TYPE_CHECKING:
     from ._erard import Reading
@@ -75,7 +75,7 @@ class Keys:
         force, motion, rigid
             As in `Action.step`; without any of them nothing touches the key.
         """
-        self._inner.drive(key, force, motion, rigid)
+        self._inner.drive(key, None if force is None else number("force", force), pair("motion", motion), pair("rigid", rigid))
 
     def place_hand(self, key: int, position_m: float, velocity_m_per_s: float = 0.0) -> None:
         """Places the hand of a key.

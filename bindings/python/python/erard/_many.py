@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Union, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Stepping, bar, floats, names_of, number, step_of, steps, unmasked, whole
+from ._common import Stepping, bar, floats, mapping, names_of, number, step_of, steps, unmasked, whole
 from ._errors import InputError
 from ._instrument import Instrument, instrument_of, stroke_of
 from ._table import Table
@@ -361,7 +361,7 @@ def study(
     ((5, 2), ['let_off', 'force_N'], ('let_off', 'force_N'))
     """
     own, instrument, measure = steps({"step": step, "theta": theta, "hand": hand}), instrument_of(instrument), names_of("measure", measure)
-    axes = {str(name): axis(instrument, str(name), values) for name, values in {**(vary or {}), **more}.items()}
+    axes = {str(name): axis(instrument, str(name), values) for name, values in {**mapping("vary", vary), **more}.items()}
     forces = None
     if force is not None:
         if stroke is not None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ._common import counter, whole
+from ._common import counter, number, whole
 from ._errors import InputError
 from ._fit import Fit
 
@@ -55,6 +55,9 @@ class Posterior:
         -------
         dict of str to (float, float)
         """
+        share = number("share", share)
+        if not 0.0 <= share <= 1.0:
+            raise InputError(f"share: found {share}, expected a number from 0 to 1", key="share", found=str(share))
         low, high = np.quantile(self.samples, [(1 - share) / 2, (1 + share) / 2], axis=0)
         return {name: (float(a), float(b)) for name, a, b in zip(self.names, low, high, strict=True)}
 

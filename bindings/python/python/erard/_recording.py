@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 
 from . import _erard
-from ._common import floats, names_of, number, real
+from ._common import floats, mapping, names_of, number, real
 from ._errors import InputError, MissingFileError
 from ._table import Table
 
@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from ._types import Ready
 
     RecordingLike = Union["Recording", Table, Mapping[str, ArrayLike], str, "os.PathLike[str]", Any]
+
+
+#: The columns that a recording can have.
+_CHANNELS = ("force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s")
 
 
 class Recording(Table):
@@ -72,12 +76,12 @@ class Recording(Table):
         invert: Sequence[str] = (),
         delay: Mapping[str, float] | None = None,
     ) -> None:
-        own = low_pass == "own"
+        own = isinstance(low_pass, str) and low_pass == "own"
         if isinstance(low_pass, str) and not own:
             raise InputError(f"low_pass: found {low_pass!r}, expected a number of Hz, 'own' or None", key="low_pass")
         if isinstance(columns, Mapping):
             columns = ",".join(f"{role}={title}" for role, title in columns.items())
-        late = [(str(name), number(f"delay[{name!r}]", s)) for name, s in (delay or {}).items()]
+        late = [(str(name), number(f"delay[{name!r}]", s)) for name, s in mapping("delay", delay).items()]
         hz = None if own or low_pass is None else number("low_pass", low_pass)
         ready = (position, bool(zero), hz, own, names_of("invert", invert), late)
         if isinstance(source, Recording):
@@ -128,6 +132,8 @@ class Recording(Table):
         float or None
             N, m or m/s; `None` where neither tells it.
         """
+        if not isinstance(column, str) or column not in _CHANNELS:
+            raise InputError(f"column: found {column!r}, expected one of {', '.join(_CHANNELS)}", key="column", found=repr(column))
         return self._inner.noise(column)
 
     def at(self, column: str, time_s: ArrayLike) -> NDArray[np.float64]:
@@ -146,7 +152,7 @@ class Recording(Table):
         """
         found = self._inner.at(column, floats("time_s", np.atleast_1d(time_s), 1))
         if found is None:
-            raise KeyError(f"{column} was not recorded; there are {', '.join(self)}")
+            raise InputError(f"{column} was not recorded; there are {', '.join(self)}", key="column", found=str(column))
         return found
 
     def _again(self, columns: Mapping[str, NDArray[np.float64]]) -> Recording:

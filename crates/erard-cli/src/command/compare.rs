@@ -84,7 +84,7 @@ impl Compare {
         say!("{title} compared with {}", instrument.name);
         say!();
         let (verdicts, rests) = (comparison.verdicts(), comparison.rests());
-        for line in verdicts.iter().chain(&rests).chain(&comparison.notes) {
+        for line in verdicts.iter().chain(&comparison.worths()).chain(&rests).chain(&comparison.notes) {
             say!("{line}");
         }
         for warning in comparison.warnings() {

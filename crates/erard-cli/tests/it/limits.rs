@@ -174,3 +174,71 @@ fn negative_numbers() {
         assert!(said.contains(arguments[1]) && said.contains("-1") && !said.contains("unexpected argument"), "{said}");
     }
 }
+
+/// Peak memory of a command, MiB, as the system counts it while the command runs.
+#[cfg(target_os = "linux")]
+fn peak_mib(folder: &Folder, arguments: &[&str]) -> f64 {
+    use std::process::Stdio;
+    let mut child = folder.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let (status, mut peak) = (format!("/proc/{}/status", child.id()), 0.0);
+    while child.try_wait().unwrap().is_none() {
+        let told = fs::read_to_string(&status).unwrap_or_default();
+        let line = told.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        peak = line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok()).unwrap_or(peak);
+        std::thread::sleep(std::time::Duration::from_micros(500));
+    }
+    peak / 1024.0
+}
+
+/// Memory grows in proportion to what is read: of inputs of n, 2 n and 4 n the last step costs twice the first, and a
+/// byte of the input costs no more than is said here.
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "ci: reads files of up to 64 MiB"]
+fn memory_is_linear_in_the_input() {
+    use std::fmt::Write;
+    let recording = |rows: usize| {
+        let mut text = String::from("time_s,force_N,key_m\n");
+        for n in 0..rows {
+            let _ = writeln!(
+                text,
+                "{:.5},{:.4},{:.7}",
+                n as f64 * 1e-4,
+                5.0 + (n % 7) as f64 * 0.01,
+                (n % 100) as f64 * 1e-5
+            );
+        }
+        text
+    };
+    let grand = include_str!("../../../../instruments/concert-grand.toml");
+    let instrument =
+        |bytes: usize| format!("{grand}\n{}", "# a remark of forty letters, as there are\n".repeat(bytes / 42));
+    let weights = |rows: usize| {
+        let row = |n: usize| format!("{},{},{}\n", 1 + n % 88, 50 + n % 5, 20 + n % 3);
+        format!("key,down_weight_g,up_weight_g\n{}", (0..rows).map(row).collect::<String>())
+    };
+    let folder = Folder::new("limits-linear");
+    // What it is, how to read it, its size at n, and the most bytes that one of its bytes may cost.
+    type Make<'a> = &'a dyn Fn(usize) -> String;
+    let cases: [(&str, &str, Make<'_>, usize, f64); 3] = [
+        ("rows.csv", "check", &recording, 400_000, 8.0),
+        ("grand.toml", "check", &instrument, 1_000_000, 10.0),
+        ("weights.csv", "check", &weights, 300_000, 8.0),
+    ];
+    for (name, command, make, size, most) in cases {
+        let of = |times: usize| {
+            folder.file(name, &make(size * times));
+            let bytes = fs::metadata(folder.0.join(name)).unwrap().len() as f64;
+            (bytes / f64::from(1 << 20), peak_mib(&folder, &[command, name]))
+        };
+        let [(one, a), (two, b), (four, c)] = [1, 2, 4].map(of);
+        println!("{name}: {one:.1}, {two:.1} and {four:.1} MiB take {a:.0}, {b:.0} and {c:.0} MiB");
+        let each = (c - a) / (four - one);
+        assert!(each < most, "{name}: {each:.1} bytes for one");
+        // An allocator gives memory in steps; 8 MiB are not counted.
+        assert!(
+            c - b < 2.5 * (b - a) + 8.0,
+            "{name}: {a:.0}, {b:.0} and {c:.0} MiB for {one:.1}, {two:.1} and {four:.1}"
+        );
+    }
+}

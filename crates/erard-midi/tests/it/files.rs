@@ -201,3 +201,24 @@ fn the_seeds_of_the_fuzzer() {
     ];
     assert_eq!(expected.each_ref().map(|(name, _)| counts(name)), expected.each_ref().map(|(_, found)| found.clone()));
 }
+
+/// The most memory that is held while a file is read grows in proportion to the file.
+#[test]
+fn memory_is_linear_in_the_file() {
+    let file = |notes: u32| {
+        let of = |n| [0, 0x90, 21 + (n % 88) as u8, 64, 10, 0x80, 21 + (n % 88) as u8, 0];
+        smf(0, METRICAL, &[&track(&(0..notes).flat_map(of).collect::<Vec<u8>>())])
+    };
+    let [a, b, c] = [10_000, 20_000, 40_000].map(|notes| {
+        let bytes = file(notes);
+        let held = allocation_counter::measure(|| {
+            assert_eq!(read(&bytes).unwrap().notes.len(), notes as usize);
+        });
+        (bytes.len() as f64, held.bytes_max as f64)
+    });
+    let each = (c.1 - a.1) / (c.0 - a.0);
+    println!("{a:?} {b:?} {c:?}: {each:.1} bytes for one");
+    // Vectors grow by doubling: what is held may be twice what is used, and half of that once more while it is copied.
+    assert!(each < 60.0, "{each:.1} bytes for one");
+    assert!(c.1 - b.1 < 2.5 * (b.1 - a.1), "{a:?} {b:?} {c:?}");
+}

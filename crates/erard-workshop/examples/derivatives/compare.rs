@@ -7,19 +7,20 @@ use erard::level::{Kind, MASS_KG, Reference, named};
 use erard::player::Input;
 use erard::stroke::{HandStroke, Touch};
 use erard::{Action, Instrument, Settings, Setup};
-use erard_workshop::sensitivities::{Differentiation, Gradient, Rest, Variable, gradient};
+use erard_workshop::sensitivities::{Differentiation, Gradient, Rest, SHORTER, Variable, gradient};
 use erard_workshop::study::{Job, JobResult, OUTCOMES, Parameter, Stroke, Workers, play_all};
 
 /// The levels that are compared.
 pub const LEVELS: [&str; 3] = ["pp", "mf", "ff"];
 /// What is compared.
 pub const OF: [&str; 2] = ["hammer_speed_m_per_s", "hammer_contact_s"];
-/// The step of the press that is differentiated, s.
-const STEP_S: f64 = 5e-6;
 /// The step in which both are timed, s: Python's default.
 const TIMED_S: f64 = 25e-6;
-/// The steps of the differences, s.
-const CONVERGED_S: [f64; 2] = [5e-6, 2.5e-6];
+/// The steps of the differences, s; the press that is differentiated has the longer ones. At ff differences in steps of
+/// 5 and 2.5 us agree with each other on wrong values ([`trap`]).
+fn converged_s(level: &str) -> [f64; 2] {
+    if level == "ff" { [1.25e-6, 0.625e-6] } else { [5e-6, 2.5e-6] }
+}
 /// Half the windows of the differences, as shares of a number's usual change; each is so many times the one before.
 /// They are wide, because over a narrow one no switch of friction moves by a whole step, and differences of fixed steps
 /// then see what a step in dual numbers sees, which is wrong (the engine's README, "Derivatives").
@@ -61,6 +62,8 @@ pub struct Row {
     pub scatter: f64,
     /// To below and to above, in the shorter steps.
     pub sides: [f64; 2],
+    /// The same over the narrowest window.
+    pub narrowest: [f64; 2],
     /// Half the window, as a share of the usual change.
     pub window: f64,
     pub verdict: Verdict,
@@ -70,6 +73,25 @@ impl Row {
     /// How far the two are apart, as a share of the differences.
     pub fn apart(&self) -> f64 {
         (self.derivative - self.differences).abs() / self.differences.abs()
+    }
+
+    /// What makes the two differ, as far as the numbers tell.
+    pub fn reason(&self) -> &'static str {
+        let [below, above] = self.narrowest;
+        let middle = 0.5 * (below + above);
+        // Of a derivative whose error is in proportion to the step h, 0.2 of the error goes with 0.2 h.
+        let own_error = (self.derivative - self.shorter).abs() / (1.0 - SHORTER);
+        if self.derivative.is_nan() {
+            "refused"
+        } else if (self.derivative - middle).abs() <= SHARE * middle.abs() {
+            "curved: within 2 % over the narrowest window"
+        } else if self.derivative >= below.min(above) && self.derivative <= below.max(above) {
+            "a corner within the narrowest window: between the slopes to its sides"
+        } else if own_error >= 0.5 * (self.derivative - self.differences).abs() {
+            "the derivative's own steps"
+        } else {
+            "not known"
+        }
     }
 }
 
@@ -93,7 +115,7 @@ pub fn first_cases() -> [First; 3] {
         let (_, parameter) = parameters.iter().find(|(known, _)| known == name).unwrap();
         let mut varied = instrument.clone();
         assert!(parameter.vary(&mut varied, 1.0 + by));
-        let mut action = Action::with(&varied, Settings::new(CONVERGED_S[0])).unwrap();
+        let mut action = Action::with(&varied, Settings::new(5e-6)).unwrap();
         if held {
             action.mechanism_mut().restore(&rest);
             action.rest_here(&varied);
@@ -186,26 +208,82 @@ fn value(played: &JobResult, key: &str) -> f64 {
     played.as_ref().ok().and_then(of).unwrap_or(f64::NAN)
 }
 
+/// A press at a level.
+struct Press<'a> {
+    instrument: &'a Instrument,
+    hand: HandStroke,
+    impact_s: f64,
+    numbers: Numbers,
+}
+
+impl<'a> Press<'a> {
+    fn new(instrument: &'a Instrument, name: &str) -> Self {
+        let kind = Kind { touch: Touch::Pressed, mass_kg: MASS_KG };
+        let solved = Reference::new(instrument, &mut |_| true)
+            .and_then(|mut reference| reference.solve(kind, named(name).unwrap(), &mut |_| true));
+        let solved = solved.unwrap();
+        let (hand, impact_s) = (solved.held(), solved.impact.time_s);
+        Press { instrument, hand, impact_s, numbers: Numbers::of(instrument) }
+    }
+
+    fn setup(&self, step_s: f64) -> Setup {
+        Setup {
+            settings: Settings::new(step_s),
+            ledger: false,
+            hand: Some(self.hand.hand),
+            ..Setup::new(self.impact_s + AFTER_S)
+        }
+    }
+
+    fn derived(&self, by: Vec<Variable>, step_s: f64, how: Differentiation) -> Gradient {
+        let hand = self.hand;
+        let stroke = || -> Stroke<'static> { Box::new(move |t| hand.input(t)) };
+        gradient(self.instrument, by, &stroke, &self.setup(step_s), how, &mut |_| true).unwrap()
+    }
+
+    fn played(&self, instruments: &[Instrument], step_s: f64, workers: Workers) -> Vec<JobResult> {
+        play(instruments, &self.hand, &self.setup(step_s), workers)
+    }
+}
+
+/// Numbers of which differences in steps that are too long agree with each other, and are wrong.
+pub const TRAPPED: [&str; 4] =
+    ["zone.let_off_button.damping", "zone.capstan_heel.damping", "spring.repetition.torque", "body.jack.mass"];
+/// The steps in which they are shown, s.
+pub const TRAP_S: [f64; 4] = [5e-6, 2.5e-6, 1.25e-6, 0.625e-6];
+/// Half the window, in usual changes.
+const TRAP: f64 = 0.2;
+
+/// Of one of [`TRAPPED`]: derivative and central differences of hammer speed at ff, m/s per usual change, in
+/// [`TRAP_S`].
+pub fn trap(instrument: &Instrument) -> [[[f64; 2]; 4]; 4] {
+    let instrument = &Instrument { parts: Vec::new(), ..instrument.clone() };
+    let press = Press::new(instrument, "ff");
+    let numbers = &press.numbers;
+    let places = TRAPPED.map(|name| numbers.variables.iter().position(|one| one.name == name).unwrap());
+    let both: Vec<Instrument> =
+        places.iter().flat_map(|&k| [-TRAP, TRAP].map(|by| numbers.varied(instrument, k, by))).collect();
+    let found = TRAP_S.map(|step_s| {
+        let by = places.map(|k| numbers.variables[k].clone()).to_vec();
+        let derived = press.derived(by, step_s, Differentiation { compares: false, ..compared() });
+        let slopes = derived.of.into_iter().find(|(key, _)| *key == OF[0]).unwrap().1.unwrap().slopes;
+        let played = press.played(&both, step_s, Workers::all());
+        core::array::from_fn(|n| {
+            let [low, high] = [2 * n, 2 * n + 1].map(|place| value(&played[place], OF[0]));
+            [slopes[n] * numbers.usual(places[n]), (high - low) / (2.0 * TRAP)]
+        })
+    });
+    core::array::from_fn(|n| found.map(|of: [[f64; 2]; 4]| of[n]))
+}
+
 /// Compares all derivatives of an instrument's press at a level.
 pub fn level(instrument: &Instrument, name: &'static str) -> Level {
     let instrument = &Instrument { parts: Vec::new(), ..instrument.clone() };
-    let kind = Kind { touch: Touch::Pressed, mass_kg: MASS_KG };
-    let solved = Reference::new(instrument, &mut |_| true)
-        .and_then(|mut reference| reference.solve(kind, named(name).unwrap(), &mut |_| true));
-    let solved = solved.unwrap();
-    let hand = solved.held();
-    let setup = |step_s: f64| Setup {
-        settings: Settings::new(step_s),
-        ledger: false,
-        hand: Some(hand.hand),
-        ..Setup::new(solved.impact.time_s + AFTER_S)
-    };
-    let numbers = Numbers::of(instrument);
-    let stroke = || -> Stroke<'static> { Box::new(move |t| hand.input(t)) };
-    let find = |step_s: f64, how: Differentiation| {
-        gradient(instrument, numbers.variables.clone(), &stroke, &setup(step_s), how, &mut |_| true).unwrap()
-    };
-    let found = find(STEP_S, compared());
+    let press = Press::new(instrument, name);
+    let numbers = &press.numbers;
+    let find = |step_s: f64, how: Differentiation| press.derived(numbers.variables.clone(), step_s, how);
+    let steps_s = converged_s(name);
+    let found = find(steps_s[0], compared());
     let begun = Instant::now();
     find(TIMED_S, Differentiation { compares: false, threads: 1, ..compared() });
     let gradient_s = begun.elapsed().as_secs_f64();
@@ -216,13 +294,13 @@ pub fn level(instrument: &Instrument, name: &'static str) -> Level {
         both.map(|(k, by)| numbers.varied(instrument, k, by)).collect::<Vec<_>>()
     };
     let begun = Instant::now();
-    play(&pairs(WINDOWS[1]), &hand, &setup(TIMED_S), Workers::one());
+    press.played(&pairs(TRAP), TIMED_S, Workers::one());
     let differences_s = begun.elapsed().as_secs_f64();
 
     // Of every window and step: the unchanged action, then two for each number.
     let played = WINDOWS.map(|window| {
         let instruments: Vec<Instrument> = std::iter::once(instrument.clone()).chain(pairs(window)).collect();
-        CONVERGED_S.map(|step_s| play(&instruments, &hand, &setup(step_s), Workers::all()))
+        steps_s.map(|step_s| press.played(&instruments, step_s, Workers::all()))
     });
     let mut rows = Vec::new();
     for of in OF {
@@ -240,7 +318,7 @@ pub fn level(instrument: &Instrument, name: &'static str) -> Level {
             let pairs: Vec<Sides> = pairs.collect();
             let one = pairs.iter().rfind(|one| one.scatter <= SHARE * one.slope.abs());
             let best = || pairs.iter().min_by(|a, b| a.scatter.total_cmp(&b.scatter));
-            rows.push(row(&found, of, k, &numbers, one.or_else(best).unwrap()));
+            rows.push(Row { narrowest: windows[0][1], ..row(&found, of, k, numbers, one.or_else(best).unwrap()) });
         }
     }
     Level { name, rows, gradient_s, differences_s }
@@ -287,5 +365,16 @@ fn row(found: &Gradient, of: &'static str, k: usize, numbers: &Numbers, sides: &
         Verdict::Apart
     };
     let by = numbers.variables[k].name.clone();
-    Row { of, by, derivative, shorter, differences, scatter, sides: sides.sides, window: sides.window, verdict }
+    Row {
+        of,
+        by,
+        derivative,
+        shorter,
+        differences,
+        scatter,
+        sides: sides.sides,
+        narrowest: sides.sides,
+        window: sides.window,
+        verdict,
+    }
 }

@@ -9,7 +9,7 @@ mod compare;
 use std::error::Error;
 use std::fmt::Write;
 
-use compare::{FIRST, First, LEVELS, Level, OF, Row, Verdict, first_cases, level};
+use compare::{FIRST, First, LEVELS, Level, OF, Row, TRAP_S, TRAPPED, Verdict, first_cases, level, trap};
 use erard::Instrument;
 
 const PAGE: &str = include_str!("page.md");
@@ -25,6 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let count = levels[0].rows.len() / OF.len();
     let page = PAGE
         .replace("{first}", &first_table(&first)?)
+        .replace("{trap}", &trap_table(&trap(&instrument))?)
         .replace("{times}", &times(&levels)?)
         .replace("{count}", &count.to_string())
         .replace("{table}", &table(&levels, count)?)
@@ -36,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn list(level: &Level) {
     for row in &level.rows {
-        let Row { of, by, derivative, shorter, differences, scatter, sides: [below, above], window, verdict } = row;
+        let Row { of, by, derivative, shorter, differences, scatter, sides: [below, above], window, verdict, .. } = row;
         println!(
             "{:3} {of:22} {by:30} {derivative:10.3e} {shorter:10.3e} | {differences:10.3e} +- {scatter:8.1e} \
              [{below:10.3e} {above:10.3e}] {window:4} {verdict:?}",
@@ -53,6 +54,23 @@ fn first_table(first: &[First]) -> Result<String, std::fmt::Error> {
         writeln!(text, "| `{name}` | {a:.3e} | {b:.3e} | {c:.3e} | {d:.3e} |")?;
     }
     Ok(text.trim_end().to_owned())
+}
+
+/// Derivatives and differences in steps of several lengths.
+fn trap_table(found: &[[[f64; 2]; 4]; 4]) -> Result<String, std::fmt::Error> {
+    let mut text = "| per usual change of |".to_owned();
+    for step_s in TRAP_S {
+        write!(text, " {} us: derivative | differences |", 1e6 * step_s)?;
+    }
+    text += "\n|---|";
+    text += &"---|".repeat(2 * TRAP_S.len());
+    for (name, one) in TRAPPED.iter().zip(found) {
+        write!(text, "\n| `{name}` |")?;
+        for [derivative, differences] in one {
+            write!(text, " {} | {} |", micro(*derivative), micro(*differences))?;
+        }
+    }
+    Ok(text)
 }
 
 fn times(levels: &[Level]) -> Result<String, std::fmt::Error> {
@@ -122,20 +140,22 @@ fn summary(levels: &[Level]) -> Result<String, std::fmt::Error> {
 }
 
 fn listed(levels: &[Level]) -> Result<String, std::fmt::Error> {
-    let mut text = "| level | result | number | apart | scatter | 5 to 4 us | below to above |\n".to_owned();
-    writeln!(text, "|---|---|---|---|---|---|---|")?;
+    let mut text =
+        "| level | result | number | apart | scatter | shorter steps | below to above | because |\n".to_owned();
+    writeln!(text, "|---|---|---|---|---|---|---|---|")?;
     for one in levels {
         for row in one.rows.iter().filter(|row| matches!(row.verdict, Verdict::Apart | Verdict::Refused)) {
             let [below, above] = row.sides;
             let of = |x: f64| share(x / row.differences.abs());
             writeln!(
                 text,
-                "{} {}%| {}%| {}%| {}%|",
+                "{} {}%| {}%| {}%| {}%| {} |",
                 compare::line(one.name, row),
                 share(row.apart()),
                 of(row.scatter),
                 of((row.derivative - row.shorter).abs()),
-                of((above - below).abs())
+                of((above - below).abs()),
+                row.reason()
             )?;
         }
     }

@@ -10,8 +10,10 @@
 //! that drives and the series that is compared are more than noise ([`Choice::tells_to_hz`]), and not beyond.
 
 mod errors;
+mod worth;
 
 pub use errors::{Band, Errors, Rest};
+pub use worth::{PathNoise, Worth};
 
 use thiserror::Error;
 
@@ -81,6 +83,8 @@ pub struct Choice {
     pub tells_to_hz: [f64; 3],
     /// Until when all is at rest, s: minus infinity where nothing tells.
     pub rest_until_s: f64,
+    /// The noise of the recorded position, and what became of it; `None` where the position shows none.
+    pub path_noise: Option<PathNoise>,
 }
 
 impl Default for Choice {
@@ -91,6 +95,7 @@ impl Default for Choice {
             position_of: PositionOf::Key,
             tells_to_hz: [f64::INFINITY; 3],
             rest_until_s: f64::NEG_INFINITY,
+            path_noise: None,
         }
     }
 }
@@ -106,6 +111,7 @@ impl Choice {
             let noise = channel.band_hz.into_iter().chain(low_pass).map(|hz| WELL_WITHIN * hz);
             *limit = noise.chain([0.5 * channel.rate_hz]).fold(*limit, f64::min);
         }
+        self.path_noise = report.channel(Role::Position).and_then(PathNoise::of);
         let rests = report.channels.iter().filter_map(|channel| Some(channel.zero?.until_s));
         self.rest_until_s = rests.reduce(f64::min).unwrap_or(self.rest_until_s);
         self
@@ -134,6 +140,8 @@ pub struct Trial {
     /// Differences between model and measurement (position in m, force in N), as far as it is reported; `None` where
     /// the file holds no such series, or nothing but noise.
     pub errors: Option<Errors>,
+    /// What the recording's noise makes of the force, under a recorded motion; `None` where that is not known.
+    pub worth: Option<Worth>,
     /// Rise of the hammer's strike point, m; empty for a model without a hammer.
     pub hammer_m: Vec<f64>,
     /// Errors of the hammer are reported up to here, Hz.
@@ -341,6 +349,23 @@ pub fn compare_chosen(
             Prescribed::Force => (&measured_position_m, &key_m),
             Prescribed::Motion | Prescribed::Rigid => (&measured_force_n, &force_n),
         };
+        let played = |disturbed: &PositionSeries, progress: &mut Progress<'_>| {
+            let path = disturbed.drive();
+            let drive: &Drive<'_> =
+                if driven == Prescribed::Rigid { &player::rigid(&path) } else { &player::motion(&path) };
+            let run = simulate(model, drive, &setup, progress)?;
+            Ok(interpolated(&run.time_s, &run.force_n, &time_s))
+        };
+        let path = match driven {
+            Prescribed::Force => None,
+            Prescribed::Motion => fingertip.as_ref(),
+            Prescribed::Rigid => key.as_ref(),
+        };
+        let noise = choice.path_noise.as_ref().filter(|_| which == Which::Action);
+        let worth = match (noise, path) {
+            (Some(noise), Some(path)) => Some(Worth::of(noise, path, &force_n, resting, &played, progress)?),
+            _ => None,
+        };
         let errors = measured.as_ref().and_then(|m| errors_within(m, simulated, resting, told_to_hz));
         let hammer_m = match model.roles.hammer {
             Some(_) => interpolated(&run.time_s, &run.hammer_head_m, &time_s),
@@ -358,6 +383,7 @@ pub fn compare_chosen(
             force_n,
             told_to_hz,
             errors,
+            worth,
             hammer_m,
             hammer_told_to_hz,
             hammer_errors,
@@ -414,6 +440,12 @@ impl Comparison {
                 )
             })
             .collect()
+    }
+
+    /// In words: of every recorded motion that drives the action, what the force that comes out is worth.
+    pub fn worths(&self) -> Vec<String> {
+        let action = self.trials.iter().filter(|trial| trial.which == Which::Action);
+        action.filter_map(|trial| Some(trial.worth?.told(trial.driven))).collect()
     }
 
     /// In words: for every drive, how much each model explains, and which is nearer.

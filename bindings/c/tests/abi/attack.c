@@ -1,0 +1,123 @@
+/* The harness of attack.rs: its cases are written from the header. */
+#include <erard.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ErardAction *action;
+static ErardInstrument *instrument;
+static ErardKeyboard *keyboard;
+static ErardStroke *stroke;
+static ErardWatch *watch;
+static ErardReading readings[8];
+static ErardBlow blows[4096];
+static ErardEvents events;
+static ErardInput input;
+static ErardStatus status;
+static double doubles[4096];
+static float floats[4096];
+static uint8_t bytes[1 << 22];
+static uint8_t saved[1 << 20], now[1 << 20];
+static size_t saved_size, now_size, count;
+static char long_text[100001];
+static const char *shown;
+static int seed, faults, was_refused, done, refused;
+
+static void wrong(const char *why) {
+    faults++;
+    printf("wrong: seed %d: %s: %s\n", seed, shown, why);
+    fflush(stdout);
+}
+
+static size_t strlen_of(const char *text) { return text ? strlen(text) : 0; }
+
+static int32_t stops(double share, void *user) { (void)user; (void)share; return 0; }
+static int left;
+static int32_t stops_late(double share, void *user) { (void)user; (void)share; return left-- > 0; }
+
+static void in_table(int code) {
+    if (code < -12 || code > 1) wrong("a code that is not in the table");
+    if (code == ERARD_STATUS_INTERNAL) wrong(erard_last_error());
+    was_refused = code < 0;
+    if (code < 0) {
+        refused++;
+        size_t said = strlen_of(erard_last_error());
+        if (said < 4) wrong("refused without a word");
+        /* What must answer in real time leaves the words of the call before. */
+        if (said > 4000) wrong("a message that nobody reads");
+    } else {
+        done++;
+    }
+}
+
+/* A call that answers with a code; `bad`: an argument is no number. */
+static void answered(int code, int bad) {
+    in_table(code);
+    if (bad && code >= 0) wrong("a number that is none was taken");
+}
+
+/* A call that makes something, or says why not. */
+static void made(int is_there, int code, int told, int bad) {
+    if (!told) { was_refused = !is_there; return; }
+    in_table(code);
+    if (is_there != (code >= 0)) wrong("the code and what was made contradict each other");
+    if (bad && is_there) wrong("a number that is none was taken");
+}
+
+static void begin(void) {
+    ErardStatus found = ERARD_STATUS_OK;
+    instrument = erard_instrument_builtin("concert-grand-rigid", &found);
+    action = erard_action_of(instrument, 50e-6, &found);
+    keyboard = erard_keyboard_builtin("concert-grand", 50e-6, &found);
+    stroke = erard_stroke_builtin(instrument, "mf", 0, &found);
+    watch = erard_watch_new(instrument, &found);
+    if (!instrument || !action || !keyboard || !stroke || !watch) {
+        printf("wrong: the objects: %s\n", erard_last_error());
+        exit(0);
+    }
+}
+
+static void play(int which) {
+    seed = which;
+    status = ERARD_STATUS_OK;
+    count = 16;
+    left = 3;
+    was_refused = 0;
+    switch (which) {
+/* CASES */
+    default: break;
+    }
+}
+
+int main(int arguments, char **names) {
+    if (arguments != 3) return 1;
+    memset(long_text, 'a', sizeof long_text - 1);
+    begin();
+    for (int n = 0; n < 200; n++) erard_step_force(action, 5.0, NULL);
+    for (int which = atoi(names[1]); which < atoi(names[2]); which++) {
+        saved_size = sizeof saved;
+        if (erard_save(action, saved, &saved_size) < 0) wrong("it cannot be saved");
+        printf("at %d\n", which);
+        fflush(stdout);
+        play(which);
+        ErardReading reading;
+        if (erard_read(action, &reading) < 0) wrong("it cannot be read");
+        if (!isfinite(reading.key_m + reading.hammer_m + reading.finger_n + reading.string_n)) wrong("not finite");
+        now_size = sizeof now;
+        if (erard_save(action, now, &now_size) < 0) wrong("it cannot be saved any more");
+        if (was_refused && (now_size != saved_size || memcmp(saved, now, saved_size))) wrong("refused, and the action is another");
+        /* It plays on from where it was. */
+        if (erard_restore(action, saved, saved_size) < 0) wrong("it does not come back");
+        if (erard_step_force(action, 5.0, &reading) < 0 || !isfinite(reading.key_m)) wrong("it does not play on");
+        if (erard_restore(action, saved, saved_size) < 0) wrong("it does not come back twice");
+    }
+    printf("ends: %d done, %d refused, %d wrong\n", done, refused, faults);
+    erard_watch_free(watch);
+    erard_stroke_free(stroke);
+    erard_keyboard_free(keyboard);
+    erard_action_free(action);
+    erard_instrument_free(instrument);
+    return 0;
+}

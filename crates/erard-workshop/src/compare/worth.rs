@@ -1,0 +1,105 @@
+//! What a force is worth that comes out under a recorded motion.
+//!
+//! A prescribed motion is differentiated twice: noise of the position becomes force. How much is played: the same motion
+//! with noise of the recording's own size added to every sample, sent through the recording's own filter. With the
+//! noise that is already in the recording the force is as far from the true one, to first order. What the samples do not
+//! hold (motion faster than half their rate, what a filter takes away) is not in it.
+
+use erard::Progress;
+use erard::recording::{Butterworth, ChannelReport};
+use erard::run::SimulationError;
+use erard::stroke::{PositionSeries, Prescribed};
+use fastrand::Rng;
+
+use super::CompareError;
+
+/// Motions with added noise that are played.
+const PLAYED: u64 = 8;
+
+/// The noise of a recorded position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathNoise {
+    /// Its root mean square before the filter, m.
+    pub rms_m: f64,
+    /// The filter that it went through: order, cutoff and rate, Hz.
+    pub filter: Option<(usize, f64, f64)>,
+}
+
+impl PathNoise {
+    /// As a channel's report tells it.
+    pub(super) fn of(channel: &ChannelReport) -> Option<Self> {
+        let filter = channel.low_pass.map(|own| (own.order, own.cutoff_hz, channel.rate_hz));
+        Some(PathNoise { rms_m: channel.noise?.rms, filter })
+    }
+
+    /// A path with as much noise once more.
+    fn added(&self, path: &PositionSeries, rng: &mut Rng) -> Option<PositionSeries> {
+        // Twelve uniform numbers make nearly a normal one.
+        let normal = |rng: &mut Rng| (0..12).map(|_| rng.f64()).sum::<f64>() - 6.0;
+        let noise: Vec<f64> = path.positions_m().iter().map(|_| self.rms_m * normal(rng)).collect();
+        let noise = match self.filter {
+            Some((order, cutoff_hz, rate_hz)) => {
+                Butterworth::low_pass(order, cutoff_hz, rate_hz)?.forth_and_back(&noise)
+            }
+            None => noise,
+        };
+        let positions = path.positions_m().iter().zip(noise).map(|(position, noise)| position + noise).collect();
+        PositionSeries::new(path.times_s().to_vec(), positions).ok()
+    }
+}
+
+/// What a force is worth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worth {
+    /// Root mean square of what the recording's noise makes of the force after the rest, N; infinite where the motion
+    /// with its noise cannot be played.
+    pub rms_n: f64,
+    /// Ninety-five in a hundred samples are not farther off than this, N.
+    pub within_n: f64,
+    /// The noise of the position, before the filter, m.
+    pub noise_m: f64,
+}
+
+/// Plays a path: the force on the common axis, N.
+pub(super) type Play<'a> = dyn Fn(&PositionSeries, &mut Progress<'_>) -> Result<Vec<f64>, SimulationError> + 'a;
+
+impl Worth {
+    /// From the undisturbed force, of which the first samples rest.
+    pub(super) fn of(
+        noise: &PathNoise,
+        path: &PositionSeries,
+        force_n: &[f64],
+        resting: usize,
+        play: &Play<'_>,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, CompareError> {
+        let mut off = Vec::new();
+        let noise_m = noise.rms_m;
+        for seed in 0..PLAYED {
+            let disturbed = noise.added(path, &mut Rng::with_seed(seed));
+            let played = match disturbed.map(|path| play(&path, progress)) {
+                Some(Err(error)) if matches!(error, SimulationError::Interrupted) => return Err(error.into()),
+                Some(Ok(played)) => played,
+                _ => return Ok(Worth { rms_n: f64::INFINITY, within_n: f64::INFINITY, noise_m }),
+            };
+            let from = resting.min(force_n.len());
+            off.extend(played.iter().zip(force_n).skip(from).map(|(a, b)| (a - b).abs()));
+        }
+        off.sort_unstable_by(f64::total_cmp);
+        let mean = off.iter().map(|x| x * x).sum::<f64>() / off.len().max(1) as f64;
+        let within_n = off.get(off.len() * 95 / 100).copied().unwrap_or(0.0);
+        Ok(Worth { rms_n: mean.sqrt(), within_n, noise_m })
+    }
+
+    /// In words.
+    pub(super) fn told(&self, driven: Prescribed) -> String {
+        let Worth { rms_n, within_n, noise_m } = self;
+        let begin = format!("{} driven: the position's noise, {:.2} um rms,", driven.name(), 1e6 * noise_m);
+        if !rms_n.is_finite() {
+            return format!("{begin} makes the motion unplayable: the force is worth nothing");
+        }
+        format!(
+            "{begin} makes the simulated force uncertain by {rms_n:.3} N rms, and in 95 % of the samples by less than {within_n:.3} N ({PLAYED} motions with as much noise added)"
+        )
+    }
+}
