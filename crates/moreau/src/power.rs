@@ -15,15 +15,16 @@ const HALF_ROOT: u64 = 0x3FE6_A09E_667F_3BCD;
 #[inline]
 pub(crate) fn power(x: f64, y: f64) -> f64 {
     let bits = x.to_bits();
-    // Zero, what is not normal, negative, infinite or no number; the second test is false for NaN, too.
-    if bits.wrapping_sub(1 << 52) >= (2046 << 52) || !(y.abs() < 1e9) {
+    // Neither zero nor what is not normal, negative, infinite or no number; no comparison is true for NaN.
+    let is_usual = bits.wrapping_sub(1 << 52) < (2046 << 52) && y.abs() < 1e9;
+    if !is_usual {
         return libm::pow(x, y);
     }
     let e = ((bits.wrapping_sub(HALF_ROOT)) as i64) >> 52;
     let m = f64::from_bits(bits.wrapping_sub((e as u64) << 52));
     let (e, log) = (e as f64, log2(m));
     let z = y * (e + log);
-    if !(z.abs() < 1000.0) {
+    if z.abs() >= 1000.0 {
         return libm::pow(x, y);
     }
     let whole = z + WHOLE;

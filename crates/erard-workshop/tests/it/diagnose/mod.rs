@@ -123,7 +123,7 @@ fn sound_sample_of_all_tests() -> &'static [(u32, Instrument)] {
 #[test]
 #[ignore = "ci: a drawn grand"]
 fn undoing_what_is_named_cures() {
-    let [(_, healthy)] = &sound_sample_of_all_tests()[..] else { panic!("one grand") };
+    let [(_, healthy)] = sound_sample_of_all_tests() else { panic!("one grand") };
     let cause = causes().iter().find(|cause| cause.key == "let_off_wide").unwrap();
     let ill = plant(healthy, cause, -0.3e-3, false, &mut |_| true).unwrap();
     let found = diagnose(&Known::measured(&ill, &mut |_| true).unwrap(), KEY);
