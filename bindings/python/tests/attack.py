@@ -32,8 +32,9 @@ MOST_SAID = 20_000
 #: What may be raised: the package's own errors, and Python's where a call has arguments of the wrong kind or number,
 #: or something that the function needs is not installed.
 ALLOWED = (erard.InputError, erard.SimulationError, TypeError, ImportError)
-#: What is raised as well: of a text that has no UTF-8 form, and by `Drawing.save` where no file can be written.
-AS_WELL = {"": UnicodeEncodeError, "Drawing.save": OSError}
+#: What is raised as well: of a text that has no UTF-8 form, by `Drawing.save` where no file can be written, and where a
+#: run, which is a mapping, has no such column.
+AS_WELL = {"": UnicodeEncodeError, "Drawing.save": OSError, "Run.plot": KeyError}
 
 
 def _recording() -> dict[str, Any]:

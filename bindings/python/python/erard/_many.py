@@ -288,7 +288,9 @@ class Study(Table):
         """
         from ._plot import study_figure
 
-        if over is not None and over not in self.axes:
+        if not isinstance(column, str) or column not in self:
+            raise InputError(f"column: found {column!r}, expected one of {', '.join(self)}", key="column", found=repr(column))
+        if not (over is None or isinstance(over, str) and over in self.axes):
             raise InputError(f"over: found {over!r}, expected one of {', '.join(self.axes)}", key="over", found=str(over))
         return study_figure(self, column, over or max(self.axes, key=lambda name: len(self.axes[name])))
 

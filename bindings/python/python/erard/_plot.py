@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from ._common import unit_of
+from ._errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,6 +68,8 @@ def run_figure(run: DrawnRun, columns: Sequence[str], ax: Any) -> Figure:
         )
         panels = list(axes[:, 0])
     else:
+        if not hasattr(ax, "figure") or not hasattr(ax, "secondary_xaxis"):
+            raise InputError(f"ax: found {ax!r}, expected matplotlib's Axes", key="ax", found=repr(ax))
         figure, panels = ax.figure, [ax] * len(shown)
     ms = 1e3 * run["time_s"]
     for colour, (panel, name) in enumerate(zip(panels, shown, strict=True)):

@@ -1,9 +1,9 @@
 //! What a force is worth that comes out under a recorded motion.
 //!
-//! A prescribed motion is differentiated twice: noise of the position becomes force. How much is played: the same motion
-//! with noise of the recording's own size added to every sample, sent through the recording's own filter. With the
-//! noise that is already in the recording the force is as far from the true one, to first order. What the samples do not
-//! hold (motion faster than half their rate, what a filter takes away) is not in it.
+//! A prescribed motion is differentiated twice: noise of the position becomes force. How much is played: the same
+//! motion with noise of the recording's own size added to every sample, sent through the recording's own filter. With
+//! the noise that is already in the recording the force is as far from the true one, to first order. What the samples
+//! do not hold (motion faster than half their rate, what a filter takes away) is not in it.
 
 use erard::Progress;
 use erard::recording::{Butterworth, ChannelReport};
