@@ -57,6 +57,11 @@ impl KeyNotes {
         self.sounds
     }
 
+    /// Ends the note, if there is one, wherever the key is; returns whether there was one.
+    pub fn end(&mut self) -> bool {
+        core::mem::take(&mut self.sounds)
+    }
+
     /// Takes what a step ended with: the instant, s, the travel of the key's front, m, down positive, and the impact in
     /// the step, if there was one: its instant, s, and the hammer's speed, m/s. Instants ascend, an impact's with them.
     /// Gives what happened in the step, the earlier first.
@@ -97,7 +102,7 @@ impl KeyNotes {
     /// The note's end, if there is a note.
     fn ended(&mut self, time_s: f64) -> Option<Event> {
         let off = Event::Off { time_s, release_m_per_s: self.release_m_per_s };
-        core::mem::take(&mut self.sounds).then_some(off)
+        self.end().then_some(off)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The subcommands.
 
 mod bands;
+mod calibrate;
 mod check;
 mod check_recording;
 mod compare;
@@ -11,6 +12,7 @@ mod fmu;
 mod hand;
 mod keyboard;
 mod list;
+mod live;
 mod manual;
 mod measure;
 pub mod options;
@@ -34,6 +36,7 @@ use erard::files::steers;
 
 use crate::failure::Failure;
 use crate::inputs::clipped;
+use crate::live as wire;
 use crate::{answer, identity, output, progress, say, signals};
 
 /// Simulates the grand piano action: from a key press to the hammer's impact on the string.
@@ -69,6 +72,10 @@ enum Sub {
     Press(Box<press::Press>),
     /// Plays a MIDI file on the simulated keys of a keyboard, and says which notes are lost and why.
     Play(play::Play),
+    /// Plays a stream of sensed keys, and sends MIDI as the hammers meet the strings.
+    Live(live::Live),
+    /// Finds the stops of sensed keys: readings to millimetres, for `erard live`.
+    Calibrate(calibrate::Calibrate),
     /// Draws the action in one pose, as SVG and PNG.
     Draw(Box<draw::Draw>),
     /// Plays a stroke on many variants of an instrument: a parameter study.
@@ -121,6 +128,8 @@ impl Sub {
         match self {
             Sub::Press(press) => press.run(),
             Sub::Play(play) => play.run(),
+            Sub::Live(live) => live.run(),
+            Sub::Calibrate(calibrate) => calibrate.run(),
             Sub::Draw(draw) => draw.run(),
             Sub::Study(study) => study.run(),
             Sub::Measure(measure) => measure.run(),
@@ -173,7 +182,7 @@ pub fn run_program<P: FromArgMatches>(
     speech: impl Fn(&P) -> &Speech,
     work: impl FnOnce(&P) -> Result<(), Failure>,
 ) -> ExitCode {
-    signals::listen(&[progress::clear, output::clear_stages]);
+    signals::listen(&[progress::clear, wire::silence, output::clear_stages]);
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let program = match definition.clone().try_get_matches_from(&arguments).and_then(|matches| {
         identity::remember(&arguments, definition, &matches);

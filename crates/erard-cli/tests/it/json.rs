@@ -94,6 +94,14 @@ const CALLS: &[(&str, &[&[&str]])] = &[
         ],
     ),
     (
+        "live",
+        &[
+            &["live", "sensed.csv", "--out", "notes.mid", "--force"],
+            &["live", "sensed.csv", "--ahead", "--out", "bytes", "--force"],
+        ],
+    ),
+    ("calibrate", &[&["calibrate", "readings.csv", "--out", "profile.toml", "--force"]]),
+    (
         "play",
         &[
             &["play", "two.mid", "--keyboard", "concert-grand", "--slow-motion", "1"],
@@ -186,6 +194,8 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
         noisy.push_str(&format!("{:.1};{force};{:.4}\n", n as f64 * 0.2, 1.0 + 0.09 * push + 0.02 * noise(5)));
     }
     folder.file("noisy.csv", &noisy);
+    folder.file("sensed.csv", &crate::live::sensed("mm", 0.0, 9.9));
+    folder.file("readings.csv", &crate::live::sensed("raw", 3000.0, 1000.0));
     folder.file("weighed.csv", crate::weigh::FEW_KEYS);
     std::fs::write(folder.0.join("two.mid"), crate::play::two_notes()).unwrap();
     let mut without: Vec<&str> = Vec::new();

@@ -21,6 +21,7 @@ mod json;
 mod keyboard;
 mod levels;
 mod limits;
+mod live;
 mod measure;
 mod nothing_lost;
 mod play;

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates from bottom to top: one may depend on those before it.
-const FLOORS: [&str; 19] = [
+const FLOORS: [&str; 20] = [
     "moreau",
     "moreau-kernels",
     "moreau-linkage",
@@ -17,6 +17,7 @@ const FLOORS: [&str; 19] = [
     "erard-levers",
     "erard-workshop",
     "erard-piece",
+    "erard-live",
     "erard-timing",
     "erard-figures",
     "erard-cli",

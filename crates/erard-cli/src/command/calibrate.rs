@@ -1,0 +1,189 @@
+//! `erard calibrate`.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use erard_live::calibrate::{Found, Readings, stops};
+use erard_live::profile::Profile;
+use erard_live::sensor::Law;
+use erard_live::stream::{Head, Of, Quantity, Reader};
+use serde_json::json;
+
+use super::out::OwnFile;
+use crate::failure::Failure;
+use crate::inputs::{self, shown};
+use crate::output::Output;
+use crate::table::{Table, decimal};
+use crate::{answer, identity, say};
+
+/// What stands below the options.
+const AFTER: &str = include_str!("help/calibrate.txt");
+
+/// Finds the stops of sensed keys: readings to millimetres, for `erard live`.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER)]
+pub(crate) struct Calibrate {
+    /// Readings of every key: at rest, pressed and held, let go. A stream with the head `time_s,key,raw`
+    #[arg(value_name = "READINGS.csv")]
+    readings: PathBuf,
+    /// The sensors' law: linear, cny70, hall, or a file of one's own points (CSV with the head `raw,mm`)
+    #[arg(long, value_name = "LAW", default_value = "linear")]
+    law: String,
+    /// The sensed place's way between a key's two stops, mm
+    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = travel, allow_negative_numbers = true)]
+    travel: f64,
+    /// Hall sensors: distance to the magnet where it is smallest, mm [an estimate unless it is measured]
+    #[arg(long, value_name = "MM", default_value_t = 3.0, value_parser = nearest, allow_negative_numbers = true)]
+    nearest: f64,
+    /// Hall sensors: the magnet is nearest while the key is at rest
+    #[arg(long)]
+    nearest_at_rest: bool,
+    /// This device's polyphonic pressure is the key's depth
+    #[arg(long)]
+    pressure_is_depth: bool,
+    /// File of the profile [default: READINGS.toml in this folder]
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Replace FILE if it exists
+    #[arg(long)]
+    force: bool,
+}
+
+fn travel(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|mm: &f64| (0.5..=100.0).contains(mm));
+    found.ok_or_else(|| "expected 0.5 to 100 mm".to_owned())
+}
+
+fn nearest(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|mm: &f64| (0.1..=100.0).contains(mm));
+    found.ok_or_else(|| "expected 0.1 to 100 mm".to_owned())
+}
+
+impl Calibrate {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let law = self.law()?;
+        let asked = shown(&self.readings);
+        let OwnFile { folder, name } = OwnFile::of(self.out.as_deref(), &asked, ".toml", "profile's", self.force)?;
+        let found = stops(&self.read()?).map_err(|fault| Failure::Usage(format!("{asked}: {fault}")))?;
+        let profile = Profile {
+            law,
+            travel_m: 1e-3 * self.travel,
+            pressure_is_depth: self.pressure_is_depth,
+            keys: found.iter().map(|(key, one)| (*key, one.stops)).collect(),
+        };
+        let mut output = Output::files(&folder, self.force, &[&name])?;
+        output.text(&name, &profile.text())?;
+        let written = output.commit()?;
+        self.tell(&found)?;
+        say!("{written}");
+        Ok(())
+    }
+
+    /// The readings of all keys.
+    fn read(&self) -> Result<BTreeMap<usize, Readings>, Failure> {
+        let name = shown(&self.readings);
+        let wrong = |line: usize, what: String| Failure::Usage(format!("{name}, line {line}: {what}"));
+        let unread = |error: std::io::Error| Failure::Usage(format!("{name}: cannot be read: {error}"));
+        let file = inputs::open(&self.readings).map_err(unread)?;
+        let (mut reader, mut keys) = (None, BTreeMap::<usize, Readings>::new());
+        for (index, line) in BufReader::new(file).lines().enumerate() {
+            let line = line.map_err(unread)?;
+            let text = line.trim();
+            if text.is_empty() || text.starts_with('#') {
+                continue;
+            }
+            let Some(reader) = &mut reader else {
+                let head = Head::parse(text).map_err(|fault| wrong(index + 1, fault.to_string()))?;
+                if !matches!(head.quantity, Quantity::Raw | Quantity::Pressure) {
+                    return Err(wrong(index + 1, format!("found `{text}`; expected readings, `time_s,key,raw`")));
+                }
+                reader = Some(Reader::new(head));
+                continue;
+            };
+            let sample = reader.line(text).map_err(|fault| wrong(index + 1, fault.to_string()))?;
+            if let Some(sample) = sample
+                && let Of::Key(key) = sample.of
+            {
+                let all = &mut keys.entry(key).or_default().all;
+                if all.last().is_some_and(|[t, _]| *t >= sample.time_s) {
+                    return Err(wrong(index + 1, format!("key {key}: the time does not come after its last one")));
+                }
+                all.push([sample.time_s, sample.value]);
+            }
+        }
+        if keys.is_empty() {
+            return Err(Failure::Usage(format!("{name}: no readings; expected `time_s,key,raw` and lines of it")));
+        }
+        identity::used_without_file("readings", &name);
+        Ok(keys)
+    }
+
+    fn law(&self) -> Result<Law, Failure> {
+        Ok(match self.law.as_str() {
+            "linear" => Law::Linear {},
+            "cny70" => Law::Cny70 {},
+            "hall" => Law::Hall { nearest_mm: self.nearest, at_rest: self.nearest_at_rest },
+            file => own_table(Path::new(file))?,
+        })
+    }
+
+    fn tell(&self, found: &BTreeMap<usize, Found>) -> Result<(), Failure> {
+        let keys: Vec<_> = found
+            .iter()
+            .map(|(key, one)| {
+                json!({
+                    "key": key,
+                    "rest": one.stops.rest,
+                    "pressed": one.stops.pressed,
+                    "noise": one.noise,
+                    "drift": one.drift,
+                    "readings": one.count,
+                })
+            })
+            .collect();
+        answer::give(&json!({"law": self.law, "travel_mm": self.travel, "keys": keys}))?;
+        say!("{} - {} keys", shown(&self.readings), found.len());
+        say!();
+        let rows: Vec<Vec<String>> = found
+            .iter()
+            .map(|(key, one)| {
+                vec![
+                    key.to_string(),
+                    one.stops.rest.to_string(),
+                    one.stops.pressed.to_string(),
+                    decimal(Some(100.0 * one.noise), 2),
+                    decimal(Some(100.0 * one.drift), 2),
+                ]
+            })
+            .collect();
+        say!("{}", Table::of(["key", "rest", "pressed", "noise, %", "drift, %"], rows));
+        Ok(())
+    }
+}
+
+/// A law of one's own points: readings and millimetres, from the rest to the bottom.
+fn own_table(path: &Path) -> Result<Law, Failure> {
+    let (name, bytes) = inputs::bytes(path)
+        .map_err(|error| Failure::Usage(format!("--law: expected linear, cny70, hall or a file of points; {error}")))?;
+    let text = erard::instrument::utf8(&bytes, &name)?;
+    let wrong = |line: usize, what: &str| Failure::Usage(format!("{name}, line {line}: {what}"));
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if index == 0 && line != "raw,mm" {
+            return Err(wrong(1, "expected the head `raw,mm`"));
+        }
+        if index == 0 || line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let numbers: Vec<f64> = line.split(',').filter_map(|text| text.trim().parse().ok()).collect();
+        let [raw, mm] = numbers[..] else { return Err(wrong(index + 1, "expected two numbers")) };
+        points.push([raw, mm]);
+    }
+    let law = Law::of_points(&points).map_err(|fault| Failure::Usage(format!("{name}: {fault}")))?;
+    identity::used("law", &name, Some(&name), &bytes);
+    Ok(law)
+}

@@ -1,0 +1,395 @@
+//! `erard live`.
+
+use std::fs::OpenOptions;
+use std::io::{self, IsTerminal, Read};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::Duration;
+
+use clap::Args;
+use erard_live::profile::Profile;
+use erard_live::stream::{Head, Quantity, Reader};
+use erard_live::{Event, Live as Keys, LiveError, Options, SensorKind};
+use erard_workshop::cores;
+
+use super::options::load_keyboard;
+use crate::failure::Failure;
+use crate::inputs::{self, shown};
+use crate::live::feed::{Line, lines};
+use crate::live::latency::{Clock, Latency};
+use crate::live::report::Told;
+use crate::live::{Bits, Wire};
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::{answer, identity, say, tell};
+
+/// What stands below the options.
+const AFTER: &str = include_str!("help/live.txt");
+
+/// What the sensors sit on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Sensor {
+    /// The keys of a real action: their motion is prescribed
+    Action,
+    /// Switches or controllers: a hand of 200 g with at most 60 N follows their depth
+    Light,
+}
+
+/// Plays a stream of sensed keys, and sends MIDI as the hammers meet the strings.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER)]
+pub(crate) struct Live {
+    /// The stream: a file or pipe, `-` for standard input
+    #[arg(value_name = "STREAM", default_value = "-")]
+    stream: PathBuf,
+    /// Keyboard: a TOML file, or the name of a built-in one
+    #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand")]
+    keyboard: String,
+    /// What the sensors sit on
+    #[arg(long, value_enum, default_value = "action")]
+    sensor: Sensor,
+    /// Distance of the sensed place from the balance pin, mm, in front of it or behind [default: the key's front]
+    #[arg(long, value_name = "MM", value_parser = distance, allow_negative_numbers = true)]
+    sensor_at: Option<f64>,
+    /// The device's whole travel, mm, spread over the key's dip; with `--sensor light` and a stream in mm
+    #[arg(long, value_name = "MM", value_parser = distance, allow_negative_numbers = true)]
+    travel: Option<f64>,
+    /// Profile of the sensors, as `erard calibrate` writes it; for a stream of raw readings or pressures
+    #[arg(long, value_name = "FILE")]
+    calibration: Option<PathBuf>,
+    /// Send notes before the impact, as early as 0.2 ms and 1 % of its speed allow
+    #[arg(long)]
+    ahead: bool,
+    /// Bits of a velocity
+    #[arg(long, value_enum, default_value = "7")]
+    bits: Bits,
+    /// Channel, 1 to 16
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=16), allow_negative_numbers = true)]
+    channel: u8,
+    /// Where the bytes go: a pipe, a device, or a file; one that ends in .mid becomes a Standard MIDI File [default:
+    /// `-`, standard output]
+    #[arg(id = "bytes", long = "out", short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// A MIDI port of the system, by a part of its name, in place of --out
+    #[arg(long, value_name = "NAME")]
+    port: Option<String>,
+    /// When nothing has come from a pipe for so long, s, all keys are let go
+    #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = seconds, allow_negative_numbers = true)]
+    stall: f64,
+    /// Replace FILE if it exists
+    #[arg(long)]
+    force: bool,
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|mm: &f64| (0.5..=500.0).contains(&mm.abs()));
+    found.ok_or_else(|| "expected 0.5 to 500 mm".to_owned())
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|s: &f64| (0.05..=3600.0).contains(s));
+    found.ok_or_else(|| "expected seconds from 0.05 to 3600".to_owned())
+}
+
+/// What came of lines so far.
+#[derive(Default)]
+struct Heard {
+    line: u64,
+    malformed: u64,
+    first: Option<(u64, String)>,
+    late_s: Vec<f64>,
+}
+
+impl Live {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let profile = self.calibration.as_deref().map(load_profile).transpose()?;
+        let keyboard = load_keyboard(&self.keyboard)?;
+        let instruments = keyboard.instruments()?;
+        let (input, is_file) = self.input()?;
+        let feed = lines(input);
+        let mut heard = Heard::default();
+        let mut reader = self.head(&feed, &mut heard)?;
+        let options = self.options(reader.quantity(), profile.as_ref())?;
+        let mut wire = self.wire()?;
+        let mut progress = Progress::new("preparing keys");
+        let made = Keys::new(&instruments, profile.as_ref(), options, &mut |share| progress.tell(share));
+        drop(progress);
+        let mut keys = made.map_err(|error| failed(&keyboard.name, error))?;
+        if !is_file && !say::is_quiet() {
+            tell!("ready: {} keys of {}", instruments.len(), keyboard.name);
+        }
+        self.play(&mut keys, &feed, &mut reader, &mut wire, &mut heard, is_file)?;
+        let report = keys.report();
+        if let (0, Some((line, what))) = (report.samples, &heard.first) {
+            return Err(Failure::Usage(format!("{}, line {line}: {what}; no line is a sample", self.name())));
+        }
+        let report = erard_live::Report { longest_on_a_cable_s: wire.longest_on_a_cable_s(), ..report };
+        let told = Told {
+            stream: self.name(),
+            keyboard: keyboard.name.clone(),
+            report,
+            malformed: heard.malformed,
+            first_malformed: heard.first,
+            latency: (!is_file).then(|| Latency::of(heard.late_s)),
+        };
+        self.finish(&mut wire, &told)
+    }
+
+    fn out(&self) -> &Path {
+        self.out.as_deref().unwrap_or(Path::new("-"))
+    }
+
+    fn is_stdout(&self) -> bool {
+        self.out() == Path::new("-")
+    }
+
+    fn name(&self) -> String {
+        if self.stream == Path::new("-") { "standard input".into() } else { shown(&self.stream) }
+    }
+
+    /// The stream, and whether it is a file, whose lines come as fast as they are read.
+    fn input(&self) -> Result<(Box<dyn Read + Send>, bool), Failure> {
+        if self.stream == Path::new("-") {
+            return Ok((Box::new(io::stdin()), false));
+        }
+        let unread = |error| Failure::Usage(format!("{}: cannot be read: {error}", self.name()));
+        let file = inputs::open(&self.stream).map_err(unread)?;
+        let kind = file.metadata().map_err(unread)?;
+        if kind.is_dir() {
+            return Err(Failure::Usage(format!("{}: is a folder; expected a file or a pipe", self.name())));
+        }
+        Ok((Box::new(file), kind.is_file()))
+    }
+
+    /// The stream's head.
+    fn head(&self, feed: &Receiver<io::Result<Line>>, heard: &mut Heard) -> Result<Reader, Failure> {
+        let wrong = |what: String| Failure::Usage(format!("{}: {what}", self.name()));
+        while let Ok(line) = feed.recv() {
+            let line = line.map_err(|error| wrong(format!("cannot be read: {error}")))?;
+            heard.line += 1;
+            let text = line.text.trim();
+            if !text.is_empty() && !text.starts_with('#') {
+                let head = Head::parse(text).map_err(|fault| wrong(fault.to_string()))?;
+                return Ok(Reader::new(head));
+            }
+        }
+        Err(wrong("it is empty; expected a head such as `time_s,key,mm`, then a line for each sample".into()))
+    }
+
+    fn options(&self, quantity: Quantity, profile: Option<&Profile>) -> Result<Options, Failure> {
+        let wrong = |what: &str| Err(Failure::Usage(format!("{}: {what}", self.name())));
+        match (quantity, profile) {
+            (Quantity::Raw | Quantity::Pressure, None) => {
+                return wrong(
+                    "raw readings and pressures need --calibration FILE; `erard calibrate` makes one of readings",
+                );
+            }
+            (Quantity::Pressure, Some(profile)) if !profile.pressure_is_depth => {
+                return wrong(
+                    "polyphonic pressure is a force on most devices, and no depth. If it is the key's depth on this \
+                     one, say so in the calibration: polyphonic_pressure_is_depth = true",
+                );
+            }
+            (Quantity::Millimetres | Quantity::Newtons, Some(_)) => {
+                return wrong("--calibration converts raw readings; this stream has millimetres or newtons");
+            }
+            _ => {}
+        }
+        let travels = self.sensor == Sensor::Light && quantity == Quantity::Millimetres;
+        if self.travel.is_some() && !travels {
+            return wrong("--travel goes with --sensor light and a stream of mm");
+        }
+        if self.sensor_at.is_some() && (quantity == Quantity::Newtons || self.sensor == Sensor::Light) {
+            return wrong("--sensor-at goes with --sensor action; forces act at the key's front");
+        }
+        let sensor = match (quantity, self.sensor) {
+            (Quantity::Newtons, _) => SensorKind::Force,
+            (_, Sensor::Action) => SensorKind::Action,
+            (_, Sensor::Light) => SensorKind::Light,
+        };
+        let metres = |mm: Option<f64>| mm.map(|mm| 1e-3 * mm.abs());
+        Ok(Options {
+            sensor,
+            quantity,
+            sensor_at_m: metres(self.sensor_at),
+            travel_m: metres(self.travel),
+            ahead: self.ahead,
+            threads: cores::count(),
+        })
+    }
+
+    /// Until the stream ends.
+    fn play(
+        &self,
+        keys: &mut Keys,
+        feed: &Receiver<io::Result<Line>>,
+        reader: &mut Reader,
+        wire: &mut Wire,
+        heard: &mut Heard,
+        is_file: bool,
+    ) -> Result<(), Failure> {
+        let (mut clock, mut failure, mut waits) = (Clock::new(), None, false);
+        let mut progress = Progress::counting("playing");
+        loop {
+            let line = match feed.recv_timeout(Duration::from_secs_f64(self.stall)) {
+                Ok(line) => line,
+                Err(RecvTimeoutError::Disconnected) => break,
+                Err(RecvTimeoutError::Timeout) if waits || is_file || keys.are_up() => continue,
+                Err(RecvTimeoutError::Timeout) => {
+                    waits = true;
+                    let begins_s = keys.begins_s();
+                    keys.stalled(&mut |event| failure = failure.take().or(wire.send(&event, begins_s).err()));
+                    continue;
+                }
+            };
+            let line = line.map_err(|error| Failure::Usage(format!("{}: cannot be read: {error}", self.name())))?;
+            waits = false;
+            heard.line += 1;
+            match reader.line(&line.text) {
+                Ok(None) => {}
+                Ok(Some(sample)) => {
+                    clock.came(sample.time_s, line.came);
+                    let begins_s = keys.begins_s();
+                    keys.take(&sample, &mut |event| {
+                        failure = failure.take().or(wire.send(&event, begins_s).err());
+                        if let Event::On { time_s, known_s, .. } = event
+                            && !is_file
+                            && known_s >= time_s
+                        {
+                            heard.late_s.push(clock.since_s(time_s));
+                        }
+                    });
+                }
+                Err(fault) => {
+                    heard.malformed += 1;
+                    heard.first.get_or_insert_with(|| (heard.line, fault.to_string()));
+                }
+            }
+            if let Some(source) = failure.take() {
+                return Err(Failure::write(self.out(), source));
+            }
+            if heard.line.is_multiple_of(4096) {
+                progress.counted(|| format!("playing, {} lines", heard.line));
+            }
+        }
+        let begins_s = keys.begins_s();
+        keys.let_go(&mut |event| failure = failure.take().or(wire.send(&event, begins_s).err()));
+        failure.map_or(Ok(()), |source| Err(Failure::write(self.out(), source)))
+    }
+
+    /// Where bytes go.
+    fn wire(&self) -> Result<Wire, Failure> {
+        if let Some(name) = &self.port {
+            return self.port(name);
+        }
+        if self.is_stdout() {
+            if say::wants_json() {
+                return Err(Failure::Usage("--json answers on standard output; name a file with --out".into()));
+            }
+            if io::stdout().is_terminal() {
+                let what = "the bytes of MIDI would go to this terminal; name a file with --out, or a pipe";
+                return Err(Failure::Usage(what.into()));
+            }
+            return Ok(Wire::bytes(Box::new(io::stdout()), self.bits, self.channel - 1));
+        }
+        if self.is_midi_file() {
+            if self.bits == Bits::Sixteen {
+                return Err(Failure::Usage("--bits 16: a Standard MIDI File holds 7 or 14 bits".into()));
+            }
+            self.staged()?;
+            return Ok(Wire::piece());
+        }
+        let refused = |source| Failure::write(self.out(), source);
+        if self.out().exists() && !self.is_kept() {
+            let device = OpenOptions::new().write(true).open(self.out()).map_err(refused)?;
+            return Ok(Wire::bytes(Box::new(device), self.bits, self.channel - 1));
+        }
+        if inputs::is_one(self.out()) {
+            return Err(Failure::Usage(format!("{}: is the stream; name another file", shown(self.out()))));
+        }
+        self.staged()?;
+        Ok(Wire::kept(self.bits, self.channel - 1))
+    }
+
+    #[cfg(feature = "ports")]
+    fn port(&self, name: &str) -> Result<Wire, Failure> {
+        use erard_midi::ports::Output as Port;
+        /// A port takes a message at a time.
+        struct Sink(Port);
+        impl io::Write for Sink {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                self.0.send(bytes).map_err(io::Error::other)?;
+                Ok(bytes.len())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        if self.bits == Bits::Sixteen {
+            return Err(Failure::Usage("--bits 16: ports take MIDI 1.0, 7 or 14 bits".into()));
+        }
+        let port = Port::open(name).map_err(|error| Failure::Usage(format!("--port {name}: {error}")))?;
+        Ok(Wire::bytes(Box::new(Sink(port)), self.bits, self.channel - 1))
+    }
+
+    #[cfg(not(feature = "ports"))]
+    fn port(&self, name: &str) -> Result<Wire, Failure> {
+        Err(Failure::Usage(format!(
+            "--port {name}: this program was built without MIDI ports. Build it with `cargo build --release -p erard-cli \
+             --features ports` (on Linux that needs ALSA's headers, Debian: libasound2-dev), or let --out name a pipe or \
+             a device such as /dev/snd/midiC1D0"
+        )))
+    }
+
+    fn is_midi_file(&self) -> bool {
+        self.out().extension().is_some_and(|end| end.eq_ignore_ascii_case("mid"))
+    }
+
+    /// Whether it is a file that is kept, and no pipe or device.
+    fn is_kept(&self) -> bool {
+        self.out().metadata().is_ok_and(|found| found.is_file() || found.is_dir())
+    }
+
+    /// The file that appears when all is done.
+    fn staged(&self) -> Result<(Output, String), Failure> {
+        let folder = self.out().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let name = self.out().file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok((Output::files(folder, self.force, &[&name])?, name))
+    }
+
+    fn finish(&self, wire: &mut Wire, told: &Told) -> Result<(), Failure> {
+        if let Some(bytes) = wire.file(self.bits).map_err(Failure::Internal)? {
+            let (mut output, name) = self.staged()?;
+            output.stage(&name, |writer| writer.write_all(&bytes))?;
+            output.commit()?;
+        }
+        if let Some(warning) = told.warning() {
+            tell!("{warning}");
+        }
+        answer::give(&told.json()?)?;
+        if self.is_stdout() && self.port.is_none() {
+            if !say::is_quiet() {
+                told.text().into_iter().for_each(|line| tell!("{line}"));
+            }
+        } else {
+            told.text().into_iter().for_each(|line| say!("{line}"));
+        }
+        Ok(())
+    }
+}
+
+fn load_profile(path: &Path) -> Result<Profile, Failure> {
+    let (name, bytes) = inputs::bytes(path)?;
+    let text = erard::instrument::utf8(&bytes, &name)?;
+    let profile = Profile::parse(text).map_err(|fault| Failure::Usage(format!("{name}: {fault}")))?;
+    identity::used("calibration", &name, Some(&name), &bytes);
+    Ok(profile)
+}
+
+fn failed(keyboard: &str, error: LiveError) -> Failure {
+    match error {
+        LiveError::Work(error) => error.into(),
+        other => Failure::Usage(format!("{keyboard}: {other}")),
+    }
+}

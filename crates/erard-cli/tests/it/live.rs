@@ -1,0 +1,153 @@
+//! `erard live` and `erard calibrate`, as a user has them.
+
+use std::io::Write;
+use std::process::{Output, Stdio};
+
+use erard_midi::file::read;
+use serde_json::Value;
+
+use crate::common::Folder;
+
+/// Two presses of key 40 and one of key 52, a pedal, 1 kHz; the sensed value runs from `up` to `down`.
+pub fn sensed(quantity: &str, up: f64, down: f64) -> String {
+    let mut text = format!("time_us,key,{quantity}\n");
+    let rise = |t: f64, from: f64, lasts: f64| {
+        let s = ((t - from) / lasts).clamp(0.0, 1.0);
+        s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s)
+    };
+    for ms in 0..1800_u32 {
+        let t = 1e-3 * f64::from(ms);
+        let mut line = |key: usize, share: f64| {
+            text.push_str(&format!("{},{key},{:.3}\n", 1000 * ms, up + share * (down - up)));
+        };
+        line(40, rise(t, 0.6, 0.08) - rise(t, 0.9, 0.06) + rise(t, 1.1, 0.06) - rise(t, 1.4, 0.06));
+        line(52, rise(t, 0.7, 0.05) - rise(t, 1.3, 0.06));
+        if ms == 800 {
+            text.push_str("800000,sustain,0.5\n");
+        }
+    }
+    text
+}
+
+/// The command with a text on standard input.
+fn piped(folder: &Folder, arguments: &[&str], text: &str) -> Output {
+    let mut command = folder.command(arguments);
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    let text = text.to_owned();
+    let writer = std::thread::spawn(move || drop(stdin.write_all(text.as_bytes())));
+    let output = child.wait_with_output().unwrap();
+    writer.join().unwrap();
+    output
+}
+
+/// A file becomes a MIDI file; a pipe the same notes as bytes; readings with the profile that `calibrate` finds in them
+/// the same again.
+#[test]
+fn sensed_keys_become_notes() {
+    let folder = Folder::new("live-notes");
+    let stream = sensed("mm", 0.0, 9.9);
+    folder.file("stream.csv", &stream);
+    let said = folder.good(&["live", "stream.csv", "--out", "take.mid"]);
+    assert!(said.contains("3 note-ons, 3 note-offs"), "{said}");
+    let piece = read(&std::fs::read(folder.0.join("take.mid")).unwrap()).unwrap();
+    let keys: Vec<usize> = piece.notes.iter().map(|note| note.key).collect();
+    assert_eq!((keys, piece.pedals.len()), (vec![40, 52, 40], 2), "{piece:?}");
+    let velocities: Vec<u8> = piece.notes.iter().map(|note| note.velocity.seven_bits()).collect();
+    assert!(velocities[0] < velocities[2] && velocities[2] < velocities[1], "{velocities:?}");
+
+    let output = piped(&folder, &["live"], &stream);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.contains("handed over after the impact"), "{said}");
+    let ons: Vec<&[u8]> = output.stdout.chunks(3).filter(|bytes| bytes[0] == 0x90).collect();
+    let expected: Vec<[u8; 3]> = keys_and(&piece.notes.iter().map(|note| note.key).collect::<Vec<_>>(), &velocities);
+    assert_eq!(ons, expected.iter().map(|bytes| &bytes[..]).collect::<Vec<_>>());
+
+    folder.file("readings.csv", &sensed("raw", 3000.0, 1000.0));
+    let said = folder.good(&["calibrate", "readings.csv", "--travel", "9.9", "--out", "profile.toml"]);
+    assert!(said.contains("2 keys") && folder.read("profile.toml").contains("rest = 3000"), "{said}");
+    let said = folder.good(&["live", "readings.csv", "--calibration", "profile.toml", "--out", "bytes"]);
+    assert!(said.contains("3 note-ons, 3 note-offs"), "{said}");
+    assert_eq!(std::fs::read(folder.0.join("bytes")).unwrap(), output.stdout);
+}
+
+fn keys_and(keys: &[usize], velocities: &[u8]) -> Vec<[u8; 3]> {
+    keys.iter().zip(velocities).map(|(key, velocity)| [0x90, *key as u8 + 20, *velocity]).collect()
+}
+
+/// Packets of MIDI 2.0; lines that are none are counted; a coarse, slow sensor is warned of.
+#[test]
+fn faults_are_told() {
+    let folder = Folder::new("live-faults");
+    let coarse: String = sensed("mm", 0.0, 9.9)
+        .lines()
+        .enumerate()
+        .filter(|(n, line)| *n == 0 || (n / 2) % 4 == 0 || line.contains("sustain"))
+        .map(|(n, line)| match line.rsplit_once(',') {
+            Some((head, value)) if n > 0 && !line.contains("sustain") => {
+                format!("{head},{}\n", (value.parse::<f64>().unwrap() / 0.08).round() * 0.08)
+            }
+            _ => format!("{line}\n"),
+        })
+        .chain(["\u{1}garbage\n".to_owned(), "1,2,3,4\n".to_owned(), "1900000,89,1\n".to_owned()])
+        .collect();
+    let output = piped(&folder, &["live", "--bits", "16"], &coarse);
+    let said = Folder::words(&String::from_utf8(output.stderr).unwrap());
+    assert!(output.status.success() && said.contains("3 lines left out; the first, line"), "{said}");
+    assert!(said.contains("warning: the sensor has") && said.contains("expected error of speed"), "{said}");
+    let packets: Vec<u8> = output.stdout.chunks(8).map(|packet| packet[1] >> 4).collect();
+    assert_eq!(packets.iter().filter(|opcode| **opcode == 9).count(), 3, "{packets:?}");
+}
+
+/// Streams, profiles and options that cannot be end in one error, and nothing is written.
+#[test]
+fn what_cannot_be_played_is_refused() {
+    let folder = Folder::new("live-bad");
+    let files = [
+        ("empty.csv", ""),
+        ("headless.csv", "0.1,40,2\n"),
+        ("nothing.csv", "time_s,key,mm\na,b,c\n"),
+        ("raw.csv", "time_s,key,raw\n0,40,1\n"),
+        ("mm.csv", "time_s,key,mm\n0,40,1\n"),
+        ("pressure.csv", "time_s,key,pressure\n0,40,1\n"),
+        ("stuck.csv", "time_s,key,raw\n0,40,1\n"),
+        (
+            "profile.toml",
+            "format = \"erard-sensors/1\"\ntravel_mm = 10\n[law]\nkind = \"linear\"\n[[key]]\nnumber = 40\nrest = 0\npressed = 127\n",
+        ),
+        ("wrong.toml", "format = \"erard-sensors/1\"\ntravel_mm = 10\n[law]\nkind = \"linar\"\n"),
+    ];
+    files.iter().for_each(|(name, text)| folder.file(name, text));
+    let stuck: String = (0..500).map(|n| format!("{},40,7\n", 1e-3 * f64::from(n))).collect();
+    folder.file("stuck.csv", &format!("time_s,key,raw\n{stuck}"));
+    for (arguments, part) in [
+        (&["live", "nowhere.csv", "--out", "o.mid"][..], "nowhere.csv: cannot be read"),
+        (&["live", "empty.csv", "--out", "o.mid"], "it is empty"),
+        (&["live", "headless.csv", "--out", "o.mid"], "expected a head"),
+        (&["live", "nothing.csv", "--out", "o.mid"], "line 2: time is `a`"),
+        (&["live", "raw.csv", "--out", "o.mid"], "--calibration"),
+        (&["live", "mm.csv", "--calibration", "profile.toml", "--out", "o.mid"], "--calibration converts"),
+        (&["live", "pressure.csv", "--calibration", "profile.toml", "--out", "o.mid"], "polyphonic pressure"),
+        (&["live", "raw.csv", "--calibration", "wrong.toml", "--out", "o.mid"], "wrong.toml: line"),
+        (&["live", "mm.csv", "--bits", "16", "--out", "o.mid"], "Standard MIDI File"),
+        (&["live", "mm.csv", "--travel", "4", "--out", "o.mid"], "--travel goes with"),
+        (&["live", "mm.csv", "--out", "mm.csv"], "is the stream"),
+        (&["live", "mm.csv", "--out", "raw.csv"], "raw.csv"),
+        (&["live", "mm.csv", "--channel", "17", "--out", "o.mid"], "17"),
+        (&["calibrate", "mm.csv"], "expected readings"),
+        (&["calibrate", "stuck.csv"], "is the sensor stuck?"),
+        (&["calibrate", "raw.csv"], "1 readings"),
+        (&["calibrate", "raw.csv", "--law", "nolaw"], "nolaw"),
+    ] {
+        let said = Folder::words(&folder.bad(arguments));
+        assert!(said.contains(part), "{arguments:?}: {said}");
+    }
+    if cfg!(not(feature = "ports")) {
+        let said = Folder::words(&folder.bad(&["live", "mm.csv", "--port", "synth"]));
+        assert!(said.contains("--features ports") && said.contains("/dev/snd/midiC1D0"), "{said}");
+    }
+    // With --json the answer is on standard output: the bytes cannot be.
+    let output = folder.erard(&["live", "mm.csv", "--json"]);
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(answer["error"]["message"].as_str().unwrap().contains("--out"), "{answer}");
+}

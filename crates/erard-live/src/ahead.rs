@@ -1,0 +1,53 @@
+//! The impact before it comes: a copy of the key's state, stepped ahead.
+
+use erard::{Action, Input};
+
+/// What has not come so long after its instant was false, s.
+const FALSE_AFTER_S: f64 = 5e-3;
+
+/// What is foreseen of an impact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Foreseen {
+    /// How long from now, s.
+    pub in_s: f64,
+    /// The hammer's speed, m/s.
+    pub hammer_m_per_s: f64,
+}
+
+/// An impact that was announced.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Announced {
+    /// When it is to come, s, and how fast, m/s.
+    pub hit: [f64; 2],
+    /// When that was known, s.
+    pub known_s: f64,
+}
+
+impl Announced {
+    /// Whether it has not come and does not come any more.
+    #[must_use]
+    pub fn is_false(&self, now_s: f64) -> bool {
+        now_s > self.hit[0] + FALSE_AFTER_S
+    }
+}
+
+/// Steps the action ahead, for so long at most, s, under inputs by their number from 1; then it is where it was, to the
+/// bit. `None`: no impact is foreseen.
+pub(crate) fn look(action: &mut Action, most_s: f64, input: &mut dyn FnMut(u32, &Action) -> Input) -> Option<Foreseen> {
+    let (state, now_s, h) = (action.mechanism_state(), action.time_s(), action.settings().step);
+    let mut found = None;
+    for n in 1..=(most_s / h) as u32 {
+        let input = input(n, action);
+        let reading = action.step(input);
+        if let Some(impact) = reading.impact {
+            found = Some(Foreseen { in_s: impact.time_s - now_s, hammer_m_per_s: impact.hammer_speed_m_per_s });
+            break;
+        }
+        if reading.hammer_m_per_s <= 0.0 {
+            break;
+        }
+    }
+    // A state of this very action; its strings are rigid.
+    let _ = action.restore_from(&state, &|_, _| 0);
+    found
+}

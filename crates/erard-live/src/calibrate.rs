@@ -1,0 +1,156 @@
+//! The two stops of each key, found in readings of a device that is played for this.
+//!
+//! Every key is left at rest for half a second, pressed to its bottom and held there, and let go, as often as one
+//! likes. A key stands still at its stops only: readings that stay the same for 50 ms gather there. The one at which it
+//! stands first is its rest, the farthest one from there its bottom. The stops are the medians of these.
+
+use std::collections::BTreeMap;
+
+use crate::profile::Stops;
+
+/// A key that keeps within [`STILL`] of its range for so long stands still, s.
+const STANDS_S: f64 = 0.05;
+/// A share of the range.
+const STILL: f64 = 0.01;
+/// Readings of standing still so near to a stop belong to it, a share of the range.
+const BESIDE: f64 = 0.02;
+/// The range must be so many times the largest noise at the rest.
+const CLEAR: f64 = 8.0;
+
+/// Readings of one key.
+#[derive(Debug, Clone, Default)]
+pub struct Readings {
+    /// When, s, and what.
+    pub all: Vec<[f64; 2]>,
+}
+
+/// Why a key's stops are not found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StopsFault {
+    /// Too little came of it.
+    #[error("key {key}: {found} readings; expected the key at rest for half a second, pressed and held, and let go")]
+    Few {
+        /// From 1.
+        key: usize,
+        /// How many.
+        found: usize,
+    },
+    /// It never changes.
+    #[error("key {key}: the reading is {found} all the time; is the sensor stuck?")]
+    Stuck {
+        /// From 1.
+        key: usize,
+        /// It.
+        found: f64,
+    },
+    /// It does not stand out of the noise.
+    #[error("key {key}: readings go from {low} to {high} with a noise of {noise}; expected a range 8 times as wide")]
+    Noise {
+        /// From 1.
+        key: usize,
+        /// The lowest.
+        low: f64,
+        /// The highest.
+        high: f64,
+        /// Largest change between neighbours at rest.
+        noise: f64,
+    },
+    /// It stands still nowhere but at rest.
+    #[error("key {key}: it is nowhere held for 50 ms; press it to the bottom and hold it there")]
+    NotHeld {
+        /// From 1.
+        key: usize,
+    },
+}
+
+/// What was found of a key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// Readings at its stops.
+    pub stops: Stops,
+    /// Standard deviation of readings at rest, a share of the range.
+    pub noise: f64,
+    /// By how much readings at rest differ from the recording's first to its last, a share of the range.
+    pub drift: f64,
+    /// Readings.
+    pub count: usize,
+}
+
+/// Finds the stops of all keys.
+///
+/// # Errors
+/// [`StopsFault`] of the first key that cannot be calibrated.
+pub fn stops(readings: &BTreeMap<usize, Readings>) -> Result<BTreeMap<usize, Found>, StopsFault> {
+    readings.iter().map(|(key, one)| Ok((*key, of_key(*key, &one.all)?))).collect()
+}
+
+fn of_key(key: usize, all: &[[f64; 2]]) -> Result<Found, StopsFault> {
+    let few = StopsFault::Few { key, found: all.len() };
+    let ([first_s, _], [last_s, _]) = match (all.first(), all.last()) {
+        (Some(first), Some(last)) => (*first, *last),
+        _ => return Err(few),
+    };
+    if all.len() < 20 || last_s - first_s < 3.0 * STANDS_S {
+        return Err(few);
+    }
+    let low = all.iter().map(|[_, x]| *x).fold(f64::INFINITY, f64::min);
+    let high = all.iter().map(|[_, x]| *x).fold(f64::NEG_INFINITY, f64::max);
+    let range = high - low;
+    if range == 0.0 {
+        return Err(StopsFault::Stuck { key, found: low });
+    }
+    let at_first: Vec<f64> = all.iter().take_while(|[t, _]| t - first_s < STANDS_S).map(|[_, x]| *x).collect();
+    let noise = at_first.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    if range < CLEAR * noise {
+        return Err(StopsFault::Noise { key, low, high, noise });
+    }
+    let still = standing(all, STILL * range + noise);
+    let Some(first) = still.first() else { return Err(StopsFault::NotHeld { key }) };
+    let rest_0 = first.mean;
+    let farthest = |a: &&Still, b: &&Still| (a.mean - rest_0).abs().total_cmp(&(b.mean - rest_0).abs());
+    let bottom_0 = still.iter().max_by(farthest).map_or(rest_0, |one| one.mean);
+    if (bottom_0 - rest_0).abs() < 0.5 * range {
+        return Err(StopsFault::NotHeld { key });
+    }
+    let around = |at: f64| {
+        let own: Vec<&Still> = still.iter().filter(|one| (one.mean - at).abs() < BESIDE * range).collect();
+        let mut means: Vec<f64> = own.iter().map(|one| one.mean).collect();
+        means.sort_by(f64::total_cmp);
+        let square = own.iter().map(|one| one.square).sum::<f64>() / own.len() as f64;
+        let ends = [own.first(), own.last()].map(|one| one.map_or(0.0, |one| one.mean));
+        (means[means.len() / 2], square, ends)
+    };
+    let ((rest, square, [early, late]), (pressed, ..)) = (around(rest_0), around(bottom_0));
+    let span = (pressed - rest).abs();
+    let (noise, drift) = (square.sqrt() / span, (late - early) / span);
+    Ok(Found { stops: Stops { rest, pressed }, noise, drift, count: all.len() })
+}
+
+/// A time in which a key stands still: mean and mean square deviation of its readings.
+struct Still {
+    mean: f64,
+    square: f64,
+}
+
+/// Times of [`STANDS_S`] in which readings keep within a width.
+fn standing(all: &[[f64; 2]], width: f64) -> Vec<Still> {
+    let (mut found, mut from) = (Vec::new(), 0);
+    while from < all.len() {
+        let (mut low, mut high, mut to) = (all[from][1], all[from][1], from);
+        while to < all.len() && all[to][0] - all[from][0] < STANDS_S {
+            (low, high) = (low.min(all[to][1]), high.max(all[to][1]));
+            to += 1;
+        }
+        let is_whole = to < all.len() || all[to - 1][0] - all[from][0] > 0.8 * STANDS_S;
+        if is_whole && high - low <= width && to > from + 1 {
+            let count = (to - from) as f64;
+            let mean = all[from..to].iter().map(|[_, x]| x).sum::<f64>() / count;
+            let square = all[from..to].iter().map(|[_, x]| (x - mean) * (x - mean)).sum::<f64>() / count;
+            found.push(Still { mean, square });
+            from = to;
+        } else {
+            from += 1;
+        }
+    }
+    found
+}

@@ -1,0 +1,48 @@
+//! Why keys cannot be played.
+
+use erard::damper::DamperError;
+use erard::player::ActionError;
+use erard::run::SimulationError;
+use erard_workshop::cores::Ending;
+
+/// Why keys cannot be played from a stream.
+#[derive(Debug, thiserror::Error)]
+pub enum LiveError {
+    /// Interrupted, or a fault of a core's work.
+    #[error(transparent)]
+    Work(#[from] SimulationError),
+    /// A key cannot be assembled.
+    #[error("key {key}: {error}")]
+    Action {
+        /// The key, from 1.
+        key: usize,
+        /// Why.
+        error: ActionError,
+    },
+    /// Where a key sets its damper down cannot be found.
+    #[error("key {key}: {error}")]
+    Damper {
+        /// The key, from 1.
+        key: usize,
+        /// Why.
+        error: DamperError,
+    },
+    /// A key's hammer reaches no string however it is pressed.
+    #[error("key {key}: no press throws the hammer to a string; expected an action with key, hammer and string")]
+    Silent {
+        /// The key, from 1.
+        key: usize,
+    },
+    /// The keyboard does not have the keys of a piano.
+    #[error("{found} keys; expected 1 to 88")]
+    Count {
+        /// How many there are.
+        found: usize,
+    },
+}
+
+impl Ending for LiveError {
+    fn is_interruption(&self) -> bool {
+        matches!(self, LiveError::Work(error) if error.is_interruption())
+    }
+}

@@ -1,0 +1,313 @@
+//! The keys of a piano, played by a stream.
+
+use erard::Progress;
+use erard::damper::damper_height_m;
+use erard::instrument::Instrument;
+use erard::keyboard::KEYS;
+use erard_midi::{Law, ReleaseLaw, Velocity, message};
+use erard_workshop::cores;
+
+use crate::drive::SensorKind;
+use crate::error::LiveError;
+use crate::key::{Key, Told};
+use crate::limits::Limits;
+use crate::profile::{Converter, Profile};
+use crate::quality::{Seen, expected_error_counts};
+use crate::report::{Leads, Report};
+use crate::stream::{Of, Quantity, Sample};
+
+/// Where a note-off belongs on a keyboard none of whose keys lifts a damper, m: the middle of a usual dip.
+const USUAL_DAMPER_M: f64 = 5e-3;
+/// A sensor that has left its rest so often by little is noisy.
+const NOISY: u64 = 20;
+
+/// How a stream is played.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// What the sensors sit on.
+    pub sensor: SensorKind,
+    /// What the stream's numbers are.
+    pub quantity: Quantity,
+    /// Distance of the sensed place from the key's pivot, m, on either side of it; `None` at the key's front.
+    pub sensor_at_m: Option<f64>,
+    /// The device's own travel, m, where it is not that of a key: it is spread over the key's dip.
+    pub travel_m: Option<f64>,
+    /// Impacts are announced before they come.
+    pub ahead: bool,
+    /// On so many threads keys are prepared.
+    pub threads: usize,
+}
+
+/// What came of a stream, to be sent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event {
+    /// A note-on.
+    On {
+        /// The key, from 1.
+        key: usize,
+        /// When its hammer meets the string, s on the stream's clock.
+        time_s: f64,
+        /// The instant up to which the stream is known, s: later than the impact, or earlier where it is announced.
+        known_s: f64,
+        /// The hammer's speed, m/s.
+        hammer_m_per_s: f64,
+        /// That as velocity.
+        velocity: Velocity,
+    },
+    /// A note-off.
+    Off {
+        /// The key, from 1.
+        key: usize,
+        /// When, s.
+        time_s: f64,
+        /// How fast the key came up.
+        release: Velocity,
+    },
+    /// A pedal.
+    Pedal {
+        /// Its controller.
+        controller: u8,
+        /// When, s.
+        time_s: f64,
+        /// 0 to 127.
+        value: u8,
+    },
+}
+
+/// The keys of a piano, played by a stream: samples in, notes out.
+pub struct Live {
+    keys: Vec<Key>,
+    converters: Vec<Option<Converter>>,
+    /// How far each key's front goes while the sensed place goes 1 m.
+    front_per_sensed: Vec<f64>,
+    pedals: [(u8, erard_midi::Pedal); 3],
+    options: Options,
+    begins_s: Option<f64>,
+    now_s: f64,
+    seen: Seen,
+    leads: Leads,
+    report: Report,
+}
+
+impl Live {
+    /// Prepares the keys of a keyboard, from the lowest. With a profile readings are converted by it. `progress`
+    /// receives the share of keys that are done, and ends the work by returning false.
+    ///
+    /// # Errors
+    /// [`LiveError`].
+    pub fn new(
+        instruments: &[Instrument],
+        profile: Option<&Profile>,
+        options: Options,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, LiveError> {
+        if instruments.is_empty() || instruments.len() > KEYS {
+            return Err(LiveError::Count { found: instruments.len() });
+        }
+        let silent: Vec<Instrument> = instruments.iter().map(Instrument::with_rigid_string).collect();
+        let numbered: Vec<(usize, &Instrument)> = silent.iter().enumerate().map(|(i, one)| (i + 1, one)).collect();
+        let found = cores::map(&numbered, options.threads, progress, |&(key, instrument), _| {
+            let limits = Limits::find(instrument).map_err(|error| LiveError::Action { key, error })?;
+            let damper = damper_height_m(instrument).map_err(|error| LiveError::Damper { key, error })?;
+            Ok::<_, LiveError>((limits.ok_or(LiveError::Silent { key })?, damper))
+        })?;
+        let (mut keys, mut damper_m) = (Vec::new(), None);
+        for ((key, instrument), (limits, own_m)) in numbered.iter().zip(found) {
+            // A key without a damper takes the height of the next one below that has one.
+            damper_m = own_m.or(damper_m);
+            let at_m = damper_m.unwrap_or(USUAL_DAMPER_M);
+            let one = Key::new(instrument, limits, at_m, options.sensor, options.ahead);
+            keys.push(one.map_err(|error| LiveError::Action { key: *key, error })?);
+        }
+        let converters = (1..=keys.len()).map(|key| profile.and_then(|profile| profile.converter(key))).collect();
+        let front = |one: &Instrument| options.sensor_at_m.map_or(1.0, |at_m| (one.roles.key_front_m[0] / at_m).abs());
+        let front_per_sensed = silent.iter().map(front).collect();
+        let pedal = |controller: u8| (controller, erard_midi::Pedal::up());
+        Ok(Live {
+            keys,
+            converters,
+            front_per_sensed,
+            pedals: [pedal(message::SUSTAIN), pedal(message::SOSTENUTO), pedal(message::SOFT)],
+            options,
+            begins_s: None,
+            now_s: 0.0,
+            seen: Seen::default(),
+            leads: Leads::default(),
+            report: Report::default(),
+        })
+    }
+
+    /// Of a key, from 1: what it may be asked for.
+    #[must_use]
+    pub fn limits(&self, key: usize) -> Option<Limits> {
+        self.keys.get(key.checked_sub(1)?).map(|key| key.limits)
+    }
+
+    /// When the stream began, s on its own clock.
+    #[must_use]
+    pub fn begins_s(&self) -> f64 {
+        self.begins_s.unwrap_or(0.0)
+    }
+
+    /// Whether no key is pressed: nothing need come then.
+    #[must_use]
+    pub fn are_up(&self) -> bool {
+        self.keys.iter().all(Key::is_up)
+    }
+
+    /// Takes a sample; gives what comes of it.
+    pub fn take(&mut self, sample: &Sample, give: &mut dyn FnMut(Event)) {
+        // The first key may have begun to move a period before.
+        let begins_s = *self.begins_s.get_or_insert(sample.time_s - 0.01);
+        let time_s = sample.time_s - begins_s;
+        if time_s < 0.0 {
+            self.report.out_of_order += 1;
+            return;
+        }
+        self.now_s = self.now_s.max(time_s);
+        match sample.of {
+            Of::Pedal(controller) => {
+                self.report.samples += 1;
+                let own = self.pedals.iter_mut().find(|(own, _)| *own == controller);
+                if let Some(value) = own.and_then(|(_, pedal)| pedal.update(sample.value)) {
+                    give(Event::Pedal { controller, time_s: sample.time_s, value });
+                }
+            }
+            Of::Key(number) => self.take_key(number, time_s, sample.value, give),
+        }
+    }
+
+    fn take_key(&mut self, number: usize, time_s: f64, value: f64, give: &mut dyn FnMut(Event)) {
+        let Some(value) = self.sensed(number, time_s, value) else {
+            self.report.uncalibrated += 1;
+            return;
+        };
+        let Live { keys, leads, report, seen, begins_s, .. } = self;
+        let key = &mut keys[number - 1];
+        let (before, begins_s) = (key.value(), begins_s.unwrap_or(0.0));
+        if !key.take([time_s, value], &mut teller(number, begins_s, begins_s + time_s, leads, report, give)) {
+            report.out_of_order += 1;
+            return;
+        }
+        report.samples += 1;
+        if value != before {
+            seen.take(key.period_s, value - before);
+        }
+    }
+
+    /// A value as travel of the key's front, m, or force, N; `None` where there is no calibration for it.
+    fn sensed(&mut self, number: usize, time_s: f64, value: f64) -> Option<f64> {
+        let key = self.keys.get(number - 1)?;
+        let travel_m = match self.options.quantity {
+            Quantity::Newtons => return Some(value),
+            Quantity::Millimetres => 1e-3 * value,
+            Quantity::Raw | Quantity::Pressure => self.converters[number - 1].as_mut()?.travel_m(time_s, value),
+        };
+        let own_m = match self.options.quantity {
+            Quantity::Millimetres => self.options.travel_m,
+            _ => self.converters[number - 1].as_ref().map(Converter::whole_m),
+        };
+        Some(match (self.options.sensor, own_m) {
+            (SensorKind::Light, Some(own_m)) => travel_m * key.limits.dip_m / own_m,
+            _ => travel_m * self.front_per_sensed[number - 1],
+        })
+    }
+
+    /// Nothing comes any more: all keys are let go, and what sounds ends.
+    pub fn let_go(&mut self, give: &mut dyn FnMut(Event)) {
+        let Live { keys, leads, report, begins_s, now_s, .. } = self;
+        let begins_s = begins_s.unwrap_or(0.0);
+        for (index, key) in keys.iter_mut().enumerate() {
+            key.let_go(*now_s, &mut teller(index + 1, begins_s, begins_s + *now_s, leads, report, give));
+        }
+        for (controller, pedal) in &mut self.pedals {
+            if let Some(value) = pedal.update(0.0) {
+                give(Event::Pedal { controller: *controller, time_s: begins_s + *now_s, value });
+            }
+        }
+    }
+
+    /// Nothing has come for long while the sender should have sent: [`Live::let_go`], counted.
+    pub fn stalled(&mut self, give: &mut dyn FnMut(Event)) {
+        self.report.stalls += 1;
+        self.let_go(give);
+    }
+
+    /// What became of the stream so far.
+    #[must_use]
+    pub fn report(&self) -> Report {
+        let counts = || self.keys.iter().map(|key| key.counts);
+        let sum = |of: &dyn Fn(&crate::key::Counts) -> u64| counts().map(|c| of(&c)).sum::<u64>();
+        let which = |is: &dyn Fn(&crate::key::Counts) -> bool| -> Vec<usize> {
+            counts().enumerate().filter(|(_, c)| is(c)).map(|(i, _)| i + 1).collect()
+        };
+        let converters = || self.converters.iter().flatten();
+        let dip_m = self.keys.first().map_or(0.0, |key| key.limits.dip_m);
+        let rate_hz = self.seen.rate_hz();
+        let bits = self.seen.bits(dip_m).filter(|_| self.options.quantity != Quantity::Newtons);
+        Report {
+            duration_s: self.now_s,
+            limited_strokes: sum(&|c| c.fast_strokes),
+            limited_steps: sum(&|c| c.fast_steps),
+            deep_samples: sum(&|c| c.deep_samples),
+            gaps: sum(&|c| c.gaps),
+            stuck_keys: which(&|c| c.stuck > 0),
+            noisy_keys: which(&|c| c.flutters >= NOISY),
+            non_finite_steps: sum(&|c| c.non_finite),
+            fastest_hammer_m_per_s: counts().map(|c| c.fastest_m_per_s).fold(0.0, f64::max),
+            rate_hz,
+            bits,
+            expected_error_counts: bits.zip(rate_hz).map(|(bits, rate)| expected_error_counts(bits, rate)),
+            largest_drift: converters().map(|one| one.drift().abs()).fold(0.0, f64::max),
+            drifts_beyond: converters().map(Converter::beyond).sum(),
+            ahead: if self.options.ahead { self.leads.table() } else { Vec::new() },
+            ..self.report.clone()
+        }
+    }
+}
+
+/// What takes a key's news, counts it and gives events.
+fn teller<'a>(
+    key: usize,
+    begins_s: f64,
+    known_s: f64,
+    leads: &'a mut Leads,
+    report: &'a mut Report,
+    give: &'a mut dyn FnMut(Event),
+) -> impl FnMut(Told) + 'a {
+    move |told| {
+        let on = |time_s: f64, hammer_m_per_s: f64| Event::On {
+            key,
+            time_s: begins_s + time_s,
+            known_s,
+            hammer_m_per_s,
+            velocity: Law::GOEBL.velocity(hammer_m_per_s),
+        };
+        let off = |time_s: f64, m_per_s: f64| Event::Off {
+            key,
+            time_s: begins_s + time_s,
+            release: ReleaseLaw::USUAL.velocity(m_per_s),
+        };
+        match told {
+            Told::Struck(time_s, speed) => {
+                leads.struck(speed);
+                report.note_ons += 1;
+                give(on(time_s, speed));
+            }
+            Told::Announced(time_s, speed) => {
+                report.note_ons += 1;
+                give(on(time_s, speed));
+            }
+            Told::Kept(told, hit, known_s) => leads.kept(told, hit, known_s),
+            Told::False(time_s) => {
+                report.false_announcements += 1;
+                report.note_offs += 1;
+                give(off(time_s, 0.0));
+            }
+            Told::Released(time_s, speed) => {
+                report.note_offs += 1;
+                give(off(time_s, speed));
+            }
+        }
+    }
+}

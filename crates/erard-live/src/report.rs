@@ -1,0 +1,129 @@
+//! What became of a stream.
+
+use erard::level::LEVELS;
+use serde::Serialize;
+
+/// What became of a stream.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// Length of the stream by its own clock, s.
+    pub duration_s: f64,
+    /// Samples of keys and pedals that were taken.
+    pub samples: u64,
+    /// Samples that did not come after the last one of their key: left out.
+    pub out_of_order: u64,
+    /// Samples of keys that have no calibration: left out.
+    pub uncalibrated: u64,
+    /// Note-ons and note-offs, cancelled ones among them.
+    pub note_ons: u64,
+    /// Note-offs.
+    pub note_offs: u64,
+    /// Ways of keys that were limited, so that no hammer goes faster than 8 m/s, and steps in them.
+    pub limited_strokes: u64,
+    /// Steps, of 50 us, in them.
+    pub limited_steps: u64,
+    /// The fastest hammer, m/s.
+    pub fastest_hammer_m_per_s: f64,
+    /// Samples deeper than the key goes.
+    pub deep_samples: u64,
+    /// Times without a sample of a key that was off its rest, of 0.1 s or more.
+    pub gaps: u64,
+    /// Times that all keys were let go because nothing came.
+    pub stalls: u64,
+    /// Keys whose sensor stood still between up and down for 10 s.
+    pub stuck_keys: Vec<usize>,
+    /// Keys whose sensor left the rest twenty times or more by less than 0.5 mm.
+    pub noisy_keys: Vec<usize>,
+    /// Steps in which a number was not finite: the key stayed where it was.
+    pub non_finite_steps: u64,
+    /// Samples a second of a key that moves, the median.
+    pub rate_hz: Option<f64>,
+    /// Bits over the key's travel: its smallest step.
+    pub bits: Option<f64>,
+    /// What these cost: expected error of speed, counts of velocity.
+    pub expected_error_counts: Option<f64>,
+    /// The largest drift that was followed, a share of a sensor's range.
+    pub largest_drift: f64,
+    /// Drifts beyond what is followed.
+    pub drifts_beyond: u64,
+    /// The longest time that a message and those before it take on a DIN cable, s.
+    pub longest_on_a_cable_s: f64,
+    /// Announced impacts that did not come: their notes were ended at once.
+    pub false_announcements: u64,
+    /// Impacts that were announced, by level.
+    pub ahead: Vec<Lead>,
+}
+
+/// Impacts of one level that were announced.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Lead {
+    /// The level's name.
+    pub level: &'static str,
+    /// Notes, and those of them that were announced.
+    pub notes: u64,
+    /// Those of them that were announced.
+    pub announced: u64,
+    /// How long before the impact, ms: shortest and median.
+    pub shortest_ms: f64,
+    /// Median, ms.
+    pub median_ms: f64,
+    /// Less than 1 ms: of no use.
+    pub useless: bool,
+    /// Largest error of the instant, ms.
+    pub largest_error_ms: f64,
+    /// Largest error of the speed, a share.
+    pub largest_error_of_speed: f64,
+    /// Those beyond 0.2 ms or 1 %.
+    pub beyond: u64,
+}
+
+/// A useful lead, s.
+const USEFUL_S: f64 = 1e-3;
+/// Errors of what is announced: s, and a share of the speed.
+pub(crate) const ERRORS: [f64; 2] = [0.2e-3, 0.01];
+
+/// The level of a hammer speed: the nearest in ratio.
+fn level(speed_m_per_s: f64) -> usize {
+    (1..LEVELS.len())
+        .find(|&i| speed_m_per_s < (LEVELS[i - 1].1 * LEVELS[i].1).sqrt())
+        .map_or(LEVELS.len() - 1, |i| i - 1)
+}
+
+/// What is kept of announcements.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Leads {
+    notes: [u64; LEVELS.len()],
+    kept: [Vec<[f64; 3]>; LEVELS.len()],
+}
+
+impl Leads {
+    pub(crate) fn struck(&mut self, speed_m_per_s: f64) {
+        self.notes[level(speed_m_per_s)] += 1;
+    }
+
+    pub(crate) fn kept(&mut self, told: [f64; 2], hit: [f64; 2], known_s: f64) {
+        self.struck(hit[1]);
+        self.kept[level(hit[1])].push([hit[0] - known_s, (told[0] - hit[0]).abs(), (told[1] / hit[1] - 1.0).abs()]);
+    }
+
+    pub(crate) fn table(&self) -> Vec<Lead> {
+        let of = |i: usize| {
+            let mut leads: Vec<f64> = self.kept[i].iter().map(|[lead, ..]| *lead).collect();
+            leads.sort_by(f64::total_cmp);
+            let largest = |k: usize| self.kept[i].iter().map(|all| all[k]).fold(0.0, f64::max);
+            let median_s = leads.get(leads.len() / 2).copied().unwrap_or(0.0);
+            Lead {
+                level: LEVELS[i].0,
+                notes: self.notes[i],
+                announced: leads.len() as u64,
+                shortest_ms: 1e3 * leads.first().copied().unwrap_or(0.0),
+                median_ms: 1e3 * median_s,
+                useless: median_s < USEFUL_S,
+                largest_error_ms: 1e3 * largest(1),
+                largest_error_of_speed: largest(2),
+                beyond: self.kept[i].iter().filter(|all| all[1] > ERRORS[0] || all[2] > ERRORS[1]).count() as u64,
+            }
+        };
+        (0..LEVELS.len()).filter(|i| self.notes[*i] > 0).map(of).collect()
+    }
+}

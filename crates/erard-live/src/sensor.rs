@@ -1,0 +1,125 @@
+//! Sensors' laws: what share of its travel a key has gone at a reading between those of its two stops.
+
+use serde::{Deserialize, Serialize};
+
+/// A sensor's law. All are exact at both stops.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Law {
+    /// In proportion.
+    Linear {},
+    /// A reflective optical sensor CNY-70 under the back of a key, as it was read at marks of a ruler ([`CNY70`]). The
+    /// curve depends on how it is mounted: a table of one's own is better.
+    Cny70 {},
+    /// A Hall sensor on the axis of a small magnet, whose field falls with the third power of the distance.
+    Hall {
+        /// Distance where they are nearest, mm.
+        nearest_mm: f64,
+        /// Whether the key's rest is there.
+        at_rest: bool,
+    },
+    /// One's own points: share of the reading's range, and share of the travel, both from 0 to 1, ascending.
+    Table {
+        /// Them.
+        points: Vec<[f64; 2]>,
+    },
+}
+
+/// Share of a CNY-70's range at marks 1/32 inch apart, 0 to 15: what Greg Zweigle read on a Kawai KG-3C, its key E4
+/// (Piano-Data, `https://github.com/gzweigle/Piano-Data`, commit c7224eb, MIT licence: `damper_cal_points`).
+pub const CNY70: [f64; 16] = [
+    0.0, 0.0015, 0.0035, 0.0064, 0.0115, 0.0165, 0.0260, 0.0365, 0.0570, 0.0810, 0.1450, 0.2250, 0.3650, 0.5700,
+    0.8100, 1.0,
+];
+
+/// What is wrong with a law.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LawFault {
+    /// The points do not rise from [0, 0] to [1, 1].
+    #[error("point {}: found {found:?}; expected shares that rise from [0, 0] to [1, 1]", index + 1)]
+    Points {
+        /// Which, from 0.
+        index: usize,
+        /// It.
+        found: [f64; 2],
+    },
+    /// Too few points.
+    #[error("{0} points; expected at least two")]
+    TooFew(usize),
+    /// The distance is none.
+    #[error("nearest_mm is {0}; expected a number from 0.1 to 100")]
+    Nearest(f64),
+}
+
+impl Law {
+    /// One's own points, readings and travel in any units, from the rest to the bottom.
+    ///
+    /// # Errors
+    /// [`LawFault`]: the shares do not rise.
+    pub fn of_points(points: &[[f64; 2]]) -> Result<Self, LawFault> {
+        let (Some([r0, x0]), Some([r1, x1])) = (points.first(), points.last()) else { return Err(LawFault::TooFew(0)) };
+        let share = |[r, x]: &[f64; 2]| [(r - r0) / (r1 - r0), (x - x0) / (x1 - x0)];
+        let law = Law::Table { points: points.iter().map(share).collect() };
+        law.check()?;
+        Ok(law)
+    }
+
+    /// Checks its numbers.
+    ///
+    /// # Errors
+    /// [`LawFault`].
+    pub fn check(&self) -> Result<(), LawFault> {
+        match self {
+            Law::Linear {} | Law::Cny70 {} => Ok(()),
+            Law::Hall { nearest_mm, .. } if (0.1..=100.0).contains(nearest_mm) => Ok(()),
+            Law::Hall { nearest_mm, .. } => Err(LawFault::Nearest(*nearest_mm)),
+            Law::Table { points } if points.len() < 2 => Err(LawFault::TooFew(points.len())),
+            Law::Table { points } => {
+                let last = points.len() - 1;
+                let is_sound = |i: usize| match i {
+                    0 => points[0] == [0.0, 0.0],
+                    i => {
+                        points[i - 1][0] < points[i][0]
+                            && points[i - 1][1] < points[i][1]
+                            && (i < last || points[i] == [1.0, 1.0])
+                    }
+                };
+                match (0..=last).find(|i| !is_sound(*i)) {
+                    Some(index) => Err(LawFault::Points { index, found: points[index] }),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+
+    /// The share of its travel, m, that a key has gone, from the share of the reading's range; beyond the stops the law
+    /// goes on straight.
+    #[must_use]
+    pub fn share(&self, read: f64, travel_m: f64) -> f64 {
+        match self {
+            Law::Linear {} => read,
+            Law::Cny70 {} => {
+                let marks = |i: usize| [CNY70[i], i as f64 / 15.0];
+                along(CNY70.len(), &marks, read)
+            }
+            Law::Table { points } => along(points.len(), &|i| points[i], read),
+            Law::Hall { nearest_mm, at_rest } => {
+                // Distances in travels.
+                let near = 1e-3 * nearest_mm / travel_m;
+                let cube = |d: f64| 1.0 / (d * d * d);
+                let toward = |nearness: f64| {
+                    let field = cube(near + 1.0) + nearness * (cube(near) - cube(near + 1.0));
+                    1.0 + near - (1.0 / field.max(cube(near + 2.0))).cbrt()
+                };
+                if *at_rest { 1.0 - toward(1.0 - read) } else { toward(read) }
+            }
+        }
+    }
+}
+
+/// Straight lines through points; the first and the last go on.
+fn along(count: usize, point: &dyn Fn(usize) -> [f64; 2], x: f64) -> f64 {
+    let end = (1..count - 1).find(|&i| x <= point(i)[0]).unwrap_or(count - 1);
+    let ([x0, y0], [x1, y1]) = (point(end - 1), point(end));
+    y0 + (x - x0) * (y1 - y0) / (x1 - x0)
+}

@@ -1,0 +1,188 @@
+//! The text that a sender writes: a head, then a line for each sample.
+//!
+//! ```text
+//! time_us,key,raw
+//! 1203340,40,3121
+//! 1203340,sustain,0.75
+//! ```
+//!
+//! The head names the clock (`time_s`, or `time_us` of 32 bits that wraps around) and what is sensed: `mm` of the
+//! sensed place, `N` at the key's front, `raw` readings of a converter, or `pressure`, the polyphonic pressure 0 to 127
+//! of a device that means depth by it. A key is a number from 1 (the lowest A) to 88; `sustain`, `sostenuto` and `soft`
+//! are pedals, from 0 (up) to 1 (down). Times do not descend. A key that is at rest need not be sent; one that is off
+//! its rest is sent at the full rate. Blank lines and lines that begin with `#` are left out.
+
+use erard::keyboard::KEYS;
+use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
+
+/// No line is longer, bytes: what a serial line sends without a line's end is not kept.
+pub const LONGEST_LINE: usize = 256;
+
+/// What a stream's numbers are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Travel of the sensed place from its rest, mm, positive as the key goes down.
+    Millimetres,
+    /// Force on the key's front, N, down positive.
+    Newtons,
+    /// A converter's reading.
+    Raw,
+    /// Polyphonic pressure of MIDI, 0 to 127.
+    Pressure,
+}
+
+/// A stream's head.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Head {
+    in_microseconds: bool,
+    /// What is sensed.
+    pub quantity: Quantity,
+}
+
+/// What a line says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// The sender's clock, s.
+    pub time_s: f64,
+    /// Whose number it is.
+    pub of: Of,
+    /// The number.
+    pub value: f64,
+}
+
+/// Whose number a sample is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Of {
+    /// A key's, from 1.
+    Key(usize),
+    /// A pedal's, by its controller.
+    Pedal(u8),
+}
+
+/// What is wrong with a line.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Fault {
+    /// It is no sample.
+    #[error("found `{found}`; expected three fields: time, key, value")]
+    Fields {
+        /// The line, cut off.
+        found: String,
+    },
+    /// A field is no finite number.
+    #[error("{field} is `{found}`; expected a number")]
+    Number {
+        /// The field: time or value.
+        field: &'static str,
+        /// It.
+        found: String,
+    },
+    /// There is no such key.
+    #[error("key is `{found}`; expected 1 to 88, `sustain`, `sostenuto` or `soft`")]
+    Key {
+        /// It.
+        found: String,
+    },
+    /// The head is none.
+    #[error(
+        "the first line is `{found}`; expected a head such as `time_s,key,mm`: `time_s` or `time_us`, `key`, and `mm`, \
+         `N`, `raw` or `pressure`"
+    )]
+    Head {
+        /// The line, cut off.
+        found: String,
+    },
+}
+
+/// The beginning of what was found, without what a terminal would obey.
+fn cut(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).take(40).collect()
+}
+
+impl Head {
+    /// Reads a head.
+    ///
+    /// # Errors
+    /// [`Fault::Head`].
+    pub fn parse(line: &str) -> Result<Self, Fault> {
+        let wrong = || Fault::Head { found: cut(line) };
+        let fields: Vec<&str> = line.trim().trim_start_matches('\u{feff}').split(',').map(str::trim).collect();
+        let [clock, "key", quantity] = fields[..] else { return Err(wrong()) };
+        let in_microseconds = match clock {
+            "time_s" => false,
+            "time_us" => true,
+            _ => return Err(wrong()),
+        };
+        let quantity = match quantity {
+            "mm" => Quantity::Millimetres,
+            "N" => Quantity::Newtons,
+            "raw" => Quantity::Raw,
+            "pressure" => Quantity::Pressure,
+            _ => return Err(wrong()),
+        };
+        Ok(Head { in_microseconds, quantity })
+    }
+}
+
+/// Reads lines after a head; it remembers how often a clock of 32 bits has wrapped around.
+#[derive(Debug, Clone)]
+pub struct Reader {
+    head: Head,
+    before_us: f64,
+    wraps_us: f64,
+}
+
+impl Reader {
+    /// After a head.
+    #[must_use]
+    pub fn new(head: Head) -> Self {
+        Reader { head, before_us: 0.0, wraps_us: 0.0 }
+    }
+
+    /// What is sensed.
+    #[must_use]
+    pub fn quantity(&self) -> Quantity {
+        self.head.quantity
+    }
+
+    /// Reads a line; `None` for one without content.
+    ///
+    /// # Errors
+    /// [`Fault`]: nothing is known of it then.
+    pub fn line(&mut self, line: &str) -> Result<Option<Sample>, Fault> {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            return Ok(None);
+        }
+        let mut fields = line.split(',').map(str::trim);
+        let (Some(time), Some(of), Some(value), None) = (fields.next(), fields.next(), fields.next(), fields.next())
+        else {
+            return Err(Fault::Fields { found: cut(line) });
+        };
+        let number = |field: &'static str, text: &str| {
+            let found = text.parse().ok().filter(|number: &f64| number.is_finite());
+            found.ok_or_else(|| Fault::Number { field, found: cut(text) })
+        };
+        let (time, value) = (number("time", time)?, number("value", value)?);
+        let of = match of {
+            "sustain" => Of::Pedal(SUSTAIN),
+            "sostenuto" => Of::Pedal(SOSTENUTO),
+            "soft" => Of::Pedal(SOFT),
+            key => {
+                let found = key.parse().ok().filter(|key| (1..=KEYS).contains(key));
+                Of::Key(found.ok_or_else(|| Fault::Key { found: cut(key) })?)
+            }
+        };
+        let time_s = if self.head.in_microseconds { self.unwrapped_s(time) } else { time };
+        Ok(Some(Sample { time_s, of, value }))
+    }
+
+    /// A clock of 32 bits goes on where it wraps around.
+    fn unwrapped_s(&mut self, time_us: f64) -> f64 {
+        const WRAP_US: f64 = 4_294_967_296.0;
+        if time_us < self.before_us - 0.5 * WRAP_US {
+            self.wraps_us += WRAP_US;
+        }
+        self.before_us = time_us;
+        1e-6 * (time_us + self.wraps_us)
+    }
+}

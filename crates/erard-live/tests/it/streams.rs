@@ -1,0 +1,45 @@
+//! Lines, heads, profiles and a cable.
+
+use erard_live::cable::Cable;
+use erard_live::stream::{Fault, Head, Of, Quantity, Reader, Sample};
+
+#[test]
+fn lines_are_read() {
+    let head = Head::parse("time_us, key ,raw\r\n").unwrap();
+    assert_eq!(head.quantity, Quantity::Raw);
+    let mut reader = Reader::new(head);
+    let sample = |time_s: f64, of: Of, value: f64| Ok(Some(Sample { time_s, of, value }));
+    assert_eq!(reader.line("1500000,40,3121"), sample(1.5, Of::Key(40), 3121.0));
+    assert_eq!(reader.line("4294967000,sustain,0.75"), sample(4294.967, Of::Pedal(64), 0.75));
+    // The clock wraps around.
+    let Ok(Some(after)) = reader.line("704,88,1") else { panic!() };
+    assert!((after.time_s - 4294.968).abs() < 1e-9, "{after:?}");
+    assert_eq!((reader.line("# words"), reader.line("  ")), (Ok(None), Ok(None)));
+    for (line, part) in [
+        ("1,2", "three fields"),
+        ("1,2,3,4", "three fields"),
+        ("x,2,3", "time is `x`"),
+        ("1,89,3", "key is `89`"),
+        ("1,0,3", "key is `0`"),
+        ("1,2,nan", "value is `nan`"),
+        ("1,2,inf", "value is `inf`"),
+        ("\u{1b}[2J,2,1", "time is `[2J`"),
+    ] {
+        let fault = reader.line(line).unwrap_err();
+        assert!(fault.to_string().contains(part), "{line}: {fault}");
+    }
+    for head in ["", "0.001,40,3", "time_ms,key,mm", "time_s,key", "time_s,key,mm,more"] {
+        assert!(matches!(Head::parse(head), Err(Fault::Head { .. })), "{head}");
+    }
+}
+
+/// Ten note-ons at once take 9.6 ms; one alone 0.96.
+#[test]
+fn bytes_queue_for_a_cable() {
+    let mut cable = Cable::default();
+    for _ in 0..10 {
+        cable.send(1.0, 3);
+    }
+    assert!((cable.longest_s - 9.6e-3).abs() < 1e-9, "{cable:?}");
+    assert!((cable.send(2.0, 3) - 2.00096).abs() < 1e-9 && cable.bytes == 33);
+}
