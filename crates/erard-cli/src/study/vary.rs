@@ -406,7 +406,7 @@ mod tests {
     fn what_is_wrong_is_named() {
         for (text, told) in [
             ("let_off", "such as `let_off=-1mm..1mm:41`"),
-            ("letoff=1mm..2mm:3", "nearest `let_off`"),
+            ("let_of=1mm..2mm:3", "nearest `let_off`"),
             ("let_off=1mm..2mm", "FROM..TO:COUNT"),
             ("let_off=1mm:3", "FROM..TO:COUNT"),
             ("let_off=1cm..2mm:3", "a number of mm"),
