@@ -58,6 +58,12 @@ export const STATES = {
     },
   },
 };
+/** Lets a scene show its stroke until the key is seen to go down: a machine that stalls can miss a whole one. */
+const shown = async (page, id, tries = 3) => {
+  await page.click(`[data-scene=${id}] .show`);
+  const went = until(page, (id) => story.figures[id].now?.pose.key_m > 1e-3, id, tries > 1 ? 10_000 : 30_000);
+  await (tries > 1 ? went.catch(() => shown(page, id, tries - 1)) : went);
+};
 /** The story: its beginning, and every step in the middle of its own stroke. */
 export const READ = {
   "the story": { act: async () => {} },
@@ -69,8 +75,7 @@ export const READ = {
         scrollTo({ top: scrollY + top + height / 2 - innerHeight / 2, behavior: "instant" });
       }, id);
       await until(page, (id) => story.active === id && document.querySelector(`[data-scene=${id}]`).dataset.live === "true", id);
-      await page.click(`[data-scene=${id}] .show`);
-      await until(page, (id) => story.figures[id].now?.pose.key_m > 1e-3, id);
+      await shown(page, id);
       await page.waitForTimeout(1500);
     },
   }])),

@@ -24,10 +24,14 @@ const USUAL_PERIOD_S: f64 = 1e-3;
 const HORIZON_S: f64 = 6e-3;
 /// Not more often, s.
 const LOOK_EVERY_S: f64 = 0.5e-3;
+/// The key goes on as over the last samples that span so long at least, s: over less, the last digit of a sensor of 12
+/// bits is a hundredth of a loud key's speed and more.
+const SLOPE_S: f64 = 0.999e-3;
 /// Slower hammers are not looked after, m/s.
 const RISES_M_PER_S: f64 = 0.1;
-/// A look is believed if what is foreseen, changing on as since the last look, will have changed by less than this at
-/// the impact: s, and a share of the speed. Half of the errors that are allowed.
+/// Looks agree if what is foreseen, changing on as since the last one, will have changed by less than this at the
+/// impact: s, and a share of the speed. Half of the errors that are allowed. They are believed once they have agreed
+/// for [`SLOPE_S`]: what changes passes through values where it stands still.
 const SETTLED: [f64; 2] = [0.1e-3, 0.005];
 /// A key that does not move for so long although it is neither up nor down is stuck, s.
 const STUCK_S: f64 = 10.0;
@@ -82,6 +86,8 @@ pub(crate) struct Key {
     last: Option<[f64; 2]>,
     /// Samples at rest that may turn out to be a key's first way, played as soon as they do.
     waiting: VecDeque<[f64; 2]>,
+    /// The last samples, over [`SLOPE_S`]; empty unless impacts are foreseen.
+    recent: VecDeque<[f64; 2]>,
     /// The usual time between two, s.
     pub period_s: f64,
     ahead: bool,
@@ -89,6 +95,8 @@ pub(crate) struct Key {
     announced: Option<Announced>,
     /// The last look: when, and what it found: when and how fast.
     looked: Option<(f64, Option<[f64; 2]>)>,
+    /// Since when all looks agree, s.
+    agreed_since_s: Option<f64>,
     /// In this way from the rest: its highest value, and whether it was limited.
     way: Option<(f64, bool)>,
     /// Since when the value has been the same, s.
@@ -115,11 +123,13 @@ impl Key {
             n: 0,
             last: None,
             waiting: VecDeque::with_capacity(REMEMBERED),
+            recent: VecDeque::new(),
             period_s: USUAL_PERIOD_S,
             ahead,
             kind,
             announced: None,
             looked: None,
+            agreed_since_s: None,
             way: None,
             same_since_s: 0.0,
             is_stuck: false,
@@ -149,6 +159,7 @@ impl Key {
         if passed_s > GAP_S {
             self.counts.gaps += u64::from(self.is_pressed(from[1]));
             from[0] = t1 - self.period_s;
+            self.recent.clear();
         } else {
             self.period_s += 0.05 * (passed_s - self.period_s);
         }
@@ -169,8 +180,17 @@ impl Key {
             }
             (true, _) => self.play(from, to, tell),
         }
-        if self.ahead && self.is_pressed(x1) {
-            self.foresee(from, to, tell);
+        if self.ahead {
+            if self.recent.back().is_none_or(|[t, _]| *t < from[0]) {
+                self.recent.push_back(from);
+            }
+            self.recent.push_back(to);
+            while self.recent.get(1).is_some_and(|[t, _]| *t <= to[0] - SLOPE_S) {
+                self.recent.pop_front();
+            }
+            if self.is_pressed(x1) {
+                self.foresee(self.recent[0], to, tell);
+            }
         }
         true
     }
@@ -187,6 +207,7 @@ impl Key {
             tell(Told::Released(from_s + HOME_S, 0.0));
         }
         self.waiting.clear();
+        self.recent.clear();
         self.last = self.last.map(|_| [from_s, 0.0]);
         self.way = None;
     }
@@ -280,14 +301,14 @@ impl Key {
         counts.fastest_m_per_s = counts.fastest_m_per_s.max(hammer_m_per_s);
     }
 
-    /// Looks ahead, the key going on as between its last two samples.
+    /// Looks ahead, the key going on as over its last samples.
     fn foresee(&mut self, from: [f64; 2], to: [f64; 2], tell: &mut dyn FnMut(Told)) {
         let (now, now_s) = (self.action.reading(), self.n as f64 * self.h);
         let rises = now.hammer_m_per_s > RISES_M_PER_S;
         let near = rises && now.hammer_m + 1.5 * now.hammer_m_per_s * HORIZON_S > self.limits.blow_m;
         let is_soon = self.looked.is_some_and(|(at_s, _)| now_s < at_s + LOOK_EVERY_S);
         if !near || self.announced.is_some() {
-            self.looked = None;
+            (self.looked, self.agreed_since_s) = (None, None);
             return;
         }
         if is_soon {
@@ -299,8 +320,13 @@ impl Key {
             && (t1 - t0).abs() * times < SETTLED[0]
             && (v1 / v0 - 1.0).abs() * times < SETTLED[1]
         {
-            self.announced = Some(Announced { hit: [t1, v1], known_s: now_s });
-            tell(Told::Announced(t1, v1));
+            let since_s = *self.agreed_since_s.get_or_insert(at_s);
+            if now_s - since_s >= SLOPE_S {
+                self.announced = Some(Announced { hit: [t1, v1], known_s: now_s });
+                tell(Told::Announced(t1, v1));
+            }
+        } else {
+            self.agreed_since_s = None;
         }
         self.looked = Some((now_s, found));
     }
