@@ -35,7 +35,7 @@ def test_parameters_tell_their_spread(grand: erard.Instrument) -> None:
     [
         ({"let_off": "1 g"}, "units: m, mm"),
         ({"let_off": "1"}, "with its unit"),
-        ({"letoff": "1 mm"}, "nearest `let_off`"),
+        ({"let_of": "1 mm"}, "nearest `let_off`"),
         ({"body.hammer.mass": -1.0}, "out of range"),
         ({"body.hammer.mass": float("nan")}, "finite"),
         ({"body.hammer.mass": None}, "a number"),

@@ -184,9 +184,9 @@ class Instrument:
         >>> heavy = grand.vary({"body.hammer.mass": "+1 g"})
         >>> round(1e3 * (heavy.parameters["body.hammer.mass"].value - mass), 6)
         1.0
-        >>> grand.vary(letoff="1 mm")
+        >>> grand.vary(let_of="1 mm")
         Traceback (most recent call last):
-        erard._errors.InputError: unknown name `letoff`; ...nearest `let_off`...
+        erard._errors.InputError: unknown name `let_of`; ...nearest `let_off`...
         """
         asked: list[Change] = []
         for key, value in {**mapping("changes", changes), **more}.items():
