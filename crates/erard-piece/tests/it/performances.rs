@@ -135,12 +135,6 @@ fn plays_for(seconds: f64) {
     assert!(all.right as f64 > 0.9 * all.notes as f64, "{all:?}");
 }
 
-#[test]
-#[ignore = "ci: a third of a minute of playing on a keyboard with strings"]
-fn a_third_of_a_minute_is_played() {
-    plays_for(18.0);
-}
-
 mod nightly {
     #[test]
     #[ignore = "nightly: half a minute of playing on a keyboard with strings"]
