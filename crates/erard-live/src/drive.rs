@@ -27,20 +27,11 @@ const DAMPED_N_S_PER_M: f64 = 90.0;
 /// It is not asked for more, m/s: 60 N do not bring a hand and a key there within a dip.
 const HAND_M_PER_S: f64 = 1.0;
 /// A sensed key is not led deeper beyond its dip, m.
-const BEYOND_M: f64 = 0.5e-3;
+pub(crate) const BEYOND_M: f64 = 0.5e-3;
 /// Nearer to its rest a key that is led there is let go, m.
 const LET_GO_M: f64 = 1e-6;
 /// A hand whose device is at rest leaves the key after this time, s.
 const LEAVES_S: f64 = 0.2;
-
-/// What was limited in a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Limited {
-    /// The key would have thrown the hammer too fast.
-    pub fast: bool,
-    /// The key was sensed deeper than it goes.
-    pub deep: bool,
-}
 
 /// The drive of one key.
 #[derive(Debug, Clone)]
@@ -79,25 +70,23 @@ impl Drive {
     }
 
     /// The input of a step of `h` seconds from the sensed values, m or N, at its start and its end; `None` while the
-    /// sensor is at rest.
-    pub(crate) fn input(&mut self, sensed: Option<[f64; 2]>, h: f64, before: &Reading) -> (Input, Limited) {
+    /// sensor is at rest. With it, whether it was limited, for the hammer would have been too fast.
+    pub(crate) fn input(&mut self, sensed: Option<[f64; 2]>, h: f64, before: &Reading) -> (Input, bool) {
         let [start, end] = sensed.unwrap_or_default().map(|value| value.max(0.0));
-        let mut limited = Limited::default();
         if self.kind == SensorKind::Force {
             let force_n = 0.5 * (start + end);
-            limited.fast = force_n > self.limits.force_n;
+            let is_limited = force_n > self.limits.force_n;
             let force_n = force_n.clamp(0.0, self.limits.force_n);
-            return (if force_n > 0.0 { Input::Force(force_n) } else { Input::Free }, limited);
+            return (if force_n > 0.0 { Input::Force(force_n) } else { Input::Free }, is_limited);
         }
         let deepest_m = self.limits.dip_m + BEYOND_M;
-        limited.deep = end > deepest_m;
         let [start, end] = [start, end].map(|m| m.min(deepest_m));
         self.rested_s = if sensed.is_some() { 0.0 } else { self.rested_s + h };
         let off_m = self.led_m - start;
         let wanted_m = if self.is_behind { end } else { end + off_m * (1.0 - h / SETTLES_S) };
         let [up_m, down_m] = [self.limits.up_m_per_s * h, self.limits.key_m_per_s * h];
         let from_m = self.led_m;
-        limited.fast = wanted_m - from_m > down_m;
+        let is_limited = wanted_m - from_m > down_m;
         self.led_m = from_m + (wanted_m - from_m).clamp(-up_m, down_m);
         self.is_behind = self.led_m != wanted_m && (wanted_m - self.led_m).abs() > LET_GO_M;
         if sensed.is_none() && self.led_m < LET_GO_M {
@@ -110,7 +99,7 @@ impl Drive {
             _ if sensed.is_none() && self.led_m == 0.0 && from_m == 0.0 => Input::Free,
             _ => Input::Rigid { position_m: self.led_m, velocity_m_per_s },
         };
-        (input, limited)
+        (input, is_limited)
     }
 }
 

@@ -8,8 +8,9 @@ use erard::{Action, Outcome, Settings};
 use erard_midi::{Crossing, Event as NoteEvent, KeyNotes};
 
 use crate::ahead::{Announced, Foreseen, look};
-use crate::drive::{Drive, Limited, SensorKind};
+use crate::drive::{BEYOND_M, Drive, SensorKind};
 use crate::limits::Limits;
+use crate::report::ERRORS;
 
 /// Nearer to its rest a sensor counts as being at rest, m; a key that leaves it is played from where it did.
 const REST_M: f64 = 0.15e-3;
@@ -32,7 +33,7 @@ const RISES_M_PER_S: f64 = 0.1;
 /// Looks agree if what is foreseen, changing on as since the last one, will have changed by less than this at the
 /// impact: s, and a share of the speed. Half of the errors that are allowed. They are believed once they have agreed
 /// for [`SLOPE_S`]: what changes passes through values where it stands still.
-const SETTLED: [f64; 2] = [0.1e-3, 0.005];
+const SETTLED: [f64; 2] = [0.5 * ERRORS[0], 0.5 * ERRORS[1]];
 /// A key that does not move for so long although it is neither up nor down is stuck, s.
 const STUCK_S: f64 = 10.0;
 /// A way from the rest that ends again below this is noise, m.
@@ -259,7 +260,7 @@ impl Key {
             let start_s = self.n as f64 * self.h;
             self.step(Some([start_s, start_s + self.h].map(|t| value_at(from, to, t))), tell);
         }
-        self.counts.deep_samples += u64::from(self.kind == SensorKind::Action && to[1] > self.limits.dip_m + 0.5e-3);
+        self.counts.deep_samples += u64::from(self.kind == SensorKind::Action && to[1] > self.limits.dip_m + BEYOND_M);
     }
 
     /// One step, from the sensed values at its start and its end, where the sensor is not at rest.
@@ -268,11 +269,11 @@ impl Key {
             let now = self.action.reading();
             self.action.place_hand(now.key_m, now.key_m_per_s);
         }
-        let (input, limited) = self.drive.input(sensed, self.h, &self.action.reading());
+        let (input, is_limited) = self.drive.input(sensed, self.h, &self.action.reading());
         let reading = self.action.step(input);
         self.n += 1;
         let now_s = self.n as f64 * self.h;
-        self.count(limited, reading.outcome, reading.impact.map_or(0.0, |hit| hit.hammer_speed_m_per_s));
+        self.count(is_limited, reading.outcome, reading.impact.map_or(0.0, |hit| hit.hammer_speed_m_per_s));
         let hit = reading.impact.map(|i| [now_s + (i.time_s - self.action.time_s()), i.hammer_speed_m_per_s]);
         for event in self.notes.update(now_s, reading.key_m, hit).into_iter().flatten() {
             tell(match event {
@@ -289,11 +290,11 @@ impl Key {
         }
     }
 
-    fn count(&mut self, limited: Limited, outcome: Outcome, hammer_m_per_s: f64) {
+    fn count(&mut self, is_limited: bool, outcome: Outcome, hammer_m_per_s: f64) {
         let counts = &mut self.counts;
-        counts.fast_steps += u64::from(limited.fast);
+        counts.fast_steps += u64::from(is_limited);
         if let Some((_, was_limited)) = &mut self.way
-            && limited.fast
+            && is_limited
         {
             counts.fast_strokes += u64::from(!std::mem::replace(was_limited, true));
         }

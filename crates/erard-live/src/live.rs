@@ -1,7 +1,7 @@
 //! The keys of a piano, played by a stream.
 
 use erard::Progress;
-use erard::damper::damper_height_m;
+use erard::damper::{USUAL_HEIGHT_M, damper_height_m};
 use erard::instrument::Instrument;
 use erard::keyboard::KEYS;
 use erard_midi::{Law, ReleaseLaw, Velocity, message};
@@ -16,8 +16,6 @@ use crate::quality::{Seen, expected_error_counts};
 use crate::report::{Leads, Report};
 use crate::stream::{Of, Quantity, Sample};
 
-/// Where a note-off belongs on a keyboard none of whose keys lifts a damper, m: the middle of a usual dip.
-const USUAL_DAMPER_M: f64 = 5e-3;
 /// A sensor that has left its rest so often by little is noisy.
 const NOISY: u64 = 20;
 
@@ -115,7 +113,7 @@ impl Live {
         for ((key, instrument), (limits, own_m)) in numbered.iter().zip(found) {
             // A key without a damper takes the height of the next one below that has one.
             damper_m = own_m.or(damper_m);
-            let at_m = damper_m.unwrap_or(USUAL_DAMPER_M);
+            let at_m = damper_m.unwrap_or(USUAL_HEIGHT_M);
             let one = Key::new(instrument, limits, at_m, options.sensor, options.ahead);
             keys.push(one.map_err(|error| LiveError::Action { key: *key, error })?);
         }

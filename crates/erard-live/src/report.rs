@@ -79,7 +79,7 @@ pub struct Lead {
 
 /// A useful lead, s.
 const USEFUL_S: f64 = 1e-3;
-/// Errors of what is announced: s, and a share of the speed.
+/// An announced impact may be so far off: its instant by so many s, its speed by such a share.
 pub(crate) const ERRORS: [f64; 2] = [0.2e-3, 0.01];
 
 /// The level of a hammer speed: the nearest in ratio.

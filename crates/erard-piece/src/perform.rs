@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io;
 
 use erard::Progress;
-use erard::damper::damper_height_m;
+use erard::damper::{USUAL_HEIGHT_M, damper_height_m};
 use erard::instrument::Instrument;
 use erard_workshop::cores;
 
@@ -15,9 +15,6 @@ use crate::note::{Played, Summary};
 use crate::options::Options;
 use crate::score::Score;
 use crate::sink::Sink;
-
-/// Where a note-off belongs on a keyboard none of whose keys lifts a damper, m: the middle of a usual dip.
-const USUAL_DAMPER_M: f64 = 5e-3;
 
 /// The outcome of a score.
 #[derive(Debug)]
@@ -91,7 +88,7 @@ fn height_m(key: usize, instruments: &[Instrument]) -> Result<f64, PerformError>
             return Ok(height_m);
         }
     }
-    Ok(USUAL_DAMPER_M)
+    Ok(USUAL_HEIGHT_M)
 }
 
 fn gather(played: Vec<(usize, f64, KeyPlayed)>) -> Performance {

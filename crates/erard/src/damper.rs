@@ -7,6 +7,8 @@ use crate::instrument::Instrument;
 use crate::player::{Action, ActionError, Input};
 use crate::stroke::least_jerk;
 
+/// Where a note-off belongs on a keyboard none of whose keys lifts a damper, m: the middle of a usual dip.
+pub const USUAL_HEIGHT_M: f64 = 5e-3;
 /// How deep the key is led, m: every damper of a grand is up by then, and no let-off has begun.
 const DEPTH_M: f64 = 8e-3;
 /// Within what time, s: too slow to throw the hammer to its string.

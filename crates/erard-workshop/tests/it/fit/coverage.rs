@@ -25,7 +25,7 @@ enum Known {
     Told,
     /// Nothing; what drives has none.
     Residuals,
-    /// That of what is compared. What drives has a load cell's, which the fit takes from the recording.
+    /// The noise of what is compared. The force that drives has a load cell's; the fit estimates it from the recording.
     Drive,
 }
 
