@@ -1,13 +1,13 @@
 //! Force against displacement of a key that is moved so slowly that only weights, springs, felts and dry friction are
 //! left: the hysteresis loop.
 
-use moreau::Settings;
+use moreau::{Outcome, Settings};
 
 use super::MeasureError;
 use erard::Progress;
 use erard::instrument::Instrument;
-use erard::player::motion;
-use erard::run::{Setup, simulate};
+use erard::player::{Action, Input, motion};
+use erard::run::{Setup, SimulationError, simulate};
 use erard::stroke::least_jerk;
 
 /// Time of either way, s. The hammer on its felts swings at about 10 Hz, which dry friction on a moving pivot does not
@@ -30,8 +30,6 @@ pub struct SlowLoop {
     pub down: SlowWay,
     /// The way up, in the order of time: from the turning point to rest.
     pub up: SlowWay,
-    /// Travel of the key front at which each zone first touched on the way down, m, in the instrument's order.
-    pub first_touch_m: Vec<Option<f64>>,
     /// Steps that did not converge.
     pub unconverged_steps: u64,
 }
@@ -71,23 +69,47 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, progress: &mut Progress<
             head_m: run.hammer_head_m.get(rows).unwrap_or_default().to_vec(),
         }
     };
-    let touched = run.time_s.partition_point(|&t| t <= WAY_S);
-    let first_touch = |forces: &[f64]| (0..touched).find(|&row| forces[row] > 0.0).map(|row| run.key_m[row]);
     Ok(SlowLoop {
         down: way(0.0, WAY_S),
         up: way(WAY_S + TURN_S, f64::INFINITY),
-        first_touch_m: run.zones.iter().map(|zone| first_touch(&zone.normal_n)).collect(),
         unconverged_steps: run.work.unconverged_steps,
     })
 }
 
-impl SlowLoop {
-    /// Key travel at which the first of some zones touched on the way down, m.
-    #[must_use]
-    pub(crate) fn first_touch_of(&self, zones: &[usize]) -> Option<f64> {
-        zones.iter().filter_map(|&zone| self.first_touch_m[zone]).min_by(f64::total_cmp)
+/// Moves a soft finger slowly to `depth_m` below the key's rest, until one of some zones touches: which of them do, and
+/// the travel of the key front, m. Most of a slow loop, and its costliest part, lies behind that point.
+///
+/// # Errors
+/// Of the simulation, and when interrupted.
+pub(crate) fn first_touch(
+    instrument: &Instrument,
+    depth_m: f64,
+    zones: &[usize],
+    progress: &mut Progress<'_>,
+) -> Result<Option<(Vec<usize>, f64)>, MeasureError> {
+    let settings = Settings::new(STEP_S);
+    let mut action = Action::asking(instrument, settings, progress).map_err(SimulationError::from)?;
+    let steps = (WAY_S / STEP_S).round() as u64;
+    for n in 0..=steps {
+        if n.is_multiple_of(RECORD_EVERY) {
+            let touch: Vec<usize> = zones.iter().copied().filter(|&zone| action.contact_force(zone) > 0.0).collect();
+            if !touch.is_empty() {
+                return Ok(Some((touch, action.reading().key_m)));
+            }
+            if !progress(0.0) {
+                return Err(SimulationError::Interrupted.into());
+            }
+        }
+        let [share, rate] = least_jerk((n as f64 * STEP_S + settings.theta * STEP_S) / WAY_S);
+        let finger = Input::Motion { position_m: depth_m * share, velocity_m_per_s: depth_m * rate / WAY_S };
+        if action.step(finger).outcome == Outcome::NonFinite {
+            return Err(SimulationError::NonFinite { time_s: action.time_s() }.into());
+        }
     }
+    Ok(None)
+}
 
+impl SlowLoop {
     /// Work that the loop takes, J: the area between the way down and the way up.
     #[must_use]
     pub(crate) fn lost_j(&self) -> f64 {

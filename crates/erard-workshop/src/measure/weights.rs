@@ -12,7 +12,7 @@
 //! with the shank level, over the speed of the key front.
 
 use super::levers::Levers;
-use super::slow_loop::{SlowLoop, slow_loop};
+use super::slow_loop::{SlowLoop, first_touch, slow_loop};
 use super::trial::{largest_that_is_lifted, smallest_that_sinks};
 use super::{MeasureError, NotAnAction};
 use erard::Progress;
@@ -166,15 +166,13 @@ pub struct FreeWay {
 /// # Errors
 /// When there is no such way, or the run fails.
 pub fn free_way(instrument: &Instrument, parts: &Parts, progress: &mut Progress<'_>) -> Result<FreeWay, MeasureError> {
-    let press = slow_loop(instrument, DEEP_M, progress)?;
     let roles = &instrument.roles;
-    let others: Vec<usize> = roles.string.into_iter().chain(roles.key_bottom).collect();
-    let (let_off, other) = (press.first_touch_of(&parts.let_off_stops), press.first_touch_of(&others));
-    let is_first = let_off.is_some_and(|let_off| other.is_none_or(|other| let_off <= other));
-    let end_m = if is_first { let_off } else { other };
-    match end_m {
-        Some(end_m) if end_m > SHORTEST_WAY_M => Ok(FreeWay { end_m, let_off: is_first }),
-        Some(end_m) => Err(NotAnAction::NoFreeWay { way_m: end_m }.into()),
+    let zones = parts.let_off_stops.iter().copied().chain(roles.string).chain(roles.key_bottom).collect::<Vec<_>>();
+    match first_touch(instrument, DEEP_M, &zones, progress)? {
+        Some((touch, end_m)) if end_m > SHORTEST_WAY_M => {
+            Ok(FreeWay { end_m, let_off: touch.iter().any(|zone| parts.let_off_stops.contains(zone)) })
+        }
+        Some((_, way_m)) => Err(NotAnAction::NoFreeWay { way_m }.into()),
         None => Err(NotAnAction::NoLetOff { depth_m: DEEP_M }.into()),
     }
 }
