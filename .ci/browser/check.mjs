@@ -177,6 +177,21 @@ const run = async (path) => {
   });
 };
 
+// Smallest letters on the screen of each picture that has any, px, and what it is called.
+const letters = () => {
+  const least = (root, scale) => Math.min(...[...root.querySelectorAll('text')].filter((e) => e.textContent.trim()).map((e) => {
+    const own = (node) => node && (node.style?.fontSize || node.getAttribute?.('font-size') || own(node.parentElement));
+    return parseFloat(own(e)) * scale;
+  }));
+  const found = [...document.querySelectorAll('img[src^="data:image/svg+xml;base64,"]')].map((img) => {
+    const bytes = Uint8Array.from(atob(img.src.split(',')[1]), (c) => c.charCodeAt(0));
+    const svg = new DOMParser().parseFromString(new TextDecoder().decode(bytes), 'image/svg+xml').documentElement;
+    return [least(svg, img.clientWidth / svg.viewBox.baseVal.width), img.alt];
+  });
+  for (const svg of document.querySelectorAll('.drawn svg')) found.push([least(svg, svg.getScreenCTM().a), svg.querySelector('title')?.textContent]);
+  return found.filter(([least]) => Number.isFinite(least));
+};
+
 for (const path of process.argv.slice(2)) {
   if (basename(path) === 'run.html') await run(path);
   for (const [name, options] of [
@@ -188,6 +203,7 @@ for (const path of process.argv.slice(2)) {
     await visit(path, '', options, async (page) => {
       const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
       expect(path, over <= 0, `${name}: ${over} px too wide`);
+      for (const [least, what] of await page.evaluate(letters)) expect(path, least >= 8, `${name}: letters of ${least.toFixed(1)} px in ${what}`);
       await page.evaluate(axe);
       const { violations } = await page.evaluate(() => axe.run());
       for (const { id, help, nodes } of violations) {

@@ -52,9 +52,14 @@ pub(crate) fn page(title: &str, style: &str, body: &Markup) -> String {
     page.into_string() + "\n"
 }
 
-/// A picture as data: in a document of its own its names cannot clash with another's.
+/// A picture as data: in a document of its own its names cannot clash with another's. On a phone it keeps its size, so
+/// that its letters can be read, and is moved sideways, by the keyboard too.
 pub(crate) fn picture(alt: &str, svg: &str) -> Markup {
-    html! { img alt=(alt) src={ "data:image/svg+xml;base64," (STANDARD.encode(svg)) }; }
+    html! {
+        div.drawn tabindex="0" role="group" aria-label="Picture" {
+            img alt=(alt) src={ "data:image/svg+xml;base64," (STANDARD.encode(svg)) };
+        }
+    }
 }
 
 /// The head of a page: what it may load (pictures that it holds itself, and nothing else), its title and its style

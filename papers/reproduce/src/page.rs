@@ -129,7 +129,9 @@ fn section(one: &Reproduced) -> Markup {
                 div.figures {
                     @for (index, chart) in section.charts.iter().enumerate() {
                         figure {
-                            (PreEscaped(chart_svg(chart, &format!("{name}-{index}")).trim_end()))
+                            div.drawn tabindex="0" role="group" aria-label="Figure" {
+                                (PreEscaped(chart_svg(chart, &format!("{name}-{index}")).trim_end()))
+                            }
                             figcaption { (chart.caption) }
                         }
                     }

@@ -59,8 +59,8 @@ pub(crate) fn html(
                 div id="flight" { @for one in measured { (flight(one, several)) } }
                 div id="bench" { @for one in measured { (bench(one, several)) } }
                 h2 id="pictures" { "Pictures" }
-                @for drawn in drawings { (captioned(drawn, None, &at_night(&drawn.svg))) }
-                @for drawn in figures { (captioned(drawn, Some("plot"), &drawn.svg)) }
+                @for drawn in drawings { (captioned(drawn, "action", &at_night(&drawn.svg))) }
+                @for drawn in figures { (captioned(drawn, "plot", &drawn.svg)) }
             }
         }
     };
@@ -140,8 +140,8 @@ fn row(line: &Line, measured: &[Measured], lengths: Lengths) -> Markup {
     }
 }
 
-fn captioned(drawn: &Drawn, class: Option<&str>, svg: &str) -> Markup {
-    html! { figure class=[class] { (picture(&drawn.alt, svg)) figcaption { (drawn.alt) } } }
+fn captioned(drawn: &Drawn, class: &str, svg: &str) -> Markup {
+    html! { figure class=(class) { (picture(&drawn.alt, svg)) figcaption { (drawn.alt) } } }
 }
 
 /// A heading, what the numbers are, and a table of one action.
