@@ -22,8 +22,8 @@ pub(crate) struct Recording {
 }
 
 /// Arguments: whose position it is, whether the zero is taken from the rest, the low-pass in Hz, whether each channel's
-/// own noise sets it, columns that are turned, and how much later columns were written down, s.
-type Ready = (Option<String>, bool, Option<f64>, bool, Vec<String>, Vec<(String, f64)>);
+/// own noise sets it, columns that are turned, how much later columns were written down, s, and columns' stated zeros.
+type Ready = (Option<String>, bool, Option<f64>, bool, Vec<String>, Vec<(String, f64)>, Vec<(String, f64)>);
 
 #[pymethods]
 impl Recording {
@@ -143,7 +143,7 @@ fn role(name: &str) -> PyResult<Role> {
 }
 
 impl Recording {
-    fn made(name: String, inner: Inner, (position, zero, hz, own, inverted, late): Ready) -> PyResult<Self> {
+    fn made(name: String, inner: Inner, (position, zero, hz, own, inverted, late, zeros): Ready) -> PyResult<Self> {
         let low_pass = match (hz, own) {
             (Some(hz), _) if hz > 0.0 && hz.is_finite() => LowPass::At(hz),
             (Some(hz), _) => {
@@ -162,7 +162,8 @@ impl Recording {
         };
         let inverted = inverted.iter().map(|name| role(name)).collect::<PyResult<_>>()?;
         let late_s = late.iter().map(|(name, s)| Ok((role(name)?, *s))).collect::<PyResult<_>>()?;
-        let preparation = Preparation { zero, low_pass, inverted, late_s, ..Preparation::default() };
+        let zero_at = zeros.iter().map(|(name, at)| Ok((role(name)?, *at))).collect::<PyResult<_>>()?;
+        let preparation = Preparation { zero, zero_at, low_pass, inverted, late_s, ..Preparation::default() };
         let prepared = prepare(&inner, &preparation).map_err(|error| wrong(format!("{name}: {error}")))?;
         Ok(Recording { name, inner, preparation, prepared, position_of })
     }

@@ -172,6 +172,9 @@ def test_recordings_from_elsewhere(run: erard.Run, grand: erard.Instrument) -> N
     columns = {"time": "t (ms)", "force": "F:N", "position": "x:m"}
     with pytest.raises(erard.InputError, match="F"):
         erard.Recording(mine, columns={"time": "t (ms)", "force": "F"})
+    stated = erard.Recording(mine, columns=columns, zero={"force_N": 0.5}, low_pass=None)
+    raw = erard.Recording(mine, columns=columns, zero=False, low_pass=None)
+    assert np.allclose(stated["force_N"], raw["force_N"] - 0.5, atol=1e-12) and any("as was said" in note for note in stated.notes)
     turned = erard.Recording(mine, columns=columns, zero=False, low_pass=None, invert=["force_N"], delay={"force_N": 2e-3})
     at = np.linspace(0.01, 0.1, 50)
     assert np.allclose(turned.at("force_N", at), plain.at("force_N", at + 2e-3)) and np.allclose(turned.at("key_m", at), plain.at("key_m", at))

@@ -2,7 +2,7 @@
 
 use erard::recording::{ChannelReport, Report, Whence};
 use erard::stroke::Quantity;
-use erard_workshop::compare::{Band, Comparison, Errors, RATE_HZ, Trial, outcome, share};
+use erard_workshop::compare::{Band, Comparison, Errors, RATE_HZ, Trial, Worth, outcome, share};
 use erard_workshop::digits::plain;
 use serde_json::{Value, json};
 
@@ -129,7 +129,7 @@ pub(crate) fn prepared_channel(channel: &ChannelReport) -> Value {
         "range": [channel.range.0, channel.range.1],
         "rate_Hz": channel.rate_hz,
         "empty_rows": channel.gaps.rows,
-        "zero": channel.zero.map(|zero| zero.offset),
+        "zero": channel.zero.map(|zero| zero.offset).or(channel.stated_zero),
         "rest_until_s": channel.zero.map(|zero| zero.until_s),
         "inverted": channel.inverted,
         "late_s": channel.late_s,
@@ -173,10 +173,15 @@ fn finding(f: &Finding<'_>) -> Value {
         "unit": f.unit,
         "told_to_Hz": Some(f.told_to_hz).filter(|hz| *hz < 0.5 * RATE_HZ),
         "errors": errors,
-        "worth": f.trial.worth.filter(|_| f.quantity == "force").map(|worth| json!({
-            "position_noise_m": worth.noise_m,
-            "force_rms_N": Some(worth.rms_n).filter(|n| n.is_finite()),
-            "force_within_95_N": Some(worth.within_n).filter(|n| n.is_finite()),
-        })),
+        "worth": f.trial.worth.filter(|_| f.quantity == "force").map(|worth| worth_json(&worth)),
+    })
+}
+
+/// What a force is worth that comes out under a recorded motion.
+pub(crate) fn worth_json(worth: &Worth) -> Value {
+    json!({
+        "position_noise_m": worth.noise_m,
+        "force_rms_N": Some(worth.rms_n).filter(|n| n.is_finite()),
+        "force_within_95_N": Some(worth.within_n).filter(|n| n.is_finite()),
     })
 }

@@ -5,9 +5,9 @@ use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::Arc;
 
-use clap::{ArgAction, Args};
+use clap::Args;
 use erard::recording::{LowPass, Preparation, Prepared, prepare};
-use erard::stroke::{Columns, Layout, MAX_BYTES, MAX_ROWS, PositionOf, ROLES, Recording, Role, StrokeError};
+use erard::stroke::{Columns, Layout, MAX_BYTES, MAX_ROWS, PositionOf, Quantity, ROLES, Recording, Role, StrokeError};
 use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
@@ -32,9 +32,10 @@ pub(crate) struct RecordingOptions {
     /// F/k and its damper [default: the key's, unless the column title says otherwise]
     #[arg(long, value_name = "WHOSE", value_parser = one_of(&POSITIONS))]
     position: Option<PositionOf>,
-    /// Zero of the channels
-    #[arg(long, action = ArgAction::Set, value_parser = one_of(&ZEROS), default_value = "rest")]
-    zero: bool,
+    /// Zero of the channels: `rest` (the mean of the rest before the touch, if there is one), `off` (numbers as they are
+    /// in the file), or what a channel reads at its zero, e.g. position=0.4mm,force=3gf
+    #[arg(long, value_name = "rest|off|CHANNEL=VALUE", value_delimiter = ',', value_parser = zero, default_value = "rest")]
+    zero: Vec<ZeroOf>,
     /// Channels whose sign to reverse: force, position, hammer
     #[arg(long, value_name = "CHANNELS", value_delimiter = ',', value_parser = channel)]
     invert: Vec<Role>,
@@ -60,11 +61,38 @@ impl RecordingOptions {
 const POSITIONS: [Name<PositionOf>; 2] =
     [("key", "Front of the key", PositionOf::Key), ("fingertip", "Fingertip", PositionOf::Fingertip)];
 
-/// Whether the zero is taken from the rest.
-const ZEROS: [Name<bool>; 2] = [
-    ("rest", "Mean of the rest before the touch, if there is one", true),
-    ("off", "Numbers as they are in the file", false),
-];
+/// Where a zero comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum ZeroOf {
+    /// From the rest, where a channel shows one.
+    Rest,
+    /// It is the file's.
+    Off,
+    /// It was stated, N, m or m/s.
+    At(Role, f64),
+}
+
+fn zero(text: &str) -> Result<ZeroOf, String> {
+    match text.trim() {
+        "rest" => Ok(ZeroOf::Rest),
+        "off" => Ok(ZeroOf::Off),
+        text => {
+            let expected = || "expected `rest`, `off`, or a channel and a value, as in position=0.4mm".to_owned();
+            let (name, value) = text.split_once('=').ok_or_else(expected)?;
+            let role = channel(name)?;
+            Ok(ZeroOf::At(role, measured(value, role.quantity()).ok_or_else(expected)?))
+        }
+    }
+}
+
+/// A finite number with its unit, in SI units.
+fn measured(text: &str, quantity: Quantity) -> Option<f64> {
+    let text = text.trim();
+    let unit = text.find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E').unwrap_or(text.len());
+    let (number, unit) = text.split_at(unit);
+    let (factor, _) = quantity.unit(unit)?;
+    number.trim().parse::<f64>().ok().map(|number| number * factor).filter(|value| value.is_finite())
+}
 
 fn channel(text: &str) -> Result<Role, String> {
     let role = ROLES.into_iter().find(|role| *role != Role::Time && role.name() == text.trim());
@@ -74,17 +102,8 @@ fn channel(text: &str) -> Result<Role, String> {
 fn delay(text: &str) -> Result<(Role, f64), String> {
     let expected = || "expected a channel and a time, as in force=1.5ms or position=-0.2ms".to_owned();
     let (name, time) = text.split_once('=').ok_or_else(expected)?;
-    let time = time.trim();
-    let unit = time.find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E').unwrap_or(time.len());
-    let (number, unit) = time.split_at(unit);
-    let factor = match unit.trim() {
-        "s" => 1.0,
-        "ms" => 1e-3,
-        "us" | "\u{b5}s" | "\u{3bc}s" => 1e-6,
-        _ => return Err(expected()),
-    };
-    let seconds = number.trim().parse::<f64>().map_err(|_| expected())? * factor;
-    if seconds.abs() > 10.0 || seconds.is_nan() {
+    let seconds = measured(time, Quantity::Time).ok_or_else(expected)?;
+    if seconds.abs() > 10.0 {
         return Err("expected a time of at most 10 s".to_owned());
     }
     Ok((channel(name)?, seconds))
@@ -123,7 +142,7 @@ impl RecordingOptions {
     pub(crate) fn are_given(&self) -> bool {
         self.columns.is_some()
             || self.position.is_some()
-            || !self.zero
+            || self.zero != [ZeroOf::Rest]
             || !self.invert.is_empty()
             || !self.delay.is_empty()
             || self.low_pass != LowPass::Own
@@ -135,7 +154,7 @@ impl RecordingOptions {
         RecordingOptions {
             columns: None,
             position: None,
-            zero: true,
+            zero: vec![ZeroOf::Rest],
             invert: Vec::new(),
             delay: Vec::new(),
             low_pass: LowPass::Own,
@@ -143,10 +162,18 @@ impl RecordingOptions {
         }
     }
 
+    fn stated_zeros(&self) -> impl Iterator<Item = (Role, f64)> {
+        self.zero.iter().filter_map(|zero| match zero {
+            ZeroOf::At(role, at) => Some((*role, *at)),
+            _ => None,
+        })
+    }
+
     /// What is done to a recording.
     pub(crate) fn preparation(&self) -> Preparation {
         Preparation {
-            zero: self.zero,
+            zero: !self.zero.contains(&ZeroOf::Off),
+            zero_at: self.stated_zeros().collect(),
             inverted: self.invert.clone(),
             late_s: self.delay.clone(),
             low_pass: self.low_pass,
@@ -180,10 +207,11 @@ impl RecordingOptions {
         for (role, option) in self
             .invert
             .iter()
-            .map(|role| (role, "--invert"))
-            .chain(self.delay.iter().map(|(role, _)| (role, "--delay")))
+            .map(|role| (*role, "--invert"))
+            .chain(self.delay.iter().map(|(role, _)| (*role, "--delay")))
+            .chain(self.stated_zeros().map(|(role, _)| (role, "--zero")))
         {
-            if recording.channel(*role).is_none() {
+            if recording.channel(role).is_none() {
                 return Err(Failure::Usage(format!("{option} {}: {name} does not have this channel", role.name())));
             }
         }

@@ -3,10 +3,13 @@
 use std::fmt;
 
 use erard::run::{Run, Setup};
+use erard::stroke::Prescribed;
 use erard::trust::Warning;
+use erard_workshop::compare::Worth;
 use moreau::Ledger;
 use serde_json::{Value, json};
 
+use crate::compare::worth_json;
 use crate::table::Table;
 
 /// A number of a run: its JSON key, its name, the value of the JSON in the table's unit, that unit, and decimals.
@@ -47,6 +50,8 @@ pub(crate) struct Summary {
     pub json: Value,
     /// Warnings about the numbers.
     pub warnings: Vec<Warning>,
+    /// What the force is worth, in words, where a recorded motion drives.
+    pub worth: Option<String>,
 }
 
 impl Summary {
@@ -111,10 +116,17 @@ impl Summary {
             "smallest_dissipation_J": booked(|l| l.smallest_term),
             "final_pivot_friction_N_m": run.final_pivot_friction_n_m,
             "strikes": strikes.collect::<Value>(),
+            "force_worth": Value::Null,
             "trusted": run.is_trusted(),
             "warnings": run.warnings,
         });
-        Summary { json, warnings: run.warnings.clone() }
+        Summary { json, warnings: run.warnings.clone(), worth: None }
+    }
+
+    /// Adds what the force is worth under a motion of a kind.
+    pub(crate) fn set_worth(&mut self, worth: &Worth, driven: Prescribed) {
+        self.json["force_worth"] = worth_json(worth);
+        self.worth = Some(worth.told(driven));
     }
 
     /// Name and value with unit, as printed.
@@ -135,6 +147,11 @@ impl Summary {
         let strikes = json["strikes"].as_array().map_or(0, Vec::len);
         if strikes > 1 && !one_dof {
             lines.insert(6, ("impacts on the string", strikes.to_string()));
+        }
+        let worth = &json["force_worth"];
+        if let Some(rms_n) = worth["force_rms_N"].as_f64() {
+            let within_n = worth["force_within_95_N"].as_f64().unwrap_or(f64::NAN);
+            lines.push(("force's noise, from the motion's", format!("{rms_n:.3} N rms, 95 % within {within_n:.3} N")));
         }
         let residual = json["energy_residual_relative"].as_f64().unwrap_or(f64::NAN);
         lines.push(("energy residual", format!("{residual:.1e} of the work put in")));

@@ -40,8 +40,9 @@ class Recording(Table):
         Which columns to read where their titles do not say it: "time=Time (s),position=Displacement (mm),force=F [gf]", or a mapping of the same.
     position : {"key", "fingertip"}, optional
         Whose position it is; by default what its title says, else the key's.
-    zero : bool
-        Take the mean of the rest before the touch from every channel that has one.
+    zero : bool or mapping of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"} to float
+        Take the mean of the rest before the touch from every channel that has one. A mapping states what a channel reads at its zero, N, m or
+        m/s, in the file's own sign; the other channels' zeros are taken from the rest.
     low_pass : float, "own" or None
         A low-pass filter, forward and backward, Hz; "own" where each channel's own noise begins; `None`: nothing is filtered.
     invert : sequence of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"}
@@ -71,7 +72,7 @@ class Recording(Table):
         *,
         columns: str | Mapping[str, str] | None = None,
         position: str | None = None,
-        zero: bool = True,
+        zero: bool | Mapping[str, float] = True,
         low_pass: float | str | None = "own",
         invert: Sequence[str] = (),
         delay: Mapping[str, float] | None = None,
@@ -83,7 +84,8 @@ class Recording(Table):
             columns = ",".join(f"{role}={title}" for role, title in columns.items())
         late = [(str(name), number(f"delay[{name!r}]", s)) for name, s in mapping("delay", delay).items()]
         hz = None if own or low_pass is None else number("low_pass", low_pass)
-        ready = (position, bool(zero), hz, own, names_of("invert", invert), late)
+        zeros = [(str(name), number(f"zero[{name!r}]", at)) for name, at in (zero.items() if isinstance(zero, Mapping) else ())]
+        ready = (position, isinstance(zero, Mapping) or bool(zero), hz, own, names_of("invert", invert), late, zeros)
         if isinstance(source, Recording):
             name, source = source.name, dict(source)
         elif isinstance(source, (str, os.PathLike)):

@@ -15,7 +15,7 @@ Progress: TypeAlias = Callable[[float], None] | None
 
 #: How a recording is prepared: whose position it is, zero from the rest, low-pass in Hz, or by each channel's own
 #: noise, columns that are turned, and how late columns are, s.
-Ready: TypeAlias = tuple[str | None, bool, float | None, bool, list[str], list[tuple[str, float]]]
+Ready: TypeAlias = tuple[str | None, bool, float | None, bool, list[str], list[tuple[str, float]], list[tuple[str, float]]]
 
 
 class Steps(TypedDict):

@@ -11,7 +11,7 @@ use erard::one_dof;
 use erard::run::{Setup, SimulationError};
 pub(crate) use erard::stroke::Stroke;
 use erard::stroke::{Columns, DrivingError, Prescribed, Series, constant_force_fault};
-use erard_workshop::compare::Which;
+use erard_workshop::compare::{PathNoise, Which};
 use erard_workshop::measure::norms::{Line, lines};
 use erard_workshop::regional::ours;
 use erard_workshop::worklist::Priority;
@@ -391,6 +391,20 @@ impl StrokeOptions {
 
     /// Reads the stroke, or finds the hand whose level the reference has: the instrument that all are compared with.
     pub(crate) fn load(&self, reference: &Instrument) -> Result<Stroke, Failure> {
+        self.load_with_noise(reference).map(|(stroke, _)| stroke)
+    }
+
+    /// The same with the noise of its recorded position, and until when the recording rests, s, where it has both.
+    pub(crate) fn load_with_noise(
+        &self,
+        reference: &Instrument,
+    ) -> Result<(Stroke, Option<(PathNoise, f64)>), Failure> {
+        let mut noise = None;
+        let stroke = self.loaded(reference, &mut noise)?;
+        Ok((stroke, noise))
+    }
+
+    fn loaded(&self, reference: &Instrument, noise: &mut Option<(PathNoise, f64)>) -> Result<Stroke, Failure> {
         if let Some(force_n) = self.force_step {
             if let Some(fault) = constant_force_fault(force_n) {
                 return Err(Failure::Usage(format!("--force-step {force_n}: {fault}")));
@@ -416,6 +430,7 @@ impl StrokeOptions {
             Some(path) => {
                 let Ready { name, prepared, position_of, .. } = self.recording.load(path)?;
                 notes = prepared.report.told();
+                *noise = PathNoise::of(&prepared.report).zip(prepared.report.rest_until_s());
                 Stroke::recorded(name, prepared.series, position_of, self.drive)
             }
             None => {

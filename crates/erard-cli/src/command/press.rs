@@ -27,6 +27,7 @@ use crate::table::Table;
 use crate::tell;
 use erard_figures::figure::run_svg;
 use erard_figures::page::{Shown, page_html};
+use erard_workshop::compare::{PathNoise, Worth};
 use erard_workshop::sample::SampleError;
 
 /// Simulates one key press and shows what happened.
@@ -106,7 +107,7 @@ impl Press {
         let Some(reference) = reference else { return Err(Failure::Internal("no instrument".into())) };
         let settings = self.step.settings(reference)?;
         let own = against.as_ref().map_or_else(|| self.stroke.clone(), |other| self.stroke.beside(other));
-        let stroke = own.load(reference)?;
+        let (stroke, noise) = own.load_with_noise(reference)?;
         let setup = |stroke: &Stroke| Setup {
             settings,
             start_s: stroke.start_s,
@@ -117,7 +118,7 @@ impl Press {
             ..Setup::new(self.duration.unwrap_or(stroke.duration_s))
         };
         if self.against.is_some() || instruments.len() == 2 {
-            let strokes = self.strokes(&instruments, stroke, against.as_ref(), reference)?;
+            let strokes = self.strokes(&instruments, (stroke, noise), against.as_ref(), reference)?;
             return self.pair(&instruments, strokes, setup);
         }
         let [Noted { instrument, changed, .. }] = &instruments[..] else {
@@ -141,7 +142,8 @@ impl Press {
         let elapsed_s = started.elapsed().as_secs_f64();
         let drive = stroke.drive_name();
         let names = [self.instrument.model.name(), drive, self.step.solver_name()];
-        let summary = Summary::new(&run, &setup, names, elapsed_s);
+        let mut summary = Summary::new(&run, &setup, names, elapsed_s);
+        add_worth(&mut summary, &run, instrument, &stroke, &setup, noise.as_ref())?;
 
         let svg = run_svg(&run, &stroke.title);
         let pins = inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default();
@@ -188,6 +190,10 @@ impl Press {
         }
         say!();
         say!("{summary}");
+        if let Some(worth) = &summary.worth {
+            say!("{worth}");
+            say!();
+        }
         if let Some((rows, count)) = banded {
             bands::lines(&rows, count).iter().for_each(|line| say!("{line}"));
             say!();
@@ -243,17 +249,17 @@ impl Press {
     fn strokes(
         &self,
         instruments: &[Noted],
-        stroke: Stroke,
+        stroke: Noisy,
         against: Option<&StrokeOptions>,
         reference: &Instrument,
-    ) -> Result<Vec<Stroke>, Failure> {
+    ) -> Result<Vec<Noisy>, Failure> {
         match (against, instruments) {
             (Some(_), [_, _]) => Err(Failure::Usage(
                 "--against with two instruments: expected either two instruments or two strokes, so that the page shows one difference".into(),
             )),
-            (Some(other), _) => Ok(vec![stroke, other.load(reference)?]),
+            (Some(other), _) => Ok(vec![stroke, other.load_with_noise(reference)?]),
             (None, [_, second]) if self.stroke.is_touch() && (self.each || self.instrument.are_keys()) => {
-                Ok(vec![stroke, self.stroke.load(&second.whole)?])
+                Ok(vec![stroke, self.stroke.load_with_noise(&second.whole)?])
             }
             (None, _) => Ok(vec![stroke]),
         }
@@ -263,7 +269,7 @@ impl Press {
     fn pair(
         &self,
         instruments: &[Noted],
-        strokes: Vec<Stroke>,
+        strokes: Vec<Noisy>,
         setup: impl Fn(&Stroke) -> Setup,
     ) -> Result<(), Failure> {
         if self.bands.bands.is_some() {
@@ -277,7 +283,7 @@ impl Press {
                     .into(),
             ));
         }
-        let mut setups: Vec<Setup> = strokes.iter().map(setup).collect();
+        let mut setups: Vec<Setup> = strokes.iter().map(|(stroke, _)| setup(stroke)).collect();
         // One clock: both are played as long as the longer one.
         let longest = setups.iter().map(|setup| setup.duration_s).fold(0.0, f64::max);
         setups.iter_mut().for_each(|setup| setup.duration_s = longest);
@@ -286,12 +292,13 @@ impl Press {
         let mut played = Vec::new();
         for index in 0..2 {
             let at = |count: usize| index.min(count - 1);
-            let (Noted { instrument, changed, .. }, stroke, setup) =
+            let (Noted { instrument, changed, .. }, (stroke, noise), setup) =
                 (&instruments[at(instruments.len())], &strokes[at(strokes.len())], &setups[at(setups.len())]);
             let started = Instant::now();
             let run = play_observed(instrument, stroke, setup, &mut Inside::default())?;
             let names = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
-            let summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
+            let mut summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
+            add_worth(&mut summary, &run, instrument, stroke, setup, noise.as_ref())?;
             played.push(Played { instrument, changed, stroke: stroke.title.clone(), run, summary });
         }
         let Ok(played) = <[Played; 2]>::try_from(played) else { return Err(Failure::Internal("not two runs".into())) };
@@ -299,6 +306,9 @@ impl Press {
         let written = output.commit()?;
         press_pair::tell(&played);
         for (one, name) in played.iter().zip(press_pair::names(&played)) {
+            if let Some(worth) = &one.summary.worth {
+                say!("{name}: {worth}");
+            }
             for warning in &one.summary.warnings {
                 tell!("warning: {name}: this run cannot be trusted: {warning}");
             }
@@ -306,6 +316,27 @@ impl Press {
         say!("{written}");
         Ok(())
     }
+}
+
+/// A stroke, with the noise of its recorded position and until when it rests, s, where it has both.
+type Noisy = (Stroke, Option<(PathNoise, f64)>);
+
+/// Adds what the run's force is worth where a noisy motion drives it.
+fn add_worth(
+    summary: &mut Summary,
+    run: &Run,
+    instrument: &Instrument,
+    stroke: &Stroke,
+    setup: &Setup,
+    noise: Option<&(PathNoise, f64)>,
+) -> Result<(), Failure> {
+    let Some((noise, rest_until_s)) = noise else { return Ok(()) };
+    let mut progress = Progress::new("playing the motion with its noise");
+    let mut tell = |share: f64| progress.tell(share);
+    if let Some(worth) = Worth::of_run(run, instrument, stroke, setup, (noise, *rest_until_s), &mut tell)? {
+        summary.set_worth(&worth, stroke.drive);
+    }
+    Ok(())
 }
 
 /// A stroke played once more, to be heard.

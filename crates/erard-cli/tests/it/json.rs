@@ -19,6 +19,7 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             &["press", "--model", "one-dof", "--duration", "0.05"],
             &["press", "--tolerance", "1e-4", "--duration", "0.1"],
             &["press", "--stroke", "ff"],
+            &["press", "noisy.csv", "--drive", "rigid", "--duration", "0.2"],
         ],
     ),
     ("draw", &[&["draw"], &["draw", "--at", "let-off"]]),

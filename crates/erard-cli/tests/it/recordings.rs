@@ -360,3 +360,65 @@ fn a_second_stroke_has_columns_too() {
     // Options of recordings without a recording are refused as before.
     assert!(folder.bad(&["press", "--against", "f", "--columns", &a, "--out", "none"]).contains("need a stroke file"));
 }
+
+/// Summary and force of a run under a recorded position alone.
+fn pressed(folder: &Folder, arguments: &[&str]) -> (Value, Vec<f64>) {
+    folder.good(&[&["press"], arguments, &["--out", "pressed", "--force"]].concat());
+    let force = |line: &str| line.split(',').nth(1).unwrap().parse().unwrap();
+    let force_n = folder.read("pressed/run.csv").lines().skip(1).map(force).collect();
+    (serde_json::from_str(&folder.read("pressed/summary.json")).unwrap(), force_n)
+}
+
+/// Rows of time and position, m.
+fn positions(rows: &[[f64; 3]], mut at: impl FnMut(f64) -> f64) -> String {
+    let mut text = String::from("time_s,position_m\n");
+    for [t, _, y] in rows {
+        let _ = writeln!(text, "{t},{:.9}", at(*y));
+    }
+    text
+}
+
+/// A position without a rest that begins off its zero: the warning says what to type, and what is typed undoes it.
+#[test]
+fn what_a_warning_says_of_a_zero_can_be_typed() {
+    let folder = Folder::new("recordings-zero");
+    let rows = played(&folder);
+    let moving = &rows[(REST_S * RATE_HZ) as usize + 300..];
+    let begins_m = moving[0][2];
+    folder.file("true.csv", &positions(moving, |y| y - begins_m));
+    folder.file("off.csv", &positions(moving, |y| y - begins_m + 0.4e-3));
+    let said = Folder::words(&folder.good(&["check", "off.csv"]));
+    let typed = said.split("--zero ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+    assert_eq!(typed, "position=0.4000mm");
+    let quick = ["--duration", "0.15", "--record-every", "1"];
+    let [right, off, zeroed] = [&["true.csv"][..], &["off.csv"], &["off.csv", "--zero", typed]]
+        .map(|arguments| pressed(&folder, &[arguments, &quick].concat()).0["hammer_speed_m_per_s"].as_f64().unwrap());
+    assert!((zeroed - right).abs() < 1e-6 && (off - right).abs() > 0.01, "{right} {off} {zeroed}");
+    let said = folder.bad(&["press", "off.csv", "--zero", "hammer=1mm"]);
+    assert!(said.contains("--zero hammer: off.csv does not have this channel"), "{said}");
+}
+
+/// What a run says that its force is worth under a recorded key is how far it is from the force under the true motion.
+#[test]
+fn a_recorded_key_says_what_its_force_is_worth() {
+    let folder = Folder::new("recordings-worth");
+    let rows = played(&folder);
+    let mut noise = Noise(5);
+    folder.file("true.csv", &positions(&rows, |y| y));
+    folder.file("noisy.csv", &positions(&rows, |y| y + 2e-6 * noise.next()));
+    // One filter for both: what a filter takes from the motion is no noise.
+    let quick = ["--duration", "0.25", "--record-every", "1", "--low-pass", "1000"];
+    let right_n = pressed(&folder, &[&["true.csv"], &quick[..]].concat()).1;
+    let by_force = pressed(&folder, &["--stroke", "f", "--drive", "force", "--duration", "0.05"]).0;
+    assert_eq!(by_force["force_worth"], Value::Null);
+    let (noisy, force_n) = pressed(&folder, &[&["noisy.csv"], &quick[..]].concat());
+    let worth = |key: &str| noisy["force_worth"][key].as_f64().unwrap();
+    assert!((worth("position_noise_m") - 2e-6).abs() < 0.2e-6, "{noisy}");
+    let rest = (REST_S * RATE_HZ) as usize;
+    let off: Vec<f64> = right_n.iter().zip(&force_n).skip(rest).map(|(a, b)| (a - b).abs()).collect();
+    let rms = (off.iter().map(|x| x * x).sum::<f64>() / off.len() as f64).sqrt();
+    let ratio = rms / worth("force_rms_N");
+    assert!((0.5..2.0).contains(&ratio), "{rms} N off, {} N said", worth("force_rms_N"));
+    let within = off.iter().filter(|x| **x <= worth("force_within_95_N")).count() as f64 / off.len() as f64;
+    assert!(within > 0.8, "{within}");
+}

@@ -111,9 +111,8 @@ impl Choice {
             let noise = channel.band_hz.into_iter().chain(low_pass).map(|hz| WELL_WITHIN * hz);
             *limit = noise.chain([0.5 * channel.rate_hz]).fold(*limit, f64::min);
         }
-        self.path_noise = report.channel(Role::Position).and_then(PathNoise::of);
-        let rests = report.channels.iter().filter_map(|channel| Some(channel.zero?.until_s));
-        self.rest_until_s = rests.reduce(f64::min).unwrap_or(self.rest_until_s);
+        self.path_noise = PathNoise::of(report);
+        self.rest_until_s = report.rest_until_s().unwrap_or(self.rest_until_s);
         self
     }
 }

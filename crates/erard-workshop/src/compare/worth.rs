@@ -6,9 +6,11 @@
 //! do not hold (motion faster than half their rate, what a filter takes away) is not in it.
 
 use erard::Progress;
-use erard::recording::{Butterworth, ChannelReport};
-use erard::run::SimulationError;
-use erard::stroke::{PositionSeries, Prescribed};
+use erard::instrument::Instrument;
+use erard::player::{self, Drive};
+use erard::recording::{Butterworth, ChannelReport, Report};
+use erard::run::{Run, Setup, SimulationError, simulate};
+use erard::stroke::{PositionSeries, Prescribed, Role, Stroke};
 use fastrand::Rng;
 
 use super::CompareError;
@@ -26,8 +28,13 @@ pub struct PathNoise {
 }
 
 impl PathNoise {
-    /// As a channel's report tells it.
-    pub(super) fn of(channel: &ChannelReport) -> Option<Self> {
+    /// As a report tells it; `None` where the recording has no position, or its position shows no noise.
+    #[must_use]
+    pub fn of(report: &Report) -> Option<Self> {
+        report.channel(Role::Position).and_then(Self::of_channel)
+    }
+
+    fn of_channel(channel: &ChannelReport) -> Option<Self> {
         let filter = channel.low_pass.map(|own| (own.order, own.cutoff_hz, channel.rate_hz));
         Some(PathNoise { rms_m: channel.noise?.rms, filter })
     }
@@ -60,7 +67,7 @@ pub struct Worth {
     pub noise_m: f64,
 }
 
-/// Plays a path: the force on the common axis, N.
+/// Plays a path: the force on the axis of the undisturbed one, N.
 pub(super) type Play<'a> = dyn Fn(&PositionSeries, &mut Progress<'_>) -> Result<Vec<f64>, SimulationError> + 'a;
 
 impl Worth {
@@ -91,8 +98,39 @@ impl Worth {
         Ok(Worth { rms_n: mean.sqrt(), within_n, noise_m })
     }
 
+    /// Of a run under a recorded stroke that rests until an instant, s: the rows from there to the recording's end.
+    /// `None` where the stroke is no recorded motion.
+    ///
+    /// # Errors
+    /// When interrupted.
+    pub fn of_run(
+        run: &Run,
+        instrument: &Instrument,
+        stroke: &Stroke,
+        setup: &Setup,
+        (noise, rest_until_s): (&PathNoise, f64),
+        progress: &mut Progress<'_>,
+    ) -> Result<Option<Self>, CompareError> {
+        let Ok(Some(path)) = stroke.path(&instrument.finger) else { return Ok(None) };
+        let row = |until_s: f64| run.time_s.partition_point(|t| *t <= until_s);
+        let end = path.times_s().last().map_or(0, |end_s| row(*end_s));
+        let play = |disturbed: &PositionSeries, progress: &mut Progress<'_>| {
+            let path = disturbed.drive();
+            let drive: &Drive<'_> = match stroke.drive {
+                Prescribed::Rigid => &player::rigid(&path),
+                _ => &player::motion(&path),
+            };
+            let setup = Setup { ledger: false, ..*setup };
+            let mut force_n = simulate(instrument, drive, &setup, progress)?.force_n;
+            force_n.truncate(end);
+            Ok(force_n)
+        };
+        Worth::of(noise, &path, &run.force_n[..end], row(rest_until_s), &play, progress).map(Some)
+    }
+
     /// In words.
-    pub(super) fn told(&self, driven: Prescribed) -> String {
+    #[must_use]
+    pub fn told(&self, driven: Prescribed) -> String {
         let Worth { rms_n, within_n, noise_m } = self;
         let begin = format!("{} driven: the position's noise, {:.2} um rms,", driven.name(), 1e6 * noise_m);
         if !rms_n.is_finite() {

@@ -24,6 +24,8 @@ use thiserror::Error;
 pub struct Preparation {
     /// Take the mean of the rest before the touch from every channel that has one.
     pub zero: bool,
+    /// What a channel reads in the file where its quantity is zero, N, m or m/s: taken from it, rest or none.
+    pub zero_at: Vec<(Role, f64)>,
     /// Channels that are positive upward (the hammer's: downward), and are turned.
     pub inverted: Vec<Role>,
     /// How much later than the others a channel was written down, s.
@@ -47,7 +49,14 @@ pub enum LowPass {
 
 impl Default for Preparation {
     fn default() -> Self {
-        Preparation { zero: true, inverted: Vec::new(), late_s: Vec::new(), low_pass: LowPass::Own, order: 4 }
+        Preparation {
+            zero: true,
+            zero_at: Vec::new(),
+            inverted: Vec::new(),
+            late_s: Vec::new(),
+            low_pass: LowPass::Own,
+            order: 4,
+        }
     }
 }
 
@@ -173,7 +182,13 @@ impl Samples {
         let shortest_s = self.times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let is_even = longest_s - usual_s <= EVEN * usual_s && usual_s - shortest_s <= EVEN * usual_s;
         let mut values = self.values.clone();
-        let zero = (preparation.zero && self.rest > 0).then(|| {
+        let stated = preparation.zero_at.iter().find(|(role, _)| *role == self.role).map(|(_, at)| *at);
+        // As it stands in the file: before its sign is turned.
+        let stated = stated.map(|at| if self.inverted { -at } else { at });
+        if let Some(at) = stated {
+            values.iter_mut().for_each(|value| *value -= at);
+        }
+        let zero = (preparation.zero && stated.is_none() && self.rest > 0).then(|| {
             let offset = noise::mean(&self.values[..self.rest]);
             Zero { offset, until_s: self.times[self.rest - 1], samples: self.rest }
         });
@@ -187,6 +202,7 @@ impl Samples {
         report.late_s = self.late_s;
         report.gaps = self.gaps;
         report.zero = zero;
+        report.stated_zero = stated;
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let count = ((last - first) / usual_s).round() + 1.0;
         let may_be_even = longest_s <= GAP * usual_s;

@@ -46,6 +46,8 @@ pub struct ChannelReport {
     pub gaps: Gaps,
     /// Its zero, where one was found and taken.
     pub zero: Option<Zero>,
+    /// Zero that was stated and taken, N, m or m/s, its sign turned with the channel's.
+    pub stated_zero: Option<f64>,
     /// Whether its sign was turned.
     pub inverted: bool,
     /// How much later than the others it was written down, s, as was said.
@@ -78,6 +80,7 @@ impl ChannelReport {
             is_even: false,
             gaps: Gaps::default(),
             zero: None,
+            stated_zero: None,
             inverted: false,
             late_s: 0.0,
             noise: None,
@@ -97,7 +100,7 @@ impl ChannelReport {
         let (down, up) = (values[0].min(self.first) - low, high - values[0].max(self.first));
         self.looks_inverted = down > WRONG_WAY * up.max(0.0) + 10.0 * noise;
         let off = self.first.abs() > (OFF * (high - low)).max(6.0 * noise) && self.first != 0.0;
-        self.begins_at = (self.zero.is_none() && off).then_some(self.first);
+        self.begins_at = (self.zero.is_none() && self.stated_zero.is_none() && off).then_some(self.first);
     }
 
     /// Its value as people read it.
@@ -132,6 +135,9 @@ impl ChannelReport {
                 zero.samples,
                 zero.until_s
             ));
+        }
+        if let Some(at) = self.stated_zero {
+            lines.push(format!("zero: {} subtracted, as was said", self.shown(at)));
         }
         if let Some(noise) = self.noise {
             let whence = match noise.whence {
@@ -177,7 +183,12 @@ impl ChannelReport {
             ));
         }
         if let Some(off) = self.begins_at {
-            warnings.push(format!("the {name} begins at {}, and no zero was taken from it", self.shown(off)));
+            // As it is to be stated: in the file's own sign.
+            let at = self.shown(if self.inverted { -off } else { off }).replace(' ', "");
+            let shown = self.shown(off);
+            warnings.push(format!(
+                "the {name} begins at {shown}, and no zero was taken from it. If it rests there: --zero {name}={at} (in Python, zero)"
+            ));
         }
         warnings
     }
@@ -187,6 +198,11 @@ impl Report {
     /// Report of the channel of a role.
     pub fn channel(&self, role: Role) -> Option<&ChannelReport> {
         self.channels.iter().find(|channel| channel.role == role)
+    }
+
+    /// Until when all channels rest, s; `None` where no channel shows a rest before the touch.
+    pub fn rest_until_s(&self) -> Option<f64> {
+        self.channels.iter().filter_map(|channel| Some(channel.zero?.until_s)).reduce(f64::min)
     }
 
     /// Changes and remarks, a line each, with the name of the channel in front.

@@ -243,22 +243,30 @@ impl Stroke {
         if let Some(stroke) = self.by_hand {
             return Ok(Box::new(move |t| stroke.input(t)));
         }
-        let wanted = match self.drive {
-            Prescribed::Force => {
-                let constant = self.force_n;
-                return Ok(match self.force.clone() {
-                    Some(force) => Box::new(player::force(ForceSeries::driven(force))),
-                    None => Box::new(move |_| Input::Force(constant)),
-                });
-            }
-            Prescribed::Motion => PositionOf::Fingertip,
-            Prescribed::Rigid => PositionOf::Key,
+        let Some(path) = self.path(finger)? else {
+            let constant = self.force_n;
+            return Ok(match self.force.clone() {
+                Some(force) => Box::new(player::force(ForceSeries::driven(force))),
+                None => Box::new(move |_| Input::Force(constant)),
+            });
         };
-        let position = PositionSeries::driven(self.position(wanted, finger)?);
+        let position = PositionSeries::driven(path);
         Ok(match self.drive {
             Prescribed::Motion => Box::new(player::motion(position)),
             _ => Box::new(player::rigid(position)),
         })
+    }
+
+    /// The recorded motion that drives, for a fingertip as soft as the instrument says; `None` where a force does.
+    ///
+    /// # Errors
+    /// See [`DrivingError`].
+    pub fn path(&self, finger: &Finger) -> Result<Option<Arc<PositionSeries>>, DrivingError> {
+        match self.drive {
+            Prescribed::Force => Ok(None),
+            Prescribed::Motion => self.position(PositionOf::Fingertip, finger).map(Some),
+            Prescribed::Rigid => self.position(PositionOf::Key, finger).map(Some),
+        }
     }
 
     /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where
