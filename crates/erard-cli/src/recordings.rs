@@ -32,9 +32,11 @@ pub(crate) struct RecordingOptions {
     /// F/k and its damper [default: the key's, unless the column title says otherwise]
     #[arg(long, value_name = "WHOSE", value_parser = one_of(&POSITIONS))]
     position: Option<PositionOf>,
-    /// Zero of the channels: `rest` (the mean of the rest before the touch, if there is one), `off` (numbers as they are
-    /// in the file), or what a channel reads at its zero, e.g. position=0.4mm,force=3gf
-    #[arg(long, value_name = "rest|off|CHANNEL=VALUE", value_delimiter = ',', value_parser = zero, default_value = "rest")]
+    /// Zero of the channels: `rest` (the mean of the rest before the touch, if there is one), `off` (numbers as they
+    /// are in the file), or what a channel reads at its zero, e.g. position=0.4mm,force=3gf
+    #[arg(
+        long, value_name = "rest|off|CHANNEL=VALUE", value_delimiter = ',', value_parser = zero, default_value = "rest"
+    )]
     zero: Vec<ZeroOf>,
     /// Channels whose sign to reverse: force, position, hammer
     #[arg(long, value_name = "CHANNELS", value_delimiter = ',', value_parser = channel)]

@@ -352,7 +352,7 @@ fn drawings(measured: &[Measured]) -> Result<Vec<Drawn>, Failure> {
     let mut drawings = Vec::new();
     for (index, one) in measured.iter().enumerate() {
         let run = simulate(&one.instrument, &|_| player::Input::Free, &setup, &mut |_| true)?;
-        // No letters in it: on a phone nobody could read them, and what stands beside it says what it is.
+        // No letters in it: on a phone nobody could read them, and the caption says what it is.
         let svg = pose_svg(&one.instrument, &angles_at(&run, 0), &PoseOptions::default());
         let name = if measured.len() > 1 { format!("action-{}", index + 1) } else { "action".to_owned() };
         drawings.push(Drawn { name, alt: format!("{}, at rest", one.label), svg });
