@@ -44,9 +44,10 @@ fn every_estimate_has_a_spread() {
 #[test]
 fn a_sample_is_one_plausible_grand() {
     let sampled = Sampled::of_file(grand(), GRAND, &mut |_| true).unwrap();
-    let text = sampled.text(2, &mut |_| true).unwrap();
+    // One that is plausible as it is drawn first: others take several draws.
+    let text = sampled.text(8, &mut |_| true).unwrap();
     let file = InstrumentFile::parse(&text, "sample").unwrap();
-    assert!(file.instrument.name.ends_with(", sample 2"), "{}", file.instrument.name);
+    assert!(file.instrument.name.ends_with(", sample 8"), "{}", file.instrument.name);
     let factor = |path: &str| {
         let of = |text: &str| numbers_at(text, path).unwrap()[0];
         of(&text) / of(grand())
