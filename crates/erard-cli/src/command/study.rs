@@ -19,6 +19,7 @@ use super::options::{
 };
 use super::out::OutOptions;
 use crate::failure::Failure;
+use crate::number::number;
 use crate::progress::Progress;
 use crate::say;
 use crate::study::sensitivities as sensitive;
@@ -80,7 +81,7 @@ pub(crate) struct Study {
     #[command(flatten)]
     step: StepOptions,
     /// Simulated time of every stroke, s [default: the stroke's duration and a little more]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number("s", "a number of seconds, e.g. 0.5"), allow_negative_numbers = true)]
     duration: Option<f64>,
     #[command(flatten)]
     bands: BandOptions,

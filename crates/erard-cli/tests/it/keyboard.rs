@@ -86,7 +86,7 @@ fn wrong_input_is_told() {
         (&["keyboard", "grand.toml"], "belongs to an instrument, and a keyboard is expected here"),
         (&["keyboard", "broken.toml"], "broken.toml:9:9: `added_mass.hammer head.at_mm`"),
         (&["keyboard", "--key", "0"], "expected a number from 1 to 88, or a note from A0 to C8"),
-        (&["keyboard", "--every", "0"], "0 is not in 1..=87"),
+        (&["keyboard", "--every", "0"], "expected a whole number from 1 to 87"),
         (
             &["press", "--instrument", "mine.toml"],
             "mine.toml: is a keyboard; expected an instrument. Name one of its keys: mine.toml:key=40",
