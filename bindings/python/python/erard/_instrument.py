@@ -599,7 +599,7 @@ class Sheet(Mapping[str, Any]):
         Returns
         -------
         list of (str, str, str)
-            What it is, its value with the unit, what is usual at middle C.
+            Quantity, value with its unit, usual range at middle C.
         """
         found = []
         for key, label, unit, decimals, usual in _erard.measure_lines():

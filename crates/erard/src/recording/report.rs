@@ -139,7 +139,7 @@ impl ChannelReport {
                 Whence::Spectrum => "at the upper end of its spectrum",
             };
             let tells = match self.band_hz {
-                Some(band) if band <= 0.0 => "it tells of nothing else".to_owned(),
+                Some(band) if band <= 0.0 => "no signal above noise".to_owned(),
                 Some(band) => format!("signal above noise up to {band:.0} Hz"),
                 None => "up to where is not known".to_owned(),
             };
