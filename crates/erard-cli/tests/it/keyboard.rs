@@ -37,7 +37,7 @@ fn weighed_keys_are_written() {
     // The strike weight grows by what is added at the place where it is weighed: 8.7 g + 2 g, 8.7 g - 3 g.
     let strike = |row: &[&str]| row[3].parse::<f64>().unwrap();
     assert!((strike(&rows[1]) - strike(&rows[2]) - 5.0).abs() < 1e-3, "{table}");
-    assert!(said.starts_with("Mine - 88 keys, 2 of them weighed") && said.contains("down weight"), "{said}");
+    assert!(said.starts_with("Mine - 88 keys, 2 of them weighed") && said.contains("down-weight"), "{said}");
     let svg = folder.read("keys/keyboard.svg");
     assert!(svg.contains("down-weight") && svg.contains("hammer (g)") && svg.contains("number of the key"), "{svg}");
     assert!(std::fs::read(folder.0.join("keys/keyboard.png")).unwrap().starts_with(b"\x89PNG"));

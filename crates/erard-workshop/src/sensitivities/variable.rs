@@ -247,7 +247,7 @@ impl Variable {
 /// The instrument of a text with a number of it changed.
 fn read(target: &Target, by: f64) -> Result<Instrument, String> {
     let Target::Number { text, path, which, value } = target else {
-        return Err("it is no number of the file".to_owned());
+        return Err("it names no number of the file".to_owned());
     };
     let new = with_numbers(text, &[(path, *which, value + by)]).ok_or("it is not there")?;
     let read = Instrument::parse(&new, "the varied instrument").map_err(|error| error.to_string())?;

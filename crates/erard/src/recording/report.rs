@@ -120,7 +120,7 @@ impl ChannelReport {
             lines.push(format!("{} rows are empty{longest}", self.gaps.rows));
         }
         if self.inverted {
-            lines.push("its sign is turned".into());
+            lines.push("sign reversed".into());
         }
         if self.late_s != 0.0 {
             lines.push(format!("delay: {:.3} ms removed", -self.late_s * 1e3));
