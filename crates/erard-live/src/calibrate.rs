@@ -63,7 +63,7 @@ pub enum StopsFault {
     },
 }
 
-/// What was found of a key.
+/// Result of a key's calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
     /// Readings at its stops.

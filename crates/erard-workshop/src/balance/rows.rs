@@ -15,9 +15,9 @@ pub struct MeasuredError {
     pub line: usize,
     /// Column; empty where the fault belongs to none.
     pub column: String,
-    /// What is wrong.
+    /// Fault, in words.
     pub message: String,
-    /// What should stand there.
+    /// Expected text.
     pub expected: String,
 }
 
@@ -69,7 +69,7 @@ pub(crate) struct KeyRow {
     pub key: usize,
     /// Its cells, with decimal points.
     pub cells: Vec<String>,
-    /// What its column `leads` says.
+    /// Leads of the column `leads`.
     pub leads: Vec<Lead>,
 }
 

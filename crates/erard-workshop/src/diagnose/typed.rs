@@ -11,7 +11,7 @@ use crate::balance::Lead;
 pub struct Typed {
     /// The key, 1 to 88; `None` where nobody named it.
     pub key: Option<usize>,
-    /// What was measured.
+    /// Readings.
     pub known: Known,
 }
 

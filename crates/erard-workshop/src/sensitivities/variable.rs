@@ -20,7 +20,7 @@ const REST_TURN: f64 = 1e-7;
 /// A number of an instrument, and how it is counted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    /// As `study --vary` calls it.
+    /// Name in `study --vary`.
     pub name: String,
     /// The unit of the derivatives: `mm`, `degrees` or `N mm` of a screw, `%` of a parameter, the file's own
     /// unit of a number of the file, `N` of the force.
@@ -60,9 +60,9 @@ pub enum VariableError {
         "unknown name `{name}`; expected {known}, force (with a constant force), or the path of a number in the file, e.g. `body.hammer.mass_g` or `zone.string.disc.center_mm.x`"
     )]
     Unknown {
-        /// What was asked for.
+        /// Requested name.
         name: String,
-        /// What there is.
+        /// Known names.
         known: String,
     },
     /// The number is at an end of its range.

@@ -40,7 +40,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// As the table has it.
+    /// Name in the table.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -102,7 +102,7 @@ pub enum PublishedError {
     Row {
         /// Its name.
         row: String,
-        /// What is wrong, and what is expected.
+        /// Fault and expected text.
         what: String,
     },
 }
