@@ -166,6 +166,16 @@ impl Study {
         let written = output.commit()?;
 
         say!("{title}");
+        let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
+        // A row that is not printed may be the one that matters.
+        let impacts = |which: fn(usize) -> bool| {
+            let played = rows.iter().filter_map(|row| row.outcome.as_ref().ok());
+            played.filter(|played| which(played.events.impacts.len())).count()
+        };
+        let counted =
+            [(impacts(|count| count == 0), "without a strike"), (impacts(|count| count > 1), "with several strikes")];
+        let counted = counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("; {count} {what}"));
+        say!("{} strokes; {failed} failed{}", rows.len(), counted.collect::<String>());
         say!();
         say!("{}", shown(&axes, &measures, &rows, self.rows).to_string().trim_end_matches('\n'));
         if rows.len() > self.rows {
@@ -179,17 +189,7 @@ impl Study {
         for doubt in doubts(&rows) {
             tell!("warning: this result cannot be trusted: {doubt}");
         }
-        let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
         say!();
-        // A row that is not printed may be the one that matters.
-        let impacts = |which: fn(usize) -> bool| {
-            let played = rows.iter().filter_map(|row| row.outcome.as_ref().ok());
-            played.filter(|played| which(played.events.impacts.len())).count()
-        };
-        let counted =
-            [(impacts(|count| count == 0), "without a strike"), (impacts(|count| count > 1), "with several strikes")];
-        let counted = counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("; {count} {what}"));
-        say!("{} strokes; {failed} failed{}", rows.len(), counted.collect::<String>());
         say!("{written}");
         Ok(())
     }
