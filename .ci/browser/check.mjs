@@ -129,10 +129,12 @@ const run = async (path) => {
     const whole = (await state()).wide;
     await page.waitForFunction(() => document.getElementById('play').textContent === 'Play', null, { timeout: 20_000 });
     const late = await state();
-    expect(path, early.playing && early.wide === whole && Math.abs(late.time - late.end) < 1e-9, `it plays once: ${JSON.stringify([early, whole, late])}`);
+    const ended = (at) => Math.abs(at.time - at.end) < 1e-9;
+    // A short run may be over before a busy machine looks.
+    expect(path, (early.playing || ended(early)) && early.wide === whole && ended(late), `it plays once: ${JSON.stringify([early, whole, late])}`);
   });
   await visit(path, '', { ...desk, reducedMotion: 'reduce' }, async (page) => {
-    expect(path, (await page.textContent('#play')) === 'Play', 'it keeps still for who wants less motion');
+    expect(path, (await page.textContent('#play')) === 'Play', 'it keeps still where less motion is wanted');
   });
   // two actions side by side: one view each, the second moved by its length, and back again
   await visit(path, '#view=60,-200,250,180&beside=1', desk, async (page) => {

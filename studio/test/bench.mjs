@@ -105,7 +105,7 @@ export const file = async ({ visit }) => {
   await struck(page);
   await page.evaluate(() => studio.push(0));
   await page.fill("#file-text", text.replace(/name = "[^"]*"/, 'name = "Mine"'));
-  await until(page, () => document.getElementById("file-said").textContent === "The file is sound." && studio.scenes[0].name === "Mine");
+  await until(page, () => document.getElementById("file-said").textContent === "The file has no errors." && studio.scenes[0].name === "Mine");
   // Saved, and opened again: the same bytes. What is no file at all is said, too.
   const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
   const saved = await (await import("node:fs/promises")).readFile(await download.path(), "utf8");
@@ -113,7 +113,7 @@ export const file = async ({ visit }) => {
   await page.setInputFiles("#instrument-file", { name: "broken.toml", mimeType: "text/plain", buffer: Buffer.from('format = "erard-instrument/1"\nname = 3\n') });
   await until(page, () => document.getElementById("file-said").textContent.startsWith("Line 2, name"));
   await page.setInputFiles("#instrument-file", { name: "again.toml", mimeType: "text/plain", buffer: Buffer.from(saved) });
-  await until(page, () => document.getElementById("file-said").textContent === "The file is sound.");
+  await until(page, () => document.getElementById("file-said").textContent === "The file has no errors.");
 };
 
 export const compare = async ({ visit }) => {

@@ -24,7 +24,7 @@ int main(void) {
     ErardReading reading = {0};
     double x = 0, v = 0, before = 0, motor_n = 0, largest_n = 0, largest_m = 0;
     for (int n = 0; n < 500; n++) {
-        /* The encoder, and the velocity that can be had from it. */
+        /* The encoder, and the velocity computed from it. */
         double seen = quantum_m * floor(x / quantum_m + 0.5), seen_m_per_s = (seen - before) / period_s;
         before = seen;
         ErardInput input = {.kind = ERARD_MOTION, .position_m = seen, .velocity_m_per_s = seen_m_per_s};

@@ -53,7 +53,7 @@ impl ErardStatus {
             -4 => c"a number is out of range",
             -5 => c"there is no such key, body, zone, screw or number",
             -6 => c"the memory is too small",
-            -7 => c"the bytes are no saved state of this version, or damaged",
+            -7 => c"the bytes are damaged, or not a saved state of this version",
             -8 => c"the bytes are the state of another instrument or of another length of step",
             -9 => c"the text of the file is wrong",
             -10 => c"the instrument cannot be assembled, finds no rest, or cannot be measured",

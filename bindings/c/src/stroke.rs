@@ -124,7 +124,7 @@ pub unsafe extern "C" fn erard_recording_columns(
     told(null_mut(), status, || {
         // SAFETY: passed on.
         let titles: Vec<String> = serde_json::from_str(unsafe { name(titles, "the titles") }?)
-            .map_err(|error| Fault::new(ErardStatus::Argument, format!("the titles are no JSON array: {error}")))?;
+            .map_err(|error| Fault::new(ErardStatus::Argument, format!("the titles are not a JSON array: {error}")))?;
         let titles: Vec<&str> = titles.iter().map(String::as_str).collect();
         let layout = Layout::of(&titles, &Columns::default(), "recording")
             .map_err(|error| Fault::new(ErardStatus::File, error.to_string()))?;

@@ -157,9 +157,10 @@ pub unsafe extern "C" fn erard_regulate(
 /// What is asked for.
 fn asked(goals: &str) -> Result<Specification, Fault> {
     let wrong = |text: String| Fault::new(ErardStatus::Argument, text);
-    let value: Value = serde_json::from_str(goals).map_err(|error| wrong(format!("the goals are no JSON: {error}")))?;
+    let value: Value =
+        serde_json::from_str(goals).map_err(|error| wrong(format!("the goals are not JSON: {error}")))?;
     let Value::Object(goals) = value else {
-        return Err(wrong("the goals are no JSON object, such as {\"let-off\": 1.5}".into()));
+        return Err(wrong("the goals are not a JSON object, such as {\"let-off\": 1.5}".into()));
     };
     let each = goals.into_iter().map(|(name, value)| {
         let goal = Goal::ALL.into_iter().find(|goal| goal.name() == ours(&name)).ok_or_else(|| {
@@ -302,7 +303,7 @@ pub unsafe extern "C" fn erard_turned(
         let (own, turns) = (unsafe { given(instrument) }?, unsafe { name(turns, "the turns") }?);
         let wrong = |text: String| Fault::new(ErardStatus::Argument, text);
         let turns: Map<String, Value> =
-            serde_json::from_str(turns).map_err(|error| wrong(format!("the turns are no JSON object: {error}")))?;
+            serde_json::from_str(turns).map_err(|error| wrong(format!("the turns are not a JSON object: {error}")))?;
         let wanted: Result<Vec<(String, f64)>, Fault> = turns
             .into_iter()
             .map(|(name, value)| {

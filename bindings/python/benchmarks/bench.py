@@ -3,8 +3,8 @@
     python benchmarks/bench.py [--quick] [--erard PATH]
 
 Times are the best of several. `--erard` names the command (target/release/erard) whose `study` the rollout is held against: the same strokes,
-in lanes, on all cores; both are timed for N and for 2 N strokes, and the difference counts, so that neither pays for its start. Seconds of the
-processor are told beside those of the clock: where others work on the machine, they are what can be compared.
+in lanes, on all cores; both are timed for N and for 2 N strokes, and the difference counts, so that neither pays for its start. Processor
+seconds are printed beside those of the clock: on a busy machine only they can be compared.
 """
 
 from __future__ import annotations

@@ -131,7 +131,7 @@ pub(crate) fn validate<'py>(
             Verdict::Missed { simulated, by } => ("missed", Some(*simulated), Some(*by)),
             Verdict::Absent => ("did not happen", None, None),
             Verdict::Open { simulated } => ("nothing published", Some(*simulated), None),
-            Verdict::Silent | Verdict::Skipped(_) => ("cannot speak to it", None, None),
+            Verdict::Silent | Verdict::Skipped(_) => ("not modelled", None, None),
         };
         let reason = if let Verdict::Skipped(skipped) = verdict { Some(skipped.reason()) } else { None };
         let one = PyDict::new(py);

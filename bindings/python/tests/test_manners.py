@@ -71,7 +71,7 @@ def test_control_c_ends_it(what: str) -> None:
     child.send_signal(signal.SIGINT)
     interrupted, ended = child.stdout.readline().strip(), child.stdout.readline().strip()
     child.wait(30)
-    assert ended, f"{what} ended before it was interrupted, or did not heed it"
+    assert ended, f"{what} ended before it was interrupted, or ignored it"
     # Of a study's measures the threads are at work, and this one waits for them.
     assert interrupted.startswith("_thread" if what == "measured study" else "erard._erard"), f"{what} was interrupted in {interrupted}"
     # 0.2 s on an idle machine; where others compile, the second process waits for its turn.

@@ -162,7 +162,7 @@ def test_wrong_arguments(grand: erard.Instrument, arguments: dict, told: str) ->
 
 
 def test_recordings_from_elsewhere(run: erard.Run, grand: erard.Instrument) -> None:
-    """Whatever has columns, with channels turned and late ones put back; empty cells are told."""
+    """Whatever has columns, with channels turned and late ones put back; empty cells are reported."""
     plain = erard.Recording(run, zero=False, low_pass=None)
     pa = pytest.importorskip("pyarrow")
     for other in (run.to_xarray(), pa.table(run), run.to_polars()):

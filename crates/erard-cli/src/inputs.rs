@@ -53,10 +53,10 @@ const MOST_LIBRARY_BYTES: u64 = 256 << 20;
 pub(crate) fn library(path: &Path) -> Result<Vec<u8>, String> {
     let found = path.metadata().map_err(|error| error.to_string())?;
     if !found.is_file() {
-        return Err("is no file; expected a library".into());
+        return Err("is not a file; expected the library liberard".into());
     }
     if found.len() > MOST_LIBRARY_BYTES {
-        return Err(format!("larger than {} MiB: this is no liberard", MOST_LIBRARY_BYTES >> 20));
+        return Err(format!("larger than {} MiB: this is not liberard", MOST_LIBRARY_BYTES >> 20));
     }
     beginning(path, MOST_LIBRARY_BYTES).map_err(|error| error.to_string())
 }

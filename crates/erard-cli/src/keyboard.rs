@@ -78,6 +78,7 @@ pub(crate) fn text(weighed: &[WeighedKey]) -> String {
     let mut rows = vec![row("note", "", &|one| one.note.clone())];
     for (column, name) in COLUMNS[GRAMS].iter().enumerate() {
         let name = name.trim_end_matches("_g").replace('_', " ");
+        let name = name.replace("down weight", "down-weight").replace("up weight", "up-weight");
         rows.push(row(&name, "g", &|one| decimal(Some(numbers(one)[column]), 1)));
     }
     let mut out = Table::of(row("key", "", &|one| one.key.to_string()), rows).to_string();

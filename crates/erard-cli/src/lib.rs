@@ -24,6 +24,7 @@ mod keyboard;
 mod live;
 mod measure;
 mod names;
+mod number;
 mod output;
 mod paper;
 mod play;

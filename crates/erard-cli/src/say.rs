@@ -120,8 +120,11 @@ fn marked(line: &str) -> String {
         let end = rest[gap..].find("  ").map_or(rest.len(), |end| gap + end);
         let cell = &rest[gap..end];
         out.push_str(&rest[..gap]);
-        let is_out =
-            cell.ends_with(" !") || cell.starts_with("! ") || cell == "missed" || cell.starts_with("missed by");
+        let is_out = cell == "!"
+            || cell.ends_with(" !")
+            || cell.starts_with("! ")
+            || cell == "missed"
+            || cell.starts_with("missed by");
         if is_out {
             out.push_str(&format!("{RED}{cell}{PLAIN}"));
         } else {
@@ -176,6 +179,7 @@ mod tests {
             marked("  down-weight D    55.9 g !  45.0-55.0"),
             "  down-weight D    \u{1b}[31m55.9 g !\u{1b}[0m  45.0-55.0"
         );
+        assert_eq!(marked("  strings  58.0 g  !"), "  strings  58.0 g  \u{1b}[31m!\u{1b}[0m");
         assert_eq!(marked("    ! dip 11.3 mm"), "    \u{1b}[31m! dip 11.3 mm\u{1b}[0m");
         assert_eq!(marked("  up-weight U  24.7 g   20.0-25.0"), "  up-weight U  24.7 g   20.0-25.0");
     }

@@ -57,7 +57,7 @@ impl MadeBy {
         lines
     }
 
-    /// As JSON on several lines.
+    /// Returns the record as JSON on several lines.
     pub fn json(&self) -> String {
         // Strings and maps of strings: there is nothing that could not be written.
         serde_json::to_string_pretty(self).unwrap_or_default()

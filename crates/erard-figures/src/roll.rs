@@ -19,7 +19,7 @@ const MOST: usize = 20_000;
 /// How a note turned out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RollKind {
-    /// As written.
+    /// Sounded as written.
     Right,
     /// It sounded otherwise than written.
     Otherwise,

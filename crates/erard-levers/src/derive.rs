@@ -60,7 +60,7 @@ pub enum NotThreeLevers {
     /// The part that pushes the knuckle is not carried by a whippen.
     #[error("`{body}` pushes the knuckle without a whippen")]
     NoWhippen {
-        /// What pushes.
+        /// Pushing body.
         body: String,
     },
     /// Key and whippen do not touch.

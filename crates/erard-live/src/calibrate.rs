@@ -56,14 +56,14 @@ pub enum StopsFault {
         noise: f64,
     },
     /// It stands still nowhere but at rest.
-    #[error("key {key}: it is nowhere held for 50 ms; press it to the bottom and hold it there")]
+    #[error("key {key}: it is never held for 50 ms; press it to the bottom and hold it there")]
     NotHeld {
         /// From 1.
         key: usize,
     },
 }
 
-/// What was found of a key.
+/// Result of a key's calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
     /// Readings at its stops.

@@ -5,7 +5,7 @@ use erard::{Input, Reading};
 
 use crate::limits::{CEILING_N, Limits};
 
-/// What a sensor sits on.
+/// Kind of keyboard that carries the sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SensorKind {
     /// The key of a real action, which moves as it does with hammer and all: its motion is prescribed.

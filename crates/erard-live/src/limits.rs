@@ -21,7 +21,7 @@ const PATIENCE_S: f64 = 0.1;
 const HELD_N: f64 = 5.0;
 const HELD_S: f64 = 0.4;
 
-/// What a key may be asked for.
+/// Largest inputs of a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// The speed of its front, m/s, with which a hammer comes to [`LARGEST_HAMMER_M_PER_S`] if the key is led down at

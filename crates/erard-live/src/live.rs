@@ -22,9 +22,9 @@ const NOISY: u64 = 20;
 /// How a stream is played.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// What the sensors sit on.
+    /// Kind of keyboard that carries the sensors.
     pub sensor: SensorKind,
-    /// What the stream's numbers are.
+    /// Quantity of the stream's numbers.
     pub quantity: Quantity,
     /// Distance of the sensed place from the key's pivot, m, on either side of it; `None` at the key's front.
     pub sensor_at_m: Option<f64>,
@@ -36,7 +36,7 @@ pub struct Options {
     pub threads: usize,
 }
 
-/// What came of a stream, to be sent.
+/// Event of a stream, to be sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
     /// A note-on.
@@ -231,7 +231,7 @@ impl Live {
         self.let_go(give);
     }
 
-    /// What became of the stream so far.
+    /// Counts of the stream so far.
     #[must_use]
     pub fn report(&self) -> Report {
         let counts = || self.keys.iter().map(|key| key.counts);

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use crate::sensor::Law;
 
-/// What a profile begins with.
+/// Format name, the first entry of a profile.
 pub const FORMAT: &str = "erard-sensors/1";
 /// Drift is followed up to this share of a sensor's range.
 const MOST_DRIFT: f64 = 0.15;
@@ -43,7 +43,7 @@ pub struct Profile {
     pub keys: BTreeMap<usize, Stops>,
 }
 
-/// What is wrong with a profile.
+/// Fault of a profile.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ProfileFault {
     /// It cannot be read.
@@ -51,7 +51,7 @@ pub enum ProfileFault {
     Toml {
         /// From 1.
         line: usize,
-        /// What is wrong.
+        /// Fault, in words.
         what: String,
     },
     /// A number or word.
@@ -61,7 +61,7 @@ pub enum ProfileFault {
         key: String,
         /// It.
         found: String,
-        /// What should be there.
+        /// Expected text.
         expected: &'static str,
     },
 }
@@ -149,7 +149,7 @@ impl Profile {
         out
     }
 
-    /// What converts a key's readings; `None` for a key without stops.
+    /// Returns the converter of a key's readings; `None` for a key without stops.
     #[must_use]
     pub fn converter(&self, key: usize) -> Option<Converter> {
         let stops = *self.keys.get(&key)?;

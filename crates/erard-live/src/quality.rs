@@ -24,7 +24,7 @@ pub fn expected_error_counts(bits: f64, rate_hz: f64) -> f64 {
     steps.hypot(between)
 }
 
-/// What is seen of a sensor's steps and rate.
+/// Observed resolution and rate of a sensor.
 #[derive(Debug, Clone, Default)]
 pub struct Seen {
     intervals_s: Vec<f64>,

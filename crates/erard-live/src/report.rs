@@ -3,7 +3,7 @@
 use erard::level::LEVELS;
 use serde::Serialize;
 
-/// What became of a stream.
+/// Counts of a stream, and its faults.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Report {
     /// Length of the stream by its own clock, s.

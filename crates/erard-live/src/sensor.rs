@@ -32,13 +32,13 @@ pub const CNY70: [f64; 16] = [
     0.8100, 1.0,
 ];
 
-/// What is wrong with a law.
+/// Fault of a sensor's law.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LawFault {
     /// The points do not rise from [0, 0] to [1, 1].
     #[error("point {}: found {found:?}; expected shares that rise from [0, 0] to [1, 1]", index + 1)]
     Points {
-        /// Which, from 0.
+        /// Index of the point, from 0.
         index: usize,
         /// It.
         found: [f64; 2],

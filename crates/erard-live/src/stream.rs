@@ -18,7 +18,7 @@ use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 /// No line is longer, bytes: what a serial line sends without a line's end is not kept.
 pub const LONGEST_LINE: usize = 256;
 
-/// What a stream's numbers are.
+/// Quantity of a stream's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Travel of the sensed place from its rest, mm, positive as the key goes down.
@@ -35,11 +35,11 @@ pub enum Quantity {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Head {
     in_microseconds: bool,
-    /// What is sensed.
+    /// Sensed quantity.
     pub quantity: Quantity,
 }
 
-/// What a line says.
+/// Content of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// The sender's clock, s.
@@ -59,7 +59,7 @@ pub enum Of {
     Pedal(u8),
 }
 
-/// What is wrong with a line.
+/// Fault of a line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
     /// It is no sample.
@@ -138,7 +138,7 @@ impl Reader {
         Reader { head, before_us: 0.0, wraps_us: 0.0 }
     }
 
-    /// What is sensed.
+    /// Sensed quantity.
     #[must_use]
     pub fn quantity(&self) -> Quantity {
         self.head.quantity

@@ -31,7 +31,7 @@ impl Fault {
     /// All of them, in the order of a summary's counts.
     pub const ALL: [Fault; 6] = [Fault::Silent, Fault::Twice, Fault::Late, Fault::Early, Fault::Soft, Fault::Loud];
 
-    /// As reports call it.
+    /// Name in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -87,7 +87,7 @@ impl std::fmt::Display for Reason {
 /// A note that was played.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Played {
-    /// As it was wanted.
+    /// Note as written.
     pub wanted: Wanted,
     /// When the hand began to press, s.
     pub pressed_s: f64,

@@ -57,7 +57,7 @@ pub struct Score {
     pub shift_s: f64,
     /// When the last note ends, s.
     pub duration_s: f64,
-    /// What was left out of the piece or mended in it, a sentence each.
+    /// Omissions and repairs of the piece, a sentence each.
     pub remarks: Vec<String>,
 }
 

@@ -53,9 +53,9 @@ pub enum InstrumentSpecError {
     /// No such key.
     #[error("{asked}: found key `{key}`; expected a number from 1 to {KEYS}, or a note from A0 to C8")]
     NoKey {
-        /// As it was asked for.
+        /// Specification as given.
         asked: String,
-        /// What stands in the number's place.
+        /// Text in place of the number.
         key: String,
     },
     /// No such sample.
@@ -63,15 +63,15 @@ pub enum InstrumentSpecError {
         "{asked}: found sample `{sample}`; expected a number from 1 to {LAST_SAMPLE}, e.g. concert-grand{SAMPLE}17 or concert-grand{KEY}88{SAMPLE}17"
     )]
     NoSample {
-        /// As it was asked for.
+        /// Specification as given.
         asked: String,
-        /// What stands in the number's place.
+        /// Text in place of the number.
         sample: String,
     },
     /// A sample where only files and names are understood.
     #[error("{asked}: only the command draws samples. Write one as a file: `erard list {asked} > sample.toml`")]
     Sampled {
-        /// As it was asked for.
+        /// Specification as given.
         asked: String,
     },
     /// A keyboard has many instruments.

@@ -23,7 +23,7 @@ pub const VERSION: u32 = 2;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum Unreadable {
     /// The bytes begin with another mark, or are too few.
-    #[error("the bytes are no saved state of this kind")]
+    #[error("the bytes are not a saved state of this kind")]
     Mark,
     /// Another layout.
     #[error("the saved state is of version {0}; expected {VERSION}")]

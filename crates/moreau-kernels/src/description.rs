@@ -25,7 +25,7 @@ pub struct OwnedDescription<T = f64> {
 }
 
 impl<T: Scalar> OwnedDescription<T> {
-    /// As the engine takes it.
+    /// Borrows it as the engine's description.
     pub fn borrowed(&self) -> Description<'_, T> {
         let OwnedDescription { bodies, springs, zones, dwells, yields, site, gravity, .. } = self;
         Description { bodies, springs, zones, dwells, yields, site: *site, gravity: *gravity }

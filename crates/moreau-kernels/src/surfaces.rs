@@ -85,7 +85,7 @@ impl Parts {
 /// How often steps are halved where something is near.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Halving {
-    /// As the surfaces ask.
+    /// The order that the surfaces request.
     #[default]
     AsAsked,
     /// So many times more: what is left of the error is seen from it.

@@ -229,7 +229,7 @@ pub enum ModelError {
     BadNumber {
         /// Whose.
         part: Part,
-        /// Which, its value, and what is expected.
+        /// Name, value and expected range.
         fault: Fault,
     },
 }

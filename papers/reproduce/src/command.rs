@@ -126,15 +126,6 @@ impl Reproduce {
                 .map_err(failure)?;
             drop(progress);
             done += subject.weight;
-            for claim in section.claims.iter().filter(|_| !self.tables) {
-                let verdict = if claim.holds { "holds" } else { "DOES NOT HOLD" };
-                say!("{}: {verdict}: {}: {}", subject.name, claim.source, claim.says);
-                say!("  measured: {}", claim.measured);
-            }
-            for table in section.tables.iter().filter(|table| self.tables && !table.clock) {
-                say!("{}", table.caption);
-                say!("{}", Lines::of(table.header.iter().map(String::as_str), table.rows.clone()));
-            }
             reproduced.push(Reproduced { subject, section });
         }
         let html = page(&instrument.name, &reproduced);
@@ -151,11 +142,25 @@ impl Reproduce {
             }
         }
         output.commit()?;
-        let claims = || reproduced.iter().flat_map(|one| &one.section.claims);
-        if !self.tables {
+        let claims =
+            || reproduced.iter().flat_map(|one| one.section.claims.iter().map(|claim| (one.subject.name, claim)));
+        say!("{} of {} claims hold.", claims().filter(|(_, claim)| claim.holds).count(), claims().count());
+        say!();
+        if self.tables {
+            let tables = reproduced.iter().flat_map(|one| &one.section.tables);
+            for table in tables.filter(|table| !table.clock) {
+                say!("{}", table.caption);
+                say!("{}", Lines::of(table.header.iter().map(String::as_str), table.rows.clone()));
+            }
+        } else {
+            for (verdict, holds) in [("DOES NOT HOLD", false), ("holds", true)] {
+                for (subject, claim) in claims().filter(|(_, claim)| claim.holds == holds) {
+                    say!("{subject}: {verdict}: {}: {}", claim.source, claim.says);
+                    say!("  measured: {}", claim.measured);
+                }
+            }
             say!();
         }
-        say!("{} of {} claims hold.", claims().filter(|c| c.holds).count(), claims().count());
         say!("Written to {}: {}", shown(self.out.folder()), written.join(", "));
         let claims: Vec<ClaimReport> = reproduced.iter().flat_map(ClaimReport::all).collect();
         let failed: Vec<String> =

@@ -27,7 +27,7 @@ export const filePanel = (app: App, into: HTMLElement): void => {
     said.className = error ? "bad" : "";
     said.textContent = error
       ? `Line ${error.line}${error.key ? `, ${error.key}` : ""}: ${error.message}${error.found ? `; found ${error.found}` : ""}${error.expected ? `; expected ${error.expected}` : ""}. The action is still the last sound one.`
-      : "The file is sound.";
+      : "The file has no errors.";
     go.hidden = !error;
     lines();
   };

@@ -74,8 +74,8 @@ export const PARTS: Record<string, PartText> = {
   },
   "hammer shank": { does: "Carries the hammer. It bends: at a loud note the head is behind its root by millimetres.", zones: ["jack_knuckle", "lever_knuckle", "hammer_rest"], dials: ["shank_bending", "knuckle"] },
   "hammer felt": { does: "Wool, stiffer the more it is pressed: a loud note is brighter.", zones: ["string"], dials: ["hammer_felt", "string_height"] },
-  "hammer moulding": { does: "The hammer's wood, with the tail that the back check catches. Its every gram is five to six at the key.", zones: ["string", "check"], dials: ["hammer"] },
-  finger: { does: "A spring and a damper that only push. How firm it is, the Play panel says.", zones: [] },
+  "hammer moulding": { does: "The hammer's wood, with the tail that the back check catches. Each gram of it weighs five to six grams at the key.", zones: ["string", "check"], dials: ["hammer"] },
+  finger: { does: "A spring and a damper that only push. The Play panel sets how firm it is.", zones: [] },
 };
 
 /** `hammer moulding, tail` is a detail of the `hammer moulding`. */

@@ -104,7 +104,7 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     h("h2", {}, "Strokes"),
     strokes,
     h("h2", {}, "A recording"),
-    h("p", { class: "soft" }, "A CSV or Parquet file with a column for the time and one for force or position (a run.csv is one), dropped onto the page or opened here. It is prepared as the command does: its zero is the rest before the touch."),
+    h("p", { class: "soft" }, "A CSV or Parquet file with a column for the time and one for force or position (a run.csv is one), dropped onto the page or opened here. It is prepared as by the command: its zero is the rest before the touch."),
     h("div", { class: "row" }, h("button", { type: "button", onclick: () => choose.click() }, "Open a recording"), again, choose),
     recorded,
     done,

@@ -110,7 +110,7 @@ export const screwsPanel = (app: App, into: HTMLElement): void => {
       for (const { screw, to } of done.screws) turns[screw] = to;
       await app.change({ a: { ...app.state.a, turns } });
       log.replaceChildren(...told(done, before.dials));
-      say(done.all_met ? "Regulated: every goal is met." : "Regulated as far as it goes.");
+      say(done.all_met ? "Regulated: every goal is met." : "Regulated as far as the screws allow.");
     } catch (error) {
       if (!(error instanceof Dropped)) log.replaceChildren(h("p", { class: "bad" }, `It cannot be regulated: ${(error as Error).message}`));
     } finally {
@@ -164,7 +164,7 @@ const told = (done: Regulated, dials: Dial[]): HTMLElement[] => {
   });
   const missed = done.goals.filter(({ met }) => !met).map(({ goal, asked, after, unit, why_not }) => h("li", { class: "bad" }, `${goal}: asked ${fixed(asked, 2)} ${unit}, there is ${fixed(after, 2)} ${unit}${why_not ? `: ${why_not}` : ""}`));
   return [
-    h("p", {}, done.all_met ? "Every goal is met. What was turned:" : "As far as it goes. What was turned:"),
+    h("p", {}, done.all_met ? "Every goal is met. What was turned:" : "Regulated as far as the screws allow. What was turned:"),
     h("ol", {}, ...(turns.length ? turns : [h("li", {}, "nothing: it was regulated")])),
     ...(missed.length ? [h("p", {}, "What was missed:"), h("ul", {}, ...missed)] : []),
   ];

@@ -260,7 +260,8 @@ fn own_readings_are_diagnosed() {
     let names: Vec<&str> = faults.as_array().unwrap().iter().filter_map(|fault| fault["name"].as_str()).collect();
     assert_eq!(names, ["key", "up_weight_g"]);
     assert_eq!(of_readings(r#"{"drop_mm": 0}"#, erard_diagnose_check), Value::Array(vec![]));
-    for (readings, told) in [(swapped, "are they swapped?"), ("{}", "no reading was given"), ("{", "no JSON object")] {
+    for (readings, told) in [(swapped, "are they swapped?"), ("{}", "no reading was given"), ("{", "not a JSON object")]
+    {
         let (text, mut status) = (CString::new(readings).unwrap(), ErardStatus::Ok);
         assert!(unsafe { erard_diagnose(text.as_ptr(), null_mut(), &raw mut status) }.is_null());
         assert!(status == ErardStatus::Argument && last_error().contains(told), "{status:?}: {}", last_error());

@@ -395,7 +395,7 @@ fn columns_are_found() {
     ]);
     assert_eq!(found, expected);
     let wrong =
-        [(c"[\"time_s\"]", "neither a force nor a position"), (c"[\"t\", \"force\"]", "unit"), (c"{", "no JSON")];
+        [(c"[\"time_s\"]", "neither a force nor a position"), (c"[\"t\", \"force\"]", "unit"), (c"{", "not a JSON")];
     for (titles, said) in wrong {
         assert!(unsafe { erard_recording_columns(titles.as_ptr(), null_mut(), &raw mut status) }.is_null());
         assert!((status as i32) < 0 && last_error().contains(said), "{}", last_error());

@@ -165,7 +165,7 @@ def unmasked(key: str, values: Any) -> Any:
         count = int(np.count_nonzero(values.mask))
         hidden = f"{count} masked value{'s' if count > 1 else ''}"
         raise InputError(
-            f"{key}: found {hidden}, expected numbers everywhere (the array's `filled` or `compressed` decides what stands for them)",
+            f"{key}: found {hidden}, expected numbers everywhere (the array's `filled` or `compressed` decides what replaces them)",
             key=key,
             found=hidden,
         )
@@ -219,7 +219,7 @@ def _tqdm() -> Any:
 
 @contextmanager
 def bar(progress: bool | None, what: str) -> Iterator[Progress]:
-    """A function that is told the share done. `None`: a bar on a terminal or in a notebook, if it takes more than a second."""
+    """A function that takes the share done. `None`: a bar on a terminal or in a notebook, if it takes more than a second."""
     progress = _told(progress)
     if progress is False:
         yield None
@@ -244,7 +244,7 @@ def bar(progress: bool | None, what: str) -> Iterator[Progress]:
 
 @contextmanager
 def counter(progress: bool | None, what: str, unit: str) -> Iterator[Callable[[int], None] | None]:
-    """A function that is told how many more are done, where nobody knows how many there will be. `None` as in `bar`."""
+    """A function that takes how many more are done; for work whose total is unknown. `None` as in `bar`."""
     progress = _told(progress)
     if progress is False:
         yield None

@@ -317,7 +317,7 @@ def fit(
     start : mapping of str to float, optional
         Where to begin, as `vary` takes it.
     loss : {"linear", "soft_l1", "huber", "cauchy"}
-        "linear" is plain least squares; the others heed outliers less. The covariance is that of plain least squares.
+        "linear" is plain least squares; the others give outliers less weight. The covariance is that of plain least squares.
     jacobian : {"differences", "gradient"}
         Where the derivatives of the last steps and of the covariance come from: central differences, or the model's own (`gradient`), which need no
         step but cost more. The first steps, which are to look past what jumps, are differences in any case.

@@ -246,7 +246,7 @@ def gradient(
     ------
     InputError
         Where a name is wrong, and where something of the instrument has no derivatives: friction that grows at rest, felts with a set-valued loss,
-        strings that yield, friction="tanh".
+        modal strings, friction="tanh".
     SimulationError
         Where a derivative does not converge.
 

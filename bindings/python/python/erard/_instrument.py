@@ -599,7 +599,7 @@ class Sheet(Mapping[str, Any]):
         Returns
         -------
         list of (str, str, str)
-            What it is, its value with the unit, what is usual at middle C.
+            Quantity, value with its unit, usual range at middle C.
         """
         found = []
         for key, label, unit, decimals, usual in _erard.measure_lines():
@@ -772,7 +772,7 @@ def validate(instrument: Instrument, *, progress: bool | None = None) -> list[di
     -------
     list of dict
         A row for each published number: `name`, `quantity`, `group`, `kind` ("set" or "predicted"), `unit`, `published`, `at_least`, `at_most`, `simulated`, `verdict` ("met",
-        "missed", "did not happen", "cannot speak to it", "nothing published"), `missed_by`, `source`, `certainty`, `likely_reason`.
+        "missed", "did not happen", "not modelled", "nothing published"), `missed_by`, `source`, `certainty`, `likely_reason`.
     """
     with bar(progress, "validate") as tell:
         return _erard.validate(instrument_of(instrument)._inner, tell)

@@ -100,7 +100,7 @@ def run_figure(run: DrawnRun, columns: Sequence[str], ax: Any) -> Figure:
 
 
 def study_figure(study: DrawnStudy, column: str, over: str) -> Figure:
-    """A column over an axis, a curve for every combination of the others (ten at most are told apart)."""
+    """A column over an axis, a curve for every combination of the others (at most ten have colours of their own)."""
     import matplotlib.pyplot as plt
 
     names = [name for name in study.axes if name != over]

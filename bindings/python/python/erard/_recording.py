@@ -26,7 +26,7 @@ _CHANNELS = ("force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s")
 
 
 class Recording(Table):
-    """A recording of a stroke, its columns and units understood, made ready to drive a key or to be compared.
+    """A recording of a stroke, its columns and units understood, prepared to drive a key or to be compared.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ class Recording(Table):
         return self._inner.noise(column)
 
     def at(self, column: str, time_s: ArrayLike) -> NDArray[np.float64]:
-        """A channel, made ready and interpolated.
+        """A channel, prepared and interpolated.
 
         Parameters
         ----------
@@ -158,7 +158,7 @@ class Recording(Table):
         return found
 
     def _again(self, columns: Mapping[str, NDArray[np.float64]]) -> Recording:
-        """Other samples of the same channels, made ready in the same way."""
+        """Other samples of the same channels, prepared in the same way."""
         return _unpickled(self.name, {name: np.ascontiguousarray(values) for name, values in columns.items()}, self._ready)
 
     def __repr__(self) -> str:

@@ -101,7 +101,7 @@ class Run(Table):
     def losses(self) -> list[dict[str, Any]] | None:
         """Where the energy went by pin and by contact, the largest loss first, if `press(losses=True)` asked for it; J.
 
-        The rows are those of the command's losses.json: `name` (the body of a pin, or the contact; of strings that yield "strings", "bridge" or
+        The rows are those of the command's losses.json: `name` (the body of a pin, or the contact; of modal strings "strings", "bridge" or
         "rocking", dampers' felts that are rocked), `kind` ("pin", "contact" or, of these three, "strings"), `label`, `dry_J` (dry friction, sliding), `viscous_or_felt_J`, `loss_J` (both) and `share` (of all).
         """
         own: list[dict[str, Any]] | None = self._about.get("losses")

@@ -46,10 +46,33 @@ fn section(page: &mut String, parent: &mut clap::Command) {
             }
         }
         if let Some(after) = command.get_after_long_help().or(command.get_after_help()) {
-            paragraph(page, &escape(&after.to_string()));
+            paragraph(page, &below(&after.to_string()));
         }
         section(page, command);
     }
+}
+
+/// The text below a command's options. Lines that begin with two spaces are examples: a block.
+fn below(text: &str) -> String {
+    let mut out = String::new();
+    let mut in_block = false;
+    for line in text.lines() {
+        let example = line.strip_prefix("  ");
+        if example.is_some() != in_block {
+            if in_block {
+                out.push_str("```\n");
+            } else {
+                out.push_str(if out.ends_with("\n\n") { "```text\n" } else { "\n```text\n" });
+            }
+            in_block = !in_block;
+        }
+        out.push_str(&example.map_or_else(|| escape(line), str::to_owned));
+        out.push('\n');
+    }
+    if in_block {
+        out.push_str("```\n");
+    }
+    out
 }
 
 /// What a command is for, at length where it says so.

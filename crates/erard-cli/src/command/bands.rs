@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::samples::{Samples, not_one_sample};
 use crate::cache;
 use crate::failure::Failure;
+use crate::number::whole;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::table::{Table, three};
@@ -24,7 +25,7 @@ pub(crate) struct BandOptions {
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "200",
-        value_parser = clap::value_parser!(u32).range(2..=10_000)
+        value_parser = whole::<u32>(2, 10_000)
     )]
     pub bands: Option<u32>,
 }

@@ -25,16 +25,16 @@ const AFTER: &str = include_str!("help/calibrate.txt");
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Calibrate {
-    /// Readings of every key: at rest, pressed and held, let go. A stream with the head `time_s,key,raw`
+    /// Readings of every key: at rest, pressed and held, let go. CSV with the header `time_s,key,raw`
     #[arg(value_name = "READINGS.csv")]
     readings: PathBuf,
-    /// The sensors' law: linear, cny70, hall, or a file of one's own points (CSV with the head `raw,mm`)
+    /// Law of the sensors: linear, cny70, hall, or a file of your own points (CSV with the header `raw,mm`)
     #[arg(long, value_name = "LAW", default_value = "linear")]
     law: String,
-    /// The sensed place's way between a key's two stops, mm
+    /// Travel of the sensed place between a key's two stops, mm
     #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = travel, allow_negative_numbers = true)]
     travel: f64,
-    /// Hall sensors: distance to the magnet where it is smallest, mm [an estimate unless it is measured]
+    /// Hall sensors: smallest distance to the magnet, mm. The default is an estimate
     #[arg(long, value_name = "MM", default_value_t = 3.0, value_parser = nearest, allow_negative_numbers = true)]
     nearest: f64,
     /// Hall sensors: the magnet is nearest while the key is at rest

@@ -116,11 +116,7 @@ impl Check {
         let silent = table.rows.iter().filter(|row| row.measure.is_none()).count();
         say!("{name}: published measurements");
         say!();
-        say!(
-            "  {} rows from {} sources; {silent} that the model cannot speak to",
-            table.rows.len(),
-            table.sources.len()
-        );
+        say!("  {} rows from {} sources; {silent} not modelled", table.rows.len(), table.sources.len());
         let counts = [("rows", table.rows.len()), ("sources", table.sources.len())];
         Ok(checked("published measurements", name, None, counts))
     }

@@ -14,6 +14,7 @@ use crate::compare::{print_table, report};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::names::one_of;
+use crate::number::number;
 use crate::progress::Progress;
 use crate::recordings::{Ready, RecordingOptions};
 use crate::say;
@@ -44,7 +45,7 @@ pub(crate) struct Compare {
     #[command(flatten)]
     step: StepOptions,
     /// Compare only the first S seconds
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number("s", "a number of seconds, e.g. 0.5"), allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Compare only until the hammer is highest, or, if the hammer was not recorded, until the key is down
     #[arg(long)]

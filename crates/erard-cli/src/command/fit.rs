@@ -15,6 +15,7 @@ use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::fit::{column, figure, lines, report, table, value};
 use crate::names::{Name, one_of};
+use crate::number::{number, whole};
 use crate::progress::Progress;
 use crate::recordings::RecordingOptions;
 use crate::say;
@@ -64,14 +65,14 @@ pub(crate) struct Fit {
     #[arg(long, value_parser = one_of(&JACOBIANS), default_value = "differences")]
     jacobian: Jacobian,
     /// Largest number of further starts
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(0..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole::<u16>(0, 1000))]
     restarts: u16,
     /// Largest number of evaluations from one start
-    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u16).range(1..=10000))]
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = whole::<u16>(1, 10_000))]
     most: u16,
     /// Fit only the first S seconds of every recording. Do not go much beyond the impact: there a tiny change of a
     /// parameter moves the check by milliseconds, and error bars become too small
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number("s", "a number of seconds, e.g. 0.5"), allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Write numbers only, no figures
     #[arg(long)]

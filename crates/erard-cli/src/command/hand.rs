@@ -9,6 +9,7 @@ use erard::{Instrument, SimulationError};
 use crate::failure::Failure;
 use crate::identity;
 use crate::names::{Name, one_of};
+use crate::number::number;
 use crate::progress::Progress;
 
 /// A hand that plays, and its level.
@@ -22,7 +23,7 @@ pub(crate) struct HandOptions {
     #[arg(
         long,
         value_name = "M/S",
-        value_parser = metres_per_second,
+        value_parser = number("m/s", METRES_PER_SECOND),
         allow_negative_numbers = true,
         conflicts_with_all = ["stroke", "force_step", "file"]
     )]
@@ -32,11 +33,11 @@ pub(crate) struct HandOptions {
     pub touch: Touch,
     /// Mass of the hand at the fingertip, g. With a stroke file or --force-step it puts a hand before the key: its
     /// muscle has that force or follows that motion, and its fingertip presses the key [default: 200]
-    #[arg(long, value_name = "GRAMS", num_args = 0..=1, require_equals = true, default_missing_value = "200")]
+    #[arg(long, value_name = "GRAMS", num_args = 0..=1, require_equals = true, default_missing_value = "200", value_parser = number("g", "a number of grams, e.g. 200g"))]
     pub hand: Option<f64>,
     /// Speed of the hand when it reaches the key, m/s. It replaces the level of a built-in touch. With a stroke file or
     /// --force-step it needs --hand
-    #[arg(long, value_name = "M/S", allow_negative_numbers = true, conflicts_with_all = ["stroke", "hammer_speed"])]
+    #[arg(long, value_name = "M/S", value_parser = number("m/s", METRES_PER_SECOND), allow_negative_numbers = true, conflicts_with_all = ["stroke", "hammer_speed"])]
     pub hand_speed: Option<f64>,
 }
 
@@ -46,11 +47,8 @@ const TOUCHES: [Name<Touch>; 2] = [
     ("struck", "The hand is moving when it reaches the key", Touch::Struck),
 ];
 
-/// A speed with or without its unit.
-fn metres_per_second(text: &str) -> Result<f64, String> {
-    let number = text.strip_suffix("m/s").unwrap_or(text).trim_end();
-    number.parse().map_err(|_| "expected a number of m/s, as in 2m/s".to_owned())
-}
+/// What a speed's option expects.
+const METRES_PER_SECOND: &str = "a number of m/s, e.g. 2m/s";
 
 impl HandOptions {
     /// Another level of the same hand.

@@ -11,6 +11,7 @@ use super::weigh::WeighOptions;
 use crate::answer;
 use crate::failure::Failure;
 use crate::keyboard::{doubts, pair, table, text, weighed_svg};
+use crate::number::whole;
 use crate::progress::Progress;
 use crate::say;
 use crate::tell;
@@ -27,7 +28,7 @@ pub(crate) struct Keyboard {
     #[arg(id = "keyboard", value_name = "KEYBOARD", default_value = "concert-grand", num_args = 1..=2)]
     keyboards: Vec<String>,
     /// Weigh every N-th key
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=87), allow_negative_numbers = true, conflicts_with = "key")]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole::<u8>(1, 87), allow_negative_numbers = true, conflicts_with = "key")]
     every: u8,
     /// Only print the instrument file of this key, by number or note (40, C4)
     #[arg(long, value_name = "KEY", value_parser = key, allow_negative_numbers = true, conflicts_with_all = ["out", "force"])]

@@ -72,7 +72,10 @@ impl List {
                 return answer::text(&text);
             }
             let (_, text) = built_in(name).ok_or_else(|| {
-                let names: Vec<String> = all().into_iter().map(|one| one.name).collect();
+                let mut names: Vec<String> = Vec::new();
+                for BuiltIn { kind, name, .. } in all() {
+                    names.push(if names.contains(&name) { format!("{kind}:{name}") } else { name });
+                }
                 Failure::Usage(format!("there is no built-in `{name}`; expected one of {}", names.join(", ")))
             })?;
             return answer::text(text);

@@ -19,6 +19,7 @@ use crate::live::feed::{Line, lines};
 use crate::live::latency::{Clock, Latency};
 use crate::live::report::Told;
 use crate::live::{Bits, Wire};
+use crate::number::whole;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::{answer, identity, say, tell};
@@ -45,13 +46,14 @@ pub(crate) struct Live {
     /// Keyboard: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand")]
     keyboard: String,
-    /// What the sensors sit on
+    /// Device that carries the sensors
     #[arg(long, value_enum, default_value = "action")]
     sensor: Sensor,
-    /// Distance of the sensed place from the balance pin, mm, in front of it or behind [default: the key's front]
+    /// Distance of the sensed place from the balance pin, mm, in front of the pin or behind it [default: the key's
+    /// front]
     #[arg(long, value_name = "MM", value_parser = distance, allow_negative_numbers = true)]
     sensor_at: Option<f64>,
-    /// The device's whole travel, mm, spread over the key's dip; with `--sensor light` and a stream in mm
+    /// Full travel of the device, mm: it is scaled to the key's dip. For `--sensor light` and a stream in mm
     #[arg(long, value_name = "MM", value_parser = distance, allow_negative_numbers = true)]
     travel: Option<f64>,
     /// Profile of the sensors, as `erard calibrate` writes it; for a stream of raw readings or pressures
@@ -64,16 +66,16 @@ pub(crate) struct Live {
     #[arg(long, value_enum, default_value = "7")]
     bits: Bits,
     /// Channel, 1 to 16
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=16), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u8>(1, 16), allow_negative_numbers = true)]
     channel: u8,
-    /// Where the bytes go: a pipe, a device, or a file; one that ends in .mid becomes a Standard MIDI File [default:
-    /// `-`, standard output]
-    #[arg(id = "bytes", long = "out", short, value_name = "FILE")]
+    /// Output of the MIDI bytes: a pipe, a device, or a file. A name that ends in .mid makes a Standard MIDI File
+    /// [default: `-`, standard output]
+    #[arg(id = "bytes", long = "out", short = 'o', value_name = "FILE")]
     out: Option<PathBuf>,
-    /// A MIDI port of the system, by a part of its name, in place of --out
+    /// MIDI port of the system, by part of its name, instead of --out
     #[arg(long, value_name = "NAME")]
     port: Option<String>,
-    /// When nothing has come from a pipe for so long, s, all keys are let go
+    /// Let all keys go if a pipe has sent nothing for this time, s
     #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = seconds, allow_negative_numbers = true)]
     stall: f64,
     /// Replace FILE if it exists

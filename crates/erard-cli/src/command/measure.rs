@@ -23,6 +23,7 @@ use crate::inputs::shown;
 use crate::measure::figures::{Drawn, figures};
 use crate::measure::rows::{self, MeasuredRow};
 use crate::measure::{Measured, doubts, page, table};
+use crate::number::whole;
 use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
@@ -65,7 +66,7 @@ pub(crate) struct Measure {
     leads: Vec<String>,
     /// With --sheet: also write the instrument file as it is after the work, or after its first LINES lines
     /// (carried-out.toml)
-    #[arg(long, value_name = "LINES", requires = "sheet", num_args = 0..=1, require_equals = true, value_parser = clap::value_parser!(u8).range(1..), default_missing_value = "255")]
+    #[arg(long, value_name = "LINES", requires = "sheet", num_args = 0..=1, require_equals = true, value_parser = whole::<u8>(1, u64::MAX), default_missing_value = "255")]
     carry_out: Option<u8>,
     /// Key of the instrument, by number (1 to 88) or note (A0 to C8), which selects the usual ranges [default: that of
     /// the instrument, else C4]

@@ -23,6 +23,7 @@ use crate::failure::Failure;
 use crate::identity;
 use crate::inputs;
 use crate::names::{Name, one_of};
+use crate::number::number;
 use crate::recordings::{Ready, RecordingOptions};
 use crate::tell;
 use erard_figures::drawing::ChangedNote;
@@ -309,7 +310,7 @@ pub(crate) struct StrokeOptions {
     #[command(flatten)]
     hand: HandOptions,
     /// Constant force on the key front, N
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = number("N", "a number of N, e.g. 5N"), allow_negative_numbers = true)]
     force_step: Option<f64>,
     /// What drives the key. Default: the force if the stroke has one; else `rigid` for a recorded key position and
     /// `motion` for a recorded fingertip position (see --position). With --stroke it plays the stored force curve of
@@ -475,7 +476,7 @@ pub(crate) struct StepOptions {
     #[arg(long, value_name = "SECONDS", default_value = USUAL, value_parser = step, allow_negative_numbers = true)]
     dt: Step,
     /// Theta of the time-stepping scheme, from 0.5 (second order) to 1 (damped)
-    #[arg(long, value_name = "T", default_value_t = 0.5, allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", default_value_t = 0.5, value_parser = number("", "a number from 0.5 to 1"), allow_negative_numbers = true)]
     theta: f64,
     /// Solver of the one-step problem
     #[arg(long, value_parser = one_of(&SOLVERS), default_value = "active-set")]
@@ -484,7 +485,7 @@ pub(crate) struct StepOptions {
     #[arg(long, value_parser = one_of(&FRICTIONS), default_value = "set-valued")]
     friction: Friction,
     /// Width of the regularised law: this at pivots, rad/s, and a tenth of it at sliding contacts, m/s
-    #[arg(long, value_name = "RAD/S", default_value_t = 0.1, allow_negative_numbers = true)]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.1, value_parser = number("rad/s", "a number of rad/s, e.g. 0.1"), allow_negative_numbers = true)]
     friction_width: f64,
 }
 

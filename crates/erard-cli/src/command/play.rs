@@ -16,6 +16,7 @@ use super::out::OutOptions;
 use super::press::wav_name;
 use crate::failure::Failure;
 use crate::inputs::{self, shown};
+use crate::number::whole;
 use crate::output::Output;
 use crate::play::spool::Spools;
 use crate::play::{Played, Side, page, report};
@@ -37,28 +38,28 @@ pub(crate) struct Play {
     /// Keyboard: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand-strings")]
     keyboard: String,
-    /// A second keyboard, to be laid beside the first: which notes are lost on it?
+    /// Second keyboard to compare with: which notes are lost on one of the two only
     #[arg(long, value_name = "KEYBOARD")]
     against: Option<String>,
-    /// Play the notes that begin from this instant on, s
+    /// Play only notes that begin at or after this time, s
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
     from: f64,
-    /// Play the notes that begin before this instant, s [default: all]
+    /// Play only notes that begin before this time, s [default: all]
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     to: Option<f64>,
-    /// Keep a row of every action every so many milliseconds in which it is awake, 0.05 to 1000
+    /// Time from one row of an action to the next while it is awake, ms, 0.05 to 1000
     #[arg(long, value_name = "MS", default_value_t = 1.0, value_parser = milliseconds, allow_negative_numbers = true)]
     record_every: f64,
-    /// Write the force of all strings on the bridge as sound, too, into a file of this name in the output folder: 48
-    /// kHz, 16 bit, its peak at 0.9 of full scale (it is that force, not a piano). Steps are 1/48000 s then [default:
-    /// play.wav]
+    /// Also write the force of all strings on the bridge as sound, NAME.wav in the output folder. Needs modal strings.
+    /// 48 kHz, 16 bit, peak at 0.9 of full scale. There is no soundboard: it does not sound like a piano. Steps are
+    /// then 1/48000 s [default: play.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "play.wav", value_parser = wav_name)]
     wav: Option<String>,
-    /// Show so many notes in slow motion, those that went wrong first
-    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(0..=500), allow_negative_numbers = true)]
+    /// Number of notes to show in slow motion, faulty ones first
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = whole::<u16>(0, 500), allow_negative_numbers = true)]
     slow_motion: u16,
-    /// Threads that play at once [default: one for every core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256), allow_negative_numbers = true)]
+    /// Number of threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1, 256), allow_negative_numbers = true)]
     threads: Option<u16>,
     #[command(flatten)]
     out: OutOptions,
@@ -131,8 +132,7 @@ impl Play {
     ) -> Result<Side, Failure> {
         let instruments = keyboard.instruments()?;
         if self.wav.is_some() && !instruments.iter().any(Instrument::has_yielding_strings) {
-            let message =
-                "--wav needs strings that yield, and this keyboard's are rigid (`concert-grand-strings` has some)";
+            let message = "--wav needs modal strings; this keyboard's are rigid. Use --keyboard concert-grand-strings";
             return Err(Failure::Usage(format!("{}: {message}", keyboard.name)));
         }
         let moments = usize::from(self.slow_motion);

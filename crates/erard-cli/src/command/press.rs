@@ -19,6 +19,7 @@ use super::out::OutOptions;
 use super::press_pair::{self, Played};
 use crate::failure::Failure;
 use crate::inside::{self, LossReport, losses_svg, reactions_svg};
+use crate::number::number;
 use crate::progress::Progress;
 use crate::say;
 use crate::spectrogram::spectrogram_svg;
@@ -46,14 +47,14 @@ pub(crate) struct Press {
     #[command(flatten)]
     step: StepOptions,
     /// Simulated time, s [default: the stroke's duration and a little more]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number("s", "a number of seconds, e.g. 0.5"), allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Steps from one row of the output to the next [default: 1, in long runs more]
     #[arg(long, value_name = "STEPS", value_parser = steps, allow_negative_numbers = true)]
     record_every: Option<u64>,
     /// Adaptive steps: the largest error of a step, relative to 1 rad/s + |velocity|, from 1e-9 to 0.1 [default: fixed
     /// steps of --dt]
-    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
+    #[arg(long, value_name = "ERROR", value_parser = number("", "a number from 1e-9 to 0.1"), allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Also record the forces in the pins (both components) and the accelerations of the parts: more columns,
     /// reactions.svg and reactions.png

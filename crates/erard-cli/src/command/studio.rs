@@ -10,6 +10,7 @@ use clap::Args;
 
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::number::whole;
 use crate::say;
 
 /// The page's files where it was built in: names and bytes. `build.rs` fills it from the folder that ERARD_STUDIO
@@ -26,7 +27,7 @@ const AFTER: &str = include_str!("help/studio.txt");
 #[command(after_help = AFTER)]
 pub(crate) struct Studio {
     /// Port on this machine; 0 takes any free one
-    #[arg(long, value_name = "NUMBER", default_value_t = 8088)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 8088, value_parser = whole::<u16>(0, 65535))]
     port: u16,
     /// Folder of the built page
     #[arg(long, value_name = "FOLDER")]

@@ -19,6 +19,7 @@ use super::options::{
 };
 use super::out::OutOptions;
 use crate::failure::Failure;
+use crate::number::number;
 use crate::progress::Progress;
 use crate::say;
 use crate::study::sensitivities as sensitive;
@@ -80,7 +81,7 @@ pub(crate) struct Study {
     #[command(flatten)]
     step: StepOptions,
     /// Simulated time of every stroke, s [default: the stroke's duration and a little more]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number("s", "a number of seconds, e.g. 0.5"), allow_negative_numbers = true)]
     duration: Option<f64>,
     #[command(flatten)]
     bands: BandOptions,
@@ -165,6 +166,16 @@ impl Study {
         let written = output.commit()?;
 
         say!("{title}");
+        let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
+        // A row that is not printed may be the one that matters.
+        let impacts = |which: fn(usize) -> bool| {
+            let played = rows.iter().filter_map(|row| row.outcome.as_ref().ok());
+            played.filter(|played| which(played.events.impacts.len())).count()
+        };
+        let counted =
+            [(impacts(|count| count == 0), "without a strike"), (impacts(|count| count > 1), "with several strikes")];
+        let counted = counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("; {count} {what}"));
+        say!("{} strokes; {failed} failed{}", rows.len(), counted.collect::<String>());
         say!();
         say!("{}", shown(&axes, &measures, &rows, self.rows).to_string().trim_end_matches('\n'));
         if rows.len() > self.rows {
@@ -178,17 +189,7 @@ impl Study {
         for doubt in doubts(&rows) {
             tell!("warning: this result cannot be trusted: {doubt}");
         }
-        let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
         say!();
-        // A row that is not printed may be the one that matters.
-        let impacts = |which: fn(usize) -> bool| {
-            let played = rows.iter().filter_map(|row| row.outcome.as_ref().ok());
-            played.filter(|played| which(played.events.impacts.len())).count()
-        };
-        let counted =
-            [(impacts(|count| count == 0), "without a strike"), (impacts(|count| count > 1), "with several strikes")];
-        let counted = counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("; {count} {what}"));
-        say!("{} strokes; {failed} failed{}", rows.len(), counted.collect::<String>());
         say!("{written}");
         Ok(())
     }

@@ -272,7 +272,7 @@ const MET: &str = "met";
 const MISSED: &str = "missed";
 const ABSENT: &str = "did not happen";
 const UNDECIDED: &str = "cannot tell";
-const SILENT: &str = "cannot speak to it";
+const SILENT: &str = "not modelled";
 const OPEN: &str = "nothing published";
 
 impl<'a> RowReport<'a> {
@@ -388,8 +388,17 @@ fn print_table(rows: &[RowReport]) {
     let shown = |column: &usize| banded || heads[*column] != "5 to 95 %";
     let of = |row: &[String; 6]| (0..6).filter(shown).map(|column| row[column].clone()).collect::<Vec<_>>();
     say!("{}", Table::of((0..6).filter(shown).map(|column| heads[column]), cells.iter().map(of)));
+    // Rows with one reason share a line.
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for row in rows.iter().filter(|row| row.verdict != MET) {
-        say!("  {}: {}", row.quantity, row.likely_reason.unwrap_or("no reason is known"));
+        let reason = row.likely_reason.unwrap_or("no reason is known");
+        match reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, quantities)) => quantities.push(row.quantity),
+            None => reasons.push((reason, vec![row.quantity])),
+        }
+    }
+    for (reason, quantities) in reasons {
+        say!("  {}: {reason}", quantities.join("; "));
     }
     say!();
 }

@@ -15,6 +15,7 @@ use super::options::key;
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs;
+use crate::number::whole;
 use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
@@ -33,8 +34,8 @@ pub(crate) struct WeighOptions {
     /// with which down-weight and up-weight can be usual]
     #[arg(long = "target", value_name = "WHAT=VALUE", requires = "weigh")]
     targets: Vec<String>,
-    /// First bring all strike weights to their smooth curve (or to the target inertia), then add leads; without it only
-    /// hammers that stick out from their neighbours
+    /// First bring all strike weights to their smooth curve (or to the target inertia), then add leads. Without it,
+    /// only hammers that differ from their neighbours
     #[arg(long, requires = "weigh")]
     hammers: bool,
     /// Masses of the available leads, g [default: 14,10,7,4]
@@ -44,11 +45,11 @@ pub(crate) struct WeighOptions {
     /// of sections [default: 20,50,70, an estimate for a concert grand]
     #[arg(long = "sections", value_name = "KEY,KEY,..", value_delimiter = ',', value_parser = key, requires = "weigh")]
     section_ends: Vec<usize>,
-    /// Carry the list out on simulated copies of the keys, and weigh them again: again.csv, a table for --weigh
+    /// Carry out the list on simulated copies of the keys and weigh them again: again.csv, a table for --weigh
     #[arg(long, requires = "weigh")]
     carry_out: bool,
     /// Number of keys to check in the dynamic model, from bass to treble
-    #[arg(long, value_name = "KEYS", default_value_t = 3, requires = "weigh")]
+    #[arg(long, value_name = "KEYS", default_value_t = 3, value_parser = whole::<usize>(0, 88), requires = "weigh")]
     sample: usize,
     #[command(flatten)]
     lengths: Lengths,

@@ -65,7 +65,7 @@ fn of_key(one: &Diagnosis, work: &Work<'_>) -> Markup {
             h2 { (one.verdict()) }
             @if !one.causes.is_empty() {
                 table.list {
-                    thead { tr { td {} th { "cause" } th { "test that tells it apart" } th { "then" } th.tick { "done" } } }
+                    thead { tr { td {} th { "cause" } th { "quick test" } th { "then" } th.tick { "done" } } }
                     tbody {
                         @for (rank, ranked) in one.causes.iter().enumerate() {
                             tr {

@@ -89,13 +89,13 @@ fn flags(one: &Measured, named: bool) -> Markup {
     let whose = html! { @if named { (one.label) ": " } };
     html! {
         @if one.sheet.flags.is_empty() {
-            p { (whose) "nothing is out of the norm." }
+            p { (whose) "All readings are in their usual range." }
         } @else {
-            p.out { (whose) "out of the norm" }
+            p.out { (whose) "Out of the usual range:" }
             ul.flags { @for flag in &one.sheet.flags { li { (flag.message) } } }
         }
         @if !one.sheet.trusted {
-            p.out { (whose) "cannot be trusted" }
+            p.out { (whose) "This measurement cannot be trusted:" }
             ul.flags { @for doubt in doubts(&one.sheet) { li { (doubt) } } }
         }
     }

@@ -74,7 +74,7 @@ impl Output {
         let refused = |source| Failure::write(folder, source);
         stage::recover(folder).map_err(refused)?;
         if folder.exists() && !folder.is_dir() {
-            return Err(refused(std::io::Error::other("this is a file")));
+            return Err(refused(std::io::Error::other("this is a file; expected a folder")));
         }
         let place = Place { folder, command, force };
         let tables = certain.iter().filter(|name| name.ends_with(TABLE)).map(|name| beside(name));

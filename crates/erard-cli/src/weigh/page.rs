@@ -40,7 +40,7 @@ pub(crate) fn html(work: &Work<'_>, figure: &str) -> String {
         p.soft {
             "D is the least weight with which the key, let go from rest, sinks slowly to let-off; U is the largest that it lifts again from just before let-off; pedal down. BW = (D + U)/2, F = (D - U)/2. \
              Weights in grams, at the key's front; places of leads count from the balance pin, in front of it where nothing \
-             else is said; a capstan goes forward to the player. Hammer and capstan each stand for the leads, not beside them. Inertia is an estimate: the hammer's from its \
+             else is said; a capstan moves towards the player. Hammer and capstan are alternatives to the leads: do one of the three. Inertia is an estimate: the hammer's from its \
              strike weight and ratio, the key's and the whippen's from the keyboard's model."
         }
         figure {

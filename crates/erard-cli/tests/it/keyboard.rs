@@ -37,7 +37,7 @@ fn weighed_keys_are_written() {
     // The strike weight grows by what is added at the place where it is weighed: 8.7 g + 2 g, 8.7 g - 3 g.
     let strike = |row: &[&str]| row[3].parse::<f64>().unwrap();
     assert!((strike(&rows[1]) - strike(&rows[2]) - 5.0).abs() < 1e-3, "{table}");
-    assert!(said.starts_with("Mine - 88 keys, 2 of them weighed") && said.contains("down weight"), "{said}");
+    assert!(said.starts_with("Mine - 88 keys, 2 of them weighed") && said.contains("down-weight"), "{said}");
     let svg = folder.read("keys/keyboard.svg");
     assert!(svg.contains("down-weight") && svg.contains("hammer (g)") && svg.contains("number of the key"), "{svg}");
     assert!(std::fs::read(folder.0.join("keys/keyboard.png")).unwrap().starts_with(b"\x89PNG"));
@@ -86,7 +86,7 @@ fn wrong_input_is_told() {
         (&["keyboard", "grand.toml"], "belongs to an instrument, and a keyboard is expected here"),
         (&["keyboard", "broken.toml"], "broken.toml:9:9: `added_mass.hammer head.at_mm`"),
         (&["keyboard", "--key", "0"], "expected a number from 1 to 88, or a note from A0 to C8"),
-        (&["keyboard", "--every", "0"], "0 is not in 1..=87"),
+        (&["keyboard", "--every", "0"], "expected a whole number from 1 to 87"),
         (
             &["press", "--instrument", "mine.toml"],
             "mine.toml: is a keyboard; expected an instrument. Name one of its keys: mine.toml:key=40",

@@ -39,7 +39,7 @@ fn files() {
         assert!(said.contains("larger than 4 MiB"), "{arguments}: {said}");
     }
     let said = refused(&folder, "press /dev/zero");
-    assert!(said.contains("this is no table"), "{said}");
+    assert!(said.contains("this is not a table"), "{said}");
     assert_eq!(folder.names(), ["big.toml", "comments.toml"]);
 }
 

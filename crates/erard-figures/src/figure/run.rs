@@ -25,7 +25,7 @@ pub(crate) fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
     }
     let angles = angles(run);
     if !angles.is_empty() {
-        panels.push(panel(run, ("turned", "°"), 130.0, angles));
+        panels.push(panel(run, ("angle", "°"), 130.0, angles));
     }
     if let Some(strings) = &run.strings {
         let under = scaled(&strings.displacement_m, 1e3);

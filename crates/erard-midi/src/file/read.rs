@@ -32,7 +32,7 @@ pub enum ReadError {
 impl std::fmt::Display for ReadError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            ReadError::Syntax(what) => write!(f, "no readable Standard MIDI File: {what}"),
+            ReadError::Syntax(what) => write!(f, "not a readable Standard MIDI File: {what}"),
             ReadError::TooLong(bytes) => write!(f, "{bytes} bytes; at most {MOST_BYTES} are read"),
             ReadError::Sequences(count) => {
                 write!(f, "a file of format 2, of {count} pieces that belong to nothing common; expected format 0 or 1")

@@ -121,8 +121,8 @@ fn what_no_piano_plays_is_left_out_and_said() {
 #[test]
 fn what_is_no_piece_is_refused() {
     let said = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
-    assert!(said(b"").contains("no readable Standard MIDI File"));
-    assert!(said(b"RIFF....WAVE").contains("no readable Standard MIDI File"));
+    assert!(said(b"").contains("not a readable Standard MIDI File"));
+    assert!(said(b"RIFF....WAVE").contains("not a readable Standard MIDI File"));
     assert_eq!(read(&smf(2, METRICAL, &[&END, &END])).unwrap_err(), ReadError::Sequences(2));
     assert_eq!(read(&smf(0, [0, 0], &[&END])).unwrap_err(), ReadError::NoTime);
     assert_eq!(read(&smf(0, [0xE7, 0], &[&END])).unwrap_err(), ReadError::NoTime);

@@ -16,7 +16,7 @@ pub struct Apart {
     pub quantity: &'static str,
     /// Its value at the key, in its unit.
     pub value: f64,
-    /// What the neighbours have here, in its unit.
+    /// Value that the neighbours suggest here, in the quantity's unit.
     pub neighbours: f64,
 }
 

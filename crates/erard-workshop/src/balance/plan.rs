@@ -85,9 +85,9 @@ pub struct BalancedKey {
     pub target_front_weight_g: Option<f64>,
     /// Where it differs from its neighbours by more than readings are off by and the rest scatters.
     pub apart: Vec<Apart>,
-    /// What the hammer comes to before the leads, more strike weight, g; 0 where it stays.
+    /// Change of strike weight before the leads, g, positive for a heavier hammer; 0 if the hammer stays.
     pub hammer_change_g: f64,
-    /// What the leads are to add to the front weight, g: 0 where they stay, `None` if too little is known.
+    /// Front weight that the leads are to add, g: 0 if they stay, `None` if too little is known.
     pub front_change_g: Option<f64>,
     /// Whether the leads could add more, but for the ceiling of the front weight.
     pub is_at_ceiling: bool,

@@ -15,9 +15,9 @@ pub struct MeasuredError {
     pub line: usize,
     /// Column; empty where the fault belongs to none.
     pub column: String,
-    /// What is wrong.
+    /// Fault, in words.
     pub message: String,
-    /// What should stand there.
+    /// Expected text.
     pub expected: String,
 }
 
@@ -69,7 +69,7 @@ pub(crate) struct KeyRow {
     pub key: usize,
     /// Its cells, with decimal points.
     pub cells: Vec<String>,
-    /// What its column `leads` says.
+    /// Leads of the column `leads`.
     pub leads: Vec<Lead>,
 }
 
@@ -135,12 +135,12 @@ pub(crate) fn rows_of_keys(text: &str, file: &str, header: &str) -> Result<KeyRo
             fault(
                 line,
                 column,
-                format!("`{found}` is no key"),
+                format!("`{found}` is not a key"),
                 format!("a number from 1 to {KEYS}, or a note from A0 to C8"),
             )
         })?;
         if let Some(other) = rows.iter().find(|known| known.key == key) {
-            let message = format!("key {key} stands in line {} already", other.line);
+            let message = format!("key {key} is already in line {}", other.line);
             return Err(fault(line, "", message, "every key once".into()));
         }
         let leads = leads(text_at(leads_at), separator).map_err(|found| {
@@ -150,7 +150,7 @@ pub(crate) fn rows_of_keys(text: &str, file: &str, header: &str) -> Result<KeyRo
         rows.push(KeyRow { line, key, cells: cells.into_iter().map(decimal).collect(), leads });
     }
     if rows.is_empty() {
-        return Err(fault(0, "", "there is no key in it".into(), "a row for each key that was weighed".into()));
+        return Err(fault(0, "", "it names no key".into(), "a row for each key that was weighed".into()));
     }
     table.rows = rows;
     Ok(table)

@@ -139,7 +139,7 @@ pub struct Trial {
     /// Differences between model and measurement (position in m, force in N), as far as it is reported; `None` where
     /// the file holds no such series, or nothing but noise.
     pub errors: Option<Errors>,
-    /// What the recording's noise makes of the force, under a recorded motion; `None` where that is not known.
+    /// Effect of the recording's noise on the force, under a recorded motion; `None` if unknown.
     pub worth: Option<Worth>,
     /// Rise of the hammer's strike point, m; empty for a model without a hammer.
     pub hammer_m: Vec<f64>,

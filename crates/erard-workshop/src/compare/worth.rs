@@ -55,7 +55,7 @@ impl PathNoise {
     }
 }
 
-/// What a force is worth.
+/// Uncertainty of a force that was computed under a recorded motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Worth {
     /// Root mean square of what the recording's noise makes of the force after the rest, N; infinite where the motion

@@ -8,7 +8,7 @@ use super::entry::{Entry, Impossible, entries};
 use super::geometry::Band;
 use super::report::{Diagnosis, Judged, Ranked, Standing, Suggestion};
 
-/// What every answer rests on.
+/// Basis of every answer, a sentence.
 pub const BASIS: &str = "What a cause does to each reading is simulated on grands around the built-in concert-grand, not on your piano; how \
      common each cause is, is an estimate. Probabilities are no better than these.";
 

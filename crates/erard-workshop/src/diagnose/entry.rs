@@ -345,7 +345,7 @@ pub struct Impossible {
     pub entry: &'static str,
     /// The fault.
     pub what: String,
-    /// What was expected.
+    /// Expected text.
     pub expected: String,
 }
 

@@ -34,7 +34,7 @@ pub enum Standing {
 /// A reading, or what follows from readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judged {
-    /// As in tables.
+    /// Name in tables.
     pub name: &'static str,
     /// Its name at the bench.
     pub label: &'static str,
@@ -42,7 +42,7 @@ pub struct Judged {
     pub unit: &'static str,
     /// Decimals that are shown.
     pub decimals: usize,
-    /// As it was read; `None`: it did not happen.
+    /// Value as read; `None` if the event did not happen.
     pub value: Option<f64>,
     /// Its usual range at the key, ends that are open as infinite.
     pub usual: Option<[f64; 2]>,

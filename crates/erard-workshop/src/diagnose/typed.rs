@@ -11,7 +11,7 @@ use crate::balance::Lead;
 pub struct Typed {
     /// The key, 1 to 88; `None` where nobody named it.
     pub key: Option<usize>,
-    /// What was measured.
+    /// Readings.
     pub known: Known,
 }
 
@@ -25,7 +25,7 @@ impl Typed {
     pub fn read(json: &str) -> Result<Self, Vec<Impossible>> {
         let wrong = |entry, what, expected: &str| Impossible { entry, what, expected: expected.to_owned() };
         let object: Map<String, Value> = serde_json::from_str(json).map_err(|error| {
-            let what = format!("the readings are no JSON object: {error}");
+            let what = format!("the readings are not a JSON object: {error}");
             vec![wrong("", what, "an object such as {\"key\": \"C4\", \"down_weight_g\": 58}")]
         })?;
         let (mut typed, mut faults, mut entered) = (Typed::default(), Vec::new(), Vec::<&Entry>::new());
@@ -42,7 +42,7 @@ impl Typed {
             if name == "key" {
                 typed.key = key_named(text);
                 if typed.key.is_none() {
-                    faults.push(wrong("key", format!("`{text}` is no key"), "1 to 88, or a note from A0 to C8"));
+                    faults.push(wrong("key", format!("`{text}` is not a key"), "1 to 88, or a note from A0 to C8"));
                 }
             } else if name == "leads" {
                 match leads(text) {
@@ -51,14 +51,14 @@ impl Typed {
                 }
             } else if let Some(entry) = entries().iter().find(|entry| entry.is_called(&name)) {
                 if entered.contains(&entry) {
-                    faults.push(wrong(entry.name, format!("`{name}` is a second name of it"), "each reading once"));
+                    faults.push(wrong(entry.name, format!("`{name}` is another name for it"), "each reading once"));
                 } else if let Err(expected) = typed.known.enter(entry, text) {
                     faults.push(wrong(entry.name, format!("`{text}`"), &expected));
                 }
                 entered.push(entry);
             } else {
                 let known = entries().iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
-                faults.push(wrong("", format!("there is no reading `{name}`"), &format!("key, leads, {known}")));
+                faults.push(wrong("", format!("unknown reading `{name}`"), &format!("key, leads, {known}")));
             }
         }
         faults.extend(typed.known.faults());
@@ -108,7 +108,7 @@ mod tests {
             r#"{"key": "H9", "leads": "14", "down_weight_g": 18, "up_weight_g": 58, "drop": "much", "dip_mm": 8, "aftertouch_mm": 9}"#,
         );
         for (entry, told) in [
-            ("key", "`H9` is no key; expected 1 to 88"),
+            ("key", "`H9` is not a key; expected 1 to 88"),
             ("leads", "`14`; expected grams"),
             ("drop_mm", "`much`; expected a number from 0 to 40 mm"),
             ("up_weight_g", "are they swapped?"),
@@ -118,11 +118,11 @@ mod tests {
         }
         assert_eq!(all.len(), 5, "{all:?}");
         for (json, told) in [
-            ("", "no JSON object"),
-            ("[1]", "no JSON object"),
+            ("", "not a JSON object"),
+            ("[1]", "not a JSON object"),
             ("{}", "no reading was given"),
             (r#"{"key": "C4", "leads": "14@165"}"#, "no reading was given"),
-            (r#"{"colour": 1}"#, "there is no reading `colour`; expected key, leads, down_weight_g"),
+            (r#"{"colour": 1}"#, "unknown reading `colour`; expected key, leads, down_weight_g"),
             (r#"{"d": 50, "dw": 50}"#, "each reading once"),
         ] {
             let found = faults(json);

@@ -5,7 +5,7 @@ use super::{FitError, Loss, Problem};
 /// A point that was played, and how good it is.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Candidate {
-    /// As parameters are counted.
+    /// Point in the solver's coordinates.
     pub point: Vec<f64>,
     /// Minus its log-likelihood, all rows counted: of channels whose noise is known half of what the loss makes of
     /// their squares, of the others the logarithm of what is left over, besides. So points compare whatever noise was

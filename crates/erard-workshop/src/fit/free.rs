@@ -37,7 +37,7 @@ impl Free {
         (self.high - self.low) / 2.0
     }
 
-    /// As it is counted.
+    /// Returns the solver's coordinate of a value.
     pub fn inner(&self, x: f64) -> f64 {
         if self.parameter.is_factor() { x.ln() } else { x / self.scale() }
     }

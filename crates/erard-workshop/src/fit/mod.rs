@@ -49,9 +49,9 @@ pub enum FitError {
     /// Something that was asked for is wrong.
     #[error("{argument}: {message}")]
     Asked {
-        /// Which: `vary`, `bounds`, `start`, `columns`, `sigma`, `jacobian` or `recordings`.
+        /// Name: `vary`, `bounds`, `start`, `columns`, `sigma`, `jacobian` or `recordings`.
         argument: &'static str,
-        /// What was found, and what was expected.
+        /// Found and expected text.
         message: String,
     },
     /// A recording cannot be fitted.
@@ -59,7 +59,7 @@ pub enum FitError {
     Recording {
         /// Its name.
         recording: String,
-        /// What was found, and what was expected.
+        /// Found and expected text.
         message: String,
     },
     /// A recording cannot drive so.

@@ -90,7 +90,7 @@ pub(crate) enum Ended {
     Step,
     /// The sum of squares no longer falls, and steps are nothing.
     CostAndStep,
-    /// As many evaluations as were allowed.
+    /// The largest number of evaluations was reached.
     Evaluations,
 }
 

@@ -215,8 +215,8 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
         let by_key = line.norm().is_some_and(UsualRange::depends_on_the_key);
         let whose = if by_key { format!(" at {}", note_name(sheet.norms_for_key)) } else { String::new() };
         let message = match value {
-            Some(_) => format!("{label} {}: usual is {}{whose}", line.text(value), usual.trim_end()),
-            None => format!("{label}: could not be measured; usual is {}{whose}", usual.trim_end()),
+            Some(_) => format!("{label} {}; usual range {}{whose}", line.text(value), usual.trim_end()),
+            None => format!("{label}: could not be measured; usual range {}{whose}", usual.trim_end()),
         };
         flags.push(Flag { key: line.key, message });
     }

@@ -31,9 +31,9 @@ pub enum RegulateError {
     /// A goal needs a screw that the instrument does not have.
     #[error("the instrument has no screw for {goal}: it needs one called {needs}")]
     NoScrew {
-        /// What was asked for.
+        /// Requested goal.
         goal: &'static str,
-        /// What would do it.
+        /// Screws that could reach it.
         needs: String,
     },
     /// Not measured at all.

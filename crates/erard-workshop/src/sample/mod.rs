@@ -80,7 +80,7 @@ impl Ending for SampleError {
 /// Base of the samples.
 #[derive(Debug, Clone)]
 pub struct Sampled {
-    /// What messages call it.
+    /// Name in messages.
     name: String,
     base: InstrumentFile,
     base_text: String,

@@ -30,7 +30,7 @@ pub(super) struct Differences {
     pub error: f64,
     /// To below and to above.
     pub sides: [f64; 2],
-    /// What of the five values no parabola explains.
+    /// Residual of the five values about their parabola.
     left: f64,
     window: f64,
 }

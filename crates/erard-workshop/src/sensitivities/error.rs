@@ -19,7 +19,7 @@ pub enum SensitivityError {
     /// A derivative does not converge.
     #[error("{told}{}", if *more == 0 { String::new() } else { format!("; {more} more do not") })]
     Unconverged {
-        /// Which, and why.
+        /// Name and reason.
         told: String,
         /// How many others do not.
         more: usize,

@@ -40,7 +40,7 @@ pub struct ValueAndSlopes {
     pub value: f64,
     /// Derivatives.
     pub slopes: Vec<f64>,
-    /// The same in steps of [`SHORTER`]; empty where they were not asked for.
+    /// Derivatives in steps of [`SHORTER`]; empty if they were not requested.
     pub in_shorter_steps: Vec<f64>,
     /// What switches of friction that could not be told from others make uncertain in each; empty likewise.
     pub unresolved: Vec<f64>,
@@ -49,7 +49,7 @@ pub struct ValueAndSlopes {
 /// A column, and its derivatives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampled {
-    /// As in a run's table.
+    /// Name in a run's table.
     pub name: &'static str,
     /// Its samples.
     pub values: Vec<f64>,
@@ -63,7 +63,7 @@ pub const SHORTER: f64 = 0.8;
 /// How a press is differentiated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Differentiation {
-    /// What happens to the rest.
+    /// Treatment of the rest.
     pub rest: Rest,
     /// Steps between samples of the columns, where they are asked for.
     pub sample_every: Option<u64>,

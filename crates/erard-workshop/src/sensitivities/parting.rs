@@ -35,9 +35,9 @@ pub struct Refusal {
 pub struct Event {
     /// When, s.
     pub time_s: f64,
-    /// Which law; `None` where that could not be told.
+    /// Law that switches; `None` if it could not be identified.
     pub law: Option<SwitchingLaw>,
-    /// What became of it.
+    /// Kind of the switch.
     pub kind: SwitchKind,
 }
 

@@ -20,7 +20,7 @@ const REST_TURN: f64 = 1e-7;
 /// A number of an instrument, and how it is counted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    /// As `study --vary` calls it.
+    /// Name in `study --vary`.
     pub name: String,
     /// The unit of the derivatives: `mm`, `degrees` or `N mm` of a screw, `%` of a parameter, the file's own
     /// unit of a number of the file, `N` of the force.
@@ -60,9 +60,9 @@ pub enum VariableError {
         "unknown name `{name}`; expected {known}, force (with a constant force), or the path of a number in the file, e.g. `body.hammer.mass_g` or `zone.string.disc.center_mm.x`"
     )]
     Unknown {
-        /// What was asked for.
+        /// Requested name.
         name: String,
-        /// What there is.
+        /// Known names.
         known: String,
     },
     /// The number is at an end of its range.
@@ -247,7 +247,7 @@ impl Variable {
 /// The instrument of a text with a number of it changed.
 fn read(target: &Target, by: f64) -> Result<Instrument, String> {
     let Target::Number { text, path, which, value } = target else {
-        return Err("it is no number of the file".to_owned());
+        return Err("it names no number of the file".to_owned());
     };
     let new = with_numbers(text, &[(path, *which, value + by)]).ok_or("it is not there")?;
     let read = Instrument::parse(&new, "the varied instrument").map_err(|error| error.to_string())?;

@@ -25,29 +25,29 @@ pub enum ChangeError {
     /// No such number.
     #[error("unknown name `{name}`; {nearest}, or the path of a number in the file, e.g. `body.hammer.mass_g`")]
     Unknown {
-        /// What was asked for.
+        /// Requested name.
         name: String,
-        /// What it may have been meant to be.
+        /// Similar names.
         nearest: String,
     },
     /// Not understood.
     #[error("`{name}`: found `{found}`, expected {expected}")]
     Value {
-        /// What is changed.
+        /// Name of the changed number.
         name: String,
-        /// What was written.
+        /// Found text.
         found: String,
-        /// What should have been.
+        /// Expected text.
         expected: String,
     },
     /// Out of range.
     #[error("`{name}`: `{found}` is out of range; expected {expected}")]
     Range {
-        /// What is changed.
+        /// Name of the changed number.
         name: String,
-        /// What was written.
+        /// Found text.
         found: String,
-        /// What is possible.
+        /// Possible range.
         expected: String,
     },
     /// Error of the reader in the changed file.

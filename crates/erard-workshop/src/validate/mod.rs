@@ -56,12 +56,12 @@ pub struct GroupResult {
 pub enum Verdict {
     /// Within the published range.
     Met {
-        /// What was simulated, in the row's unit.
+        /// Simulated value, in the row's unit.
         simulated: f64,
     },
     /// Outside of it.
     Missed {
-        /// What was simulated, in the row's unit.
+        /// Simulated value, in the row's unit.
         simulated: f64,
         /// By how much, in the row's unit: negative is too small.
         by: f64,
@@ -70,7 +70,7 @@ pub enum Verdict {
     Absent,
     /// Nothing was published that it could be held against.
     Open {
-        /// What was simulated, in the row's unit.
+        /// Simulated value, in the row's unit.
         simulated: f64,
     },
     /// The model has nothing that could be compared.

@@ -40,7 +40,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// As the table has it.
+    /// Name in the table.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -102,7 +102,7 @@ pub enum PublishedError {
     Row {
         /// Its name.
         row: String,
-        /// What is wrong, and what is expected.
+        /// Fault and expected text.
         what: String,
     },
 }
@@ -132,7 +132,7 @@ impl Published {
         for (index, row) in table.rows.iter().enumerate() {
             let wrong = |what: String| Err(PublishedError::Row { row: row.name.clone(), what });
             if table.rows[..index].iter().any(|other| other.name == row.name) {
-                return wrong("its name stands in the table already; expected another".into());
+                return wrong("the table already has this name; expected another".into());
             }
             if !table.groups.contains_key(&row.group) {
                 return wrong(format!("`group` is `{}`; expected one of `groups`", row.group));

@@ -59,9 +59,9 @@ impl Skipped {
     #[must_use]
     pub fn reason(self) -> &'static str {
         match self {
-            Skipped::RigidString => "the instrument's string is rigid: the model cannot speak to it",
+            Skipped::RigidString => "not modelled: the instrument's string is rigid",
             Skipped::NoKeyboard => {
-                "it is played on another key, and the instrument comes from no keyboard: the model cannot speak to it"
+                "not modelled: the row is for another key, and the instrument comes from no keyboard"
             }
         }
     }

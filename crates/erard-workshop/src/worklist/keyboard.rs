@@ -79,10 +79,10 @@ pub struct KeyLine {
     pub after: Weights,
 }
 
-/// What to do over a keyboard.
+/// Work list of a keyboard.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyboardList {
-    /// What follows from the weights, key by key.
+    /// Results of the weights, key by key.
     pub plan: Plan,
     /// Where its balance weight comes from.
     pub aim_from: AimFrom,
@@ -120,14 +120,14 @@ fn beyond_g(key: &BalancedKey) -> Option<f64> {
     Some(if is_out { (low - friction_g).max(friction_g - high) } else { 0.0 })
 }
 
-/// What is asked of a keyboard.
+/// Targets of a keyboard.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyboardGoal {
     /// Balance weight of every key, g; `None`: see [`AimFrom`].
     pub balance_weight_g: Option<f64>,
-    /// As in [`Target`], kg.
+    /// Target inertia as in [`Target`], kg.
     pub inertia_kg: Option<f64>,
-    /// As in [`Target`].
+    /// Whether hammers are weighed first, as in [`Target`].
     pub hammers: bool,
     /// Masses of the leads at hand, g.
     pub leads_g: Vec<f64>,

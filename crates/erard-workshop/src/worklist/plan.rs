@@ -19,7 +19,7 @@ const ROUNDS: u32 = 3;
 /// The farthest that a capstan line is moved, mm: more takes other parts.
 const MOST_CAPSTAN_MM: f64 = 8.0;
 
-/// Which of dip and aftertouch stays if not both can be in range.
+/// Priority of dip and aftertouch if not both can be in range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Priority {
     /// Dip stays: the blow gives.

@@ -59,7 +59,7 @@ pub enum GradientError {
     /// Something of the engine that is not derived.
     #[error("{what} has no derivatives here")]
     NotDerived {
-        /// What.
+        /// Name of the part without derivatives.
         what: &'static str,
     },
     /// Changing the number changes what the mechanism is made of.
@@ -95,7 +95,7 @@ impl From<ModelError> for GradientError {
     }
 }
 
-/// What is varied, to first order.
+/// Variation, to first order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Direction {
     /// The derivative of every number of the mechanism's description.
@@ -145,13 +145,13 @@ impl Direction {
 pub struct SwitchAt {
     /// When, s.
     pub time_s: f64,
-    /// Which law, and what became of it.
+    /// Law and kind of the switch.
     pub switch: Switch,
     /// Derivatives of the bodies' angular velocities at the end of the step, rad/s per unit of every direction.
     pub slopes: Vec<[f64; DIRECTIONS]>,
 }
 
-/// What came of a press in dual numbers.
+/// Result of a press in dual numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Followed {
     /// Instants and speeds; slopes in the order of the directions.
@@ -175,7 +175,7 @@ impl Followed {
     }
 }
 
-/// What a press in dual numbers tells, and what it does at switches that cannot be distinguished from others.
+/// Reports of a press in dual numbers, and its rule at switches that cannot be distinguished.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct How {
     /// Steps between two samples, if there are to be any.

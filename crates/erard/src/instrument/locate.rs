@@ -98,7 +98,9 @@ pub fn dress(file: &str, text: &str, fault: Fault) -> Box<FileError> {
     let start = floor_char_boundary(text, fault.span.start);
     let end = floor_char_boundary(text, fault.span.end).max(start);
     let (line, column) = line_column(text, start);
-    let mut key = KeyMap::read(text).key_at(&(start..end));
+    // A key that the whole file lacks has no place in it: not that of the file's first key.
+    let is_whole_file = fault.child_key.is_some() && end == 0;
+    let mut key = if is_whole_file { String::new() } else { KeyMap::read(text).key_at(&(start..end)) };
     if key.is_empty() && fault.child_key.is_none() {
         key = left_of_equals(text, start);
     }

@@ -79,7 +79,7 @@ pub enum HandError {
     /// A number out of range.
     #[error("the hand's {what}, is {found}; expected a number from {from} to {to}")]
     Number {
-        /// Which, with its unit.
+        /// Quantity with its unit.
         what: &'static str,
         /// It.
         found: f64,

@@ -76,7 +76,7 @@ pub enum PrepareError {
     /// The cutoff.
     #[error("low-pass at {cutoff_hz} Hz: the {} has {rate_hz:.0} samples per second; expected less than half of that", .role.name())]
     Cutoff {
-        /// Which channel.
+        /// Channel.
         role: Role,
         /// Hz.
         cutoff_hz: f64,

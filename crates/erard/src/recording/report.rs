@@ -123,7 +123,7 @@ impl ChannelReport {
             lines.push(format!("{} rows are empty{longest}", self.gaps.rows));
         }
         if self.inverted {
-            lines.push("its sign is turned".into());
+            lines.push("sign reversed".into());
         }
         if self.late_s != 0.0 {
             lines.push(format!("delay: {:.3} ms removed", -self.late_s * 1e3));
@@ -145,7 +145,7 @@ impl ChannelReport {
                 Whence::Spectrum => "at the upper end of its spectrum",
             };
             let tells = match self.band_hz {
-                Some(band) if band <= 0.0 => "it tells of nothing else".to_owned(),
+                Some(band) if band <= 0.0 => "no signal above noise".to_owned(),
                 Some(band) => format!("signal above noise up to {band:.0} Hz"),
                 None => "up to where is not known".to_owned(),
             };

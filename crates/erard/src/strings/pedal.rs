@@ -61,13 +61,13 @@ pub enum PedalError {
     /// Not a lift.
     #[error("pedal `{found}`: expected a lift from 0 to {} mm, e.g. 7mm, or instants with lifts, e.g. 0s=0mm,0.5s=7mm", 1e3 * PEDAL_MOST_M)]
     Lift {
-        /// What was found.
+        /// Found text.
         found: String,
     },
     /// Instants in no order.
     #[error("pedal: the instants are not in order at `{found}`; expected ascending seconds")]
     Order {
-        /// What was found.
+        /// Found text.
         found: String,
     },
     /// Too many.

@@ -217,7 +217,7 @@ enum Asked {
     Named(String),
 }
 
-/// Which columns to read, where titles do not say it by themselves.
+/// Columns to read, for files whose titles do not name them.
 ///
 /// As text: `time=Time (s),position=Displacement (mm),force=F [gf]`. The names are `time`, `force`, `position`,
 /// `hammer` and `hammer_speed`; what follows is the column's title up to the next name, or `#3` for the third column. A

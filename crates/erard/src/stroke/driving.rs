@@ -51,7 +51,7 @@ pub enum DrivingError {
     Missing {
         /// The stroke.
         title: String,
-        /// What was asked for.
+        /// Requested drive.
         drive: Prescribed,
     },
     /// A force that only pulls.

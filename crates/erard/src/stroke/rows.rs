@@ -92,7 +92,7 @@ impl<R: Read> Rows<R> {
                 return Err(self.place.whole_file(format!("larger than {} MiB", MAX_BYTES >> 20), ""));
             }
             if count > LONGEST_LINE {
-                let message = format!("a line of more than {} KiB: this is no table", LONGEST_LINE >> 10);
+                let message = format!("a line of more than {} KiB: this is not a table", LONGEST_LINE >> 10);
                 return Err(self.place.fault("", message, "", ""));
             }
             self.bytes_left -= count;

@@ -44,7 +44,7 @@ impl Lanes {
         [Lanes::Eight, Lanes::Four].into_iter().find(|lanes| lanes.is_here()).unwrap_or(Lanes::One)
     }
 
-    /// As many in single precision; doubles where the processor has no lanes.
+    /// Returns the most lanes in single precision; doubles if the processor has no lanes.
     pub fn most_single() -> Self {
         if Lanes::EightSingle.is_here() { Lanes::EightSingle } else { Lanes::One }
     }

@@ -51,13 +51,13 @@ pub type Switched<'a> = dyn FnMut(Switch) + 'a;
 pub struct Switch {
     /// How long after the start of the step, s.
     pub after_s: f64,
-    /// Which law; `None` where that could not be told.
+    /// Law that switches; `None` if it could not be identified.
     pub law: Option<SwitchingLaw>,
-    /// What became of it.
+    /// Kind of the switch.
     pub kind: SwitchKind,
 }
 
-/// What becomes of a law that slips.
+/// Kind of a switch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SwitchKind {
     /// It comes to stick.

@@ -256,11 +256,11 @@ fn claims(fixed: &[Rung], controlled: &[Rung], section: &mut Section) {
         for (error, name) in NAMES.into_iter().enumerate() {
             let [a, b] = [fixed, controlled].map(|rungs| price(rungs, wanted, error, |r| r.newton));
             let told = |x: Option<f64>| x.map_or("not reached".into(), |x| format!("{x:.0} iterations"));
-            let ratio = a.zip(b).map_or(String::new(), |(a, b)| format!("; fixed over controlled: {:.2}", a / b));
+            let ratio = a.zip(b).map_or(String::new(), |(a, b)| format!("; fixed over adaptive: {:.2}", a / b));
             section.claims.push(Claim::new(
                 "this program",
-                format!("{name} right to {wanted:e} costs less with controlled steps than with fixed ones"),
-                format!("fixed {}, controlled {}{ratio}", told(a), told(b)),
+                format!("{name} right to {wanted:e} costs less with adaptive steps than with fixed ones"),
+                format!("fixed {}, adaptive {}{ratio}", told(a), told(b)),
                 b.is_some_and(|b| a.is_none_or(|a| b < a)),
             ));
         }
@@ -284,7 +284,7 @@ fn chart(fixed: &[Rung], controlled: &[Rung]) -> Chart {
         y_label: y_label.into(),
         y_log: true,
         y_range: None,
-        curves: [("fixed steps", fixed, 1), ("controlled steps", controlled, 3)]
+        curves: [("fixed steps", fixed, 1), ("adaptive steps", controlled, 3)]
             .into_iter()
             .map(|(label, rungs, colour)| ChartCurve {
                 label: label.into(),
@@ -296,9 +296,9 @@ fn chart(fixed: &[Rung], controlled: &[Rung]) -> Chart {
             .collect(),
     };
     Chart {
-        title: "Work and precision of one press, fixed and controlled steps".into(),
+        title: "Work and precision of one press, fixed and adaptive steps".into(),
         caption: format!(
-            "Fixed steps from {:.0} us, halved from point to point; controlled ones at tolerances from {:e} to {:e}",
+            "Fixed steps from {:.0} us, halved from point to point; adaptive ones at tolerances from {:e} to {:e}",
             STEPS.0 * 1e6,
             TOLERANCES[0],
             TOLERANCES[TOLERANCES.len() - 1]
@@ -311,8 +311,7 @@ fn chart(fixed: &[Rung], controlled: &[Rung]) -> Chart {
 
 /// What precisions cost, by a kind of work.
 fn prices(caption: &str, fixed: &[Rung], controlled: &[Rung], work: fn(&Rung) -> f64) -> Table {
-    let mut table =
-        Table::new(caption, &["what", "right to", "fixed steps", "controlled steps", "fixed over controlled"]);
+    let mut table = Table::new(caption, &["what", "right to", "fixed steps", "adaptive steps", "fixed over adaptive"]);
     for (error, name) in NAMES.into_iter().enumerate() {
         for exponent in 2..=6 {
             let wanted = 0.1_f64.powi(exponent);

@@ -61,7 +61,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     section.tables.push(table);
     section.claims.push(Claim::new(
         "this program",
-        "the books close: less than 1e-3 of the work is unexplained at the usual step of 50 us",
+        "the energy balance closes: less than 1e-3 of the work is unexplained at the usual step of 50 us",
         format!("largest residual {:.1e} over ten strokes", worst[2]),
         worst[2] < 1e-3,
     ));

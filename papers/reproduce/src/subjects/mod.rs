@@ -156,7 +156,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("paper2-run-time", "Run time against real time", 2.0, friction::run_time),
         subject("paper3-levers", "Kinematics of the three levers", 0.5, levers::section),
         subject("scheme-order", "Order of the scheme", 6.0, order::section),
-        subject("scheme-control", "Fixed and error-controlled steps", 14.0, control::section),
+        subject("scheme-control", "Fixed and adaptive steps", 14.0, control::section),
         subject("scheme-energy", "Energy ledger", 1.5, energy::section),
         subject("scheme-solvers", "Agreement of the solvers", 1.5, solvers::section),
         subject("felt-losses", "Which loss the felts should have", 4.0, felt_losses::section),
@@ -167,7 +167,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
         subject("events", "How events converge, and which of them are chance", 6.0, events::section),
         subject("laid-weight", "A weight laid on the key", 1.0, weight::section),
-        subject("strings", "Strings that yield, and their bridge", 6.0, strings::section),
+        subject("strings", "Modal strings and their bridge", 6.0, strings::section),
         subject(
             "strings-energy",
             "The energy balance of a note with strings over the step",

@@ -148,10 +148,10 @@ pub(super) fn fine_structure(instrument: &Instrument, progress: &mut Progress) -
              both models is led along exactly the motion that came of it. What differs between the forces that this takes is the fine structure: what the \
              mechanism adds to weight and inertia. Most of it \
              comes from where the key meets the damper: that and the screws of lever and jack jolt the key, and one degree of freedom takes all its inertia along \
-             where felts give way."
+             where felts are compressed."
                 .into(),
             format!(
-                "Beside it stands what fingers feel. A steady force is told from another at about {:.0} % (Pang, Tan and Durlach 1991). A steady vibration is \
+                "For comparison, what fingers feel: two steady forces are distinguished if they differ by about {:.0} % (Pang, Tan and Durlach 1991). A steady vibration is \
                  felt from about 0.1 um root mean square on at 250 Hz, growing with the square of the period below (Verrillo 1985, from memory), here \
                  through the fingertip's {:.0} N/mm. Active pressing lowers these thresholds (Papetti et al. 2017), and so short a time raises them: the \
                  comparison is an estimate, to a factor of about three.",
@@ -249,7 +249,7 @@ pub(super) fn fine_structure(instrument: &Instrument, progress: &mut Progress) -
         "[T12]",
         "the force of the whole mechanism has a fine structure that one degree of freedom has not; a finger feels it",
         format!(
-            "the difference is at least {:.0} % of the force ({:.0} % are told apart), and at least {:.0} dB above the threshold of vibration in its strongest band",
+            "the difference is at least {:.0} % of the force ({:.0} % can be distinguished), and at least {:.0} dB above the threshold of vibration in its strongest band",
             100.0 * least_share,
             100.0 * FORCE_JND,
             20.0 * least_above.log10()

@@ -34,7 +34,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
     }
     section.claims.push(Claim::new(
         "this program",
-        "the books of a whole note with strings and dampers, a second long at 50 us, lack less than 1e-4 of the work, and no loss is negative",
+        "the energy balance of a whole note with strings and dampers, a second long at 50 us, closes to 1e-4 of the work, and no loss is negative",
         told.join(", "),
         told.len() == NUANCES.len() && worst < RESIDUAL && least >= 0.0,
     ));
@@ -60,7 +60,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
     }
     section.claims.push(Claim::new(
         "this program",
-        "a hammer that is kept on the strings for a second wins nothing from them: in no step do they give back what they had lost, and the books lack less than 1e-4",
+        "a hammer that is kept on the strings for a second gains no energy from them: in no step do they give back what they had lost, and the balance closes to 1e-4",
         told.join("; "),
         holds,
     ));
