@@ -1,5 +1,5 @@
-//! The name that programs look for at run time: `liberard.so.ABI`, whatever the file is called while it is built; of the
-//! library for control loops, which has no workshop, `liberard-rt.so.ABI`.
+//! The name that programs look for at run time: `liberard.so.ABI`, whatever the file is called while it is built; of
+//! the library for control loops, which has no workshop, `liberard-rt.so.ABI`.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -27,11 +27,11 @@ use crate::text::{give, name};
 /// work.
 pub type ErardProgress = Option<unsafe extern "C" fn(share: f64, user: *mut c_void) -> i32>;
 
-/// Changes what a person calls by one name, as the command's `--vary` does: `called` is "body.hammer.mass" (a body's mass
-/// and, in proportion, its inertia), "let_off", "zone.check.friction", or the path of a number; `change` is "8.7 g",
-/// "+0.8 g", "-0.2 mm", "*1.5" or "= 0.2". The numbers are put into the file's text, to ten digits, and the text is read
-/// anew: what the file may not be is refused, and the instrument stays as it was. Actions that were made of it before
-/// stay as they are. ERARD_STATUS_NO_SUCH: no such name; ERARD_STATUS_ARGUMENT: a change that cannot be read;
+/// Changes what a person calls by one name, as the command's `--vary` does: `called` is "body.hammer.mass" (a body's
+/// mass and, in proportion, its inertia), "let_off", "zone.check.friction", or the path of a number; `change` is "8.7
+/// g", "+0.8 g", "-0.2 mm", "*1.5" or "= 0.2". The numbers are put into the file's text, to ten digits, and the text is
+/// read anew: what the file may not be is refused, and the instrument stays as it was. Actions that were made of it
+/// before stay as they are. ERARD_STATUS_NO_SUCH: no such name; ERARD_STATUS_ARGUMENT: a change that cannot be read;
 /// ERARD_STATUS_RANGE: too far; erard_last_error says what is expected.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_vary(
