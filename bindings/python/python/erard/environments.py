@@ -37,9 +37,10 @@ if TYPE_CHECKING:
     #: Of each lane what it earns, from what there is to be read after a period, and the goal, m/s.
     Reward = Callable[[Mapping[str, Floats], Floats], Floats]
 
-#: What is observed, in this order, and how far it may go either way: position of the key's front (m, down), its speed, mean force of the finger
-#: on the key over the period (N, pushing), the hammer's rise and speed (m and m/s, up), where the agent's fingertip or hand is (m, down; 0 under a
-#: force), the goal (hammer speed at the string, m/s), and the time since the episode began (s).
+#: What is observed, in this order, and how far it may go either way: position of the key's front (m, down), its speed,
+#: mean force of the finger on the key over the period (N, pushing), the hammer's rise and speed (m and m/s, up), where
+#: the agent's fingertip or hand is (m, down; 0 under a force), the goal (hammer speed at the string, m/s), and the time
+#: since the episode began (s).
 OBSERVED = {
     "key_m": 0.1,
     "key_m_per_s": 100.0,
@@ -50,7 +51,8 @@ OBSERVED = {
     "goal_m_per_s": 10.0,
     "time_s": 1e3,
 }
-#: What the agent does, least and most: the finger's or the muscle's force, N, or the fingertip's velocity, m/s, down positive.
+#: What the agent does, least and most: the finger's or the muscle's force, N, or the fingertip's velocity, m/s, down
+#: positive.
 CONTROLS = {"force": (0.0, 60.0), "motion": (-1.0, 1.0)}
 #: Where a fingertip may go, m down from the key's rest.
 REACH_M = (-0.02, 0.03)
