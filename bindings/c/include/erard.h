@@ -173,7 +173,8 @@ typedef struct ErardAction ErardAction;
 
 /**
  * An instrument that was read from its file's text, and that text. It belongs to whoever made it, until
- * erard_instrument_free. It never changes but by erard_instrument_set; several threads may read it at once.
+ * erard_instrument_free. It never changes but by erard_instrument_set and erard_instrument_vary; several threads may
+ * read it at once.
  */
 typedef struct ErardInstrument ErardInstrument;
 
@@ -737,6 +738,16 @@ char *erard_check(const char *text, size_t length, size_t *json_length, ErardSta
  * erard_text_free.
  */
 char *erard_builtin(size_t *length, ErardStatus *status);
+
+/**
+ * Changes what a person calls by one name, as the command's `--vary` does: `called` is "body.hammer.mass" (a body's
+ * mass and, in proportion, its inertia), "let_off", "zone.check.friction", or the path of a number; `change` is "8.7
+ * g", "+0.8 g", "-0.2 mm", "*1.5" or "= 0.2". The numbers are put into the file's text, to ten digits, and the text is
+ * read anew: what the file may not be is refused, and the instrument stays as it was. Actions that were made of it
+ * before stay as they are. ERARD_STATUS_NO_SUCH: no such name; ERARD_STATUS_ARGUMENT: a change that cannot be read;
+ * ERARD_STATUS_RANGE: too far; erard_last_error says what is expected.
+ */
+ErardStatus erard_instrument_vary(struct ErardInstrument *instrument, const char *called, const char *change);
 
 /**
  * A picture of the instrument in one pose, as SVG: the same drawing as the command's. `angles_rad` are absolute angles

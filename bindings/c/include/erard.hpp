@@ -57,6 +57,9 @@ class Instrument {
     void set(const char *path, double value, std::size_t which = 0) {
         if (auto s = erard_instrument_set(own.get(), path, which, value); s < 0) throw Error(s);
     }
+    void vary(const char *name, const char *change) {
+        if (auto s = erard_instrument_vary(own.get(), name, change); s < 0) throw Error(s);
+    }
     std::string toml() const {
         ErardStatus s;
         char *p = erard_instrument_text(own.get(), nullptr, &s);

@@ -9,11 +9,13 @@ use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null_mut;
 
+use erard::Instrument;
 use erard::instrument::{InstrumentFile, with_numbers};
 use erard::player::SNAPSHOT_MARK;
 use erard::saved::{Lists, Writer};
 use erard::strings::Strings;
 use erard_workshop::fmu::{INSTRUMENT, Role, Variable, guid, variables};
+use erard_workshop::study::Parameter;
 
 use crate::action::ErardAction;
 use crate::reading::{ERARD_FORCE, ERARD_FREE, ERARD_HAND, ERARD_MOTION, ERARD_RIGID, ErardInput, ErardReading};
@@ -116,6 +118,7 @@ impl Component {
             | Role::HandMass
             | Role::MuscleStiffness
             | Role::MuscleDamping
+            | Role::Mass(_)
             | Role::Number(..) => self.values[index],
             Role::Reading(n) => [
                 r.key_m,
@@ -185,21 +188,50 @@ impl Component {
     /// The instrument with its parameters, at rest.
     fn begin(&mut self) -> Result<(), String> {
         self.input()?;
-        let changed = self.variables.iter().zip(&self.values).filter(|(v, value)| v.start != Some(**value));
-        let changes: Vec<(&str, usize, f64)> = changed
+        let changes: Vec<(&str, usize, f64)> = self
+            .changed()
             .filter_map(|(variable, value)| match variable.role {
-                Role::Number(number, place) => Some((self.file.provenance.numbers[number].key.as_str(), place, *value)),
+                Role::Number(number, place) => Some((self.file.provenance.numbers[number].key.as_str(), place, value)),
                 _ => None,
             })
             .collect();
-        let file = if changes.is_empty() {
+        let mut instrument = if changes.is_empty() {
             self.file.instrument.clone()
         } else {
             let text = with_numbers(&self.text, &changes).ok_or("a parameter has no place in the instrument's text")?;
             InstrumentFile::parse(&text, INSTRUMENT).map_err(|error| error.to_string())?.instrument
         };
-        let action = ErardAction::new(&file, self.value(Role::Step)).map_err(|fault| fault.text)?;
+        self.put_masses(&mut instrument, &changes)?;
+        let action = ErardAction::new(&instrument, self.value(Role::Step)).map_err(|fault| fault.text)?;
         (self.action, self.steps) = (Some(action), 0);
+        Ok(())
+    }
+
+    /// The variables that have been set to another value than their first.
+    fn changed(&self) -> impl Iterator<Item = (&Variable, f64)> {
+        let all = self.variables.iter().zip(self.values.iter().copied());
+        all.filter(|(variable, value)| variable.start != Some(*value))
+    }
+
+    /// Sets bodies' masses together with their inertias. A body whose own numbers are changed as well is refused: two
+    /// parameters would say what it weighs.
+    fn put_masses(&self, instrument: &mut Instrument, changes: &[(&str, usize, f64)]) -> Result<(), String> {
+        for (variable, mass_kg) in self.changed() {
+            let Role::Mass(body) = variable.role else { continue };
+            let Variable { name, .. } = variable;
+            let own = [format!("{name}_g"), name.replace(".mass", ".inertia_kg_m2")];
+            if let Some((path, ..)) = changes.iter().find(|(path, ..)| own.iter().any(|own| own == path)) {
+                return Err(format!(
+                    "`{name}` and `{path}` are both set: set the mass with its inertia, or each by itself"
+                ));
+            }
+            let parameter = Parameter::Mass(body);
+            let (factor, [least, most]) = (mass_kg / parameter.value(instrument), parameter.range());
+            if !(least..=most).contains(&factor) || !parameter.vary(instrument, factor) {
+                let drawn_kg = parameter.value(instrument);
+                return Err(format!("`{name}` is {mass_kg} kg; expected {least} to {most} times {drawn_kg} kg"));
+            }
+        }
         Ok(())
     }
 

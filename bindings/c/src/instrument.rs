@@ -12,7 +12,8 @@ use crate::status::{ErardStatus, Fault, ended, tell, told};
 use crate::text::{bytes, give, name};
 
 /// An instrument that was read from its file's text, and that text. It belongs to whoever made it, until
-/// erard_instrument_free. It never changes but by erard_instrument_set; several threads may read it at once.
+/// erard_instrument_free. It never changes but by erard_instrument_set and erard_instrument_vary; several threads may
+/// read it at once.
 pub struct ErardInstrument {
     pub(crate) file: InstrumentFile,
     pub(crate) text: String,
@@ -104,8 +105,8 @@ pub extern "C" fn erard_instrument_of_key(key: u32, status: *mut ErardStatus) ->
         if !(1..=KEYS).contains(&key) {
             return Err(Fault::new(ErardStatus::NoSuch, format!("there is no key {key}; expected 1 to {KEYS}")));
         }
-        let keyboard = Keyboard::builtin("concert-grand")
-            .ok_or_else(|| Fault::new(ErardStatus::Internal, "the built-in keyboard is not there"))?;
+        let keyboard =
+            Keyboard::builtin("concert-grand").map_err(|error| Fault::new(ErardStatus::Internal, error.to_string()))?;
         let file = keyboard.key_file(key).map_err(|error| file_fault(&error))?;
         Ok(boxed(file, keyboard.key_text(key)))
     })

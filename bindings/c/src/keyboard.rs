@@ -73,10 +73,7 @@ pub unsafe extern "C" fn erard_keyboard_builtin(
 }
 
 fn builtin(name: &str) -> Result<Keyboard, Fault> {
-    Keyboard::builtin(name).ok_or_else(|| {
-        let known = Keyboard::builtin_names().collect::<Vec<_>>().join(", ");
-        Fault::new(ErardStatus::NoSuch, format!("{name}: no built-in keyboard; expected one of {known}"))
-    })
+    Keyboard::builtin(name).map_err(|error| Fault::new(ErardStatus::NoSuch, error.to_string()))
 }
 
 fn at_rest(keyboard: &Keyboard, step_s: f64) -> Result<*mut ErardKeyboard, Fault> {

@@ -1,7 +1,7 @@
 //! An action that is played: everything that may be called in real time. Nothing here allocates, locks, calls the
 //! system or uses a clock.
 
-use erard::player::{HandInput, MechanismState, SNAPSHOT_MARK};
+use erard::player::{MechanismState, SNAPSHOT_MARK};
 use erard::saved::{Lists, Writer};
 use erard::{Action, Input, Outcome, Settings, SnapshotError};
 
@@ -99,7 +99,7 @@ impl Play {
         self.under_way = true;
         let (mut sum, mut blows, mut status) = (0.0, 0, ErardStatus::Ok);
         for n in 0..steps {
-            let one = self.one(later(first, n as f64 * h, h));
+            let one = self.one(first.later(n as f64 * h, h));
             if (one as i32) < 0 {
                 // Nothing has happened.
                 let strings = Lists::read(&self.strings, SNAPSHOT_MARK);
@@ -267,23 +267,6 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
         let mut float = f64::from(*count);
         number(name, &mut float);
         *count = float as u32;
-    }
-}
-
-/// An input so many s later, for a step of h s: what moves, moves on. A soft finger's place belongs to the middle of
-/// the step, an imposed one to its end.
-fn later(input: Input, t: f64, h: f64) -> Input {
-    match input {
-        Input::Motion { position_m, velocity_m_per_s } => {
-            Input::Motion { position_m: position_m + velocity_m_per_s * (t + 0.5 * h), velocity_m_per_s }
-        }
-        Input::Rigid { position_m, velocity_m_per_s } => {
-            Input::Rigid { position_m: position_m + velocity_m_per_s * (t + h), velocity_m_per_s }
-        }
-        Input::Hand(hand) => {
-            Input::Hand(HandInput { position_m: hand.position_m + hand.velocity_m_per_s * (t + 0.5 * h), ..hand })
-        }
-        held => held,
     }
 }
 

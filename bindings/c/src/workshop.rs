@@ -14,17 +14,53 @@ use erard_workshop::measure::norms::{GROUPS, Line, MIDDLE_C, lines};
 use erard_workshop::measure::{MeasureError, measure, measure_some};
 use erard_workshop::regional::ours;
 use erard_workshop::regulate::{Goal, Specification, parse_value, regulate};
+use erard_workshop::study::{Change, ChangeError, varied_text};
 use erard_workshop::trying::try_once;
 use serde_json::{Map, Value, json};
 
 use crate::dials::{dials, turned};
 use crate::instrument::{ErardInstrument, boxed, file_fault, given};
-use crate::status::{ErardStatus, Fault, told};
+use crate::status::{ErardStatus, Fault, tell, told};
 use crate::text::{give, name};
 
 /// Called now and then during long work with the share that is done, 0 to 1, and the caller's own pointer; 0 ends the
 /// work.
 pub type ErardProgress = Option<unsafe extern "C" fn(share: f64, user: *mut c_void) -> i32>;
+
+/// Changes what a person calls by one name, as the command's `--vary` does: `called` is "body.hammer.mass" (a body's
+/// mass and, in proportion, its inertia), "let_off", "zone.check.friction", or the path of a number; `change` is "8.7
+/// g", "+0.8 g", "-0.2 mm", "*1.5" or "= 0.2". The numbers are put into the file's text, to ten digits, and the text is
+/// read anew: what the file may not be is refused, and the instrument stays as it was. Actions that were made of it
+/// before stay as they are. ERARD_STATUS_NO_SUCH: no such name; ERARD_STATUS_ARGUMENT: a change that cannot be read;
+/// ERARD_STATUS_RANGE: too far; erard_last_error says what is expected.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_instrument_vary(
+    instrument: *mut ErardInstrument,
+    called: *const c_char,
+    change: *const c_char,
+) -> ErardStatus {
+    tell(|| {
+        // SAFETY: the caller's promise: NULL, or an instrument.
+        let instrument = unsafe { instrument.as_mut() }.ok_or_else(|| Fault::null("the instrument"))?;
+        // SAFETY: passed on.
+        let (called, change) = unsafe { (name(called, "what is varied")?, name(change, "the change")?) };
+        let text = varied_text(&instrument.text, "instrument", called, &Change::Text(change.to_owned()));
+        let text = text.map_err(|error| change_fault(&error))?;
+        instrument.file = InstrumentFile::parse(&text, "instrument").map_err(|error| file_fault(&error))?;
+        instrument.text = text;
+        Ok(())
+    })
+}
+
+fn change_fault(error: &ChangeError) -> Fault {
+    let status = match error {
+        ChangeError::Unknown { .. } => ErardStatus::NoSuch,
+        ChangeError::Value { .. } => ErardStatus::Argument,
+        ChangeError::Range { .. } => ErardStatus::Range,
+        ChangeError::File(_) => ErardStatus::File,
+    };
+    Fault::new(status, error.to_string())
+}
 
 /// A picture of the instrument in one pose, as SVG: the same drawing as the command's. `angles_rad` are absolute angles
 /// of its bodies, as erard_angles gives them; NULL and 0: as its file draws it. `size_px` is the larger side, px.

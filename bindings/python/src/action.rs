@@ -19,9 +19,9 @@ use crate::setup::Steps;
 /// A grand action. Two threads may step it: one waits for the other.
 #[pyclass(frozen, module = "erard._erard")]
 pub(crate) struct Action {
-    player: Mutex<Player>,
+    pub(crate) player: Mutex<Player>,
     instrument: Arc<Inner>,
-    hand: Option<Hand>,
+    pub(crate) hand: Option<Hand>,
 }
 
 /// What there is to be read after a step.

@@ -7,7 +7,7 @@ use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::Keyboard;
 use erard::stroke::NUANCES;
 use erard_levers::LinkageFile;
-use erard_workshop::study::{Change, quantities, varied};
+use erard_workshop::study::{Change, quantities, varied_of};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -35,8 +35,9 @@ impl From<Value> for Change {
 pub(crate) struct Instrument {
     text: Arc<str>,
     file_name: Arc<str>,
+    /// The text as it was read, without the changes.
+    read: Arc<InstrumentFile>,
     changes: Vec<(String, Value)>,
-    description: String,
     provenance: Provenance,
     pub inner: Arc<Inner>,
 }
@@ -45,7 +46,7 @@ pub(crate) struct Instrument {
 impl Instrument {
     #[new]
     pub(crate) fn new(text: &str, file_name: &str, changes: Vec<(String, Value)>) -> PyResult<Self> {
-        Self::made(text.into(), file_name.into(), changes)
+        Self::made(text.into(), file_name.into(), None, changes)
     }
 
     /// A built-in one, a file, or a key of a keyboard.
@@ -53,7 +54,7 @@ impl Instrument {
     fn load(asked: &str) -> PyResult<Self> {
         let (text, file_name) =
             InstrumentSpec::of(asked).and_then(InstrumentSpec::text).map_err(|error| fault::asked(&error))?;
-        Self::made(text.into(), file_name.into(), Vec::new())
+        Self::made(text.into(), file_name.into(), None, Vec::new())
     }
 
     #[getter]
@@ -68,7 +69,7 @@ impl Instrument {
 
     #[getter]
     fn description(&self) -> &str {
-        &self.description
+        &self.read.description
     }
 
     #[getter]
@@ -124,7 +125,7 @@ impl Instrument {
     /// The same instrument with further changes.
     fn varied(&self, changes: Vec<(String, Value)>) -> PyResult<Self> {
         let all = self.changes.iter().cloned().chain(changes).collect();
-        Self::made(self.text.clone(), self.file_name.clone(), all)
+        Self::made(self.text.clone(), self.file_name.clone(), Some(self.read.clone()), all)
     }
 
     /// A number of the file by its path (`zone.string.disc.center_mm.x`), in the file's own unit: as it was last set,
@@ -159,18 +160,21 @@ impl Instrument {
         }
     }
 
-    fn made(text: Arc<str>, file_name: Arc<str>, changes: Vec<(String, Value)>) -> PyResult<Self> {
+    /// Of a text that has been `read` already, or has not.
+    fn made(
+        text: Arc<str>,
+        file_name: Arc<str>,
+        read: Option<Arc<InstrumentFile>>,
+        changes: Vec<(String, Value)>,
+    ) -> PyResult<Self> {
+        let read = match read {
+            Some(read) => read,
+            None => Arc::new(InstrumentFile::parse(&text, &file_name).map_err(|error| fault::file(&error))?),
+        };
         let asked: Vec<(String, Change)> =
             changes.iter().map(|(name, value)| (name.clone(), value.clone().into())).collect();
-        let file = varied(&text, &file_name, &asked).map_err(|error| fault::change(&error))?;
-        Ok(Instrument {
-            text,
-            file_name,
-            changes,
-            description: file.description,
-            provenance: file.provenance,
-            inner: Arc::new(file.instrument),
-        })
+        let file = varied_of(&read, &text, &file_name, &asked).map_err(|error| fault::change(&error))?;
+        Ok(Instrument { text, file_name, read, changes, provenance: file.provenance, inner: Arc::new(file.instrument) })
     }
 
     /// The instrument with its screws turned as in another, which was made of it by turning screws.
@@ -178,7 +182,7 @@ impl Instrument {
         let text = regulated.rewrite(&self.text, title, note).map_err(fault::failed)?;
         let is_screw = |name: &String| self.inner.screws.iter().any(|screw| screw.name == *name);
         let changes = self.changes.iter().filter(|(name, _)| !is_screw(name)).cloned().collect();
-        Self::made(text.into(), self.file_name.clone(), changes)
+        Self::made(text.into(), self.file_name.clone(), None, changes)
     }
 }
 

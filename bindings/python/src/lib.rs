@@ -4,6 +4,7 @@
 //! Every long call lets go of Python's lock, and looks for signals at least every 50 ms (`watch`).
 
 mod action;
+mod advance;
 mod bench;
 mod fault;
 mod fit;
@@ -24,6 +25,8 @@ use pyo3::prelude::*;
 mod _erard {
     #[pymodule_export]
     use super::action::{Action, Reading};
+    #[pymodule_export]
+    use super::advance::advance;
     #[pymodule_export]
     use super::bench::{draw, keyboard, kinematics, measure, measure_lines, regulate};
     #[pymodule_export]

@@ -9,6 +9,8 @@ use std::fmt::Write;
 use erard::instrument::{Instrument, InstrumentFile, numbers_at_each};
 use erard::saved::{FNV1A, fnv1a};
 
+use crate::study::Parameter;
+
 /// Name of the library inside the archive, and of the model.
 pub const MODEL: &str = "erard";
 /// Path of the instrument file inside the archive.
@@ -41,6 +43,8 @@ pub enum Role {
     Blows,
     /// Normal force of a contact zone, N.
     Contact(usize),
+    /// Mass of a body, kg, by its place among the bodies: its inertia changes in proportion.
+    Mass(usize),
     /// A number of the instrument's file: which of its numbers, and which place of that.
     Number(usize, usize),
 }
@@ -89,7 +93,13 @@ impl Variable {
     pub fn is_parameter(&self) -> bool {
         matches!(
             self.role,
-            Role::Drive | Role::Step | Role::HandMass | Role::MuscleStiffness | Role::MuscleDamping | Role::Number(..)
+            Role::Drive
+                | Role::Step
+                | Role::HandMass
+                | Role::MuscleStiffness
+                | Role::MuscleDamping
+                | Role::Mass(_)
+                | Role::Number(..)
         )
     }
 
@@ -100,9 +110,10 @@ impl Variable {
     }
 }
 
-/// First references of the reading, of contacts and of the file's numbers.
+/// First references of the reading, of contacts, of bodies' masses and of the file's numbers.
 const READING_FROM: u32 = 100;
 const CONTACTS_FROM: u32 = 1000;
+const MASSES_FROM: u32 = 5000;
 const NUMBERS_FROM: u32 = 10_000;
 
 /// All variables of an instrument, in the order of the description.
@@ -163,6 +174,13 @@ pub fn variables(file: &InstrumentFile, text: &str) -> Vec<Variable> {
         let name = format!("contact.{}", zone.name);
         all.push(variable(CONTACTS_FROM + n as u32, &name, Role::Contact(n), None, "N", &zone.label));
     }
+    for (name, parameter) in Parameter::all(&file.instrument) {
+        if let Parameter::Mass(body) = parameter {
+            let start = Some(parameter.value(&file.instrument));
+            let description = "Mass of the body: its inertia changes in proportion. Set this or the file's numbers";
+            all.push(variable(MASSES_FROM + body as u32, &name, Role::Mass(body), start, "kg", description));
+        }
+    }
     let mut reference = NUMBERS_FROM;
     let numbers = &file.provenance.numbers;
     let by_path = numbers_at_each(text, numbers.iter().map(|number| number.key.as_str()));
@@ -220,7 +238,7 @@ fn unit_of(key: &str) -> &'static str {
 /// A name for this instrument and this version of the numbering, as FMI writes it.
 #[must_use]
 pub fn guid(text: &str) -> String {
-    let version = concat!("erard-fmu/1 ", env!("CARGO_PKG_VERSION"));
+    let version = concat!("erard-fmu/2 ", env!("CARGO_PKG_VERSION"));
     let [a, b] = [FNV1A, 0x9e37_79b9_7f4a_7c15].map(|seed| fnv1a(seed, version.bytes().chain(text.bytes())));
     let hex = format!("{a:016x}{b:016x}");
     format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])

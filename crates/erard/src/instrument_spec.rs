@@ -150,7 +150,7 @@ impl<'a> InstrumentSpec<'a> {
         match self {
             InstrumentSpec::File(path) => Ok(Keyboard::load(path)?),
             InstrumentSpec::Builtin(name) => {
-                Keyboard::builtin(name).ok_or_else(|| InstrumentSpecError::UnknownKeyboard { name: name.to_owned() })
+                Keyboard::builtin(name).map_err(|unknown| InstrumentSpecError::UnknownKeyboard { name: unknown.name })
             }
             InstrumentSpec::Key { keyboard, .. } => InstrumentSpec::of(keyboard)?.keyboard(),
         }

@@ -74,6 +74,7 @@ fn saved_states_go_on_to_the_bit() {
     let (straight, other) = (Action::strung(), Action::strung());
     assert!(straight.save().len() > Action::grand().save().len() + 16 * 50, "fifty modes and more are saved");
     assert_eq!(other.restore(&Action::grand().save()), ErardStatus::Foreign);
+    assert_eq!(Action::grand().restore(&straight.save()), ErardStatus::Foreign, "strings into an action without");
     goes_on(&straight, &other);
 }
 
@@ -354,7 +355,7 @@ fn a_chord_is_heard_at_the_bridge() {
         let mut status = ErardStatus::Ok;
         assert!(erard_keyboard_builtin(c"harpsichord".as_ptr(), STEP_S, &raw mut status).is_null());
         assert_eq!(status, ErardStatus::NoSuch);
-        assert!(last_error().contains("expected one of concert-grand"), "{}", last_error());
+        assert!(last_error().contains("built in are concert-grand"), "{}", last_error());
     }
 }
 

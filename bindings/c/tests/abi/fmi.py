@@ -1,5 +1,5 @@
 """fmi.py UNIT MASS SPEED TIME SPEED TIME STRUNG: validates an unpacked unit with fmpy and plays it; the blow of 5 N as it is, and with a hammer of that mass in g
-and the let-off button half a millimetre lower. STRUNG is a unit whose strings sound, with heard.txt: their force on the bridge under a hand, a line each ms."""
+and the let-off button half a millimetre lower. STRUNG is a unit whose strings sound, with heard.txt: their force on the bridge under a hand, a line each ms. UNIT/mass.txt: a hammer's mass, kg, with its inertia, and its blow."""
 
 import ctypes
 import sys
@@ -37,6 +37,12 @@ for step in (50e-6, 1e-3):
     found = blow(step, **{"body.hammer.mass_g": mass_g, "screw.let_off.setting_mm": -0.5})
     for one, wanted in zip(found, expected[2:]):
         same(one, wanted)
+
+# The hammer's mass with its inertia, by one parameter: to the bit.
+mass_kg, *whole = [float(x) for x in open(f"{unit}/mass.txt").read().split()]
+for step in (50e-6, 1e-3):
+    found = blow(step, **{"body.hammer.mass": mass_kg})
+    assert list(found) == whole, (found, whole)
 
 # Call by call: states are saved, serialised, brought back; what is wrong is refused, with words.
 said = []
@@ -102,6 +108,8 @@ refused("not a number", lambda: fmu.setReal([references["force"]], [float("nan")
 refused("no such variable", lambda: fmu.getReal([77]))
 refused("time that goes back", lambda: fmu.doStep(-5.0, 1e-3))
 refused("a mass below zero", lambda: begun(**{"body.hammer.mass_g": -1.0}))
+refused("a mass of nothing", lambda: begun(**{"body.hammer.mass": 0.0}))
+refused("two masses of one body", lambda: begun(**{"body.hammer.mass": mass_kg, "body.hammer.mass_g": mass_g}))
 refused("an absurd force", lambda: (fmu.setReal([references["force"]], [1e30]), fmu.doStep(2.2, 1e-3)))
 fmu.setReal([references["force"]], [0.0])
 fmu.doStep(2.2, 1e-3)

@@ -8,6 +8,7 @@ use erard::instrument::InstrumentFile;
 use erard::player::HandInput;
 use erard::{Action, Input, Instrument};
 use erard_workshop::fmu::{INSTRUMENT, model_description};
+use erard_workshop::study::{Change, varied};
 
 use crate::not_run::not_run;
 use crate::programs::library;
@@ -73,6 +74,13 @@ fn fmpy_plays_it() {
     let changes = [("body.hammer.mass_g", 0, mass_g), ("screw.let_off.setting_mm", 0, -0.5)];
     let heavier = erard::instrument::with_numbers(text, &changes);
     let expected = [blow(&file.instrument), blow(&Instrument::parse(&heavier.unwrap(), "heavier").unwrap())];
+    // A heavier hammer with its inertia, by one parameter: to the bit what the command's `--vary` plays.
+    let hammer = file.instrument.bodies.iter().find(|body| body.name == "hammer").unwrap();
+    let mass_kg = 1.05 * hammer.mass_kg;
+    let change = [("body.hammer.mass".to_owned(), Change::Text(format!("= {mass_kg:?} kg")))];
+    let whole = blow(&varied(text, "whole", &change).unwrap().instrument);
+    let line = format!("{mass_kg:?} {:?} {:?}", whole.hammer_speed_m_per_s, whole.time_s);
+    std::fs::write(folder.path().join("mass.txt"), line).unwrap();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/abi/fmi.py");
     let mut run = Command::new(python);
     run.arg(script).arg(folder.path()).arg(format!("{mass_g:?}"));

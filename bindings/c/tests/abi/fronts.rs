@@ -26,7 +26,10 @@ const TABLE: [(&str, [&str; 6]); 10] = [
     ),
     ("saved states", ["Action::save", "save", "erard_save", "save", "fmi2GetFMUstate", "erard_save"]),
     ("causes from one's own readings of a key", ["diagnose", NO, "erard_diagnose", NO, NO, "erard_diagnose"]),
-    ("a body's mass with its inertia, by one name", ["Parameter::Mass", "vary", NO, NO, NO, NO]),
+    (
+        "a body's mass with its inertia, by one name",
+        ["Parameter::Mass", "vary", "erard_instrument_vary", "vary", "body.hammer.mass", "erard_turned"],
+    ),
 ];
 
 fn read(path: &str) -> String {

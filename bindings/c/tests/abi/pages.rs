@@ -1,11 +1,12 @@
 //! The functions for pages: is this text sound, its picture, the technician's sheet, turning screws.
 
-use std::ffi::{CString, c_char, c_void};
+use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::{null, null_mut};
 
 use erard::Instrument;
 use erard_c::*;
 use erard_workshop::diagnose::{Known, answer, diagnose};
+use erard_workshop::study::{Change, varied};
 use serde_json::Value;
 
 use crate::{Action, last_error, taken};
@@ -63,6 +64,48 @@ fn texts_are_checked() {
     let known: Value = serde_json::from_str(&taken(erard_builtin(null_mut(), null_mut()))).unwrap();
     for name in Instrument::builtin_names() {
         assert!(known["instruments"].as_array().unwrap().contains(&name.into()), "{known}");
+    }
+}
+
+/// A body's mass takes its inertia along, as the command's `--vary` does: the instrument is the one that is varied
+/// natively. What cannot be read or goes too far is refused, and the instrument stays as it was.
+#[test]
+fn masses_are_varied_with_their_inertias() {
+    let grand = builtin("concert-grand");
+    let text = |of: &Owned| taken(unsafe { erard_instrument_text(of.0, null_mut(), null_mut()) });
+    let vary = |name: &CStr, change: &CStr| unsafe { erard_instrument_vary(grand.0, name.as_ptr(), change.as_ptr()) };
+    let hammer = |i: &Instrument| i.bodies.iter().find(|body| body.name == "hammer").cloned().unwrap();
+    let drawn = hammer(&Instrument::builtin("concert-grand").unwrap());
+    assert_eq!(vary(c"body.hammer.mass", c"+0.8 g"), ErardStatus::Ok, "{}", last_error());
+    assert_eq!(vary(c"let_off", c"-0.2 mm"), ErardStatus::Ok, "{}", last_error());
+    let found = text(&grand);
+    let read = Instrument::parse(&found, "varied").unwrap();
+    let changes = [("body.hammer.mass", "+0.8 g"), ("let_off", "-0.2 mm")]
+        .map(|(name, change)| (name.to_owned(), Change::Text(change.to_owned())));
+    let native = varied(Instrument::builtin_text("concert-grand").unwrap(), "native", &changes).unwrap().instrument;
+    let (here, there) = (hammer(&read), hammer(&native));
+    assert!((here.mass_kg - drawn.mass_kg - 0.8e-3).abs() < 1e-12, "{}", here.mass_kg);
+    assert!((here.inertia_kg_m2 / there.inertia_kg_m2 - 1.0).abs() < 1e-9, "{}", here.inertia_kg_m2);
+    assert!(here.inertia_kg_m2 > 1.05 * drawn.inertia_kg_m2);
+    let speed = |instrument: &Instrument| {
+        let mut action = erard::Action::new(instrument).unwrap();
+        let blow = (0..3000).find_map(|_| {
+            action.step(erard::Input::Force(5.0));
+            action.impact()
+        });
+        blow.expect("a blow").hammer_speed_m_per_s
+    };
+    assert!((speed(&read) / speed(&native) - 1.0).abs() < 1e-6, "{} {}", speed(&read), speed(&native));
+    for (name, change, expected, word) in [
+        (c"body.drummer.mass", c"*2", ErardStatus::NoSuch, "body.hammer.mass"),
+        (c"body.hammer.mass", c"heavy", ErardStatus::Argument, "units: kg, g"),
+        (c"body.hammer.mass", c"nan g", ErardStatus::Argument, "units: kg, g"),
+        (c"body.hammer.mass", c"-200 g", ErardStatus::Range, "out of range"),
+        (c"body.hammer.mass_g", c"= -3 g", ErardStatus::File, "mass_g"),
+    ] {
+        assert_eq!(vary(name, change), expected, "{name:?} {change:?}");
+        assert!(last_error().contains(word), "{}", last_error());
+        assert_eq!(text(&grand), found, "{name:?}");
     }
 }
 

@@ -7,7 +7,8 @@
 (True, True)
 
 SI units everywhere: s, N, m, rad; forces and positions of key and finger are positive downward (pushing), the hammer's upward. A column's name ends
-with its unit. Figures need what `pip install erard[plot]` brings along, `erard.sample` `erard[bayes]`, `erard.distributed` `erard[distributed]`.
+with its unit. Figures need what `pip install erard[plot]` brings along, `erard.sample` `erard[bayes]`, `erard.distributed` `erard[distributed]`,
+`erard.environments` (Gymnasium) `erard[gymnasium]`.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ from ._version import __version__
 if TYPE_CHECKING:
     from . import dataset as dataset
     from . import distributed as distributed
+    from . import environments as environments
     from ._fit import Doubt, Fit, fit
     from ._posterior import Posterior, sample
 
@@ -75,6 +77,7 @@ __all__ = [
     "compare",
     "dataset",
     "distributed",
+    "environments",
     "fit",
     "gradient",
     "keyboard",
@@ -100,7 +103,7 @@ def __getattr__(name: str) -> Any:
 
     if name in _LATER:
         return getattr(importlib.import_module(f".{_LATER[name]}", __name__), name)
-    if name in ("dataset", "distributed"):
+    if name in ("dataset", "distributed", "environments"):
         return importlib.import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 

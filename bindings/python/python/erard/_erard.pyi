@@ -13,6 +13,7 @@ __all__ = [
     "Reading",
     "Recording",
     "Stroke",
+    "advance",
     "builtin",
     "compare",
     "draw",
@@ -200,6 +201,13 @@ class Keys:
     def save(self, key: int) -> bytes: ...
     def restore(self, key: int, saved: bytes) -> None: ...
 
+def advance(
+    actions: list[Action],
+    kind: str,
+    values: Floats,
+    steps: int,
+    threads: int | None,
+) -> dict[str, Floats]: ...
 def builtin() -> tuple[list[str], list[str], list[str], list[str]]: ...
 def unit(name: str) -> str: ...
 def press(

@@ -14,6 +14,21 @@ def shortened(text: str) -> str:
     return f"{text[:_SHOWN]} ... ({len(text) - 2 * _SHOWN} characters left out) ... {text[-_SHOWN:]}"
 
 
+class Extra:
+    """A block of imports that an extra of the package brings along: where one is missing, the error says how to install it."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, ModuleNotFoundError):
+            told = f"{error.name} is not installed: pip install 'erard[{self._name}]' brings it along"
+            raise ModuleNotFoundError(told, name=error.name) from error
+
+
 class InputError(ValueError):
     """Something that was given is wrong: a name, a number, an array, a file.
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import _erard
 from ._common import Stepping, counter, mapping, names_of, number, steps, whole
-from ._errors import DoubtfulFitWarning, InputError
+from ._errors import DoubtfulFitWarning, Extra, InputError
 from ._instrument import Instrument, instrument_of
 from ._recording import Recording, as_recording
 
@@ -404,7 +404,8 @@ def _by_scipy(
     residuals: Callable[[Array], Array], jacobian: Callable[[Array], Array], start: Array, low: Array, high: Array, loss: str, most: int
 ) -> tuple[list[float], list[float], str]:
     """`scipy.optimize.least_squares` over the extension's residuals."""
-    from scipy.optimize import least_squares
+    with Extra("scipy"):
+        from scipy.optimize import least_squares
 
     # The extension keeps points within their bounds; SciPy wants them strictly within.
     inside = np.clip(start, np.nextafter(low, high), np.nextafter(high, low))

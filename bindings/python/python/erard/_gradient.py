@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _erard
 from ._common import Stepping, bar, names_of, number, quantity, read_only, step_of, steps, whole
-from ._errors import InputError
+from ._errors import Extra, InputError
 from ._instrument import Instrument, instrument_of, stroke_of
 
 if TYPE_CHECKING:
@@ -120,7 +120,8 @@ class Gradient(Mapping[str, Mapping[str, float]]):
         -------
         pandas.DataFrame
         """
-        import pandas as pd
+        with Extra("tables"):
+            import pandas as pd
 
         return pd.DataFrame(np.array(self.jacobian), index=pd.Index(self.of), columns=pd.Index(self.by))
 

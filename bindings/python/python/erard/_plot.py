@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from ._common import unit_of
-from ._errors import InputError
+from ._errors import Extra, InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,9 +57,21 @@ def _scaled(column: str, values: Any) -> tuple[Any, str]:
     return (1e3 * values, "mm") if unit == "m" else (values, unit)
 
 
+def _once(figure: Figure) -> Figure:
+    """The figure for a cell to show: a notebook shows what a cell returns, and would show once more what is left open."""
+    with Extra("plot"):
+        import matplotlib
+        import matplotlib.pyplot as plt
+
+    if "inline" in matplotlib.get_backend():
+        plt.close(figure)
+    return figure
+
+
 def run_figure(run: DrawnRun, columns: Sequence[str], ax: Any) -> Figure:
     """Columns of a run over the time, one panel below the other; events as lines."""
-    import matplotlib.pyplot as plt
+    with Extra("plot"):
+        import matplotlib.pyplot as plt
 
     shown = columns or tuple(name for name in USUAL if name in run)
     if ax is None:
@@ -96,12 +108,13 @@ def run_figure(run: DrawnRun, columns: Sequence[str], ax: Any) -> Figure:
     panels[-1].set_xlabel("time (ms)")
     speed = "" if run.hammer_speed is None else f", hammer {run.hammer_speed:.2f} m/s"
     panels[0].set_title(f"{run.instrument}: {run.title}{speed}", fontsize="medium")
-    return figure
+    return figure if ax is not None else _once(figure)
 
 
 def study_figure(study: DrawnStudy, column: str, over: str) -> Figure:
     """A column over an axis, a curve for every combination of the others (at most ten have colours of their own)."""
-    import matplotlib.pyplot as plt
+    with Extra("plot"):
+        import matplotlib.pyplot as plt
 
     names = [name for name in study.axes if name != over]
     along = list(study.axes).index(over)
@@ -119,12 +132,13 @@ def study_figure(study: DrawnStudy, column: str, over: str) -> Figure:
         panel.legend(fontsize="small")
     panel.set_xlabel(f"{over} ({'factor' if unit == '1' and over.count('.') == 2 else unit})")
     panel.set_ylabel(f"{column} ({study.units[column]})")
-    return figure
+    return _once(figure)
 
 
 def fit_figure(fit: DrawnFit) -> Figure:
     """Measured and fitted above, what is left over in units of its noise below: a column for each channel."""
-    import matplotlib.pyplot as plt
+    with Extra("plot"):
+        import matplotlib.pyplot as plt
 
     channels = fit.channels
     figure, axes = plt.subplots(
@@ -151,6 +165,6 @@ def fit_figure(fit: DrawnFit) -> Figure:
         below.set_ylim(-max(4.0, float(np.max(np.abs(left)))), max(4.0, float(np.max(np.abs(left)))))
     axes[0, 0].legend(fontsize="small")
     axes[1, 0].set_ylabel("left over (sigma)")
-    return figure
+    return _once(figure)
 
 

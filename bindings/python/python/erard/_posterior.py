@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from ._common import counter, number, whole
-from ._errors import InputError
+from ._errors import Extra, InputError
 from ._fit import Fit
 
 if TYPE_CHECKING:
@@ -135,7 +135,8 @@ def sample(
 def _by_emcee(
     found: Fit, first: Array, nearer: Array, low: Array, high: Array, length: int, burn: int, seed: int, tell: Tell
 ) -> tuple[Array, float]:
-    import emcee
+    with Extra("bayes"):
+        import emcee
 
     problem = found._problem
 
@@ -160,8 +161,9 @@ def _by_nuts(
     found: Fit, first: Array, nearer: Array, low: Array, high: Array, length: int, burn: int, seed: int, tell: Tell
 ) -> tuple[Array, float]:
     """The no-U-turn sampler over the logits of where the parameters stand between their bounds."""
-    import nutpie
-    from nutpie.compiled_pyfunc import from_pyfunc
+    with Extra("nuts"):
+        import nutpie
+        from nutpie.compiled_pyfunc import from_pyfunc
 
     problem, width = found._problem, high - low
     chains, count = first.shape

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _erard
 from ._common import quantity, read_only
+from ._errors import Extra
 from ._table import Table
 
 if TYPE_CHECKING:
@@ -165,7 +166,8 @@ class Run(Table):
         -------
         xarray.Dataset
         """
-        import xarray as xr
+        with Extra("tables"):
+            import xarray as xr
 
         units = self.units
         variables = {

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._common import unit_of
+from ._errors import Extra
 
 if TYPE_CHECKING:
     import pandas
@@ -70,7 +71,8 @@ class Table(Mapping[str, "NDArray[Any]"]):
         -------
         pandas.DataFrame
         """
-        import pandas as pd
+        with Extra("tables"):
+            import pandas as pd
 
         frame = pd.DataFrame(self._flat(), copy=False)
         frame.attrs["units"] = {name: self._unit(name) for name in frame.columns}
@@ -83,7 +85,8 @@ class Table(Mapping[str, "NDArray[Any]"]):
         -------
         polars.DataFrame
         """
-        import polars as pl
+        with Extra("tables"):
+            import polars as pl
 
         return pl.DataFrame(self)
 
@@ -94,7 +97,8 @@ class Table(Mapping[str, "NDArray[Any]"]):
         -------
         pyarrow.Table
         """
-        import pyarrow as pa
+        with Extra("tables"):
+            import pyarrow as pa
 
         return pa.table(self)
 
@@ -106,7 +110,8 @@ class Table(Mapping[str, "NDArray[Any]"]):
         return {name: values for name, values in self._columns.items() if values.ndim == 1}
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
-        import nanoarrow as na
+        with Extra("tables"):
+            import nanoarrow as na
 
         children, fields = [], []
         rows = 0

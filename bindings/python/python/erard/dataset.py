@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._common import bar, unit_of, whole
-from ._errors import InputError
+from ._errors import Extra, InputError
 from ._instrument import Instrument, load
 from ._many import rollout
 from ._parts import Folder, digest, in_order, write_parquet, write_whole
@@ -340,7 +340,8 @@ def chunk(plan: Plan, index: int, *, threads: int | None = None) -> pyarrow.Tabl
     pyarrow.Table
         A row for each stroke; `COLUMNS` says what the columns are.
     """
-    import pyarrow as pa
+    with Extra("tables"):
+        import pyarrow as pa
 
     if not 0 <= index < plan.parts:
         raise InputError(f"index: found {index}, expected 0 to {plan.parts - 1}", key="index", found=str(index))
@@ -455,7 +456,8 @@ def read(folder: str | os.PathLike[str], columns: Sequence[str] | None = None) -
     -------
     pyarrow.Table
     """
-    import pyarrow as pa
+    with Extra("tables"):
+        import pyarrow as pa
     import pyarrow.parquet as pq
 
     files = sorted(Path(folder).glob("part-*.parquet"))

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._common import bar, floats
-from ._errors import DoubtfulFitWarning, InputError
+from ._errors import DoubtfulFitWarning, Extra, InputError
 from ._instrument import Instrument
 from ._many import rollout as _rollout
 from ._parts import Folder, write_parquet
@@ -116,8 +116,9 @@ def _client(client: Any, workers: int | None, processes: bool) -> Iterator[Any]:
     if client is not None:
         yield client
         return
-    import dask
-    from distributed import Client, LocalCluster
+    with Extra("distributed"):
+        import dask
+        from distributed import Client, LocalCluster
 
     count = workers or os.cpu_count() or 1
     with dask.config.set(QUIET), LocalCluster(  # type: ignore[no-untyped-call,unused-ignore]
@@ -136,7 +137,8 @@ def _each(
     what: str,
 ) -> None:
     """Does the jobs on a cluster, a few ahead for each worker; each says its own index when its file is there."""
-    from distributed import as_completed
+    with Extra("distributed"):
+        from distributed import as_completed
 
     if not missing:
         return

@@ -45,7 +45,7 @@ fn all() -> Vec<BuiltIn> {
         entry("instrument", name, Instrument::builtin(name).ok()?.name, Instrument::builtin_text(name))
     });
     let keyboards = Keyboard::builtin_names()
-        .filter_map(|name| entry("keyboard", name, Keyboard::builtin(name)?.name, Keyboard::builtin_text(name)));
+        .filter_map(|name| entry("keyboard", name, Keyboard::builtin(name).ok()?.name, Keyboard::builtin_text(name)));
     let strokes = NUANCES.into_iter().flat_map(|nuance| {
         [(Touch::Pressed, "pressed"), (Touch::Struck, "struck")].into_iter().filter_map(move |(touch, how)| {
             let title = format!("--stroke {nuance} --touch {how}");

@@ -294,7 +294,7 @@ pub(crate) fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
         identity::used("keyboard", &keyboard.name, Some(&name), &bytes);
         return Ok(keyboard);
     }
-    let found = Keyboard::builtin(file_or_name).zip(Keyboard::builtin_text(file_or_name));
+    let found = Keyboard::builtin(file_or_name).ok().zip(Keyboard::builtin_text(file_or_name));
     let (keyboard, text) = found.ok_or_else(|| not_found("keyboard", file_or_name, Keyboard::builtin_names()))?;
     identity::used("keyboard", &keyboard.name, None, text.as_bytes());
     Ok(keyboard)

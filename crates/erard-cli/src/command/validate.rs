@@ -41,7 +41,7 @@ impl Validate {
         let (of, sample) = split_sample(&self.instrument).map_err(|error| Failure::Usage(error.to_string()))?;
         let keyboard = match KeyboardKey::asked(&of)? {
             Some(one) => Some(one.keyboard),
-            None => Keyboard::builtin(&of),
+            None => Keyboard::builtin(&of).ok(),
         };
         // A sample's other keys are graded from the sample.
         let around = |text: &str| keyboard.as_ref().and_then(|keyboard| keyboard.around(text.to_owned()).ok());

@@ -214,7 +214,21 @@ fn number(text: &str) -> Option<f64> {
 /// # Errors
 /// See [`ChangeError`].
 pub fn varied(text: &str, file_name: &str, changes: &[(String, Change)]) -> Result<InstrumentFile, ChangeError> {
-    let mut file = InstrumentFile::parse(text, file_name)?;
+    varied_of(&InstrumentFile::parse(text, file_name)?, text, file_name, changes)
+}
+
+/// [`varied`] of a file that has been read from this text: parameters by their names are changed without reading it
+/// again.
+///
+/// # Errors
+/// See [`ChangeError`].
+pub fn varied_of(
+    read: &InstrumentFile,
+    text: &str,
+    file_name: &str,
+    changes: &[(String, Change)],
+) -> Result<InstrumentFile, ChangeError> {
+    let mut file = read.clone();
     let all = Parameter::all(&file.instrument);
     let changes: Vec<(String, &Change)> =
         changes.iter().map(|(name, change)| (known_name(name, &all, text), change)).collect();
@@ -290,8 +304,38 @@ fn expected(units: &[(&str, f64)]) -> String {
     }
 }
 
-/// Changes a parameter of an instrument.
-fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, change: &Change) -> Result<(), ChangeError> {
+/// The text of an instrument's file with one number changed as [`varied`] changes it, to ten digits: the mass of a body
+/// with its inertia (`body.hammer.mass`), all numbers of a felt's damping, a screw, or a number by its path.
+///
+/// # Errors
+/// See [`ChangeError`]. A screw without a setting in the file is refused: there is no number to change.
+pub fn varied_text(text: &str, file_name: &str, name: &str, change: &Change) -> Result<String, ChangeError> {
+    let mut instrument = Instrument::parse(text, file_name)?;
+    let all = Parameter::all(&instrument);
+    let name = known_name(name, &all, text);
+    let numbers: Vec<(String, usize, f64)> = match all.iter().find(|(known, _)| *known == name) {
+        Some((_, parameter)) => {
+            let drawn = instrument.clone();
+            let by = vary(&mut instrument, &name, parameter, change)?;
+            parameter.numbers(&drawn, by, text).into_iter().map(|(path, value)| (path, 0, value)).collect()
+        }
+        None => {
+            let (path, which, now) = number_of(text, &name).ok_or_else(|| unknown(&name, &all))?;
+            vec![(path, which, of_file(&name, change, now)?)]
+        }
+    };
+    let changes: Vec<(&str, usize, f64)> = numbers.iter().map(|(path, which, v)| (path.as_str(), *which, *v)).collect();
+    let new = with_numbers(text, &changes).filter(|_| !changes.is_empty()).ok_or_else(|| ChangeError::Value {
+        expected: format!("the file to hold it: {}", changes.first().map_or("a number", |(path, ..)| path)),
+        found: change.to_string(),
+        name,
+    })?;
+    Instrument::parse(&new, file_name)?;
+    Ok(new)
+}
+
+/// Changes a parameter of an instrument. Returns what [`Parameter::vary`] was given.
+fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, change: &Change) -> Result<f64, ChangeError> {
     let units = units(instrument, parameter);
     let now = parameter.value(instrument);
     let by = match change {
@@ -320,7 +364,7 @@ fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, change: 
     if !(least..=most).contains(&by) || !parameter.vary(instrument, by) {
         return Err(out_of_range());
     }
-    Ok(())
+    Ok(by)
 }
 
 /// The name of a parameter, or the path of a number in a file's text: as it is written where there is one, else with
@@ -406,6 +450,34 @@ mod tests {
         assert!((value(&heavy, "body.hammer.mass") - mass - 1e-3).abs() < 1e-15);
         let own = written("body.hammer.mass_g", "+0.5 g").unwrap();
         assert!((value(&own, "body.hammer.mass") - mass - 0.5e-3).abs() < 1e-15);
+    }
+
+    /// A text in which a parameter was changed reads as the instrument that was varied: the mass with its inertia.
+    #[test]
+    fn a_changed_text_is_the_varied_instrument() {
+        for (name, change) in [
+            ("body.hammer.mass", "*1.05"),
+            ("body.hammer.mass", "+0.8 g"),
+            ("let_off", "-0.2 mm"),
+            ("set_off", "0.3mm"),
+        ] {
+            let change = Change::Text(change.to_owned());
+            let new = varied_text(text(), "grand", name, &change).unwrap();
+            let (read, wanted) = (Instrument::parse(&new, "new").unwrap(), with(&[(name, change)]).unwrap());
+            for (a, b) in read.bodies.iter().zip(&wanted.bodies) {
+                assert!((a.mass_kg / b.mass_kg - 1.0).abs() < 1e-9 || a.mass_kg == b.mass_kg, "{name}: {}", a.name);
+                assert!((a.inertia_kg_m2 / b.inertia_kg_m2 - 1.0).abs() < 1e-9, "{name}: {}", a.name);
+            }
+            for (a, b) in read.screws.iter().zip(&wanted.screws) {
+                assert!((a.setting - b.setting).abs() < 1e-12, "{name}: {}", a.name);
+            }
+            assert_ne!(new, text());
+        }
+        let own = varied_text(text(), "grand", "body.hammer.mass_g", &Change::Text("= 9 g".into())).unwrap();
+        assert_eq!(numbers_at(&own, "body.hammer.mass_g"), Some(vec![9.0]));
+        for (name, change) in [("body.drummer.mass", "*2"), ("body.hammer.mass", "-200 g"), ("let_off", "3 g")] {
+            assert!(varied_text(text(), "grand", name, &Change::Text(change.into())).is_err(), "{name} {change}");
+        }
     }
 
     /// Every quantity's path leads to its number, so that its source and its spread are found.

@@ -14,7 +14,7 @@ mod rests;
 mod sampling;
 mod topology;
 
-pub use change::{Change, ChangeError, known_name, nearest, number_of, quantities, varied};
+pub use change::{Change, ChangeError, known_name, nearest, number_of, quantities, varied, varied_of, varied_text};
 
 pub(crate) use change::Quantity;
 pub use parameter::Parameter;

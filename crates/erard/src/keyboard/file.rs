@@ -27,6 +27,14 @@ const BUILTIN: [(&str, &str); 3] = [
     ("concert-grand-strings", include_str!("../../keyboards/concert-grand-strings.toml")),
 ];
 
+/// There is no built-in keyboard of that name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no built-in keyboard `{name}`; built in are {}", Keyboard::builtin_names().collect::<Vec<_>>().join(", "))]
+pub struct UnknownKeyboard {
+    /// The name that was asked for.
+    pub name: String,
+}
+
 impl Keyboard {
     /// Reads the text of a keyboard file. `file_name` appears in errors only; an instrument that is not built in is
     /// looked for in `folder`.
@@ -94,12 +102,14 @@ impl Keyboard {
         Self::parse(utf8(bytes, file_name)?, file_name, folder)
     }
 
-    /// A built-in keyboard, e.g. `concert-grand`, or `None` when there is none of that name.
-    #[must_use]
-    pub fn builtin(name: &str) -> Option<Self> {
-        let (name, text) = BUILTIN.iter().find(|(known, _)| *known == name)?;
+    /// A built-in keyboard, e.g. `concert-grand`.
+    ///
+    /// # Errors
+    /// [`UnknownKeyboard`]: there is none of that name.
+    pub fn builtin(name: &str) -> Result<Self, UnknownKeyboard> {
         // A test reads every one of them.
-        Self::parse(text, name, Path::new("")).ok()
+        let found = Self::builtin_text(name).and_then(|text| Self::parse(text, name, Path::new("")).ok());
+        found.ok_or_else(|| UnknownKeyboard { name: name.to_owned() })
     }
 
     /// The TOML text of a built-in keyboard.

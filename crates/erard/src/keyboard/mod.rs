@@ -14,7 +14,7 @@ pub mod tremolo;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-pub use file::{is_keyboard, json_schema};
+pub use file::{UnknownKeyboard, is_keyboard, json_schema};
 pub use grading::{Absence, Graded, Grading};
 pub use grading_curve::{Between, GradingCurve, GradingPoint};
 pub use keys::{KeyImpact, Keys, KeysError, Tick};

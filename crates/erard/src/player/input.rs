@@ -35,6 +35,25 @@ pub enum Input {
 }
 
 impl Input {
+    /// The input `t` s later, for a step of `h` s: what moves, moves on at its velocity. A soft finger's place, and the
+    /// place where a muscle holds its hand, belong to the middle of the step, an imposed one to its end. A device that
+    /// is slower than the steps gives one input for all steps of its period; `t` counts from the period's beginning.
+    #[must_use]
+    pub fn later(self, t: f64, h: f64) -> Self {
+        match self {
+            Input::Motion { position_m, velocity_m_per_s } => {
+                Input::Motion { position_m: position_m + velocity_m_per_s * (t + 0.5 * h), velocity_m_per_s }
+            }
+            Input::Rigid { position_m, velocity_m_per_s } => {
+                Input::Rigid { position_m: position_m + velocity_m_per_s * (t + h), velocity_m_per_s }
+            }
+            Input::Hand(hand) => {
+                Input::Hand(HandInput { position_m: hand.position_m + hand.velocity_m_per_s * (t + 0.5 * h), ..hand })
+            }
+            held => held,
+        }
+    }
+
     /// The position that a motion has, m; 0 for what has none.
     pub fn position_m(&self) -> f64 {
         match *self {

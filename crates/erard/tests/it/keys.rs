@@ -225,7 +225,9 @@ fn keyboards_by_name() {
         let (base, own) = (erard::Instrument::builtin(name).expect("built in"), keyboard.key(40).expect("a key"));
         assert_eq!((&own.bodies, &own.zones, &own.springs), (&base.bodies, &base.zones, &base.springs), "{name}");
     }
-    assert!(Keyboard::builtin("clavichord").is_none() && Keyboard::builtin_text("clavichord").is_none());
+    let unknown = Keyboard::builtin("clavichord").expect_err("there is none").to_string();
+    assert!(unknown.contains("`clavichord`") && unknown.contains("concert-grand-strings"), "{unknown}");
+    assert!(Keyboard::builtin_text("clavichord").is_none());
     let lost = "format = \"erard-keyboard/1\"\nname = \"Lost\"\ninstrument = \"clavichord\"\ninstrument_key = 40\n";
     let error = Keyboard::parse(lost, "lost.toml", std::path::Path::new("")).expect_err("there is no such instrument");
     assert!(error.to_string().contains("concert-grand, "), "{error}");

@@ -99,7 +99,7 @@ fn alone(head: &Instrument, speed_m_per_s: f64) -> Result<Contact, ReproduceErro
 }
 
 pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
-    let keyboard = Keyboard::builtin(NAME).ok_or_else(|| wrong(format!("{NAME} cannot be read")))?;
+    let keyboard = Keyboard::builtin(NAME).map_err(|error| wrong(error.to_string()))?;
     let key = |key: usize| keyboard.key(key).map_err(wrong);
     let mut section = Section {
         text: vec![

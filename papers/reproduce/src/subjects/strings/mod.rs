@@ -29,7 +29,7 @@ const PUBLISHED: [(usize, &str, [f64; 2], &str); 3] = [
 ];
 pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let wrong = |error: String| ReproduceError::Instrument(error);
-    let keyboard = Keyboard::builtin(NAME).ok_or_else(|| wrong(format!("{NAME} cannot be read")))?;
+    let keyboard = Keyboard::builtin(NAME).map_err(|error| wrong(error.to_string()))?;
     let mut section = Section {
         text: vec![
             "The built-in keyboard with strings under constant forces. Contact is counted from the hammer's first touch to its last within 10 ms, waves that come back and \
