@@ -16,7 +16,8 @@ use crate::sensor::FixedLaw;
 
 /// A press may have begun so many samples before its sensor was off its rest.
 pub const REMEMBERED: usize = 16;
-/// [`Settings::tolerance`]: coarser than usual, for single precision cannot tell 1e-5 rad/s from rounding in every step.
+/// [`Settings::tolerance`]: coarser than usual, for single precision cannot tell 1e-5 rad/s from rounding in every
+/// step.
 const TOLERANCE: f64 = 1e-3;
 /// A key that stands nearer to where it is led is left there, m, so that it comes to rest.
 const THERE_M: f64 = 1e-6;

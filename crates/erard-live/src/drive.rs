@@ -89,8 +89,8 @@ impl<T: Scalar> Drive<T> {
     }
 
     /// The push of a step of `h` seconds from the sensed values, m or N, at its start and its end; `None` while the
-    /// sensor is at rest. `hand` gives the hand's place, m, and its speed, m/s. With it, whether it was limited, for the
-    /// hammer would have been too fast.
+    /// sensor is at rest. `hand` gives the hand's place, m, and its speed, m/s. With it, whether it was limited, for
+    /// the hammer would have been too fast.
     pub(crate) fn push(&mut self, sensed: Option<[T; 2]>, h: T, hand: impl FnOnce() -> [T; 2]) -> (Push<T>, bool) {
         let zero = T::ZERO;
         let [start, end] = sensed.unwrap_or([zero; 2]).map(|value| value.max(zero));

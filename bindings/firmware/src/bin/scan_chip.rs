@@ -17,7 +17,7 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
     loop {}
 }
 
-/// Messages of a frame that are told once it has been counted; more than come of ten keys in one.
+/// Messages of a frame that are printed once it has been counted; more than come of ten keys in one.
 const ROOM: usize = 64;
 
 #[inline(never)]

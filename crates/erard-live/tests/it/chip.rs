@@ -66,9 +66,9 @@ fn counts(message: &Message) -> f64 {
     f64::from(upper) + f64::from(lower) / 128.0
 }
 
-/// Presses of an action from pp (0.5 m/s) to `most`, m/s, each at several phases of the scan: one note-on and one note-off, within one
-/// count of what the step of 50 us gives and within one of the truth; afterwards the key rests. Gives both largest
-/// differences, counts.
+/// Presses of an action from pp (0.5 m/s) to `most`, m/s, each at several phases of the scan: one note-on and one
+/// note-off, within one count of what the step of 50 us gives and within one of the truth; afterwards the key rests.
+/// Gives both largest differences, counts.
 fn long_steps(instrument: &Instrument, most: f64, steps_s: &[f64], presses: u32, phases: u32) -> Vec<[f64; 2]> {
     let share = |k: u32| f64::from(k) / f64::from(presses - 1);
     let presses: Vec<Press> = (0..presses).map(|k| Press::on(instrument, 0.5 * (most / 0.5).powf(share(k)))).collect();
