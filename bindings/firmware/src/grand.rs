@@ -10,8 +10,13 @@ pub(crate) const LAWS: usize = 12;
 pub(crate) const GRAVITY: f64 = 9.81;
 /// Where it rests, friction included, rad.
 pub(crate) const REST: [f64; BODIES] = [5.735467284728282e-6, 0.00013704375925987548, 0.0015699274201893382, 0.000531231431379199, -0.000907045409491228, -0.3541561938289256, -0.3545366226020138, 0.002670394010193593];
-/// The body that strikes.
+/// The body that strikes, and its point that meets the string, m in its frame.
 pub(crate) const HAMMER: usize = 6;
+pub(crate) const HAMMER_POINT: [f64; 2] = [0.07, 0.048];
+/// The zone of hammer and string.
+pub(crate) const STRING: usize = 9;
+/// Travel of the key at which it sets its damper down, m.
+pub(crate) const DAMPER_M: f64 = 0.005051250000300109;
 
 #[rustfmt::skip]
 pub(crate) fn bodies<T: Scalar>() -> [Body<T>; BODIES] {

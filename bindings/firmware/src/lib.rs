@@ -10,10 +10,17 @@ mod fnv1a;
 // Generated: a test compares it with what the example prints.
 #[rustfmt::skip]
 mod grand;
+#[rustfmt::skip]
+mod keyboard;
+mod keys;
 mod play;
+mod scan;
 
 pub use grand::{BODIES, ZONES};
+pub use keyboard::{FRAMES, KEYS, PERIOD_S};
+pub use keys::{Key, Keys, LONG_STEP_S, LOWEST_KEY};
 pub use play::{Note, STEP_S, STEPS, Work, digest, play};
+pub use scan::{Scanned, reading};
 
 use moreau::{
     Description, Hand, Input, Model, ModelError, Outcome, Scalar, Settings, State, StepReport, Workspace, step,
@@ -41,18 +48,7 @@ impl<T: Scalar> Grand<T> {
     /// # Errors
     /// None, for the instrument that is compiled in; another one may have a number that is not sound.
     pub fn new(step_s: T) -> Result<Self, ModelError> {
-        let (bodies, springs, zones) = (grand::bodies(), grand::springs(), grand::zones());
-        let site = Some(grand::site());
-        let description = Description {
-            bodies: &bodies,
-            springs: &springs,
-            zones: &zones,
-            dwells: &[],
-            yields: &[],
-            site,
-            gravity: T::from_f64(grand::GRAVITY),
-        };
-        let model: Model<T, BODIES, ZONES> = description.compile()?;
+        let model = model()?;
         let mut state = State::at_rest(grand::REST.map(T::from_f64));
         let workspace = Workspace::for_model(&model)?;
         let rest_m = model.site_position(&state.angle);
@@ -104,6 +100,22 @@ impl<T: Scalar> Grand<T> {
     pub fn hammer_rad_s(&self) -> T {
         self.state.velocity[grand::HAMMER]
     }
+}
+
+/// The model of the grand, from its description in flash.
+fn model<T: Scalar>() -> Result<Model<T, BODIES, ZONES>, ModelError> {
+    let (bodies, springs, zones) = (grand::bodies(), grand::springs(), grand::zones());
+    let site = Some(grand::site());
+    let description = Description {
+        bodies: &bodies,
+        springs: &springs,
+        zones: &zones,
+        dwells: &[],
+        yields: &[],
+        site,
+        gravity: T::from_f64(grand::GRAVITY),
+    };
+    description.compile()
 }
 
 /// For a linker that wants to see that nothing else is needed: steps the grand so many times under a force, N, and

@@ -1,7 +1,6 @@
 //! From samples to what drives a key in each step.
 
-use erard::player::Hand;
-use erard::{Input, Reading};
+use moreau::{Hand, Scalar};
 
 use crate::limits::{CEILING_N, Limits};
 
@@ -22,6 +21,7 @@ pub enum SensorKind {
 const SETTLES_S: f64 = 0.02;
 /// The hand on a light device: its muscle follows more stiffly than a pianist's, for the device is all that is known of
 /// it. It asks for the ceiling where it is 3 mm behind. Estimates.
+const HAND_KG: f64 = 0.2;
 const STIFF_N_PER_M: f64 = 20e3;
 const DAMPED_N_S_PER_M: f64 = 90.0;
 /// It is not asked for more, m/s: 60 N do not bring a hand and a key there within a dip.
@@ -33,33 +33,52 @@ const LET_GO_M: f64 = 1e-6;
 /// A hand whose device is at rest leaves the key after this time, s.
 const LEAVES_S: f64 = 0.2;
 
+/// What drives a key in a step: forces in N, places in m from the key front's rest, both positive downward. The numbers
+/// of a force or of a hand belong to the step's middle, those of a prescribed motion to its end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Push<T> {
+    /// Nothing touches it.
+    Free,
+    /// A force on its front.
+    Force(T),
+    /// Its front's motion, prescribed.
+    Rigid {
+        /// m.
+        position_m: T,
+        /// m/s.
+        velocity_m_per_s: T,
+    },
+    /// A hand.
+    Hand(Hand<T>),
+}
+
 /// The drive of one key.
 #[derive(Debug, Clone)]
-pub(crate) struct Drive {
+pub(crate) struct Drive<T> {
     kind: SensorKind,
-    limits: Limits,
+    limits: Limits<T>,
     /// Where the key is led, m.
-    led_m: f64,
+    led_m: T,
     /// Whether it is behind, because it was limited.
     is_behind: bool,
     /// How long the device has been at rest, s.
-    rested_s: f64,
+    rested_s: T,
 }
 
-impl Drive {
-    pub(crate) fn new(kind: SensorKind, limits: Limits) -> Self {
+impl<T: Scalar> Drive<T> {
+    pub(crate) fn new(kind: SensorKind, limits: Limits<T>) -> Self {
         let mut limits = limits;
         if kind == SensorKind::Light {
-            limits.key_m_per_s = limits.key_m_per_s.min(HAND_M_PER_S);
+            limits.key_m_per_s = limits.key_m_per_s.min(T::from_f64(HAND_M_PER_S));
         }
-        Drive { kind, limits, led_m: 0.0, is_behind: false, rested_s: LEAVES_S }
+        Drive { kind, limits, led_m: T::ZERO, is_behind: false, rested_s: T::from_f64(LEAVES_S) }
     }
 
     /// Whether it leaves the key alone as long as the sensed value stays at 0.
     pub(crate) fn is_away(&self) -> bool {
         match self.kind {
-            SensorKind::Action => self.led_m == 0.0,
-            SensorKind::Light => self.rested_s >= LEAVES_S,
+            SensorKind::Action => self.led_m == T::ZERO,
+            SensorKind::Light => self.rested_s >= T::from_f64(LEAVES_S),
             SensorKind::Force => true,
         }
     }
@@ -69,50 +88,53 @@ impl Drive {
         self.kind == SensorKind::Light && self.is_away()
     }
 
-    /// The input of a step of `h` seconds from the sensed values, m or N, at its start and its end; `None` while the
-    /// sensor is at rest. With it, whether it was limited, for the hammer would have been too fast.
-    pub(crate) fn input(&mut self, sensed: Option<[f64; 2]>, h: f64, before: &Reading) -> (Input, bool) {
-        let [start, end] = sensed.unwrap_or_default().map(|value| value.max(0.0));
+    /// The push of a step of `h` seconds from the sensed values, m or N, at its start and its end; `None` while the
+    /// sensor is at rest. `hand` gives the hand's place, m, and its speed, m/s. With it, whether it was limited, for
+    /// the hammer would have been too fast.
+    pub(crate) fn push(&mut self, sensed: Option<[T; 2]>, h: T, hand: impl FnOnce() -> [T; 2]) -> (Push<T>, bool) {
+        let zero = T::ZERO;
+        let [start, end] = sensed.unwrap_or([zero; 2]).map(|value| value.max(zero));
+        let half = T::from_f64(0.5);
         if self.kind == SensorKind::Force {
-            let force_n = 0.5 * (start + end);
+            let force_n = half * (start + end);
             let is_limited = force_n > self.limits.force_n;
-            let force_n = force_n.clamp(0.0, self.limits.force_n);
-            return (if force_n > 0.0 { Input::Force(force_n) } else { Input::Free }, is_limited);
+            let force_n = force_n.max(zero).min(self.limits.force_n);
+            return (if force_n > zero { Push::Force(force_n) } else { Push::Free }, is_limited);
         }
-        let deepest_m = self.limits.dip_m + BEYOND_M;
+        let deepest_m = self.limits.dip_m + T::from_f64(BEYOND_M);
         let [start, end] = [start, end].map(|m| m.min(deepest_m));
-        self.rested_s = if sensed.is_some() { 0.0 } else { self.rested_s + h };
+        self.rested_s = if sensed.is_some() { zero } else { self.rested_s + h };
         let off_m = self.led_m - start;
-        let wanted_m = if self.is_behind { end } else { end + off_m * (1.0 - h / SETTLES_S) };
+        let wanted_m = if self.is_behind { end } else { end + off_m * (T::ONE - h / T::from_f64(SETTLES_S)) };
         let [up_m, down_m] = [self.limits.up_m_per_s * h, self.limits.key_m_per_s * h];
         let from_m = self.led_m;
         let is_limited = wanted_m - from_m > down_m;
-        self.led_m = from_m + (wanted_m - from_m).clamp(-up_m, down_m);
-        self.is_behind = self.led_m != wanted_m && (wanted_m - self.led_m).abs() > LET_GO_M;
-        if sensed.is_none() && self.led_m < LET_GO_M {
-            self.led_m = 0.0;
+        self.led_m = from_m + (wanted_m - from_m).max(-up_m).min(down_m);
+        let near_m = T::from_f64(LET_GO_M);
+        self.is_behind = self.led_m != wanted_m && (wanted_m - self.led_m).abs() > near_m;
+        if sensed.is_none() && self.led_m < near_m {
+            self.led_m = zero;
         }
         let velocity_m_per_s = (self.led_m - from_m) / h;
-        let input = match self.kind {
-            SensorKind::Light if self.is_away() => Input::Free,
-            SensorKind::Light => hand([0.5 * (from_m + self.led_m), velocity_m_per_s], before),
-            _ if sensed.is_none() && self.led_m == 0.0 && from_m == 0.0 => Input::Free,
-            _ => Input::Rigid { position_m: self.led_m, velocity_m_per_s },
+        let push = match self.kind {
+            SensorKind::Light if self.is_away() => Push::Free,
+            SensorKind::Light => follow([half * (from_m + self.led_m), velocity_m_per_s], hand()),
+            _ if sensed.is_none() && self.led_m == zero && from_m == zero => Push::Free,
+            _ => Push::Rigid { position_m: self.led_m, velocity_m_per_s },
         };
-        (input, is_limited)
+        (push, is_limited)
     }
 }
 
-/// A hand whose muscle follows a place, m, and its speed, m/s, with at most [`CEILING_N`].
-fn hand([position_m, velocity_m_per_s]: [f64; 2], before: &Reading) -> Input {
-    let hand = Hand { stiffness_n_per_m: STIFF_N_PER_M, damping_n_s_per_m: DAMPED_N_S_PER_M, ..Hand::default() };
-    let muscle_n = hand.stiffness_n_per_m * (position_m - before.hand_m)
-        + hand.damping_n_s_per_m * (velocity_m_per_s - before.hand_m_per_s);
-    let muscle = if muscle_n.abs() > CEILING_N {
-        Input::Force(CEILING_N.copysign(muscle_n))
+/// A hand whose muscle follows a place, m, and its speed, m/s, with at most [`CEILING_N`], from where it is.
+fn follow<T: Scalar>([position, velocity]: [T; 2], [hand_m, hand_m_per_s]: [T; 2]) -> Push<T> {
+    let (stiffness, damping, z) = (T::from_f64(STIFF_N_PER_M), T::from_f64(DAMPED_N_S_PER_M), T::ZERO);
+    let muscle_n = stiffness * (position - hand_m) + damping * (velocity - hand_m_per_s);
+    let (mass, ceiling_n) = (T::from_f64(HAND_KG), T::from_f64(CEILING_N));
+    Push::Hand(if muscle_n.abs() > ceiling_n {
+        let force = if muscle_n > z { ceiling_n } else { -ceiling_n };
+        Hand { mass, force, stiffness: z, damping: z, position: z, velocity: z }
     } else {
-        Input::Motion { position_m, velocity_m_per_s }
-    };
-    // A hand refuses a motion that is imposed on the key only.
-    hand.input(&muscle).unwrap_or(Input::Free)
+        Hand { mass, force: z, stiffness, damping, position, velocity }
+    })
 }

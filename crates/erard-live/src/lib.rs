@@ -7,24 +7,47 @@
 //!   ([`Options::ahead`]); it counts what was limited, clipped, late or lost ([`Report`]);
 //! - [`cable`]: how long bytes queue for a DIN cable; [`quality`]: what bits and rate of a sensor cost.
 //!
+//! Without the feature `std` (on by default) there is what a microcontroller needs, without a heap and in single
+//! precision, too: [`sensor`], [`converter`], [`sensed`] and [`board`]. A stream's keys go through the same code.
+//!
 //! SI units but for files, which have millimetres; key and finger positive downward, the hammer upward.
 
+#![cfg_attr(not(feature = "std"), no_std)]
+
+#[cfg(feature = "std")]
 pub mod ahead;
+pub mod board;
+#[cfg(feature = "std")]
 pub mod cable;
+#[cfg(feature = "std")]
 pub mod calibrate;
+pub mod converter;
 mod drive;
+#[cfg(feature = "std")]
 mod error;
+#[cfg(feature = "std")]
+mod find;
+#[cfg(feature = "std")]
 mod key;
 mod limits;
+#[cfg(feature = "std")]
 mod live;
+#[cfg(feature = "std")]
 pub mod profile;
+#[cfg(feature = "std")]
 pub mod quality;
+#[cfg(feature = "std")]
 mod report;
+pub mod sensed;
 pub mod sensor;
+#[cfg(feature = "std")]
 pub mod stream;
 
-pub use drive::SensorKind;
+pub use drive::{Push, SensorKind};
+#[cfg(feature = "std")]
 pub use error::LiveError;
 pub use limits::{LARGEST_HAMMER_M_PER_S, Limits};
+#[cfg(feature = "std")]
 pub use live::{Event, Live, Options};
+#[cfg(feature = "std")]
 pub use report::{Lead, Report};

@@ -1,107 +1,40 @@
 //! What a key may be asked for, so that no hammer goes faster than 8 m/s.
 
-use erard::instrument::Instrument;
-use erard::player::ActionError;
-use erard::{Action, Input, Settings};
+use moreau::Scalar;
 
 /// No hammer goes faster at the string, m/s: 127 counts of the usual law, above what players reach (6.8 m/s).
 pub const LARGEST_HAMMER_M_PER_S: f64 = 8.0;
 /// The largest force of a hand on a key, N.
 pub(crate) const CEILING_N: f64 = 60.0;
-/// Ranges in which the limits are looked for: m/s and N.
-const SPEEDS_M_PER_S: [f64; 2] = [0.2, 4.0];
-const FORCES_N: [f64; 2] = [5.0, 500.0];
-/// So many ratios of them are tried first.
-const SCANNED: i32 = 20;
-/// A limit is known to this share.
-const CLOSE: f64 = 2e-3;
-/// A press that has not thrown the hammer after this time does not, s.
-const PATIENCE_S: f64 = 0.1;
-/// How a key's dip is found: it is held with a force, N, for a time, s.
-const HELD_N: f64 = 5.0;
-const HELD_S: f64 = 0.4;
 
 /// Largest inputs of a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
+pub struct Limits<T = f64> {
     /// The speed of its front, m/s, with which a hammer comes to [`LARGEST_HAMMER_M_PER_S`] if the key is led down at
     /// that speed from its rest at once; where it never does, the speed that throws it fastest. A key that is led
     /// faster throws it no faster.
-    pub key_m_per_s: f64,
+    pub key_m_per_s: T,
     /// The force, N, that does so if it is there at once.
-    pub force_n: f64,
+    pub force_n: T,
     /// How fast the front comes up at most when the key is let go, m/s: it is not pulled up faster.
-    pub up_m_per_s: f64,
+    pub up_m_per_s: T,
     /// How deep the key goes under 5 N, m.
-    pub dip_m: f64,
+    pub dip_m: T,
     /// How high the hammer is at its string, m.
-    pub blow_m: f64,
+    pub blow_m: T,
 }
 
-impl Limits {
-    /// Finds them by pressing; `None` where nothing throws the hammer to a string.
-    ///
-    /// # Errors
-    /// [`ActionError`].
-    pub fn find(instrument: &Instrument) -> Result<Option<Self>, ActionError> {
-        let mut action = Action::with(instrument, Settings::new(instrument.usual_step_s()))?;
-        let (rest, h) = (action.save(), action.settings().step);
-        let mut play = |seconds: f64, input: &dyn Fn(f64) -> Input, ends: bool| {
-            // A snapshot of this very action.
-            let _ = action.restore(&rest);
-            let (mut fastest, mut struck_m, mut key_m, mut up) = (0.0_f64, None, 0.0, 0.0_f64);
-            for n in 1..=(seconds / h) as u32 {
-                let reading = action.step(input(f64::from(n) * h));
-                (key_m, up) = (reading.key_m, up.max(-reading.key_m_per_s));
-                if let Some(impact) = reading.impact {
-                    fastest = fastest.max(impact.hammer_speed_m_per_s);
-                    struck_m = struck_m.or(Some(reading.hammer_m));
-                    if ends {
-                        break;
-                    }
-                }
-            }
-            (fastest, struck_m, key_m, up)
-        };
-        let dip_m = play(HELD_S, &|_| Input::Force(HELD_N), false).2;
-        let let_go = |t: f64| if t < HELD_S { Input::Force(HELD_N) } else { Input::Free };
-        let up_m_per_s = play(HELD_S + PATIENCE_S, &let_go, false).3;
-        let led = |v: f64| {
-            move |t: f64| {
-                let is_on = v * t < dip_m;
-                Input::Rigid { position_m: (v * t).min(dip_m), velocity_m_per_s: if is_on { v } else { 0.0 } }
-            }
-        };
-        let (_, Some(blow_m), ..) = play(PATIENCE_S, &led(0.5), true) else { return Ok(None) };
-        let key_m_per_s = largest(SPEEDS_M_PER_S, &mut |v| play(PATIENCE_S, &led(v), true).0);
-        let force_n = largest(FORCES_N, &mut |force| play(PATIENCE_S, &|_| Input::Force(force), true).0);
-        Ok(Some(Limits { key_m_per_s, force_n, up_m_per_s, dip_m, blow_m }))
-    }
-}
-
-/// The largest number whose hammer stays within the limit, by bisection in ratios; of a hammer that never reaches it,
-/// the number with which it is fastest.
-fn largest([least, most]: [f64; 2], fastest: &mut dyn FnMut(f64) -> f64) -> f64 {
-    let ratio = (most / least).powf(1.0 / f64::from(SCANNED));
-    let (mut best, mut at, mut low, mut high) = (0.0, least, least, most);
-    for k in 0..=SCANNED {
-        let number = least * ratio.powi(k);
-        let speed = fastest(number);
-        if speed > LARGEST_HAMMER_M_PER_S {
-            high = number;
-            break;
+impl Limits<f64> {
+    /// The same in other numbers.
+    #[must_use]
+    pub fn to<T: Scalar>(&self) -> Limits<T> {
+        let t = T::from_f64;
+        Limits {
+            key_m_per_s: t(self.key_m_per_s),
+            force_n: t(self.force_n),
+            up_m_per_s: t(self.up_m_per_s),
+            dip_m: t(self.dip_m),
+            blow_m: t(self.blow_m),
         }
-        if speed > best {
-            (best, at) = (speed, number);
-        }
-        if k == SCANNED {
-            return at;
-        }
-        low = number;
     }
-    while high / low > 1.0 + CLOSE {
-        let middle = (low * high).sqrt();
-        if fastest(middle) <= LARGEST_HAMMER_M_PER_S { low = middle } else { high = middle }
-    }
-    low
 }

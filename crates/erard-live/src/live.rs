@@ -75,7 +75,7 @@ pub enum Event {
 /// The keys of a piano, played by a stream: samples in, notes out.
 pub struct Live {
     keys: Vec<Key>,
-    converters: Vec<Option<Converter>>,
+    converters: Vec<Option<Converter<f64, Vec<[f64; 2]>>>>,
     /// How far each key's front goes while the sensed place goes 1 m.
     front_per_sensed: Vec<f64>,
     pedals: [(u8, erard_midi::Pedal); 3],
@@ -138,7 +138,7 @@ impl Live {
     /// Of a key, from 1: what it may be asked for.
     #[must_use]
     pub fn limits(&self, key: usize) -> Option<Limits> {
-        self.keys.get(key.checked_sub(1)?).map(|key| key.limits)
+        self.keys.get(key.checked_sub(1)?).map(|key| *key.limits())
     }
 
     /// When the stream began, s on its own clock.
@@ -189,7 +189,7 @@ impl Live {
         }
         report.samples += 1;
         if value != before {
-            seen.take(key.period_s, value - before);
+            seen.take(key.period_s(), value - before);
         }
     }
 
@@ -206,7 +206,7 @@ impl Live {
             _ => self.converters[number - 1].as_ref().map(Converter::whole_m),
         };
         Some(match (self.options.sensor, own_m) {
-            (SensorKind::Light, Some(own_m)) => travel_m * key.limits.dip_m / own_m,
+            (SensorKind::Light, Some(own_m)) => travel_m * key.limits().dip_m / own_m,
             _ => travel_m * self.front_per_sensed[number - 1],
         })
     }
@@ -234,23 +234,23 @@ impl Live {
     /// Counts of the stream so far.
     #[must_use]
     pub fn report(&self) -> Report {
-        let counts = || self.keys.iter().map(|key| key.counts);
-        let sum = |of: &dyn Fn(&crate::key::Counts) -> u64| counts().map(|c| of(&c)).sum::<u64>();
-        let which = |is: &dyn Fn(&crate::key::Counts) -> bool| -> Vec<usize> {
+        let counts = || self.keys.iter().map(|key| key.counts());
+        let sum = |of: &dyn Fn(&crate::sensed::Counts) -> u64| counts().map(|c| of(&c)).sum::<u64>();
+        let which = |is: &dyn Fn(&crate::sensed::Counts) -> bool| -> Vec<usize> {
             counts().enumerate().filter(|(_, c)| is(c)).map(|(i, _)| i + 1).collect()
         };
         let converters = || self.converters.iter().flatten();
-        let dip_m = self.keys.first().map_or(0.0, |key| key.limits.dip_m);
+        let dip_m = self.keys.first().map_or(0.0, |key| key.limits().dip_m);
         let rate_hz = self.seen.rate_hz();
         let bits = self.seen.bits(dip_m).filter(|_| self.options.quantity != Quantity::Newtons);
         Report {
             duration_s: self.now_s,
-            limited_strokes: sum(&|c| c.fast_strokes),
+            limited_strokes: sum(&|c| u64::from(c.fast_strokes)),
             limited_steps: sum(&|c| c.fast_steps),
             deep_samples: sum(&|c| c.deep_samples),
-            gaps: sum(&|c| c.gaps),
+            gaps: sum(&|c| u64::from(c.gaps)),
             stuck_keys: which(&|c| c.stuck > 0),
-            noisy_keys: which(&|c| c.flutters >= NOISY),
+            noisy_keys: which(&|c| u64::from(c.flutters) >= NOISY),
             non_finite_steps: sum(&|c| c.non_finite),
             fastest_hammer_m_per_s: counts().map(|c| c.fastest_m_per_s).fold(0.0, f64::max),
             rate_hz,

@@ -1,4 +1,4 @@
-//! The profile of a device: its sensors' law and the two stops of each key, and how readings become travel.
+//! The profile of a device: its sensors' law and the two stops of each key.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -7,28 +7,11 @@ use erard::instrument::from_toml::from_toml;
 use erard::keyboard::KEYS;
 use serde::Deserialize;
 
+pub use crate::converter::{Converter, Stops};
 use crate::sensor::Law;
 
 /// Format name, the first entry of a profile.
 pub const FORMAT: &str = "erard-sensors/1";
-/// Drift is followed up to this share of a sensor's range.
-const MOST_DRIFT: f64 = 0.15;
-/// A reading nearer to its rest than this share of the range may be the rest.
-const NEAR_REST: f64 = 0.03;
-/// It is if it has kept within this share of the range for this time, s.
-const STEADY: f64 = 0.005;
-const RESTS_S: f64 = 1.0;
-/// The rest follows its readings within this time, s.
-const FOLLOWS_S: f64 = 10.0;
-
-/// The readings at a key's two stops.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stops {
-    /// Up, at rest.
-    pub rest: f64,
-    /// Down, held at the bottom.
-    pub pressed: f64,
-}
 
 /// The profile of a device.
 #[derive(Debug, Clone, PartialEq)]
@@ -151,64 +134,8 @@ impl Profile {
 
     /// Returns the converter of a key's readings; `None` for a key without stops.
     #[must_use]
-    pub fn converter(&self, key: usize) -> Option<Converter> {
+    pub fn converter(&self, key: usize) -> Option<Converter<f64, Vec<[f64; 2]>>> {
         let stops = *self.keys.get(&key)?;
-        Some(Converter { law: self.law.clone(), stops, travel_m: self.travel_m, drift: 0.0, before: None, beyond: 0 })
-    }
-}
-
-/// Converts a key's readings to travel, and follows how its rest drifts.
-///
-/// A reading within 3 % of the range of the last known rest that keeps within 0.5 % for a second is the rest: it is
-/// followed within ten seconds, up to 15 % of the range. Both stops drift by the same. What reads beyond the rest,
-/// where no key goes, is followed however far it is. A key that is held down does not drift.
-#[derive(Debug, Clone)]
-pub struct Converter {
-    law: Law,
-    stops: Stops,
-    travel_m: f64,
-    /// Share of the range by which readings have drifted.
-    drift: f64,
-    /// The last reading's instant, s; since when readings have kept together, s, and around which.
-    before: Option<[f64; 3]>,
-    beyond: u64,
-}
-
-impl Converter {
-    /// Travel of the sensed place, m, at a reading at an instant, s.
-    pub fn travel_m(&mut self, time_s: f64, reading: f64) -> f64 {
-        let Stops { rest, pressed } = self.stops;
-        let read = (reading - rest) / (pressed - rest);
-        let [before_s, since_s, around] = self.before.unwrap_or([time_s, time_s, read]);
-        let off = read - self.drift;
-        let is_steady = off < NEAR_REST && (read - around).abs() < STEADY;
-        let [since_s, around] = if is_steady { [since_s, around] } else { [time_s, read] };
-        if time_s - since_s > RESTS_S {
-            let wanted = self.drift + off * ((time_s - before_s) / FOLLOWS_S).min(1.0);
-            self.beyond += u64::from(wanted.abs() > MOST_DRIFT && self.drift.abs() < MOST_DRIFT);
-            self.drift = wanted.clamp(-MOST_DRIFT, MOST_DRIFT);
-        }
-        self.before = Some([time_s, since_s, around]);
-        // No sensor tells what lies far beyond its stops.
-        let off = (read - self.drift).clamp(-0.5, 1.5);
-        self.travel_m * self.law.share(off, self.travel_m)
-    }
-
-    /// The whole travel, m.
-    #[must_use]
-    pub fn whole_m(&self) -> f64 {
-        self.travel_m
-    }
-
-    /// By which share of the range the rest has drifted.
-    #[must_use]
-    pub fn drift(&self) -> f64 {
-        self.drift
-    }
-
-    /// How often it would have gone beyond what is followed.
-    #[must_use]
-    pub fn beyond(&self) -> u64 {
-        self.beyond
+        Some(Converter::new(self.law.clone(), stops, self.travel_m))
     }
 }

@@ -1,11 +1,18 @@
 //! Sensors' laws: what share of its travel a key has gone at a reading between those of its two stops.
 
-use serde::{Deserialize, Serialize};
+use moreau::Scalar;
+
+/// A sensor's law, with its own points on the heap.
+#[cfg(feature = "std")]
+pub type Law = LawOf<Vec<[f64; 2]>>;
+/// A sensor's law, with its own points in flash.
+pub type FixedLaw = LawOf<&'static [[f64; 2]]>;
 
 /// A sensor's law. All are exact at both stops.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Law {
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "std", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "std", serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields))]
+pub enum LawOf<P> {
     /// In proportion.
     Linear {},
     /// A reflective optical sensor CNY-70 under the back of a key, as it was read at marks of a ruler ([`CNY70`]). The
@@ -21,7 +28,7 @@ pub enum Law {
     /// One's own points: share of the reading's range, and share of the travel, both from 0 to 1, ascending.
     Table {
         /// Them.
-        points: Vec<[f64; 2]>,
+        points: P,
     },
 }
 
@@ -33,10 +40,9 @@ pub const CNY70: [f64; 16] = [
 ];
 
 /// Fault of a sensor's law.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LawFault {
     /// The points do not rise from [0, 0] to [1, 1].
-    #[error("point {}: found {found:?}; expected shares that rise from [0, 0] to [1, 1]", index + 1)]
     Points {
         /// Index of the point, from 0.
         index: usize,
@@ -44,13 +50,26 @@ pub enum LawFault {
         found: [f64; 2],
     },
     /// Too few points.
-    #[error("{0} points; expected at least two")]
     TooFew(usize),
     /// The distance is none.
-    #[error("nearest_mm is {0}; expected a number from 0.1 to 100")]
     Nearest(f64),
 }
 
+impl core::fmt::Display for LawFault {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            LawFault::Points { index, found } => {
+                write!(f, "point {}: found {found:?}; expected shares that rise from [0, 0] to [1, 1]", index + 1)
+            }
+            LawFault::TooFew(count) => write!(f, "{count} points; expected at least two"),
+            LawFault::Nearest(mm) => write!(f, "nearest_mm is {mm}; expected a number from 0.1 to 100"),
+        }
+    }
+}
+
+impl core::error::Error for LawFault {}
+
+#[cfg(feature = "std")]
 impl Law {
     /// One's own points, readings and travel in any units, from the rest to the bottom.
     ///
@@ -63,18 +82,21 @@ impl Law {
         law.check()?;
         Ok(law)
     }
+}
 
+impl<P: AsRef<[[f64; 2]]>> LawOf<P> {
     /// Checks its numbers.
     ///
     /// # Errors
     /// [`LawFault`].
     pub fn check(&self) -> Result<(), LawFault> {
         match self {
-            Law::Linear {} | Law::Cny70 {} => Ok(()),
-            Law::Hall { nearest_mm, .. } if (0.1..=100.0).contains(nearest_mm) => Ok(()),
-            Law::Hall { nearest_mm, .. } => Err(LawFault::Nearest(*nearest_mm)),
-            Law::Table { points } if points.len() < 2 => Err(LawFault::TooFew(points.len())),
-            Law::Table { points } => {
+            LawOf::Linear {} | LawOf::Cny70 {} => Ok(()),
+            LawOf::Hall { nearest_mm, .. } if (0.1..=100.0).contains(nearest_mm) => Ok(()),
+            LawOf::Hall { nearest_mm, .. } => Err(LawFault::Nearest(*nearest_mm)),
+            LawOf::Table { points } if points.as_ref().len() < 2 => Err(LawFault::TooFew(points.as_ref().len())),
+            LawOf::Table { points } => {
+                let points = points.as_ref();
                 let last = points.len() - 1;
                 let is_sound = |i: usize| match i {
                     0 => points[0] == [0.0, 0.0],
@@ -95,31 +117,33 @@ impl Law {
     /// The share of its travel, m, that a key has gone, from the share of the reading's range; beyond the stops the law
     /// goes on straight.
     #[must_use]
-    pub fn share(&self, read: f64, travel_m: f64) -> f64 {
+    pub fn share<T: Scalar>(&self, read: T, travel_m: T) -> T {
         match self {
-            Law::Linear {} => read,
-            Law::Cny70 {} => {
+            LawOf::Linear {} => read,
+            LawOf::Cny70 {} => {
                 let marks = |i: usize| [CNY70[i], i as f64 / 15.0];
                 along(CNY70.len(), &marks, read)
             }
-            Law::Table { points } => along(points.len(), &|i| points[i], read),
-            Law::Hall { nearest_mm, at_rest } => {
+            LawOf::Table { points } => along(points.as_ref().len(), &|i| points.as_ref()[i], read),
+            LawOf::Hall { nearest_mm, at_rest } => {
                 // Distances in travels.
-                let near = 1e-3 * nearest_mm / travel_m;
-                let cube = |d: f64| 1.0 / (d * d * d);
-                let toward = |nearness: f64| {
-                    let field = cube(near + 1.0) + nearness * (cube(near) - cube(near + 1.0));
-                    1.0 + near - (1.0 / field.max(cube(near + 2.0))).cbrt()
+                let near = T::from_f64(1e-3 * nearest_mm) / travel_m;
+                let (one, two) = (T::ONE, T::from_f64(2.0));
+                let cube = |d: T| one / (d * d * d);
+                let root = |x: T| T::from_f64(libm::cbrt(x.to_f64()));
+                let toward = |nearness: T| {
+                    let field = cube(near + one) + nearness * (cube(near) - cube(near + one));
+                    one + near - root(one / field.max(cube(near + two)))
                 };
-                if *at_rest { 1.0 - toward(1.0 - read) } else { toward(read) }
+                if *at_rest { one - toward(one - read) } else { toward(read) }
             }
         }
     }
 }
 
 /// Straight lines through points; the first and the last go on.
-fn along(count: usize, point: &dyn Fn(usize) -> [f64; 2], x: f64) -> f64 {
-    let end = (1..count - 1).find(|&i| x <= point(i)[0]).unwrap_or(count - 1);
-    let ([x0, y0], [x1, y1]) = (point(end - 1), point(end));
+fn along<T: Scalar>(count: usize, point: &dyn Fn(usize) -> [f64; 2], x: T) -> T {
+    let end = (1..count - 1).find(|&i| x <= T::from_f64(point(i)[0])).unwrap_or(count - 1);
+    let ([x0, y0], [x1, y1]) = (point(end - 1).map(T::from_f64), point(end).map(T::from_f64));
     y0 + (x - x0) * (y1 - y0) / (x1 - x0)
 }

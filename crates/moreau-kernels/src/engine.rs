@@ -4,13 +4,14 @@
 use core::cell::OnceCell;
 
 use moreau::{
-    Accuracy, Contact, ControlledStep, Energies, GROUND, Hand, Input, Ledger, LossIn, Model, ModelError, Outcome, Pose,
-    SavedState, Settings, Sleep, State, StepReport, TrackedPoint, Workspace, step_out_of_line,
+    Accuracy, Contact, ControlledStep, Energies, GROUND, Hand, ImpactPredictor, Input, Ledger, LossIn, Model,
+    ModelError, Outcome, Pose, SavedState, Settings, Sleep, State, StepReport, TrackedPoint, Workspace,
+    step_out_of_line,
 };
 
 use crate::controlled::InputDuring;
 use crate::controlled::{Control, hand_of};
-use crate::impact::ImpactPredictor;
+use crate::impact::predictor;
 use crate::mechanism::{Mechanism, Part, Readout, Saved, StepOutput, Stepping};
 use crate::observation::{Observation, site_position};
 use crate::surfaces::{Halving, Over, Surfaces, Under};
@@ -21,7 +22,7 @@ pub(crate) struct Stepped<const B: usize, const Z: usize> {
     pub model: Model<f64, B, Z>,
     pub state: State<f64, B, Z>,
     pub sleep: Sleep<f64>,
-    pub predictor: ImpactPredictor<B>,
+    pub predictor: ImpactPredictor<f64, B>,
     /// The compliant external subsystem under its zones, where there is one.
     pub under: Option<Under>,
     /// The driven point and the drive's direction, which is zero where nothing is driven.
@@ -159,7 +160,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     pub(crate) fn new(description: &OwnedDescription, probes: &Probes) -> Result<Self, ModelError> {
         let model: Model<f64, B, Z> = description.model()?;
         let state = State::at_rest(description.first_angles());
-        let mut predictor = ImpactPredictor::new(&model, probes);
+        let mut predictor = predictor(&model, probes);
         predictor.update(&model, 0.0, &state.angle, &state.velocity);
         let nowhere = (TrackedPoint::of(&model, GROUND, [0.0; 2]), [0.0; 2]);
         let site = model.site().map_or(nowhere, |s| (TrackedPoint::of(&model, s.body, s.point), s.direction));
@@ -278,7 +279,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     /// The impact in the last step, if there was one.
     #[inline(always)]
     pub(crate) fn impact(&self) -> Option<Impact> {
-        if self.skipped { None } else { self.predictor.impact() }
+        if self.skipped { None } else { self.predictor.impact().map(Impact::from) }
     }
 
     /// Energies of the mechanism as it is, at given velocities, and of what it presses on.

@@ -2,9 +2,9 @@
 
 use core::cell::OnceCell;
 
-use moreau::{Energies, GROUND, Input, Ledger, Model, ModelError, Pose, Settings, State, Workspace};
+use moreau::{Energies, GROUND, ImpactPredictor, Input, Ledger, Model, ModelError, Pose, Settings, State, Workspace};
 
-use crate::impact::ImpactPredictor;
+use crate::impact::predictor;
 use crate::size::with_size;
 use crate::{EveryBody, Impact, OwnedDescription, Probes, SideBySide, Size};
 
@@ -60,7 +60,7 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
     probes: &Probes,
 ) -> Result<Box<dyn LaneObserver>, ModelError> {
     let model: Model<f64, B, Z> = description.model()?;
-    let (predictor, angle) = (ImpactPredictor::new(&model, probes), description.first_angles());
+    let (predictor, angle) = (predictor(&model, probes), description.first_angles());
     let bodies = description.bodies.len();
     let ends = core::array::from_fn(|_| Box::new(State::at_rest(angle)));
     let acted = Workspace::new();
@@ -69,7 +69,7 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
 
 struct Observed<const B: usize, const Z: usize> {
     model: Model<f64, B, Z>,
-    predictor: ImpactPredictor<B>,
+    predictor: ImpactPredictor<f64, B>,
     bodies: usize,
     angle: [f64; B],
     /// Computed when it is asked for.
@@ -96,7 +96,7 @@ impl<const B: usize, const Z: usize> LaneObserver for Observed<B, Z> {
     }
 
     fn impact(&self) -> Option<Impact> {
-        self.predictor.impact()
+        self.predictor.impact().map(Impact::from)
     }
 
     fn begin(&mut self, group: &dyn SideBySide, index: usize) {

@@ -3,6 +3,10 @@
 use crate::hand::Hand;
 use crate::real::{Real, Scalar, join_all, same_bits};
 
+/// Share of the site's lag behind an imposed motion ([`Input::Rigid`]) that callers add, over a step, to the velocity
+/// of the next one, so that rounding and unconverged steps do not add up.
+pub const RIGID_CORRECTION: f64 = 0.1;
+
 /// Input of the mechanism at the model's [`Site`](crate::Site) during one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Input<T> {

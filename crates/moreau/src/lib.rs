@@ -59,6 +59,7 @@ mod felt;
 mod forces;
 mod hand;
 mod hand_energy;
+mod impact;
 mod input;
 mod kinematics;
 mod lanes;
@@ -97,7 +98,8 @@ pub use fault::Fault;
 pub use felt::{Felt, FeltKind};
 pub use hand::Hand;
 pub use hand_energy::HandEnergy;
-pub use input::Input;
+pub use impact::{ImpactPredictor, PointImpact, impact_in_flight};
+pub use input::{Input, RIGID_CORRECTION};
 pub use law::{
     Elastoplastic, Exponent, Hereditary, HuntCrossley, Iwan, LAW_NUMBERS, LAWS, LawNumber, Loss, MEMORY, Quadratic,
     Range, SetValued,

@@ -1,48 +1,11 @@
 //! Presses whose hammer is known, as a sensor at the key sees them.
 
-use std::sync::LazyLock;
-
-use erard::level::{Kind, Reference};
-use erard::stroke::Touch;
-use erard::{Action, Instrument, Settings};
 use erard_live::stream::{Of, Quantity, Sample};
 use erard_live::{Event, Live, Options, SensorKind};
 
-/// The built-in grand.
-pub static GRAND: LazyLock<Instrument> = LazyLock::new(|| Instrument::builtin("concert-grand").unwrap());
-
-/// A press: the key's way at every step of 50 us, and the impacts.
-pub struct Press {
-    pub key_m: Vec<f64>,
-    pub impacts: Vec<[f64; 2]>,
-    h: f64,
-}
+pub use crate::press::{GRAND, Press};
 
 impl Press {
-    /// A hand that gives the hammer a speed, m/s, holds the key and leaves it at half a second.
-    pub fn to(speed_m_per_s: f64) -> Self {
-        let mut reference = Reference::new(&GRAND, &mut |_| true).unwrap();
-        let kind = Kind { touch: Touch::Pressed, mass_kg: 0.2 };
-        let stroke = reference.solve(kind, speed_m_per_s, &mut |_| true).unwrap().whole();
-        let mut action = Action::new(&GRAND).unwrap();
-        let Settings { step: h, theta, .. } = *action.settings();
-        let (mut key_m, mut impacts) = (vec![0.0], vec![]);
-        for n in 0..(0.9 / h) as u32 {
-            let reading = action.step(stroke.hand.input(&stroke.input((f64::from(n) + theta) * h)).unwrap());
-            key_m.push(reading.key_m);
-            impacts.extend(reading.impact.map(|impact| [impact.time_s, impact.hammer_speed_m_per_s]));
-        }
-        Press { key_m, impacts, h }
-    }
-
-    /// Where the key is at an instant, m.
-    pub fn at(&self, t: f64) -> f64 {
-        let last = self.key_m.len() - 1;
-        let place = (t / self.h).clamp(0.0, last as f64);
-        let i = (place as usize).min(last - 1);
-        self.key_m[i] + (place - i as f64) * (self.key_m[i + 1] - self.key_m[i])
-    }
-
     /// As a sensor sends it: `rate` samples a second, the first `from_s` after the press began, rounded to steps, mm.
     pub fn sensed(&self, key: usize, begins_s: f64, rate: f64, phase_s: f64, step_mm: f64) -> Vec<Sample> {
         let count = (0.9 * rate) as u32;

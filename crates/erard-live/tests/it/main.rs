@@ -2,7 +2,9 @@
 
 mod announced;
 mod calibrated;
+mod chip;
 mod common;
 mod limited;
 mod played;
+mod press;
 mod streams;

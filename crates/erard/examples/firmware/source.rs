@@ -4,6 +4,7 @@
 use std::fmt::Write;
 
 use erard::assembly::describe;
+use erard::damper::damper_height_m;
 use erard::{Action, Instrument};
 use moreau::{Body, Curve, Exponent, Felt, GROUND, Loss, Site, Spring, Zone};
 
@@ -21,7 +22,10 @@ fn source(name: &str, instrument: &Instrument) -> String {
          pub const BODIES: usize = {};\npub(crate) const SPRINGS: usize = {};\npub const ZONES: usize = {};\n\
          /// Room for the set-valued laws.\npub(crate) const LAWS: usize = {};\n\
          pub(crate) const GRAVITY: f64 = {:?};\n/// Where it rests, friction included, rad.\npub(crate) const REST: [f64; BODIES] = {:?};\n\
-         /// The body that strikes.\npub(crate) const HAMMER: usize = {};\n",
+         /// The body that strikes, and its point that meets the string, m in its frame.\npub(crate) const HAMMER: usize = {};\n\
+         pub(crate) const HAMMER_POINT: [f64; 2] = {:?};\n/// The zone of hammer and string.\n\
+         pub(crate) const STRING: usize = {};\n/// Travel of the key at which it sets its damper down, m.\n\
+         pub(crate) const DAMPER_M: f64 = {:?};\n",
         mechanism.bodies.len(),
         mechanism.springs.len(),
         mechanism.zones.len(),
@@ -29,6 +33,9 @@ fn source(name: &str, instrument: &Instrument) -> String {
         mechanism.gravity,
         rest.angles(),
         instrument.roles.hammer.expect("a hammer"),
+        instrument.roles.hammer_head_m,
+        instrument.roles.string.expect("a string"),
+        damper_height_m(instrument).expect("a grand").expect("a damper"),
     );
     list(&mut out, "bodies", "Body", "BODIES", mechanism.bodies.iter().map(body));
     list(&mut out, "springs", "Spring", "SPRINGS", mechanism.springs.iter().map(spring));

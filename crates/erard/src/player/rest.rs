@@ -1,14 +1,13 @@
 //! Where travels are measured from, and how inputs become the engine's.
 
 use moreau::Input;
+pub(crate) use moreau::RIGID_CORRECTION;
 
 use super::input::{self, Drive};
 use crate::instrument::Instrument;
 use crate::mechanism::Observation;
 
-/// How much of a rigid drive's position error is taken back per step, or in this time where steps are of any length, s.
-pub(crate) const RIGID_CORRECTION: f64 = 0.1;
-/// See [`RIGID_CORRECTION`].
+/// [`RIGID_CORRECTION`] of a rigid drive's position error is taken back in this time where steps are of any length, s.
 pub(crate) const RIGID_CORRECTION_S: f64 = 50e-6;
 
 /// Rest positions from which travels are measured, m.

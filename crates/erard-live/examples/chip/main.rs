@@ -1,0 +1,16 @@
+//! Writes what firmware compiles in beside the grand: `cargo run --release -p erard-live --example chip >
+//! bindings/firmware/src/keyboard.rs`, and with the argument `scan` a scan of ten keys, `... --example chip scan >
+//! bindings/firmware/src/scan.bin`.
+
+#[path = "../../tests/it/press.rs"]
+mod press;
+mod recorded;
+
+use std::io::{Result, Write, stdout};
+
+fn main() -> Result<()> {
+    match std::env::args().nth(1).as_deref() {
+        Some("scan") => stdout().write_all(&recorded::scan()),
+        _ => stdout().write_all(recorded::keyboard().as_bytes()),
+    }
+}

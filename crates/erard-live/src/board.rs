@@ -1,0 +1,282 @@
+//! Keys on a chip: one mechanism, which all share, and for each key what its next step depends on. From readings of a
+//! converter to bytes of MIDI without a heap, in either precision. A key at rest takes no step.
+
+use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
+use erard_midi::{Event, Law, Message, Pedal, ReleaseLaw, Resolution, note_of_key};
+use moreau::{
+    GROUND, Hand, ImpactPredictor, Input, Model, ModelError, Outcome, RIGID_CORRECTION, Scalar, Settings, Sleep, State,
+    TrackedPoint, Vector, Workspace, vector::dot,
+};
+
+use crate::converter::{Converter, Stops};
+use crate::drive::{Push, SensorKind};
+use crate::limits::Limits;
+use crate::sensed::{Counts, SensedKey, Stepped, Steps};
+use crate::sensor::FixedLaw;
+
+/// A press may have begun so many samples before its sensor was off its rest.
+pub const REMEMBERED: usize = 16;
+/// [`Settings::tolerance`]: coarser than usual, for single precision cannot tell 1e-5 rad/s from rounding in every
+/// step.
+const TOLERANCE: f64 = 1e-3;
+/// A key that stands nearer to where it is led is left there, m, so that it comes to rest.
+const THERE_M: f64 = 1e-6;
+
+/// What is to be known of a key's action beside its model.
+#[derive(Debug, Clone, Copy)]
+pub struct Outline<const B: usize> {
+    /// Where it rests, rad.
+    pub rest: [f64; B],
+    /// The body that strikes, and its point that meets the string, m in its frame.
+    pub hammer: (usize, [f64; 2]),
+    /// The zone of hammer and string.
+    pub string: usize,
+    /// What its key may be asked for.
+    pub limits: Limits,
+    /// Travel at which the key sets its damper down, m.
+    pub damper_m: f64,
+}
+
+/// The sensor of a key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensor {
+    /// What it sits on: [`SensorKind::Action`] or [`SensorKind::Light`].
+    pub kind: SensorKind,
+    /// Its law.
+    pub law: FixedLaw,
+    /// Readings at the key's stops, which differ.
+    pub stops: Stops,
+    /// A reading that differs by no more from the last one that was taken is taken to be that one, so that noise does
+    /// not keep a key awake that stands.
+    pub still: f64,
+    /// The sensed travel between them, m.
+    pub travel_m: f64,
+    /// How far the key's front goes while the sensed place goes 1 m; of a light device its travel is spread over the
+    /// simulated key's dip instead.
+    pub front_per_sensed: f64,
+}
+
+/// The action that all keys have: what never changes, and the working memory of a step.
+pub struct Mechanism<T: Scalar, const B: usize, const Z: usize, const N: usize> {
+    model: Model<T, B, Z>,
+    settings: Settings<T>,
+    step_s: f64,
+    outline: Outline<B>,
+    /// The key's front, and the direction that counts as down.
+    front: (TrackedPoint<T, B>, Vector<T>),
+    rest_m: T,
+    workspace: Workspace<T, B, Z, N>,
+}
+
+impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Mechanism<T, B, Z, N> {
+    /// Of a model, which has a key's front to drive; steps of `step_s`.
+    ///
+    /// # Errors
+    /// [`ModelError`]: `N` has too little room for its laws.
+    pub fn new(model: Model<T, B, Z>, outline: Outline<B>, step_s: f64) -> Result<Self, ModelError> {
+        let workspace = Workspace::for_model(&model)?;
+        let nowhere = (TrackedPoint::of(&model, GROUND, [T::ZERO; 2]), [T::ZERO; 2]);
+        let front = model.site().map_or(nowhere, |s| (TrackedPoint::of(&model, s.body, s.point), s.direction));
+        let tolerance = T::from_f64(TOLERANCE);
+        let settings = Settings { tolerance, ..Settings::new(T::from_f64(step_s)) };
+        let mut all = Mechanism { settings, step_s, outline, front, rest_m: T::ZERO, workspace, model };
+        [all.rest_m, _] = all.front(&outline.rest.map(T::from_f64), &[T::ZERO; B]);
+        Ok(all)
+    }
+
+    /// Where the key's front is, m along its drive, and how fast it moves, m/s.
+    fn front(&self, angle: &[T; B], velocity: &[T; B]) -> [T; 2] {
+        let (point, direction) = &self.front;
+        point.motion(angle, velocity).map(|x| dot(*direction, x))
+    }
+
+    /// A key at rest, its number from 1.
+    pub fn key(&self, number: usize, sensor: &Sensor) -> Key<T, B, Z> {
+        let Sensor { kind, law, stops, still, travel_m, front_per_sensed } = *sensor;
+        let Outline { rest, hammer: (body, point), string, limits, damper_m } = self.outline;
+        let mut state = State::at_rest(rest.map(T::from_f64));
+        state.hand = [self.rest_m, T::ZERO];
+        let tracked = TrackedPoint::of(&self.model, body, point.map(T::from_f64));
+        let mut predictor = ImpactPredictor::new(tracked, Some(string));
+        predictor.update(&self.model, 0.0, &state.angle, &state.velocity);
+        let front = if kind == SensorKind::Light { limits.dip_m / travel_m } else { front_per_sensed };
+        Key {
+            note: note_of_key(number).unwrap_or(0),
+            front_per_sensed: T::from_f64(front),
+            still: T::from_f64(still),
+            taken: T::from_f64(stops.rest),
+            converter: Converter::new(law, stops, travel_m),
+            sensed: SensedKey::new(kind, limits.to(), damper_m, self.step_s),
+            action: Own { state, sleep: Sleep::awake(), predictor, steps: 0, aimed_m: None, unconverged: 0 },
+        }
+    }
+
+    /// Takes a key's reading at an instant, s; sends what comes of it. False if the instant is not after the key's last
+    /// one: the reading is left out.
+    pub fn take(
+        &mut self,
+        key: &mut Key<T, B, Z>,
+        time_s: f64,
+        reading: T,
+        resolution: Resolution,
+        send: &mut dyn FnMut(Message),
+    ) -> bool {
+        let Key { note, front_per_sensed, still, taken, converter, sensed, action } = key;
+        if (reading - *taken).abs() > *still {
+            *taken = reading;
+        }
+        let front_m = converter.travel_m(time_s, *taken) * *front_per_sensed;
+        let mut action = Shared { mechanism: self, own: action };
+        sensed.take((time_s, front_m), &mut action, &mut |event| send(message(*note, event, resolution)))
+    }
+
+    /// Lets a key go, whatever it senses, and follows it until it is home: no note is left.
+    pub fn let_go(&mut self, key: &mut Key<T, B, Z>, time_s: f64, send: &mut dyn FnMut(Message)) {
+        let Key { note, sensed, action, .. } = key;
+        let mut action = Shared { mechanism: self, own: action };
+        sensed.let_go(time_s, &mut action, &mut |event| send(message(*note, event, Resolution::SevenBits)));
+    }
+}
+
+fn message(note: u8, event: Event, resolution: Resolution) -> Message {
+    match event {
+        Event::On { hammer_m_per_s, .. } => Message::note_on(0, note, Law::GOEBL.velocity(hammer_m_per_s), resolution),
+        Event::Off { release_m_per_s, .. } => {
+            Message::note_off(0, note, ReleaseLaw::USUAL.velocity(release_m_per_s), resolution)
+        }
+    }
+}
+
+/// A key: all that its next step depends on.
+#[derive(Debug, Clone)]
+pub struct Key<T: Scalar, const B: usize, const Z: usize> {
+    note: u8,
+    front_per_sensed: T,
+    still: T,
+    /// The reading that counts.
+    taken: T,
+    converter: Converter<T, &'static [[f64; 2]]>,
+    sensed: SensedKey<T, REMEMBERED>,
+    action: Own<T, B, Z>,
+}
+
+impl<T: Scalar, const B: usize, const Z: usize> Key<T, B, Z> {
+    /// What was counted.
+    pub fn counts(&self) -> Counts {
+        self.sensed.counts
+    }
+
+    /// Steps that its action has taken: none while it rests.
+    pub fn steps(&self) -> u64 {
+        self.action.steps
+    }
+
+    /// Those of them that reached an iteration limit.
+    pub fn unconverged(&self) -> u32 {
+        self.action.unconverged
+    }
+
+    /// Whether its action stands still and its next steps change nothing.
+    pub fn rests(&self) -> bool {
+        self.action.sleep.is_asleep()
+    }
+
+    /// Absolute angles of its action's bodies, rad.
+    pub fn angles(&self) -> &[T; B] {
+        &self.action.state.angle
+    }
+}
+
+/// A key's own part of its action.
+#[derive(Debug, Clone)]
+struct Own<T: Scalar, const B: usize, const Z: usize> {
+    state: State<T, B, Z>,
+    sleep: Sleep<T>,
+    predictor: ImpactPredictor<T, B>,
+    /// The action's own clock, which stands still while it rests.
+    steps: u64,
+    /// Where an imposed motion was to be at the end of the last step, m from rest.
+    aimed_m: Option<T>,
+    unconverged: u32,
+}
+
+struct Shared<'a, T: Scalar, const B: usize, const Z: usize, const N: usize> {
+    mechanism: &'a mut Mechanism<T, B, Z, N>,
+    own: &'a mut Own<T, B, Z>,
+}
+
+impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Shared<'_, T, B, Z, N> {
+    fn key_m(&self) -> T {
+        let [front_m, _] = self.mechanism.front(&self.own.state.angle, &self.own.state.velocity);
+        front_m - self.mechanism.rest_m
+    }
+
+    fn input(&mut self, push: &Push<T>) -> Input<T> {
+        let rest_m = self.mechanism.rest_m;
+        match *push {
+            Push::Free => Input::Free,
+            Push::Force(force_n) => Input::Force(force_n),
+            Push::Hand(hand) => Input::Hand(Hand { position: rest_m + hand.position, ..hand }),
+            Push::Rigid { position_m, velocity_m_per_s } => {
+                // What the key lags behind the motion is taken back little by little.
+                let h = self.mechanism.settings.step;
+                let aimed_m = self.own.aimed_m.replace(position_m).unwrap_or(position_m - velocity_m_per_s * h);
+                let behind_m = aimed_m - self.key_m();
+                let is_there = velocity_m_per_s == T::ZERO && behind_m.abs() < T::from_f64(THERE_M);
+                let correction = if is_there { T::ZERO } else { T::from_f64(RIGID_CORRECTION) * behind_m / h };
+                Input::Rigid { velocity: velocity_m_per_s + correction }
+            }
+        }
+    }
+}
+
+impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Steps<T> for Shared<'_, T, B, Z, N> {
+    fn step(&mut self, push: &Push<T>) -> Stepped<T> {
+        let input = self.input(push);
+        if self.own.sleep.would_rest(&input).is_some() {
+            return Stepped { key_m: self.key_m(), hit: None, is_finite: true };
+        }
+        let Mechanism { model, settings, workspace, step_s, .. } = &mut *self.mechanism;
+        let Own { state, sleep, predictor, steps, unconverged, .. } = &mut *self.own;
+        let report = sleep.step(model, settings, &input, state, workspace);
+        *steps += 1;
+        *unconverged += u32::from(report.outcome == Outcome::IterationLimit);
+        let now_s = *steps as f64 * *step_s;
+        predictor.update(model, now_s, &state.angle, &state.velocity);
+        let hit = predictor.impact().map(|impact| (impact.time_s - now_s, impact.speed));
+        Stepped { key_m: self.key_m(), hit, is_finite: report.outcome != Outcome::NonFinite }
+    }
+
+    fn rests(&self) -> bool {
+        self.own.sleep.is_asleep()
+    }
+
+    fn hand(&self) -> [T; 2] {
+        let [place_m, speed] = self.own.state.hand;
+        [place_m - self.mechanism.rest_m, speed]
+    }
+
+    fn lay_hand(&mut self) {
+        let Own { state, sleep, .. } = &mut *self.own;
+        state.hand = self.mechanism.front(&state.angle, &state.velocity);
+        sleep.wake();
+    }
+}
+
+/// The three pedals, as controllers.
+#[derive(Debug, Clone)]
+pub struct Pedals([(u8, Pedal); 3]);
+
+impl Pedals {
+    /// All up.
+    #[must_use]
+    pub fn up() -> Self {
+        Pedals([SUSTAIN, SOSTENUTO, SOFT].map(|controller| (controller, Pedal::up())))
+    }
+
+    /// Takes where a pedal is, 0 (up) to 1 (down), by its controller; what is to be sent, if its value has changed.
+    pub fn take(&mut self, controller: u8, down: f64) -> Option<Message> {
+        let (_, pedal) = self.0.iter_mut().find(|(own, _)| *own == controller)?;
+        pedal.update(down).map(|value| Message::controller(0, controller, value))
+    }
+}
