@@ -149,7 +149,7 @@ WRONG = [
     ({"tolerance": "fine"}, "a number"),
     ({"record_every": 2.5}, "a whole number"),
     ({"model": "two-dof"}, "one-dof"),
-    ({"step": 1.0}, "1e-7 to 1e-3 s"),
+    ({"step": 1.0}, "1e-8 to 1e-3 s"),
     ({"duration": -1.0}, "positive"),
 ]
 

@@ -12,7 +12,7 @@ use crate::instrument::Instrument;
 use crate::strings::Strings;
 
 /// Smallest step that an action takes, s: below it the rounding of a position sum exceeds what the step improves.
-pub(crate) const SMALLEST_STEP_S: f64 = 1e-7;
+pub(crate) const SMALLEST_STEP_S: f64 = 1e-8;
 /// Largest step that an action takes, s: a fortissimo blow lasts two of them.
 pub(crate) const LARGEST_STEP_S: f64 = 1e-3;
 

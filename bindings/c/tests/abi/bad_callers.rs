@@ -244,7 +244,7 @@ fn files_names_and_steps() {
         assert_eq!(status, ErardStatus::File);
         assert!(said.contains(words), "{said}");
     }
-    for step_s in [0.0, -1.0, f64::NAN, f64::INFINITY, 1.0, 1e-300, 10e-9, 99e-9, 1.1e-3] {
+    for step_s in [0.0, -1.0, f64::NAN, f64::INFINITY, 1.0, 1e-300, 9e-9, 1.1e-3] {
         let mut status = ErardStatus::Ok;
         assert!(unsafe { erard_action_new(null(), 0, step_s, &raw mut status) }.is_null());
         assert_eq!(status, ErardStatus::Range, "{step_s}");
