@@ -104,7 +104,8 @@ impl World {
         command
     }
 
-    /// Forbidden changes: see the rules of `erard_cli::output`.
+    /// Forbidden changes: see the rules of `erard_cli::output`. A user's folder may have a stage's name: what was there
+    /// before is not a stage.
     pub fn faults(&self, before: &Look, line: &Line, code: Option<i32>) -> Vec<String> {
         let after = self.look();
         self.changed.set(after != self.first);
@@ -118,7 +119,7 @@ impl World {
             let name = path.to_string_lossy();
             if matches!(code, None | Some(2)) {
                 fault(path, "has changed");
-            } else if name.ends_with(".part") || name.contains(".part/") {
+            } else if path.ancestors().any(|own| is_stage(own) && !before.contains_key(own)) {
                 fault(path, "is left");
             } else if old.is_some() && is_read(line, &name) {
                 fault(path, "is an input, and has changed");
@@ -161,6 +162,11 @@ fn is_read(line: &Line, path: &str) -> bool {
     let out = line.arguments.iter().position(|one| one == "--out");
     let given = line.arguments.iter().enumerate().any(|(i, one)| names(one) && out.is_none_or(|out| i != out + 1));
     given && !line.arguments.iter().any(|one| *one == format!("--out={path}"))
+}
+
+/// Whether a stage would be called so.
+fn is_stage(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "part")
 }
 
 fn is_mark(path: &Path) -> bool {
