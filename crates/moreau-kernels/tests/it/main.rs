@@ -4,8 +4,6 @@
 use std::fs;
 use std::path::Path;
 
-use moreau_kernels::Probes;
-
 mod lanes;
 
 /// Cargo runs no unit tests of this library (`test = false`), so that no file may have some.
