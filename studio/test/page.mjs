@@ -5,7 +5,7 @@ import { assert, struck, until } from "./help.mjs";
 import { LOOKS, READ, STATES } from "./states.mjs";
 
 /** Budgets of each of the two pages, bytes as they travel. What the first picture needs takes a tenth of a second at
- * 1 MB/s; all that playing needs, the engine included, less than one and a half; what is loaded when it is asked for
+ * 1 MB/s; all that playing needs, the engine included, a second and a half; what is loaded when it is asked for
  * (the reader of Parquet) counts apart. */
 const FIRST = 100_000, PLAYING = 1_515_000, LATER = 40_000;
 
