@@ -185,15 +185,12 @@ impl Samples {
         let stated = preparation.zero_at.iter().find(|(role, _)| *role == self.role).map(|(_, at)| *at);
         // As it stands in the file: before its sign is turned.
         let stated = stated.map(|at| if self.inverted { -at } else { at });
-        if let Some(at) = stated {
-            values.iter_mut().for_each(|value| *value -= at);
-        }
         let zero = (preparation.zero && stated.is_none() && self.rest > 0).then(|| {
             let offset = noise::mean(&self.values[..self.rest]);
             Zero { offset, until_s: self.times[self.rest - 1], samples: self.rest }
         });
-        if let Some(zero) = zero {
-            values.iter_mut().for_each(|value| *value -= zero.offset);
+        if let Some(offset) = stated.or(zero.map(|zero| zero.offset)) {
+            values.iter_mut().for_each(|value| *value -= offset);
         }
         let mut report = ChannelReport::new(self.role, &values, self.rest);
         report.rate_hz = 1.0 / usual_s;
