@@ -1,6 +1,6 @@
 // Every part can be grasped: pointed at, tapped, dragged by its screw; by the keyboard alone; and the pedal of an
 // action with strings.
-import { assert, atRest, struck, until } from "./help.mjs";
+import { assert, atRest, goal, struck, until } from "./help.mjs";
 
 /** A place where a part of action A is uncovered, px. */
 const on = async (page, part) => {
@@ -152,6 +152,6 @@ export const pedal = async ({ visit }) => {
   await until(page, (lying) => Math.abs(studio.poses[0].angles[studio.scenes[0].bodies.findIndex(({ name }) => name === "damper")] - lying) < 0.01, lying);
   const steps = await page.evaluate(() => studio.timing.costs.map((cost, n) => [cost, studio.timing.steps[n]]).filter(([, count]) => count > 50).map(([cost, count]) => (1e3 * cost) / count).sort((a, b) => a - b));
   const middle = steps[steps.length >> 1];
-  assert(middle < 50, `a step with strings takes ${middle} us`);
+  goal(middle < 50, `a step with strings takes ${middle} us`);
   return `a step with strings ${middle.toFixed(1)} us, 95th percentile ${steps[Math.floor(0.95 * steps.length)].toFixed(1)} us`;
 };

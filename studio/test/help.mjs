@@ -2,6 +2,9 @@
 import assert from "node:assert/strict";
 
 export { assert };
+/** Goals of time that were missed. What else the machine does decides them, too, so they fail with `--timed` only. */
+export const missed = [];
+export const goal = (holds, text) => { if (!holds) missed.push(text); };
 /** Waits until something holds in the page. */
 export const until = async (page, holds, given, timeout = 30_000) => {
   try {
