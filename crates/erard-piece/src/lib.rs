@@ -4,7 +4,7 @@
 //! - [`perform`]: plays a score on the instruments of its keys, a job per key on all cores, and reports what became of
 //!   each note ([`Played`]) and why ([`Fault`], [`Reason`]);
 //! - [`Sink`]: takes rows and sound as they are made;
-//! - [`scan`]: what sensors under the keys read meanwhile, for who derives notes from sensors.
+//! - [`scan`]: what sensors under the keys read meanwhile, for builders who derive notes from sensors.
 //!
 //! A note's hand is found by playing it. The key's real state is saved, a hand is tried, and the state is restored if
 //! the hammer came too fast, too slow, too early or too late; the trial that is good enough is the note. Hands that

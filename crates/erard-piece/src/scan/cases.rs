@@ -41,8 +41,8 @@ pub enum Case {
     ShallowRepress,
     /// A finger that trembles on a key that it holds near the let-off.
     Trembling,
-    /// Soft strokes on an action whose repetition spring is too brisk and whose back check is too far: the hammer strikes
-    /// twice.
+    /// Soft strokes on an action whose repetition spring is too brisk and whose back check is too far: the hammer
+    /// strikes twice.
     Bobbling,
     /// Repetitions at the limit of the double escapement.
     Trill,

@@ -13,7 +13,7 @@ use super::truth::Strike;
 use crate::error::PerformError;
 
 /// A finger with a part of the hand, on muscle that leads it, kg, N/m, N s/m. Estimates: it follows a path of 10 Hz,
-/// and gives way by 0.8 mm under 5 N.
+/// and yields by 0.8 mm under 5 N.
 const FINGER: Hand =
     Hand { mass_kg: 0.1, stiffness_n_per_m: 6000.0, damping_n_s_per_m: 35.0, start_m: 0.0, start_m_per_s: 0.0 };
 /// A hammer that meets the string again while its key has come up by less bounced, m.

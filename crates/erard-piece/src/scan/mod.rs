@@ -1,5 +1,5 @@
-//! What sensors under the keys read while a piece or a case is played, with the truth beside it: for who derives notes
-//! from sensors.
+//! What sensors under the keys read while a piece or a case is played, with the truth beside it: for builders who
+//! derive notes from sensors.
 //!
 //! - [`Sensor`], [`Scans`]: bits, rate and noise of a sensor; the readings of all keys, sample by sample;
 //! - [`Case`], [`play_cases`]: motions of a finger that mislead simple algorithms, played on simulated actions;
