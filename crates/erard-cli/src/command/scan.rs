@@ -50,7 +50,7 @@ pub(crate) struct Scan {
     /// Leave the keys as they are: without what a technician leaves of differences between them
     #[arg(long)]
     no_scatter: bool,
-    /// Bits of the converters, one or several numbers from 4 to 24. The travel of a key takes three quarters of the range
+    /// Bits of the converters, one or several numbers from 4 to 24. A key's travel takes three quarters of the range
     #[arg(long, value_name = "N,N,..", default_value = "12", value_delimiter = ',', value_parser = whole::<u32>(4, 24), allow_negative_numbers = true)]
     bits: Vec<u32>,
     /// Readings of each key a second, Hz, one or several numbers from 20 to 20000
