@@ -32,6 +32,7 @@ pub mod progress;
 mod recordings;
 mod regulate;
 pub mod say;
+mod scan;
 mod sheet;
 mod signals;
 mod small_plot;

@@ -46,6 +46,8 @@ pub mod stream;
 pub use drive::{Push, SensorKind};
 #[cfg(feature = "std")]
 pub use error::LiveError;
+#[cfg(feature = "std")]
+pub use find::dip_m;
 pub use limits::{LARGEST_HAMMER_M_PER_S, Limits};
 #[cfg(feature = "std")]
 pub use live::{Event, Live, Options};

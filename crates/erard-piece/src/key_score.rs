@@ -138,7 +138,7 @@ impl Player<'_, '_> {
         let Some(last) = self.last.map(|last| &mut self.notes[last].1) else { return };
         let struck_s = last.impact.map_or(last.pressed_s, |[at_s, _]| at_s);
         let within = |[at_s, _]: &&[f64; 2]| *at_s > struck_s && *at_s < until_s;
-        last.more_impacts = self.key.impacts.iter().filter(within).count() as u32;
+        last.more_impacts = self.key.impacts.iter().filter(within).copied().collect();
         last.released = self.key.ups.iter().find(within).copied();
         last.checked = was_checked;
         self.key.forget_before(until_s);

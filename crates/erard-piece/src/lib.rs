@@ -3,7 +3,8 @@
 //! - [`Score`]: a piece as motions to be made: instants, hammer speeds, releases, the pedals' rails;
 //! - [`perform`]: plays a score on the instruments of its keys, a job per key on all cores, and reports what became of
 //!   each note ([`Played`]) and why ([`Fault`], [`Reason`]);
-//! - [`Sink`]: takes rows and sound as they are made.
+//! - [`Sink`]: takes rows and sound as they are made;
+//! - [`scan`]: what sensors under the keys read meanwhile, for builders who derive notes from sensors.
 //!
 //! A note's hand is found by playing it. The key's real state is saved, a hand is tried, and the state is restored if
 //! the hammer came too fast, too slow, too early or too late; the trial that is good enough is the note. Hands that
@@ -21,6 +22,7 @@ mod options;
 mod perform;
 mod press;
 mod release;
+pub mod scan;
 mod score;
 mod seek;
 mod sink;

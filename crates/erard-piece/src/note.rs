@@ -95,8 +95,8 @@ pub struct Played {
     pub force_n: f64,
     /// The first impact: when, s, and the hammer's speed, m/s.
     pub impact: Option<[f64; 2]>,
-    /// Further impacts before the key was pressed again.
-    pub more_impacts: u32,
+    /// Further impacts before the key was pressed again: when, s, and the hammer's speed, m/s.
+    pub more_impacts: Vec<[f64; 2]>,
     /// When the key, coming up, set its damper down, s, and how fast its front came, m/s; `None` where it was pressed
     /// again before.
     pub released: Option<[f64; 2]>,
@@ -128,7 +128,7 @@ impl Played {
             pressed_s,
             force_n,
             impact: None,
-            more_impacts: 0,
+            more_impacts: Vec::new(),
             released: None,
             from_home: poise.was_home(),
             trials: 0,
@@ -168,7 +168,7 @@ impl Played {
     pub fn faults(&self) -> Vec<Fault> {
         let Some((late_s, louder)) = self.late_s().zip(self.louder()) else { return vec![Fault::Silent] };
         let all = [
-            (Fault::Twice, self.more_impacts > 0),
+            (Fault::Twice, !self.more_impacts.is_empty()),
             (Fault::Late, late_s > LATE_S),
             (Fault::Early, late_s < -LATE_S),
             (Fault::Soft, louder < -SOFT),

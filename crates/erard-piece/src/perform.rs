@@ -81,7 +81,7 @@ pub fn perform(
 }
 
 /// Where a key sets its damper down, m; a key without a damper takes the height of the next one below that has one.
-fn height_m(key: usize, instruments: &[Instrument]) -> Result<f64, PerformError> {
+pub(crate) fn height_m(key: usize, instruments: &[Instrument]) -> Result<f64, PerformError> {
     for below in (1..=key).rev() {
         let found = damper_height_m(&instruments[below - 1]);
         if let Some(height_m) = found.map_err(|error| PerformError::Damper { key: below, error })? {

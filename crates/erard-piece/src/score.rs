@@ -62,6 +62,16 @@ pub struct Score {
 }
 
 impl Score {
+    /// The sustain pedal: when it moves, s, and where to, from 0 (up) to 1 (down).
+    #[must_use]
+    pub fn sustain(&self) -> Vec<[f64; 2]> {
+        let moved = |&(at_s, foot): &(f64, Foot)| match foot {
+            Foot::Sustain(lift_m) => Some([at_s, lift_m / FULL_PEDAL_M]),
+            Foot::Sostenuto(_) => None,
+        };
+        self.feet.iter().filter_map(moved).collect()
+    }
+
     /// The motions that a piece asks for, its velocities read by a law.
     ///
     /// The sustain pedal (controller 64) travels in proportion to its values; its rail follows as fast as a foot that

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from . import dataset as dataset
     from . import distributed as distributed
     from . import environments as environments
+    from . import judge as judge
     from ._fit import Doubt, Fit, fit
     from ._posterior import Posterior, sample
 
@@ -80,6 +81,7 @@ __all__ = [
     "environments",
     "fit",
     "gradient",
+    "judge",
     "keyboard",
     "kinematics",
     "load",
@@ -103,7 +105,7 @@ def __getattr__(name: str) -> Any:
 
     if name in _LATER:
         return getattr(importlib.import_module(f".{_LATER[name]}", __name__), name)
-    if name in ("dataset", "distributed", "environments"):
+    if name in ("dataset", "distributed", "environments", "judge"):
         return importlib.import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 

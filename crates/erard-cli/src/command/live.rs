@@ -68,8 +68,8 @@ pub(crate) struct Live {
     /// Channel, 1 to 16
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u8>(1, 16), allow_negative_numbers = true)]
     channel: u8,
-    /// Output of the MIDI bytes: a pipe, a device, or a file. A name that ends in .mid makes a Standard MIDI File
-    /// [default: `-`, standard output]
+    /// Output of the MIDI bytes: a pipe, a device, or a file. A name that ends in .mid makes a Standard MIDI File, one
+    /// that ends in .csv a table of the notes with their hammer speeds [default: `-`, standard output]
     #[arg(id = "bytes", long = "out", short = 'o', value_name = "FILE")]
     out: Option<PathBuf>,
     /// MIDI port of the system, by part of its name, instead of --out
@@ -295,7 +295,7 @@ impl Live {
             }
             return Ok(Wire::bytes(Box::new(io::stdout()), self.bits, self.channel - 1));
         }
-        if self.is_midi_file() {
+        if self.ends_in("mid") {
             if self.bits == Bits::Sixteen {
                 return Err(Failure::Usage("--bits 16: a Standard MIDI File holds 7 or 14 bits".into()));
             }
@@ -311,6 +311,9 @@ impl Live {
             return Err(Failure::Usage(format!("{}: is the stream; name another file", shown(self.out()))));
         }
         self.staged()?;
+        if self.ends_in("csv") {
+            return Ok(Wire::table());
+        }
         Ok(Wire::kept(self.bits, self.channel - 1))
     }
 
@@ -344,8 +347,8 @@ impl Live {
         )))
     }
 
-    fn is_midi_file(&self) -> bool {
-        self.out().extension().is_some_and(|end| end.eq_ignore_ascii_case("mid"))
+    fn ends_in(&self, end: &str) -> bool {
+        self.out().extension().is_some_and(|own| own.eq_ignore_ascii_case(end))
     }
 
     /// Whether it is a file that is kept, and no pipe or device.
@@ -364,6 +367,11 @@ impl Live {
         if let Some(bytes) = wire.file(self.bits).map_err(Failure::Internal)? {
             let (mut output, name) = self.staged()?;
             output.stage(&name, |writer| writer.write_all(&bytes))?;
+            output.commit()?;
+        }
+        if let Some(notes) = wire.notes() {
+            let (mut output, name) = self.staged()?;
+            output.table(&name, &notes)?;
             output.commit()?;
         }
         if let Some(warning) = told.warning() {

@@ -22,6 +22,7 @@ mod press;
 mod press_pair;
 mod regulate;
 mod samples;
+mod scan;
 mod studio;
 mod study;
 mod validate;
@@ -74,6 +75,8 @@ enum Sub {
     Play(play::Play),
     /// Plays a stream of sensed keys, and sends MIDI as the hammers meet the strings.
     Live(live::Live),
+    /// Writes what sensors under the keys read while a piece or misleading motions are played, and the true strikes.
+    Scan(scan::Scan),
     /// Finds the stops of sensed keys: readings to millimetres, for `erard live`.
     Calibrate(calibrate::Calibrate),
     /// Draws the action in one pose, as SVG and PNG.
@@ -129,6 +132,7 @@ impl Sub {
             Sub::Press(press) => press.run(),
             Sub::Play(play) => play.run(),
             Sub::Live(live) => live.run(),
+            Sub::Scan(scan) => scan.run(),
             Sub::Calibrate(calibrate) => calibrate.run(),
             Sub::Draw(draw) => draw.run(),
             Sub::Study(study) => study.run(),

@@ -65,7 +65,7 @@ pub(crate) struct Play {
     out: OutOptions,
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     let found = text.parse().ok().filter(|s: &f64| (0.0..=1e6).contains(s));
     found.ok_or_else(|| "expected seconds from 0 to 1000000".to_owned())
 }
@@ -78,7 +78,7 @@ fn milliseconds(text: &str) -> Result<f64, String> {
 impl Play {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let score = self.score()?;
+        let score = score(&self.piece, self.from, self.to)?;
         let names = std::iter::once(&self.keyboard).chain(&self.against);
         let keyboards = names.map(|name| load_keyboard(name)).collect::<Result<Vec<Keyboard>, Failure>>()?;
         let threads = self.threads.map_or_else(cores::count, usize::from);
@@ -95,30 +95,6 @@ impl Play {
         self.tell(&played);
         say!("{written}");
         Ok(())
-    }
-
-    /// What is to be played.
-    fn score(&self) -> Result<Score, Failure> {
-        let name = shown(&self.piece);
-        let wrong = |what: String| Failure::Usage(format!("{name}: {what}"));
-        let bytes = inputs::beginning(&self.piece, MOST_BYTES + 1)
-            .map_err(|error| wrong(format!("cannot be read: {error}")))?;
-        let mut piece = file::read(&bytes).map_err(|error| wrong(error.to_string()))?;
-        identity::used("piece", &name, Some(&name), &bytes);
-        let between = if self.from > 0.0 || self.to.is_some() {
-            piece = passage(&piece, self.from, self.to.unwrap_or(f64::INFINITY));
-            " there"
-        } else {
-            ""
-        };
-        let score = Score::of(&piece, &Law::GOEBL);
-        if score.notes.is_empty() {
-            let remarks = score.remarks.join("; ");
-            let why = if remarks.is_empty() { String::new() } else { format!(" ({remarks})") };
-            let expected = "expected notes from A0 to C8 that end after they begin";
-            return Err(wrong(format!("no note for a piano{between}{why}; {expected}")));
-        }
-        Ok(score)
     }
 
     /// The piece on one keyboard, and its files.
@@ -203,7 +179,31 @@ impl Play {
     }
 }
 
-fn failed(keyboard: &str, error: PerformError) -> Failure {
+/// The notes of a piece that begin between two instants, s.
+pub(super) fn score(path: &Path, from: f64, to: Option<f64>) -> Result<Score, Failure> {
+    let name = shown(path);
+    let wrong = |what: String| Failure::Usage(format!("{name}: {what}"));
+    let bytes = inputs::beginning(path, MOST_BYTES + 1).map_err(|error| wrong(format!("cannot be read: {error}")))?;
+    let mut piece = file::read(&bytes).map_err(|error| wrong(error.to_string()))?;
+    identity::used("piece", &name, Some(&name), &bytes);
+    let between = if from > 0.0 || to.is_some() {
+        piece = passage(&piece, from, to.unwrap_or(f64::INFINITY));
+        " there"
+    } else {
+        ""
+    };
+    let score = Score::of(&piece, &Law::GOEBL);
+    if score.notes.is_empty() {
+        let remarks = score.remarks.join("; ");
+        let why = if remarks.is_empty() { String::new() } else { format!(" ({remarks})") };
+        let expected = "expected notes from A0 to C8 that end after they begin";
+        return Err(wrong(format!("no note for a piano{between}{why}; {expected}")));
+    }
+    Ok(score)
+}
+
+/// What is wrong with a performance on a keyboard.
+pub(super) fn failed(keyboard: &str, error: PerformError) -> Failure {
     match error {
         PerformError::Work(error) => error.into(),
         PerformError::Sink(source) => Failure::write(Path::new("rows and sound"), source),

@@ -3,13 +3,14 @@
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use erard::instrument_spec::{SAMPLE, split_sample};
+use erard::keyboard::Keyboard;
 use erard_workshop::cores;
 use erard_workshop::sample::{SampleError, Sampled};
 
 use super::options::{KeyboardKey, load_instrument_and_text};
-use crate::cache;
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::{cache, identity};
 
 /// What cached samples are called.
 const KIND: &str = "sample";
@@ -88,6 +89,16 @@ impl Samples {
     fn failed(&self, error: SampleError) -> Failure {
         failed(&self.asked, error)
     }
+}
+
+/// A sample of a keyboard: its base instrument drawn and put right, its gradings around that.
+pub(crate) fn keyboard_sample(keyboard: &Keyboard, name: &str, sample: u32) -> Result<Keyboard, Failure> {
+    let source = Source::Text(keyboard.base_text().to_owned());
+    let samples = Samples { asked: name.to_owned(), source, sampled: OnceLock::new(), making: Mutex::new(()) };
+    let mut progress = Progress::new("drawing a sample");
+    let text = samples.text(sample, &mut |_| progress.tell(0.0)).map_err(|error| failed(name, error))?;
+    identity::used("instrument", &format!("{name}{SAMPLE}{sample}"), None, text.as_bytes());
+    Ok(keyboard.around(text)?)
 }
 
 /// Refuses one sample where many are drawn.

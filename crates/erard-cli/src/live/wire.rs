@@ -3,10 +3,13 @@
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use erard::keyboard::note_name;
 use erard_live::Event;
 use erard_live::cable::Cable;
 use erard_midi::file::{Note, PedalChange, Piece, write};
 use erard_midi::{KEYS, Message, Packet, Resolution, Velocity, note_of_key};
+
+use crate::table::Table;
 
 /// Bits of a velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -106,10 +109,21 @@ impl Write for Kept {
     }
 }
 
+/// A note of a table.
+struct Row {
+    key: usize,
+    time_s: f64,
+    hammer_m_per_s: f64,
+    velocity: Velocity,
+    /// When it ended, s, and the release's velocity.
+    ended: Option<(f64, Velocity)>,
+}
+
 /// Where events go: bytes to a sink at once, or a file.
 pub(crate) struct Wire {
     kept: Option<Kept>,
     piece: Option<Piece>,
+    rows: Option<Vec<Row>>,
     open: Vec<Option<Note>>,
     begins_s: Option<f64>,
     cable: Option<Cable>,
@@ -121,7 +135,7 @@ impl Wire {
         let open = Open { sink, sounding: [0; KEYS], bits, channel };
         *OPEN.lock().unwrap_or_else(PoisonError::into_inner) = Some(open);
         let cable = (bits != Bits::Sixteen).then(Cable::default);
-        Wire { kept: None, piece: None, open: Vec::new(), begins_s: None, cable }
+        Wire { kept: None, piece: None, rows: None, open: Vec::new(), begins_s: None, cable }
     }
 
     /// Bytes for a file.
@@ -132,7 +146,12 @@ impl Wire {
 
     /// A piece for a Standard MIDI File.
     pub(crate) fn piece() -> Self {
-        Wire { kept: None, piece: Some(Piece::default()), open: vec![None; KEYS], begins_s: None, cable: None }
+        Wire { piece: Some(Piece::default()), open: vec![None; KEYS], ..Wire::table() }
+    }
+
+    /// Notes for a table.
+    pub(crate) fn table() -> Self {
+        Wire { kept: None, piece: None, rows: Some(Vec::new()), open: Vec::new(), begins_s: None, cable: None }
     }
 
     /// Sends an event at an instant of the stream, s.
@@ -140,6 +159,10 @@ impl Wire {
         self.begins_s.get_or_insert(begins_s);
         if self.piece.is_some() {
             self.keep(event);
+            return Ok(());
+        }
+        if let Some(rows) = &mut self.rows {
+            note_down(rows, event);
             return Ok(());
         }
         let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -182,6 +205,21 @@ impl Wire {
         }
     }
 
+    /// The notes, where they are a table: instants on the stream's clock.
+    pub(crate) fn notes(&mut self) -> Option<Table<'static>> {
+        let rows = self.rows.take().filter(|_| self.piece.is_none())?;
+        let number = |of: &dyn Fn(&Row) -> Option<f64>| rows.iter().map(of).collect::<Vec<_>>();
+        let table = Table::default()
+            .optional("key", number(&|row| Some(row.key as f64)))
+            .words("name", rows.iter().map(|row| note_name(row.key)))
+            .optional("time_s", number(&|row| Some(row.time_s)))
+            .optional("hammer_m_per_s", number(&|row| Some(row.hammer_m_per_s)))
+            .optional("velocity", number(&|row| Some(row.velocity.counts())))
+            .optional("release_s", number(&|row| row.ended.map(|(at_s, _)| at_s)))
+            .optional("release_velocity", number(&|row| row.ended.map(|(_, release)| release.counts())));
+        Some(table)
+    }
+
     /// The bytes of the file, where it is one.
     pub(crate) fn file(&mut self, bits: Bits) -> Result<Option<Vec<u8>>, String> {
         if let Some(Kept(bytes)) = &self.kept {
@@ -193,5 +231,20 @@ impl Wire {
         piece.notes.sort_by(|a, b| a.start_s.total_cmp(&b.start_s).then(a.key.cmp(&b.key)));
         piece.pedals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         write(piece, bits.resolution()).map(Some).map_err(|error| error.to_string())
+    }
+}
+
+/// Takes an event into the notes of a table. A key that strikes again before its damper is down has one end.
+fn note_down(rows: &mut Vec<Row>, event: &Event) {
+    match *event {
+        Event::On { key, time_s, hammer_m_per_s, velocity, .. } => {
+            rows.push(Row { key, time_s, hammer_m_per_s, velocity, ended: None });
+        }
+        Event::Off { key, time_s, release } => {
+            if let Some(row) = rows.iter_mut().rev().find(|row| row.key == key) {
+                row.ended = Some((time_s, release));
+            }
+        }
+        Event::Pedal { .. } => {}
     }
 }

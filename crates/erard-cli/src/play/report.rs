@@ -41,7 +41,7 @@ pub(crate) fn table(side: &Side) -> Table<'static> {
         .optional("written_off_s", number(&|note| Some(note.wanted.off_s)))
         .optional("off_s", number(&|note| note.released.map(|[at_s, _]| at_s)))
         .optional("release_m_per_s", number(&|note| note.released.map(|[_, speed]| speed)))
-        .optional("further_impacts", number(&|note| Some(f64::from(note.more_impacts))))
+        .optional("further_impacts", number(&|note| Some(note.more_impacts.len() as f64)))
         .optional("from_home", number(&|note| Some(f64::from(u8::from(note.from_home)))))
         .optional("trials", number(&|note| Some(f64::from(note.trials))))
         .words("faults", notes.iter().map(faults))

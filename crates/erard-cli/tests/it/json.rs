@@ -109,6 +109,13 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             &["play", "two.mid", "--keyboard", "concert-grand", "--against", "heavy-touch", "--slow-motion", "0"],
         ],
     ),
+    (
+        "scan",
+        &[
+            &["scan", "two.mid", "--cases", "half-stroke", "--keys", "40", "--keyboard", "concert-grand"],
+            &["scan", "--cases", "half-stroke", "--keys", "40", "--keyboard", "concert-grand", "--no-scatter"],
+        ],
+    ),
     ("list", &[&["list"]]),
     (
         "diagnose",

@@ -28,6 +28,7 @@ mod play;
 mod recordings;
 mod regulate;
 mod samples;
+mod scan;
 mod studio;
 mod study;
 mod trust;

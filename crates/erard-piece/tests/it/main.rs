@@ -6,3 +6,4 @@ mod notes;
 mod pedals;
 mod performances;
 mod rows;
+mod scans;

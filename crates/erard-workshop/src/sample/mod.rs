@@ -7,14 +7,16 @@
 //!
 //! A sample is decided by its number and the file alone, and has the same bits on every machine: integers, `libm` and
 //! the engine. Keys of one keyboard are one piano: its base instrument is drawn, graded over the keys, and each key put
-//! right by itself.
+//! right by itself. [`technicians_scatter`] then puts keys off within what a technician can read.
 
 mod band;
 mod bench;
 mod draw;
 mod random;
+mod scatter;
 
 pub use band::{Band, band};
+pub use scatter::technicians_scatter;
 
 use erard::Progress;
 use erard::instrument::{FileError, InstrumentFile};

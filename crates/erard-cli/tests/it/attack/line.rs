@@ -19,6 +19,7 @@ const SHORT: &[(&str, &[&str])] = &[
     ("compare", &["in/good.csv", "--no-pictures"]),
     ("regulate", &["in/good.toml", "--let-off", "2mm"]),
     ("check", &["in/good.toml"]),
+    ("scan", &["--cases", "half-stroke", "--keys", "40", "--keyboard", "concert-grand", "--no-scatter"]),
 ];
 
 /// Numbers and words that no option waits for.

@@ -1,0 +1,252 @@
+//! `erard scan`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use erard::instrument::Instrument;
+use erard::instrument_spec::split_sample;
+use erard::keyboard::{KEYS, Keyboard, key_named};
+use erard_piece::scan::{Case, MOST_RATE_HZ, Scans, Sensor, Truth, play_cases};
+use erard_piece::{Options, Score, perform};
+use erard_workshop::cores;
+use erard_workshop::measure::MeasureError;
+use erard_workshop::sample::technicians_scatter;
+
+use super::options::load_keyboard;
+use super::out::OutOptions;
+use super::play::{failed, score, seconds};
+use super::samples::keyboard_sample;
+use crate::failure::Failure;
+use crate::number::whole;
+use crate::progress::Progress;
+use crate::say;
+use crate::scan::{Scanned, report};
+
+/// What stands below the options.
+const AFTER: &str = include_str!("help/scan.txt");
+/// More sensors are not read at once.
+const MOST_SENSORS: usize = 100;
+/// Cases begin so long after the piece, and after the beginning, s.
+const PAUSE_S: f64 = 0.5;
+
+/// Writes what sensors under the keys read while a piece or misleading motions are played, and the true strikes beside
+/// it.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER)]
+pub(crate) struct Scan {
+    /// Piece that is played: a Standard MIDI File
+    #[arg(value_name = "PIECE.mid", required_unless_present = "cases")]
+    piece: Option<PathBuf>,
+    /// Motions that mislead simple algorithms, after the piece: all of them, or those with these names
+    #[arg(long, value_name = "NAME,NAME,..", num_args = 0..=1, default_missing_value = "all", value_parser = cases)]
+    cases: Option<Cases>,
+    /// Keys on which the cases are played, by number or note
+    #[arg(long, value_name = "KEY,KEY,..", default_value = "16,40,52,64", value_parser = keys)]
+    keys: Keys,
+    /// Keyboard: a TOML file, or the name of a built-in one. `:sample=17` at the end takes a random grand within the
+    /// spreads of its file
+    #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand:sample=1")]
+    keyboard: String,
+    /// Leave the keys as they are: without what a technician leaves of differences between them
+    #[arg(long)]
+    no_scatter: bool,
+    /// Bits of the converters, one or several numbers from 4 to 24. A key's travel takes three quarters of the range
+    #[arg(long, value_name = "N,N,..", default_value = "12", value_delimiter = ',', value_parser = whole::<u32>(4, 24), allow_negative_numbers = true)]
+    bits: Vec<u32>,
+    /// Readings of each key a second, Hz, one or several numbers from 20 to 20000
+    #[arg(long, value_name = "HZ,HZ,..", default_value = "1000", value_delimiter = ',', value_parser = hertz, allow_negative_numbers = true)]
+    rate: Vec<f64>,
+    /// Noise of the sensors: standard deviation, % of a key's travel, one or several numbers from 0 to 10
+    #[arg(long, value_name = "%,%,..", default_value = "0.05", value_delimiter = ',', value_parser = percent, allow_negative_numbers = true)]
+    noise: Vec<f64>,
+    /// Seed of the noise, the scatter and the cases' motions
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(0, 1_000_000), allow_negative_numbers = true)]
+    seed: u32,
+    /// Play only notes that begin at or after this time, s
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
+    from: f64,
+    /// Play only notes that begin before this time, s [default: all]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    to: Option<f64>,
+    /// Number of threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1, 256), allow_negative_numbers = true)]
+    threads: Option<u16>,
+    #[command(flatten)]
+    out: OutOptions,
+}
+
+/// The cases that are asked for, in their own order.
+#[derive(Debug, Clone)]
+struct Cases(Vec<Case>);
+
+fn cases(text: &str) -> Result<Cases, String> {
+    let known = || Case::ALL.map(Case::name).join(", ");
+    let named = |name: &str| Case::ALL.into_iter().find(|case| case.name() == name);
+    let unknown = text.split(',').find(|name| *name != "all" && named(name).is_none());
+    if let Some(name) = unknown {
+        return Err(format!("found `{name}`; expected `all` or names with commas out of {}", known()));
+    }
+    let is_asked = |case: &Case| text.split(',').any(|name| name == "all" || name == case.name());
+    Ok(Cases(Case::ALL.into_iter().filter(is_asked).collect()))
+}
+
+/// Keys, from 1, ascending.
+#[derive(Debug, Clone)]
+struct Keys(Vec<usize>);
+
+fn keys(text: &str) -> Result<Keys, String> {
+    let number = |part: &str| {
+        key_named(part)
+            .ok_or_else(|| format!("found key `{part}`; expected numbers from 1 to {KEYS} or notes with commas"))
+    };
+    let mut keys = text.split(',').map(number).collect::<Result<Vec<usize>, String>>()?;
+    keys.sort_unstable();
+    keys.dedup();
+    Ok(Keys(keys))
+}
+
+fn hertz(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|hz: &f64| (20.0..=MOST_RATE_HZ).contains(hz));
+    found.ok_or_else(|| format!("expected Hz from 20 to {MOST_RATE_HZ}"))
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|share: &f64| (0.0..=10.0).contains(share));
+    found.ok_or_else(|| "expected % of a key's travel from 0 to 10".to_owned())
+}
+
+impl Scan {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let score = self.piece.as_deref().map(|piece| score(piece, self.from, self.to)).transpose()?;
+        let sensors = self.sensors()?;
+        let (name, sample) = split_sample(&self.keyboard).map_err(|error| Failure::Usage(error.to_string()))?;
+        let own = load_keyboard(&name)?;
+        let mut output = self.out.prepare("scan", &["truth.csv", "windows.csv", "scan.json"])?;
+        let keyboard = match sample {
+            Some(sample) => keyboard_sample(&own, &name, sample)?,
+            None => own,
+        };
+        let played = self.played(score.as_ref());
+        let instruments = self.instruments(&keyboard, sample.unwrap_or(0), &played)?;
+        let travels_m = travels_m(&keyboard.name, &instruments, &played)?;
+        let scans = Scans::new(&sensors, travels_m.clone(), u64::from(self.seed));
+        let truth = self.play(score.as_ref(), &keyboard.name, &instruments, &scans)?;
+        let scanned = Scanned {
+            piece: self.piece.as_deref().map(crate::inputs::shown),
+            score: score.as_ref(),
+            keyboard: &keyboard,
+            asked: &self.keyboard,
+            sample,
+            has_scatter: !self.no_scatter,
+            seed: self.seed,
+            instruments: &instruments,
+            travels_m: &travels_m,
+            played: &played,
+            sensors: &sensors,
+            truth: &truth,
+        };
+        let counts = scanned.write(scans.readings(), &mut output)?;
+        output.json("scan.json", &report::json(&scanned, &counts))?;
+        let written = output.commit()?;
+        say!("{}", report::text(&scanned));
+        say!("{written}");
+        Ok(())
+    }
+
+    /// All sensors that are asked for.
+    fn sensors(&self) -> Result<Vec<Sensor>, Failure> {
+        let mut sensors: Vec<Sensor> = Vec::new();
+        for &bits in &self.bits {
+            for &rate_hz in &self.rate {
+                for &percent in &self.noise {
+                    let sensor = Sensor { bits, rate_hz, noise: 0.01 * percent };
+                    if !sensors.contains(&sensor) {
+                        sensors.push(sensor);
+                    }
+                }
+            }
+        }
+        if sensors.len() > MOST_SENSORS {
+            let found = sensors.len();
+            let what = format!("--bits, --rate and --noise ask for {found} sensors; expected at most {MOST_SENSORS}");
+            return Err(Failure::Usage(what));
+        }
+        Ok(sensors)
+    }
+
+    /// The keys that are played, ascending.
+    fn played(&self, score: Option<&Score>) -> Vec<usize> {
+        let mut keys: Vec<usize> = score.iter().flat_map(|score| &score.notes).map(|note| note.key).collect();
+        if self.cases.is_some() {
+            keys.extend(&self.keys.0);
+        }
+        keys.sort_unstable();
+        keys.dedup();
+        keys
+    }
+
+    /// The instruments of all keys; those that are played differ by what a technician leaves.
+    fn instruments(&self, keyboard: &Keyboard, sample: u32, played: &[usize]) -> Result<Vec<Instrument>, Failure> {
+        let mut instruments = keyboard.instruments()?;
+        if self.no_scatter {
+            return Ok(instruments);
+        }
+        let wrong = |error| match error {
+            error if MeasureError::is_interruption(&error) => erard::run::SimulationError::Interrupted.into(),
+            error => Failure::Measure { label: keyboard.name.clone(), error },
+        };
+        // Another seed is another technician.
+        let number = sample ^ self.seed << 20;
+        let mut progress = Progress::new("regulating keys");
+        let off = cores::map(played, self.threads(), &mut |share| progress.tell(share), |&key, progress| {
+            let mut one = instruments[key - 1].clone();
+            technicians_scatter(&mut one, number, key, progress)?;
+            Ok::<_, MeasureError>((key, one))
+        });
+        for (key, one) in off.map_err(wrong)? {
+            instruments[key - 1] = one;
+        }
+        Ok(instruments)
+    }
+
+    fn play(
+        &self,
+        score: Option<&Score>,
+        keyboard: &str,
+        instruments: &[Instrument],
+        scans: &Scans,
+    ) -> Result<Truth, Failure> {
+        let (mut truth, threads) = (Truth::default(), self.threads());
+        if let Some(score) = score {
+            let options = Options { row_s: 0.0, threads, ..Options::default() };
+            let mut progress = Progress::new(&format!("playing on {keyboard}"));
+            let tell = &mut |share| progress.tell(share);
+            let played = perform(score, instruments, &options, &|key| Ok(scans.sink(key)), tell);
+            truth =
+                Truth::of_performance(&played.map_err(|error| failed(keyboard, error))?.notes, score.duration_s + 1.0);
+        }
+        if let Some(Cases(cases)) = &self.cases {
+            let mut progress = Progress::new("playing cases");
+            let (begins_s, tell) = (truth.end_s() + PAUSE_S, &mut |share| progress.tell(share));
+            let what = (&self.keys.0[..], &cases[..]);
+            let played = play_cases(instruments, what, begins_s, u64::from(self.seed), scans, threads, tell);
+            truth.add(played.map_err(|error| failed(keyboard, error))?);
+        }
+        Ok(truth)
+    }
+
+    fn threads(&self) -> usize {
+        self.threads.map_or_else(cores::count, usize::from)
+    }
+}
+
+/// The travel of each key's front, m; infinite of keys that are not played.
+fn travels_m(keyboard: &str, instruments: &[Instrument], played: &[usize]) -> Result<Vec<f64>, Failure> {
+    let mut travels_m = vec![f64::INFINITY; instruments.len()];
+    for &key in played {
+        let found = erard_live::dip_m(&instruments[key - 1]);
+        travels_m[key - 1] = found.map_err(|error| Failure::Usage(format!("{keyboard}, key {key}: {error}")))?;
+    }
+    Ok(travels_m)
+}

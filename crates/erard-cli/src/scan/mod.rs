@@ -1,0 +1,121 @@
+//! The outputs of `erard scan`: streams of readings, the sensors' profiles, the truth.
+
+pub(crate) mod report;
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use erard::instrument::Instrument;
+use erard::keyboard::{Keyboard, note_name};
+use erard_live::profile::Profile;
+use erard_live::sensor::Law as SensorLaw;
+use erard_midi::Law;
+use erard_piece::Score;
+use erard_piece::scan::{Reading, Sensor, Strike, Truth, stops};
+
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::table::Table;
+
+/// What was scanned.
+pub(crate) struct Scanned<'a> {
+    /// The piece's file.
+    pub piece: Option<String>,
+    pub score: Option<&'a Score>,
+    pub keyboard: &'a Keyboard,
+    /// The keyboard as it was asked for, and the sample's number in that.
+    pub asked: &'a str,
+    pub sample: Option<u32>,
+    pub has_scatter: bool,
+    pub seed: u32,
+    pub instruments: &'a [Instrument],
+    /// Travel of each key's front, m.
+    pub travels_m: &'a [f64],
+    /// Keys that are played, from 1.
+    pub played: &'a [usize],
+    pub sensors: &'a [Sensor],
+    pub truth: &'a Truth,
+}
+
+/// The file of a sensor's readings.
+fn scan_name(sensor: &Sensor) -> String {
+    format!("scan-{}bit-{}hz-{}.csv", sensor.bits, sensor.rate_hz, percent(sensor))
+}
+
+/// The file of the profile of sensors with so many bits.
+fn profile_name(bits: u32) -> String {
+    format!("profile-{bits}bit.toml")
+}
+
+/// Noise of a sensor, % of a key's travel.
+fn percent(sensor: &Sensor) -> f64 {
+    (1e10 * sensor.noise).round() / 1e8
+}
+
+impl Scanned<'_> {
+    /// What the owner of the sensors knows of the travel between the stops, m: the mean of the keys, to 0.1 mm.
+    fn known_travel_m(&self) -> f64 {
+        let sum: f64 = self.played.iter().map(|key| self.travels_m[key - 1]).sum();
+        1e-4 * (1e4 * sum / self.played.len() as f64).round()
+    }
+
+    /// Writes all but the summary. Returns how many readings each sensor sent.
+    pub(crate) fn write(&self, readings: Vec<Vec<Reading>>, output: &mut Output) -> Result<Vec<usize>, Failure> {
+        let counts = readings.iter().map(Vec::len).collect();
+        let pedals = self.score.map(Score::sustain).unwrap_or_default();
+        for (sensor, readings) in self.sensors.iter().zip(readings) {
+            output.stage(&scan_name(sensor), |writer| stream(&readings, &pedals, writer))?;
+        }
+        let bits: BTreeMap<u32, ()> = self.sensors.iter().map(|sensor| (sensor.bits, ())).collect();
+        for bits in bits.into_keys() {
+            let keys = self.played.iter().map(|key| (*key, stops(bits))).collect();
+            let travel_m = self.known_travel_m();
+            let profile = Profile { law: SensorLaw::Linear {}, travel_m, pressure_is_depth: false, keys };
+            output.text(&profile_name(bits), &profile.text())?;
+        }
+        output.table("truth.csv", &self.strikes())?;
+        output.table("windows.csv", &self.windows())?;
+        Ok(counts)
+    }
+
+    fn strikes(&self) -> Table<'static> {
+        let Truth { windows, strikes } = self.truth;
+        let number = |of: &dyn Fn(&Strike) -> Option<f64>| strikes.iter().map(of).collect::<Vec<_>>();
+        Table::default()
+            .optional("key", number(&|one| Some(one.key as f64)))
+            .words("name", strikes.iter().map(|one| note_name(one.key)))
+            .words("case", strikes.iter().map(|one| windows[one.window].case))
+            .optional("window", number(&|one| Some((one.window + 1) as f64)))
+            .optional("time_s", number(&|one| Some(one.time_s)))
+            .optional("hammer_m_per_s", number(&|one| Some(one.hammer_m_per_s)))
+            .optional("velocity", number(&|one| Some(Law::GOEBL.velocity(one.hammer_m_per_s).counts())))
+            .optional("again", number(&|one| Some(f64::from(u8::from(one.again)))))
+            .optional("release_s", number(&|one| one.released.map(|[at_s, _]| at_s)))
+            .optional("release_m_per_s", number(&|one| one.released.map(|[_, speed]| speed)))
+    }
+
+    fn windows(&self) -> Table<'static> {
+        let windows = &self.truth.windows;
+        let strikes = |index: usize| self.truth.strikes.iter().filter(|one| one.window == index).count();
+        Table::default()
+            .optional("window", (1..=windows.len()).map(|n| Some(n as f64)))
+            .optional("key", windows.iter().map(|one| Some(one.key as f64)))
+            .words("case", windows.iter().map(|one| one.case))
+            .optional("from_s", windows.iter().map(|one| Some(one.from_s)))
+            .optional("to_s", windows.iter().map(|one| Some(one.to_s)))
+            .optional("strikes", (0..windows.len()).map(|index| Some(strikes(index) as f64)))
+    }
+}
+
+/// Readings and the sustain pedal as the stream that `erard live` reads.
+fn stream(readings: &[Reading], pedals: &[[f64; 2]], writer: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(writer, "time_us,key,raw")?;
+    let mut pedals = pedals.iter().map(|[at_s, down]| ((1e6 * at_s).round() as u64, down)).peekable();
+    for Reading { time_us, key, raw } in readings {
+        while let Some((at_us, down)) = pedals.next_if(|(at_us, _)| at_us <= time_us) {
+            writeln!(writer, "{at_us},sustain,{down:.3}")?;
+        }
+        writeln!(writer, "{time_us},{key},{raw}")?;
+    }
+    pedals.try_for_each(|(at_us, down)| writeln!(writer, "{at_us},sustain,{down:.3}"))
+}

@@ -1,0 +1,95 @@
+//! A data set in words and as JSON.
+
+use erard::keyboard::note_name;
+use erard_piece::scan::{Case, Strike};
+use serde_json::{Value, json};
+
+use super::{Scanned, percent, profile_name, scan_name};
+use crate::table::Table;
+
+/// `scan.json`: what the files hold, and where the numbers come from.
+pub(crate) fn json(scanned: &Scanned<'_>, readings: &[usize]) -> Value {
+    let scans: Vec<Value> = scanned
+        .sensors
+        .iter()
+        .zip(readings)
+        .map(|(sensor, readings)| {
+            json!({
+                "file": scan_name(sensor),
+                "profile": profile_name(sensor.bits),
+                "bits": sensor.bits,
+                "rate_hz": sensor.rate_hz,
+                "noise_percent": percent(sensor),
+                "readings": readings,
+            })
+        })
+        .collect();
+    let keys: Vec<Value> = scanned
+        .played
+        .iter()
+        .map(|key| {
+            let instrument = &scanned.instruments[key - 1];
+            json!({
+                "key": key,
+                "name": note_name(*key),
+                "travel_mm": 1e3 * scanned.travels_m[key - 1],
+                "digest": format!("{:016x}", instrument.digest()),
+            })
+        })
+        .collect();
+    let cases: Vec<Value> = counted(scanned)
+        .into_iter()
+        .map(|(case, windows, strikes, again)| {
+            json!({ "case": case, "windows": windows, "strikes": strikes, "again": again })
+        })
+        .collect();
+    json!({
+        "format": "erard-scan/1",
+        "about": [
+            "scan-*.csv: readings of sensors under the keys' fronts, as `erard live` reads them; a key is sent while it \
+             is off its rest, and 30 ms before and after",
+            "profile-*.toml: the readings at the two stops of each key, for `erard live --calibration`",
+            "truth.csv: strikes of hammers on strings, from the simulated actions; `again` 1: the hammer bounced",
+            "windows.csv: what was played when; a window without strikes is one in which no note belongs",
+        ],
+        "piece": scanned.piece,
+        "shift_s": scanned.score.map(|score| score.shift_s),
+        "keyboard": scanned.asked,
+        "keyboard_name": scanned.keyboard.name,
+        "sample": scanned.sample,
+        "technicians_scatter": scanned.has_scatter,
+        "seed": scanned.seed,
+        "truth": "truth.csv",
+        "windows": "windows.csv",
+        "scans": scans,
+        "keys": keys,
+        "cases": cases,
+    })
+}
+
+/// Of each case, in the order in which they are played: its windows, strikes, and those that are bounces.
+fn counted(scanned: &Scanned<'_>) -> Vec<(&'static str, usize, usize, usize)> {
+    let names = std::iter::once("piece").chain(Case::ALL.map(Case::name));
+    let of = |case: &'static str| {
+        let windows = &scanned.truth.windows;
+        let own: Vec<&Strike> =
+            scanned.truth.strikes.iter().filter(|strike| windows[strike.window].case == case).collect();
+        let again = own.iter().filter(|strike| strike.again).count();
+        (case, windows.iter().filter(|window| window.case == case).count(), own.len() - again, again)
+    };
+    names.map(of).filter(|(_, windows, ..)| *windows > 0).collect()
+}
+
+/// In words.
+pub(crate) fn text(scanned: &Scanned<'_>) -> String {
+    let rows: Vec<Vec<String>> = counted(scanned)
+        .into_iter()
+        .map(|(case, windows, strikes, again)| {
+            vec![case.to_owned(), windows.to_string(), strikes.to_string(), again.to_string()]
+        })
+        .collect();
+    let keys = scanned.played.len();
+    let piece = scanned.piece.as_ref().map_or(String::new(), |piece| format!("{piece} on "));
+    let own = format!("{piece}{} - {keys} keys, {} sensors", scanned.keyboard.name, scanned.sensors.len());
+    format!("{own}\n\n{}\n", Table::of(["case", "played", "strikes", "bounces"], rows))
+}

@@ -1,0 +1,96 @@
+//! A finger that is led along a path, on one key.
+
+use std::sync::{Mutex, PoisonError};
+
+use erard::instrument::Instrument;
+use erard::player::Hand;
+use erard::stroke::least_jerk;
+use erard::{Action, Input, Outcome, Progress, Settings};
+use erard_midi::{Crossing, Event, KeyNotes};
+
+use super::sensor::Sampler;
+use super::truth::Strike;
+use crate::error::PerformError;
+
+/// A finger with a part of the hand, on muscle that leads it, kg, N/m, N s/m. Estimates: it follows a path of 10 Hz,
+/// and yields by 0.8 mm under 5 N.
+const FINGER: Hand =
+    Hand { mass_kg: 0.1, stiffness_n_per_m: 6000.0, damping_n_s_per_m: 35.0, start_m: 0.0, start_m_per_s: 0.0 };
+/// A hammer that meets the string again while its key has come up by less bounced, m.
+const BOUNCED_M: f64 = 1e-3;
+/// A finger this high above the key's rest is away from the key, m.
+const AWAY_M: f64 = 4e-3;
+/// Every so many steps the caller is asked whether to go on.
+const ASK_EVERY: u64 = 512;
+
+/// A piece of a finger's path: how long it takes, s, and how deep it ends, m below the key front's rest, along the path
+/// of least jerk.
+pub(super) type Leg = [f64; 2];
+
+/// Leads a finger along a path on an action at rest, from an instant, s, and on for a while after its end, s. The
+/// strikes, of a window; when it ended, s.
+pub(super) fn play(
+    instrument: &Instrument,
+    [begins_s, tail_s]: [f64; 2],
+    path: &[Leg],
+    (key, window, damper_m): (usize, usize, f64),
+    sampler: &Mutex<Sampler>,
+    progress: &mut Progress<'_>,
+) -> Result<(Vec<Strike>, f64), PerformError> {
+    let action = Action::with(instrument, Settings::new(instrument.usual_step_s()));
+    let mut action = action.map_err(|error| PerformError::Action { key, error })?;
+    let Settings { step: h, theta, .. } = *action.settings();
+    let lasts_s = path.iter().map(|[s, _]| s).sum::<f64>() + tail_s;
+    let mut sampler = sampler.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut notes = KeyNotes::new(Crossing { damper_m });
+    let mut strikes: Vec<Strike> = Vec::new();
+    let (mut deepest_m, mut risen_m) = (0.0_f64, 0.0_f64);
+    action.place_hand(0.0, 0.0);
+    for n in 0..(lasts_s / h).ceil() as u64 {
+        if n.is_multiple_of(ASK_EVERY) && !progress(0.0) {
+            return Err(PerformError::interrupted());
+        }
+        let [position_m, velocity_m_per_s] = place(path, (n as f64 + theta) * h);
+        let is_away = position_m < -AWAY_M;
+        let input =
+            if is_away { Input::Free } else { FINGER.input(&Input::Motion { position_m, velocity_m_per_s })? };
+        let reading = action.step(input);
+        let now_s = begins_s + (n + 1) as f64 * h;
+        if reading.outcome == Outcome::NonFinite {
+            return Err(PerformError::NotFinite { time_s: now_s });
+        }
+        sampler.take(now_s, reading.key_m);
+        deepest_m = deepest_m.max(reading.key_m);
+        risen_m = risen_m.max(deepest_m - reading.key_m);
+        let hit = reading.impact.map(|hit| [now_s + (hit.time_s - action.time_s()), hit.hammer_speed_m_per_s]);
+        for event in notes.update(now_s, reading.key_m, hit).into_iter().flatten() {
+            match event {
+                Event::On { time_s, hammer_m_per_s } => {
+                    let again = !strikes.is_empty() && risen_m < BOUNCED_M;
+                    strikes.push(Strike { key, window, time_s, hammer_m_per_s, again, released: None });
+                    (deepest_m, risen_m) = (reading.key_m, 0.0);
+                }
+                Event::Off { time_s, release_m_per_s } => {
+                    // The last stroke's note ends, bounces or not.
+                    if let Some(last) = strikes.iter_mut().rev().find(|strike| !strike.again) {
+                        last.released.get_or_insert([time_s, release_m_per_s]);
+                    }
+                }
+            }
+        }
+    }
+    Ok((strikes, begins_s + lasts_s))
+}
+
+/// Where the finger is led at an instant, m, and its speed, m/s.
+fn place(path: &[Leg], t: f64) -> [f64; 2] {
+    let (mut from_s, mut from_m) = (0.0, 0.0);
+    for &[takes_s, to_m] in path {
+        if t < from_s + takes_s {
+            let [x, v] = least_jerk((t - from_s) / takes_s);
+            return [from_m + (to_m - from_m) * x, (to_m - from_m) * v / takes_s];
+        }
+        (from_s, from_m) = (from_s + takes_s, to_m);
+    }
+    [from_m, 0.0]
+}

@@ -1,0 +1,47 @@
+//! What a technician leaves: keys of one piano that differ within what can be read and set on the bench.
+
+use super::random::deviation;
+use crate::measure::MeasureError;
+use crate::regulate::known_screw;
+use crate::worklist::{Quantity, Work};
+use erard::Progress;
+use erard::instrument::Instrument;
+
+/// Puts a key off by what a technician leaves, in place: every distance that a screw sets, the strike weight and the
+/// friction weight deviate by about the precision with which a technician reads them ([`Quantity::precision`]: let-off
+/// and drop 0.25 mm, dip 0.1 mm, strike weight 0.1 g), nine times out of ten by less. How far a screw has to be turned
+/// for that is the first guess of the regulation, so the distances themselves scatter somewhat more or less.
+///
+/// The deviations depend on the sample's number, the key and the quantity only, and have the same bits on every
+/// machine. Screws that an instrument does not have are left out.
+///
+/// # Errors
+/// Those of weighing, for friction is set with a weight on the key; an interruption by `progress`.
+pub fn technicians_scatter(
+    instrument: &mut Instrument,
+    sample: u32,
+    key: usize,
+    progress: &mut Progress<'_>,
+) -> Result<(), MeasureError> {
+    for quantity in Quantity::ALL {
+        let by = quantity.precision() * deviation(sample, 0, &format!("technician: {}", quantity.key()), key);
+        match quantity {
+            Quantity::StrikeWeight => Work::Hammer { by_g: by }.carry_out(instrument, progress)?,
+            Quantity::FrictionWeight => Work::Friction { by_g: by }.carry_out(instrument, progress)?,
+            _ => turn(instrument, quantity, by),
+        }
+    }
+    Ok(())
+}
+
+/// Turns the screw of a quantity so that it changes by about so much, in the sheet's unit.
+fn turn(instrument: &mut Instrument, quantity: Quantity, by: f64) {
+    let Some((name, effect)) = quantity.goal().and_then(|goal| goal.screws().first().copied()) else { return };
+    let (Some(screw), Some(known)) = (instrument.screw(name), known_screw(name)) else { return };
+    let turned = &instrument.screws[screw];
+    let [least, most] = known.limits(instrument, turned);
+    let by = by / quantity.factor() / effect * known.sense(turned);
+    let setting = (turned.setting + by).clamp(least.min(turned.setting), most.max(turned.setting));
+    // A spring is not turned around: its range ends before.
+    let _ = instrument.turn(screw, setting);
+}
