@@ -3,6 +3,7 @@
 
 use erard::level::HOLD_N;
 use erard::{Progress, Snapshot};
+use erard_midi::Law;
 
 use crate::error::PerformError;
 use crate::hand::Way;
@@ -89,6 +90,7 @@ pub(crate) struct Pressed {
 struct Search<'a, 'k, 'p, 'q> {
     key: &'a mut Key<'k>,
     touches: &'a mut Touches,
+    law: &'a Law<'a>,
     wanted: Wanted,
     let_go: Option<LetGo>,
     mark: Mark,
@@ -108,6 +110,7 @@ struct Search<'a, 'k, 'p, 'q> {
 pub(crate) fn press(
     key: &mut Key<'_>,
     touches: &mut Touches,
+    law: &Law<'_>,
     wanted: Wanted,
     let_go: Option<LetGo>,
     next_s: f64,
@@ -117,6 +120,7 @@ pub(crate) fn press(
     let mut search = Search {
         key,
         touches,
+        law,
         wanted,
         let_go,
         mark,
@@ -295,13 +299,15 @@ impl Search<'_, '_, '_, '_> {
         {
             self.touches.learn_moving(best.rise, best.force_n, at_s - pressed_s, speed);
         }
-        let mut played = Played::new(wanted, pressed_s, best.force_n, &best.poise);
-        (played.impact, played.trials) = (best.impact, self.trials);
+        let mut played = Played::new(wanted, pressed_s, best.force_n, &best.poise).with_impact(best.impact, self.law);
+        played.trials = self.trials;
         if best.hurried && best.impact.is_none_or(|[at_s, _]| at_s > wanted.on_s) {
             played.reasons.push(Reason::NoTime);
         }
-        if self.is_loudest || best.force_n <= 1.001 * FORCES_N[0] {
-            played.reasons.push(Reason::BeyondReach);
+        match best.impact {
+            Some([_, reached_m_per_s]) if self.is_loudest => played.reasons.push(Reason::TooLoud { reached_m_per_s }),
+            _ if best.force_n <= 1.001 * FORCES_N[0] => played.reasons.push(Reason::TooSoft),
+            _ => {}
         }
         let hold_n = if best.impact.is_some() { HOLD_N } else { HOLD_N.min(best.force_n) };
         key.hand.hold(key.now(), key.h(), hold_n);
