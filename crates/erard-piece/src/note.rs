@@ -212,7 +212,9 @@ impl Played {
         if faults.is_empty() {
             return Vec::new();
         }
-        let mut reasons = if faults == [Fault::Twice] { Vec::new() } else { self.reasons.clone() };
+        // How a key at home stood is no reason for a second impact.
+        let is_of_stroke = faults == [Fault::Twice] && self.from_home;
+        let mut reasons = if is_of_stroke { Vec::new() } else { self.reasons.clone() };
         if faults.contains(&Fault::Twice) && !self.checked && !reasons.contains(&Reason::NotChecked) {
             reasons.push(Reason::NotChecked);
         }

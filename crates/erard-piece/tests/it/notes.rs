@@ -83,6 +83,26 @@ fn keys_have_ceilings() {
 }
 
 mod nightly {
+    use erard_piece::{Fault, Reason};
+
+    /// mp and f are as written on ten keys, 5 to 8 a second. At p some are not: a hammer that falls onto the rising
+    /// lever is thrown once more, for no check has caught it; at 8 a second a slow hand has no time.
+    #[test]
+    #[ignore = "nightly: repeated notes of ten keys from p to f"]
+    fn repetitions_of_many_keys_are_within_a_count() {
+        let keys: Vec<usize> = (4..=88).step_by(9).collect();
+        for rate in [5.0, 6.5, 8.0] {
+            for level in [66, 93] {
+                let wrong = super::repeated(&keys, level, rate);
+                assert!(wrong.is_empty(), "{wrong:?}");
+            }
+            let wrong = super::repeated(&keys, 44, rate);
+            let twice = wrong.iter().filter(|note| note.faults() == [Fault::Twice]);
+            assert!(twice.clone().all(|note| note.reasons().contains(&Reason::NotChecked)), "{wrong:?}");
+            assert!(twice.clone().count() <= 20 && wrong.len() - twice.count() <= 5, "{wrong:?}");
+        }
+    }
+
     #[test]
     #[ignore = "nightly: the loudest note of 88 keys by three laws"]
     fn every_key_has_a_ceiling() {
@@ -90,15 +110,23 @@ mod nightly {
     }
 }
 
-/// Eight notes a second on one key go through the double escapement, each within a count and 2 ms.
+/// So many notes a second on each key go through the double escapement. Returns the notes that are not within a count
+/// and 2 ms, or that sounded twice; each of them is explained.
+fn repeated(keys: &[usize], level: u8, rate: f64) -> Vec<Played> {
+    let at = |i: i32| 0.5 + f64::from(i) / rate;
+    let notes = keys.iter().flat_map(|&key| (0..8).map(move |i| note(key, at(i), at(i) + 0.5 / rate, level)));
+    let performance = played(&score(notes.collect(), Vec::new()), &RIGID, &Options::default());
+    let later = performance.notes.iter().filter(|note| note.wanted.on_s > 0.5 + 0.5 / rate);
+    assert!(later.clone().all(|note| !note.from_home) && later.count() == 7 * keys.len());
+    println!("{level} at {rate}/s: {:?}", performance.summary());
+    let wrong: Vec<Played> = performance.notes.into_iter().filter(|note| !note.faults().is_empty()).collect();
+    assert!(wrong.iter().all(|note| !note.reasons().is_empty()), "{wrong:?}");
+    wrong
+}
+
 #[test]
 fn repetitions_are_within_a_count() {
-    let notes = (0..8).map(|i| note(44, 0.5 + 0.125 * f64::from(i), 0.56 + 0.125 * f64::from(i), 66)).collect();
-    let performance = played(&score(notes, Vec::new()), &RIGID, &Options::default());
-    for note in &performance.notes {
-        assert!(note.faults().is_empty() && note.louder.unwrap().abs() <= 1.0, "{note:?}");
-    }
-    assert!(performance.notes[1..].iter().all(|note| !note.from_home));
+    assert!(repeated(&[44], 66, 8.0).is_empty());
 }
 
 /// Sixteen a second are more than an action does: each note that is not as written says how its key stood.
