@@ -73,11 +73,16 @@ pub enum Reason {
     },
     /// The softest hand that plays the key is louder.
     TooSoft,
+    /// The string still sounds, and comes to meet the hammer: by more than 0.1 mm under the felt, from side to side, m.
+    StringSounds {
+        /// m.
+        swing_m: f64,
+    },
 }
 
 impl Reason {
     /// Names in counts, in the order of [`Summary::reasons`].
-    pub const NAMES: [&str; 8] = [
+    pub const NAMES: [&str; 9] = [
         "key not back",
         "jack not under the knuckle",
         "hammer not down",
@@ -86,6 +91,7 @@ impl Reason {
         "within 40 ms of the last stroke",
         "louder than a hand can play it",
         "softer than a hand can play it",
+        "string still sounding",
     ];
 
     /// Its place in [`Reason::NAMES`].
@@ -99,6 +105,7 @@ impl Reason {
             Reason::TooSoon => 5,
             Reason::TooLoud { .. } => 6,
             Reason::TooSoft => 7,
+            Reason::StringSounds { .. } => 8,
         }
     }
 }
@@ -110,6 +117,7 @@ impl std::fmt::Display for Reason {
             Reason::KeyNotBack { key_m } => write!(f, ": {:.1} mm down", 1e3 * key_m),
             Reason::HammerNotDown { hammer_m } => write!(f, ": {:.0} mm up", 1e3 * hammer_m),
             Reason::TooLoud { reached_m_per_s } => write!(f, ": at most {reached_m_per_s:.2} m/s"),
+            Reason::StringSounds { swing_m } => write!(f, ": {:.1} mm from side to side", 1e3 * swing_m),
             _ => Ok(()),
         }
     }

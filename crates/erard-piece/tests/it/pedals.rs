@@ -2,7 +2,7 @@
 
 use erard_midi::file::Piece;
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
-use erard_piece::{FULL_PEDAL_M, Options, passage};
+use erard_piece::{FULL_PEDAL_M, Options, Played, Reason, passage};
 
 use crate::common::{STRINGS, foot, kept, note, score};
 
@@ -44,6 +44,23 @@ fn the_sostenuto_pedal_holds_what_is_held() {
     let [held, other] = [52, 54].map(|key| at(&kept.rows(key), 1.7));
     assert!(held.0 == FULL_PEDAL_M && held.1 > 0.1, "{held:?}");
     assert!(other.0.is_nan() || other.0 == 0.0, "{other:?}");
+}
+
+/// A soft note on a string that still sounds under the pedal: the string comes to meet the hammer, and where that
+/// leaves the note outside what was written, the report says so.
+#[test]
+fn a_sounding_string_meets_the_hammer() {
+    let pedals = vec![foot(0.1, SUSTAIN, 127)];
+    let notes = [0.0, 0.02, 0.04, 0.06].into_iter().enumerate().flat_map(|(i, later_s)| {
+        let at_s = 0.5 + 3.0 * i as f64;
+        [note(30, at_s, at_s + 0.25, 98), note(30, at_s + 0.47 + later_s, at_s + 1.0, 30)]
+    });
+    let performance = kept(&score(notes.collect(), pedals), &STRINGS, &Options::default()).0;
+    let soft = performance.notes.iter().skip(1).step_by(2).filter(|note| !note.faults().is_empty());
+    let swings = |note: &Played| {
+        note.reasons().iter().any(|one| matches!(one, Reason::StringSounds { swing_m } if *swing_m > 5e-4))
+    };
+    assert!(soft.clone().count() > 0 && soft.into_iter().all(swings), "{performance:?}");
 }
 
 /// A passage begins where it is asked to, its pedals as they had been left.

@@ -104,12 +104,19 @@ fn plays_for(seconds: f64) {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let peak = status.lines().find(|line| line.starts_with("VmHWM")).unwrap_or("");
     println!("{:.1} s in {took_s:.1} s, {} steps, {peak}; {all:?}", score.duration_s, performance.steps);
-    // A pedal that moves while a key is pressed may leave a note from home outside half a count and 1 ms: of 196 such
-    // notes of half a minute one was (0.56 counts, 1.1 ms). Within a count and 2 ms all are.
-    let home = performance.notes.iter().filter(|note| note.from_home);
-    let outside = home.filter(|note| !is_right(note)).count();
-    println!("{outside} notes from home outside half a count and 1 ms");
-    assert!(100 * outside <= all.from_home && all.home_errors[0] <= 1.0 && all.home_errors[1] <= 2e-3, "{all:?}");
+    // A string that still sounds comes to meet the hammer: from home, too, such notes may not be as written. All other
+    // notes from home are, and every fault has a reason.
+    let home = || performance.notes.iter().filter(|note| note.from_home);
+    let outside = home().filter(|note| !is_right(note)).count();
+    println!("{outside} of {} notes from home outside half a count and 1 ms", all.from_home);
+    for note in performance.notes.iter().filter(|note| !note.faults().is_empty()) {
+        println!("{} {:.2} s, {:?}: {:?}", note.wanted.key, note.wanted.on_s, note.faults(), note.reasons());
+        assert!(!note.reasons().is_empty(), "{note:?}");
+    }
+    let sounds = |reason: &Reason| matches!(reason, Reason::StringSounds { .. } | Reason::TooLoud { .. });
+    assert!(home().all(|note| note.faults().is_empty() || note.reasons().iter().any(sounds)));
+    // Of ten minutes 25 of 3369.
+    assert!(outside <= 1 + all.from_home / 100, "{all:?}");
     assert!(all.right as f64 > 0.9 * all.notes as f64, "{all:?}");
 }
 
