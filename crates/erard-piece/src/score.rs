@@ -105,7 +105,13 @@ impl<'l> Score<'l> {
 
 /// What of a piece the missing soft pedal changes, in words.
 fn soft_remark(piece: &Piece) -> Option<String> {
-    let changes: Vec<_> = piece.pedals.iter().filter(|change| change.controller == SOFT).collect();
+    let mut changes: Vec<_> = piece.pedals.iter().filter(|change| change.controller == SOFT).collect();
+    // Of the changes before a passage the last one counts, if it left the pedal down.
+    let before = changes.partition_point(|change| change.time_s <= 0.0);
+    changes.drain(..before.saturating_sub(1));
+    if before > 0 && changes[0].value == 0 {
+        changes.remove(0);
+    }
     let is_down = |value: u8| value >= 64;
     let was_up = |i: usize| i == 0 || !is_down(changes[i - 1].value);
     let times = (0..changes.len()).filter(|&i| is_down(changes[i].value) && was_up(i)).count();
