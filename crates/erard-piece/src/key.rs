@@ -227,6 +227,11 @@ impl<'a> Key<'a> {
         }
     }
 
+    /// The string's displacement under the felt, m; 0 where strings are rigid.
+    pub(crate) fn string_m(&self) -> f64 {
+        self.action.strings().map_or(0.0, |strings| strings.displacement_m())
+    }
+
     pub(crate) fn mark(&self) -> Mark {
         let sounds = self.sounds.as_ref().map_or((0, 0), |all| (all.len(), all.last().map_or(0, |(_, s)| s.len())));
         Mark {

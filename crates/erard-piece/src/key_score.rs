@@ -2,6 +2,7 @@
 
 use erard::Progress;
 use erard::instrument::Instrument;
+use erard_midi::Law;
 
 use crate::error::PerformError;
 use crate::hand::Hand;
@@ -41,6 +42,7 @@ pub(crate) struct KeyPlayed {
 pub(crate) struct Player<'a, 'k> {
     key: Key<'k>,
     touches: Touches,
+    law: &'a Law<'a>,
     notes: Vec<(usize, Played)>,
     /// The last one that was pressed, as an index.
     last: Option<usize>,
@@ -54,7 +56,7 @@ pub(crate) struct Player<'a, 'k> {
 /// Plays these notes of a score, by their numbers, on one key.
 pub(crate) fn play_key(
     (number, instrument, damper_m): (usize, &Instrument, f64),
-    score: &Score,
+    score: &Score<'_>,
     numbers: &[usize],
     options: &Options,
     sink: &mut dyn Sink,
@@ -65,6 +67,7 @@ pub(crate) fn play_key(
     let mut player = Player {
         key,
         touches: Touches::default(),
+        law: &score.law,
         notes: Vec::new(),
         last: None,
         off: (0.0, None),
@@ -103,7 +106,7 @@ impl Player<'_, '_> {
         }
         self.key.hand_over(self.sink, false)?;
         let Pressed { played, start, poise } =
-            press(&mut self.key, &mut self.touches, wanted, let_go, next_s, progress)?;
+            press(&mut self.key, &mut self.touches, self.law, wanted, let_go, next_s, progress)?;
         self.conclude(played.pressed_s, poise.was_checked);
         if let Hand::On { stroke, .. } = self.key.hand
             && self.is_of_interest(&played)

@@ -1,6 +1,6 @@
 //! A note as it was played, and its faults.
 
-use erard_midi::{Law, Velocity};
+use erard_midi::Law;
 
 use crate::key::{HOME_M, Poise};
 use crate::score::Wanted;
@@ -66,20 +66,59 @@ pub enum Reason {
     NoTime,
     /// It is written within 40 ms of the key's last stroke, and was not tried.
     TooSoon,
-    /// No hand within 100 N plays the key so loudly, or none so softly.
-    BeyondReach,
+    /// No hand within 100 N plays the key so loudly from where it was.
+    TooLoud {
+        /// The hammer's speed at the string that the hand reached, m/s.
+        reached_m_per_s: f64,
+    },
+    /// The softest hand that plays the key is louder.
+    TooSoft,
+    /// The string still sounds, and comes to meet the hammer: by more than 0.1 mm under the felt, from side to side, m.
+    StringSounds {
+        /// m.
+        swing_m: f64,
+    },
+}
+
+impl Reason {
+    /// Names in counts, in the order of [`Summary::reasons`].
+    pub const NAMES: [&str; 9] = [
+        "key not back",
+        "jack not under the knuckle",
+        "hammer not down",
+        "hammer not checked",
+        "no time for so gentle a stroke",
+        "within 40 ms of the last stroke",
+        "louder than a hand can play it",
+        "softer than a hand can play it",
+        "string still sounding",
+    ];
+
+    /// Its place in [`Reason::NAMES`].
+    fn place(&self) -> usize {
+        match self {
+            Reason::KeyNotBack { .. } => 0,
+            Reason::JackNotBack => 1,
+            Reason::HammerNotDown { .. } => 2,
+            Reason::NotChecked => 3,
+            Reason::NoTime => 4,
+            Reason::TooSoon => 5,
+            Reason::TooLoud { .. } => 6,
+            Reason::TooSoft => 7,
+            Reason::StringSounds { .. } => 8,
+        }
+    }
 }
 
 impl std::fmt::Display for Reason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(Reason::NAMES[self.place()])?;
         match self {
-            Reason::KeyNotBack { key_m } => write!(f, "key not back: {:.1} mm down", 1e3 * key_m),
-            Reason::JackNotBack => f.write_str("jack not under the knuckle"),
-            Reason::HammerNotDown { hammer_m } => write!(f, "hammer not down: {:.0} mm up", 1e3 * hammer_m),
-            Reason::NotChecked => f.write_str("hammer not checked"),
-            Reason::NoTime => f.write_str("no time for so gentle a stroke"),
-            Reason::TooSoon => f.write_str("within 40 ms of the last stroke"),
-            Reason::BeyondReach => f.write_str("beyond the reach of a hand"),
+            Reason::KeyNotBack { key_m } => write!(f, ": {:.1} mm down", 1e3 * key_m),
+            Reason::HammerNotDown { hammer_m } => write!(f, ": {:.0} mm up", 1e3 * hammer_m),
+            Reason::TooLoud { reached_m_per_s } => write!(f, ": at most {reached_m_per_s:.2} m/s"),
+            Reason::StringSounds { swing_m } => write!(f, ": {:.1} mm from side to side", 1e3 * swing_m),
+            _ => Ok(()),
         }
     }
 }
@@ -95,6 +134,8 @@ pub struct Played {
     pub force_n: f64,
     /// The first impact: when, s, and the hammer's speed, m/s.
     pub impact: Option<[f64; 2]>,
+    /// By how many counts of velocity it was louder than written, by the score's law.
+    pub louder: Option<f64>,
     /// Further impacts before the key was pressed again: when, s, and the hammer's speed, m/s.
     pub more_impacts: Vec<[f64; 2]>,
     /// When the key, coming up, set its damper down, s, and how fast its front came, m/s; `None` where it was pressed
@@ -128,6 +169,7 @@ impl Played {
             pressed_s,
             force_n,
             impact: None,
+            louder: None,
             more_impacts: Vec::new(),
             released: None,
             from_home: poise.was_home(),
@@ -150,23 +192,17 @@ impl Played {
         self.impact.map(|[time_s, _]| time_s - self.wanted.on_s)
     }
 
-    /// By how many counts of velocity it was louder than written.
-    #[must_use]
-    pub fn louder(&self) -> Option<f64> {
-        let counts = |speed: f64| Law::GOEBL.velocity(speed).counts();
-        self.impact.map(|[_, speed]| counts(speed) - counts(self.wanted.speed_m_per_s))
-    }
-
-    /// The velocity that it sounded with.
-    #[must_use]
-    pub fn velocity(&self) -> Option<Velocity> {
-        self.impact.map(|[_, speed]| Law::GOEBL.velocity(speed))
+    /// With the impact of its hammer: when, s, and how fast, m/s.
+    pub(crate) fn with_impact(self, impact: Option<[f64; 2]>, law: &Law<'_>) -> Self {
+        let counts = |speed: f64| law.velocity(speed).counts();
+        let louder = impact.map(|[_, speed]| counts(speed) - counts(self.wanted.speed_m_per_s));
+        Played { impact, louder, ..self }
     }
 
     /// Its faults, the worst first.
     #[must_use]
     pub fn faults(&self) -> Vec<Fault> {
-        let Some((late_s, louder)) = self.late_s().zip(self.louder()) else { return vec![Fault::Silent] };
+        let Some((late_s, louder)) = self.late_s().zip(self.louder) else { return vec![Fault::Silent] };
         let all = [
             (Fault::Twice, !self.more_impacts.is_empty()),
             (Fault::Late, late_s > LATE_S),
@@ -184,7 +220,9 @@ impl Played {
         if faults.is_empty() {
             return Vec::new();
         }
-        let mut reasons = if faults == [Fault::Twice] { Vec::new() } else { self.reasons.clone() };
+        // How a key at home stood is no reason for a second impact.
+        let is_of_stroke = faults == [Fault::Twice] && self.from_home;
+        let mut reasons = if is_of_stroke { Vec::new() } else { self.reasons.clone() };
         if faults.contains(&Fault::Twice) && !self.checked && !reasons.contains(&Reason::NotChecked) {
             reasons.push(Reason::NotChecked);
         }
@@ -207,6 +245,8 @@ pub struct Summary {
     pub home_errors: [f64; 2],
     /// Those errors of the others.
     pub other_errors: [f64; 2],
+    /// Notes with a fault by reason, in the order of [`Reason::NAMES`]; one note may have several.
+    pub reasons: [usize; Reason::NAMES.len()],
     /// Trials of all notes.
     pub trials: u64,
 }
@@ -224,8 +264,11 @@ impl Summary {
             for fault in faults {
                 all.faults[fault as usize] += 1;
             }
+            for reason in note.reasons() {
+                all.reasons[reason.place()] += 1;
+            }
             let errors = if note.from_home { &mut all.home_errors } else { &mut all.other_errors };
-            if let Some((late_s, louder)) = note.late_s().zip(note.louder()) {
+            if let Some((late_s, louder)) = note.late_s().zip(note.louder) {
                 errors[0] = errors[0].max(louder.abs());
                 errors[1] = errors[1].max(late_s.abs());
             }

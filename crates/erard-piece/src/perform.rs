@@ -11,7 +11,7 @@ use erard_workshop::cores;
 use crate::error::PerformError;
 use crate::key_score::{KeyPlayed, play_key};
 use crate::moment::Moment;
-use crate::note::{Played, Summary};
+use crate::note::{Played, Reason, Summary};
 use crate::options::Options;
 use crate::score::Score;
 use crate::sink::Sink;
@@ -37,6 +37,22 @@ impl Performance {
     pub fn summary(&self) -> Summary {
         Summary::of(&self.notes)
     }
+
+    /// The greatest hammer speed that a hand reached, m/s, of each key, from 1, from which a note asked for more: notes
+    /// whose key was home, softer than written by more than a count.
+    #[must_use]
+    pub fn ceilings(&self) -> BTreeMap<usize, f64> {
+        let mut ceilings = BTreeMap::new();
+        for note in self.notes.iter().filter(|note| note.from_home) {
+            for reason in note.reasons() {
+                if let Reason::TooLoud { reached_m_per_s } = reason {
+                    let most = ceilings.entry(note.wanted.key).or_insert(reached_m_per_s);
+                    *most = reached_m_per_s.max(*most);
+                }
+            }
+        }
+        ceilings
+    }
 }
 
 /// One key's job.
@@ -53,7 +69,7 @@ struct Job<'a> {
 /// # Errors
 /// See [`PerformError`].
 pub fn perform(
-    score: &Score,
+    score: &Score<'_>,
     instruments: &[Instrument],
     options: &Options,
     sinks: &(dyn Fn(usize) -> io::Result<Box<dyn Sink>> + Sync),

@@ -3,6 +3,7 @@
 
 use erard::level::HOLD_N;
 use erard::{Progress, Snapshot};
+use erard_midi::Law;
 
 use crate::error::PerformError;
 use crate::hand::Way;
@@ -27,6 +28,8 @@ const HOPELESS_S: f64 = 0.065;
 const FEW: u32 = 5;
 /// A hammer that has fallen so far from its highest point does not meet the string any more, m.
 const FALLEN_M: f64 = 5e-3;
+/// A string that swings by more under the felt, from side to side, shifts the impact of a soft note, m.
+const SOUNDS_M: f64 = 1e-4;
 /// It rises when it is faster, m/s.
 const RISES_M_PER_S: f64 = 0.05;
 /// The key is home, and the jack has come to rest under the knuckle, so long after a hand that leaves at once, s. An
@@ -52,6 +55,8 @@ struct Trial {
     begins: u64,
     poise: Poise,
     impact: Option<[f64; 2]>,
+    /// How far its string swung under the felt before, from side to side, m.
+    swing_m: f64,
     /// Whether there was no time to begin earlier.
     hurried: bool,
     start: Snapshot,
@@ -89,6 +94,7 @@ pub(crate) struct Pressed {
 struct Search<'a, 'k, 'p, 'q> {
     key: &'a mut Key<'k>,
     touches: &'a mut Touches,
+    law: &'a Law<'a>,
     wanted: Wanted,
     let_go: Option<LetGo>,
     mark: Mark,
@@ -108,6 +114,7 @@ struct Search<'a, 'k, 'p, 'q> {
 pub(crate) fn press(
     key: &mut Key<'_>,
     touches: &mut Touches,
+    law: &Law<'_>,
     wanted: Wanted,
     let_go: Option<LetGo>,
     next_s: f64,
@@ -117,6 +124,7 @@ pub(crate) fn press(
     let mut search = Search {
         key,
         touches,
+        law,
         wanted,
         let_go,
         mark,
@@ -257,7 +265,10 @@ impl Search<'_, '_, '_, '_> {
         let start = key.snapshot();
         let until = self.until.min(begins + key.step_at(1.8 * takes_s + 0.06));
         let (mut rises, mut highest_m) = (false, f64::NEG_INFINITY);
+        let mut swing_m = [f64::INFINITY, f64::NEG_INFINITY];
         while key.now() < until && key.impacts.len() == before {
+            let string_m = key.string_m();
+            swing_m = [swing_m[0].min(string_m), swing_m[1].max(string_m)];
             let now = key.step(progress)?;
             rises |= now.hammer_m_per_s > RISES_M_PER_S;
             if rises {
@@ -274,7 +285,8 @@ impl Search<'_, '_, '_, '_> {
         {
             self.touches.learn(rise, force_n, at_s - begins as f64 * key.h(), speed);
         }
-        Ok(Trial { rise, force_n, on_s, begins, poise, impact, hurried, start })
+        let swing_m = (swing_m[1] - swing_m[0]).max(0.0);
+        Ok(Trial { rise, force_n, on_s, begins, poise, impact, swing_m, hurried, start })
     }
 
     /// The best trial is the note.
@@ -295,13 +307,18 @@ impl Search<'_, '_, '_, '_> {
         {
             self.touches.learn_moving(best.rise, best.force_n, at_s - pressed_s, speed);
         }
-        let mut played = Played::new(wanted, pressed_s, best.force_n, &best.poise);
-        (played.impact, played.trials) = (best.impact, self.trials);
+        let mut played = Played::new(wanted, pressed_s, best.force_n, &best.poise).with_impact(best.impact, self.law);
+        played.trials = self.trials;
         if best.hurried && best.impact.is_none_or(|[at_s, _]| at_s > wanted.on_s) {
             played.reasons.push(Reason::NoTime);
         }
-        if self.is_loudest || best.force_n <= 1.001 * FORCES_N[0] {
-            played.reasons.push(Reason::BeyondReach);
+        if best.swing_m > SOUNDS_M {
+            played.reasons.push(Reason::StringSounds { swing_m: best.swing_m });
+        }
+        match best.impact {
+            Some([_, reached_m_per_s]) if self.is_loudest => played.reasons.push(Reason::TooLoud { reached_m_per_s }),
+            _ if best.force_n <= 1.001 * FORCES_N[0] => played.reasons.push(Reason::TooSoft),
+            _ => {}
         }
         let hold_n = if best.impact.is_some() { HOLD_N } else { HOLD_N.min(best.force_n) };
         key.hand.hold(key.now(), key.h(), hold_n);

@@ -47,8 +47,10 @@ pub(crate) enum Foot {
 }
 
 /// A piece as motions of hands and feet.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Score {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Score<'l> {
+    /// The law between velocities and hammer speeds.
+    pub law: Law<'l>,
     /// The notes in the order of their beginnings, then of their keys.
     pub notes: Vec<Wanted>,
     /// The feet in the order of time, s.
@@ -61,7 +63,7 @@ pub struct Score {
     pub remarks: Vec<String>,
 }
 
-impl Score {
+impl<'l> Score<'l> {
     /// The sustain pedal: when it moves, s, and where to, from 0 (up) to 1 (down).
     #[must_use]
     pub fn sustain(&self) -> Vec<[f64; 2]> {
@@ -76,10 +78,10 @@ impl Score {
     ///
     /// The sustain pedal (controller 64) travels in proportion to its values; its rail follows as fast as a foot that
     /// stamps. The sostenuto pedal (66) holds the dampers that are up when it passes the middle of its way. The soft
-    /// pedal (67) would shift the hammers along their strings, which the model does not have: a remark says how often
-    /// it is asked for.
+    /// pedal (67) would shift the hammers to fewer strings and to another place of their felts, which the model does
+    /// not have: a remark says how often it is asked for, and how many notes are played as without it.
     #[must_use]
-    pub fn of(piece: &Piece, law: &Law<'_>) -> Self {
+    pub fn of(piece: &Piece, law: &Law<'l>) -> Self {
         let first_s = piece.notes.first().map_or(LEAD_S, |note| note.start_s);
         let shift_s = (LEAD_S - first_s).max(0.0);
         let notes = piece.notes.iter().map(|note| Wanted {
@@ -90,7 +92,7 @@ impl Score {
             speed_m_per_s: law.speed_m_per_s(note.velocity),
             release_m_per_s: note.release.map(|release| ReleaseLaw::USUAL.speed_m_per_s(release)),
         });
-        let (mut feet, mut soft, mut down) = (Vec::new(), 0_usize, false);
+        let (mut feet, mut down) = (Vec::new(), false);
         for change in &piece.pedals {
             let time_s = change.time_s + shift_s;
             match change.controller {
@@ -102,14 +104,38 @@ impl Score {
                     }
                     down = is_down;
                 }
-                SOFT => soft += 1,
                 _ => {}
             }
         }
         let mut remarks = piece.remarks.clone();
-        if soft > 0 {
-            remarks.push(format!("{soft} changes of the soft pedal left out: the model's hammers do not shift"));
-        }
-        Score { notes: notes.collect(), feet, shift_s, duration_s: piece.duration_s() + shift_s, remarks }
+        remarks.extend(soft_remark(piece));
+        Score { law: *law, notes: notes.collect(), feet, shift_s, duration_s: piece.duration_s() + shift_s, remarks }
     }
+}
+
+/// What of a piece the missing soft pedal changes, in words.
+fn soft_remark(piece: &Piece) -> Option<String> {
+    let mut changes: Vec<_> = piece.pedals.iter().filter(|change| change.controller == SOFT).collect();
+    // Of the changes before a passage the last one counts, if it left the pedal down.
+    let before = changes.partition_point(|change| change.time_s <= 0.0);
+    changes.drain(..before.saturating_sub(1));
+    if before > 0 && changes[0].value == 0 {
+        changes.remove(0);
+    }
+    let is_down = |value: u8| value >= 64;
+    let was_up = |i: usize| i == 0 || !is_down(changes[i - 1].value);
+    let times = (0..changes.len()).filter(|&i| is_down(changes[i].value) && was_up(i)).count();
+    let under = |start_s: f64| {
+        let before = changes.partition_point(|change| change.time_s <= start_s);
+        before > 0 && is_down(changes[before - 1].value)
+    };
+    let notes = piece.notes.iter().filter(|note| under(note.start_s)).count();
+    let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    (!changes.is_empty()).then(|| {
+        let (changes, times) = (count(changes.len(), "change"), count(times, "time"));
+        format!(
+            "soft pedal ignored (controller 67: {changes}, down {times}, {} under it): the model's hammers do not shift",
+            count(notes, "note")
+        )
+    })
 }

@@ -109,11 +109,17 @@ impl Seek {
             _ if speed > 0.0 => {
                 let by = work(self.wanted).force_n / work(speed).force_n;
                 // A little past the speed, so that the bracket closes.
-                force_n * by.clamp(0.3, 3.0) * if by > 1.0 { 1.02 } else { 0.98 }
+                force_n * by.clamp(0.3, 3.0) * if speed < self.wanted { 1.02 } else { 0.98 }
             }
             _ => 1.4 * force_n,
         };
-        let takes_s = if speed > 0.0 { took_s * work(self.wanted).takes_s / work(speed).takes_s } else { takes_s };
+        // A hand that is at its limit already takes as long again.
+        let is_at_limit = (force_n.clamp(FORCES_N[0], FORCES_N[1]) / found.tried.force_n - 1.0).abs() < 1e-6;
+        let takes_s = match speed > 0.0 {
+            true if is_at_limit => took_s,
+            true => took_s * work(self.wanted).takes_s / work(speed).takes_s,
+            false => takes_s,
+        };
         Hand { force_n, takes_s }
     }
 

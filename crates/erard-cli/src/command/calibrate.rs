@@ -166,24 +166,6 @@ impl Calibrate {
 
 /// A law of one's own points: readings and millimetres, from the rest to the bottom.
 fn own_table(path: &Path) -> Result<Law, Failure> {
-    let (name, bytes) = inputs::bytes(path)
-        .map_err(|error| Failure::Usage(format!("--law: expected linear, cny70, hall or a file of points; {error}")))?;
-    let text = erard::instrument::utf8(&bytes, &name)?;
-    let wrong = |line: usize, what: &str| Failure::Usage(format!("{name}, line {line}: {what}"));
-    let mut points: Vec<[f64; 2]> = Vec::new();
-    for (index, line) in text.lines().enumerate() {
-        let line = line.trim();
-        if index == 0 && line != "raw,mm" {
-            return Err(wrong(1, "expected the head `raw,mm`"));
-        }
-        if index == 0 || line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let numbers: Vec<f64> = line.split(',').filter_map(|text| text.trim().parse().ok()).collect();
-        let [raw, mm] = numbers[..] else { return Err(wrong(index + 1, "expected two numbers")) };
-        points.push([raw, mm]);
-    }
-    let law = Law::of_points(&points).map_err(|fault| Failure::Usage(format!("{name}: {fault}")))?;
-    identity::used("law", &name, Some(&name), &bytes);
-    Ok(law)
+    let (name, points) = inputs::law_points(path, "raw,mm", "linear, cny70, hall")?;
+    Law::of_points(&points).map_err(|fault| Failure::Usage(format!("{name}: {fault}")))
 }

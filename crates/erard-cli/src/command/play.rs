@@ -15,7 +15,7 @@ use super::options::load_keyboard;
 use super::out::OutOptions;
 use super::press::wav_name;
 use crate::failure::Failure;
-use crate::inputs::{self, shown};
+use crate::inputs::{self, LawPoints, shown};
 use crate::number::whole;
 use crate::output::Output;
 use crate::play::spool::Spools;
@@ -41,6 +41,10 @@ pub(crate) struct Play {
     /// Second keyboard to compare with: which notes are lost on one of the two only
     #[arg(long, value_name = "KEYBOARD")]
     against: Option<String>,
+    /// Law between velocity and hammer speed: `logarithmic`, MIDI = 52 + 25 log2(v), v in m/s; `linear:V`, velocity 127
+    /// at V m/s; or your own table, a file of points with the head `m_per_s,velocity`
+    #[arg(long, value_name = "LAW", default_value = "logarithmic")]
+    law: String,
     /// Play only notes that begin at or after this time, s
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
     from: f64,
@@ -78,7 +82,8 @@ fn milliseconds(text: &str) -> Result<f64, String> {
 impl Play {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let score = score(&self.piece, self.from, self.to)?;
+        let points = self.law_points()?;
+        let score = score(&self.piece, self.law(&points)?, self.from, self.to)?;
         let names = std::iter::once(&self.keyboard).chain(&self.against);
         let keyboards = names.map(|name| load_keyboard(name)).collect::<Result<Vec<Keyboard>, Failure>>()?;
         let threads = self.threads.map_or_else(cores::count, usize::from);
@@ -97,10 +102,31 @@ impl Play {
         Ok(())
     }
 
+    /// The points of the law, where they are one's own.
+    fn law_points(&self) -> Result<Option<LawPoints>, Failure> {
+        let is_own = self.law != "logarithmic" && !self.law.starts_with("linear:");
+        let file = is_own.then(|| Path::new(&self.law));
+        file.map(|path| inputs::law_points(path, "m_per_s,velocity", "logarithmic, linear:V")).transpose()
+    }
+
+    fn law<'l>(&self, points: &'l Option<LawPoints>) -> Result<Law<'l>, Failure> {
+        if let Some((name, points)) = points {
+            return Law::table(points).map_err(|fault| Failure::Usage(format!("{name}: {fault}")));
+        }
+        let Some(full) = self.law.strip_prefix("linear:") else { return Ok(Law::GOEBL) };
+        let found = full.parse().ok().filter(|v: &f64| (0.5..=50.0).contains(v));
+        found.map(|full_m_per_s| Law::Linear { full_m_per_s }).ok_or_else(|| {
+            Failure::Usage(format!(
+                "--law: `{}`; expected the speed of velocity 127, linear:0.5 to linear:50",
+                self.law
+            ))
+        })
+    }
+
     /// The piece on one keyboard, and its files.
     fn side(
         &self,
-        score: &Score,
+        score: &Score<'_>,
         keyboard: &Keyboard,
         threads: usize,
         mark: &str,
@@ -175,12 +201,15 @@ impl Play {
             let times = score.duration_s / side.elapsed_s;
             say!("{}: real-time factor {times:.2} ({:.1} s on {} threads)", side.name, side.elapsed_s, played.threads);
         }
+        if let Some(mb) = peak_memory_mb() {
+            say!("peak memory {mb:.0} MB");
+        }
         say!();
     }
 }
 
 /// The notes of a piece that begin between two instants, s.
-pub(super) fn score(path: &Path, from: f64, to: Option<f64>) -> Result<Score, Failure> {
+pub(super) fn score<'l>(path: &Path, law: Law<'l>, from: f64, to: Option<f64>) -> Result<Score<'l>, Failure> {
     let name = shown(path);
     let wrong = |what: String| Failure::Usage(format!("{name}: {what}"));
     let bytes = inputs::beginning(path, MOST_BYTES + 1).map_err(|error| wrong(format!("cannot be read: {error}")))?;
@@ -192,7 +221,7 @@ pub(super) fn score(path: &Path, from: f64, to: Option<f64>) -> Result<Score, Fa
     } else {
         ""
     };
-    let score = Score::of(&piece, &Law::GOEBL);
+    let score = Score::of(&piece, &law);
     if score.notes.is_empty() {
         let remarks = score.remarks.join("; ");
         let why = if remarks.is_empty() { String::new() } else { format!(" ({remarks})") };
@@ -200,6 +229,14 @@ pub(super) fn score(path: &Path, from: f64, to: Option<f64>) -> Result<Score, Fa
         return Err(wrong(format!("no note for a piano{between}{why}; {expected}")));
     }
     Ok(score)
+}
+
+/// The most memory that this process has held, MB; `None` where the system does not say.
+fn peak_memory_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = peak.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1.024e-3 * kib)
 }
 
 /// What is wrong with a performance on a keyboard.

@@ -6,6 +6,7 @@ use clap::Args;
 use erard::instrument::Instrument;
 use erard::instrument_spec::split_sample;
 use erard::keyboard::{KEYS, Keyboard, key_named};
+use erard_midi::Law;
 use erard_piece::scan::{Case, MOST_RATE_HZ, Scans, Sensor, Truth, play_cases};
 use erard_piece::{Options, Score, perform};
 use erard_workshop::cores;
@@ -118,7 +119,7 @@ fn percent(text: &str) -> Result<f64, String> {
 impl Scan {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let score = self.piece.as_deref().map(|piece| score(piece, self.from, self.to)).transpose()?;
+        let score = self.piece.as_deref().map(|piece| score(piece, Law::GOEBL, self.from, self.to)).transpose()?;
         let sensors = self.sensors()?;
         let (name, sample) = split_sample(&self.keyboard).map_err(|error| Failure::Usage(error.to_string()))?;
         let own = load_keyboard(&name)?;
@@ -176,7 +177,7 @@ impl Scan {
     }
 
     /// The keys that are played, ascending.
-    fn played(&self, score: Option<&Score>) -> Vec<usize> {
+    fn played(&self, score: Option<&Score<'_>>) -> Vec<usize> {
         let mut keys: Vec<usize> = score.iter().flat_map(|score| &score.notes).map(|note| note.key).collect();
         if self.cases.is_some() {
             keys.extend(&self.keys.0);
@@ -212,7 +213,7 @@ impl Scan {
 
     fn play(
         &self,
-        score: Option<&Score>,
+        score: Option<&Score<'_>>,
         keyboard: &str,
         instruments: &[Instrument],
         scans: &Scans,

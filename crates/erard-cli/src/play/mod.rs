@@ -21,7 +21,7 @@ pub(crate) struct Side {
 pub(crate) struct Played<'a> {
     /// The file's name.
     pub piece: &'a str,
-    pub score: &'a Score,
+    pub score: &'a Score<'a>,
     pub threads: usize,
     /// One keyboard, or two.
     pub sides: Vec<Side>,

@@ -86,7 +86,7 @@ pub(crate) fn heading(n: usize, note: &Note) -> String {
 
 fn words(n: usize, note: &Note) -> String {
     let mut words = heading(n, note);
-    if let Some((late_s, louder)) = note.late_s().zip(note.louder()) {
+    if let Some((late_s, louder)) = note.late_s().zip(note.louder) {
         words += &format!("; sounded {} ms later, {} counts louder", signed(1e3 * late_s, 2), signed(louder, 2));
     }
     for more in [faults(note), reasons(note)] {

@@ -1,7 +1,8 @@
 //! A performance in words, as a table and as JSON.
 
 use erard::keyboard::note_name;
-use erard_piece::{Fault, Played as Note, Summary};
+use erard_midi::Law;
+use erard_piece::{Fault, Performance, Played as Note, Reason, Score, Summary};
 use serde_json::{Value, json};
 
 use super::{Played, Side};
@@ -35,7 +36,7 @@ pub(crate) fn table(side: &Side) -> Table<'static> {
         .optional("sounded_s", number(&|note| note.impact.map(|[at_s, _]| at_s)))
         .optional("hammer_m_per_s", number(&|note| note.impact.map(|[_, speed]| speed)))
         .optional("late_ms", number(&|note| note.late_s().map(|late_s| 1e3 * late_s)))
-        .optional("louder_by_counts", number(&Note::louder))
+        .optional("louder_by_counts", number(&|note| note.louder))
         .optional("pressed_s", number(&|note| Some(note.pressed_s)))
         .optional("force_N", number(&|note| Some(note.force_n)))
         .optional("written_off_s", number(&|note| Some(note.wanted.off_s)))
@@ -50,7 +51,7 @@ pub(crate) fn table(side: &Side) -> Table<'static> {
 
 /// `summary.json`.
 pub(crate) fn json(played: &Played<'_>) -> Value {
-    let keyboards: Vec<Value> = played.sides.iter().map(|side| keyboard_json(side, played.score.duration_s)).collect();
+    let keyboards: Vec<Value> = played.sides.iter().map(|side| keyboard_json(side, played.score)).collect();
     json!({
         "piece": played.piece,
         "notes": played.score.notes.len(),
@@ -63,7 +64,20 @@ pub(crate) fn json(played: &Played<'_>) -> Value {
     })
 }
 
-fn keyboard_json(side: &Side, duration_s: f64) -> Value {
+fn reasons_json(all: &Summary) -> serde_json::Map<String, Value> {
+    let found = Reason::NAMES.iter().zip(all.reasons).filter(|(_, count)| *count > 0);
+    found.map(|(name, count)| ((*name).to_owned(), count.into())).collect()
+}
+
+fn ceilings_json(performance: &Performance, law: &Law<'_>) -> Vec<Value> {
+    let one = |(key, speed): (&usize, &f64)| {
+        let velocity = law.velocity(*speed).counts();
+        json!({"key": key, "name": note_name(*key), "hammer_m_per_s": speed, "velocity": velocity})
+    };
+    performance.ceilings().iter().map(one).collect()
+}
+
+fn keyboard_json(side: &Side, score: &Score<'_>) -> Value {
     let all = side.performance.summary();
     let counts: serde_json::Map<String, Value> =
         Fault::ALL.iter().zip(all.faults).map(|(fault, count)| (fault.name().to_owned(), count.into())).collect();
@@ -75,7 +89,7 @@ fn keyboard_json(side: &Side, duration_s: f64) -> Value {
             "name": note_name(note.wanted.key),
             "written_s": note.wanted.on_s,
             "late_ms": note.late_s().map(|late_s| 1e3 * late_s),
-            "louder_by_counts": note.louder(),
+            "louder_by_counts": note.louder,
             "faults": note.faults().into_iter().map(Fault::name).collect::<Vec<_>>(),
             "reasons": note.reasons().iter().map(ToString::to_string).collect::<Vec<_>>(),
         })
@@ -85,6 +99,8 @@ fn keyboard_json(side: &Side, duration_s: f64) -> Value {
         "keys": side.performance.dampers.len(),
         "right": all.right,
         "faults": counts,
+        "reasons": reasons_json(&all),
+        "ceilings": ceilings_json(&side.performance, &score.law),
         "from_home": all.from_home,
         "largest_error_from_home": {"counts": all.home_errors[0], "ms": 1e3 * all.home_errors[1]},
         "largest_error_of_others": {"counts": all.other_errors[0], "ms": 1e3 * all.other_errors[1]},
@@ -93,7 +109,7 @@ fn keyboard_json(side: &Side, duration_s: f64) -> Value {
         "steps": side.performance.steps,
         "step_s": side.performance.step_s,
         "elapsed_s": side.elapsed_s,
-        "real_time_factor": duration_s / side.elapsed_s,
+        "real_time_factor": score.duration_s / side.elapsed_s,
     })
 }
 
@@ -114,6 +130,11 @@ pub(super) fn counts(played: &Played<'_>) -> Table<'static> {
     let names = ["silent", "sounded twice", "late, > 2 ms", "early, > 2 ms", "soft, > 1 count", "loud, > 1 count"];
     for (index, name) in names.into_iter().enumerate() {
         rows.push(row(name, &|one| one.faults[index].to_string()));
+    }
+    for (index, name) in Reason::NAMES.into_iter().enumerate() {
+        if all.iter().any(|one| one.reasons[index] > 0) {
+            rows.push(row(&format!("why: {name}"), &|one| one.reasons[index].to_string()));
+        }
     }
     rows.push(row("from home", &|one| one.from_home.to_string()));
     for (whose, home) in [("from home", true), ("others", false)] {
@@ -150,9 +171,28 @@ pub(super) fn wrong(played: &Played<'_>, most: usize, has_room: bool) -> (Table<
     (Table::of(heads, rows.collect::<Vec<_>>()), all.len())
 }
 
+/// Which speeds the hand reached at most, where notes ask for more; empty where none does.
+fn ceilings(side: &Side, law: &Law<'_>) -> String {
+    let found = side.performance.ceilings();
+    let by_speed = |a: &(&usize, &f64), b: &(&usize, &f64)| a.1.total_cmp(b.1);
+    let Some((low, high)) = found.iter().min_by(by_speed).zip(found.iter().max_by(by_speed)) else {
+        return String::new();
+    };
+    let one = |(key, speed): (&usize, &f64)| {
+        format!("{speed:.2} m/s, velocity {:.0}, {}", law.velocity(*speed).counts(), note_name(*key))
+    };
+    let keys =
+        if found.len() == 1 { "ceiling of a key".to_owned() } else { format!("ceilings of {} keys", found.len()) };
+    let range = if found.len() == 1 { one(low) } else { format!("{} to {}", one(low), one(high)) };
+    format!("\n{}: {keys} that a hand reaches: {range}\n", side.name)
+}
+
 /// What is printed.
 pub(crate) fn text(played: &Played<'_>) -> String {
     let mut out = format!("{}\n", counts(played).to_string().trim_end());
+    for side in &played.sides {
+        out += &ceilings(side, &played.score.law);
+    }
     let (table, count) = wrong(played, PRINTED, played.sides.len() == 1);
     if count > 0 {
         out += &format!("\n{}\n", table.to_string().trim_end());

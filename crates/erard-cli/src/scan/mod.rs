@@ -21,7 +21,7 @@ use crate::table::Table;
 pub(crate) struct Scanned<'a> {
     /// The piece's file.
     pub piece: Option<String>,
-    pub score: Option<&'a Score>,
+    pub score: Option<&'a Score<'a>>,
     pub keyboard: &'a Keyboard,
     /// The keyboard as it was asked for, and the sample's number in that.
     pub asked: &'a str,

@@ -71,6 +71,61 @@ fn sensed_keys_become_notes() {
     assert_eq!(std::fs::read(folder.0.join("bytes")).unwrap(), output.stdout);
 }
 
+/// A sender that stops while keys are down, through a pipe that stays open: after `--stall` seconds on the wall's clock
+/// their notes are ended. What it sends later is played again; Control-C ends what sounds, and the process with 130.
+#[cfg(unix)]
+#[test]
+fn a_stall_and_an_interruption_end_what_sounds() {
+    use std::io::Read;
+    use std::time::{Duration, Instant};
+    let folder = Folder::new("live-stall");
+    let stall = Duration::from_millis(300);
+    let mut child = folder
+        .command(&["live", "--stall", "0.3"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let (mut stdin, mut stdout) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
+    // Keys 40 and 52 are down at 0.86 s.
+    let pressed = |later_us: u32| -> String {
+        let whole = sensed("mm", 0.0, 9.9);
+        let sample = |line: &str| {
+            let (time_us, rest) = line.split_once(',')?;
+            let time_us: u32 = time_us.parse().ok().filter(|us| *us <= 860_000)?;
+            (!rest.starts_with("sustain")).then(|| format!("{},{rest}\n", time_us + later_us))
+        };
+        whole.lines().filter_map(sample).collect()
+    };
+    let mut message = || {
+        let mut bytes = [0; 3];
+        stdout.read_exact(&mut bytes).unwrap();
+        bytes
+    };
+    let both = |messages: [[u8; 3]; 2], status: u8| {
+        let mut keys = messages.map(|[own, note, _]| (own, note));
+        keys.sort_unstable();
+        assert_eq!(keys, [(status, 60), (status, 72)], "{messages:?}");
+    };
+    stdin.write_all(format!("time_us,key,mm\n{}", pressed(0)).as_bytes()).unwrap();
+    both([message(), message()], 0x90);
+    let sounded = Instant::now();
+    both([message(), message()], 0x80);
+    assert!(sounded.elapsed() > stall / 2, "{:?}", sounded.elapsed());
+    stdin.write_all(pressed(9_000_000).as_bytes()).unwrap();
+    both([message(), message()], 0x90);
+    let process = rustix::process::Pid::from_child(&child);
+    rustix::process::kill_process(process, rustix::process::Signal::INT).unwrap();
+    both([message(), message()], 0x80);
+    let mut rest = Vec::new();
+    stdout.read_to_end(&mut rest).unwrap();
+    let output = child.wait_with_output().unwrap();
+    drop(stdin);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(rest.is_empty() && output.status.code() == Some(130) && said.contains("interrupted"), "{rest:?} {said}");
+}
+
 fn keys_and(keys: &[usize], velocities: &[u8]) -> Vec<[u8; 3]> {
     keys.iter().zip(velocities).map(|(key, velocity)| [0x90, *key as u8 + 20, *velocity]).collect()
 }

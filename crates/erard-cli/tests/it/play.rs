@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use erard_midi::file::{Note, Piece, write};
+use erard_midi::file::{Note, PedalChange, Piece, write};
+use erard_midi::message::SOFT;
 use erard_midi::{Resolution, Velocity};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
@@ -42,6 +43,7 @@ fn a_piece_is_played_and_written() {
     let folder = with("written", &two_notes());
     let said = folder.good(&[&["play", "piece.mid"][..], &CHEAP].concat());
     assert!(said.starts_with("piece.mid - 3 notes, 0.8 s") && said.contains("real-time factor"), "{said}");
+    assert!(!cfg!(target_os = "linux") || said.contains("\npeak memory "), "{said}");
     let summary: Value = serde_json::from_str(&folder.read("out/summary.json")).unwrap();
     let own = &summary["keyboards"][0];
     assert_eq!((&summary["notes"], &own["keys"]), (&3.into(), &2.into()));
@@ -51,7 +53,14 @@ fn a_piece_is_played_and_written() {
     assert!(notes.lines().count() == 4 && notes.contains("C4") && notes.contains("C5"), "{notes}");
     let page = folder.read("out/play.html");
     assert!(page.contains("<svg class=\"roll\"") && page.contains("href=\"note-0003.html\""), "{page}");
-    assert!(folder.read("out/note-0003.html").contains("beyond the reach of a hand"));
+    assert!(folder.read("out/note-0003.html").contains("louder than a hand can play it: at most 7."));
+    let [key, hammer_m_per_s] = ["key", "hammer_m_per_s"].map(|name| own["ceilings"][0][name].as_f64().unwrap());
+    assert!(key == 52.0 && (7.3..7.8).contains(&hammer_m_per_s) && said.contains("ceiling of a key"), "{said}");
+    let reasons = &own["reasons"];
+    assert_eq!(
+        (&reasons["within 40 ms of the last stroke"], &reasons["louder than a hand can play it"]),
+        (&1.into(), &1.into())
+    );
 
     let reader = SerializedFileReader::new(fs::File::open(folder.0.join("out/actions.parquet")).unwrap()).unwrap();
     let names: Vec<String> =
@@ -82,6 +91,39 @@ fn two_keyboards_are_laid_side_by_side() {
     assert!(page.matches("<svg class=\"roll\"").count() == 2 && page.contains("on one of the two keyboards"), "{page}");
     for name in ["notes-1.csv", "notes-2.csv", "actions-1.parquet", "actions-2.parquet"] {
         assert!(folder.0.join("out").join(name).exists(), "{name}");
+    }
+}
+
+/// Velocities are speeds by the law that is asked for, and the soft pedal is reported once.
+#[test]
+fn a_piece_is_played_by_laws() {
+    let mut piece = Piece::default();
+    for (i, velocity) in [40, 100].into_iter().enumerate() {
+        let start_s = 0.5 + i as f64;
+        let velocity = Velocity::of_seven_bits(velocity);
+        piece.notes.push(Note { key: 40, start_s, end_s: start_s + 0.2, velocity, release: None });
+    }
+    for (time_s, value) in [(0.9, 50), (1.0, 127), (2.0, 0)] {
+        piece.pedals.push(PedalChange { time_s, controller: SOFT, value });
+    }
+    let folder = with("laws", &write(&piece, Resolution::SevenBits).unwrap());
+    fs::write(folder.0.join("own.csv"), "m_per_s,velocity\n0.25,20\n# loud\n4,100\n").unwrap();
+    fs::write(folder.0.join("bad.csv"), "m_per_s,velocity\n1,20\n0.5,100\n").unwrap();
+    let own_40 = 0.25 * 16_f64.powf(0.25);
+    for (law, wanted) in [("linear:6", [6.0 * 40.0 / 127.0, 6.0 * 100.0 / 127.0]), ("own.csv", [own_40, 4.0])] {
+        let said = folder.good(&[&["play", "piece.mid", "--law", law, "--force"][..], &CHEAP].concat());
+        let soft = "soft pedal ignored (controller 67: 3 changes, down 1 time, 1 note under it)";
+        assert_eq!(said.matches(soft).count(), 1, "{said}");
+        let notes = folder.read("out/notes.csv");
+        let at = notes.lines().next().unwrap().split(',').position(|name| name == "hammer_m_per_s").unwrap();
+        for (line, wanted) in notes.lines().skip(1).zip(wanted) {
+            let speed: f64 = line.split(',').nth(at).unwrap().parse().unwrap();
+            assert!((speed / wanted - 1.0).abs() < 0.01, "{law}: {speed} for {wanted}");
+        }
+    }
+    for (law, expected) in [("linear:0", "linear:0.5"), ("bad.csv", "point 2"), ("goebl", "expected logarithmic")] {
+        let said = folder.bad(&["play", "piece.mid", "--law", law]);
+        assert!(said.contains(expected), "{said}");
     }
 }
 

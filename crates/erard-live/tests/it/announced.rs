@@ -2,10 +2,11 @@
 
 use erard::Action;
 use erard::grand::Anatomy;
+use erard::instrument::{Curve, Instrument, Spring};
 use erard::level::LEVELS;
-use erard_live::SensorKind;
 use erard_live::ahead::Announced;
 use erard_live::stream::{Of, Sample};
+use erard_live::{Event, Live, SensorKind};
 
 use crate::common::{GRAND, Press, offs, one_key, ons, played};
 
@@ -105,4 +106,79 @@ fn stopped_keys_announce_nothing_false() {
 
     let announced = Announced { hit: [1.0, 2.0], known_s: 0.997 };
     assert!(!announced.is_false(1.0049) && announced.is_false(1.0051));
+}
+
+/// The grand with its string lower by so much, m: the let-off comes nearer to it, at 1.7 mm the key holds the hammer
+/// against it. A torque at the shank, N m, pulls the hammer back, as springs do in uprights.
+fn altered(lower_m: f64, torque_n_m: f64) -> Instrument {
+    let mut grand = GRAND.clone();
+    let shank = grand.bodies[grand.roles.hammer.unwrap()].parent.unwrap();
+    let spring = &grand.springs[0];
+    let pulls = Spring { body: shank, torque_n_m: -torque_n_m, stiffness_n_m_per_rad: 0.0, ..spring.clone() };
+    grand.springs.extend((torque_n_m > 0.0).then_some(pulls));
+    let string = grand.roles.string.unwrap();
+    let Curve::Line { point_m, .. } = &mut grand.zones[string].curve else { panic!("the grand's string is a line") };
+    point_m[1] -= lower_m;
+    grand
+}
+
+/// The adversary of announcements: a key that goes down at each of these speeds, mm/s, and is thrown up at 1 m/s from
+/// the sample on after that with which its note was announced. Returns how many notes were announced before their
+/// impact, and how many of these did not come. Every note-on has one note-off; a false one's comes 5 ms after its
+/// instant.
+fn thrown_up(instrument: Instrument, speeds: impl Iterator<Item = f64>, rate: f64) -> [u64; 2] {
+    let options = crate::common::options(SensorKind::Action, true);
+    let mut live = Live::new(&[instrument], None, options, &mut |_| true).unwrap();
+    let (mut begins_s, mut announced, mut cancelled) = (0.0, 0, 0);
+    for speed in speeds {
+        let (mut value_mm, mut is_thrown, mut events) = (0.0_f64, false, Vec::new());
+        for k in 0..(0.6 * rate) as u32 {
+            let t = f64::from(k) / rate;
+            let goes_down = !is_thrown && (0.02..0.4).contains(&t);
+            value_mm = (value_mm + if goes_down { speed } else { -1000.0 } / rate).clamp(0.0, 9.5);
+            let sample = Sample { time_s: begins_s + t, of: Of::Key(1), value: value_mm };
+            live.take(&sample, &mut |event| events.push(event));
+            if !is_thrown && let Some(Event::On { time_s, known_s, .. }) = events.first() {
+                is_thrown = true;
+                announced += u64::from(known_s < time_s);
+            }
+        }
+        live.let_go(&mut |event| events.push(event));
+        let (ons, offs) = (ons(&events), offs(&events));
+        assert_eq!(ons.len(), offs.len(), "{events:?}");
+        let is_cancel = |(on, off): &(&[f64; 2], &f64)| (5e-3..5e-3 + 2.0 / rate).contains(&(*off - on[0]));
+        cancelled += ons.iter().zip(&offs).filter(is_cancel).count() as u64;
+        begins_s += 2.0;
+    }
+    let false_ones = live.report().false_announcements;
+    assert!(cancelled >= false_ones, "{cancelled} {false_ones}");
+    [announced, false_ones]
+}
+
+/// A hammer that a spring pulls back, driven all the way to a string that is too low, does not come once its key is
+/// thrown up; its note is counted and ended. A grand's hammer comes: it would have to rise less in free flight than the
+/// 0.1 m/s from which on impacts are foreseen carry it.
+#[test]
+fn false_announcements_are_cancelled() {
+    let [announced, false_ones] =
+        thrown_up(altered(5e-3, 0.08), [68.0, 104.0, 112.0, 164.0, 172.0].into_iter(), 4000.0);
+    assert!(announced == 5 && false_ones >= 3, "{announced} {false_ones}");
+    assert_eq!(thrown_up(altered(0.0, 0.0), [60.0, 100.0].into_iter(), 1000.0), [2, 0]);
+}
+
+mod nightly {
+    use super::{altered, thrown_up};
+
+    /// 50 speeds from 40 to 240 mm/s at the key, four let-offs down to a hammer that blocks, two rates.
+    #[test]
+    #[ignore = "nightly: 400 keys of a grand thrown up as soon as they are announced"]
+    fn no_announcement_of_a_grand_is_false() {
+        for rate in [1000.0, 4000.0] {
+            for lower_m in [0.0, 1.2e-3, 1.7e-3, 3e-3] {
+                let found = thrown_up(altered(lower_m, 0.0), (10..60).map(|k| 4.0 * f64::from(k)), rate);
+                println!("{rate} Hz, string {:.1} mm lower: {} announced, {} false", 1e3 * lower_m, found[0], found[1]);
+                assert!(found[0] > 40 && found[1] == 0, "{found:?}");
+            }
+        }
+    }
 }

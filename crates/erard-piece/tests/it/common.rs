@@ -31,18 +31,18 @@ pub fn foot(time_s: f64, controller: u8, value: u8) -> PedalChange {
     PedalChange { time_s, controller, value }
 }
 
-pub fn score(notes: Vec<Note>, pedals: Vec<PedalChange>) -> Score {
+pub fn score(notes: Vec<Note>, pedals: Vec<PedalChange>) -> Score<'static> {
     let mut notes = notes;
     notes.sort_by(|a, b| a.start_s.total_cmp(&b.start_s).then(a.key.cmp(&b.key)));
     Score::of(&Piece { notes, pedals, remarks: Vec::new() }, &Law::GOEBL)
 }
 
-pub fn piece(name: &str) -> Score {
+pub fn piece(name: &str) -> Score<'static> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("pieces").join(name);
     Score::of(&erard_midi::file::read(&std::fs::read(path).unwrap()).unwrap(), &Law::GOEBL)
 }
 
-pub fn played(score: &Score, keys: &[Instrument], options: &Options) -> Performance {
+pub fn played(score: &Score<'_>, keys: &[Instrument], options: &Options) -> Performance {
     perform(score, keys, options, &|_| Ok(Box::new(Silence)), &mut |_| true).unwrap()
 }
 
@@ -75,7 +75,7 @@ impl Kept {
     }
 }
 
-pub fn kept(score: &Score, keys: &[Instrument], options: &Options) -> (Performance, Kept) {
+pub fn kept(score: &Score<'_>, keys: &[Instrument], options: &Options) -> (Performance, Kept) {
     let kept = Kept::default();
     let sinks = |key: usize| -> io::Result<Box<dyn Sink>> { Ok(Box::new(Keeps(kept.clone(), key))) };
     (perform(score, keys, options, &sinks, &mut |_| true).unwrap(), kept)

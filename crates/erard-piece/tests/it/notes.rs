@@ -1,14 +1,14 @@
 //! Each note's hammer comes at its instant with its speed; what cannot be played is explained.
 
-use erard_midi::Velocity;
-use erard_midi::file::Note;
-use erard_piece::{Fault, Options, Played, Reason};
+use erard_midi::file::{Note, Piece};
+use erard_midi::{Law, Velocity};
+use erard_piece::{Fault, Options, Played, Reason, Score};
 
 use crate::common::{HEAVY, RIGID, STRINGS, note, played, score};
 
 /// Half a count and 1 ms: what is promised of a key at home.
 fn is_right(note: &Played) -> bool {
-    note.louder().is_some_and(|counts| counts.abs() <= 0.5) && note.late_s().is_some_and(|s| s.abs() <= 1e-3)
+    note.louder.is_some_and(|counts| counts.abs() <= 0.5) && note.late_s().is_some_and(|s| s.abs() <= 1e-3)
 }
 
 /// From pp to ff on a key with strings: half a count, 1 ms; releases within 1.5 ms.
@@ -40,19 +40,93 @@ fn a_key_learns() {
 fn what_is_beyond_reach_is_said() {
     let performance = played(&score(vec![note(1, 0.5, 0.8, 127)], Vec::new()), &RIGID, &Options::default());
     let note = &performance.notes[0];
-    assert_eq!((note.faults(), note.reasons()), (vec![Fault::Soft], vec![Reason::BeyondReach]), "{note:?}");
-    assert!(note.impact.unwrap()[1] > 4.5 && note.late_s().unwrap().abs() < 1e-3, "{note:?}");
+    let [_, reached_m_per_s] = note.impact.unwrap();
+    let why = vec![Reason::TooLoud { reached_m_per_s }];
+    assert_eq!((note.faults(), note.reasons()), (vec![Fault::Soft], why), "{note:?}");
+    assert!(reached_m_per_s > 4.5 && note.late_s().unwrap().abs() < 1e-3, "{note:?}");
 }
 
-/// Eight notes a second on one key go through the double escapement, each within a count and 2 ms.
+/// Velocity 127 on these keys. A law that asks for 12 m/s names each key's ceiling; the note is as loud as that. The
+/// published law asks for 8 m/s, which the keys with lower ceilings miss. 3 m/s by a law of one's own are met by all.
+fn loudest(keys: &[usize]) {
+    let notes = keys.iter().map(|&key| note(key, 0.5, 0.8, 127)).collect();
+    let piece = Piece { notes, ..Piece::default() };
+    let points = [[0.2, 10.0], [3.0, 127.0]];
+    let own = Law::table(&points).unwrap();
+    let by = |law: &Law<'_>| played(&Score::of(&piece, law), &RIGID, &Options::default());
+    let (linear, published, own) = (by(&Law::Linear { full_m_per_s: 12.0 }), by(&Law::GOEBL), by(&own));
+    let ceilings = linear.ceilings();
+    println!("{ceilings:.2?}");
+    for (note, other) in linear.notes.iter().zip(&published.notes) {
+        let reached_m_per_s = ceilings[&note.wanted.key];
+        assert!((6.0..10.5).contains(&reached_m_per_s) && note.late_s().unwrap().abs() < 1e-3, "{note:?}");
+        assert_eq!((note.faults(), note.reasons()), (vec![Fault::Soft], vec![Reason::TooLoud { reached_m_per_s }]));
+        let counts = 127.0 * (reached_m_per_s / 12.0 - 1.0);
+        assert!((note.louder.unwrap() - counts).abs() < 1e-9, "{note:?}");
+        let missing = 25.0 * (reached_m_per_s / 8.0).log2();
+        let is_soft = other.faults() == [Fault::Soft];
+        // A hand stops within half a count of what it is asked for.
+        assert!(is_soft == (missing < -1.0) || (missing + 1.0).abs() < 0.5, "{missing} {other:?}");
+        let same = published
+            .ceilings()
+            .get(&note.wanted.key)
+            .is_none_or(|m_per_s| (m_per_s / reached_m_per_s - 1.0).abs() < 1e-3);
+        assert!(same, "{other:?}");
+    }
+    assert!(own.ceilings().is_empty() && own.notes.iter().all(is_right), "{:?}", own.summary());
+}
+
+#[test]
+#[ignore = "ci: the loudest note of six keys by three laws"]
+fn keys_have_ceilings() {
+    loudest(&[1, 20, 40, 52, 60, 88]);
+}
+
+mod nightly {
+    use erard_piece::{Fault, Reason};
+
+    /// mp and f are as written on ten keys, 5 to 8 a second. At p some are not: a hammer that falls onto the rising
+    /// lever is thrown once more, for no check has caught it; at 8 a second a slow hand has no time.
+    #[test]
+    #[ignore = "nightly: repeated notes of ten keys from p to f"]
+    fn repetitions_of_many_keys_are_within_a_count() {
+        let keys: Vec<usize> = (4..=88).step_by(9).collect();
+        for rate in [5.0, 6.5, 8.0] {
+            for level in [66, 93] {
+                let wrong = super::repeated(&keys, level, rate);
+                assert!(wrong.is_empty(), "{wrong:?}");
+            }
+            let wrong = super::repeated(&keys, 44, rate);
+            let twice = wrong.iter().filter(|note| note.faults() == [Fault::Twice]);
+            assert!(twice.clone().all(|note| note.reasons().contains(&Reason::NotChecked)), "{wrong:?}");
+            assert!(twice.clone().count() <= 20 && wrong.len() - twice.count() <= 5, "{wrong:?}");
+        }
+    }
+
+    #[test]
+    #[ignore = "nightly: the loudest note of 88 keys by three laws"]
+    fn every_key_has_a_ceiling() {
+        super::loudest(&(1..=88).collect::<Vec<_>>());
+    }
+}
+
+/// So many notes a second on each key go through the double escapement. Returns the notes that are not within a count
+/// and 2 ms, or that sounded twice; each of them is explained.
+fn repeated(keys: &[usize], level: u8, rate: f64) -> Vec<Played> {
+    let at = |i: i32| 0.5 + f64::from(i) / rate;
+    let notes = keys.iter().flat_map(|&key| (0..8).map(move |i| note(key, at(i), at(i) + 0.5 / rate, level)));
+    let performance = played(&score(notes.collect(), Vec::new()), &RIGID, &Options::default());
+    let later = performance.notes.iter().filter(|note| note.wanted.on_s > 0.5 + 0.5 / rate);
+    assert!(later.clone().all(|note| !note.from_home) && later.count() == 7 * keys.len());
+    println!("{level} at {rate}/s: {:?}", performance.summary());
+    let wrong: Vec<Played> = performance.notes.into_iter().filter(|note| !note.faults().is_empty()).collect();
+    assert!(wrong.iter().all(|note| !note.reasons().is_empty()), "{wrong:?}");
+    wrong
+}
+
 #[test]
 fn repetitions_are_within_a_count() {
-    let notes = (0..8).map(|i| note(44, 0.5 + 0.125 * f64::from(i), 0.56 + 0.125 * f64::from(i), 66)).collect();
-    let performance = played(&score(notes, Vec::new()), &RIGID, &Options::default());
-    for note in &performance.notes {
-        assert!(note.faults().is_empty() && note.louder().unwrap().abs() <= 1.0, "{note:?}");
-    }
-    assert!(performance.notes[1..].iter().all(|note| !note.from_home));
+    assert!(repeated(&[44], 66, 8.0).is_empty());
 }
 
 /// Sixteen a second are more than an action does: each note that is not as written says how its key stood.

@@ -1,8 +1,9 @@
 //! Pedals are motions of the dampers.
 
+use erard_midi::Law;
 use erard_midi::file::Piece;
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
-use erard_piece::{FULL_PEDAL_M, Options, passage};
+use erard_piece::{FULL_PEDAL_M, Options, Played, Reason, Score, passage};
 
 use crate::common::{STRINGS, foot, kept, note, score};
 
@@ -46,6 +47,23 @@ fn the_sostenuto_pedal_holds_what_is_held() {
     assert!(other.0.is_nan() || other.0 == 0.0, "{other:?}");
 }
 
+/// A soft note on a string that still sounds under the pedal: the string comes to meet the hammer, and where that
+/// leaves the note outside what was written, the report says so.
+#[test]
+fn a_sounding_string_meets_the_hammer() {
+    let pedals = vec![foot(0.1, SUSTAIN, 127)];
+    let notes = [0.0, 0.02, 0.04, 0.06].into_iter().enumerate().flat_map(|(i, later_s)| {
+        let at_s = 0.5 + 3.0 * i as f64;
+        [note(30, at_s, at_s + 0.25, 98), note(30, at_s + 0.47 + later_s, at_s + 1.0, 30)]
+    });
+    let performance = kept(&score(notes.collect(), pedals), &STRINGS, &Options::default()).0;
+    let soft = performance.notes.iter().skip(1).step_by(2).filter(|note| !note.faults().is_empty());
+    let swings = |note: &Played| {
+        note.reasons().iter().any(|one| matches!(one, Reason::StringSounds { swing_m } if *swing_m > 5e-4))
+    };
+    assert!(soft.clone().count() > 0 && soft.into_iter().all(swings), "{performance:?}");
+}
+
 /// A passage begins where it is asked to, its pedals as they had been left.
 #[test]
 fn a_passage_is_cut_out() {
@@ -59,6 +77,15 @@ fn a_passage_is_cut_out() {
     let lifts: Vec<(f64, u8)> = part.pedals.iter().map(|change| (change.time_s, change.value)).collect();
     assert_eq!(lifts[..2], [(0.0, 127), (0.0, 30)]);
     assert!(lifts.len() == 3 && (lifts[2].0 - 0.7).abs() < 1e-12 && part.remarks.len() == 1);
+
+    // A soft pedal that was up again before the passage changes nothing in it; one that was down does.
+    let soft = |up_s: f64| {
+        let pedals = vec![foot(0.1, SOFT, 100), foot(0.2, SOFT, 127), foot(up_s, SOFT, 0)];
+        let part = passage(&Piece { pedals, ..whole.clone() }, 1.5, 3.0);
+        Score::of(&part, &Law::GOEBL).remarks[1..].to_vec()
+    };
+    assert!(soft(1.0).is_empty(), "{:?}", soft(1.0));
+    assert!(soft(2.2)[0].contains("2 changes, down 1 time, 1 note under it"), "{:?}", soft(2.2));
 }
 
 /// A key that sleeps feels no pedal; when its hand comes the rail is where the pedal is, and still.

@@ -37,6 +37,18 @@ fn keys_sleep_between_notes() {
     assert!(fewer.len().abs_diff(rows.len() / 5) <= 4, "{} {}", fewer.len(), rows.len());
 }
 
+/// A key that is held for an hour sleeps when it has come to rest, and its release is in time.
+#[test]
+fn a_key_is_held_for_an_hour() {
+    let score = score(vec![note(40, 0.5, 3600.0, 70), note(40, 3601.0, 3601.2, 70)], Vec::new());
+    let (performance, kept) = kept(&score, &RIGID, &Options::default());
+    assert!(performance.notes.iter().all(|note| note.faults().is_empty()), "{:?}", performance.notes);
+    let [off_s, _] = performance.notes[0].released.unwrap();
+    assert!((off_s - 3600.0).abs() < 1.5e-3, "{off_s}");
+    let rows = kept.rows(40).len();
+    assert!(performance.steps < 400_000 && rows < 10_000, "{} steps, {rows} rows", performance.steps);
+}
+
 /// A caller who asks to stop is heard at once; a sink that refuses ends the performance.
 #[test]
 fn it_can_be_ended() {

@@ -109,12 +109,13 @@ impl Session {
     /// Holds an output block against what was printed; gives what was printed.
     fn output(&self, text: &str) -> Result<String, String> {
         let printed = self.printed.as_ref().ok_or("an output stands before the first command")?;
-        // How long it took depends on the machine.
+        // How long it took, and with how much memory, depends on the machine.
         let untimed = |line: &'_ str| match line.find(" simulations, ") {
             Some(at) => format!("{} simulations", &line[..at]),
             None => line.to_owned(),
         };
-        let lines = printed.lines().filter(|l| !l.contains("real-time factor")).map(untimed);
+        let of_machine = |l: &str| l.contains("real-time factor") || l.starts_with("peak memory ");
+        let lines = printed.lines().filter(|l| !of_machine(l)).map(untimed);
         let printed = lines.collect::<Vec<_>>().join("\n").trim_end().to_owned() + "\n";
         let writing = std::env::var("ERARD_BOOK").is_ok_and(|v| v == "write");
         let plain = |text: &str| text.lines().map(without_numbers).collect::<Vec<_>>();

@@ -1,0 +1,55 @@
+//! The C interface accepts and refuses the numbers that the command and the Python interface accept and refuse.
+
+use std::ffi::CString;
+use std::ptr::{null, null_mut};
+
+use erard_c::*;
+
+use crate::Action;
+
+/// Rows of `quantity, value, accepted`, which every front is held against.
+const RANGES: &str = include_str!("../../../../crates/erard/tests/ranges.csv");
+
+/// Whether an instrument could be made, which then goes.
+fn made(instrument: *mut ErardInstrument) -> bool {
+    unsafe { erard_instrument_free(instrument) };
+    !instrument.is_null()
+}
+
+fn varied(called: &str, change: &str) -> bool {
+    let [called, change] = [called, change].map(|text| CString::new(text).unwrap());
+    let grand = unsafe { erard_instrument_new(null(), 0, null_mut()) };
+    let status = unsafe { erard_instrument_vary(grand, called.as_ptr(), change.as_ptr()) };
+    unsafe { erard_instrument_free(grand) };
+    status == ErardStatus::Ok
+}
+
+#[test]
+fn numbers_are_refused_as_by_the_other_fronts() {
+    let mut tried = 0;
+    for row in RANGES.lines().skip(1) {
+        let [quantity, value, accepted] = row.split(',').collect::<Vec<_>>().try_into().expect("three columns");
+        let number: f64 = value.parse().unwrap();
+        let grand = Action::grand();
+        let is_accepted = match quantity {
+            "step_s" => {
+                let action = unsafe { erard_action_new(null(), 0, number, null_mut()) };
+                unsafe { erard_action_free(action) };
+                !action.is_null()
+            }
+            "live_force_n" => unsafe { erard_step_force(grand.0, number, null_mut()) == ErardStatus::Ok },
+            "live_position_m" => unsafe { erard_step_motion(grand.0, number, 0.0, null_mut()) == ErardStatus::Ok },
+            "live_speed_m_per_s" => unsafe { erard_step_motion(grand.0, 0.0, number, null_mut()) == ErardStatus::Ok },
+            // What is no whole number its type refuses.
+            "key" => value.parse().is_ok_and(|key| made(unsafe { erard_instrument_of_key(key, null_mut()) })),
+            "hammer_mass_factor" => varied("body.hammer.mass", &format!("*{value}")),
+            "let_off_turned_mm" => varied("let_off", &format!("+{value} mm").replace("+-", "-")),
+            // Presses of a duration are the command's and Python's.
+            "duration_s" | "force_n" | "hammer_speed_m_per_s" => continue,
+            other => panic!("{other} is not tried on the C interface"),
+        };
+        assert_eq!(is_accepted, accepted == "yes", "{row}: {}", crate::last_error());
+        tried += 1;
+    }
+    assert!(tried > 30, "{tried}");
+}

@@ -1,0 +1,34 @@
+//! The command accepts and refuses the numbers that the C and the Python interface accept and refuse.
+
+use crate::common::Folder;
+
+/// Rows of `quantity, value, accepted`, which every front is held against.
+const RANGES: &str = include_str!("../../../erard/tests/ranges.csv");
+
+#[test]
+fn numbers_are_refused_as_by_the_other_fronts() {
+    let folder = Folder::new("ranges");
+    let mut tried = 0;
+    for row in RANGES.lines().skip(1) {
+        let [quantity, value, accepted] = row.split(',').collect::<Vec<_>>().try_into().expect("three columns");
+        let out = ["--out", "out", "--force"];
+        let given = match quantity {
+            "step_s" => format!("press --dt {value} --force-step 5 --duration 1e-3"),
+            "duration_s" => format!("press --force-step 5 --duration {value}"),
+            "force_n" => format!("press --force-step {value} --duration 1e-3"),
+            "hammer_speed_m_per_s" => format!("press --hammer-speed {value}"),
+            "key" => format!("press --instrument concert-grand:key={value} --force-step 5 --duration 1e-3"),
+            "hammer_mass_factor" => format!("study --vary body.hammer.mass={value} --force-step 5 --duration 1e-3"),
+            "let_off_turned_mm" => format!("study --vary let_off={value}mm --force-step 5 --duration 1e-3"),
+            // The command steps nothing live.
+            "live_force_n" | "live_position_m" | "live_speed_m_per_s" => continue,
+            other => panic!("{other} is not tried on the command"),
+        };
+        let arguments: Vec<&str> = given.split(' ').chain(out).collect();
+        let output = folder.erard(&arguments);
+        let code = if accepted == "yes" { 0 } else { 2 };
+        assert_eq!(output.status.code(), Some(code), "{row}: {}", String::from_utf8_lossy(&output.stderr));
+        tried += 1;
+    }
+    assert!(tried > 30, "{tried}");
+}
