@@ -15,6 +15,7 @@ mod object;
 mod pages;
 mod playing;
 mod programs;
+mod ranges;
 
 use std::ptr::{null, null_mut};
 

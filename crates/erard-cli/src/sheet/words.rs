@@ -196,6 +196,9 @@ fn why_words(quantity: Quantity, why: &Why) -> String {
         Why::NoSetting(names) => format!("no setting of {} gives it", screws(names)),
         Why::NoScrew => "no screw in this file; set it by hand".to_owned(),
         Why::Friction => "friction must come right first".to_owned(),
+        Why::ReadAgain => {
+            "the lines before it change it, nobody knows well how far; read it again after this list".to_owned()
+        }
         Why::Unreadable => "it cannot be read before the hammer drops; measure again after this list".to_owned(),
         Why::NoBalance => {
             "with this friction no balance weight has down-weight and up-weight in their ranges".to_owned()

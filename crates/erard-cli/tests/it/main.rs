@@ -25,6 +25,7 @@ mod live;
 mod measure;
 mod nothing_lost;
 mod play;
+mod ranges;
 mod recordings;
 mod regulate;
 mod samples;

@@ -18,10 +18,13 @@ pub(super) const KEY_PER_HAMMER: f64 = 0.19;
 /// Times that dip and blow are tried on the copy and found anew.
 const TRIALS: u32 = 2;
 /// Inside its range by so much, mm, a line bears what hand and reading are off by: a paper and a reading; 1/8 turn of
-/// the capstan and a reading; both for the aftertouch.
+/// the capstan and a reading; both for the aftertouch; a bend of the back check's wire and a reading;
+/// an eighth of a turn of the lever's screw and a reading.
 const ROOM_DIP_MM: f64 = 0.3;
-const ROOM_BLOW_MM: f64 = 1.0;
+const ROOM_BLOW_MM: f64 = 1.5;
 const ROOM_AFTERTOUCH_MM: f64 = 0.3;
+const ROOM_CHECK_MM: f64 = 1.0;
+const ROOM_LEVER_MM: f64 = 0.15;
 /// What a millimetre of dip and of blow must gain of that room, to be worth the work.
 const WORK: f64 = 0.1;
 
@@ -33,9 +36,13 @@ impl Planner<'_, '_> {
     pub(super) fn aims(&mut self) -> Worked<Aims> {
         let mut aims: Aims = REGULATION
             .into_iter()
-            .filter(|quantity| (self.is_out(*quantity) || self.is_at_risk(*quantity)) && !self.is_unreadable(*quantity))
-            .map(|quantity| (quantity, quantity.aim(self.key)))
+            .filter(|quantity| self.is_out(*quantity) || self.is_at_risk(*quantity))
+            .map(|quantity| (quantity, self.aim(quantity)))
             .collect();
+        if self.is_unreadable(LetOff) {
+            self.without_a_fall(&mut aims);
+            return Ok(aims);
+        }
         for _ in 0..TRIALS {
             let then = self.with_distances_at(&aims)?;
             let (Some(aftertouch), Some(dip), Some(blow)) = (then.get(Aftertouch), then.get(Dip), then.get(Blow))
@@ -43,7 +50,7 @@ impl Planner<'_, '_> {
                 break;
             };
             let is_asked = aims.iter().any(|(quantity, _)| [Dip, Blow].contains(quantity));
-            if !is_asked && !then.is_out(Aftertouch, self.key) {
+            if !is_asked && then.beyond(Aftertouch, self.key) <= Aftertouch.precision() {
                 break;
             }
             let [new_dip, new_blow] = self.dip_and_blow([dip, blow], aftertouch);
@@ -59,9 +66,51 @@ impl Planner<'_, '_> {
         Ok(aims)
     }
 
+    /// The aims of let-off and drop where the hammer does not fall. The jack lets off where the reading says, or
+    /// farther from the string: the button may bring it nearer, and never takes it away. The lever is not lowered below
+    /// the end of the let-off's range, or below where it is: whatever the jack does, the hammer then comes as near as
+    /// before.
+    fn without_a_fall(&self, aims: &mut Aims) {
+        let Some(read) = self.now.get(LetOff) else { return };
+        let nearest = read.min(LetOff.aim(self.key));
+        let lowest = LetOff.range(self.key)[1].max(read) + 0.5 * LetOff.precision();
+        aims.retain(|(quantity, _)| ![LetOff, Drop].contains(quantity));
+        if read - nearest >= LetOff.least_change() {
+            aims.push((LetOff, nearest));
+        }
+        aims.push((Drop, Drop.aim(self.key).min(lowest - nearest)));
+    }
+
+    /// What a line is to come to.
+    ///
+    /// A millimetre of the back check's wire moves the check distance by 7 to 11 mm on seven of eight drawn grands, and
+    /// by up to 28 mm on the eighth: the copy's may be another than the piano's. The aim is where it may be wrong by
+    /// the same factor either way. The change is the geometric mean of those to the two ends of the range.
+    pub(super) fn aim(&self, quantity: Quantity) -> f64 {
+        let middle = quantity.aim(self.key);
+        let [low, high] = quantity.range(self.key);
+        match self.now.get(quantity) {
+            Some(now) if quantity == Check => {
+                let mean = |near: f64, far: f64| (near.max(0.0) * far).sqrt();
+                let aim =
+                    if now < middle { now + mean(low - now, high - now) } else { now - mean(now - high, now - low) };
+                aim.clamp(low + ROOM_CHECK_MM, high - ROOM_CHECK_MM)
+            }
+            // Not farther than needed: a lever goes into friction and leverage, and so into every weight.
+            Some(now) if quantity == LeverHeight => {
+                now.clamp(low + ROOM_LEVER_MM, (high - ROOM_LEVER_MM).max(low + ROOM_LEVER_MM))
+            }
+            _ => middle,
+        }
+    }
+
     /// Whether other lines of this list have brought one so near to the end of its range that its reading cannot say
     /// on which side it is.
-    fn is_at_risk(&self, quantity: Quantity) -> bool {
+    pub(super) fn is_at_risk(&self, quantity: Quantity) -> bool {
+        // A check that is read inside is left alone: how far a bend of its wire moves it is not known well enough.
+        if quantity == Check {
+            return false;
+        }
         let (Some(read), Some(now)) = (self.read.get(quantity), self.now.get(quantity)) else { return false };
         let [low, high] = quantity.range(self.key);
         let precision = quantity.precision();

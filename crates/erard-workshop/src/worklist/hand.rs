@@ -143,7 +143,7 @@ impl Work {
     /// Those of weighing, for friction is eased with a weight on the key.
     pub fn carry_out(&self, instrument: &mut Instrument, progress: &mut Progress<'_>) -> Result<(), MeasureError> {
         match self {
-            Work::Friction { by_g } => return ease(instrument, *by_g, progress),
+            Work::Friction { by_g } => return ease(instrument, Rubs::Everywhere, *by_g, progress),
             Work::Capstan { by_mm } => {
                 if let Some(zone) = capstan(instrument)? {
                     instrument.zones[zone].disc_center_m[0] -= 1e-3 * by_mm;
@@ -216,15 +216,29 @@ fn hammer(instrument: &mut Instrument, by_g: f64) -> Result<(), MeasureError> {
     Ok(())
 }
 
-/// Every pin and bushing between finger and string, and the knuckle, eased by one factor until the friction weight has
-/// changed by so much: where it rubs is not known from a weight.
-fn ease(instrument: &mut Instrument, by_g: f64, progress: &mut Progress<'_>) -> Result<(), MeasureError> {
+/// Where friction changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rubs {
+    /// At every pin and bushing between finger and string: where it rubs is not known from a weight.
+    Everywhere,
+    /// At the key's pins.
+    Key,
+}
+
+/// Pins and bushings eased by one factor until the friction weight has changed by so much.
+pub(super) fn ease(
+    instrument: &mut Instrument,
+    rubs: Rubs,
+    by_g: f64,
+    progress: &mut Progress<'_>,
+) -> Result<(), MeasureError> {
     let anatomy = Anatomy::find(instrument)?;
-    let pins = [anatomy.key, anatomy.whippen, anatomy.hammer].map(|body| instrument.first_piece(body));
+    let all = [anatomy.key, anatomy.whippen, anatomy.hammer].map(|body| instrument.first_piece(body));
+    let pins = if rubs == Rubs::Key { &all[..1] } else { &all[..] };
     let eased = |factor: f64| {
         let mut eased = instrument.clone();
         for pin in pins {
-            eased.bodies[pin].friction_torque_n_m *= factor;
+            eased.bodies[*pin].friction_torque_n_m *= factor;
         }
         eased
     };

@@ -12,10 +12,13 @@ use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
 use erard::Progress;
 use erard::instrument::Instrument;
 
-use Quantity::{Aftertouch, Drop, FrictionWeight, LetOff, Ratio, StrikeWeight};
+use Quantity::{Aftertouch, Blow, Dip, Drop, FrictionWeight, LetOff, Ratio, StrikeWeight};
 
 /// Times that what a later line has disturbed is worked on again.
 const ROUNDS: u32 = 3;
+/// A change that earlier lines are expected to make of a reading may be wrong by this share. (Of drawn grands, worked
+/// on by their lists: a check distance moved by twice what was expected, a drop by 1.7 times.)
+const DOUBT: f64 = 0.5;
 /// The farthest that a capstan line is moved, mm: more takes other parts.
 const MOST_CAPSTAN_MM: f64 = 8.0;
 
@@ -60,6 +63,8 @@ pub enum Why {
     Friction,
     /// The quantity cannot be read before the hammer drops.
     Unreadable,
+    /// Lines before it change it, by more than the model can be trusted to tell: it is to be read again.
+    ReadAgain,
     /// With so much friction weight no balance weight has every weight in its range.
     NoBalance,
     /// The front weight is at its ceiling.
@@ -235,17 +240,19 @@ impl Planner<'_, '_> {
     }
 
     pub(super) fn leave(&mut self, quantity: Quantity, why: Why) {
+        if self.is_unreadable(quantity) {
+            return;
+        }
         self.why.retain(|left| left.quantity != quantity);
         self.why.push(Left { quantity, why });
     }
 
-    /// Where the hammer does not drop, the lever carries it on, and neither let-off nor aftertouch can be seen.
+    /// Where the hammer does not drop, the lever carries it on beyond let-off: the jack lets off at the distance that
+    /// is read, or farther from the string. How much farther, and the aftertouch, cannot be seen.
     fn unreadable(&mut self) {
         if self.now.get(Drop).is_none_or(|drop| drop <= Drop.precision()) {
-            for quantity in [LetOff, Aftertouch] {
-                self.now.set(quantity, None);
-                self.leave(quantity, Why::Unreadable);
-            }
+            self.now.set(Aftertouch, None);
+            self.why = [LetOff, Aftertouch].map(|quantity| Left { quantity, why: Why::Unreadable }).into();
         }
     }
 
@@ -334,13 +341,31 @@ impl Planner<'_, '_> {
         Ok(())
     }
 
+    /// Whether a line is out, if at all, because of what earlier lines are expected to do to it, and by less than they
+    /// may be wrong.
+    fn is_doubtful(&self, quantity: Quantity) -> bool {
+        let moved = self.read.get(quantity).zip(self.now.get(quantity)).map(|(read, now)| (now - read).abs());
+        let beyond = self.now.beyond(quantity, self.key);
+        moved.is_some_and(|moved| moved > quantity.precision() && beyond > 0.0 && beyond < DOUBT * moved)
+    }
+
     /// The screws, in the trade's order.
     fn regulation(&mut self, aims: &Aims) -> Worked<()> {
         for quantity in REGULATION {
-            if let Some((_, aim)) = aims.iter().find(|(other, _)| *other == quantity) {
-                self.set(quantity, *aim)?;
-            } else if self.is_out(quantity) && !self.is_unreadable(quantity) {
-                self.set(quantity, quantity.aim(self.key))?;
+            let chosen = aims.iter().find(|(other, _)| *other == quantity).map(|(_, aim)| *aim);
+            let aim = match quantity {
+                Dip | Blow | LetOff | Drop if chosen.is_some() => chosen,
+                LetOff | Drop if self.is_unreadable(LetOff) => None,
+                // Lines before it may have brought it right.
+                _ => (self.is_out(quantity) || self.is_at_risk(quantity)).then(|| self.aim(quantity)),
+            };
+            let is_chosen_together = [Dip, Blow].contains(&quantity) || self.is_unreadable(LetOff);
+            if aim.is_some() && !is_chosen_together && self.is_doubtful(quantity) {
+                self.leave(quantity, Why::ReadAgain);
+                continue;
+            }
+            if let Some(aim) = aim {
+                self.set(quantity, aim)?;
             }
         }
         Ok(())
@@ -388,16 +413,20 @@ impl Planner<'_, '_> {
                 _ => Why::TooFine,
             };
             self.leave(quantity, why);
-        } else {
+        } else if !self.is_unreadable(quantity) {
             self.why.retain(|left| left.quantity != quantity);
         }
         Ok(())
     }
 
-    /// One step more or less, where that is nearer to the aim.
+    /// One step more or less where the line is out, if that brings it in or else nearer to the aim.
     fn step_nearer(&mut self, quantity: Quantity, aim: f64, name: &'static str) -> Worked<()> {
-        let off = |now: &Readings| now.get(quantity).map_or(f64::INFINITY, |value| (value - aim).abs());
-        if off(&self.now) == 0.0 || !self.is_out(quantity) {
+        let key = self.key;
+        let off = |now: &Readings| {
+            let from_aim = now.get(quantity).map_or(f64::INFINITY, |value| (value - aim).abs());
+            (now.is_out(quantity, key), from_aim)
+        };
+        if !self.is_out(quantity) {
             return Ok(());
         }
         for by in [screw_step(name), -screw_step(name)] {
@@ -445,6 +474,10 @@ impl Planner<'_, '_> {
             work.carry_out(&mut worked, self.progress)?;
             let own_after = Readings::of(&worked, self.progress)?;
             let after = now.moved(&own_now, &own_after);
+            // What was turned after another line, which then came to nothing, is not needed any more.
+            if after.beyond(quantity, self.key) > now.beyond(quantity, self.key) {
+                continue;
+            }
             // Turns in both directions may cancel.
             if can_be_seen(quantity, &now, &after) {
                 items.push(Item { quantity, work, instead, before: now, after });
@@ -452,9 +485,12 @@ impl Planner<'_, '_> {
             }
         }
         let mut left = Vec::new();
-        for quantity in Quantity::ALL.into_iter().filter(|quantity| now.is_out(*quantity, self.key)) {
+        for quantity in Quantity::ALL {
             let why = self.why.iter().find(|left| left.quantity == quantity).map(|left| left.why.clone());
-            left.push(Left { quantity, why: why.unwrap_or(Why::Follows) });
+            // What could not be read is known by the copy alone.
+            if now.is_out(quantity, self.key) || why == Some(Why::Unreadable) {
+                left.push(Left { quantity, why: why.unwrap_or(Why::Follows) });
+            }
         }
         Ok(Worklist { key: self.key, before: readings, items, after: now, left, copy })
     }

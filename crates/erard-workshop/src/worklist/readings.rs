@@ -284,8 +284,12 @@ impl Readings {
     pub(super) fn moved(&self, before: &Readings, after: &Readings) -> Readings {
         let mut moved = *self;
         moved.whippen_at_front_g += after.whippen_at_front_g - before.whippen_at_front_g;
-        for (at, value) in moved.values.iter_mut().enumerate() {
+        for (quantity, value) in Quantity::ALL.into_iter().zip(&mut moved.values) {
+            let at = quantity as usize;
+            let falls = |drop: Option<f64>| drop.is_some_and(|drop| drop > quantity.precision());
             *value = match (*value, before.values[at], after.values[at]) {
+                // A copy whose hammer does not fall cannot tell how far one falls.
+                (value, before, _) if quantity == Drop && falls(value) && !falls(before) => value,
                 (Some(value), Some(before), Some(after)) => Some(value + after - before),
                 (.., after) => after,
             };

@@ -94,6 +94,9 @@ fn tally(pianos: usize, first: u32) -> Tally {
                 let course = course(&healthy, &model, u64::from(number));
                 let mut courses = courses.lock().unwrap();
                 courses.insert(number, course);
+                let mut alone = Tally::default();
+                alone.add(number, &courses[&number]);
+                alone.wrong().for_each(|line| println!("  {line}"));
                 println!("up to sample {number}: {}", of_first(&courses).counts());
             }
         }
