@@ -12,7 +12,7 @@ use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
 use erard::Progress;
 use erard::instrument::Instrument;
 
-use Quantity::{Aftertouch, Blow, Dip, Drop, FrictionWeight, LetOff, Ratio, StrikeWeight};
+use Quantity::{Aftertouch, Blow, Check, Dip, Drop, FrictionWeight, LetOff, Ratio, StrikeWeight};
 
 /// Times that what a later line has disturbed is worked on again.
 const ROUNDS: u32 = 3;
@@ -362,6 +362,11 @@ impl Planner<'_, '_> {
             let is_chosen_together = [Dip, Blow].contains(&quantity) || self.is_unreadable(LetOff);
             if aim.is_some() && !is_chosen_together && self.is_doubtful(quantity) {
                 self.leave(quantity, Why::ReadAgain);
+                continue;
+            }
+            // A bend of the check's wire may move it through the whole range: none for what may be in it.
+            if quantity == Check && aim.is_some() && !is_surely_out(Check, &self.now, self.key) {
+                self.leave(Check, Why::TooFine);
                 continue;
             }
             if let Some(aim) = aim {
