@@ -37,12 +37,7 @@ const AFTER: &str = include_str!("help/study.txt");
 pub(crate) struct Study {
     /// What to vary, as a range and a number of values (let_off=-1mm..1mm:41) or as values with commas. Repeat it for
     /// all combinations
-    #[arg(
-        long,
-        value_name = "NAME=FROM..TO:COUNT",
-        required_unless_present = "sensitivities",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "NAME=FROM..TO:COUNT", allow_hyphen_values = true)]
     vary: Vec<String>,
     /// Instead of a study, print which numbers of the instrument matter most: derivatives of hammer speed, let-off,
     /// timing and touch weight, the largest first
@@ -121,6 +116,13 @@ impl Study {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         if self.sensitivities {
             return self.tell_what_matters();
+        }
+        if self.vary.is_empty() {
+            return Err(Failure::Usage(
+                "nothing to vary; expected --vary, e.g. --vary let_off=-1mm..1mm:41, or --sensitivities for the numbers \
+                 that matter most"
+                    .into(),
+            ));
         }
         self.bands.check(self.instrument.asked())?;
         let measures = measured_lines("--measure", &self.measure)?;

@@ -180,10 +180,21 @@ fn quick_commands_answer_by_their_schemas() {
     answer_by_their_schemas(&|name| QUICK.contains(&name));
 }
 
+/// Commands that take more than ten seconds.
+const SLOWEST: [&str; 3] = ["study-sensitivities", "keyboard-weigh", "validate"];
+
 #[test]
-#[ignore = "ci: commands that measure, fit and validate"]
+#[ignore = "ci: commands that measure and fit"]
 fn slow_commands_answer_by_their_schemas() {
-    answer_by_their_schemas(&|name| !QUICK.contains(&name));
+    answer_by_their_schemas(&|name| !QUICK.contains(&name) && !SLOWEST.contains(&name));
+}
+
+mod nightly {
+    #[test]
+    #[ignore = "nightly: sensitivities, a keyboard weighed and worked on, a validation"]
+    fn the_slowest_commands_answer_by_their_schemas() {
+        super::answer_by_their_schemas(&|name| super::SLOWEST.contains(&name));
+    }
 }
 
 fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {

@@ -38,6 +38,8 @@ fn a_level_may_be_found_for_each() {
     assert!(speeds(&[&hammers[..], &["--each"]].concat()).iter().all(is_p));
     let one_hand = speeds(&hammers);
     assert!(one_hand[0] > 1.02 * 0.79 && one_hand[1] < 0.98 * 0.79, "{one_hand:?}");
+    let said = folder.bad(&["study"]);
+    assert!(said.contains("nothing to vary") && said.contains("--sensitivities"), "{said}");
     let said = folder.bad(&["study", "--each", "--force-step", "3", "--vary", "let_off=0"]);
     assert!(said.contains("--each") && said.contains("--stroke"), "{said}");
     let said = folder.bad(&["study", "--each", "--model", "one-dof", "--vary", "body.key.mass=1"]);
