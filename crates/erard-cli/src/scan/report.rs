@@ -88,8 +88,9 @@ pub(crate) fn text(scanned: &Scanned<'_>) -> String {
             vec![case.to_owned(), windows.to_string(), strikes.to_string(), again.to_string()]
         })
         .collect();
-    let keys = scanned.played.len();
     let piece = scanned.piece.as_ref().map_or(String::new(), |piece| format!("{piece} on "));
-    let own = format!("{piece}{} - {keys} keys, {} sensors", scanned.keyboard.name, scanned.sensors.len());
+    let many = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    let (keys, sensors) = (many(scanned.played.len(), "key"), many(scanned.sensors.len(), "sensor"));
+    let own = format!("{piece}{} - {keys}, {sensors}", scanned.keyboard.name);
     format!("{own}\n\n{}\n", Table::of(["case", "played", "strikes", "bounces"], rows))
 }
