@@ -23,7 +23,7 @@ const TRIALS: u32 = 2;
 const ROOM_DIP_MM: f64 = 0.3;
 const ROOM_BLOW_MM: f64 = 1.5;
 const ROOM_AFTERTOUCH_MM: f64 = 0.3;
-const ROOM_CHECK_MM: f64 = 1.0;
+const ROOM_CHECK_MM: f64 = 0.7;
 const ROOM_LEVER_MM: f64 = 0.15;
 /// What a millimetre of dip and of blow must gain of that room, to be worth the work.
 const WORK: f64 = 0.1;

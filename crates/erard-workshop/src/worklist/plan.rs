@@ -373,7 +373,7 @@ impl Planner<'_, '_> {
                 continue;
             }
             // A bend of the check's wire may move it through the whole range: none for what is read almost in it.
-            let is_read = quantity == Check && !self.is_moved(Check);
+            let is_read = quantity == Check && self.now.get(Check).is_some() && !self.is_moved(Check);
             if is_read && aim.is_some() && !is_surely_out(Check, &self.now, self.key) {
                 self.leave(Check, Why::TooFine);
                 continue;
