@@ -14,6 +14,7 @@ use serde_json::json;
 use super::out::OwnFile;
 use crate::failure::Failure;
 use crate::inputs::{self, shown};
+use crate::law_points::law_points;
 use crate::output::Output;
 use crate::table::{Table, decimal};
 use crate::{answer, identity, say};
@@ -166,6 +167,6 @@ impl Calibrate {
 
 /// A law of one's own points: readings and millimetres, from the rest to the bottom.
 fn own_table(path: &Path) -> Result<Law, Failure> {
-    let (name, points) = inputs::law_points(path, "raw,mm", "linear, cny70, hall")?;
+    let (name, points) = law_points(path, "raw,mm", "linear, cny70, hall")?;
     Law::of_points(&points).map_err(|fault| Failure::Usage(format!("{name}: {fault}")))
 }

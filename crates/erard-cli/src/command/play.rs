@@ -15,7 +15,8 @@ use super::options::load_keyboard;
 use super::out::OutOptions;
 use super::press::wav_name;
 use crate::failure::Failure;
-use crate::inputs::{self, LawPoints, shown};
+use crate::inputs::{self, shown};
+use crate::law_points::{LawPoints, law_points};
 use crate::number::whole;
 use crate::output::Output;
 use crate::play::spool::Spools;
@@ -106,7 +107,7 @@ impl Play {
     fn law_points(&self) -> Result<Option<LawPoints>, Failure> {
         let is_own = self.law != "logarithmic" && !self.law.starts_with("linear:");
         let file = is_own.then(|| Path::new(&self.law));
-        file.map(|path| inputs::law_points(path, "m_per_s,velocity", "logarithmic, linear:V")).transpose()
+        file.map(|path| law_points(path, "m_per_s,velocity", "logarithmic, linear:V")).transpose()
     }
 
     fn law<'l>(&self, points: &'l Option<LawPoints>) -> Result<Law<'l>, Failure> {

@@ -1,0 +1,36 @@
+//! A law of one's own, from a file of points.
+
+use std::path::Path;
+
+use crate::failure::Failure;
+use crate::{identity, inputs};
+
+/// A file's name, as messages show it, and its points.
+pub(crate) type LawPoints = (String, Vec<[f64; 2]>);
+
+/// The points of a law of one's own: two numbers a line below a head, such as `raw,mm`. Empty lines and lines that
+/// begin with `#` are left out.
+///
+/// # Errors
+/// Where it cannot be read, with what `--law` expects, and where a line holds something else.
+pub(crate) fn law_points(path: &Path, head: &str, expected: &str) -> Result<LawPoints, Failure> {
+    let (name, bytes) = inputs::bytes(path)
+        .map_err(|error| Failure::Usage(format!("--law: expected {expected} or a file of points; {error}")))?;
+    let text = erard::instrument::utf8(&bytes, &name)?;
+    let wrong = |line: usize, what: &str| Failure::Usage(format!("{name}, line {line}: {what}"));
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if index == 0 && line != head {
+            return Err(wrong(1, &format!("expected the head `{head}`")));
+        }
+        if index == 0 || line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let numbers: Vec<f64> = line.split(',').filter_map(|text| text.trim().parse().ok()).collect();
+        let [from, to] = numbers[..] else { return Err(wrong(index + 1, "expected two numbers")) };
+        points.push([from, to]);
+    }
+    identity::used("law", &name, Some(&name), &bytes);
+    Ok((name, points))
+}
