@@ -104,10 +104,16 @@ export const touch = async ({ read }) => {
   const devtools = await page.context().newCDPSession(page);
   const send = (type, at) => devtools.send("Input.dispatchTouchEvent", { type, touchPoints: at ? [{ ...at, id: 1 }] : [] });
   const before = await page.evaluate(() => scrollY);
-  await send("touchStart", { x, y });
-  for (let n = 1; n <= 5; n++) await send("touchMove", { x, y: y + (n / 5) * 10.6 * mm });
-  await done(page, "escapement");
-  await send("touchEnd");
+  // A machine that does something else as well makes another speed of the same moves: up to three presses.
+  for (let press = 1; ; press++) {
+    await send("touchStart", { x, y });
+    for (let n = 1; n <= 5; n++) await send("touchMove", { x, y: y + (n / 5) * 10.6 * mm });
+    const missed = await done(page, "escapement").then(() => null, (error) => error);
+    await send("touchEnd");
+    if (!missed) break;
+    if (press === 3) throw missed;
+    await page.waitForTimeout(1000);
+  }
   assert.equal(await page.evaluate(() => scrollY), before, "the page stays while the finger presses");
   const svg = await page.locator("[data-scene=escapement] svg.action").boundingBox();
   const from = { x: svg.x + svg.width / 2, y: svg.y + 0.6 * svg.height };
