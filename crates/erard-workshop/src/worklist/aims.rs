@@ -18,8 +18,8 @@ pub(super) const KEY_PER_HAMMER: f64 = 0.19;
 /// Times that dip and blow are tried on the copy and found anew.
 const TRIALS: u32 = 2;
 /// Inside its range by so much, mm, a line bears what hand and reading are off by: a paper and a reading; 1/8 turn of
-/// the capstan and a reading; both for the aftertouch; a bend of the back check's wire and a reading;
-/// an eighth of a turn of the lever's screw and a reading.
+/// the capstan and a reading; both for the aftertouch; a bend of the back check's wire and a reading; 1/8
+/// turn of the lever's screw and a reading.
 const ROOM_DIP_MM: f64 = 0.3;
 const ROOM_BLOW_MM: f64 = 1.5;
 const ROOM_AFTERTOUCH_MM: f64 = 0.3;
@@ -111,10 +111,9 @@ impl Planner<'_, '_> {
         if quantity == Check {
             return false;
         }
-        let (Some(read), Some(now)) = (self.read.get(quantity), self.now.get(quantity)) else { return false };
+        let Some(now) = self.now.get(quantity) else { return false };
         let [low, high] = quantity.range(self.key);
-        let precision = quantity.precision();
-        (now - read).abs() > precision && (now - low).min(high - now) < precision
+        self.is_moved(quantity) && (now - low).min(high - now) < quantity.precision()
     }
 
     /// What is expected once these lines have come to their aims; weights are not taken.

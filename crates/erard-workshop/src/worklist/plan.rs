@@ -240,11 +240,15 @@ impl Planner<'_, '_> {
     }
 
     pub(super) fn leave(&mut self, quantity: Quantity, why: Why) {
-        if self.is_unreadable(quantity) {
-            return;
+        self.clear(quantity);
+        if !self.is_unreadable(quantity) {
+            self.why.push(Left { quantity, why });
         }
-        self.why.retain(|left| left.quantity != quantity);
-        self.why.push(Left { quantity, why });
+    }
+
+    /// Forgets why a line stays out. What cannot be read stays so, whatever is done.
+    fn clear(&mut self, quantity: Quantity) {
+        self.why.retain(|left| left.quantity != quantity || left.why == Why::Unreadable);
     }
 
     /// Where the hammer does not drop, the lever carries it on beyond let-off: the jack lets off at the distance that
@@ -344,15 +348,18 @@ impl Planner<'_, '_> {
     /// Whether a line is out, if at all, because of what earlier lines are expected to do to it, and by less than they
     /// may be wrong.
     fn is_doubtful(&self, quantity: Quantity) -> bool {
-        let moved = self.read.get(quantity).zip(self.now.get(quantity)).map_or(0.0, |(read, now)| (now - read).abs());
         let beyond = self.now.beyond(quantity, self.key);
-        self.is_moved(quantity) && beyond > 0.0 && beyond < DOUBT * moved
+        self.is_moved(quantity) && beyond > 0.0 && beyond < DOUBT * self.moved(quantity)
     }
 
-    /// Whether earlier lines are expected to change a reading by more than it is read to.
-    fn is_moved(&self, quantity: Quantity) -> bool {
-        let both = self.read.get(quantity).zip(self.now.get(quantity));
-        both.is_some_and(|(read, now)| (now - read).abs() > quantity.precision())
+    /// By how much earlier lines are expected to change a reading; 0 where there is none before or after.
+    fn moved(&self, quantity: Quantity) -> f64 {
+        self.read.get(quantity).zip(self.now.get(quantity)).map_or(0.0, |(read, now)| (now - read).abs())
+    }
+
+    /// Whether that is more than it is read to.
+    pub(super) fn is_moved(&self, quantity: Quantity) -> bool {
+        self.moved(quantity) > quantity.precision()
     }
 
     /// The screws, in the trade's order.
@@ -365,22 +372,21 @@ impl Planner<'_, '_> {
                 // Lines before it may have brought it right.
                 _ => (self.is_out(quantity) || self.is_at_risk(quantity)).then(|| self.aim(quantity)),
             };
+            let Some(aim) = aim else { continue };
             // What is chosen together cannot be left in part. Dip moves the check by 5 to 10 mm for each mm: more than
             // it is in doubt.
             let is_due = [Dip, Blow, Check].contains(&quantity) || self.is_unreadable(LetOff);
-            if aim.is_some() && !is_due && self.is_doubtful(quantity) {
+            if !is_due && self.is_doubtful(quantity) {
                 self.leave(quantity, Why::ReadAgain);
                 continue;
             }
             // A bend of the check's wire may move it through the whole range: none for what is read almost in it.
             let is_read = quantity == Check && self.now.get(Check).is_some() && !self.is_moved(Check);
-            if is_read && aim.is_some() && !is_surely_out(Check, &self.now, self.key) {
+            if is_read && !is_surely_out(Check, &self.now, self.key) {
                 self.leave(Check, Why::TooFine);
                 continue;
             }
-            if let Some(aim) = aim {
-                self.set(quantity, aim)?;
-            }
+            self.set(quantity, aim)?;
         }
         Ok(())
     }
@@ -427,8 +433,8 @@ impl Planner<'_, '_> {
                 _ => Why::TooFine,
             };
             self.leave(quantity, why);
-        } else if !self.is_unreadable(quantity) {
-            self.why.retain(|left| left.quantity != quantity);
+        } else {
+            self.clear(quantity);
         }
         Ok(())
     }

@@ -44,11 +44,11 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
         let mut going = |status: &Status| progress(status.share);
         twin = regulate(&twin, &goals, &Protocol::default(), &mut going)?.instrument;
     }
-    let own = Readings::of(&twin, progress)?;
     if let Some(friction_g) = readings.get(Quantity::FrictionWeight)
-        && let Some(by_g) = own.get(Quantity::FrictionWeight).map(|own_g| friction_g - own_g)
-        && by_g.abs() > FRICTION_CLOSE_G
+        && let Some(own_g) = Readings::of(&twin, progress)?.get(Quantity::FrictionWeight)
+        && (friction_g - own_g).abs() > FRICTION_CLOSE_G
     {
+        let by_g = friction_g - own_g;
         // What is too much goes to the key, whose bushings swell: at the hammer's pin it would hold up a hammer that is
         // read to drop.
         let rubs = if by_g > 0.0 { Rubs::Key } else { Rubs::Everywhere };

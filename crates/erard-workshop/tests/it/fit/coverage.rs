@@ -25,7 +25,7 @@ enum Known {
     Told,
     /// Nothing; what drives has none.
     Residuals,
-    /// The noise of what is compared. The driving force has noise, too: the fit estimates it from the recording.
+    /// The noise of the compared channels. The driving force has noise, too; the fit estimates it from the recording.
     Drive,
 }
 
