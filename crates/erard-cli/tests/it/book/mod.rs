@@ -1,5 +1,5 @@
 //! The book under `book/`: its commands run, its files are valid, its links lead somewhere, its pictures were drawn by
-//! its own commands, and its command-line reference is the program's.
+//! its own commands (or by one for the reader that names the picture), and its command-line reference is the program's.
 //!
 //! `ERARD_BOOK=write cargo test --release -p erard-cli --test it book:: -- --ignored` draws the pictures and prints the
 //! outputs anew.
@@ -13,7 +13,7 @@ mod session;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use blocks::Block;
+use blocks::{Block, Kind};
 use session::Session;
 
 /// A chapter.
@@ -102,7 +102,10 @@ fn play(page: &Page) -> Vec<String> {
             Err(fault) => return vec![format!("book/src/{}:{}: {fault}", page.name, block.line)],
         }
     }
-    let pictures = links::pictures(&page.text);
+    let by_the_reader = |picture: &String| {
+        blocks.iter().any(|b| b.kind == Kind::NoRun && b.text.contains(&format!("book/src/{picture}")))
+    };
+    let pictures: Vec<String> = links::pictures(&page.text).into_iter().filter(|p| !by_the_reader(p)).collect();
     if std::env::var("ERARD_BOOK").is_ok_and(|v| v == "write") {
         fs::write(source().join(&page.name), blocks::with_outputs(&page.text, &printed))
             .expect("the chapter is written");
