@@ -33,6 +33,8 @@ const READY_S: f64 = 0.020;
 const QUIET_EVERY: u64 = 7;
 /// So many rows make a block.
 const BLOCK: usize = 4096;
+/// Strings that ring by themselves go on for so many rows at once, at most.
+const RINGING_ROWS: u64 = 1000;
 /// Every so many steps the caller is asked whether to go on.
 const ASK_EVERY: u64 = 512;
 
@@ -44,6 +46,12 @@ struct Senses {
     check: Option<usize>,
     /// Travel of the key's front at which it sets its damper down, m.
     damper_m: f64,
+}
+
+/// A row of [`COLUMNS`].
+fn row(at_s: f64, now: &Reading, heard_n: f64, rail_m: Option<f64>) -> [f64; COLUMNS.len()] {
+    let Reading { key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, .. } = *now;
+    [at_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, heard_n, rail_m.unwrap_or(0.0)]
 }
 
 /// What is remembered from step to step.
@@ -271,6 +279,7 @@ impl<'a> Key<'a> {
                         self.follow_feet();
                     }
                 }
+                None if self.rings(to) => {}
                 None => drop(self.step(progress)?),
             }
         }
@@ -284,12 +293,10 @@ impl<'a> Key<'a> {
 
     /// The step until which its next steps would change nothing, or nothing that can be heard; `None`: it is awake.
     fn sleeps_until(&self, to: u64) -> Option<u64> {
-        let rail_stands =
-            self.action.strings().and_then(|strings| strings.pedal_m()).is_none_or(|now_m| now_m == self.watch.sent_m);
-        if !(rail_stands && (self.dozes() || self.action.rests()) && self.hand.is_steady(self.n, self.h)) {
+        if !(self.is_left_alone() && (self.dozes() || self.action.rests())) {
             return None;
         }
-        let foot = self.feet.get(self.watch.next_foot).map_or(to, |(at_s, _)| self.step_at(*at_s)).min(to);
+        let foot = self.next_foot(to);
         let early = to.saturating_sub(self.step_at(WAKES_S));
         let wakes = match self.dozes() {
             true if early > self.n => early,
@@ -298,6 +305,43 @@ impl<'a> Key<'a> {
             _ => self.n,
         };
         (wakes > self.n).then_some(wakes)
+    }
+
+    /// Whether hand and pedal do the same until the next foot moves.
+    fn is_left_alone(&self) -> bool {
+        let rail_m = self.action.strings().and_then(|strings| strings.pedal_m());
+        rail_m.is_none_or(|now_m| now_m == self.watch.sent_m) && self.hand.is_steady(self.n, self.h)
+    }
+
+    /// The step at which a foot moves next, at most `to`.
+    fn next_foot(&self, to: u64) -> u64 {
+        self.feet.get(self.watch.next_foot).map_or(to, |(at_s, _)| self.step_at(*at_s)).min(to)
+    }
+
+    /// Lets strings that ring by themselves go on from row to row, while all else of the key rests; whether they did.
+    fn rings(&mut self, to: u64) -> bool {
+        let begins = self.n.is_multiple_of(self.row_every) && self.watch.sent_m == self.lift_m();
+        if !(begins && self.sounds.is_none() && self.is_left_alone()) {
+            return false;
+        }
+        let rows = (self.next_foot(to).saturating_sub(self.n) / self.row_every).min(RINGING_ROWS);
+        let now = self.action.reading();
+        let (n, h, row_every, at_rest_n) = (self.n, self.h, self.row_every, self.at_rest_n);
+        let mut rung = 0;
+        let Key { action, rows: kept, .. } = self;
+        let rang = rows > 0
+            && action.ring(rows, row_every as f64 * h, &mut |strings| {
+                rung += 1;
+                let heard_n = strings.bridge_n() - at_rest_n;
+                kept.push(row((n + rung * row_every) as f64 * h, &now, heard_n, strings.pedal_m()));
+            });
+        if rang {
+            self.n += rows * row_every;
+            self.stand(&now);
+            self.stir();
+            self.watch.quiet = self.action.strings().is_none_or(|strings| 2.0 * strings.largest_bridge_n() < QUIET_N);
+        }
+        rang
     }
 
     /// One step.
@@ -356,9 +400,7 @@ impl<'a> Key<'a> {
             self.impacts.push([now_s + (impact.time_s - self.action.time_s()), impact.hammer_speed_m_per_s]);
             (self.watch.checked, self.watch.blow_m) = (false, reading.hammer_m);
         }
-        if reading.key_m > HOME_M || reading.hammer_m > 0.5 * self.watch.blow_m {
-            self.watch.unready = Some(self.n);
-        }
+        self.stand(reading);
         if !self.watch.checked && self.senses.check.is_some_and(|zone| self.action.contact_force(zone) > 0.0) {
             self.watch.checked = true;
         }
@@ -368,21 +410,11 @@ impl<'a> Key<'a> {
             self.ups.push([now_s - share * self.h, (before_m - reading.key_m) / self.h]);
         }
         self.watch.key_m = reading.key_m;
-        let row = self.n.is_multiple_of(self.row_every);
-        if row || self.sounds.is_some() {
+        let is_due = self.n.is_multiple_of(self.row_every);
+        if is_due || self.sounds.is_some() {
             let heard_n = bridge_n(&self.action) - self.at_rest_n;
-            if row {
-                self.rows.push([
-                    now_s,
-                    reading.key_m,
-                    reading.key_m_per_s,
-                    reading.finger_n,
-                    reading.hammer_m,
-                    reading.hammer_m_per_s,
-                    reading.string_n,
-                    heard_n,
-                    self.action.strings().and_then(|strings| strings.pedal_m()).unwrap_or(0.0),
-                ]);
+            if is_due {
+                self.rows.push(row(now_s, reading, heard_n, self.action.strings().and_then(|s| s.pedal_m())));
             }
             if let Some(sounds) = &mut self.sounds {
                 // The sample that ends with this step.
@@ -394,6 +426,13 @@ impl<'a> Key<'a> {
         }
         if self.n.is_multiple_of(QUIET_EVERY) {
             self.listen();
+        }
+    }
+
+    /// Takes notice of where key and hammer are.
+    fn stand(&mut self, reading: &Reading) {
+        if reading.key_m > HOME_M || reading.hammer_m > 0.5 * self.watch.blow_m {
+            self.watch.unready = Some(self.n);
         }
     }
 

@@ -68,6 +68,9 @@ pub struct Readout<'a> {
     pub last_step_s: f64,
     /// Whether the last step changed nothing: with the same input the next one does not either.
     pub rests: bool,
+    /// Whether the last step left the bodies out, as it would have changed nothing of them: with the same input only
+    /// what is under the zones goes on, which cannot reach them.
+    pub bodies_rest: bool,
     /// Output of the last step.
     pub output: &'a StepOutput,
     /// Absolute angles, rad.

@@ -45,6 +45,13 @@ pub trait Surfaces: Send {
         let _ = index;
         true
     }
+    /// The farthest that a surface swings from where it would rest, m, as long as nothing presses any of them, where
+    /// that is known; at most the excursion that the mechanism's description gives it. It decides which steps are left
+    /// out as they change nothing, so that a larger one costs time and no bit.
+    fn swings(&self, index: usize) -> f64 {
+        let _ = index;
+        f64::INFINITY
+    }
     /// Energy that is in them, J.
     fn energy(&self) -> f64;
     /// Energy that they have lost since they were made, J.
@@ -225,7 +232,8 @@ impl Under {
     fn reach<const B: usize, const Z: usize>(&self, model: &Model<f64, B, Z>, state: &State<f64, B, Z>) -> bool {
         let pose = Pose::of(model, &state.angle);
         let reaches = |(index, &zone): (usize, &usize)| {
-            self.surfaces.may_reach(index) && pose.compression(model, zone) > -model.excursion(zone)
+            let farthest_m = model.excursion(zone).min(self.surfaces.swings(index));
+            self.surfaces.may_reach(index) && pose.compression(model, zone) > -farthest_m
         };
         self.surfaces.zones().iter().enumerate().any(reaches)
     }

@@ -326,6 +326,27 @@ impl Action {
         self.mechanism.readout().rests
     }
 
+    /// Whether nothing but the strings moves, and nothing touches them: under the input of the last step the bodies
+    /// rest, and so does the bridge.
+    pub fn only_strings_move(&self) -> bool {
+        self.mechanism.readout().bodies_rest && self.strings().is_some_and(Strings::ring_freely)
+    }
+
+    /// Where [`Action::only_strings_move`], lets them ring for so many spans of a length, s, at once, and shows them
+    /// after each span; whether it did. A mode's free motion is exact over any span: what differs from steps is
+    /// rounding. Allocates.
+    pub fn ring(&mut self, spans: u64, span_s: f64, each: &mut dyn FnMut(&Strings)) -> bool {
+        if !self.only_strings_move() {
+            return false;
+        }
+        let until_s = self.time_s() + spans as f64 * span_s;
+        if let Some(strings) = self.strings_mut() {
+            strings.ring(spans, span_s, each);
+        }
+        self.mechanism.set(Part::Instant(until_s));
+        true
+    }
+
     /// Catches everything: sets all velocities to zero.
     pub fn stop(&mut self) {
         self.mechanism.set(Part::Standstill);
@@ -340,11 +361,15 @@ impl Action {
     /// does nothing.
     pub fn set_pedal(&mut self, lift_m: f64) {
         if self.strings().and_then(Strings::pedal_aim_m).is_some_and(|aim_m| aim_m != lift_m)
-            && let Some(surfaces) = self.mechanism.surfaces_mut()
-            && let Some(strings) = surfaces.as_any_mut().downcast_mut::<Strings>()
+            && let Some(strings) = self.strings_mut()
         {
             strings.set_pedal(lift_m);
         }
+    }
+
+    /// The strings, to be changed. Wakes the mechanism.
+    fn strings_mut(&mut self) -> Option<&mut Strings> {
+        self.mechanism.surfaces_mut()?.as_any_mut().downcast_mut()
     }
 
     /// While the action is brought to rest: the strings follow their forces, and do not ring.

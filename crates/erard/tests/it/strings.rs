@@ -467,6 +467,52 @@ fn snapshots_hold_the_strings() {
     assert!(erard::Snapshot::from_bytes(&snapshot.to_vec()[..snapshot.to_vec().len() - 8]).is_err());
 }
 
+/// A note under a held key, and one under the pedal: once the bodies rest, half a second at once is what steps make of
+/// it, up to their rounding. While bodies move, or a damper lies on the strings, nothing is let ring.
+#[test]
+fn strings_ring_at_once_as_in_steps() {
+    for pedal in [false, true] {
+        let mut action = Action::new(&strung()).unwrap();
+        let (h, mut step) = (action.settings().step, 0_u64);
+        let input = |step: u64| if (step as f64) * h < 0.3 || !pedal { Input::Force(6.0) } else { Input::Free };
+        action.set_pedal(if pedal { 7e-3 } else { 0.0 });
+        while !action.only_strings_move() {
+            action.step(input(step));
+            step += 1;
+            assert!((step as f64) * h < 3.0, "the bodies come to rest");
+        }
+        assert!(action.strings().unwrap().bridge_n().abs() > 1e-3, "the strings still ring");
+        let begun = action.save();
+        let (spans, span_s) = (500, 1e-3);
+        let mut seen = Vec::new();
+        assert!(action.ring(spans, span_s, &mut |strings| seen.push(strings.bridge_n())));
+        assert!((action.time_s() - step as f64 * h - 0.5).abs() < 1e-9);
+        let mut stepped = Action::new(&strung()).unwrap();
+        stepped.restore(&begun).unwrap();
+        let each = (span_s / h).round() as u64;
+        let most_n = seen.iter().fold(0.0, |most: f64, n| most.max(n.abs()));
+        for rung_n in &seen {
+            for _ in 0..each {
+                stepped.step(input(step));
+            }
+            let n = stepped.strings().unwrap().bridge_n();
+            assert!((n - rung_n).abs() < 1e-9 * most_n, "{n} and {rung_n} N of {most_n}");
+        }
+        let bound_n = stepped.strings().unwrap().largest_bridge_n();
+        // What is played next is the same.
+        let next = |mut action: Action| {
+            (0..4000).find_map(|_| action.step(Input::Force(20.0)).impact).map(|impact| impact.hammer_speed_m_per_s)
+        };
+        let (a, b) = (next(action), next(stepped));
+        assert!(a.zip(b).map_or(a == b, |(a, b)| (a - b).abs() < 1e-6), "{a:?} and {b:?}");
+        assert!(bound_n > 0.0);
+    }
+    let mut resting = Action::new(&strung()).unwrap();
+    assert!(!resting.ring(10, 1e-3, &mut |_| {}), "still strings do not ring");
+    resting.step(Input::Force(6.0));
+    assert!(!resting.ring(10, 1e-3, &mut |_| {}), "the key moves");
+}
+
 /// One word makes the string rigid: to the bit what it is without strings.
 #[test]
 fn one_word_makes_the_string_rigid() {

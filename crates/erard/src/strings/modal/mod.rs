@@ -3,6 +3,7 @@
 
 mod parts;
 mod reading;
+mod ring;
 mod surfaces;
 
 use core::f64::consts::PI;
@@ -106,6 +107,8 @@ pub struct Strings {
     rocked_j: f64,
     steps: u64,
     still: bool,
+    /// See [`Surfaces::swings`](moreau_kernels::Surfaces::swings).
+    swings_m: [f64; POINTS],
 }
 
 impl Strings {
@@ -151,6 +154,7 @@ impl Strings {
             rocked_j: 0.0,
             steps: 0,
             still: true,
+            swings_m: [f64::INFINITY; POINTS],
         })
     }
 

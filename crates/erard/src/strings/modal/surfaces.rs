@@ -152,6 +152,9 @@ impl Surfaces for Strings {
             self.steps += 1;
             if self.steps.is_multiple_of(LOOK_EVERY) {
                 self.settle();
+                self.swings_m = self.largest_swings_m();
+            } else if !self.untouched() {
+                self.swings_m = [f64::INFINITY; POINTS];
             }
         }
         for (p, before_m) in before_m.iter().enumerate() {
@@ -168,6 +171,11 @@ impl Surfaces for Strings {
     fn may_reach(&self, index: usize) -> bool {
         // The rail is where it is unless it is moved.
         index <= self.felts.len() || self.rail.is_some_and(|rail| rail.moves())
+    }
+
+    fn swings(&self, index: usize) -> f64 {
+        // Else it is the rail.
+        if index <= self.felts.len() { self.swings_m[index] } else { f64::INFINITY }
     }
 
     fn energy(&self) -> f64 {
@@ -221,6 +229,7 @@ impl Surfaces for Strings {
             self.rail = self.rail.map(|_| Rail::default());
             return;
         }
+        self.swings_m = [f64::INFINITY; POINTS];
         let (strings, felts): ([usize; MAX_STRINGS], [usize; MAX_STRINGS]) =
             (order(self.strings_by_name()), order(self.felts_by_name()));
         let bridge_modes: [usize; MAX_BRIDGE_MODES] = order(self.bridge_by_name());

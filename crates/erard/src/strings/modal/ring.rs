@@ -1,0 +1,71 @@
+//! Strings that ring by themselves, over any span at once.
+
+use core::f64::consts::TAU;
+
+use super::{Mode, POINTS, Strings};
+use crate::strings::rows::{WIDE, transition};
+
+impl Strings {
+    /// Whether nothing has touched them in the last step, on a bridge that stands still: each mode is then free.
+    pub(super) fn untouched(&self) -> bool {
+        self.bridge.is_none()
+            && self.forces_n.iter().all(|force_n| *force_n == 0.0)
+            && self.rocks.iter().all(|rocks| rocks.stiff_n_m == 0.0)
+    }
+
+    /// Whether each mode moves freely, and no damper is moved.
+    pub(crate) fn ring_freely(&self) -> bool {
+        let moved = self.rail.is_some_and(|rail| rail.moves());
+        self.untouched() && !(self.still || self.statically || moved)
+    }
+
+    /// Lets them ring freely for so many spans of a length, s, and shows them after each span. The motion of a free
+    /// mode is exact over any span: this differs from steps by rounding.
+    pub(crate) fn ring(&mut self, spans: u64, span_s: f64, each: &mut dyn FnMut(&Self)) {
+        let free = |mode: &Mode| {
+            let string = &self.strings[mode.string];
+            transition(TAU * string.partial_hz(mode.n), string.decay_per_s(mode.n), span_s)
+        };
+        let transitions: Vec<[f64; 4]> = self.modes.iter().map(free).collect();
+        for _ in 0..spans {
+            for (mode, [qq, qv, vq, vv]) in self.modes.iter().zip(&transitions) {
+                let (block, place) = (&mut self.blocks[mode.at / WIDE], mode.at % WIDE);
+                let (q, v) = (block.q[place], block.v[place]);
+                (block.q[place], block.v[place]) = (qq * q + qv * v, vq * q + vv * v);
+            }
+            self.update_surfaces();
+            each(self);
+        }
+        self.settle();
+    }
+
+    /// How far a mode swings if nothing touches it, m: its energy does not grow.
+    fn amplitude_m(&self, mode: &Mode) -> f64 {
+        let (block, place) = (&self.blocks[mode.at / WIDE], mode.at % WIDE);
+        let (q, v) = (block.q[place], block.v[place]);
+        (q * q + v * v * mode.mass_kg / mode.stiffness_n_m).sqrt()
+    }
+
+    /// How far each place swings at most, with all modes in step, m; unknown while something touches the strings.
+    pub(super) fn largest_swings_m(&self) -> [f64; POINTS] {
+        if !self.untouched() {
+            return [f64::INFINITY; POINTS];
+        }
+        let mut swings_m = [0.0; POINTS];
+        for mode in &self.modes {
+            let amplitude_m = self.amplitude_m(mode);
+            for (p, swing_m) in swings_m.iter_mut().enumerate() {
+                *swing_m += self.shape(p, mode).abs() * amplitude_m;
+            }
+        }
+        swings_m
+    }
+
+    /// The force on the bridge, N, up or down, that all modes in step with each other would make: strings that nothing
+    /// touches make no larger one from now on.
+    #[must_use]
+    pub fn largest_bridge_n(&self) -> f64 {
+        let bridge_n_m = |mode: &Mode| self.blocks[mode.at / WIDE].bridge[mode.at % WIDE];
+        self.modes.iter().map(|mode| bridge_n_m(mode).abs() * self.amplitude_m(mode)).sum()
+    }
+}
