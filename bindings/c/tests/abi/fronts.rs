@@ -17,7 +17,7 @@ const TABLE: [(&str, [&str; 6]); 10] = [
     ("a hand: mass and muscle", ["Input::Hand", "Hand", "ERARD_HAND", "place_hand", "hand_mass", "erard_stroke_new"]),
     (
         "the key front's own motion",
-        ["Input::Rigid", "rigid", "erard_step_rigid", "rigid", "position", NO],
+        ["Input::Rigid", "rigid", "erard_step_rigid", "rigid", "position", "erard_step_rigid"],
     ),
     ("sustain pedal", ["Action::set_pedal", "set_pedal", "erard_set_pedal", "set_pedal", "pedal", "erard_set_pedal"]),
     (
@@ -26,7 +26,7 @@ const TABLE: [(&str, [&str; 6]); 10] = [
     ),
     (
         "keyboards with strings, by name",
-        ["Keyboard::builtin", "keyboard", "erard_keyboard_builtin", "builtin", "--keyboard", NO],
+        ["Keyboard::builtin", "keyboard", "erard_keyboard_builtin", "builtin", "--keyboard", "erard_keyboard_builtin"],
     ),
     ("force on the string", ["Reading::string_n", "string_n", "string_n", "reading", "string_force", "erard_read"]),
     (
@@ -37,13 +37,13 @@ const TABLE: [(&str, [&str; 6]); 10] = [
             "erard_bridge_force",
             "bridge_force",
             "bridge_force",
-            NO,
+            "erard_keyboard_bridge_sum",
         ],
     ),
     ("saved states", ["Action::save", "save", "erard_save", "save", "fmi2GetFMUstate", "erard_save"]),
     (
         "causes from one's own readings of a key",
-        ["diagnose", NO, "erard_diagnose", NO, NO, "erard_diagnose"],
+        ["diagnose", "diagnose", "erard_diagnose", "diagnose", NO, "erard_diagnose"],
     ),
     (
         "a body's mass with its inertia, by one name",
@@ -81,6 +81,7 @@ fn interface(front: &str) -> String {
             "bindings/python/python/erard/_keys.py",
             "bindings/python/python/erard/_action.py",
             "bindings/python/python/erard/_common.py",
+            "bindings/python/python/erard/_diagnose.py",
             "bindings/python/python/erard/_instrument.py",
         ]),
         "C" => read("bindings/c/include/erard.h"),
