@@ -147,6 +147,38 @@ export const compare = async ({ visit }) => {
   return `${a.toFixed(2)} and ${b.toFixed(2)} m/s`;
 };
 
+/** A keyboard whose strings sound, by its name: a chord is heard at the bridge, longer with the pedal down. */
+export const strung = async ({ visit }) => {
+  const page = await visit("#tab=keyboard");
+  await page.waitForFunction(() => document.querySelectorAll("#which-keyboard option").length === 3);
+  const ready = () => until(page, () => /real time|cost nothing/.test(document.getElementById("keys-said").textContent), undefined, 120_000);
+  await ready();
+  assert(await page.isHidden("#heard") && (await page.isHidden("#bridge-level")), "rigid strings are not heard");
+  await page.selectOption("#which-keyboard", "concert-grand-strings");
+  await until(page, () => location.hash.includes("keys=concert-grand-strings"));
+  await ready();
+  await page.waitForSelector("#heard canvas");
+  const loudest = () => page.evaluate(() => Math.max(...document.getElementById("bridge-level").textContent.match(/\d+\.\d/g).map(Number)));
+  const resting = await loudest();
+  await page.click("#ten");
+  await until(page, () => document.querySelectorAll("#blows li").length >= 8);
+  await until(page, (resting) => Math.max(...document.getElementById("bridge-level").textContent.match(/\d+\.\d/g).map(Number)) > resting + 20, resting);
+  // Once the dampers lie on the strings again they are as still as at first.
+  await until(page, (resting) => Math.max(...document.getElementById("bridge-level").textContent.match(/\d+\.\d/g).map(Number)) < resting + 5, resting, 60_000);
+  // With the pedal down the strings go on when the keys are up again.
+  await page.check("#keys-pedal");
+  await page.waitForTimeout(500);
+  await page.click("#ten");
+  await page.waitForTimeout(3000);
+  const spread = () => page.evaluate(() => { const [low, high] = document.getElementById("bridge-level").textContent.match(/\u2212?\d+\.\d/g).map((text) => Number(text.replace("\u2212", "-"))); return high - low; });
+  assert((await spread()) > 2, `${await spread()} N between the least and the greatest`);
+  const timing = await page.evaluate(() => studio.keysTiming);
+  const busy = timing.filter(([, , awake]) => awake >= 10).map(([cost, steps]) => cost / (steps * 0.05));
+  await page.click("#open-key");
+  await until(page, () => studio.loaded[0].setting.base.keyboard === "concert-grand-strings" && location.hash.includes(":concert-grand-strings"));
+  return `${resting} N at rest; ten keys and more take ${(100 * percentile(busy, 0.5)).toFixed(0)} % of real time in the middle`;
+};
+
 export const keyboard = async ({ visit }) => {
   const page = await visit("#tab=keyboard");
   await until(page, () => !document.getElementById("keys-said").textContent.includes("ready"), undefined, 120_000);

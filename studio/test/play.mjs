@@ -67,6 +67,24 @@ export const key_ = async ({ visit }) => {
 };
 export { key_ as key };
 
+/** The key front's own motion: it is where the pointer is, and its force is what that takes. */
+export const imposed = async ({ visit }) => {
+  const page = await visit("");
+  await page.check("#imposed");
+  await until(page, () => location.hash.includes("imposed=1"));
+  for (const down of [0.004, 0.0075]) {
+    await page.evaluate((down) => studio.press(down), down);
+    await until(page, (down) => Math.abs(studio.poses[0].key_m - down) < 2e-6, down);
+  }
+  assert((await page.evaluate(() => studio.poses[0].finger_n)) > 0.1, "the force that holds the key");
+  await page.evaluate(() => studio.press(null));
+  await until(page, () => studio.poses[0].key_m < 2e-4);
+  // From where the key is, not from where the last motion ended; no deeper than a finger goes.
+  await page.evaluate(() => studio.press(0.03));
+  await until(page, () => Math.abs(studio.poses[0].key_m - 0.0102) < 2e-6);
+  return `${(await page.evaluate(() => studio.poses[0].finger_n)).toFixed(1)} N at the bottom`;
+};
+
 export const replay = async ({ visit }) => {
   const page = await visit();
   await page.click("button[aria-label='mf, pressed']");

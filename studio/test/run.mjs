@@ -32,6 +32,7 @@ const tests = {
   "press by mouse": play.mouse,
   "press by touch": play.touch,
   "press by key": play.key,
+  "an imposed motion": play.imposed,
   "every part can be grasped": grasp.grasp,
   "the keyboard alone": grasp.keys_only,
   "the pedal": grasp.pedal,
@@ -43,6 +44,7 @@ const tests = {
   "a broken file": bench.file,
   compare: bench.compare,
   keyboard: bench.keyboard,
+  "strings of a chord": bench.strung,
   ...(process.env.ERARD ? { diagnose } : {}),
   "rough edges": edges,
   link: page.link,
@@ -54,7 +56,7 @@ const tests = {
 };
 
 /** Tests of time, and hands that move in milliseconds, have the machine for themselves. */
-const ALONE = new Set(["the story, step by step", "first picture", "a stranger's path", "the pedal", "keyboard", "rough edges", "screenshots", "random playing"]);
+const ALONE = new Set(["the story, step by step", "first picture", "a stranger's path", "the pedal", "keyboard", "strings of a chord", "rough edges", "screenshots", "random playing"]);
 /** The longest begins, so that no lane waits for it at the end. */
 const LONG = "axe, light, dark, phone";
 

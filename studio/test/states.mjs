@@ -9,6 +9,7 @@ const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile:
 export const STATES = {
   ...Object.fromEntries(TABS.map((tab) => [tab, { hash: `#tab=${tab}${tab === "compare" ? "&b=heavy-touch" : ""}` }])),
   "side by side": { hash: "#tab=compare&b=heavy-touch&beside=1&names=1" },
+  "a keyboard with strings": { hash: "#tab=keyboard&keys=concert-grand-strings", act: (page) => page.waitForSelector("#heard canvas", { timeout: 120_000 }) },
   "with a pedal": { hash: "#a=concert-grand-strings" },
   "a part": { hash: "", act: (page) => page.selectOption("#parts", "let-off button") },
   "a diagnosis": { hash: "#tab=diagnose&readings=key:C4;down_weight_g:58;up_weight_g:18;let_off_mm:3.5;drop_mm:0", act: (page) => page.waitForSelector("#diagnosis .causes") },

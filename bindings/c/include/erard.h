@@ -629,6 +629,12 @@ ErardStatus erard_keyboard_set_pedal(struct ErardKeyboard *keyboard, double lift
 ErardStatus erard_keyboard_bridge_force(const struct ErardKeyboard *keyboard, uint32_t key, double *force_n);
 
 /**
+ * Writes the force of the strings of all keys on the bridge now, N, to `force_n`, with what the dampers at rest press;
+ * 0 where none sound. Real time: yes.
+ */
+ErardStatus erard_keyboard_bridge_sum(const struct ErardKeyboard *keyboard, double *force_n);
+
+/**
  * So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their
  * order, as many as `capacity` says; `count` (which may be NULL) receives how many there were: those beyond are lost.
  * A key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real time:
@@ -689,9 +695,15 @@ struct ErardInstrument *erard_instrument_new(const char *text, size_t length, Er
 struct ErardInstrument *erard_instrument_builtin(const char *called, ErardStatus *status);
 
 /**
- * The instrument of a key, 1 to 88, of the built-in keyboard.
+ * The instrument of a key, 1 to 88, of the built-in keyboard `concert-grand`.
  */
 struct ErardInstrument *erard_instrument_of_key(uint32_t key, ErardStatus *status);
+
+/**
+ * The instrument of a key, 1 to 88, of a built-in keyboard by its name, e.g. "concert-grand-strings". erard_builtin
+ * lists them.
+ */
+struct ErardInstrument *erard_instrument_of_keyboard(const char *called, uint32_t key, ErardStatus *status);
 
 /**
  * Ends an instrument. NULL does nothing. Actions that were made of it go on.

@@ -68,6 +68,13 @@ class Instrument {
     const ErardInstrument *handle() const noexcept { return own.get(); }
 };
 
+// Causes from readings of a key of a real piano, JSON both ways: see erard_diagnose.
+inline std::string diagnose(const char *readings) {
+    ErardStatus s;
+    char *p = erard_diagnose(readings, nullptr, &s);
+    return detail::text(p, s);
+}
+
 class Action {
     detail::Owned<ErardAction> own;
 
@@ -100,11 +107,7 @@ class Action {
         erard_read(own.get(), &r);
         return r;
     }
-    double bridge_force() const noexcept {
-        double n = 0.0;
-        erard_bridge_force(own.get(), &n);
-        return n;
-    }
+    double bridge_force() const noexcept { double n = 0.0; erard_bridge_force(own.get(), &n); return n; }
     std::vector<unsigned char> save() const {
         std::size_t n = 0;
         erard_save(own.get(), nullptr, &n);
@@ -152,6 +155,7 @@ class Keyboard {
         erard_keyboard_bridge_force(own.get(), key, &n);
         return n;
     }
+    double bridge_force() const noexcept { double n = 0.0; erard_keyboard_bridge_sum(own.get(), &n); return n; }
     std::vector<unsigned char> save() const {
         std::size_t n = 0;
         erard_keyboard_save(own.get(), nullptr, &n);

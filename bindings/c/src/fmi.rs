@@ -1,25 +1,23 @@
 //! FMI 2.0 for co-simulation. The standard names these functions and says what each does; what is particular to this
 //! unit stands here.
 //!
-//! The instrument is the text in the archive's `resources`. Its numbers are parameters: set before the end of
-//! initialisation, they are put into the text, which is then read anew. A communication step is as many steps of the
-//! simulation as end within it, counted from the start, so that communication steps of any length do not drift.
+//! The instrument, or the keyboard with its base instrument, is in the archive's `resources`. The instrument's numbers
+//! are parameters: set before the end of initialisation, they are put into the text, which is then read anew. A
+//! communication step is as many steps of the simulation as end within it, counted from the start, so that
+//! communication steps of any length do not drift. `component` is an instance of the unit, `played` what it plays.
+
+mod component;
+mod played;
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::ptr::null_mut;
 
-use erard::Instrument;
-use erard::instrument::{InstrumentFile, with_numbers};
-use erard::player::SNAPSHOT_MARK;
-use erard::saved::{Lists, Writer};
-use erard::strings::Strings;
-use erard_workshop::fmu::{INSTRUMENT, Role, Variable, guid, variables};
-use erard_workshop::study::Parameter;
+use erard::saved::Lists;
+use erard_workshop::fmu::{INSTRUMENT, KEYBOARD, Unit};
 
-use crate::action::ErardAction;
-use crate::reading::{ERARD_FORCE, ERARD_FREE, ERARD_HAND, ERARD_MOTION, ERARD_RIGID, ErardInput, ErardReading};
-use crate::status::ErardStatus;
+use component::{Component, SavedState};
 
 /// fmi2Status.
 const OK: c_int = 0;
@@ -27,39 +25,18 @@ const WARNING: c_int = 1;
 const DISCARD: c_int = 2;
 const ERROR: c_int = 3;
 
+/// fmi2CallbackLogger; NULL for none.
+type Logger = Option<unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...)>;
+
 /// fmi2CallbackFunctions.
 #[repr(C)]
 pub(crate) struct Callbacks {
-    logger: Option<unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...)>,
+    logger: Logger,
     allocate: *const c_void,
     free: *const c_void,
     step_finished: *const c_void,
     environment: *mut c_void,
 }
-
-/// An instance of the unit.
-pub(crate) struct Component {
-    name: CString,
-    logger: Option<unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...)>,
-    environment: *mut c_void,
-    text: String,
-    file: InstrumentFile,
-    variables: Vec<Variable>,
-    /// The parameters as they are set, by their places among the variables.
-    values: Vec<f64>,
-    /// There from the end of initialisation.
-    action: Option<ErardAction>,
-    /// Force, position, velocity, and the pedal's lift.
-    inputs: [f64; 4],
-    start_s: f64,
-    /// Steps taken since then.
-    steps: u64,
-}
-
-/// A saved state: the action, the inputs, the start and the steps.
-type SavedState = Vec<u8>;
-/// What the names of the inputs are in it.
-const INPUTS: &str = "fmu_inputs";
 
 type Done = Result<c_int, String>;
 
@@ -75,13 +52,7 @@ unsafe fn done(component: *mut Component, work: impl FnOnce(&mut Component) -> D
     })
 }
 
-fn log(
-    logger: Option<unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...)>,
-    environment: *mut c_void,
-    name: &CStr,
-    status: c_int,
-    text: &str,
-) {
+fn log(logger: Logger, environment: *mut c_void, name: &CStr, status: c_int, text: &str) {
     let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
     if let Some(logger) = logger {
         // SAFETY: the importer's promise: a logger as the standard describes it. The text is an argument, not the
@@ -89,185 +60,6 @@ fn log(
         unsafe {
             logger(environment, name.as_ptr(), status, c"logStatusError".as_ptr(), c"%s".as_ptr(), text.as_ptr());
         }
-    }
-}
-
-impl Component {
-    fn log(&self, status: c_int, text: &str) {
-        log(self.logger, self.environment, &self.name, status, text);
-    }
-
-    fn variable(&self, reference: u32, is_integer: bool) -> Result<usize, String> {
-        let found = self.variables.iter().position(|v| v.reference == reference && v.is_integer() == is_integer);
-        found.ok_or_else(|| format!("there is no variable of value reference {reference}"))
-    }
-
-    fn reading(&self) -> ErardReading {
-        self.action.as_ref().map(|action| action.play.reading).unwrap_or_default()
-    }
-
-    fn get(&self, index: usize) -> f64 {
-        let r = self.reading();
-        match self.variables[index].role {
-            Role::Force => self.inputs[0],
-            Role::Position => self.inputs[1],
-            Role::Velocity => self.inputs[2],
-            Role::Pedal => self.inputs[3],
-            Role::Drive
-            | Role::Step
-            | Role::HandMass
-            | Role::MuscleStiffness
-            | Role::MuscleDamping
-            | Role::Mass(_)
-            | Role::Number(..) => self.values[index],
-            Role::Reading(n) => [
-                r.key_m,
-                r.key_m_per_s,
-                r.finger_n,
-                r.hammer_m,
-                r.hammer_m_per_s,
-                r.string_n,
-                if r.blows > 0 { self.start_s + r.blow_time_s } else { 0.0 },
-                r.hammer_speed_m_per_s,
-                self.action.as_ref().and_then(|one| one.play.action.strings()).map_or(0.0, Strings::bridge_n),
-                r.hand_m,
-                r.hand_m_per_s,
-            ][n],
-            Role::Blows => f64::from(r.blows),
-            Role::Contact(zone) => self.action.as_ref().map_or(0.0, |action| action.play.action.contact_force(zone)),
-        }
-    }
-
-    fn set(&mut self, index: usize, value: f64) -> Result<(), String> {
-        let variable = &self.variables[index];
-        let Variable { name, role, .. } = variable;
-        if !value.is_finite() {
-            return Err(format!("`{name}` cannot be {value}"));
-        }
-        match role {
-            Role::Force => self.inputs[0] = value,
-            Role::Position => self.inputs[1] = value,
-            Role::Velocity => self.inputs[2] = value,
-            Role::Pedal => self.inputs[3] = value,
-            _ if variable.is_parameter() && self.action.is_none() => self.values[index] = value,
-            _ if variable.is_parameter() => {
-                return Err(format!("`{name}` is a parameter: it can be set before the end of initialisation only"));
-            }
-            _ => return Err(format!("`{name}` is an output: it cannot be set")),
-        }
-        Ok(())
-    }
-
-    fn value(&self, role: Role) -> f64 {
-        self.variables.iter().zip(&self.values).find(|(v, _)| v.role == role).map_or(0.0, |(_, value)| *value)
-    }
-
-    /// What drives the key now.
-    fn input(&self) -> Result<ErardInput, String> {
-        let kind = match self.value(Role::Drive) {
-            0.0 => ERARD_FREE,
-            1.0 => ERARD_FORCE,
-            2.0 => ERARD_MOTION,
-            3.0 => ERARD_RIGID,
-            4.0 => ERARD_HAND,
-            other => return Err(format!("`drive` is {other}; expected 0, 1, 2, 3 or 4")),
-        };
-        let [force_n, position_m, velocity_m_per_s, _] = self.inputs;
-        Ok(ErardInput {
-            kind,
-            reserved: 0,
-            force_n,
-            position_m,
-            velocity_m_per_s,
-            hand_mass_kg: self.value(Role::HandMass),
-            muscle_n_per_m: self.value(Role::MuscleStiffness),
-            muscle_n_s_per_m: self.value(Role::MuscleDamping),
-        })
-    }
-
-    /// The instrument with its parameters, at rest.
-    fn begin(&mut self) -> Result<(), String> {
-        self.input()?;
-        let changes: Vec<(&str, usize, f64)> = self
-            .changed()
-            .filter_map(|(variable, value)| match variable.role {
-                Role::Number(number, place) => Some((self.file.provenance.numbers[number].key.as_str(), place, value)),
-                _ => None,
-            })
-            .collect();
-        let mut instrument = if changes.is_empty() {
-            self.file.instrument.clone()
-        } else {
-            let text = with_numbers(&self.text, &changes).ok_or("a parameter has no place in the instrument's text")?;
-            InstrumentFile::parse(&text, INSTRUMENT).map_err(|error| error.to_string())?.instrument
-        };
-        self.put_masses(&mut instrument, &changes)?;
-        let action = ErardAction::new(&instrument, self.value(Role::Step)).map_err(|fault| fault.text)?;
-        (self.action, self.steps) = (Some(action), 0);
-        Ok(())
-    }
-
-    /// The variables that have been set to another value than their first.
-    fn changed(&self) -> impl Iterator<Item = (&Variable, f64)> {
-        let all = self.variables.iter().zip(self.values.iter().copied());
-        all.filter(|(variable, value)| variable.start != Some(*value))
-    }
-
-    /// Sets bodies' masses together with their inertias. A body whose own numbers are changed as well is refused: two
-    /// parameters would say what it weighs.
-    fn put_masses(&self, instrument: &mut Instrument, changes: &[(&str, usize, f64)]) -> Result<(), String> {
-        for (variable, mass_kg) in self.changed() {
-            let Role::Mass(body) = variable.role else { continue };
-            let Variable { name, .. } = variable;
-            let own = [format!("{name}_g"), name.replace(".mass", ".inertia_kg_m2")];
-            if let Some((path, ..)) = changes.iter().find(|(path, ..)| own.iter().any(|own| own == path)) {
-                return Err(format!(
-                    "`{name}` and `{path}` are both set: set the mass with its inertia, or each by itself"
-                ));
-            }
-            let parameter = Parameter::Mass(body);
-            let (factor, [least, most]) = (mass_kg / parameter.value(instrument), parameter.range());
-            if !(least..=most).contains(&factor) || !parameter.vary(instrument, factor) {
-                let drawn_kg = parameter.value(instrument);
-                return Err(format!("`{name}` is {mass_kg} kg; expected {least} to {most} times {drawn_kg} kg"));
-            }
-        }
-        Ok(())
-    }
-
-    /// How many bytes a state takes.
-    fn state_bytes(&self) -> Result<usize, String> {
-        self.write(&mut [])
-    }
-
-    fn write(&self, bytes: &mut [u8]) -> Result<usize, String> {
-        let action = self.action.as_ref().ok_or("there is no state before the end of initialisation")?;
-        let mut out = Writer::new(bytes, SNAPSHOT_MARK);
-        action.play.write(&mut out);
-        out.list(INPUTS, &mut self.inputs.iter().copied());
-        out.number("fmu_start_s", self.start_s);
-        out.word("fmu_steps", self.steps);
-        Ok(out.seal())
-    }
-
-    fn save(&self) -> Result<SavedState, String> {
-        let mut state = vec![0; self.state_bytes()?];
-        self.write(&mut state)?;
-        Ok(state)
-    }
-
-    fn restore(&mut self, state: &SavedState) -> Result<(), String> {
-        let action = self.action.as_mut().ok_or("a state can be set after the end of initialisation only")?;
-        let lists = Lists::read(state, SNAPSHOT_MARK).map_err(|error| error.to_string())?;
-        let status = action.play.read(&lists);
-        if status != ErardStatus::Ok {
-            return Err(format!("the state belongs to another instance: {status:?}"));
-        }
-        self.inputs = [0.0; 4];
-        lists.fill(INPUTS, &mut self.inputs);
-        self.start_s = lists.number("fmu_start_s").unwrap_or(0.0);
-        self.steps = lists.word("fmu_steps").unwrap_or(0);
-        Ok(())
     }
 }
 
@@ -297,6 +89,22 @@ fn resources(location: &str) -> Result<std::path::PathBuf, String> {
     let drive = path.as_bytes();
     let has_drive = drive.len() > 2 && drive[0] == b'/' && drive[1].is_ascii_alphabetic() && drive[2] == b':';
     Ok(if has_drive { path[1..].into() } else { path.into() })
+}
+
+/// What is packed in these resources.
+fn unit(folder: &Path) -> Result<Unit, String> {
+    let read = |path: &str| {
+        let path = folder.join(path.trim_start_matches("resources/"));
+        std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))
+    };
+    let instrument = read(INSTRUMENT)?;
+    let keyboard = folder.join(KEYBOARD.trim_start_matches("resources/"));
+    let unit = if keyboard.exists() {
+        Unit::of_keyboard(&read(KEYBOARD)?, &instrument)
+    } else {
+        Unit::of_instrument(&instrument)
+    };
+    unit.map_err(|error| error.to_string())
 }
 
 unsafe fn words<'a>(text: *const c_char) -> &'a str {
@@ -334,32 +142,14 @@ unsafe extern "C" fn fmi2Instantiate(
         if kind != 1 {
             return Err("this unit is for co-simulation".to_owned());
         }
-        let path = resources(location)?.join("instrument.toml");
-        let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        if guid(&text) != own_guid {
-            return Err(format!(
-                "the guid {own_guid} is not that of this unit's instrument and library, {}",
-                guid(&text)
-            ));
+        let unit = unit(&resources(location)?)?;
+        if unit.guid() != own_guid {
+            return Err(format!("the guid {own_guid} is not that of this unit's files and library, {}", unit.guid()));
         }
-        let file = InstrumentFile::parse(&text, INSTRUMENT).map_err(|error| error.to_string())?;
-        let variables = variables(&file, &text);
-        Ok((text, file, variables))
+        Ok(unit)
     });
     match made.unwrap_or_else(|_| Err("a fault of the library".to_owned())) {
-        Ok((text, file, variables)) => Box::into_raw(Box::new(Component {
-            name: instance,
-            logger,
-            environment,
-            text,
-            file,
-            values: variables.iter().map(|variable| variable.start.unwrap_or(0.0)).collect(),
-            variables,
-            action: None,
-            inputs: [0.0; 4],
-            start_s: 0.0,
-            steps: 0,
-        })),
+        Ok(unit) => Box::into_raw(Box::new(Component::new(unit, instance, logger, environment))),
         Err(text) => {
             log(logger, environment, &instance, ERROR, &text);
             null_mut()
@@ -391,7 +181,7 @@ unsafe extern "C" fn fmi2SetupExperiment(
             if !start_s.is_finite() {
                 return Err(format!("the start time cannot be {start_s}"));
             }
-            c.start_s = start_s;
+            c.begin_at(start_s);
             Ok(OK)
         })
     }
@@ -416,8 +206,7 @@ unsafe extern "C" fn fmi2Terminate(component: *mut Component) -> c_int {
 unsafe extern "C" fn fmi2Reset(component: *mut Component) -> c_int {
     unsafe {
         done(component, |c| {
-            (c.action, c.inputs, c.start_s, c.steps) = (None, [0.0; 4], 0.0, 0);
-            c.values = c.variables.iter().map(|variable| variable.start.unwrap_or(0.0)).collect();
+            c.reset();
             Ok(OK)
         })
     }
@@ -503,9 +292,6 @@ unsafe extern "C" fn fmi2SetInteger(
     unsafe { set(c, references, count, values, true, f64::from) }
 }
 
-/// Most steps of the simulation in one communication step.
-const MOST_STEPS: u64 = 10_000_000;
-
 #[unsafe(no_mangle)]
 unsafe extern "C" fn fmi2DoStep(
     component: *mut Component,
@@ -513,42 +299,7 @@ unsafe extern "C" fn fmi2DoStep(
     length_s: f64,
     _no_state_before: c_int,
 ) -> c_int {
-    unsafe {
-        done(component, |c| {
-            let input = c.input()?;
-            let step_s = c.value(Role::Step);
-            let Component { action: Some(action), start_s, steps, inputs, .. } = c else {
-                return Err("a step before the end of initialisation".into());
-            };
-            action.play.action.set_pedal(inputs[3]);
-            let until = (now_s + length_s - *start_s) / step_s;
-            if !(length_s >= 0.0 && until.is_finite() && until > -0.5 && until - *steps as f64 <= MOST_STEPS as f64) {
-                return Err(format!("a communication step of {length_s} s at {now_s} s"));
-            }
-            // Whole steps, counted from the start.
-            let until = until.round() as u64;
-            let mut worst = OK;
-            while *steps < until {
-                // What moves goes on moving within the communication step; the step receives where a finger is in its
-                // middle, and where an imposed key front is at its end.
-                let share = if input.kind == ERARD_RIGID { 1.0 } else { 0.5 };
-                let later_s = (*start_s + (*steps as f64 + share) * step_s - now_s).max(0.0);
-                let position_m = input.position_m + input.velocity_m_per_s * later_s;
-                let step = ErardInput { position_m, ..input }.checked();
-                match step.map_or_else(|status| status, |input| action.play.step(input)) {
-                    ErardStatus::Ok => {}
-                    ErardStatus::IterationLimit => worst = WARNING,
-                    ErardStatus::NotFinite => {
-                        c.log(DISCARD, "a number became infinite");
-                        return Ok(DISCARD);
-                    }
-                    status => return Err(format!("a step could not be taken: {status:?}; inputs are {input:?}")),
-                }
-                *steps += 1;
-            }
-            Ok(worst)
-        })
-    }
+    unsafe { done(component, |c| c.step(now_s, length_s)) }
 }
 
 #[unsafe(no_mangle)]
@@ -627,10 +378,10 @@ unsafe extern "C" fn fmi2DeSerializeFMUstate(
     state: *mut *mut SavedState,
 ) -> c_int {
     unsafe {
-        done(component, |_| {
+        done(component, |c| {
             let place = state.as_mut().ok_or("the state's place is NULL")?;
             let saved: SavedState = list(bytes, size).to_vec();
-            Lists::read(&saved, SNAPSHOT_MARK).map_err(|error| error.to_string())?;
+            Lists::read(&saved, c.mark()).map_err(|error| error.to_string())?;
             if !place.is_null() {
                 drop(Box::from_raw(*place));
             }

@@ -97,19 +97,37 @@ pub unsafe extern "C" fn erard_instrument_builtin(
     })
 }
 
-/// The instrument of a key, 1 to 88, of the built-in keyboard.
+/// The instrument of a key, 1 to 88, of the built-in keyboard `concert-grand`.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_instrument_of_key(key: u32, status: *mut ErardStatus) -> *mut ErardInstrument {
-    told(null_mut(), status, || {
-        let key = key as usize;
-        if !(1..=KEYS).contains(&key) {
-            return Err(Fault::new(ErardStatus::NoSuch, format!("there is no key {key}; expected 1 to {KEYS}")));
-        }
-        let keyboard =
-            Keyboard::builtin("concert-grand").map_err(|error| Fault::new(ErardStatus::Internal, error.to_string()))?;
-        let file = keyboard.key_file(key).map_err(|error| file_fault(&error))?;
-        Ok(boxed(file, keyboard.key_text(key)))
-    })
+    told(null_mut(), status, || of_key("concert-grand", key))
+}
+
+/// The instrument of a key, 1 to 88, of a built-in keyboard by its name, e.g. "concert-grand-strings". erard_builtin
+/// lists them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_instrument_of_keyboard(
+    called: *const c_char,
+    key: u32,
+    status: *mut ErardStatus,
+) -> *mut ErardInstrument {
+    // SAFETY: passed on.
+    told(null_mut(), status, || of_key(unsafe { name(called, "the keyboard's name") }?, key))
+}
+
+fn of_key(name: &str, key: u32) -> Result<*mut ErardInstrument, Fault> {
+    let key = key as usize;
+    if !(1..=KEYS).contains(&key) {
+        return Err(Fault::new(ErardStatus::NoSuch, format!("there is no key {key}; expected 1 to {KEYS}")));
+    }
+    let keyboard = builtin_keyboard(name)?;
+    let file = keyboard.key_file(key).map_err(|error| file_fault(&error))?;
+    Ok(boxed(file, keyboard.key_text(key)))
+}
+
+/// A built-in keyboard.
+pub(crate) fn builtin_keyboard(name: &str) -> Result<Keyboard, Fault> {
+    Keyboard::builtin(name).map_err(|error| Fault::new(ErardStatus::NoSuch, error.to_string()))
 }
 
 /// Ends an instrument. NULL does nothing. Actions that were made of it go on.

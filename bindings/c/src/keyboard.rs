@@ -4,16 +4,16 @@ use std::ffi::c_char;
 use std::path::Path;
 use std::ptr::null_mut;
 
-use erard::Action;
 use erard::instrument::utf8;
 use erard::keyboard::{Keyboard, Keys, KeysError};
 use erard::mechanism::TellNumbers;
 use erard::player::MechanismState;
 use erard::saved::{Lists, Writer};
 use erard::strings::Strings;
+use erard::{Action, Instrument};
 
 use crate::action::moving;
-use crate::instrument::file_fault;
+use crate::instrument::{builtin_keyboard, file_fault};
 use crate::play::{settings, status_of};
 use crate::reading::{ErardBlow, ErardInput, ErardReading};
 use crate::status::{ErardStatus, Fault, quick, told};
@@ -32,7 +32,7 @@ pub struct ErardKeyboard {
 /// Most steps that erard_keyboard_step takes at once.
 pub const ERARD_MOST_STEPS: u32 = 1000000;
 
-const MARK: [u8; 8] = *b"erardkbd";
+pub(crate) const MARK: [u8; 8] = *b"erardkbd";
 
 /// 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is a built-in one;
 /// NULL and 0: the built-in concert grand. Each key has an input that holds until it is changed; at first ERARD_FREE.
@@ -48,7 +48,7 @@ pub unsafe extern "C" fn erard_keyboard_new(
     told(null_mut(), status, || {
         // SAFETY: passed on.
         let keyboard = match unsafe { bytes(text, length) }? {
-            None => builtin("concert-grand")?,
+            None => builtin_keyboard("concert-grand")?,
             Some(bytes) => {
                 let text = utf8(bytes, "keyboard").map_err(|error| file_fault(&error))?;
                 Keyboard::parse(text, "keyboard", Path::new("")).map_err(|error| file_fault(&error))?
@@ -68,23 +68,112 @@ pub unsafe extern "C" fn erard_keyboard_builtin(
 ) -> *mut ErardKeyboard {
     told(null_mut(), status, || {
         // SAFETY: passed on.
-        at_rest(&builtin(unsafe { name(called, "the keyboard's name") }?)?, step_s)
+        at_rest(&builtin_keyboard(unsafe { name(called, "the keyboard's name") }?)?, step_s)
     })
 }
 
-fn builtin(name: &str) -> Result<Keyboard, Fault> {
-    Keyboard::builtin(name).map_err(|error| Fault::new(ErardStatus::NoSuch, error.to_string()))
+fn at_rest(keyboard: &Keyboard, step_s: f64) -> Result<*mut ErardKeyboard, Fault> {
+    // Before 88 instruments are read.
+    check_step(step_s)?;
+    let instruments = keyboard.instruments().map_err(|error| file_fault(&error))?;
+    Ok(Box::into_raw(Box::new(ErardKeyboard::new(&instruments, step_s)?)))
 }
 
-fn at_rest(keyboard: &Keyboard, step_s: f64) -> Result<*mut ErardKeyboard, Fault> {
-    let fault = |status, error: &KeysError| Fault::new(status, error.to_string());
-    // Before 88 instruments are read.
-    Action::check_step(step_s).map_err(|error| fault(ErardStatus::Range, &KeysError { key: 1, error }))?;
-    let instruments = keyboard.instruments().map_err(|error| file_fault(&error))?;
-    let keys = Keys::at_rest(&instruments, settings(step_s)).map_err(|error| fault(ErardStatus::Model, &error))?;
-    let (inputs, blows) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
-    let offset_s = -keys.time_s();
-    Ok(Box::into_raw(Box::new(ErardKeyboard { keys, inputs, blows, offset_s })))
+fn keys_fault(status: ErardStatus, error: &KeysError) -> Fault {
+    Fault::new(status, error.to_string())
+}
+
+fn check_step(step_s: f64) -> Result<(), Fault> {
+    Action::check_step(step_s).map_err(|error| keys_fault(ErardStatus::Range, &KeysError { key: 1, error }))
+}
+
+impl ErardKeyboard {
+    /// Assembles the keys, at rest.
+    pub(crate) fn new(instruments: &[Instrument], step_s: f64) -> Result<Self, Fault> {
+        check_step(step_s)?;
+        let keys =
+            Keys::at_rest(instruments, settings(step_s)).map_err(|error| keys_fault(ErardStatus::Model, &error))?;
+        let (inputs, blows) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
+        let offset_s = -keys.time_s();
+        Ok(ErardKeyboard { keys, inputs, blows, offset_s })
+    }
+
+    /// Sets the input of a key, from 1, from the next step on.
+    pub(crate) fn drive(&mut self, key: usize, input: &ErardInput) -> ErardStatus {
+        let Some(place) = key.checked_sub(1).and_then(|index| self.inputs.get_mut(index)) else {
+            return ErardStatus::NoSuch;
+        };
+        match input.checked() {
+            Err(status) => status,
+            Ok(checked) => {
+                *place = *input;
+                self.keys.drive(key, checked);
+                ErardStatus::Ok
+            }
+        }
+    }
+
+    /// Imposes the motion of a key's front, from 1, on the next step.
+    #[cfg(all(feature = "workshop", not(target_family = "wasm")))]
+    pub(crate) fn impose(&mut self, key: usize, input: &ErardInput) -> ErardStatus {
+        let Some(place) = key.checked_sub(1).and_then(|index| self.inputs.get_mut(index)) else {
+            return ErardStatus::NoSuch;
+        };
+        match input.checked() {
+            Err(status) => status,
+            Ok(_) => {
+                *place = *input;
+                self.keys.impose(key, input.position_m, input.velocity_m_per_s);
+                ErardStatus::Ok
+            }
+        }
+    }
+
+    /// One step of all keys that are awake; `put` receives the blows in it.
+    pub(crate) fn step(&mut self, put: &mut dyn FnMut(ErardBlow)) -> ErardStatus {
+        let tick = self.keys.step();
+        for blow in self.keys.impacts() {
+            let (time_s, speed_m_per_s) = (blow.impact.time_s + self.offset_s, blow.impact.hammer_speed_m_per_s);
+            if let Some(last) = self.blows.get_mut(blow.key - 1) {
+                *last = (time_s, speed_m_per_s, last.2.wrapping_add(1));
+            }
+            put(ErardBlow { key: blow.key as u32, reserved: 0, time_s, speed_m_per_s });
+        }
+        if tick.non_finite > 0 {
+            ErardStatus::NotFinite
+        } else if tick.unconverged > 0 {
+            ErardStatus::IterationLimit
+        } else {
+            ErardStatus::Ok
+        }
+    }
+
+    /// Reading of a key, from 1; `None` where there is none.
+    pub(crate) fn reading(&self, key: usize) -> Option<ErardReading> {
+        let &(blow_time_s, hammer_speed_m_per_s, blows) = self.blows.get(key.checked_sub(1)?)?;
+        let now = self.keys.reading(key);
+        Some(ErardReading {
+            time_s: self.keys.time_s() + self.offset_s,
+            key_m: now.key_m,
+            key_m_per_s: now.key_m_per_s,
+            finger_n: now.finger_n,
+            finger_mean_n: now.finger_n,
+            hammer_m: now.hammer_m,
+            hammer_m_per_s: now.hammer_m_per_s,
+            string_n: now.string_n,
+            hand_m: now.hand_m,
+            hand_m_per_s: now.hand_m_per_s,
+            blow_time_s,
+            hammer_speed_m_per_s,
+            blows,
+            new_blows: 0,
+        })
+    }
+
+    /// Force of a key's strings on the bridge, N; 0 where none sound.
+    pub(crate) fn bridge_n(&self, key: usize) -> f64 {
+        self.keys.strings(key).map_or(0.0, Strings::bridge_n)
+    }
 }
 
 /// Ends a keyboard. NULL does nothing. Real time: no.
@@ -125,19 +214,7 @@ pub unsafe extern "C" fn erard_keyboard_drive(
     let (Some(keyboard), Some(input)) = (unsafe { keyboard.as_mut() }, unsafe { input.as_ref() }) else {
         return ErardStatus::Null;
     };
-    let Some(place) = (key as usize).checked_sub(1).and_then(|index| keyboard.inputs.get_mut(index)) else {
-        return ErardStatus::NoSuch;
-    };
-    match input.checked() {
-        Err(status) => status,
-        Ok(checked) => {
-            *place = *input;
-            quick(|| {
-                keyboard.keys.drive(key as usize, checked);
-                ErardStatus::Ok
-            })
-        }
-    }
+    quick(|| keyboard.drive(key as usize, input))
 }
 
 /// Places the hand (ERARD_HAND) on a key, from 1, as erard_place_hand does. Real time: yes.
@@ -192,7 +269,21 @@ pub unsafe extern "C" fn erard_keyboard_bridge_force(
         return ErardStatus::NoSuch;
     }
     quick(|| {
-        *force_n = keyboard.keys.strings(key as usize).map_or(0.0, Strings::bridge_n);
+        *force_n = keyboard.bridge_n(key as usize);
+        ErardStatus::Ok
+    })
+}
+
+/// Writes the force of the strings of all keys on the bridge now, N, to `force_n`, with what the dampers at rest press;
+/// 0 where none sound. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_bridge_sum(keyboard: *const ErardKeyboard, force_n: *mut f64) -> ErardStatus {
+    // SAFETY: the caller's promise: NULL, or what their types say.
+    let (Some(keyboard), Some(force_n)) = (unsafe { keyboard.as_ref() }, unsafe { force_n.as_mut() }) else {
+        return ErardStatus::Null;
+    };
+    quick(|| {
+        *force_n = keyboard.keys.bridge_n();
         ErardStatus::Ok
     })
 }
@@ -220,24 +311,17 @@ pub unsafe extern "C" fn erard_keyboard_step(
     quick(|| {
         let (mut total, mut status) = (0_usize, ErardStatus::Ok);
         for _ in 0..steps {
-            let tick = keyboard.keys.step();
-            if tick.non_finite > 0 {
-                status = ErardStatus::NotFinite;
-            } else if tick.unconverged > 0 && status == ErardStatus::Ok {
-                status = ErardStatus::IterationLimit;
-            }
-            for blow in keyboard.keys.impacts() {
-                let (time_s, speed_m_per_s) =
-                    (blow.impact.time_s + keyboard.offset_s, blow.impact.hammer_speed_m_per_s);
-                if let Some(last) = keyboard.blows.get_mut(blow.key - 1) {
-                    *last = (time_s, speed_m_per_s, last.2.wrapping_add(1));
-                }
+            let one = keyboard.step(&mut |blow| {
                 if total < capacity {
-                    let told = ErardBlow { key: blow.key as u32, reserved: 0, time_s, speed_m_per_s };
                     // SAFETY: below the capacity.
-                    unsafe { blows.add(total).write(told) };
+                    unsafe { blows.add(total).write(blow) };
                 }
                 total += 1;
+            });
+            match one {
+                ErardStatus::Ok => {}
+                ErardStatus::IterationLimit if status != ErardStatus::Ok => {}
+                worse => status = worse,
             }
         }
         // SAFETY: the caller's promise: NULL, or a place for a size.
@@ -259,30 +343,12 @@ pub unsafe extern "C" fn erard_keyboard_read(
     let (Some(keyboard), Some(reading)) = (unsafe { keyboard.as_ref() }, unsafe { reading.as_mut() }) else {
         return ErardStatus::Null;
     };
-    let Some(&(blow_time_s, hammer_speed_m_per_s, blows)) =
-        (key as usize).checked_sub(1).and_then(|index| keyboard.blows.get(index))
-    else {
-        return ErardStatus::NoSuch;
-    };
-    quick(|| {
-        let now = keyboard.keys.reading(key as usize);
-        *reading = ErardReading {
-            time_s: keyboard.keys.time_s() + keyboard.offset_s,
-            key_m: now.key_m,
-            key_m_per_s: now.key_m_per_s,
-            finger_n: now.finger_n,
-            finger_mean_n: now.finger_n,
-            hammer_m: now.hammer_m,
-            hammer_m_per_s: now.hammer_m_per_s,
-            string_n: now.string_n,
-            hand_m: now.hand_m,
-            hand_m_per_s: now.hand_m_per_s,
-            blow_time_s,
-            hammer_speed_m_per_s,
-            blows,
-            new_blows: 0,
-        };
-        ErardStatus::Ok
+    quick(|| match keyboard.reading(key as usize) {
+        Some(now) => {
+            *reading = now;
+            ErardStatus::Ok
+        }
+        None => ErardStatus::NoSuch,
     })
 }
 
@@ -325,7 +391,7 @@ pub unsafe extern "C" fn erard_keyboard_save(
     let (Some(keyboard), Some(size)) = (unsafe { keyboard.as_ref() }, unsafe { size.as_mut() }) else {
         return ErardStatus::Null;
     };
-    let needed = save(keyboard, &mut []);
+    let needed = keyboard.save(&mut []);
     let room = core::mem::replace(size, needed);
     if bytes.is_null() {
         return ErardStatus::Ok;
@@ -336,34 +402,42 @@ pub unsafe extern "C" fn erard_keyboard_save(
     // SAFETY: there is room.
     let bytes = unsafe { core::slice::from_raw_parts_mut(bytes, needed) };
     quick(|| {
-        save(keyboard, bytes);
+        keyboard.save(bytes);
         ErardStatus::Ok
     })
 }
 
-/// Length of a step, instant, and a group for each key. Returns how many bytes it takes.
-fn save(keyboard: &ErardKeyboard, bytes: &mut [u8]) -> usize {
-    let (keys, mut out) = (&keyboard.keys, Writer::new(bytes, MARK));
-    out.number("step_s", keys.settings().step);
-    out.number("time_s", keys.time_s() + keyboard.offset_s);
-    let each = keyboard.inputs.iter().zip(&keyboard.blows).enumerate();
-    for (index, (input, (time_s, speed_m_per_s, blows))) in each {
-        out.group("key", |out| {
-            keys.mechanism_state(index + 1).write(out);
-            keys.save_strings(index + 1, &mut |name, numbers| out.list(name, numbers));
-            out.number("input_kind", f64::from(input.kind));
-            out.number("input_force_N", input.force_n);
-            out.number("input_position_m", input.position_m);
-            out.number("input_velocity_m_per_s", input.velocity_m_per_s);
-            out.number("input_hand_mass_kg", input.hand_mass_kg);
-            out.number("input_muscle_N_per_m", input.muscle_n_per_m);
-            out.number("input_muscle_N_s_per_m", input.muscle_n_s_per_m);
-            out.number("blow_time_s", *time_s);
-            out.number("hammer_speed_m_per_s", *speed_m_per_s);
-            out.number("blows", f64::from(*blows));
-        });
+impl ErardKeyboard {
+    /// Writes all that the following steps depend on. Returns how many bytes it takes.
+    fn save(&self, bytes: &mut [u8]) -> usize {
+        let mut out = Writer::new(bytes, MARK);
+        self.write(&mut out);
+        out.seal()
     }
-    out.seal()
+
+    /// Length of a step, instant, and a group for each key.
+    pub(crate) fn write(&self, out: &mut Writer<'_>) {
+        let keys = &self.keys;
+        out.number("step_s", keys.settings().step);
+        out.number("time_s", keys.time_s() + self.offset_s);
+        let each = self.inputs.iter().zip(&self.blows).enumerate();
+        for (index, (input, (time_s, speed_m_per_s, blows))) in each {
+            out.group("key", |out| {
+                keys.mechanism_state(index + 1).write(out);
+                keys.save_strings(index + 1, &mut |name, numbers| out.list(name, numbers));
+                out.number("input_kind", f64::from(input.kind));
+                out.number("input_force_N", input.force_n);
+                out.number("input_position_m", input.position_m);
+                out.number("input_velocity_m_per_s", input.velocity_m_per_s);
+                out.number("input_hand_mass_kg", input.hand_mass_kg);
+                out.number("input_muscle_N_per_m", input.muscle_n_per_m);
+                out.number("input_muscle_N_s_per_m", input.muscle_n_s_per_m);
+                out.number("blow_time_s", *time_s);
+                out.number("hammer_speed_m_per_s", *speed_m_per_s);
+                out.number("blows", f64::from(*blows));
+            });
+        }
+    }
 }
 
 /// Goes on from a saved state of the same keyboard and the same length of step: the same bits for every key, instants
@@ -382,11 +456,11 @@ pub unsafe extern "C" fn erard_keyboard_restore(
     }
     // SAFETY: the caller's promise: so many bytes.
     let bytes = unsafe { core::slice::from_raw_parts(bytes, size) };
-    quick(|| restore(keyboard, bytes))
+    quick(|| Lists::read(bytes, MARK).map_or(ErardStatus::Saved, |lists| restore(keyboard, &lists)))
 }
 
-fn restore(keyboard: &mut ErardKeyboard, bytes: &[u8]) -> ErardStatus {
-    let Ok(lists) = Lists::read(bytes, MARK) else { return ErardStatus::Saved };
+/// Goes on from such lists.
+pub(crate) fn restore(keyboard: &mut ErardKeyboard, lists: &Lists<'_>) -> ErardStatus {
     let step_s = keyboard.keys.settings().step;
     let other = lists.number("step_s").is_some_and(|saved_s| saved_s != step_s);
     if lists.groups("key").count() != keyboard.keys.count() || other {
@@ -414,6 +488,8 @@ fn restore(keyboard: &mut ErardKeyboard, bytes: &[u8]) -> ErardStatus {
             let (state, strings) =
                 (MechanismState::read(&key), |name: &str, number: &mut TellNumbers<'_>| key.each(name, number));
             let restored = if write {
+                // Before the state, which holds where an imposed motion is.
+                keyboard.keys.drive(index + 1, checked);
                 keyboard.keys.restore_from(index + 1, &state, &strings)
             } else {
                 keyboard.keys.restorable(index + 1, &state, &strings)
@@ -422,7 +498,6 @@ fn restore(keyboard: &mut ErardKeyboard, bytes: &[u8]) -> ErardStatus {
                 return status_of(error);
             }
             if write {
-                keyboard.keys.drive(index + 1, checked);
                 let blow = (number("blow_time_s"), number("hammer_speed_m_per_s"), number("blows") as u32);
                 let places = keyboard.inputs.get_mut(index).zip(keyboard.blows.get_mut(index));
                 if let Some((last_input, last_blow)) = places {

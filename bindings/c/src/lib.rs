@@ -8,7 +8,8 @@
 mod action;
 #[cfg(feature = "workshop")]
 mod dials;
-#[cfg(feature = "workshop")]
+// A simulator loads a unit as a library of its own platform.
+#[cfg(all(feature = "workshop", not(target_family = "wasm")))]
 mod fmi;
 mod halving;
 mod instrument;

@@ -140,6 +140,10 @@ impl Keys {
         Ok(Reading::of(player.time_s() - self.began_s, &now, blow, player.strings(key).map_or(0.0, Strings::bridge_n)))
     }
 
+    fn bridge_n(&self, py: Python<'_>) -> f64 {
+        self.lock(py).bridge_n()
+    }
+
     /// All that a key's next steps depend on, as an action's.
     fn save<'py>(&self, py: Python<'py>, key: usize) -> PyResult<Bound<'py, PyBytes>> {
         let player = self.lock(py);

@@ -6,6 +6,7 @@
 mod action;
 mod advance;
 mod bench;
+mod diagnosis;
 mod fault;
 mod fit;
 mod gradient;
@@ -29,6 +30,8 @@ mod _erard {
     use super::advance::advance;
     #[pymodule_export]
     use super::bench::{draw, keyboard, kinematics, measure, measure_lines, regulate};
+    #[pymodule_export]
+    use super::diagnosis::diagnose;
     #[pymodule_export]
     use super::fit::Problem;
     #[pymodule_export]

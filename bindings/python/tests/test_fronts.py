@@ -58,50 +58,77 @@ def in_c(path: Path) -> Iterator[list[float]]:
     c.erard_keyboard_free(keyboard)
 
 
-def in_a_unit(key: int, begin: bytes, folder: Path) -> Iterator[float]:
-    """A key's force on the bridge after each millisecond, N, as a unit made by `erard fmu` plays it from a saved state."""
-    import subprocess
+class Unit:
+    """A unit made by `erard fmu`, by the functions of the standard."""
 
-    unit = folder / f"{key}.fmu"
-    subprocess.run([command(), "fmu", f"{NAME}:key={key}", "--library", library(), "-o", unit], check=True, capture_output=True)
-    with zipfile.ZipFile(unit) as archive:
-        archive.extractall(folder / str(key))
-    root = ElementTree.parse(folder / str(key) / "modelDescription.xml").getroot()
-    references = {one.get("name"): ctypes.c_uint32(int(one.get("valueReference", ""))) for one in root.iter("ScalarVariable")}
-    fmi = ctypes.CDLL(os.fspath(folder / str(key) / "binaries/linux64/erard.so"))
-    fmi.fmi2Instantiate.restype = ctypes.c_void_p
-    where = (folder / str(key) / "resources").as_uri().encode()
-    guid = str(root.get("guid")).encode()
-    own = ctypes.c_void_p(fmi.fmi2Instantiate(b"key", 1, guid, where, ctypes.byref(Callbacks()), 0, 0))
-    assert own.value
+    def __init__(self, name: str, arguments: list[str], folder: Path) -> None:
+        import subprocess
 
-    def set_real(name: str, value: float) -> None:
-        assert fmi.fmi2SetReal(own, ctypes.byref(references[name]), ctypes.c_size_t(1), ctypes.byref(ctypes.c_double(value))) == 0
+        unit, unpacked = folder / f"{name}.fmu", folder / name
+        subprocess.run([command(), "fmu", *arguments, "--library", library(), "-o", unit], check=True, capture_output=True)
+        with zipfile.ZipFile(unit) as archive:
+            archive.extractall(unpacked)
+        root = ElementTree.parse(unpacked / "modelDescription.xml").getroot()
+        self.references = {one.get("name"): ctypes.c_uint32(int(one.get("valueReference", ""))) for one in root.iter("ScalarVariable")}
+        self.fmi = ctypes.CDLL(os.fspath(unpacked / "binaries/linux64/erard.so"))
+        self.fmi.fmi2Instantiate.restype = ctypes.c_void_p
+        where, guid = (unpacked / "resources").as_uri().encode(), str(root.get("guid")).encode()
+        self.own = ctypes.c_void_p(self.fmi.fmi2Instantiate(b"unit", 1, guid, where, ctypes.byref(Callbacks()), 0, 0))
+        assert self.own.value
 
-    assert fmi.fmi2SetupExperiment(own, 0, ctypes.c_double(0.0), ctypes.c_double(0.0), 0, ctypes.c_double(0.0)) == 0
-    assert fmi.fmi2EnterInitializationMode(own) == 0
-    for name, value in (("step_s", STEP_S), ("force", FORCE_N), ("pedal", PEDAL_M)):
-        set_real(name, value)
-    assert fmi.fmi2ExitInitializationMode(own) == 0
-    state, value = ctypes.c_void_p(), ctypes.c_double()
-    assert fmi.fmi2DeSerializeFMUstate(own, begin, ctypes.c_size_t(len(begin)), ctypes.byref(state)) == 0
-    assert fmi.fmi2SetFMUstate(own, state) == 0
+    def begin(self, **values: float) -> None:
+        assert self.fmi.fmi2SetupExperiment(self.own, 0, ctypes.c_double(0.0), ctypes.c_double(0.0), 0, ctypes.c_double(0.0)) == 0
+        assert self.fmi.fmi2EnterInitializationMode(self.own) == 0
+        for name, value in values.items():
+            self.set_real(name, value)
+        assert self.fmi.fmi2ExitInitializationMode(self.own) == 0
+
+    def set_real(self, name: str, value: float) -> None:
+        assert self.fmi.fmi2SetReal(self.own, ctypes.byref(self.references[name]), ctypes.c_size_t(1), ctypes.byref(ctypes.c_double(value))) == 0
+
+    def restore(self, saved: bytes) -> None:
+        state = ctypes.c_void_p()
+        assert self.fmi.fmi2DeSerializeFMUstate(self.own, saved, ctypes.c_size_t(len(saved)), ctypes.byref(state)) == 0
+        assert self.fmi.fmi2SetFMUstate(self.own, state) == 0
+
+    def heard(self, *names: str) -> Iterator[list[float]]:
+        """These outputs after each millisecond; the unit is freed at the end."""
+        value = ctypes.c_double()
+        for n in range(HEARD_MS):
+            assert self.fmi.fmi2DoStep(self.own, ctypes.c_double(n * PERIOD * STEP_S), ctypes.c_double(PERIOD * STEP_S), 0) == 0
+            found = []
+            for name in names:
+                assert self.fmi.fmi2GetReal(self.own, ctypes.byref(self.references[name]), ctypes.c_size_t(1), ctypes.byref(value)) == 0
+                found.append(value.value)
+            yield found
+        self.fmi.fmi2FreeInstance(self.own)
+
+
+def in_a_unit(key: int, begin: bytes, folder: Path) -> Iterator[list[float]]:
+    """A key's force on the bridge after each millisecond, N, as the key's own unit plays it from a saved state."""
+    unit = Unit(str(key), [f"{NAME}:key={key}"], folder)
+    unit.begin(step_s=STEP_S)
+    unit.restore(begin)
     # The state is of a key that nothing pressed yet; its clock is the unit's from here on.
-    set_real("force", FORCE_N)
-    set_real("pedal", PEDAL_M)
-    for n in range(HEARD_MS):
-        assert fmi.fmi2DoStep(own, ctypes.c_double(n * PERIOD * STEP_S), ctypes.c_double(PERIOD * STEP_S), 0) == 0
-        assert fmi.fmi2GetReal(own, ctypes.byref(references["bridge_force"]), ctypes.c_size_t(1), ctypes.byref(value)) == 0
-        yield value.value
-    fmi.fmi2FreeInstance(own)
+    unit.set_real("force", FORCE_N)
+    unit.set_real("pedal", PEDAL_M)
+    return unit.heard("bridge_force")
+
+
+def in_a_keyboards_unit(folder: Path) -> Iterator[list[float]]:
+    """Each key's force on the bridge after each millisecond, N, and that of all keys, as a keyboard's unit plays them."""
+    unit = Unit("keyboard", ["--keyboard", NAME], folder)
+    unit.begin(step_s=STEP_S, pedal=PEDAL_M, **{f"key[{key}].force": FORCE_N for key in CHORD})
+    return unit.heard(*(f"key[{key}].bridge_force" for key in CHORD), "bridge_force")
 
 
 def test_a_chord_is_heard_alike(tmp_path: Path) -> None:
-    """The force on the bridge of each key of a chord, to the bit, in each millisecond: Python, C, and a unit for each key."""
+    """The force on the bridge of each key of a chord, to the bit, in each millisecond: Python, C, a keyboard's unit, and a unit for each key."""
     path = library()
     keys = erard.Keys(NAME)
     assert keys.step_s == STEP_S
     units = [in_a_unit(key, keys.save(key), tmp_path) for key in CHORD]
+    keyboard = in_a_keyboards_unit(tmp_path)
     keys.set_pedal(PEDAL_M)
     for key in CHORD:
         keys.drive(key, force=FORCE_N)
@@ -110,6 +137,7 @@ def test_a_chord_is_heard_alike(tmp_path: Path) -> None:
         blows += len(keys.step(PERIOD))
         own = [keys.reading(key).bridge_n for key in CHORD]
         assert own == heard, n
-        assert own == [next(unit) for unit in units], n
+        assert own == [next(unit)[0] for unit in units], n
+        assert [*own, keys.bridge_n] == next(keyboard), n
         loudest = max(loudest, *map(abs, own))
     assert blows == 3 and loudest > 1.0

@@ -105,3 +105,18 @@ def test_validate(grand: erard.Instrument) -> None:
     rows = grand.validate()
     assert {row["verdict"] for row in rows} <= {"met", "missed", "did not happen", "not modelled", "nothing published"}
     assert sum(row["verdict"] == "met" for row in rows) > len(rows) // 2
+
+
+def test_a_diagnosis() -> None:
+    """Causes by their probabilities; readings that cannot be are refused, all of them at once."""
+    found = erard.diagnose(key="C4", down_weight_g=58, up_weight_g="18 g", let_off_mm=None)
+    causes = [cause["probability"] for cause in found["causes"]]
+    assert found["key"] == 40 and found["is_work"] and causes == sorted(causes, reverse=True) and not found.is_key_assumed
+    assert found["causes"][0]["name"] in repr(found) and "<table>" in found._repr_html_()
+    assert erard.diagnose(down_weight_g=50, up_weight_g=24).is_key_assumed
+    with pytest.raises(erard.InputError) as error:
+        erard.diagnose(down_weight_g=18, up_weight_g=58)
+    assert error.value.key
+    for wrong in ({}, {"dawn_weight_g": 58.0}, {"down_weight_g": float("nan")}, {"key": 89, "down_weight_g": 58.0}):
+        with pytest.raises(erard.InputError):
+            erard.diagnose(**wrong)

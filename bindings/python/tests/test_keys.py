@@ -28,6 +28,7 @@ def test_a_chord_at_the_bridge() -> None:
             now, own = keys.reading(key), action.reading
             assert (now.bridge_n, now.key_m, now.hammer_m, now.string_n) == (own.bridge_n, own.key_m, own.hammer_m, own.string_n)
             loudest = max(loudest, abs(now.bridge_n))
+        assert keys.bridge_n == sum(keys.reading(key).bridge_n for key in range(1, 89))
     assert sorted(key for key, _, _ in blows) == [40, 44, 47] and loudest > 1.0
     assert all(0.0 < time_s < 0.1 and 1.0 < speed < 6.0 for _, time_s, speed in blows)
     assert keys.time_s == pytest.approx(0.1) and "88 keys" in repr(keys)

@@ -14,7 +14,10 @@ const FREE = 0, FORCE = 1, MOTION = 2;
 const STRIDE = 20;
 const FASTEST_M_PER_S = 2;
 let library: Library;
-let keyboard = 0, keys = 0, input = 0, blows = 0, count = 0, reading = 0;
+let keyboard = 0, keys = 0, input = 0, blows = 0, count = 0, reading = 0, bridge = 0;
+let name = "";
+/** Whether strings sound: every step is heard at the bridge. */
+let sounds = false;
 let last_ms: number | null = null;
 let owed_s = 0;
 /** Time that was not computed, for it would not have been in time, s. */
@@ -23,16 +26,18 @@ let shown: { key: number; bodies: number; angles: number } | null = null;
 let finger_m: number | null = null;
 const say = (message: FromKeys, transfer: Transferable[] = []) => postMessage(message, { transfer });
 
-const open = async (module: WebAssembly.Module): Promise<void> => {
+const open = async (module: WebAssembly.Module, called: string): Promise<void> => {
   const began = performance.now();
   library = await Library.open(module);
   const { raw } = library;
-  keyboard = library.made(raw.erard_keyboard_new(0, 0, STEP_S, 0));
+  name = called;
+  keyboard = library.made(library.given(name, (at) => raw.erard_keyboard_builtin(at, STEP_S, 0)));
   keys = raw.erard_keyboard_keys(keyboard);
   input = raw.erard_memory_new(INPUT_BYTES);
   blows = raw.erard_memory_new(BLOW_BYTES * MOST_BLOWS);
   count = raw.erard_memory_new(8);
   reading = raw.erard_memory_new(READING_BYTES);
+  bridge = raw.erard_memory_new(8);
   say({ kind: "ready", keys, took_ms: performance.now() - began });
 };
 
@@ -50,9 +55,10 @@ const show = (key: number): void => {
     raw.erard_memory_free(shown.angles, 8 * shown.bodies);
   }
   finger_m = null;
-  const instrument = library.made(raw.erard_instrument_of_key(key, 0));
+  const instrument = library.made(library.given(name, (at) => raw.erard_instrument_of_keyboard(at, key, 0)));
   try {
     const scene = library.json<Scene>(raw.erard_scene(instrument, 0, 0));
+    sounds = scene.string !== null;
     shown = { key, bodies: scene.bodies.length, angles: raw.erard_memory_new(8 * scene.bodies.length) };
     say({ kind: "shown", key, scene });
   } finally {
@@ -72,19 +78,24 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
   last_ms = wall_ms;
   const steps = Math.floor(owed_s / STEP_S + 1e-6);
   owed_s = Math.max(owed_s - steps * STEP_S, 0);
+  const bridge_n = new Float32Array(sounds ? steps : 0);
   const struck: { key: number; speed_m_per_s: number }[] = [];
   const from_m = finger_m ?? to_m;
   const wanted = to_m === null || from_m === null || !steps ? 0 : (to_m - from_m) / (steps * STEP_S);
   const velocity = Math.min(Math.max(wanted, -FASTEST_M_PER_S), FASTEST_M_PER_S);
   if (shown && to_m === null && finger_m !== null) drive(shown.key, FREE, 0, 0, 0);
   for (let done = 0; done < steps; ) {
-    const some = to_m === null ? steps : Math.min(STRIDE, steps - done);
+    const some = sounds ? 1 : to_m === null ? steps : Math.min(STRIDE, steps - done);
     if (shown && to_m !== null && from_m !== null) drive(shown.key, MOTION, 0, from_m + velocity * (done + 0.5 * some) * STEP_S, velocity);
     check(raw.erard_keyboard_step(keyboard, some, blows, MOST_BLOWS, count));
     const many = Math.min(library.u32(count, 1)[0]!, MOST_BLOWS);
     for (let n = 0; n < many; n++) {
       const at = blows + BLOW_BYTES * n;
       struck.push({ key: library.u32(at, 1)[0]!, speed_m_per_s: library.f64(at + 16, 1)[0]! });
+    }
+    if (sounds) {
+      check(raw.erard_keyboard_bridge_sum(keyboard, bridge));
+      bridge_n[done] = library.f64(bridge, 1)[0]!;
     }
     done += some;
   }
@@ -103,7 +114,7 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
     pose = { key: shown.key, angles: Float32Array.from(library.f64(shown.angles, shown.bodies)) };
   }
   const awake = raw.erard_keyboard_awake(keyboard);
-  say({ kind: "frame", wall_ms, key_m, hammer_m, finger_n, blows: struck, awake, steps, cost_ms: performance.now() - began, late_s, shown: pose }, [key_m.buffer, hammer_m.buffer, finger_n.buffer]);
+  say({ kind: "frame", wall_ms, key_m, hammer_m, finger_n, blows: struck, awake, steps, cost_ms: performance.now() - began, late_s, shown: pose, bridge_n }, [key_m.buffer, hammer_m.buffer, finger_n.buffer, bridge_n.buffer]);
 };
 
 const check = (status: number): void => {
@@ -113,6 +124,11 @@ const check = (status: number): void => {
 let queue = Promise.resolve();
 addEventListener("message", ({ data }: MessageEvent<ToKeys>) => {
   queue = queue
-    .then(() => (data.kind === "open" ? open(data.module) : data.kind === "show" ? show(data.key) : frame(data.wall_ms, data.forces, data.finger_m)))
+    .then(() => {
+      if (data.kind === "open") return open(data.module, data.name);
+      if (data.kind === "show") return show(data.key);
+      if (data.kind === "pedal") return check(library.raw.erard_keyboard_set_pedal(keyboard, data.lift_m));
+      frame(data.wall_ms, data.forces, data.finger_m);
+    })
     .catch((error: unknown) => say({ kind: "fault", message: error instanceof Error ? error.message : String(error) }));
 });

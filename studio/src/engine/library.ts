@@ -14,7 +14,7 @@ export interface Exports {
   erard_memory_free(memory: number, bytes: number): void;
   erard_instrument_new(text: number, length: number, status: number): number;
   erard_instrument_builtin(name: number, status: number): number;
-  erard_instrument_of_key(key: number, status: number): number;
+  erard_instrument_of_keyboard(name: number, key: number, status: number): number;
   erard_instrument_free(instrument: number): void;
   erard_instrument_text(instrument: number, length: number, status: number): number;
   erard_instrument_set(instrument: number, path: number, which: number, value: number): number;
@@ -36,6 +36,7 @@ export interface Exports {
   erard_action_free(action: number): void;
   erard_step_force(action: number, force: number, reading: number): number;
   erard_step_motion(action: number, position: number, velocity: number, reading: number): number;
+  erard_step_rigid(action: number, position: number, velocity: number, reading: number): number;
   erard_step_free(action: number, reading: number): number;
   erard_read(action: number, reading: number): number;
   erard_reset(action: number): number;
@@ -63,13 +64,15 @@ export interface Exports {
   erard_stroke_duration(stroke: number): number;
   erard_stroke_rewind(stroke: number): number;
   erard_step_stroke(action: number, stroke: number, reading: number): number;
-  erard_keyboard_new(text: number, length: number, step: number, status: number): number;
+  erard_keyboard_builtin(name: number, step: number, status: number): number;
   erard_keyboard_free(keyboard: number): void;
   erard_keyboard_keys(keyboard: number): number;
   erard_keyboard_awake(keyboard: number): number;
   erard_keyboard_drive(keyboard: number, key: number, input: number): number;
   erard_keyboard_step(keyboard: number, steps: number, blows: number, capacity: number, count: number): number;
   erard_keyboard_read(keyboard: number, key: number, reading: number): number;
+  erard_keyboard_set_pedal(keyboard: number, lift: number): number;
+  erard_keyboard_bridge_sum(keyboard: number, force: number): number;
   erard_keyboard_angles(keyboard: number, key: number, angles: number, count: number): number;
 }
 

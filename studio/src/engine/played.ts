@@ -19,6 +19,7 @@ export type Drive =
   | { kind: "free" }
   | { kind: "force"; force_n: number }
   | { kind: "finger"; position_m: number; velocity_m_per_s: number }
+  | { kind: "imposed"; position_m: number; velocity_m_per_s: number }
   | { kind: "stroke" };
 
 /** How far back a string's swing is looked at, rows: 20 ms, five periods of middle C. */
@@ -141,6 +142,7 @@ export class Played {
     const { raw } = this.library;
     let status: number;
     if (drive.kind === "finger") status = raw.erard_step_motion(this.action, drive.position_m, drive.velocity_m_per_s, this.reading);
+    else if (drive.kind === "imposed") status = raw.erard_step_rigid(this.action, drive.position_m, drive.velocity_m_per_s, this.reading);
     else if (drive.kind === "force") status = raw.erard_step_force(this.action, drive.force_n, this.reading);
     else if (drive.kind === "stroke" && this.stroke) {
       status = raw.erard_step_stroke(this.action, this.stroke, this.reading);

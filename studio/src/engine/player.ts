@@ -148,7 +148,7 @@ export class Player {
         this.pedalled = false;
         moved = true;
       }
-      const done = this.walk(steps, to, touch.kind === "force" ? touch.force_n : 0, pace, slow);
+      const done = this.walk(steps, to, touch, pace, slow);
       this.owed_s = Math.max(this.owed_s - done * length_s, 0);
     }
     if (!moved) this.resting = false;
@@ -157,8 +157,10 @@ export class Player {
 
   /** So many steps towards where the finger is wanted, or fewer where the pace of time changes on the way. @returns how
    * many. */
-  private walk(steps: number, to: number | null, target_n: number, wanted_pace: number, slow: readonly Slow[]): number {
-    const from = this.finger_m ?? to;
+  private walk(steps: number, to: number | null, touch: Touch, wanted_pace: number, slow: readonly Slow[]): number {
+    const target_n = touch.kind === "force" ? touch.force_n : 0, imposed = touch.kind === "finger" && touch.imposed === true;
+    // A fingertip lands where the pointer is; a key front goes on from where it is.
+    const from = this.finger_m ?? (imposed && to !== null ? (this.actions[0]?.key_m ?? to) : to);
     const wanted = to === null || from === null ? 0 : (to - from) / (steps * STEP_S);
     const most = this.pace < 1 ? Math.max(this.hand_m_per_s, SLOWED_M_PER_S) : FASTEST_M_PER_S;
     const velocity = Math.min(Math.max(wanted, -most), most);
@@ -169,7 +171,9 @@ export class Player {
       this.force_n += Math.min(Math.max(target_n - this.force_n, -rate), rate);
       let drive: Drive = { kind: "free" };
       if (to !== null && from !== null) {
-        drive = { kind: "finger", position_m: from + velocity * (n + 0.5) * STEP_S, velocity_m_per_s: velocity };
+        // A step takes a finger's place in its middle, a key front's at its end.
+        const place_m = (share: number) => from + velocity * (n + share) * STEP_S;
+        drive = imposed ? { kind: "imposed", position_m: place_m(1), velocity_m_per_s: velocity } : { kind: "finger", position_m: place_m(0.5), velocity_m_per_s: velocity };
       } else if (this.force_n > 0) drive = { kind: "force", force_n: this.force_n };
       this.actions.forEach((one, action) => {
         const before = one.blows;

@@ -58,9 +58,9 @@ export interface Blow {
   speed_m_per_s: number;
 }
 
-/** What presses the key: the fingertip somewhere (null: lifted), or a force that grows and fades within
- * milliseconds. */
-export type Touch = { kind: "finger"; position_m: number | null } | { kind: "force"; force_n: number };
+/** What presses the key: the fingertip somewhere (null: lifted), the key front's own motion where it is imposed, or a
+ * force that grows and fades within milliseconds. */
+export type Touch = { kind: "finger"; position_m: number | null; imposed?: boolean } | { kind: "force"; force_n: number };
 
 /** A stroke that is built in, or a recording: a table's text, and the name of its file, with `rows` where lines of the
  * text are no lines of the file. */
@@ -187,7 +187,7 @@ export interface Diagnosis {
 
 export type Task =
   | { kind: "builtin" }
-  | { kind: "base"; of: { builtin: string } | { key: number } | { text: string } }
+  | { kind: "base"; of: { builtin: string } | { key: number; keyboard: string } | { text: string } }
   | { kind: "turned"; text: string; turns: Record<string, number> }
   | { kind: "dials"; text: string }
   | { kind: "sheet"; key: number }
@@ -205,11 +205,12 @@ export type FromWorkshop =
   | { kind: "done"; id: number; answer: unknown }
   | { kind: "failed"; id: number; message: string; fault: boolean };
 
-/** How keys of the keyboard are pressed: key, from 1, and force, N, 0 lets go; and of the key that is shown, where the
- * far end of a fingertip on it is, m (null: lifted). */
+/** How keys of a built-in keyboard are pressed: key, from 1, and force, N, 0 lets go; and of the key that is shown,
+ * where the far end of a fingertip on it is, m (null: lifted). The pedal: lift of its rail, m. */
 export type ToKeys =
-  | { kind: "open"; module: WebAssembly.Module }
+  | { kind: "open"; module: WebAssembly.Module; name: string }
   | { kind: "show"; key: number }
+  | { kind: "pedal"; lift_m: number }
   | { kind: "frame"; wall_ms: number; forces: [number, number][]; finger_m: number | null };
 export type FromKeys =
   | { kind: "ready"; keys: number; took_ms: number }
@@ -217,5 +218,7 @@ export type FromKeys =
   | {
       kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_m: Float32Array; finger_n: Float32Array; blows: { key: number; speed_m_per_s: number }[];
       awake: number; steps: number; cost_ms: number; late_s: number; shown: { key: number; angles: Float32Array } | null;
+      /** Force of all strings on the bridge after each step of the frame, N; none where no strings sound. */
+      bridge_n: Float32Array;
     }
   | { kind: "fault"; message: string };

@@ -19,7 +19,10 @@ const answer = (task: Task): unknown => {
       return library.json(raw.erard_builtin(0, 0));
     case "base": {
       if ("text" in task.of) return task.of.text;
-      if ("key" in task.of) return textOf(library.made(raw.erard_instrument_of_key(task.of.key, 0)));
+      if ("key" in task.of) {
+        const { key, keyboard } = task.of;
+        return textOf(library.made(library.given(keyboard, (at) => raw.erard_instrument_of_keyboard(at, key, 0))));
+      }
       return textOf(library.made(library.given(task.of.builtin, (at) => raw.erard_instrument_builtin(at, 0))));
     }
     case "turned":

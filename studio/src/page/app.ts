@@ -7,7 +7,7 @@ import { byId, fixed, later, say } from "./dom";
 import type { Chosen } from "./part";
 import { PARTS } from "./parts";
 import { Picture, type View } from "./picture";
-import { type Base, FIRST, fromHash, same, type Setting, type State, toHash } from "./state";
+import { type Base, DEEPEST_M, FIRST, fromHash, same, type Setting, type State, toHash } from "./state";
 
 /** What is known of an action that is played. */
 export interface Loaded {
@@ -39,6 +39,7 @@ export class App {
   loaded: Loaded[] = [];
   scenes: Scene[] = [];
   builtin: string[] = [];
+  keyboards: string[] = [];
   readonly pictures: Picture[] = [];
   private readonly curves = new CurvePanel(byId("curves"));
   private player!: Worker;
@@ -353,7 +354,8 @@ export class App {
   /** The finger, so far below where it touched the key, m; null lifts it. */
   press(down_m: number | null): void {
     this.goLive();
-    this.touch = { kind: "finger", position_m: down_m === null ? null : Math.min(Math.max(down_m, -0.005), 0.095) };
+    const { imposed } = this.state, [least_m, most_m] = imposed ? [0, DEEPEST_M] : [-0.005, 0.095];
+    this.touch = { kind: "finger", position_m: down_m === null ? null : Math.min(Math.max(down_m, least_m), most_m), imposed };
     if (down_m !== null && down_m > 1e-3) document.getElementById("hint")?.remove();
     this.begin();
   }
@@ -418,7 +420,9 @@ export class App {
 
   /** Begins with what the address asks for. */
   async start(): Promise<void> {
-    this.builtin = (await this.bench.ask<{ instruments: string[] }>({ kind: "builtin" })).instruments;
+    const { instruments, keyboards } = await this.bench.ask<{ instruments: string[]; keyboards: string[] }>({ kind: "builtin" });
+    this.builtin = instruments;
+    this.keyboards = keyboards;
     const { state, fault } = await fromHash(location.hash);
     this.state = state;
     let said = fault;

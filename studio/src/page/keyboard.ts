@@ -1,8 +1,11 @@
 // The keyboard: 88 actions of one piano, each with its own hammer, leads and dampers, under ten fingers.
+import uPlot from "uplot";
 import type { FromKeys, Scene } from "../engine/protocol";
 import type { App } from "./app";
 import { fixed, h, say } from "./dom";
 import { Picture } from "./picture";
+import { PEDAL_MM } from "./play";
+import { FIRST } from "./state";
 
 const NAMES = ["C", "C\u266f", "D", "D\u266f", "E", "F", "F\u266f", "G", "G\u266f", "A", "A\u266f", "B"];
 /** Key 1 is the lowest A. */
@@ -22,6 +25,9 @@ const DIP_M = 0.0105, BLOW_M = 0.048;
 const HIGHEST_M = 0.005, DEEPEST_M = 0.0115;
 const KEYS = 88;
 
+/** What the bridge's curve shows, s, and in so many points: the least and the greatest force of each hundredth. */
+const HEARD_S = 0.5, STEP_S = 50e-6, HEARD = Math.round(HEARD_S / STEP_S), POINTS = 500;
+
 type Frame = Extract<FromKeys, { kind: "frame" }>;
 
 export const keyboardPanel = (app: App, into: HTMLElement): void => {
@@ -39,7 +45,14 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     press: (down_m) => (finger_m = down_m === null ? null : Math.min(Math.max(down_m, -HIGHEST_M), DEEPEST_M)),
     point: () => {}, choose: () => {}, way: () => null, take: () => null,
   });
+  const heard = h("div", { class: "plot", id: "heard", role: "img", "aria-label": "Force of the strings on the bridge in the last half second", hidden: true });
+  const level = h("output", { id: "bridge-level" });
+  const piano = h("select", { id: "which-keyboard", "aria-label": "Keyboard" });
+  const pedal = h("input", { type: "checkbox", id: "keys-pedal" });
+  const sounding = h("div", { class: "row", hidden: true }, h("label", {}, pedal, " sustain pedal"), level);
   let worker: Worker | null = null;
+  /** The keyboard that the worker has. */
+  let opened = "";
   let ready = false, waiting = false, late_s = 0;
   let frame: Frame | null = null;
   let key = MIDDLE_C;
@@ -48,6 +61,8 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   const held = new Map<string, number>();
   const struck = new Float64Array(KEYS + 1);
 
+  /** The keyboard that the state names, if there is one of that name. */
+  const wanted = () => (app.keyboards.includes(app.state.keyboard) ? app.state.keyboard : FIRST.keyboard);
   const start = async () => {
     if (worker) return;
     worker = new Worker(new URL("../engine/keys.worker.ts", import.meta.url), { type: "module" });
@@ -59,6 +74,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
       } else if (data.kind === "shown") {
         if (data.key !== key) return;
         scene = data.scene;
+        sounding.hidden = heard.hidden = scene.string === null;
         picture.show([{ index: 0, scene }], false, drawn > 0);
         drawn = data.key;
       } else if (data.kind === "fault") {
@@ -67,16 +83,23 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
         told.append(" ", h("button", { type: "button", onclick: () => restart() }, "Start it again"));
       } else take(data);
     };
-    worker.postMessage({ kind: "open", module: app.engine });
+    opened = wanted();
+    worker.postMessage({ kind: "open", module: app.engine, name: opened });
+    if (pedal.checked) lift();
   };
+  const lift = () => worker?.postMessage({ kind: "pedal", lift_m: pedal.checked ? PEDAL_MM / 1e3 : 0 });
+  pedal.addEventListener("change", lift);
   const restart = () => {
     worker?.terminate();
     worker = null;
     ready = waiting = false;
     asked = 0;
     finger_m = null;
+    scene = frame = null;
+    rang.fill(0);
     held.clear();
     changed.clear();
+    told.textContent = "The 88 actions are getting ready \u2026";
     void start();
   };
   const look = () => {
@@ -108,8 +131,44 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     if (app.keysTiming.length > 5000) app.keysTiming.splice(0, 2500);
     const load = data.steps ? (data.cost_ms / (data.steps * 0.05)) * 100 : 0;
     told.textContent = data.awake ? `${data.awake} ${data.awake === 1 ? "key" : "keys"} awake, ${fixed(load, 0)} % of real time${late_s > 0.05 ? `; ${fixed(late_s, 1)} s were left out, for this machine was busy` : ""}` : held.size ? `${held.size} ${held.size === 1 ? "key is" : "keys are"} held, and still: nothing is computed.` : "All keys rest, and cost nothing.";
+    if (data.bridge_n.length) hear(data.bridge_n);
     draw();
   };
+
+  // ------------------------------------------------------------------------------------------------------- the bridge
+  /** The force after each of the last steps, N, oldest first. */
+  const rang = new Float64Array(HEARD);
+  let plot: uPlot | null = null, inks = "";
+  const hear = (forces: Float32Array) => {
+    const kept = Math.min(forces.length, HEARD);
+    rang.copyWithin(0, kept);
+    rang.set(forces.subarray(forces.length - kept), HEARD - kept);
+    const style = getComputedStyle(heard);
+    const ink = (name: string) => style.getPropertyValue(name).trim();
+    if (!plot || inks !== ink("--curve-hammer")) {
+      plot?.destroy();
+      inks = ink("--curve-hammer");
+      const axis = { stroke: ink("--soft"), grid: { stroke: ink("--grid"), width: 1 }, ticks: { stroke: ink("--grid"), width: 1 } };
+      plot = new uPlot({
+        width: Math.max(heard.clientWidth - 4, 160), height: 150, title: "force on the bridge, N", legend: { show: false }, cursor: { show: false },
+        scales: { x: { time: false }, y: { range: (_, low, high) => [Math.min(low ?? 0, -1) * 1.05, Math.max(high ?? 0, 1) * 1.05] } },
+        axes: [{ ...axis, size: 28, label: "ms", labelSize: 14, labelFont: "11px system-ui, sans-serif", labelGap: -1 }, { ...axis, size: 42 }],
+        series: [{ label: "ms" }, { label: "N", stroke: inks, width: 1 }],
+      }, [[], []], heard);
+    }
+    // Of each stretch the least and the greatest: nothing that sounds falls between two points.
+    const each = (2 * HEARD) / POINTS, times = new Float64Array(POINTS), values = new Float64Array(POINTS);
+    for (let n = 0; n < POINTS; n += 2) {
+      const part = rang.subarray((n / 2) * each, (n / 2 + 1) * each);
+      [values[n], values[n + 1]] = [Math.min(...part), Math.max(...part)];
+      [times[n], times[n + 1]] = [0.25, 0.75].map((share) => 1e3 * STEP_S * ((n / 2 + share) * each - HEARD)) as [number, number];
+    }
+    plot.setData([times, values] as unknown as uPlot.AlignedData);
+    const loudest = Math.max(...values.subarray(-POINTS / 10)), least = Math.min(...values.subarray(-POINTS / 10));
+    const text = `force on the bridge: ${fixed(least, 1)} to ${fixed(loudest, 1)} N in the last 50 ms`;
+    if (level.textContent !== text) level.textContent = text;
+  };
+  new ResizeObserver(() => plot?.setSize({ width: Math.max(heard.clientWidth - 4, 160), height: 150 })).observe(heard);
 
   const press = (who: string, which: number | null, force: number) => {
     const was = held.get(who);
@@ -261,7 +320,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   });
   canvas.addEventListener("keyup", (event) => press(event.key === " " ? "space" : event.code, null, 0));
   canvas.addEventListener("blur", () => [...held.keys()].forEach((who) => press(who, null, 0)));
-  open.addEventListener("click", () => void app.change({ a: { base: { key }, turns: {} }, tab: "play" }));
+  open.addEventListener("click", () => void app.change({ a: { base: { key, keyboard: opened }, turns: {} }, tab: "play" }));
   const ten = h("button", { type: "button", id: "ten" }, "Ten keys at once");
   ten.addEventListener("click", () => {
     const chord = [16, 20, 23, 28, 32, 40, 44, 47, 52, 56];
@@ -271,11 +330,14 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
 
   into.append(
     h("p", {}, "Every key is an action of its own, from heavy bass hammers to light treble ones. Press near the front edge to play loud, further back to play softly. Above is the action of the key that was pressed last: its key can be dragged, too."),
+    h("label", { class: "row" }, "Keyboard ", piano),
     inside,
     h("div", { class: "row" }, chosen, numbers, open, ten),
     canvas,
     octaves,
     told,
+    sounding,
+    heard,
     h("h2", {}, "Blows"),
     list,
     h("p", { class: "soft" }, "With the keyboard in focus, ", h("kbd", {}, "Z"), " \u2026 ", h("kbd", {}, "/"), " play from C3 on, ", h("kbd", {}, "Q"), " \u2026 ", h("kbd", {}, "P"), " from middle C, C4, on; the force is that of the Play panel."),
@@ -294,9 +356,12 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   requestAnimationFrame(tick);
   new ResizeObserver(draw).observe(canvas);
   app.onchange.push(() => {
-    if (app.state.tab === "keyboard") {
-      void start();
-      draw();
-    }
+    if (app.state.tab !== "keyboard") return;
+    if (piano.options.length !== app.keyboards.length) piano.replaceChildren(...app.keyboards.map((name) => new Option(name, name)));
+    piano.value = wanted();
+    if (worker && opened !== wanted()) restart();
+    else void start();
+    draw();
   });
+  piano.addEventListener("change", () => void app.change({ keyboard: piano.value }));
 };

@@ -27,6 +27,8 @@ const decades = (label: string, unit: string, from: number, to: number, decimals
 export const playPanel = (app: App, into: HTMLElement): void => {
   const firm = decades("firmness of the fingertip", "N/mm", 0.1, 20, 2, () => app.state.firmness, (firmness) => void app.change({ firmness }, "firmness"));
   const force = decades("force of a pressed key", "N", 0.5, 30, 1, () => app.state.force, (value) => void app.change({ force: value }));
+  const imposed = h("input", { type: "checkbox", id: "imposed" });
+  imposed.addEventListener("change", () => void app.change({ imposed: imposed.checked }));
   const pedalled = h("output"), pedal = h("input", { type: "range", min: 0, max: MOST_PEDAL_MM, step: 0.05, id: "pedal", "aria-label": "sustain pedal, lift of its rail" });
   pedal.addEventListener("input", () => void app.change({ pedal: Number(pedal.value) }));
   const pedalRow = h("div", { hidden: true }, h("label", { class: "slider" }, h("span", {}, "sustain pedal, lift of its rail"), pedalled, pedal), h("p", { class: "soft" }, "Dampers lie on the strings at 0, half at 2 mm, and are clear of them at 7. ", h("kbd", {}, "P"), " puts it down and lifts it."));
@@ -99,6 +101,7 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     press,
     firm.row,
     h("p", { class: "soft" }, "Soft: the pointer goes far for little force. Firm: the key follows it."),
+    h("label", { class: "row" }, imposed, h("span", {}, "no fingertip: the key front itself follows the pointer")),
     force.row,
     pedalRow,
     h("h2", {}, "Strokes"),
@@ -113,6 +116,7 @@ export const playPanel = (app: App, into: HTMLElement): void => {
   );
   app.onchange.push(() => {
     firm.show();
+    imposed.checked = app.state.imposed;
     force.show();
     pedalRow.hidden = !app.scenes.some((scene) => scene.pedal);
     pedal.value = String(app.state.pedal);

@@ -1,7 +1,7 @@
 // What the page shows, as one value: kept in the address, undone and redone.
 
 /** Where an action's file comes from. */
-export type Base = { builtin: string } | { key: number } | { text: string };
+export type Base = { builtin: string } | { key: number; keyboard: string } | { text: string };
 /** A file, and the dials that were turned from where it has them. */
 export interface Setting {
   base: Base;
@@ -15,6 +15,8 @@ export interface State {
   tab: string;
   /** How firm the fingertip is, N/mm. */
   firmness: number;
+  /** Whether the key front itself follows the pointer, without a fingertip. */
+  imposed: boolean;
   /** How hard a computer key presses, N. */
   force: number;
   /** How far the sustain pedal lifts its rail, mm. */
@@ -29,17 +31,22 @@ export interface State {
   difference: boolean;
   /** What is seen of the picture, mm: left, top, width, height; null is all of it. */
   view: number[] | null;
+  /** The keyboard that is played, by its name. */
+  keyboard: string;
   /** What was measured of one's own piano, as it was typed, by the names of erard_diagnosable. */
   readings: Record<string, string>;
 }
 
 export const FIRST: State = {
-  a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", firmness: 0.8, force: 5, pedal: 0,
-  speed: 1 / 50, slow: false, forces: true, names: false, difference: false, view: null, readings: {},
+  a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", firmness: 0.8, imposed: false, force: 5, pedal: 0,
+  speed: 1 / 50, slow: false, forces: true, names: false, difference: false, view: null, keyboard: "concert-grand", readings: {},
 };
 
 /** As far as the engine's rail goes, mm. */
 export const MOST_PEDAL_MM = 10;
+
+/** As far as a key front is moved whose motion is imposed, m: into the felt under it, with some tens of newtons. */
+export const DEEPEST_M = 0.0102;
 
 export const same = (a: unknown, b: unknown): boolean => JSON.stringify(a) === JSON.stringify(b);
 
@@ -69,7 +76,7 @@ const unsqueeze = async (text: string): Promise<string> => {
 };
 
 const written = async ({ base, turns }: Setting): Promise<string> => {
-  const of = "builtin" in base ? base.builtin : "key" in base ? `key:${base.key}` : `file:${await squeeze(base.text)}`;
+  const of = "builtin" in base ? base.builtin : "key" in base ? (base.keyboard === FIRST.keyboard ? `key:${base.key}` : `key:${base.key}:${base.keyboard}`) : `file:${await squeeze(base.text)}`;
   return [of, ...Object.entries(turns).map(([name, value]) => `${name}:${Number(value.toPrecision(8))}`)].join(";");
 };
 
@@ -81,7 +88,10 @@ const read = async (text: string): Promise<Setting> => {
     if (name && Number.isFinite(Number(value))) turns[name] = Number(value);
   }
   if (of!.startsWith("file:")) return { base: { text: await unsqueeze(of!.slice(5)) }, turns };
-  if (of!.startsWith("key:")) return { base: { key: Number(of!.slice(4)) }, turns };
+  if (of!.startsWith("key:")) {
+    const [key, keyboard] = of!.slice(4).split(":");
+    return { base: { key: Number(key), keyboard: keyboard ?? FIRST.keyboard }, turns };
+  }
   return { base: { builtin: of! }, turns };
 };
 
@@ -93,6 +103,7 @@ export const toHash = async (state: State): Promise<string> => {
   if (state.beside) hash.set("beside", "1");
   if (state.tab !== FIRST.tab) hash.set("tab", state.tab);
   if (state.firmness !== FIRST.firmness) hash.set("firm", String(state.firmness));
+  if (state.imposed) hash.set("imposed", "1");
   if (state.force !== FIRST.force) hash.set("force", String(state.force));
   if (state.pedal) hash.set("pedal", String(state.pedal));
   if (state.speed !== FIRST.speed) hash.set("slower", String(Math.round(1 / state.speed)));
@@ -101,6 +112,7 @@ export const toHash = async (state: State): Promise<string> => {
   if (state.names) hash.set("names", "1");
   if (state.difference) hash.set("difference", "1");
   if (state.view) hash.set("view", state.view.map((value) => Number(value.toFixed(1))).join(","));
+  if (state.keyboard !== FIRST.keyboard) hash.set("keys", state.keyboard);
   if (Object.keys(state.readings).length) hash.set("readings", Object.entries(state.readings).map(([name, text]) => `${name}:${text.replaceAll(";", ",")}`).join(";"));
   return hash.toString().replaceAll("%3A", ":").replaceAll("%3B", ";").replaceAll("%2C", ",");
 };
@@ -123,6 +135,7 @@ export const fromHash = async (text: string): Promise<{ state: State; fault: str
   state.beside = hash.get("beside") === "1";
   state.tab = hash.get("tab") ?? FIRST.tab;
   state.firmness = number("firm", 0.05, 50, FIRST.firmness);
+  state.imposed = hash.get("imposed") === "1";
   state.force = number("force", 0.1, 50, FIRST.force);
   state.pedal = number("pedal", 0, MOST_PEDAL_MM, FIRST.pedal);
   state.speed = 1 / number("slower", 1, 1000, 1 / FIRST.speed);
@@ -132,6 +145,7 @@ export const fromHash = async (text: string): Promise<{ state: State; fault: str
   state.difference = hash.get("difference") === "1";
   const view = (hash.get("view") ?? "").split(",").map(Number);
   if (view.length === 4 && view.every(Number.isFinite) && view[2]! > 0 && view[3]! > 0) state.view = view;
+  state.keyboard = hash.get("keys") ?? FIRST.keyboard;
   for (const reading of (hash.get("readings") ?? "").split(";")) {
     const [name, ...text] = reading.split(":");
     if (name && text.length) state.readings[name] = text.join(":").slice(0, 200);

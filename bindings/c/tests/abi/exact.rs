@@ -340,6 +340,8 @@ fn a_chord_is_heard_at_the_bridge() {
             assert_eq!(force_n.to_bits(), own_n.to_bits(), "key {key} in step {n}: {force_n} and {own_n}");
             loudest_n = loudest_n.max(force_n.abs());
         }
+        assert_eq!(unsafe { erard_keyboard_bridge_sum(keyboard.0, &raw mut force_n) }, ErardStatus::Ok);
+        assert_eq!(force_n.to_bits(), keys.bridge_n().to_bits(), "all keys in step {n}");
         alone.force(finger_n);
         beside.step(Input::Force(finger_n));
         assert_eq!(unsafe { erard_bridge_force(alone.0, &raw mut force_n) }, ErardStatus::Ok);
@@ -351,6 +353,15 @@ fn a_chord_is_heard_at_the_bridge() {
         assert_eq!(erard_keyboard_bridge_force(keyboard.0, 89, &raw mut force_n), ErardStatus::NoSuch);
         assert_eq!(erard_keyboard_bridge_force(keyboard.0, 40, null_mut()), ErardStatus::Null);
         assert_eq!(erard_bridge_force(null_mut(), &raw mut force_n), ErardStatus::Null);
+        assert_eq!(erard_keyboard_bridge_sum(null_mut(), &raw mut force_n), ErardStatus::Null);
+        assert_eq!(erard_keyboard_bridge_sum(keyboard.0, null_mut()), ErardStatus::Null);
+        // A key's instrument by the keyboard's name: the same as of the file.
+        let mut status = ErardStatus::Ok;
+        let instrument = erard_instrument_of_keyboard(name.as_ptr(), 47, &raw mut status);
+        assert_eq!(crate::taken(erard_instrument_text(instrument, null_mut(), null_mut())), native.key_text(47));
+        erard_instrument_free(instrument);
+        assert!(erard_instrument_of_keyboard(name.as_ptr(), 89, &raw mut status).is_null());
+        assert_eq!(status, ErardStatus::NoSuch);
         assert_eq!(erard_keyboard_set_pedal(keyboard.0, f64::NAN), ErardStatus::NotFinite);
         let mut status = ErardStatus::Ok;
         assert!(erard_keyboard_builtin(c"harpsichord".as_ptr(), STEP_S, &raw mut status).is_null());

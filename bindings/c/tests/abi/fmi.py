@@ -1,9 +1,10 @@
-"""fmi.py UNIT MASS SPEED TIME SPEED TIME STRUNG: validates an unpacked unit with fmpy and plays it; the blow of 5 N as it is, and with a hammer of that mass in g
-and the let-off button half a millimetre lower. STRUNG is a unit whose strings sound, with heard.txt: their force on the bridge under a hand, a line each ms. UNIT/mass.txt: a hammer's mass, kg, with its inertia, and its blow."""
+"""fmi.py UNIT MASS SPEED TIME SPEED TIME STRUNG CHORD: validates an unpacked unit with fmpy and plays it; the blow of 5 N as it is, and with a hammer of that mass in g
+and the let-off button half a millimetre lower. STRUNG is a unit whose strings sound, with heard.txt: their force on the bridge under a hand, a line each ms. CHORD is a keyboard, with heard.txt: force on the bridge and travel of key 44. UNIT/mass.txt: a hammer's mass, kg, with its inertia, and its blow."""
 
 import ctypes
 import sys
 
+import numpy as np
 from fmpy import read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_model_description
@@ -171,4 +172,26 @@ assert get(fmu, "hand") > 5e-3 and max(map(abs, heard)) > 1.0
 print(f"strings: {len(heard)} forces on the bridge, the same bits; the hand is {1e3 * get(fmu, 'hand'):.1f} mm down")
 fmu.terminate()
 fmu.freeInstance()
+
+# A keyboard: a chord by the keys' own inputs, to the bit what the native keys do; an input that moves is taken as a
+# signal.
+chord = sys.argv[8]
+description = read_model_description(chord, validate=True, validate_variable_names=True, validate_model_structure=True)
+problems = validate_model_description(description)
+assert not problems, problems
+assert description.variableNamingConvention == "structured"
+inputs = [v for v in description.modelVariables if v.causality == "input"]
+assert len(inputs) == 1 + 4 * 88, len(inputs)
+print(f"fmpy: a keyboard of {len(description.modelVariables)} variables, {len(inputs)} of them inputs, no problems")
+heard = [tuple(map(float, line.split())) for line in open(f"{chord}/heard.txt")]
+pressed = {f"key[{key}].force": 6.0 for key in (40, 44, 47)}
+result = simulate_fmu(chord, stop_time=0.1, step_size=1e-3, output_interval=1e-3, fmi_type="CoSimulation",
+                      output=["bridge_force", "key[44].key"], start_values={"pedal": 0.007, **pressed})
+found = list(zip(result["bridge_force"].tolist(), result["key[44].key"].tolist()))[1:]
+assert found == heard, next((n, a, b) for n, (a, b) in enumerate(zip(found, heard)) if a != b)
+moved = np.array([(0.0, 0.0, 2), (0.05, 0.005, 2)], dtype=[("time", float), ("key[30].position", float), ("key[30].drive", np.int32)])
+result = simulate_fmu(chord, stop_time=0.05, step_size=1e-3, output_interval=1e-3, fmi_type="CoSimulation",
+                      output=["key[30].key", "key[31].key"], input=moved)
+assert 4e-3 < result["key[30].key"][-1] < 5.2e-3 and abs(result["key[31].key"][-1]) < 1e-9, result[-1]
+print(f"keyboard: {len(heard)} forces on the bridge, the same bits")
 print("done")

@@ -5,9 +5,10 @@ use std::path::Path;
 use std::process::Command;
 
 use erard::instrument::InstrumentFile;
+use erard::keyboard::{Keyboard, Keys};
 use erard::player::HandInput;
-use erard::{Action, Input, Instrument};
-use erard_workshop::fmu::{INSTRUMENT, model_description};
+use erard::{Action, Input, Instrument, Settings};
+use erard_workshop::fmu::Unit;
 use erard_workshop::study::{Change, varied};
 
 use crate::not_run::not_run;
@@ -25,24 +26,29 @@ fn python() -> Option<String> {
 }
 
 /// fmpy validates the unit and plays it: the blow is the native one's at communication steps of 50 us and 1 ms,
-/// parameters act, states come back; a hand and the pedal act, and the strings are heard as natively.
+/// parameters act, states come back; a hand and the pedal act, and the strings are heard as
+/// natively; a keyboard's unit plays a chord.
 #[test]
 fn fmpy_plays_it() {
     let Some(python) = python() else { return };
     // Units, unpacked: what `erard fmu` packs (its own test looks at the archive).
-    let unit = |name: &str| {
+    let unpacked = |unit: &Unit| {
         let folder = tempfile::tempdir().expect("a folder");
-        let text = Instrument::builtin_text(name).unwrap();
-        let file = InstrumentFile::parse(text, INSTRUMENT).unwrap();
         let write = |name: &str, bytes: &[u8]| {
             let path = folder.path().join(name);
             std::fs::create_dir_all(path.parent().unwrap()).unwrap();
             std::fs::write(path, bytes).unwrap();
         };
-        write("modelDescription.xml", model_description(&file, text).as_bytes());
-        write(INSTRUMENT, text.as_bytes());
+        write("modelDescription.xml", unit.model_description().as_bytes());
+        for (path, text) in unit.resources() {
+            write(path, text.as_bytes());
+        }
         write("binaries/linux64/erard.so", &std::fs::read(library("liberard_c.so")).unwrap());
-        (folder, text, file)
+        folder
+    };
+    let unit = |name: &str| {
+        let text = Instrument::builtin_text(name).unwrap();
+        (unpacked(&Unit::of_instrument(text).unwrap()), text, InstrumentFile::parse(text, name).unwrap())
     };
     let (folder, text, file) = unit("concert-grand");
     let (strung, _, strings) = unit("concert-grand-strings");
@@ -58,6 +64,24 @@ fn fmpy_plays_it() {
         }
     }
     std::fs::write(strung.path().join("heard.txt"), heard).unwrap();
+
+    // A chord on the keyboard.
+    let base = Instrument::builtin_text("concert-grand-strings").unwrap();
+    let keyboard = Keyboard::builtin("concert-grand-strings").unwrap();
+    let own = Keyboard::builtin_text("concert-grand-strings").unwrap();
+    let chord = unpacked(&Unit::of_keyboard(own, base).unwrap());
+    let step_s = strings.instrument.usual_step_s();
+    let mut keys = Keys::at_rest(&keyboard.instruments().unwrap(), Settings::new(step_s)).unwrap();
+    keys.set_pedal(0.007);
+    [40, 44, 47].into_iter().for_each(|key| keys.drive(key, Input::Force(6.0)));
+    let mut heard = String::new();
+    for n in 1..=2400 {
+        keys.step();
+        if n % 24 == 0 {
+            heard += &format!("{:?} {:?}\n", keys.bridge_n(), keys.reading(44).key_m);
+        }
+    }
+    std::fs::write(chord.path().join("heard.txt"), heard).unwrap();
 
     let blow = |instrument: &Instrument| {
         let mut action = Action::new(instrument).unwrap();
@@ -87,7 +111,7 @@ fn fmpy_plays_it() {
     for blow in expected {
         run.arg(format!("{:?}", blow.hammer_speed_m_per_s)).arg(format!("{:?}", blow.time_s));
     }
-    run.arg(strung.path());
+    run.arg(strung.path()).arg(chord.path());
     let output = run.output().expect("it runs");
     let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     println!("{said}");

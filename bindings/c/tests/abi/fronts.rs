@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use erard::Instrument;
-use erard::instrument::InstrumentFile;
-use erard_workshop::fmu::{INSTRUMENT, variables};
+use erard::keyboard::Keyboard;
+use erard_workshop::fmu::Unit;
 
 const FRONTS: [&str; 6] = ["Rust", "Python", "C", "C++", "FMU", "studio"];
 
@@ -15,17 +15,36 @@ const NO: &str = "";
 /// What is offered, and by which name in each front.
 const TABLE: [(&str, [&str; 6]); 10] = [
     ("a hand: mass and muscle", ["Input::Hand", "Hand", "ERARD_HAND", "place_hand", "hand_mass", "erard_stroke_new"]),
-    ("the key front's own motion", ["Input::Rigid", "rigid", "erard_step_rigid", "rigid", "position", NO]),
+    (
+        "the key front's own motion",
+        ["Input::Rigid", "rigid", "erard_step_rigid", "rigid", "position", "erard_step_rigid"],
+    ),
     ("sustain pedal", ["Action::set_pedal", "set_pedal", "erard_set_pedal", "set_pedal", "pedal", "erard_set_pedal"]),
-    ("88 keys played together", ["Keys::step", "Keys", "erard_keyboard_step", "Keyboard", NO, "erard_keyboard_step"]),
-    ("keyboards with strings, by name", ["Keyboard::builtin", "keyboard", "erard_keyboard_builtin", "builtin", NO, NO]),
+    (
+        "88 keys played together",
+        ["Keys::step", "Keys", "erard_keyboard_step", "Keyboard", "key[40].force", "erard_keyboard_step"],
+    ),
+    (
+        "keyboards with strings, by name",
+        ["Keyboard::builtin", "keyboard", "erard_keyboard_builtin", "builtin", "--keyboard", "erard_keyboard_builtin"],
+    ),
     ("force on the string", ["Reading::string_n", "string_n", "string_n", "reading", "string_force", "erard_read"]),
     (
         "force on the bridge",
-        ["Strings::bridge_n", "bridge_n", "erard_bridge_force", "bridge_force", "bridge_force", NO],
+        [
+            "Strings::bridge_n",
+            "bridge_n",
+            "erard_bridge_force",
+            "bridge_force",
+            "bridge_force",
+            "erard_keyboard_bridge_sum",
+        ],
     ),
     ("saved states", ["Action::save", "save", "erard_save", "save", "fmi2GetFMUstate", "erard_save"]),
-    ("causes from one's own readings of a key", ["diagnose", NO, "erard_diagnose", NO, NO, "erard_diagnose"]),
+    (
+        "causes from one's own readings of a key",
+        ["diagnose", "diagnose", "erard_diagnose", "diagnose", NO, "erard_diagnose"],
+    ),
     (
         "a body's mass with its inertia, by one name",
         ["Parameter::Mass", "vary", "erard_instrument_vary", "vary", "body.hammer.mass", "erard_turned"],
@@ -62,16 +81,19 @@ fn interface(front: &str) -> String {
             "bindings/python/python/erard/_keys.py",
             "bindings/python/python/erard/_action.py",
             "bindings/python/python/erard/_common.py",
+            "bindings/python/python/erard/_diagnose.py",
             "bindings/python/python/erard/_instrument.py",
         ]),
         "C" => read("bindings/c/include/erard.h"),
         "C++" => read("bindings/c/include/erard.hpp"),
-        // A unit's variables, and the standard's functions.
+        // The variables of both kinds of unit, the standard's functions, and how the command packs a unit.
         "FMU" => {
-            let text = Instrument::builtin_text("concert-grand-strings").unwrap();
-            let file = InstrumentFile::parse(text, INSTRUMENT).unwrap();
-            let names: Vec<String> = variables(&file, text).into_iter().map(|variable| variable.name).collect();
-            names.join("\n") + &read("bindings/c/src/fmi.rs")
+            let base = Instrument::builtin_text("concert-grand-strings").unwrap();
+            let keyboard = Keyboard::builtin_text("concert-grand-strings").unwrap();
+            let units = [Unit::of_instrument(base).unwrap(), Unit::of_keyboard(keyboard, base).unwrap()];
+            let names = units.iter().flat_map(|unit| &unit.variables).map(|variable| variable.name.as_str());
+            let files = all(&["bindings/c/src/fmi.rs", "crates/erard-cli/src/command/help/fmu.txt"]);
+            names.chain([files.as_str()]).collect::<Vec<_>>().join("\n")
         }
         "studio" => read("studio/src/engine/library.ts"),
         other => panic!("{other}"),

@@ -4,6 +4,7 @@ mod attack;
 mod bad_callers;
 mod exact;
 mod fmi;
+mod fmi_keyboard;
 mod fronts;
 mod haptic;
 mod haptic_loop;

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._action import Action
 from ._common import Hand, unit_of
+from ._diagnose import Diagnosis, diagnose
 from ._errors import DoubtfulFitWarning, InputError, MissingFileError, SimulationError
 from ._gradient import Gradient, gradient
 from ._instrument import (
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Action",
     "Comparison",
+    "Diagnosis",
     "Doubt",
     "DoubtfulFitWarning",
     "Drawing",
@@ -77,6 +79,7 @@ __all__ = [
     "builtin",
     "compare",
     "dataset",
+    "diagnose",
     "distributed",
     "environments",
     "fit",

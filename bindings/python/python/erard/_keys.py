@@ -136,6 +136,11 @@ class Keys:
         """
         return self._inner.reading(key)
 
+    @property
+    def bridge_n(self) -> float:
+        """Force of the strings of all keys on the bridge now, N, with what the dampers at rest press; 0 where none sound."""
+        return self._inner.bridge_n()
+
     def save(self, key: int) -> bytes:
         """All that a key's next steps depend on, but for its drive. An `Action` of the key's instrument goes on from there, too, and the other way round.
 

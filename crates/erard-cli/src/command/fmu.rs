@@ -4,14 +4,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use erard::instrument::InstrumentFile;
-use erard_workshop::fmu::{INSTRUMENT, MODEL, model_description, variables};
+use erard_workshop::fmu::{MODEL, Unit, Variable};
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use rawzip::time::UtcDateTime;
 use rawzip::{CompressionMethod, ZipArchiveWriter};
 
-use super::options::load_instrument_and_text;
+use super::options::{IS_KEYBOARD, load_instrument_and_text, load_keyboard_and_text};
 use super::out::OwnFile;
 use crate::failure::Failure;
 use crate::inputs::{self, shown};
@@ -21,14 +20,17 @@ use crate::say;
 /// Text below the options.
 const AFTER: &str = include_str!("help/fmu.txt");
 
-/// Exports an instrument for simulators, as an FMI 2.0 unit for co-simulation.
+/// Exports an instrument or a keyboard for simulators, as an FMI 2.0 unit for co-simulation.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER)]
 pub(crate) struct Fmu {
     /// Instrument: a TOML file, or a built-in name
     #[arg(value_name = "INSTRUMENT", default_value = "concert-grand")]
     instrument: String,
-    /// File of the unit [default: INSTRUMENT.fmu in this folder]
+    /// Keyboard instead of an instrument, 88 keys in one unit: a TOML file, or the name of a built-in one
+    #[arg(long, value_name = "KEYBOARD", conflicts_with = "instrument")]
+    keyboard: Option<String>,
+    /// File of the unit [default: INSTRUMENT.fmu or KEYBOARD-keyboard.fmu in this folder]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     /// The library liberard to pack into it
@@ -58,21 +60,34 @@ const MARKS: [&[u8]; 2] = [b"fmi2DoStep", b"erard_action_new"];
 impl Fmu {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let (instrument, text) = load_instrument_and_text(&self.instrument)?;
-        let OwnFile { folder, name } =
-            OwnFile::of(self.out.as_deref(), &self.instrument, ".fmu", "unit's", self.force)?;
+        // As the library will read it: the file's name is in its errors only.
+        let (unit, asked, end) = match &self.keyboard {
+            None => {
+                let (_, text) = load_instrument_and_text(&self.instrument).map_err(|failure| match failure {
+                    Failure::Usage(text) if text.contains(IS_KEYBOARD) => {
+                        Failure::Usage(format!("{text}, or pack all of them: --keyboard {}", self.instrument))
+                    }
+                    other => other,
+                })?;
+                (Unit::of_instrument(&text)?, &self.instrument, ".fmu")
+            }
+            Some(asked) => {
+                let (keyboard, text) = load_keyboard_and_text(asked)?;
+                keyboard.instruments()?;
+                (Unit::of_keyboard(&text, keyboard.base_text())?, asked, "-keyboard.fmu")
+            }
+        };
+        let OwnFile { folder, name } = OwnFile::of(self.out.as_deref(), asked, end, "unit's", self.force)?;
         let (library, bytes, binary) = self.library()?;
         let mut output = Output::files(&folder, self.force, &[&name])?;
-        // As the library will read it: the file's name is in its errors only.
-        let read = InstrumentFile::parse(&text, INSTRUMENT)?;
-        let archive = archive(&read, &text, &binary, &bytes).map_err(|error| Failure::Internal(error.to_string()))?;
+        let archive = archive(&unit, &binary, &bytes).map_err(|error| Failure::Internal(error.to_string()))?;
         output.stage(&name, |w| w.write_all(&archive))?;
         let written = output.commit()?;
-        let all = variables(&read, &text);
-        let parameters = all.iter().filter(|variable| variable.is_parameter()).count();
-        say!("{} - a unit for FMI 2.0, co-simulation, {} kB", instrument.name, archive.len() / 1024);
+        let count = |is: fn(&Variable) -> bool| unit.variables.iter().filter(|variable| is(variable)).count();
+        let (inputs, parameters) = (count(Variable::is_input), count(Variable::is_parameter));
+        say!("{} - a unit for FMI 2.0, co-simulation, {} kB", unit.name, archive.len() / 1024);
         say!();
-        say!("  {} variables, {parameters} of them parameters", all.len());
+        say!("  {} variables: {inputs} inputs, {parameters} parameters, the others outputs", unit.variables.len());
         say!("  library {} as {binary}", shown(&library));
         say!();
         say!("{written}");
@@ -115,15 +130,13 @@ impl Fmu {
     }
 }
 
-/// The unit's bytes: the same for the same instrument and library.
-fn archive(file: &InstrumentFile, text: &str, binary: &str, library: &[u8]) -> Result<Vec<u8>, rawzip::Error> {
+/// The unit's bytes: the same for the same files and library.
+fn archive(unit: &Unit, binary: &str, library: &[u8]) -> Result<Vec<u8>, rawzip::Error> {
     let mut archive = ZipArchiveWriter::new(Vec::new());
-    let description = model_description(file, text);
-    for (name, bytes, mode) in [
-        ("modelDescription.xml", description.as_bytes(), 0o644),
-        (INSTRUMENT, text.as_bytes(), 0o644),
-        (binary, library, 0o755),
-    ] {
+    let description = unit.model_description();
+    let resources = unit.resources().map(|(path, text)| (path, text.as_bytes(), 0o644));
+    let entries = [("modelDescription.xml", description.as_bytes(), 0o644)].into_iter().chain(resources);
+    for (name, bytes, mode) in entries.chain([(binary, library, 0o755)]) {
         let mut file = archive.new_file(name).compression_method(CompressionMethod::DEFLATE).unix_permissions(mode);
         // The first day that an archive knows.
         if let Some(date) = UtcDateTime::from_components(1980, 1, 1, 0, 0, 0, 0) {

@@ -159,14 +159,15 @@ pub fn load_instrument(asked: &str) -> Result<Instrument, Failure> {
     Ok(load_instrument_and_text(asked)?.0)
 }
 
+/// What is said of a keyboard in the place of an instrument.
+pub(crate) const IS_KEYBOARD: &str = "is a keyboard; expected an instrument";
+
 /// An instrument file and its text.
 fn load_file(path: &Path) -> Result<(InstrumentFile, String), Failure> {
     let (name, bytes) = inputs::bytes(path)?;
     let text = utf8(&bytes, &name)?;
     if is_keyboard(text) {
-        return Err(Failure::Usage(format!(
-            "{name}: is a keyboard; expected an instrument. Name one of its keys: {name}{KEY}40"
-        )));
+        return Err(Failure::Usage(format!("{name}: {IS_KEYBOARD}. Name one of its keys: {name}{KEY}40")));
     }
     let file = InstrumentFile::parse(text, &name)?;
     identity::used("instrument", &file.instrument.name, Some(&name), &bytes);
@@ -287,17 +288,22 @@ pub(crate) fn key_number(asked: &str) -> Option<usize> {
 
 /// A keyboard by file or by name.
 pub(crate) fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
+    Ok(load_keyboard_and_text(file_or_name)?.0)
+}
+
+/// A keyboard, and the text it was read from.
+pub(crate) fn load_keyboard_and_text(file_or_name: &str) -> Result<(Keyboard, String), Failure> {
     if let Some(path) = instrument_path(file_or_name) {
         let (name, bytes) = inputs::bytes(path)?;
         let keyboard = Keyboard::parse_bytes(&bytes, &name, path.parent().unwrap_or(Path::new("")))?;
         keyboard.base_path().into_iter().for_each(inputs::remember);
         identity::used("keyboard", &keyboard.name, Some(&name), &bytes);
-        return Ok(keyboard);
+        return Ok((keyboard, utf8(&bytes, &name)?.to_owned()));
     }
     let found = Keyboard::builtin(file_or_name).ok().zip(Keyboard::builtin_text(file_or_name));
     let (keyboard, text) = found.ok_or_else(|| not_found("keyboard", file_or_name, Keyboard::builtin_names()))?;
     identity::used("keyboard", &keyboard.name, None, text.as_bytes());
-    Ok(keyboard)
+    Ok((keyboard, text.to_owned()))
 }
 
 /// What the player does.

@@ -5,8 +5,9 @@ use std::fs::File;
 use std::io::Read;
 
 use crate::common::Folder;
-use erard::instrument::{Instrument, InstrumentFile};
-use erard_workshop::fmu::{INSTRUMENT, model_description};
+use erard::instrument::Instrument;
+use erard::keyboard::Keyboard;
+use erard_workshop::fmu::{INSTRUMENT, KEYBOARD, Unit};
 use zip::ZipArchive;
 
 /// A folder with a file that passes for the library.
@@ -30,8 +31,7 @@ fn a_unit_is_packed() {
     };
     let text = Instrument::builtin_text("heavy-touch").unwrap();
     assert_eq!(read(INSTRUMENT), text);
-    let file = InstrumentFile::parse(text, INSTRUMENT).unwrap();
-    assert_eq!(read("modelDescription.xml"), model_description(&file, text));
+    assert_eq!(read("modelDescription.xml"), Unit::of_instrument(text).unwrap().model_description());
     let names: Vec<String> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
     assert_eq!(names.len(), 3, "{names:?}");
     assert!(names.iter().any(|name| name.starts_with("binaries/") && name.contains("/erard.")), "{names:?}");
@@ -44,17 +44,56 @@ fn a_unit_is_packed() {
     assert!(folder.0.join("concert-grand-key-1.fmu").exists());
 }
 
+/// A keyboard by name or from a file is packed with the text of its base instrument, wherever that was.
+#[test]
+fn a_keyboard_is_packed() {
+    let folder = folder("keyboard");
+    let said = folder.good(&["--keyboard", "concert-grand", "--library", "liberard.so"]);
+    assert!(said.contains("353 inputs"), "{said}");
+    let text = Keyboard::builtin_text("concert-grand").unwrap();
+    let base = Instrument::builtin_text("concert-grand").unwrap();
+    // Around a file of one's own, in a folder below.
+    std::fs::create_dir(folder.0.join("own")).unwrap();
+    let mine = text.replace("instrument = \"concert-grand\"", "instrument = \"mine.toml\"");
+    folder.file("own/keys.toml", &mine);
+    folder.file("own/mine.toml", base);
+    folder.good(&["--keyboard", "own/keys.toml", "--library", "liberard.so"]);
+    for (unit, keyboard) in [("concert-grand-keyboard.fmu", text), ("keys-keyboard.fmu", mine.as_str())] {
+        let mut archive = ZipArchive::new(File::open(folder.0.join(unit)).unwrap()).unwrap();
+        let mut read = |name: &str| {
+            let mut text = String::new();
+            archive.by_name(name).unwrap().read_to_string(&mut text).unwrap();
+            text
+        };
+        assert_eq!((read(KEYBOARD).as_str(), read(INSTRUMENT).as_str()), (keyboard, base), "{unit}");
+        let unit = Unit::of_keyboard(keyboard, base).unwrap();
+        assert_eq!(read("modelDescription.xml"), unit.model_description());
+    }
+}
+
 /// What cannot be packed is said, and nothing is written; what is there is replaced with --force only.
 #[test]
 fn what_is_refused() {
     let folder = folder("refused");
     folder.file("other.so", "some code");
+    folder.file("empty.toml", "");
+    folder.file("instrument.toml", Instrument::builtin_text("heavy-touch").unwrap());
+    let keyboard = Keyboard::builtin_text("concert-grand").unwrap();
+    folder.file("keyboard.toml", keyboard);
+    folder.file("lost.toml", &keyboard.replace("instrument = \"concert-grand\"", "instrument = \"nowhere.toml\""));
     for (arguments, words) in [
         (&["concert-gong", "--library", "liberard.so"][..], "concert-gong"),
         (&["--library", "no.so"], "no.so"),
         (&["--library", "other.so"], "fmi2DoStep"),
         (&["-o", "unit.zip", "--library", "liberard.so"], ".fmu"),
         (&["-o", ".", "--library", "liberard.so"], "folder"),
+        (&["--keyboard", "clavichord", "--library", "liberard.so"], "concert-grand-strings"),
+        (&["--keyboard", "empty.toml", "--library", "liberard.so"], "empty.toml"),
+        (&["--keyboard", "instrument.toml", "--library", "liberard.so"], "instrument.toml"),
+        (&["--keyboard", "lost.toml", "--library", "liberard.so"], "nowhere.toml"),
+        (&["--keyboard", "no.toml", "--library", "liberard.so"], "no.toml"),
+        (&["keyboard.toml", "--library", "liberard.so"], "--keyboard keyboard.toml"),
+        (&["heavy-touch", "--keyboard", "heavy-touch", "--library", "liberard.so"], "cannot be used with"),
     ] {
         let said = folder.bad(arguments);
         assert!(said.contains(words), "{said}");

@@ -1,6 +1,6 @@
 //! Reading keyboard files: from text, from disk, or built in.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 use toml_edit::{DocumentMut, Item};
@@ -43,9 +43,7 @@ impl Keyboard {
     /// The first thing that is wrong in it or in the instrument's file, with line, key, what was found and what was
     /// expected.
     pub fn parse(text: &str, file_name: &str, folder: &Path) -> Result<Self, Box<FileError>> {
-        check_size(text, file_name, "a keyboard, starting with its `format`")?;
-        let file: KeyboardToml =
-            from_toml(text).map_err(|error| dress(file_name, text, reworded(serde_fault(&error, text), text)))?;
+        let file = Self::read(text, file_name)?;
         let base = file.instrument.as_str();
         let wrong = |message: String| dress(file_name, text, Fault::at(file.instrument.span(), message, instruments()));
         let (base_path, base_name, base_text) = match Instrument::builtin_text(base) {
@@ -68,8 +66,35 @@ impl Keyboard {
                 (Some(path), name, text)
             }
         };
+        Self::around_base(file, [text, file_name], base_path, &base_name, base_text)
+    }
+
+    /// Reads the text of a keyboard file whose base instrument is this text, whatever the file calls it: both are kept
+    /// together elsewhere. `file_name` appears in errors only.
+    ///
+    /// # Errors
+    /// As [`Keyboard::parse`].
+    pub fn parse_around(text: &str, file_name: &str, base_text: &str) -> Result<Self, Box<FileError>> {
+        let file = Self::read(text, file_name)?;
+        let base_name = file.instrument.to_string();
+        InstrumentFile::parse(base_text, &base_name)?;
+        Self::around_base(file, [text, file_name], None, &base_name, base_text.to_owned())
+    }
+
+    fn read(text: &str, file_name: &str) -> Result<KeyboardToml, Box<FileError>> {
+        check_size(text, file_name, "a keyboard, starting with its `format`")?;
+        from_toml(text).map_err(|error| dress(file_name, text, reworded(serde_fault(&error, text), text)))
+    }
+
+    fn around_base(
+        file: KeyboardToml,
+        [text, file_name]: [&str; 2],
+        base_path: Option<PathBuf>,
+        base_name: &str,
+        base_text: String,
+    ) -> Result<Self, Box<FileError>> {
         let mut base: DocumentMut =
-            base_text.parse().map_err(|error| whole_file(&base_name, format!("cannot be edited: {error}"), ""))?;
+            base_text.parse().map_err(|error| whole_file(base_name, format!("cannot be edited: {error}"), ""))?;
         let (base_key, gradings, absences) =
             convert(&file, &mut base).map_err(|fault| dress(file_name, text, fault))?;
         Ok(Keyboard {

@@ -52,6 +52,8 @@ pub struct Keys {
 struct Own {
     rest: Rest,
     identity: Identity,
+    /// Where the last imposed motion sent the key front, m; see [`Keys::impose`].
+    aimed_m: Option<f64>,
 }
 
 impl Keys {
@@ -68,7 +70,7 @@ impl Keys {
             let action = Action::with(instrument, settings).map_err(wrong)?;
             descriptions.push(describe(instrument));
             all_probes.push(probes(instrument));
-            own.push(Own { rest: action.rest(), identity: *action.identity() });
+            own.push(Own { rest: action.rest(), identity: *action.identity(), aimed_m: None });
             // Strings as they stand under what lies on them, and what felts remember.
             rests.push((action.mechanism().save(), action.strings().cloned()));
         }
@@ -124,14 +126,28 @@ impl Keys {
     }
 
     /// Sets the drive of a key from the next step on, until another is set. Wakes it if that is anything new. An
-    /// imposed motion ([`Input::Rigid`]) holds its velocity.
+    /// imposed motion ([`Input::Rigid`]) holds its velocity; [`Keys::impose`] follows its position as well.
     ///
     /// # Panics
     /// If there is no such key; keys count from 1.
     pub fn drive(&mut self, key: usize, input: Input) {
         let imposed = || if let Input::Rigid { velocity_m_per_s, .. } = input { velocity_m_per_s } else { 0.0 };
-        let input = self.own[key - 1].rest.engine_input(&input, imposed);
+        let own = &mut self.own[key - 1];
+        own.aimed_m = None;
+        let input = own.rest.engine_input(&input, imposed);
         self.bank.drive(key - 1, &input);
+    }
+
+    /// Imposes the motion of a key's front on the next step, as [`Action::step`] does with [`Input::Rigid`]: position
+    /// at its end, m below the front's rest, and velocity, m/s. Call it before every step of the motion.
+    ///
+    /// # Panics
+    /// If there is no such key; keys count from 1.
+    pub fn impose(&mut self, key: usize, position_m: f64, velocity_m_per_s: f64) {
+        let (site_m, h) = (self.output(key).site_m, self.settings().step);
+        let own = &mut self.own[key - 1];
+        let velocity = own.rest.imposed([position_m, velocity_m_per_s], &mut own.aimed_m, site_m, h);
+        self.bank.drive(key - 1, &moreau::Input::Rigid { velocity });
     }
 
     /// Places the hand on a key: [`Action::place_hand`]. Wakes the key.
@@ -209,6 +225,13 @@ impl Keys {
         self.bank.surfaces(key - 1)?.as_any().downcast_ref()
     }
 
+    /// Force of the strings of all keys on the bridge now, N: the sum of [`Strings::bridge_n`] in the order of the
+    /// keys, with what the dampers at rest press; 0 where no strings sound.
+    #[must_use]
+    pub fn bridge_n(&self) -> f64 {
+        (1..=self.count()).filter_map(|key| self.strings(key)).map(Strings::bridge_n).sum()
+    }
+
     /// Force of the finger on a key in the last step, N.
     #[must_use]
     pub fn finger_force(&self, key: usize) -> f64 {
@@ -243,7 +266,8 @@ impl Keys {
     /// The state of a key without the vibration of its strings: [`Action::mechanism_state`].
     #[must_use]
     pub fn mechanism_state(&self, key: usize) -> MechanismState {
-        MechanismState::new(&self.own[key - 1].identity, self.bank.save(key - 1), None)
+        let own = &self.own[key - 1];
+        MechanismState::new(&own.identity, self.bank.save(key - 1), own.aimed_m)
     }
 
     /// [`Action::save_strings`] of a key.
@@ -287,7 +311,9 @@ impl Keys {
         strings: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize,
     ) -> Result<(), SnapshotError> {
         self.restorable(key, state, strings)?;
-        let (mut saved, _) = state.open(&self.own[key - 1].identity)?;
+        let own = &mut self.own[key - 1];
+        let (mut saved, aimed_m) = state.open(&own.identity)?;
+        own.aimed_m = aimed_m;
         let later_s = self.bank.now_s() - saved.now_s;
         for [time_s, ..] in saved.flight.iter_mut().flatten() {
             *time_s += later_s;

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::Input;
 use super::equilibrium::{self, EquilibriumError};
-use super::rest::{RIGID_CORRECTION, Rest};
+use super::rest::Rest;
 use super::snapshot::{MechanismState, Snapshot, SnapshotError, strings_are_finite};
 use crate::identity::Identity;
 use crate::instrument::Instrument;
@@ -495,15 +495,14 @@ impl Action {
     #[inline]
     fn engine_input(&mut self, input: Input) -> moreau::Input<f64> {
         let Action { mechanism, rest, aimed_m, .. } = self;
+        // A motion that ended is no aim of the next one.
+        if !matches!(input, Input::Rigid { .. }) {
+            *aimed_m = None;
+        }
         rest.engine_input(&input, || {
             let Input::Rigid { position_m, velocity_m_per_s } = input else { return 0.0 };
             let now = mechanism.readout();
-            let h = now.stepping.settings.step;
-            // What the key lags behind the motion is taken back little by little.
-            let aimed = aimed_m.unwrap_or(position_m - velocity_m_per_s * h);
-            let behind_m = rest.site_m + aimed - now.output.site_m;
-            *aimed_m = position_m.is_finite().then_some(position_m);
-            velocity_m_per_s + RIGID_CORRECTION * behind_m / h
+            rest.imposed([position_m, velocity_m_per_s], aimed_m, now.output.site_m, now.stepping.settings.step)
         })
     }
 

@@ -49,6 +49,23 @@ impl Rest {
         })
     }
 
+    /// Velocity at a step's end with which the key front is imposed, m/s: its own, and what takes back little by little
+    /// how far the key is behind where the last step sent it (`aimed_m`, which becomes this step's). `site_m`: where
+    /// the driven point is now; `h`: the step, s.
+    #[inline]
+    pub(crate) fn imposed(
+        &self,
+        [position_m, velocity_m_per_s]: [f64; 2],
+        aimed_m: &mut Option<f64>,
+        site_m: f64,
+        h: f64,
+    ) -> f64 {
+        let aimed = aimed_m.unwrap_or(position_m - velocity_m_per_s * h);
+        let behind_m = self.site_m + aimed - site_m;
+        *aimed_m = position_m.is_finite().then_some(position_m);
+        velocity_m_per_s + RIGID_CORRECTION * behind_m / h
+    }
+
     /// The engine's input: travels count from here. `imposed` gives the key's velocity at the step's end where the
     /// motion is rigid, m/s.
     #[inline]

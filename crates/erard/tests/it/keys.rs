@@ -147,6 +147,59 @@ fn a_key_wakes_at_any_change() {
     }
 }
 
+/// A key front's imposed motion is that of an action of its own, to the bit, from a saved state in the middle of it as
+/// well; another drive forgets where it was.
+#[test]
+fn an_imposed_motion_is_an_actions() {
+    let instrument = Instrument::builtin("concert-grand").unwrap();
+    let settings = Settings::new(USUAL_STEP_S);
+    let mut keys = Keys::at_rest(std::slice::from_ref(&instrument), settings).unwrap();
+    let mut alone = erard::Action::with(&instrument, settings).unwrap();
+    alone.restore(&keys.save(1)).unwrap();
+    // 10 mm down and up again, at a speed that the positions do not quite follow.
+    let at = |n: u32| {
+        let angle = f64::from(n) * 0.01;
+        (0.005 * (1.0 - angle.cos()), 0.005 * 0.0098 / USUAL_STEP_S * angle.sin())
+    };
+    let play = |keys: &mut Keys, from: u32, to: u32| {
+        let step = |n: u32| {
+            keys.impose(1, at(n).0, at(n).1);
+            keys.step();
+            keys.key_m(1).to_bits()
+        };
+        (from..to).map(step).collect::<Vec<_>>()
+    };
+    let mut played = play(&mut keys, 1, 300);
+    let saved = keys.save(1);
+    let rest = play(&mut keys, 300, 700);
+    keys.drive(1, Input::Free);
+    keys.step();
+    keys.restore(1, &saved).unwrap();
+    assert_eq!(play(&mut keys, 300, 700), rest);
+    played.extend(rest);
+    for (n, bits) in (1..).zip(played) {
+        let (position_m, velocity_m_per_s) = at(n);
+        let own = alone.step(Input::Rigid { position_m, velocity_m_per_s });
+        assert_eq!(own.key_m.to_bits(), bits, "step {n}");
+        assert!((own.key_m - position_m).abs() < 1e-4, "step {n}: {} {position_m}", own.key_m);
+    }
+    // Let go, and imposed again from where the key is: nothing pulls it to where the first motion ended.
+    keys.drive(1, Input::Free);
+    for _ in 0..20 {
+        keys.step();
+        alone.step(Input::Free);
+    }
+    let from_m = keys.key_m(1);
+    assert!((from_m - at(699).0).abs() > 2e-4, "{from_m}");
+    for n in 1..20 {
+        keys.impose(1, from_m, 0.0);
+        keys.step();
+        let own = alone.step(Input::Rigid { position_m: from_m, velocity_m_per_s: 0.0 });
+        assert_eq!(own.key_m.to_bits(), keys.key_m(1).to_bits(), "step {n}");
+        assert!((own.key_m - from_m).abs() < 1e-6, "step {n}: {} {from_m}", own.key_m);
+    }
+}
+
 /// Wherever a key is left, it comes to a complete rest and sleeps within a second and a half: let go, held by a
 /// constant force of up to 40 N, or under a soft finger that stays at any depth down to 14 mm (pushing some 80 N at the
 /// bottom). Nothing makes it do so but dry friction, which holds: velocities become exactly zero.
