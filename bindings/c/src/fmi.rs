@@ -127,13 +127,13 @@ impl Component {
                 r.hammer_m,
                 r.hammer_m_per_s,
                 r.string_n,
-                if r.blows > 0 { self.start_s + r.blow_time_s } else { 0.0 },
+                if r.impact_count > 0 { self.start_s + r.impact_time_s } else { 0.0 },
                 r.hammer_speed_m_per_s,
                 self.action.as_ref().and_then(|one| one.play.action.strings()).map_or(0.0, Strings::bridge_n),
                 r.hand_m,
                 r.hand_m_per_s,
             ][n],
-            Role::Blows => f64::from(r.blows),
+            Role::Impacts => f64::from(r.impact_count),
             Role::Contact(zone) => self.action.as_ref().map_or(0.0, |action| action.play.action.contact_force(zone)),
         }
     }

@@ -15,7 +15,7 @@ use erard::strings::Strings;
 use crate::action::moving;
 use crate::instrument::file_fault;
 use crate::play::{settings, status_of};
-use crate::reading::{ErardBlow, ErardInput, ErardReading};
+use crate::reading::{ErardImpact, ErardInput, ErardReading};
 use crate::status::{ErardStatus, Fault, quick, told};
 use crate::text::{bytes, name};
 
@@ -24,7 +24,7 @@ use crate::text::{bytes, name};
 pub struct ErardKeyboard {
     pub(crate) keys: Keys,
     inputs: Vec<ErardInput>,
-    blows: Vec<(f64, f64, u32)>,
+    impacts: Vec<(f64, f64, u32)>,
     /// The keyboard's clock less that of its keys, s: a restored state brings its own instant.
     offset_s: f64,
 }
@@ -82,9 +82,9 @@ fn at_rest(keyboard: &Keyboard, step_s: f64) -> Result<*mut ErardKeyboard, Fault
     Action::check_step(step_s).map_err(|error| fault(ErardStatus::Range, &KeysError { key: 1, error }))?;
     let instruments = keyboard.instruments().map_err(|error| file_fault(&error))?;
     let keys = Keys::at_rest(&instruments, settings(step_s)).map_err(|error| fault(ErardStatus::Model, &error))?;
-    let (inputs, blows) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
+    let (inputs, impacts) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
     let offset_s = -keys.time_s();
-    Ok(Box::into_raw(Box::new(ErardKeyboard { keys, inputs, blows, offset_s })))
+    Ok(Box::into_raw(Box::new(ErardKeyboard { keys, inputs, impacts, offset_s })))
 }
 
 /// Ends a keyboard. NULL does nothing. Real time: no.
@@ -197,15 +197,15 @@ pub unsafe extern "C" fn erard_keyboard_bridge_force(
     })
 }
 
-/// So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their
-/// order, as many as `capacity` says; `count` (which may be NULL) receives how many there were: those beyond are lost.
-/// A key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real time:
-/// yes.
+/// So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The impacts in them are written to `impacts`, in
+/// their order, as many as `capacity` says; `count` (which may be NULL) receives how many there were: those beyond are
+/// lost. A key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real
+/// time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_step(
     keyboard: *mut ErardKeyboard,
     steps: u32,
-    blows: *mut ErardBlow,
+    impacts: *mut ErardImpact,
     capacity: usize,
     count: *mut usize,
 ) -> ErardStatus {
@@ -214,7 +214,7 @@ pub unsafe extern "C" fn erard_keyboard_step(
     if steps == 0 || steps > ERARD_MOST_STEPS {
         return ErardStatus::Range;
     }
-    if blows.is_null() && capacity > 0 {
+    if impacts.is_null() && capacity > 0 {
         return ErardStatus::Null;
     }
     quick(|| {
@@ -226,16 +226,16 @@ pub unsafe extern "C" fn erard_keyboard_step(
             } else if tick.unconverged > 0 && status == ErardStatus::Ok {
                 status = ErardStatus::IterationLimit;
             }
-            for blow in keyboard.keys.impacts() {
-                let (time_s, speed_m_per_s) =
-                    (blow.impact.time_s + keyboard.offset_s, blow.impact.hammer_speed_m_per_s);
-                if let Some(last) = keyboard.blows.get_mut(blow.key - 1) {
-                    *last = (time_s, speed_m_per_s, last.2.wrapping_add(1));
+            for one in keyboard.keys.impacts() {
+                let (time_s, hammer_speed_m_per_s) =
+                    (one.impact.time_s + keyboard.offset_s, one.impact.hammer_speed_m_per_s);
+                if let Some(last) = keyboard.impacts.get_mut(one.key - 1) {
+                    *last = (time_s, hammer_speed_m_per_s, last.2.wrapping_add(1));
                 }
                 if total < capacity {
-                    let told = ErardBlow { key: blow.key as u32, reserved: 0, time_s, speed_m_per_s };
+                    let told = ErardImpact { key: one.key as u32, reserved: 0, time_s, hammer_speed_m_per_s };
                     // SAFETY: below the capacity.
-                    unsafe { blows.add(total).write(told) };
+                    unsafe { impacts.add(total).write(told) };
                 }
                 total += 1;
             }
@@ -248,7 +248,8 @@ pub unsafe extern "C" fn erard_keyboard_step(
     })
 }
 
-/// Reads a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows is 0. Real time: yes.
+/// Reads a key, from 1, after the last step. finger_mean_n is that of the last step; new_impact_count is 0. Real time:
+/// yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_read(
     keyboard: *const ErardKeyboard,
@@ -259,8 +260,8 @@ pub unsafe extern "C" fn erard_keyboard_read(
     let (Some(keyboard), Some(reading)) = (unsafe { keyboard.as_ref() }, unsafe { reading.as_mut() }) else {
         return ErardStatus::Null;
     };
-    let Some(&(blow_time_s, hammer_speed_m_per_s, blows)) =
-        (key as usize).checked_sub(1).and_then(|index| keyboard.blows.get(index))
+    let Some(&(impact_time_s, hammer_speed_m_per_s, impact_count)) =
+        (key as usize).checked_sub(1).and_then(|index| keyboard.impacts.get(index))
     else {
         return ErardStatus::NoSuch;
     };
@@ -277,10 +278,10 @@ pub unsafe extern "C" fn erard_keyboard_read(
             string_n: now.string_n,
             hand_m: now.hand_m,
             hand_m_per_s: now.hand_m_per_s,
-            blow_time_s,
+            impact_time_s,
             hammer_speed_m_per_s,
-            blows,
-            new_blows: 0,
+            impact_count,
+            new_impact_count: 0,
         };
         ErardStatus::Ok
     })
@@ -346,8 +347,8 @@ fn save(keyboard: &ErardKeyboard, bytes: &mut [u8]) -> usize {
     let (keys, mut out) = (&keyboard.keys, Writer::new(bytes, MARK));
     out.number("step_s", keys.settings().step);
     out.number("time_s", keys.time_s() + keyboard.offset_s);
-    let each = keyboard.inputs.iter().zip(&keyboard.blows).enumerate();
-    for (index, (input, (time_s, speed_m_per_s, blows))) in each {
+    let each = keyboard.inputs.iter().zip(&keyboard.impacts).enumerate();
+    for (index, (input, (time_s, hammer_speed_m_per_s, impact_count))) in each {
         out.group("key", |out| {
             keys.mechanism_state(index + 1).write(out);
             keys.save_strings(index + 1, &mut |name, numbers| out.list(name, numbers));
@@ -358,9 +359,9 @@ fn save(keyboard: &ErardKeyboard, bytes: &mut [u8]) -> usize {
             out.number("input_hand_mass_kg", input.hand_mass_kg);
             out.number("input_muscle_N_per_m", input.muscle_n_per_m);
             out.number("input_muscle_N_s_per_m", input.muscle_n_s_per_m);
-            out.number("blow_time_s", *time_s);
-            out.number("hammer_speed_m_per_s", *speed_m_per_s);
-            out.number("blows", f64::from(*blows));
+            out.number("impact_time_s", *time_s);
+            out.number("hammer_speed_m_per_s", *hammer_speed_m_per_s);
+            out.number("impact_count", f64::from(*impact_count));
         });
     }
     out.seal()
@@ -423,10 +424,10 @@ fn restore(keyboard: &mut ErardKeyboard, bytes: &[u8]) -> ErardStatus {
             }
             if write {
                 keyboard.keys.drive(index + 1, checked);
-                let blow = (number("blow_time_s"), number("hammer_speed_m_per_s"), number("blows") as u32);
-                let places = keyboard.inputs.get_mut(index).zip(keyboard.blows.get_mut(index));
-                if let Some((last_input, last_blow)) = places {
-                    (*last_input, *last_blow) = (input, blow);
+                let impact = (number("impact_time_s"), number("hammer_speed_m_per_s"), number("impact_count") as u32);
+                let places = keyboard.inputs.get_mut(index).zip(keyboard.impacts.get_mut(index));
+                if let Some((last_input, last_impact)) = places {
+                    (*last_input, *last_impact) = (input, impact);
                 }
             }
         }

@@ -16,7 +16,7 @@ const LEAST_PX: f64 = 1.5;
 /// So many notes are drawn; those that went wrong before all others.
 const MOST: usize = 20_000;
 
-/// How a note turned out.
+/// Outcome of a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RollKind {
     /// Sounded as written.
@@ -36,7 +36,7 @@ pub struct RollNote {
     pub written_s: [f64; 2],
     /// When it did.
     pub sounded_s: Option<[f64; 2]>,
-    /// How it turned out.
+    /// Outcome of the note.
     pub kind: RollKind,
     /// The text beside a pointer that rests on it.
     pub words: String,

@@ -39,8 +39,8 @@ pub enum Role {
     Step,
     /// A number of the reading, by its place in `READING`.
     Reading(usize),
-    /// How many blows there were; an integer.
-    Blows,
+    /// Number of impacts since the start; an integer.
+    Impacts,
     /// Normal force of a contact zone, N.
     Contact(usize),
     /// Mass of a body, kg, by its place among the bodies: its inertia changes in proportion.
@@ -52,16 +52,16 @@ pub enum Role {
 /// The reading's numbers: name, unit, what it is.
 pub(crate) const READING: [(&str, &str, &str); 11] = [
     ("key", "m", "Travel of the key front, down positive"),
-    ("key_speed", "m/s", "Its speed"),
+    ("key_velocity", "m/s", "Its velocity, down positive"),
     ("finger_force", "N", "Force of the finger on the key in the last step"),
     ("hammer", "m", "Rise of the hammer's strike point"),
-    ("hammer_speed", "m/s", "How fast it rises"),
+    ("hammer_velocity", "m/s", "Its velocity, up positive"),
     ("string_force", "N", "Force between hammer and string in the last step"),
-    ("blow_time", "s", "Instant of the last blow; 0 before the first"),
-    ("blow_speed", "m/s", "Speed of the strike point in the last blow; 0 before the first"),
+    ("impact_time", "s", "Instant of the last impact of the hammer on the string; 0 before the first"),
+    ("hammer_speed", "m/s", "Total speed of the strike point at the last impact; 0 before the first"),
     ("bridge_force", "N", "Force of the strings on the bridge; 0 where they do not sound"),
     ("hand", "m", "Place of the hand, below the key front's rest (drive = 4)"),
-    ("hand_speed", "m/s", "Its speed"),
+    ("hand_velocity", "m/s", "Its velocity, down positive"),
 ];
 
 /// A variable of the unit.
@@ -85,7 +85,7 @@ impl Variable {
     /// Whether it is a whole number.
     #[must_use]
     pub fn is_integer(&self) -> bool {
-        matches!(self.role, Role::Drive | Role::Blows)
+        matches!(self.role, Role::Drive | Role::Impacts)
     }
 
     /// Whether it may be set before initialisation only.
@@ -169,7 +169,14 @@ pub fn variables(file: &InstrumentFile, text: &str) -> Vec<Variable> {
     for (n, (name, unit, description)) in READING.iter().enumerate() {
         all.push(variable(READING_FROM + n as u32, name, Role::Reading(n), None, unit, description));
     }
-    all.push(variable(1, "blows", Role::Blows, None, "", "Blows so far"));
+    all.push(variable(
+        1,
+        "impact_count",
+        Role::Impacts,
+        None,
+        "",
+        "Number of impacts of the hammer on the string since the start",
+    ));
     for (n, zone) in file.instrument.zones.iter().enumerate() {
         let name = format!("contact.{}", zone.name);
         all.push(variable(CONTACTS_FROM + n as u32, &name, Role::Contact(n), None, "N", &zone.label));
@@ -238,7 +245,7 @@ fn unit_of(key: &str) -> &'static str {
 /// A name for this instrument and this version of the numbering, as FMI writes it.
 #[must_use]
 pub fn guid(text: &str) -> String {
-    let version = concat!("erard-fmu/2 ", env!("CARGO_PKG_VERSION"));
+    let version = concat!("erard-fmu/3 ", env!("CARGO_PKG_VERSION"));
     let [a, b] = [FNV1A, 0x9e37_79b9_7f4a_7c15].map(|seed| fnv1a(seed, version.bytes().chain(text.bytes())));
     let hex = format!("{a:016x}{b:016x}");
     format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
@@ -285,7 +292,7 @@ pub fn model_description(file: &InstrumentFile, text: &str) -> String {
             "causality=\"input\" variability=\"continuous\""
         } else if variable.is_parameter() {
             "causality=\"parameter\" variability=\"fixed\" initial=\"exact\""
-        } else if variable.is_integer() || name.starts_with("blow_") {
+        } else if variable.is_integer() || matches!(name.as_str(), "impact_time" | "hammer_speed") {
             "causality=\"output\" variability=\"discrete\" initial=\"calculated\""
         } else {
             "causality=\"output\" variability=\"continuous\" initial=\"calculated\""

@@ -149,7 +149,7 @@ class Reading:
         hand_m_per_s: float,
         bridge_n: float,
         converged: bool,
-        blow: tuple[float, float] | None,
+        impact: tuple[float, float] | None,
     ) -> Reading: ...
     def __getnewargs__(
         self,
@@ -165,7 +165,7 @@ class Reading:
     hand_m_per_s: float
     bridge_n: float
     converged: bool
-    blow: tuple[float, float] | None
+    impact: tuple[float, float] | None
 
 @final
 class Action:

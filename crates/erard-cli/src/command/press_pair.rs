@@ -82,7 +82,7 @@ fn rows(summaries: [&Value; 2]) -> Vec<(String, [String; 3])> {
 
 /// How often each hammer strikes.
 fn impacts(summaries: [&Value; 2]) -> [usize; 2] {
-    summaries.map(|summary| summary["strikes"].as_array().map_or(0, Vec::len))
+    summaries.map(|summary| summary["impacts"].as_array().map_or(0, Vec::len))
 }
 
 /// Stages the page, the figure, the tables and the numbers.

@@ -19,7 +19,7 @@ use crate::identity;
 pub(super) type ParquetColumn<'a> = (&'a str, Cow<'a, [f64]>, Vec<i16>);
 
 /// Columns that count: whole numbers.
-const COUNTS: [&str; 4] = ["strikes", "unconverged_steps", "failed", "key"];
+const COUNTS: [&str; 4] = ["impact_count", "unconverged_steps", "failed", "key"];
 
 /// One row group: doubles, and whole numbers for what counts.
 pub(super) fn write(title: &str, columns: &[ParquetColumn<'_>], writer: &mut dyn Write) -> std::io::Result<()> {

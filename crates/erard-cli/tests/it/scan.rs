@@ -25,13 +25,13 @@ fn what_is_scanned_is_what_live_reads() {
     let summary: Value = serde_json::from_str(&folder.read("set/scan.json")).unwrap();
     let scans = summary["scans"].as_array().unwrap();
     assert_eq!((scans.len(), &summary["keys"][0]["key"], &summary["sample"]), (2, &40.into(), &Value::Null));
-    assert_eq!(summary["cases"][1]["strikes"], 0, "{summary}");
+    assert_eq!(summary["cases"][1]["impact_count"], 0, "{summary}");
     for scan in scans {
         let lines = folder.read(&format!("set/{}", scan["file"].as_str().unwrap())).lines().count();
         assert_eq!(lines as u64, scan["readings"].as_u64().unwrap() + 1);
     }
     let windows = folder.read("set/windows.csv");
-    assert_eq!(column(&windows, "strikes"), [1.0, 1.0, 0.0, 0.0, 0.0], "{windows}");
+    assert_eq!(column(&windows, "impact_count"), [1.0, 1.0, 0.0, 0.0, 0.0], "{windows}");
 
     let stream = "set/scan-12bit-1000hz-0.csv";
     let live = ["live", stream, "--calibration", "set/profile-12bit.toml", "--out", "notes.csv"];

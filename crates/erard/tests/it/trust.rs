@@ -233,9 +233,10 @@ fn a_blow_faster_than_any_is_told() {
         ..erard::Events::default()
     };
     assert!(
-        erard::trust::of_blows(&events(19.9)).is_none() && erard::trust::of_blows(&erard::Events::default()).is_none()
+        erard::trust::of_impacts(&events(19.9)).is_none()
+            && erard::trust::of_impacts(&erard::Events::default()).is_none()
     );
-    let warning = erard::trust::of_blows(&events(180.0)).expect("no hammer does that");
+    let warning = erard::trust::of_impacts(&events(180.0)).expect("no hammer does that");
     assert_eq!((warning.kind, warning.value, warning.time_s), (Kind::HammerSpeed, 180.0, Some(0.2)));
     assert!(warning.what.contains("180 m/s"), "{warning}");
 }
