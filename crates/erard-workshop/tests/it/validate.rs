@@ -190,7 +190,7 @@ fn groups_are_counted_apart() {
         instrument: "none".into(),
         beside: vec![None; verdicts.len()],
         verdicts,
-        blows: Vec::new(),
+        constant_force: Vec::new(),
         pressed: Vec::new(),
     };
     let groups = validation.groups(&published);
