@@ -135,7 +135,7 @@ impl Study {
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
         let setup = Setup { settings, start_s: stroke.start_s, hand: stroke.hand(), ..Setup::new(duration_s) };
         check(&setup)?;
-        let mut output = self.out.prepare("study", &["study.csv", "study.parquet"])?;
+        let mut output = self.out.prepare("study", &["study.csv"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };
         let model = self.instrument.model;
         let varied = Varied { instrument: &instrument, source: &source, model, axes: &axes, each };
@@ -159,7 +159,6 @@ impl Study {
         };
         let table = table_of(&columns);
         output.table("study.csv", &table)?;
-        output.stage("study.parquet", |w| table.write_parquet("study", w))?;
         let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive_name());
         if let Some(chart) = chart(&title, &axes, &rows) {
             let svg = chart_svg(&chart, "study");

@@ -367,29 +367,34 @@ fn print_groups(groups: &[GroupReport]) {
 
 fn print_table(rows: &[RowReport]) {
     let banded = rows.iter().any(|row| row.band_low.is_some());
-    let heads = ["", "published", "counts as met", "simulated", "5 to 95 %", "verdict"];
+    let heads = ["", "met if", "simulated", "5 to 95 %", "verdict"];
     let mut group = rows.first().map_or("", |row| row.group);
-    let mut cells: Vec<[String; 6]> = Vec::new();
+    let mut cells: Vec<[String; 5]> = Vec::new();
     for row in rows {
         if row.group != group {
             cells.push(Default::default());
             group = row.group;
         }
         let by = row.missed_by.map_or_else(String::new, |by| {
-            format!(" by {} {}", three(by.abs()), row.unit).trim_end().to_owned()
-                + if by < 0.0 { " (too low)" } else { " (too high)" }
+            let sign = if by < 0.0 { "-" } else { "+" };
+            format!(" by {sign}{} {}", three(by.abs()), row.unit).trim_end().to_owned()
         });
         let set = if row.set_by.is_some() { ", set" } else { "" };
-        let beside = row.constant_force.map_or_else(String::new, |x| format!(" ({} under a constant force)", three(x)));
         let simulated = row.simulated.map_or_else(|| "-".to_owned(), three);
         let band = row.band_low.zip(row.band_high);
         let band = band.map_or_else(String::new, |(low, high)| format!("{} to {}", three(low), three(high)));
-        let verdict = format!("{}{by}{set}{beside}", row.verdict);
-        cells.push([row.quantity.to_owned(), row.published.clone(), row.counts(), simulated, band, verdict]);
+        let verdict = format!("{}{by}{set}", row.verdict);
+        cells.push([row.quantity.to_owned(), row.counts(), simulated, band, verdict]);
+        if let Some(x) = row.constant_force {
+            let [none, empty] = [const { String::new() }; 2];
+            cells.push(["  under a constant force".to_owned(), none, three(x), empty, "not counted".to_owned()]);
+        }
     }
     let shown = |column: &usize| banded || heads[*column] != "5 to 95 %";
-    let of = |row: &[String; 6]| (0..6).filter(shown).map(|column| row[column].clone()).collect::<Vec<_>>();
-    say!("{}", Table::of((0..6).filter(shown).map(|column| heads[column]), cells.iter().map(of)));
+    let of = |row: &[String; 5]| (0..5).filter(shown).map(|column| row[column].clone()).collect::<Vec<_>>();
+    say!("{}", Table::of((0..5).filter(shown).map(|column| heads[column]), cells.iter().map(of)));
+    say!("  The published values, and the source of each, are in validate.csv.");
+    say!();
     // Rows with one reason share a line.
     let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for row in rows.iter().filter(|row| row.verdict != MET) {
