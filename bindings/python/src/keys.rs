@@ -137,7 +137,12 @@ impl Keys {
         let key = Self::has(&player, key)?;
         let now: Now = player.reading(key);
         let impact = now.impact.map(|one| (one.time_s - self.began_s, one.hammer_speed_m_per_s));
-        Ok(Reading::of(player.time_s() - self.began_s, &now, impact, player.strings(key).map_or(0.0, Strings::bridge_n)))
+        Ok(Reading::of(
+            player.time_s() - self.began_s,
+            &now,
+            impact,
+            player.strings(key).map_or(0.0, Strings::bridge_n),
+        ))
     }
 
     /// All that a key's next steps depend on, as an action's.
