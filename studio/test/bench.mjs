@@ -1,5 +1,5 @@
 // Screws, files, two actions, the keyboard.
-import { assert, atRest, blow, goal, percentile, struck, until } from "./help.mjs";
+import { assert, atRest, hammerSpeed, goal, percentile, struck, until } from "./help.mjs";
 
 const line = (page, name) => page.evaluate((name) => {
   const row = [...document.querySelectorAll("#panel-screws .sheet tbody tr")].find((one) => one.cells[0].textContent === name);
@@ -121,10 +121,10 @@ export const compare = async ({ visit }) => {
   await page.selectOption("#other", "heavy-touch");
   await until(page, () => studio.scenes.length === 2);
   await page.evaluate(() => studio.stroke({ nuance: "mf", struck: false }));
-  await until(page, () => studio.blowOf(0) > 0 && studio.blowOf(1) > 0);
+  await until(page, () => studio.hammerSpeedOf(0) > 0 && studio.hammerSpeedOf(1) > 0);
   await atRest(page);
-  const [a, b] = await page.evaluate(() => [studio.blowOf(0), studio.blowOf(1)]);
-  assert(Math.abs(a - b) > 0.01, "two actions, two blows");
+  const [a, b] = await page.evaluate(() => [studio.hammerSpeedOf(0), studio.hammerSpeedOf(1)]);
+  assert(Math.abs(a - b) > 0.01, "two actions, two impacts");
   const row = await page.evaluate(() => [...document.querySelectorAll("#differences tbody tr")][0].innerText);
   assert(row.includes(a.toFixed(2)) && row.includes(b.toFixed(2)), row);
   assert.equal(await page.locator("#pictures svg").count(), 1);
@@ -161,7 +161,7 @@ export const strung = async ({ visit }) => {
   const loudest = () => page.evaluate(() => Math.max(...document.getElementById("bridge-level").textContent.match(/\d+\.\d/g).map(Number)));
   const resting = await loudest();
   await page.click("#ten");
-  await until(page, () => document.querySelectorAll("#blows li").length >= 8);
+  await until(page, () => document.querySelectorAll("#impacts li").length >= 8);
   await until(page, (resting) => Math.max(...document.getElementById("bridge-level").textContent.match(/\d+\.\d/g).map(Number)) > resting + 20, resting);
   // Once the dampers lie on the strings again they are as still as at first.
   await until(page, (resting) => Math.max(...document.getElementById("bridge-level").textContent.match(/\d+\.\d/g).map(Number)) < resting + 5, resting, 60_000);
@@ -184,7 +184,7 @@ export const keyboard = async ({ visit }) => {
   await until(page, () => !document.getElementById("keys-said").textContent.includes("ready"), undefined, 120_000);
   // Ten keys at once stay in real time: the steps of a frame cost less than the frame.
   await page.click("#ten");
-  await until(page, () => document.querySelectorAll("#blows li").length >= 8);
+  await until(page, () => document.querySelectorAll("#impacts li").length >= 8);
   await page.waitForTimeout(1800);
   await page.click("#ten");
   await page.waitForTimeout(1500);
@@ -201,9 +201,9 @@ export const keyboard = async ({ visit }) => {
   const box = await page.locator("#keys").boundingBox();
   const devtools = await page.context().newCDPSession(page);
   const fingers = Array.from({ length: 10 }, (_, n) => ({ x: box.x + box.width * (0.08 + 0.09 * n), y: box.y + 0.9 * box.height, id: n + 1 }));
-  await page.evaluate(() => document.getElementById("blows").replaceChildren());
+  await page.evaluate(() => document.getElementById("impacts").replaceChildren());
   await devtools.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: fingers });
-  await until(page, () => new Set([...document.querySelectorAll("#blows li")].map((row) => row.textContent.split(" ")[0])).size >= 10);
+  await until(page, () => new Set([...document.querySelectorAll("#impacts li")].map((row) => row.textContent.split(" ")[0])).size >= 10);
   await devtools.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
   // A key that is pressed again before its hammer has come back does not strike, here as on a piano.
   await until(page, () => document.getElementById("keys-said").textContent.startsWith("All keys rest"));
@@ -213,24 +213,24 @@ export const keyboard = async ({ visit }) => {
     const parts = [...document.querySelectorAll(".inside svg .key")].map((part) => part.getBoundingClientRect()).sort((a, b) => b.width - a.width);
     return { x: parts[0].left + 0.12 * parts[0].width, y: parts[0].top + parts[0].height / 2 };
   });
-  await page.evaluate(() => document.getElementById("blows").replaceChildren());
+  await page.evaluate(() => document.getElementById("impacts").replaceChildren());
   await page.mouse.move(dragged.x, dragged.y);
   await page.mouse.down();
   for (let n = 1; n <= 10; n++) await page.mouse.move(dragged.x, dragged.y + 8 * n);
-  await until(page, () => document.querySelector("#blows li") !== null);
+  await until(page, () => document.querySelector("#impacts li") !== null);
   await page.mouse.up();
   // A key is chosen and looked into.
   await page.focus("#keys");
   const before = Number((await page.textContent("#chosen")).match(/key (\d+)/)[1]);
   await page.keyboard.press("ArrowDown");
   assert.equal(Number((await page.textContent("#chosen")).match(/key (\d+)/)[1]), before - 12);
-  const blows = await page.evaluate(() => document.querySelector("#blows li").textContent);
+  const said = await page.evaluate(() => document.querySelector("#impacts li").textContent);
   await page.keyboard.down("q");
-  await until(page, (blows) => document.querySelector("#blows li").textContent !== blows || document.querySelector("#blows li").textContent.startsWith("C4"), blows);
+  await until(page, (said) => document.querySelector("#impacts li").textContent !== said || document.querySelector("#impacts li").textContent.startsWith("C4"), said);
   await page.keyboard.up("q");
   await page.mouse.move(box.x + 0.02 * box.width, box.y + 0.95 * box.height);
   await page.mouse.down();
-  await until(page, () => document.querySelector("#blows li").textContent.startsWith("B0") || document.querySelector("#blows li").textContent.startsWith("A0"));
+  await until(page, () => document.querySelector("#impacts li").textContent.startsWith("B0") || document.querySelector("#impacts li").textContent.startsWith("A0"));
   await page.mouse.up();
   await page.click("#open-key");
   await until(page, () => studio.state.tab === "play" && studio.loaded[0].setting.base.key > 0);

@@ -11,9 +11,9 @@ export const edges = async ({ visit }) => {
   await page.keyboard.up(" ");
   await until(page, () => studio.poses[0].key_m < 2e-4);
   await page.check("#naming");
-  const first = await page.evaluate(() => studio.events[0].blow_s);
+  const first = await page.evaluate(() => studio.events[0].hammer_contact_s);
   await page.keyboard.down(" ");
-  await until(page, (first) => studio.events[0].blow_s > first, first);
+  await until(page, (first) => studio.events[0].hammer_contact_s > first, first);
   await page.keyboard.up(" ");
   await atRest(page);
   // Too soft to sound: all the way down within two seconds. The page says so, until the next press.
@@ -21,7 +21,7 @@ export const edges = async ({ visit }) => {
   await page.evaluate((csv) => studio.stroke({ csv, name: "slow.csv" }), slow);
   await until(page, () => !document.getElementById("soft").hidden);
   assert.match(await page.textContent("#soft"), /Too soft to sound/);
-  assert.equal(await page.evaluate(() => studio.events[0].blows), 0);
+  assert.equal(await page.evaluate(() => studio.events[0].impact_count), 0);
   await atRest(page);
   await page.evaluate(() => studio.push(6));
   await struck(page);
@@ -70,7 +70,7 @@ export const edges = async ({ visit }) => {
   await page.focus("#keys");
   for (const [key, name] of [["z", "C3"], ["q", "C4"]]) {
     await page.keyboard.down(key);
-    await until(page, (name) => document.querySelector("#blows li")?.textContent.startsWith(name), name);
+    await until(page, (name) => document.querySelector("#impacts li")?.textContent.startsWith(name), name);
     if (key === "q") await until(page, () => document.getElementById("keys-said").textContent.startsWith("1 key is held, and still"));
     await page.keyboard.up(key);
   }

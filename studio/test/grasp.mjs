@@ -76,7 +76,8 @@ export const grasp = async ({ visit }) => {
   return `${parts.length} parts, ${dials.length} dials`;
 };
 
-/** From the address bar to the first blow and the first turned screw, without a pointer; the story's test does the same
+/** From the address bar to the first impact and the first turned screw, without a pointer; the story's test does the
+ * same
  * there. */
 export const keys_only = async ({ visit }) => {
   const page = await visit();
@@ -127,7 +128,7 @@ export const pedal = async ({ visit }) => {
   await page.click("button[aria-label='mf, pressed']");
   await struck(page);
   // The string is seen to swing, and the picture says by how much that is exaggerated.
-  await page.evaluate(() => studio.seek(studio.events[0].blow_s + 0.001));
+  await page.evaluate(() => studio.seek(studio.events[0].hammer_contact_s + 0.001));
   await until(page, () => Math.max(...studio.poses[0].string) > 2e-4);
   assert.match(await page.textContent("#pictures .swing"), /middle string, swing \u00d7 (2|5|10)$/);
   const [strike, height] = await page.evaluate(() => studio.scenes[0].string);
@@ -147,7 +148,7 @@ export const pedal = async ({ visit }) => {
   const hash = await page.evaluate(() => studio.link());
   assert.match(hash, /pedal=7/);
   await page.evaluate(() => studio.stroke({ nuance: "f", struck: false }));
-  await until(page, () => studio.blowOf(0) > 1);
+  await until(page, () => studio.hammerSpeedOf(0) > 1);
   await page.keyboard.press("p");
   await until(page, (lying) => Math.abs(studio.poses[0].angles[studio.scenes[0].bodies.findIndex(({ name }) => name === "damper")] - lying) < 0.01, lying);
   const steps = await page.evaluate(() => studio.timing.costs.map((cost, n) => [cost, studio.timing.steps[n]]).filter(([, count]) => count > 50).map(([cost, count]) => (1e3 * cost) / count).sort((a, b) => a - b));

@@ -13,9 +13,9 @@ export const until = async (page, holds, given, timeout = 30_000) => {
     throw new Error(`waited in vain for ${holds.toString().replace(/\s+/g, " ").slice(0, 200)}: ${error.message.split("\n")[0]}`);
   }
 };
-/** The speed of the last blow on action A, m/s; undefined before the first. */
-export const blow = (page) => page.evaluate(() => studio.blowOf(0));
-export const struck = (page) => until(page, () => studio.blowOf(0) > 0);
+/** Hammer speed at the last impact of action A, m/s; undefined before the first. */
+export const hammerSpeed = (page) => page.evaluate(() => studio.hammerSpeedOf(0));
+export const struck = (page) => until(page, () => studio.hammerSpeedOf(0) > 0);
 /** The key's travel now, mm. */
 export const key = (page) => page.evaluate(() => 1e3 * studio.poses[0].key_m);
 export const atRest = (page) => until(page, () => document.getElementById("clock").textContent === "at rest");

@@ -44,7 +44,8 @@ export const size = async () => {
   return `${told.join("; ")}; loaded when asked for ${kb(later)}`;
 };
 
-/** From nothing to the first blow in the story, and to the first turned screw at the workbench, on a line of 1 MB/s. */
+/** From nothing to the first impact in the story, and to the first turned screw at the workbench, on a line of 1
+ * MB/s. */
 export const stranger = async ({ browser, address }) => {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, serviceWorkers: "block" });
   const page = await context.newPage();
@@ -75,7 +76,7 @@ export const stranger = async ({ browser, address }) => {
   await page.mouse.down();
   for (let n = 1; n <= 6; n++) await page.mouse.move(x, y + 5 * n);
   await until(page, () => story.figures.lever.now?.press.impacts > 0);
-  const blown = since();
+  const played = since();
   await page.mouse.up();
   await page.click(".bar .bench");
   await page.waitForSelector("html[data-ready=true] #tab-screws");
@@ -89,7 +90,7 @@ export const stranger = async ({ browser, address }) => {
     setTimeout(() => resolve(0), 500);
   }));
   goal(busy < 1000, `the page was busy for ${busy} ms`);
-  return `first picture ${painted.toFixed(2)} s, ready ${ready.toFixed(1)} s; first blow: one drag, ${blown.toFixed(1)} s; first turned screw: three clicks more, ${since().toFixed(1)} s; never busy for more than ${busy.toFixed(0)} ms`;
+  return `first picture ${painted.toFixed(2)} s, ready ${ready.toFixed(1)} s; first impact: one drag, ${played.toFixed(1)} s; first turned screw: three clicks more, ${since().toFixed(1)} s; never busy for more than ${busy.toFixed(0)} ms`;
 };
 
 export const link = async ({ visit, address }) => {
@@ -163,11 +164,11 @@ export const faults = async ({ visit, faults }) => {
     await page.click("#fault button");
     await page.waitForSelector("#fault", { state: "hidden" });
     assert.equal(await page.evaluate(() => studio.loaded[0].setting.turns.hammer), 9.5);
-    const before = await page.evaluate(() => studio.events[0]?.blow_s ?? 0);
+    const before = await page.evaluate(() => studio.events[0]?.hammer_contact_s ?? 0);
     await page.evaluate(() => studio.push(0));
     await until(page, () => studio.poses[0].key_m < 1e-3);
     await page.evaluate(() => studio.push(6));
-    await until(page, (before) => studio.events[0].blow_s > 0 && studio.events[0].blow_s !== before, before);
+    await until(page, (before) => studio.events[0].hammer_contact_s > 0 && studio.events[0].hammer_contact_s !== before, before);
     await page.evaluate(() => studio.push(0));
     await until(page, () => document.getElementById("clock").textContent === "at rest");
   };
@@ -207,9 +208,9 @@ export const screenshots = async ({ visit, read }, folder) => {
         await page.waitForTimeout(250);
       } else if (name !== "a fault") {
         await page.evaluate(() => studio.stroke({ nuance: "mf", struck: false }));
-        await until(page, () => studio.blowOf(0) > 0);
+        await until(page, () => studio.hammerSpeedOf(0) > 0);
         await page.waitForTimeout(700);
-        await page.evaluate(() => studio.seek(studio.events[0].blow_s - 0.012));
+        await page.evaluate(() => studio.seek(studio.events[0].hammer_contact_s - 0.012));
       }
       await act?.(page);
       await shot(page, name);

@@ -3,7 +3,7 @@ import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { assert, atRest, blow, struck, until } from "./help.mjs";
+import { assert, atRest, hammerSpeed, struck, until } from "./help.mjs";
 
 const drop = (page, name, bytes) => page.evaluate(async ([name, base64]) => {
   const data = new DataTransfer();
@@ -25,7 +25,7 @@ export const parquet = async ({ visit }) => {
     const before = await loaded();
     await drop(page, "run.parquet", file);
     await struck(page);
-    const speed = await blow(page);
+    const speed = await hammerSpeed(page);
     assert.equal(speed, expected, "the same bits as the command's");
     await atRest(page);
     assert.equal(before, false, "the reader is loaded with the first file");
@@ -38,7 +38,7 @@ export const parquet = async ({ visit }) => {
     for (let at = renamed.indexOf("key_m"); at >= 0; at = renamed.indexOf("key_m", at + 1)) renamed.write("k3y_m", at);
     await drop(page, "other.parquet", renamed);
     await until(page, () => /other\.parquet: .*neither a force nor a position/.test(document.getElementById("notice").textContent));
-    assert.equal(await blow(page), speed, "what was played is still there");
+    assert.equal(await hammerSpeed(page), speed, "what was played is still there");
     return `${speed.toFixed(4)} m/s, as press`;
   } finally {
     rmSync(work, { recursive: true, force: true });

@@ -1,5 +1,5 @@
 // Playing: by mouse, by touch, by key; looking back; recordings.
-import { assert, atRest, blow, key, onKey, struck, until } from "./help.mjs";
+import { assert, atRest, hammerSpeed, key, onKey, struck, until } from "./help.mjs";
 
 export const mouse = async ({ visit }) => {
   const page = await visit();
@@ -8,7 +8,7 @@ export const mouse = async ({ visit }) => {
   await page.mouse.down();
   for (let n = 1; n <= 8; n++) await page.mouse.move(x, y + 9 * n);
   await struck(page);
-  const speed = await blow(page);
+  const speed = await hammerSpeed(page);
   await until(page, () => studio.poses[0].key_m > 0.008);
   // A held note is still: the clock stops, the finger still presses.
   await atRest(page);
@@ -25,7 +25,7 @@ export const mouse = async ({ visit }) => {
   await page.mouse.move(x + 260, 190);
   await page.mouse.up();
   assert.notEqual(await view(), before, "the picture has moved");
-  assert.equal(await blow(page), speed);
+  assert.equal(await hammerSpeed(page), speed);
   return `${speed.toFixed(2)} m/s`;
 };
 
@@ -41,10 +41,10 @@ export const touch = async ({ visit }) => {
   await until(page, () => studio.poses[0].key_m < 2e-4);
   assert.equal(await page.evaluate(() => scrollY), 0, "the page does not scroll while the key is held");
   // The button takes a finger, too.
-  const first = await page.evaluate(() => studio.events[0].blow_s);
+  const first = await page.evaluate(() => studio.events[0].hammer_contact_s);
   const { x: bx, y: by, width, height } = await page.locator("#press").boundingBox();
   await devtools.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [{ x: bx + width / 2, y: by + height / 2, id: 2 }] });
-  await until(page, (first) => studio.events[0].blow_s > first, first);
+  await until(page, (first) => studio.events[0].hammer_contact_s > first, first);
   await devtools.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
 };
 
@@ -58,7 +58,7 @@ export const key_ = async ({ visit }) => {
   await until(page, () => studio.poses[0].key_m < 2e-4);
   // The strokes that are built in, and what the sheet of a press says of them.
   await page.click("button[aria-label='ff, struck']");
-  await until(page, () => studio.blowOf(0) > 4);
+  await until(page, () => studio.hammerSpeedOf(0) > 4);
   // Away from the page nothing stays pressed.
   await page.keyboard.down(" ");
   await until(page, () => studio.poses[0].key_m > 0.008);
@@ -92,8 +92,8 @@ export const replay = async ({ visit }) => {
   await atRest(page);
   const seconds = await page.evaluate(() => Number(document.getElementById("time").max) - Number(document.getElementById("time").min));
   assert(seconds >= 1, `${seconds} s are kept`);
-  // At the blow the hammer is at the string, and presses on it.
-  await page.evaluate(() => studio.seek(studio.events[0].blow_s + 3e-4));
+  // At the impact the hammer is at the string, and presses on it.
+  await page.evaluate(() => studio.seek(studio.events[0].hammer_contact_s + 3e-4));
   await until(page, () => studio.poses[0].string_n > 5);
   const there = await page.evaluate(() => studio.poses[0].hammer_m);
   assert(there > 0.045, `the hammer has risen by ${there} m`);
@@ -119,7 +119,7 @@ export const recording = async ({ visit }) => {
   const csv = "time_s,force_N\n0,0\n0.01,6\n0.15,6\n0.16,0\n";
   await page.setInputFiles("#recording", { name: "hand.csv", mimeType: "text/csv", buffer: Buffer.from(csv) });
   await struck(page);
-  const [speed, first] = [await blow(page), await page.evaluate(() => studio.events[0].blow_s)];
+  const [speed, first] = [await hammerSpeed(page), await page.evaluate(() => studio.events[0].hammer_contact_s)];
   await atRest(page);
   await page.setInputFiles("#recording", { name: "wrong.csv", mimeType: "text/csv", buffer: Buffer.from("time_s,force_N\n0,0\n0.01,much\n") });
   await until(page, () => document.getElementById("notice").textContent.includes(":3:"));
@@ -130,8 +130,8 @@ export const recording = async ({ visit }) => {
     document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
   }, csv);
   await until(page, () => document.getElementById("recorded").textContent.includes("dropped.csv") && document.getElementById("notice").hidden);
-  await until(page, (first) => studio.events[0].blow_s > first, first);
-  // The same stroke, from where dry friction has left the action: nearly the same blow.
-  const again = await blow(page);
+  await until(page, (first) => studio.events[0].hammer_contact_s > first, first);
+  // The same stroke, from where dry friction has left the action: nearly the same hammer speed.
+  const again = await hammerSpeed(page);
   assert(Math.abs(again - speed) < 0.03 * speed, `${speed} m/s, then ${again} m/s`);
 };

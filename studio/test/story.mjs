@@ -267,7 +267,7 @@ export const tasks = async ({ read }) => {
       const one = player.actions[0], { ring } = one;
       for (let k = Math.max(ring.length - 100, 0); k < ring.length; k++) most = Math.max(most, ring.at(k, 2));
       speed = one.hammer_speed_m_per_s;
-      if (one.blows) break;
+      if (one.impact_count) break;
     }
     return { most, speed };
   });
@@ -289,23 +289,23 @@ export const tasks = async ({ read }) => {
 /** The cards at the end: what they say happens at the workbench does. */
 const bench = async (page, link, claim) => {
   const over = async (stroke) => {
-    const before = await page.evaluate(() => `${studio.events[0]?.blow_s}`);
+    const before = await page.evaluate(() => `${studio.events[0]?.hammer_contact_s}`);
     await page.evaluate((stroke) => studio.stroke(stroke), stroke);
-    await until(page, (before) => studio.events[0].blow_s > 0 && `${studio.events[0].blow_s}` !== before, before);
+    await until(page, (before) => studio.events[0].hammer_contact_s > 0 && `${studio.events[0].hammer_contact_s}` !== before, before);
     await until(page, () => document.getElementById("clock").textContent === "at rest");
-    return page.evaluate(() => studio.events.map((one, which) => ({ ...one, speed: studio.blowOf(which) })));
+    return page.evaluate(() => studio.events.map((one, which) => ({ ...one, speed: studio.hammerSpeedOf(which) })));
   };
   if (link.includes("front_punching")) {
     const [f] = await over({ nuance: "f", struck: false });
-    claim("aftertouch", (value) => f.blows === value, f.blows);
+    claim("aftertouch", (value) => f.impact_count === value, f.impact_count);
   } else if (link.includes("hammer")) {
     const [a, b] = await over({ csv: "time_s,force_N\n0,0\n0.012,5\n0.3,5\n0.31,0", name: "5 N" });
     const mass = await page.evaluate(() => studio.loaded.map(({ setting, dials }) => setting.turns.hammer ?? dials.find(({ name }) => name === "hammer").value));
-    claim("heavy", (value) => Math.abs(mass[1] - mass[0] - value) < 0.5 && b.speed < 0.97 * a.speed && b.blow_s - b.key_start_s > a.blow_s - a.key_start_s, `${mass}; ${a.speed} and ${b.speed} m/s`);
+    claim("heavy", (value) => Math.abs(mass[1] - mass[0] - value) < 0.5 && b.speed < 0.97 * a.speed && b.hammer_contact_s - b.key_start_s > a.hammer_contact_s - a.key_start_s, `${mass}; ${a.speed} and ${b.speed} m/s`);
   } else {
     const [ff] = await over({ nuance: "ff", struck: false }), [pp] = await over({ nuance: "pp", struck: false });
-    claim("key-first", (value) => ff.key_bottom_after_blow_s < value, ff.key_bottom_after_blow_s);
-    claim("hammer-first", (value) => pp.key_bottom_after_blow_s > value, pp.key_bottom_after_blow_s);
+    claim("key-first", (value) => ff.key_bottom_after_impact_s < value, ff.key_bottom_after_impact_s);
+    claim("hammer-first", (value) => pp.key_bottom_after_impact_s > value, pp.key_bottom_after_impact_s);
   }
   await page.context().close();
 };

@@ -40,8 +40,8 @@ int main(void) {
         if (motor_n > largest_n) largest_n = motor_n;
         if (x > largest_m) largest_m = x;
     }
-    printf("%u blows, the last at %.3f m/s; largest force %.1f N, deepest %.2f mm, at the end %.2f mm and %.2f N\n",
-           reading.blows, reading.hammer_speed_m_per_s, largest_n, 1e3 * largest_m, 1e3 * x, motor_n);
+    printf("%u impacts, the last at %.3f m/s; largest force %.1f N, deepest %.2f mm, at the end %.2f mm and %.2f N\n",
+           reading.impact_count, reading.hammer_speed_m_per_s, largest_n, 1e3 * largest_m, 1e3 * x, motor_n);
     erard_action_free(action);
     return 0;
 }

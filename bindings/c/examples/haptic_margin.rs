@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::write(std::path::Path::new(&folder).join("haptic.svg"), figure_svg(&figure))?;
 
     println!();
-    println!("| loop | coupling | trembling, mm/s | largest force, N | blow, m/s |");
+    println!("| loop | coupling | trembling, mm/s | largest force, N | hammer, m/s |");
     println!("|---|---|---|---|---|");
     let (direct, b) = (play_admittance(&grand, 50e-6, 20e3, Finger::Hand), 4.0);
     println!(

@@ -30,13 +30,13 @@ int main(void) {
             }
             next++;
         }
-        ErardBlow blows[8];
-        size_t blown;
-        if (erard_keyboard_step(keyboard, 1, blows, 8, &blown) < 0) {
+        ErardImpact impacts[8];
+        size_t count;
+        if (erard_keyboard_step(keyboard, 1, impacts, 8, &count) < 0) {
             return 1;
         }
-        for (size_t b = 0; b < blown && b < 8; b++) {
-            printf("key %u at %.4f s with %.3f m/s\n", blows[b].key, blows[b].time_s, blows[b].speed_m_per_s);
+        for (size_t b = 0; b < count && b < 8; b++) {
+            printf("key %u at %.4f s with %.3f m/s\n", impacts[b].key, impacts[b].time_s, impacts[b].hammer_speed_m_per_s);
         }
     }
     printf("%u keys awake at the end\n", erard_keyboard_awake(keyboard));

@@ -62,5 +62,5 @@ const svg = taken(erard.erard_draw(instrument, angles, bodies, 900, 1, 0, 0));
 if (!svg.startsWith("<svg") || !svg.includes("data-body")) throw new Error("no picture");
 const draw_ms = best(() => erard.erard_text_free(erard.erard_draw(instrument, angles, bodies, 900, 0, 0, 0)), 3);
 
-console.log(`digest ${digest.toString(16).padStart(16, "0")} after ${read().getUint32(80, true) > 0 ? "a blow" : "no blow"}`);
+console.log(`digest ${digest.toString(16).padStart(16, "0")} after ${read().getUint32(80, true) > 0 ? "an impact" : "no impact"}`);
 console.log(`${bytes.length} bytes, ${gzipSync(bytes, { level: 9 }).length} gzipped; ${step_us.toFixed(2)} us a step; a picture ${draw_ms.toFixed(1)} ms`);

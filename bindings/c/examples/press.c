@@ -1,4 +1,4 @@
-/* A press: 5 N for a quarter of a second, and the blow that they make.
+/* A press: 5 N for a quarter of a second, and the impact that they make.
    cc press.c $(pkg-config --cflags --libs erard) -o press */
 #include <erard.h>
 #include <stdio.h>
@@ -16,12 +16,12 @@ int main(void) {
             fprintf(stderr, "step %d\n", n);
             return 1;
         }
-        if (reading.new_blows) {
-            printf("blow at %.6f s with %.17g m/s, key %.3f mm down\n", reading.blow_time_s, reading.hammer_speed_m_per_s,
+        if (reading.new_impact_count) {
+            printf("impact at %.6f s with %.17g m/s, key %.3f mm down\n", reading.impact_time_s, reading.hammer_speed_m_per_s,
                    1e3 * reading.key_m);
         }
     }
-    printf("%u blows; the key ends at %.17g m\n", reading.blows, reading.key_m);
+    printf("%u impacts; the key ends at %.17g m\n", reading.impact_count, reading.key_m);
     erard_action_free(action);
     return 0;
 }

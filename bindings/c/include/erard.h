@@ -234,21 +234,21 @@ typedef struct ErardReading {
    */
   double string_n;
   /**
-   * The last blow: when the hammer met its string, s; 0 before the first.
+   * Instant of the last impact of the hammer on its string, s; 0 before the first.
    */
-  double blow_time_s;
+  double impact_time_s;
   /**
-   * Its speed then, m/s; 0 before the first.
+   * Total speed of the strike point at that impact, m/s; 0 before the first.
    */
   double hammer_speed_m_per_s;
   /**
-   * Blows so far.
+   * Number of impacts since the action was created or reset.
    */
-  uint32_t blows;
+  uint32_t impact_count;
   /**
-   * Number of these in the call that made this reading.
+   * Number of impacts in the call that made this reading.
    */
-  uint32_t new_blows;
+  uint32_t new_impact_count;
   /**
    * Place of the hand, m below the key front's rest; where none presses, where the last one was.
    */
@@ -298,9 +298,9 @@ typedef struct ErardInput {
 } ErardInput;
 
 /**
- * A hammer has met its string.
+ * An impact of a hammer on its string.
  */
-typedef struct ErardBlow {
+typedef struct ErardImpact {
   /**
    * The key, from 1.
    */
@@ -310,14 +310,14 @@ typedef struct ErardBlow {
    */
   uint32_t reserved;
   /**
-   * When, s.
+   * Instant of the impact, s.
    */
   double time_s;
   /**
-   * How fast the strike point flew, m/s.
+   * Total speed of the strike point at the impact, m/s.
    */
-  double speed_m_per_s;
-} ErardBlow;
+  double hammer_speed_m_per_s;
+} ErardImpact;
 
 /**
  * Called now and then during long work with the share that is done, 0 to 1, and the caller's own pointer; 0 ends the
@@ -342,11 +342,11 @@ typedef struct ErardEvents {
    */
   double let_off_s;
   /**
-   * The hammer meets the string,
+   * First impact of the hammer on the string.
    */
-  double blow_s;
+  double hammer_contact_s;
   /**
-   * and how fast, m/s.
+   * Total speed of the strike point at that impact, m/s.
    */
   double hammer_speed_m_per_s;
   /**
@@ -354,17 +354,17 @@ typedef struct ErardEvents {
    */
   double key_bottom_s;
   /**
-   * After the blow, the hammer's tail meets the back check.
+   * After the impact, the hammer's tail meets the back check.
    */
   double check_s;
   /**
-   * From let-off to the blow, s.
+   * From let-off to the impact, s.
    */
   double free_flight_s;
   /**
-   * From the blow to the key's bottom, s: negative where the key is down first.
+   * From the impact to the key's bottom, s; negative where the key is down first.
    */
-  double key_bottom_after_blow_s;
+  double key_bottom_after_impact_s;
 } ErardEvents;
 
 #ifdef __cplusplus
@@ -490,7 +490,7 @@ ErardStatus erard_advance(struct ErardAction *action,
 ErardStatus erard_read(const struct ErardAction *action, struct ErardReading *reading);
 
 /**
- * As it was when it was made: at rest, at 0 s, no blow so far. Real time: yes.
+ * As it was when it was made: at rest, at 0 s, no impact so far. Real time: yes.
  */
 ErardStatus erard_reset(struct ErardAction *action);
 
@@ -635,19 +635,20 @@ ErardStatus erard_keyboard_bridge_force(const struct ErardKeyboard *keyboard, ui
 ErardStatus erard_keyboard_bridge_sum(const struct ErardKeyboard *keyboard, double *force_n);
 
 /**
- * So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their
- * order, as many as `capacity` says; `count` (which may be NULL) receives how many there were: those beyond are lost.
- * A key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real time:
- * yes.
+ * So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The impacts in them are written to `impacts`, in
+ * their order, as many as `capacity` says; `count` (which may be NULL) receives how many there were: those beyond are
+ * lost. A key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real
+ * time: yes.
  */
 ErardStatus erard_keyboard_step(struct ErardKeyboard *keyboard,
                                 uint32_t steps,
-                                struct ErardBlow *blows,
+                                struct ErardImpact *impacts,
                                 size_t capacity,
                                 size_t *count);
 
 /**
- * Reads a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows is 0. Real time: yes.
+ * Reads a key, from 1, after the last step. finger_mean_n is that of the last step; new_impact_count is 0. Real time:
+ * yes.
  */
 ErardStatus erard_keyboard_read(const struct ErardKeyboard *keyboard, uint32_t key, struct ErardReading *reading);
 

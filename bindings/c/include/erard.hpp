@@ -166,8 +166,8 @@ class Keyboard {
     [[nodiscard]] ErardStatus restore(const std::vector<unsigned char> &bytes) noexcept {
         return erard_keyboard_restore(own.get(), bytes.data(), bytes.size());
     }
-    [[nodiscard]] ErardStatus step(std::uint32_t steps, ErardBlow *blows, std::size_t room, std::size_t &count) noexcept {
-        return erard_keyboard_step(own.get(), steps, blows, room, &count);
+    [[nodiscard]] ErardStatus step(std::uint32_t steps, ErardImpact *impacts, std::size_t room, std::size_t &count) noexcept {
+        return erard_keyboard_step(own.get(), steps, impacts, room, &count);
     }
     ErardKeyboard *handle() noexcept { return own.get(); }
 };

@@ -238,7 +238,7 @@ pub unsafe extern "C" fn erard_read(action: *const ErardAction, reading: *mut Er
     ErardStatus::Ok
 }
 
-/// As it was when it was made: at rest, at 0 s, no blow so far. Real time: yes.
+/// As it was when it was made: at rest, at 0 s, no impact so far. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action.

@@ -349,7 +349,7 @@ fn springs(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
             let note = "a stiffer key: its front goes less far before the hammer moves";
             (spring.name.clone(), "stiffness_N_m_per_rad", "key's stiffness in bending".to_owned(), note)
         } else if whose == root(i, parts.hammer) {
-            let note = "a stiffer shank: the head lags less behind its root in a hard blow";
+            let note = "a stiffer shank: the head lags less behind its root when the hammer is thrown hard";
             (spring.name.clone(), "stiffness_N_m_per_rad", "hammer shank's stiffness in bending".to_owned(), note)
         } else {
             return None;

@@ -15,7 +15,7 @@ use erard::{Action, Instrument};
 use crate::action::moving;
 use crate::instrument::{builtin_keyboard, file_fault};
 use crate::play::{settings, status_of};
-use crate::reading::{ErardBlow, ErardInput, ErardReading};
+use crate::reading::{ErardImpact, ErardInput, ErardReading};
 use crate::status::{ErardStatus, Fault, quick, told};
 use crate::text::{bytes, name};
 
@@ -24,7 +24,7 @@ use crate::text::{bytes, name};
 pub struct ErardKeyboard {
     pub(crate) keys: Keys,
     inputs: Vec<ErardInput>,
-    blows: Vec<(f64, f64, u32)>,
+    impacts: Vec<(f64, f64, u32)>,
     /// The keyboard's clock less that of its keys, s: a restored state brings its own instant.
     offset_s: f64,
 }
@@ -93,9 +93,9 @@ impl ErardKeyboard {
         check_step(step_s)?;
         let keys =
             Keys::at_rest(instruments, settings(step_s)).map_err(|error| keys_fault(ErardStatus::Model, &error))?;
-        let (inputs, blows) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
+        let (inputs, impacts) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
         let offset_s = -keys.time_s();
-        Ok(ErardKeyboard { keys, inputs, blows, offset_s })
+        Ok(ErardKeyboard { keys, inputs, impacts, offset_s })
     }
 
     /// Sets the input of a key, from 1, from the next step on.
@@ -129,15 +129,15 @@ impl ErardKeyboard {
         }
     }
 
-    /// One step of all keys that are awake; `put` receives the blows in it.
-    pub(crate) fn step(&mut self, put: &mut dyn FnMut(ErardBlow)) -> ErardStatus {
+    /// One step of all keys that are awake; `put` receives the impacts in it.
+    pub(crate) fn step(&mut self, put: &mut dyn FnMut(ErardImpact)) -> ErardStatus {
         let tick = self.keys.step();
-        for blow in self.keys.impacts() {
-            let (time_s, speed_m_per_s) = (blow.impact.time_s + self.offset_s, blow.impact.hammer_speed_m_per_s);
-            if let Some(last) = self.blows.get_mut(blow.key - 1) {
+        for one in self.keys.impacts() {
+            let (time_s, speed_m_per_s) = (one.impact.time_s + self.offset_s, one.impact.hammer_speed_m_per_s);
+            if let Some(last) = self.impacts.get_mut(one.key - 1) {
                 *last = (time_s, speed_m_per_s, last.2.wrapping_add(1));
             }
-            put(ErardBlow { key: blow.key as u32, reserved: 0, time_s, speed_m_per_s });
+            put(ErardImpact { key: one.key as u32, reserved: 0, time_s, hammer_speed_m_per_s: speed_m_per_s });
         }
         if tick.non_finite > 0 {
             ErardStatus::NotFinite
@@ -150,7 +150,7 @@ impl ErardKeyboard {
 
     /// Reading of a key, from 1; `None` where there is none.
     pub(crate) fn reading(&self, key: usize) -> Option<ErardReading> {
-        let &(blow_time_s, hammer_speed_m_per_s, blows) = self.blows.get(key.checked_sub(1)?)?;
+        let &(impact_time_s, hammer_speed_m_per_s, impact_count) = self.impacts.get(key.checked_sub(1)?)?;
         let now = self.keys.reading(key);
         Some(ErardReading {
             time_s: self.keys.time_s() + self.offset_s,
@@ -163,10 +163,10 @@ impl ErardKeyboard {
             string_n: now.string_n,
             hand_m: now.hand_m,
             hand_m_per_s: now.hand_m_per_s,
-            blow_time_s,
+            impact_time_s,
             hammer_speed_m_per_s,
-            blows,
-            new_blows: 0,
+            impact_count,
+            new_impact_count: 0,
         })
     }
 
@@ -288,15 +288,15 @@ pub unsafe extern "C" fn erard_keyboard_bridge_sum(keyboard: *const ErardKeyboar
     })
 }
 
-/// So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The blows in them are written to `blows`, in their
-/// order, as many as `capacity` says; `count` (which may be NULL) receives how many there were: those beyond are lost.
-/// A key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real time:
-/// yes.
+/// So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The impacts in them are written to `impacts`, in
+/// their order, as many as `capacity` says; `count` (which may be NULL) receives how many there were: those beyond are
+/// lost. A key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real
+/// time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_step(
     keyboard: *mut ErardKeyboard,
     steps: u32,
-    blows: *mut ErardBlow,
+    impacts: *mut ErardImpact,
     capacity: usize,
     count: *mut usize,
 ) -> ErardStatus {
@@ -305,16 +305,16 @@ pub unsafe extern "C" fn erard_keyboard_step(
     if steps == 0 || steps > ERARD_MOST_STEPS {
         return ErardStatus::Range;
     }
-    if blows.is_null() && capacity > 0 {
+    if impacts.is_null() && capacity > 0 {
         return ErardStatus::Null;
     }
     quick(|| {
         let (mut total, mut status) = (0_usize, ErardStatus::Ok);
         for _ in 0..steps {
-            let one = keyboard.step(&mut |blow| {
+            let one = keyboard.step(&mut |impact| {
                 if total < capacity {
                     // SAFETY: below the capacity.
-                    unsafe { blows.add(total).write(blow) };
+                    unsafe { impacts.add(total).write(impact) };
                 }
                 total += 1;
             });
@@ -332,7 +332,8 @@ pub unsafe extern "C" fn erard_keyboard_step(
     })
 }
 
-/// Reads a key, from 1, after the last step. finger_mean_n is that of the last step; new_blows is 0. Real time: yes.
+/// Reads a key, from 1, after the last step. finger_mean_n is that of the last step; new_impact_count is 0. Real time:
+/// yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_read(
     keyboard: *const ErardKeyboard,
@@ -420,8 +421,8 @@ impl ErardKeyboard {
         let keys = &self.keys;
         out.number("step_s", keys.settings().step);
         out.number("time_s", keys.time_s() + self.offset_s);
-        let each = self.inputs.iter().zip(&self.blows).enumerate();
-        for (index, (input, (time_s, speed_m_per_s, blows))) in each {
+        let each = self.inputs.iter().zip(&self.impacts).enumerate();
+        for (index, (input, (time_s, speed_m_per_s, impact_count))) in each {
             out.group("key", |out| {
                 keys.mechanism_state(index + 1).write(out);
                 keys.save_strings(index + 1, &mut |name, numbers| out.list(name, numbers));
@@ -432,9 +433,9 @@ impl ErardKeyboard {
                 out.number("input_hand_mass_kg", input.hand_mass_kg);
                 out.number("input_muscle_N_per_m", input.muscle_n_per_m);
                 out.number("input_muscle_N_s_per_m", input.muscle_n_s_per_m);
-                out.number("blow_time_s", *time_s);
+                out.number("impact_time_s", *time_s);
                 out.number("hammer_speed_m_per_s", *speed_m_per_s);
-                out.number("blows", f64::from(*blows));
+                out.number("impact_count", f64::from(*impact_count));
             });
         }
     }
@@ -498,10 +499,10 @@ pub(crate) fn restore(keyboard: &mut ErardKeyboard, lists: &Lists<'_>) -> ErardS
                 return status_of(error);
             }
             if write {
-                let blow = (number("blow_time_s"), number("hammer_speed_m_per_s"), number("blows") as u32);
-                let places = keyboard.inputs.get_mut(index).zip(keyboard.blows.get_mut(index));
-                if let Some((last_input, last_blow)) = places {
-                    (*last_input, *last_blow) = (input, blow);
+                let impact = (number("impact_time_s"), number("hammer_speed_m_per_s"), number("impact_count") as u32);
+                let places = keyboard.inputs.get_mut(index).zip(keyboard.impacts.get_mut(index));
+                if let Some((last_input, last_impact)) = places {
+                    (*last_input, *last_impact) = (input, impact);
                 }
             }
         }

@@ -62,11 +62,11 @@ impl Play {
             return ErardStatus::Internal;
         }
         self.under_way = true;
-        let before = self.reading.blows;
+        let before = self.reading.impact_count;
         let status = self.one(input);
         self.under_way = false;
         if status as i32 >= 0 {
-            self.reading.new_blows = self.reading.blows.wrapping_sub(before);
+            self.reading.new_impact_count = self.reading.impact_count.wrapping_sub(before);
             self.reading.finger_mean_n = self.reading.finger_n;
         }
         status
@@ -91,13 +91,13 @@ impl Play {
         // Not negative, and at most a million.
         let steps = (owed_s / h + NEARLY) as u64;
         if steps == 0 {
-            (self.owed_s, self.reading.new_blows) = (owed_s, 0);
+            (self.owed_s, self.reading.new_impact_count) = (owed_s, 0);
             return ErardStatus::Ok;
         }
         let (before, read) = (self.action.mechanism_state(), self.reading);
         save_strings(&self.action, &mut self.strings);
         self.under_way = true;
-        let (mut sum, mut blows, mut status) = (0.0, 0, ErardStatus::Ok);
+        let (mut sum, mut impacts, mut status) = (0.0, 0, ErardStatus::Ok);
         for n in 0..steps {
             let one = self.one(first.later(n as f64 * h, h));
             if (one as i32) < 0 {
@@ -113,12 +113,12 @@ impl Play {
                 status = one;
             }
             sum += self.reading.finger_n;
-            blows += u32::from(self.action.impact().is_some());
+            impacts += u32::from(self.action.impact().is_some());
         }
         self.under_way = false;
         self.owed_s = (owed_s - steps as f64 * h).max(0.0);
         self.reading.finger_mean_n = sum / steps as f64;
-        self.reading.new_blows = blows;
+        self.reading.new_impact_count = impacts;
         status
     }
 
@@ -134,9 +134,9 @@ impl Play {
             Outcome::TooManyLaws => return ErardStatus::Internal,
         };
         let reading = &mut self.reading;
-        if let Some(blow) = now.impact {
-            (reading.blow_time_s, reading.hammer_speed_m_per_s) = (blow.time_s, blow.hammer_speed_m_per_s);
-            reading.blows = reading.blows.wrapping_add(1);
+        if let Some(impact) = now.impact {
+            (reading.impact_time_s, reading.hammer_speed_m_per_s) = (impact.time_s, impact.hammer_speed_m_per_s);
+            reading.impact_count = reading.impact_count.wrapping_add(1);
         }
         reading.time_s = self.action.time_s();
         (reading.key_m, reading.key_m_per_s) = (now.key_m, now.key_m_per_s);
@@ -192,7 +192,7 @@ impl Play {
     }
 
     /// Goes on from such lists; those of a snapshot alone have the length of step that is in force, owe no time, and
-    /// have seen no blow.
+    /// have seen no impact.
     pub(crate) fn read(&mut self, lists: &Lists<'_>) -> ErardStatus {
         let step_s = self.action.settings().step;
         if lists.number("step_s").is_some_and(|saved_s| saved_s != step_s) {
@@ -246,10 +246,10 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
         string_n,
         hand_m,
         hand_m_per_s,
-        blow_time_s,
+        impact_time_s,
         hammer_speed_m_per_s,
-        blows,
-        new_blows,
+        impact_count,
+        new_impact_count,
     } = reading;
     number("read_time_s", time_s);
     number("read_key_m", key_m);
@@ -261,9 +261,9 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
     number("read_string_N", string_n);
     number("read_hand_m", hand_m);
     number("read_hand_m_per_s", hand_m_per_s);
-    number("read_blow_time_s", blow_time_s);
-    number("read_blow_m_per_s", hammer_speed_m_per_s);
-    for (name, count) in [("read_blows", blows), ("read_new_blows", new_blows)] {
+    number("read_impact_time_s", impact_time_s);
+    number("read_hammer_speed_m_per_s", hammer_speed_m_per_s);
+    for (name, count) in [("read_impact_count", impact_count), ("read_new_impact_count", new_impact_count)] {
         let mut float = f64::from(*count);
         number(name, &mut float);
         *count = float as u32;

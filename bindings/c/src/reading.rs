@@ -132,30 +132,30 @@ pub struct ErardReading {
     pub hammer_m_per_s: f64,
     /// Force between hammer and string, N, never negative.
     pub string_n: f64,
-    /// The last blow: when the hammer met its string, s; 0 before the first.
-    pub blow_time_s: f64,
-    /// Its speed then, m/s; 0 before the first.
+    /// Instant of the last impact of the hammer on its string, s; 0 before the first.
+    pub impact_time_s: f64,
+    /// Total speed of the strike point at that impact, m/s; 0 before the first.
     pub hammer_speed_m_per_s: f64,
-    /// Blows so far.
-    pub blows: u32,
-    /// Number of these in the call that made this reading.
-    pub new_blows: u32,
+    /// Number of impacts since the action was created or reset.
+    pub impact_count: u32,
+    /// Number of impacts in the call that made this reading.
+    pub new_impact_count: u32,
     /// Place of the hand, m below the key front's rest; where none presses, where the last one was.
     pub hand_m: f64,
     /// Its speed, m/s.
     pub hand_m_per_s: f64,
 }
 
-/// A hammer has met its string.
+/// An impact of a hammer on its string.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ErardBlow {
+pub struct ErardImpact {
     /// The key, from 1.
     pub key: u32,
     /// 0.
     pub reserved: u32,
-    /// When, s.
+    /// Instant of the impact, s.
     pub time_s: f64,
-    /// How fast the strike point flew, m/s.
-    pub speed_m_per_s: f64,
+    /// Total speed of the strike point at the impact, m/s.
+    pub hammer_speed_m_per_s: f64,
 }

@@ -27,18 +27,18 @@ pub struct ErardEvents {
     pub toe_contact_s: f64,
     /// The last push on the knuckle before the string ends.
     pub let_off_s: f64,
-    /// The hammer meets the string,
-    pub blow_s: f64,
-    /// and how fast, m/s.
+    /// First impact of the hammer on the string.
+    pub hammer_contact_s: f64,
+    /// Total speed of the strike point at that impact, m/s.
     pub hammer_speed_m_per_s: f64,
     /// The key meets its front punching.
     pub key_bottom_s: f64,
-    /// After the blow, the hammer's tail meets the back check.
+    /// After the impact, the hammer's tail meets the back check.
     pub check_s: f64,
-    /// From let-off to the blow, s.
+    /// From let-off to the impact, s.
     pub free_flight_s: f64,
-    /// From the blow to the key's bottom, s: negative where the key is down first.
-    pub key_bottom_after_blow_s: f64,
+    /// From the impact to the key's bottom, s; negative where the key is down first.
+    pub key_bottom_after_impact_s: f64,
 }
 
 /// A watch for one press on an action of this instrument. NULL where there is no instrument. Real time: no.
@@ -106,12 +106,12 @@ pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut
             key_start_s: or_nan(seen.key_start_s),
             toe_contact_s: or_nan(seen.toe_contact_s),
             let_off_s: or_nan(seen.let_off_s),
-            blow_s: or_nan(seen.hammer_contact_s()),
+            hammer_contact_s: or_nan(seen.hammer_contact_s()),
             hammer_speed_m_per_s: or_nan(seen.hammer_speed_m_per_s()),
             key_bottom_s: or_nan(seen.key_bottom_s),
             check_s: or_nan(seen.check_s),
             free_flight_s: or_nan(seen.free_flight_s()),
-            key_bottom_after_blow_s: or_nan(seen.key_bottom_after_blow_s()),
+            key_bottom_after_impact_s: or_nan(seen.key_bottom_after_impact_s()),
         };
         Ok(())
     })

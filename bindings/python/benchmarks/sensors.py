@@ -67,7 +67,7 @@ def row(data: list[judge.DataSet], scores: list[judge.Score]) -> dict[str, float
     late = np.concatenate([score.time_error for score in scores])
     cases = np.concatenate([own.cases(score.true)[score.pairs[:, 0]] for own, score in zip(data, scores, strict=True)])
     plain = np.isin(cases, ["stroke", "staccato"])
-    loud = np.concatenate([score.true.hammer_m_per_s[score.pairs[:, 0]] for score in scores]) >= PP_M_PER_S
+    loud = np.concatenate([score.true.hammer_speed_m_per_s[score.pairs[:, 0]] for score in scores]) >= PP_M_PER_S
 
     def rms(chosen: np.ndarray) -> float:
         return float(np.sqrt(np.mean(errors[chosen] ** 2))) if chosen.any() else float("nan")
@@ -83,7 +83,7 @@ def judged(erard: str, folder: Path, sensors: tuple[tuple[float, ...], ...]) -> 
     """All cells."""
     trained = scanned(erard, folder / "training", TRAINING, sensors)
     sets = [scanned(erard, folder / name, arguments, sensors) for name, arguments in SETS.items()]
-    strikes = [int(np.count_nonzero(~one.truth.optional & (one.truth.hammer_m_per_s >= judge.FAINT_M_PER_S))) for one in sets]
+    strikes = [int(np.count_nonzero(~one.truth.optional & (one.truth.hammer_speed_m_per_s >= judge.FAINT_M_PER_S))) for one in sets]
     print(f"{sum(strikes)} strikes that must be found, on {' and '.join(one.about['keyboard'] for one in sets)}", file=sys.stderr)
 
     def cell(index: int) -> list[dict[str, object]]:

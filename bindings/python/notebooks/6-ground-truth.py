@@ -65,5 +65,5 @@ for name, own in zip(("two-point", "fit"), found[both].T, strict=True):
     print(f"{name}: {both.sum()} strokes, bias {100 * np.median(error):+.1f} %, spread {100 * np.std(error):.1f} %")
 missed = int(np.sum(np.isfinite(truth) & ~both))
 false = int(np.sum(~np.isfinite(truth) & np.isfinite(found[:, 0])))
-print(f"{missed} blows missed, {false} told that were none")
+print(f"{missed} impacts missed, {false} told that were none")
 assert both.sum() > 20

@@ -39,8 +39,8 @@ pub(crate) struct Reading {
     hand_m_per_s: f64,
     bridge_n: f64,
     converged: bool,
-    /// The speed of the blow whose hammer met the string in this step, and when.
-    blow: Option<(f64, f64)>,
+    /// Instant (s) and hammer speed (m/s) of the impact in this step.
+    impact: Option<(f64, f64)>,
 }
 
 /// What a reading is made of, in its order.
@@ -62,7 +62,7 @@ impl Reading {
         hand_m_per_s: f64,
         bridge_n: f64,
         converged: bool,
-        blow: Option<(f64, f64)>,
+        impact: Option<(f64, f64)>,
     ) -> Self {
         Reading {
             time_s,
@@ -76,14 +76,14 @@ impl Reading {
             hand_m_per_s,
             bridge_n,
             converged,
-            blow,
+            impact,
         }
     }
 
     /// So that it pickles.
     fn __getnewargs__(&self) -> Parts {
         let Self { time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, .. } = *self;
-        let Self { hand_m, hand_m_per_s, bridge_n, converged, blow, .. } = *self;
+        let Self { hand_m, hand_m_per_s, bridge_n, converged, impact, .. } = *self;
         (
             time_s,
             key_m,
@@ -96,7 +96,7 @@ impl Reading {
             hand_m_per_s,
             bridge_n,
             converged,
-            blow,
+            impact,
         )
     }
 
@@ -109,8 +109,8 @@ impl Reading {
 }
 
 impl Reading {
-    /// A reading at an instant, s, with the blow in its step and the force on the bridge, N.
-    pub(crate) fn of(time_s: f64, now: &player::Reading, blow: Option<(f64, f64)>, bridge_n: f64) -> Self {
+    /// A reading at an instant, s, with the impact in its step and the force on the bridge, N.
+    pub(crate) fn of(time_s: f64, now: &player::Reading, impact: Option<(f64, f64)>, bridge_n: f64) -> Self {
         Reading {
             time_s,
             key_m: now.key_m,
@@ -123,14 +123,14 @@ impl Reading {
             hand_m_per_s: now.hand_m_per_s,
             bridge_n,
             converged: now.outcome == Outcome::Converged,
-            blow,
+            impact,
         }
     }
 }
 
 fn reading(player: &Player) -> Reading {
-    let blow = player.impact().map(|blow| (blow.time_s, blow.hammer_speed_m_per_s));
-    Reading::of(player.time_s(), &player.reading(), blow, player.strings().map_or(0.0, Strings::bridge_n))
+    let impact = player.impact().map(|impact| (impact.time_s, impact.hammer_speed_m_per_s));
+    Reading::of(player.time_s(), &player.reading(), impact, player.strings().map_or(0.0, Strings::bridge_n))
 }
 
 /// A force, a fingertip's motion or the key's own (position and velocity), or none of them.

@@ -15,8 +15,8 @@ use crate::action::{Action, driven, input};
 use crate::fault::{self, wrong, wrong_argument};
 use crate::watch::watched;
 
-/// What is reported of an action after some steps. `finger_mean_n` is the mean over them; `blow_s` and `blow_m_per_s`
-/// are the last impact's, nan where there was none.
+/// What is reported of an action after some steps. `finger_mean_n` is the mean over them; `impact_time_s` and
+/// `hammer_speed_m_per_s` are the last impact's, nan where there was none.
 const COLUMNS: [&str; 15] = [
     "time_s",
     "key_m",
@@ -29,9 +29,9 @@ const COLUMNS: [&str; 15] = [
     "bridge_n",
     "hand_m",
     "hand_m_per_s",
-    "blows",
-    "blow_s",
-    "blow_m_per_s",
+    "impact_count",
+    "impact_time_s",
+    "hammer_speed_m_per_s",
     "failed",
 ];
 
@@ -96,7 +96,7 @@ impl Action {
     fn advance(&self, input: Input, steps: u64) -> [f64; COLUMNS.len()] {
         let mut player = self.player.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let h = player.settings().step;
-        let (mut sum_n, mut blows, mut blow, mut failed) = (0.0, 0.0, [f64::NAN; 2], 0.0);
+        let (mut sum_n, mut impacts, mut last, mut failed) = (0.0, 0.0, [f64::NAN; 2], 0.0);
         for n in 0..steps {
             let now = player.step(input.later(n as f64 * h, h));
             if now.outcome == Outcome::NonFinite {
@@ -105,8 +105,8 @@ impl Action {
             }
             sum_n += now.finger_n;
             if let Some(impact) = player.impact() {
-                blows += 1.0;
-                blow = [impact.time_s, impact.hammer_speed_m_per_s];
+                impacts += 1.0;
+                last = [impact.time_s, impact.hammer_speed_m_per_s];
             }
         }
         let now = player.reading();
@@ -123,9 +123,9 @@ impl Action {
             player.strings().map_or(0.0, Strings::bridge_n),
             now.hand_m,
             now.hand_m_per_s,
-            blows,
-            blow[0],
-            blow[1],
+            impacts,
+            last[0],
+            last[1],
             failed,
         ]
     }

@@ -105,9 +105,9 @@ impl Keys {
         self.lock(py).set_pedal(lift_m);
     }
 
-    /// So many steps; the blows in them: key, instant, speed.
+    /// So many steps; the impacts in them: key, instant, speed.
     fn step(&self, py: Python<'_>, steps: usize) -> PyResult<Vec<(usize, f64, f64)>> {
-        let (mut blows, mut left) = (Vec::new(), steps);
+        let (mut impacts, mut left) = (Vec::new(), steps);
         while left > 0 {
             // A signal's handler may step the keys itself: nothing is locked then.
             py.check_signals()?;
@@ -121,7 +121,7 @@ impl Keys {
                         return Err("a number became infinite; that key is where it was before the step");
                     }
                     let impacts = player.impacts().iter();
-                    blows.extend(
+                    impacts.extend(
                         impacts.map(|b| (b.key, b.impact.time_s - self.began_s, b.impact.hammer_speed_m_per_s)),
                     );
                 }
@@ -129,15 +129,20 @@ impl Keys {
             })
             .map_err(failed)?;
         }
-        Ok(blows)
+        Ok(impacts)
     }
 
     fn reading(&self, py: Python<'_>, key: usize) -> PyResult<Reading> {
         let player = self.lock(py);
         let key = Self::has(&player, key)?;
         let now: Now = player.reading(key);
-        let blow = now.impact.map(|blow| (blow.time_s - self.began_s, blow.hammer_speed_m_per_s));
-        Ok(Reading::of(player.time_s() - self.began_s, &now, blow, player.strings(key).map_or(0.0, Strings::bridge_n)))
+        let impact = now.impact.map(|one| (one.time_s - self.began_s, one.hammer_speed_m_per_s));
+        Ok(Reading::of(
+            player.time_s() - self.began_s,
+            &now,
+            impact,
+            player.strings(key).map_or(0.0, Strings::bridge_n),
+        ))
     }
 
     fn bridge_n(&self, py: Python<'_>) -> f64 {

@@ -93,7 +93,7 @@ impl Plan {
     }
 }
 
-/// Arrays of what came of every job: those of a study's columns, `blows` (instant and speed of each), `failed`,
+/// Arrays of what came of every job: those of a study's columns, `impacts` (instant and speed of each), `failed`,
 /// `trusted`, `energy_residual_relative`, `errors` by the job's place, `doubts` as sentences, and what was sampled, a
 /// row for each job.
 fn arrays<'py>(
@@ -126,7 +126,7 @@ fn arrays<'py>(
             Ok(Ok(_)) => {}
         }
     }
-    let blows: Vec<Vec<(f64, f64)>> = outcomes
+    let impacts: Vec<Vec<(f64, f64)>> = outcomes
         .iter()
         .map(|one| {
             got(one).map_or_else(Vec::new, |p| {
@@ -134,7 +134,7 @@ fn arrays<'py>(
             })
         })
         .collect();
-    all.set_item("blows", blows)?;
+    all.set_item("impacts", impacts)?;
     let worst = worst_of_each(outcomes.iter().filter_map(got).flat_map(|played: &_| &played.warnings));
     let count = outcomes.len();
     let doubts: Vec<String> = worst

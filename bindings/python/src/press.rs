@@ -111,7 +111,7 @@ fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<
     about.set_item("instrument", &run.instrument)?;
     about.set_item("events", events(py, &run.events)?)?;
     about.set_item(
-        "strikes",
+        "impacts",
         run.events.impacts.iter().map(|s| (s.time_s, s.hammer_speed_m_per_s)).collect::<Vec<_>>(),
     )?;
     about.set_item("hammer_speed_normal", run.events.hammer_speed_normal_m_per_s())?;
@@ -186,7 +186,7 @@ pub(crate) fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, tit
     let zones: Vec<(String, String, bool)> = item("zones")?.extract()?;
     let happened = item("events")?;
     let event = |name: &str| -> PyResult<Option<f64>> { happened.get_item(name)?.extract() };
-    let impacts: Vec<(f64, f64)> = item("strikes")?.extract()?;
+    let impacts: Vec<(f64, f64)> = item("impacts")?.extract()?;
     let impacts = impacts.into_iter().map(|(time_s, hammer_speed_m_per_s)| {
         // The figure shows the total speed only.
         Impact { time_s, hammer_speed_m_per_s, hammer_speed_normal_m_per_s: f64::NAN }

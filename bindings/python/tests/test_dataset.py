@@ -32,12 +32,12 @@ def test_labels_are_what_happened() -> None:
     table = dataset.chunk(dataset.Plan(count=40, seed=5, keys=(40,), chunk=40, misregulated=0.0), 0)
     rows = table.to_pylist()
     half = [row for row in rows if row["kind"] == "half"]
-    assert half and np.mean([row["strikes"] == 0 for row in half]) > 0.5
-    assert any(row["strikes"] >= 2 for row in rows if row["kind"] == "repeated")
+    assert half and np.mean([row["impact_count"] == 0 for row in half]) > 0.5
+    assert any(row["impact_count"] >= 2 for row in rows if row["kind"] == "repeated")
     for row in rows:
-        assert len(row["blows"]) == row["strikes"]
-        if row["strikes"]:
-            assert row["blows"][0] == {"time_s": row["hammer_contact_s"], "speed_m_per_s": row["hammer_speed_m_per_s"]}
+        assert len(row["impacts"]) == row["impact_count"]
+        if row["impact_count"]:
+            assert row["impacts"][0] == {"time_s": row["hammer_contact_s"], "hammer_speed_m_per_s": row["hammer_speed_m_per_s"]}
         else:
             assert row["hammer_speed_m_per_s"] is None
         assert not any(row[f"turned_{screw}_m"] for screw in ("let_off", "capstan_height"))

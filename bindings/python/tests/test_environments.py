@@ -36,7 +36,7 @@ def test_gymnasium_finds_nothing_wrong(control: str, hand: erard.Hand | None) ->
 def test_the_bits_are_an_actions(grand: erard.Instrument, hand: erard.Hand | None) -> None:
     env, action = KeyEnv(grand, hand=hand), erard.Action(grand, hand=hand)
     env.reset(seed=1)
-    blows = 0
+    impacts = 0
     for force in ASKED["force"]:
         seen, reward, ended, _, info = env.step([force])
         readings = [action.step(force=force) for _ in range(20)]
@@ -44,10 +44,10 @@ def test_the_bits_are_an_actions(grand: erard.Instrument, hand: erard.Hand | Non
         expected = [now.key_m, now.key_m_per_s, mean, now.hammer_m, now.hammer_m_per_s, now.hand_m]
         assert seen[:6].tolist() == expected
         assert env.save()["state"] == action.save()
-        for blow in (one.blow for one in readings if one.blow):
-            blows += 1
-            assert ended and info == {"blow_m_per_s": blow[1]} and reward == 1.0 - abs(blow[1] / seen[6] - 1.0)
-    assert blows == 1
+        for impact in (one.impact for one in readings if one.impact):
+            impacts += 1
+            assert ended and info == {"hammer_speed_m_per_s": impact[1]} and reward == 1.0 - abs(impact[1] / seen[6] - 1.0)
+    assert impacts == 1
 
 
 def test_a_fingertip_moves_on_within_its_period(grand: erard.Instrument) -> None:
@@ -92,7 +92,7 @@ def test_many_are_as_each_alone(grand: erard.Instrument, control: str) -> None:
     alone = [KeyEnv(one, **short) for one in own]
     starts = [envs.reset(seed=3)[0] for envs in several]
     assert starts[0].tobytes() == starts[1].tobytes() == np.array([env.reset(seed=3 + n)[0] for n, env in enumerate(alone)]).tobytes()
-    over, blows = [False] * count, 0
+    over, impacts = [False] * count, 0
     for asked in ASKED[control]:
         # Louder from lane to lane.
         actions = asked * np.linspace(0.7, 2.0, count)[:, None]
@@ -102,10 +102,10 @@ def test_many_are_as_each_alone(grand: erard.Instrument, control: str) -> None:
             begun = (env.reset()[0], 0.0, False, False, {}) if over[n] else None
             seen, reward, ended, cut, info = begun or env.step(actions[n])
             assert (found[0][n].tobytes(), found[1][n], found[2][n], found[3][n]) == (seen.tobytes(), reward, ended, cut)
-            assert ("blow_m_per_s" in info) == bool(found[4].get("_blow_m_per_s", np.zeros(count))[n])
-            blows += "blow_m_per_s" in info
+            assert ("hammer_speed_m_per_s" in info) == bool(found[4].get("_hammer_speed_m_per_s", np.zeros(count))[n])
+            impacts += "hammer_speed_m_per_s" in info
             over[n] = ended or cut
-    assert blows >= 3
+    assert impacts >= 3
     assert several[0].reset(options=several[1].save())[0].tobytes() == several[1].reset(options=several[1].save())[0].tobytes()
 
 

@@ -132,12 +132,12 @@ def test_a_chord_is_heard_alike(tmp_path: Path) -> None:
     keys.set_pedal(PEDAL_M)
     for key in CHORD:
         keys.drive(key, force=FORCE_N)
-    loudest, blows = 0.0, 0
+    loudest, impacts = 0.0, 0
     for n, heard in enumerate(in_c(path)):
-        blows += len(keys.step(PERIOD))
+        impacts += len(keys.step(PERIOD))
         own = [keys.reading(key).bridge_n for key in CHORD]
         assert own == heard, n
         assert own == [next(unit)[0] for unit in units], n
         assert [*own, keys.bridge_n] == next(keyboard), n
         loudest = max(loudest, *map(abs, own))
-    assert blows == 3 and loudest > 1.0
+    assert impacts == 3 and loudest > 1.0

@@ -42,8 +42,8 @@ def data_set(folder: Path, seed: int, ratio: float = 5.0) -> judge.DataSet:
             truth.append((key, "name", begins + 0.02 + 8e-3 / v, ratio * v, 0))
     folder.mkdir()
     (folder / "scan.csv").write_text("\n".join(lines))
-    (folder / "truth.csv").write_text("key,name,time_s,hammer_m_per_s,again\n" + "".join(",".join(map(str, row)) + "\n" for row in truth))
-    (folder / "windows.csv").write_text("window,key,case,from_s,to_s,strikes\n" + "".join(",".join(map(str, row)) + "\n" for row in windows))
+    (folder / "truth.csv").write_text("key,name,time_s,hammer_speed_m_per_s,again\n" + "".join(",".join(map(str, row)) + "\n" for row in truth))
+    (folder / "windows.csv").write_text("window,key,case,from_s,to_s,impact_count\n" + "".join(",".join(map(str, row)) + "\n" for row in windows))
     keys = "".join(f"\n[[key]]\nnumber = {key}\nrest = {REST}\npressed = {PRESSED}\n" for key in range(30, 40))
     (folder / "profile.toml").write_text(f'format = "erard-sensors/1"\ntravel_mm = {TRAVEL}\n[law]\nkind = "linear"\n{keys}')
     scan = {"file": "scan.csv", "profile": "profile.toml", "bits": 12, "rate_hz": RATE_HZ, "noise_percent": 0}
@@ -69,7 +69,7 @@ def test_known_faults_are_counted_exactly(data: judge.DataSet) -> None:
     kept = np.delete(np.arange(len(true)), [3, 10, 20])
     half = [(key, from_s + 0.1) for case, (key, from_s, _) in zip(data._cases, data._windows, strict=True) if case == "half-stroke"][:2]
     twice = int(kept[5])
-    rows = [(true.key[i], true.time_s[i], true.hammer_m_per_s[i]) for i in kept]
+    rows = [(true.key[i], true.time_s[i], true.hammer_speed_m_per_s[i]) for i in kept]
     rows += [(key, at, 0.6) for key, at in half] + [(true.key[twice], true.time_s[twice] + 0.06, 0.3)]
     score = judge.judge(data, data.scans[0], lambda scan: [(int(key), at + 4e-3, 1.1 * v) for key, at, v in rows])
     assert (score.matched, score.missed, score.false, score.doubled) == (42, 3, 2, 1)
@@ -124,7 +124,7 @@ def test_an_algorithm_that_hears_every_press_is_found_out(data: judge.DataSet) -
 def test_the_program_and_files(data: judge.DataSet, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = str(Path(data.scans[0].path).parent)
     notes = tmp_path / "notes.csv"
-    rows = [f"{k},{t},{float(judge.velocity(v))}" for k, t, v in zip(data.truth.key, data.truth.time_s, data.truth.hammer_m_per_s, strict=True)]
+    rows = [f"{k},{t},{float(judge.velocity(v))}" for k, t, v in zip(data.truth.key, data.truth.time_s, data.truth.hammer_speed_m_per_s, strict=True)]
     notes.write_text("\n".join(["key,time_s,velocity", *rows]))
     assert judge.main([folder, str(notes), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)[str(notes)]
@@ -169,7 +169,7 @@ def test_midi_files_are_read(tmp_path: Path) -> None:
     midi.save(tmp_path / "two.mid")
     notes = Notes.read(tmp_path / "two.mid", shift_s=0.25)
     np.testing.assert_allclose(notes.time_s, [0.75, 1.25])
-    np.testing.assert_allclose(judge.velocity(notes.hammer_m_per_s), [64.0, 64.5])
+    np.testing.assert_allclose(judge.velocity(notes.hammer_speed_m_per_s), [64.0, 64.5])
     assert list(notes.key) == [40, 40]
 
 

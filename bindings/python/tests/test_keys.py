@@ -19,9 +19,9 @@ def test_a_chord_at_the_bridge() -> None:
     for key, action in chord.items():
         keys.drive(key, force=6.0)
         action.set_pedal(0.007)
-    blows, loudest = [], 0.0
+    impacts, loudest = [], 0.0
     for _ in range(60):
-        blows += keys.step(40)
+        impacts += keys.step(40)
         for key, action in chord.items():
             for _ in range(40):
                 action.step(force=6.0)
@@ -29,8 +29,8 @@ def test_a_chord_at_the_bridge() -> None:
             assert (now.bridge_n, now.key_m, now.hammer_m, now.string_n) == (own.bridge_n, own.key_m, own.hammer_m, own.string_n)
             loudest = max(loudest, abs(now.bridge_n))
         assert keys.bridge_n == sum(keys.reading(key).bridge_n for key in range(1, 89))
-    assert sorted(key for key, _, _ in blows) == [40, 44, 47] and loudest > 1.0
-    assert all(0.0 < time_s < 0.1 and 1.0 < speed < 6.0 for _, time_s, speed in blows)
+    assert sorted(key for key, _, _ in impacts) == [40, 44, 47] and loudest > 1.0
+    assert all(0.0 < time_s < 0.1 and 1.0 < speed < 6.0 for _, time_s, speed in impacts)
     assert keys.time_s == pytest.approx(0.1) and "88 keys" in repr(keys)
 
 

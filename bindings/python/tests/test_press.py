@@ -27,8 +27,8 @@ def test_columns_are_views_that_cannot_be_written(run: erard.Run) -> None:
 
 
 def test_events(run: erard.Run) -> None:
-    assert run.hammer_speed == run.events["hammer_speed"] == run.strikes[0][1]
-    assert run.events["let_off"] <= run.events["hammer_contact"] == run.strikes[0][0]
+    assert run.hammer_speed == run.events["hammer_speed"] == run.impacts[0][1]
+    assert run.events["let_off"] <= run.events["hammer_contact"] == run.impacts[0][0]
     with pytest.raises(TypeError):
         run.events["let_off"] = 0.0  # type: ignore[index]
     assert run.trusted and run.energy is not None and abs(run.energy["residual_relative"]) < 0.01

@@ -45,25 +45,24 @@ fn findings(c: &Comparison) -> Vec<Finding<'_>> {
 /// The errors as a table, then by frequency.
 pub(crate) fn print_table(comparison: &Comparison) {
     let findings = findings(comparison);
-    let heads = ["drive", "model", "of", "rms", "of range", "largest", "explained", "correlation", "delay", ""];
+    let heads = ["drive", "model", "of", "rms", "of range", "largest", "explained", "delay, ms", ""];
     let rows = findings.iter().map(|Finding { trial, quantity, shown: (factor, unit), measured, errors, .. }| {
         let numbers = match errors {
             Some(e) => [
-                format!("{:.4} {unit}", e.rms * factor),
+                format!("{:.4}", e.rms * factor),
                 format!("{:.2} %", e.rms_of_range * 100.0),
-                format!("{:.4} {unit}", e.largest * factor),
+                format!("{:.4}", e.largest * factor),
                 share(e.explained, 2).replace("less than ", "< "),
-                format!("{:.5}", e.correlation),
-                format!("{} ms", plain(e.delay_s * 1e3, 2)),
+                plain(e.delay_s * 1e3, 2),
             ],
-            None => [const { String::new() }; 6],
+            None => [const { String::new() }; 5],
         };
         let why = match errors {
             Some(_) => "",
             None if *measured => "the recording holds nothing here",
             None => "not measured",
         };
-        let names = [trial.driven.name(), trial.which.name(), quantity].map(str::to_owned);
+        let names = [trial.driven.name().to_owned(), trial.which.name().to_owned(), format!("{quantity}, {unit}")];
         names.into_iter().chain(numbers).chain([why.to_owned()])
     });
     say!("{}", Table::of(heads, rows).to_string().trim_end_matches('\n'));

@@ -34,7 +34,7 @@ pub(crate) fn value(summary: &Value, (key, _, factor, ..): &Measure) -> Option<f
 }
 
 /// Why the hammer does not reach the string: how far the escapement went.
-fn why_no_blow(summary: &Value) -> &'static str {
+fn why_no_impact(summary: &Value) -> &'static str {
     let happened = |key: &str| !summary[key].is_null();
     match (happened("toe_contact_s"), happened("let_off_s")) {
         (_, true) => "the hammer was let off too slowly, and fell back",
@@ -74,11 +74,11 @@ impl Summary {
                 "largest_step_s": c.longest_s,
             })
         });
-        let strikes = e.impacts.iter().map(|s| {
+        let impacts = e.impacts.iter().map(|s| {
             json!({
                 "time_s": s.time_s,
-                "speed_m_per_s": s.hammer_speed_m_per_s,
-                "speed_normal_m_per_s": s.hammer_speed_normal_m_per_s,
+                "hammer_speed_m_per_s": s.hammer_speed_m_per_s,
+                "hammer_speed_normal_m_per_s": s.hammer_speed_normal_m_per_s,
             })
         });
         let json = json!({
@@ -115,7 +115,7 @@ impl Summary {
             },
             "smallest_dissipation_J": booked(|l| l.smallest_term),
             "final_pivot_friction_N_m": run.final_pivot_friction_n_m,
-            "strikes": strikes.collect::<Value>(),
+            "impacts": impacts.collect::<Value>(),
             "force_worth": Value::Null,
             "trusted": run.is_trusted(),
             "warnings": run.warnings,
@@ -137,16 +137,16 @@ impl Summary {
         for measure @ (key, name, _, unit, decimals) in &MEASURES {
             let shown = match value(json, measure) {
                 Some(value) => format!("{value:.decimals$} {unit}"),
-                None if *key == "hammer_speed_m_per_s" => format!("- (no blow: {})", why_no_blow(json)),
+                None if *key == "hammer_speed_m_per_s" => format!("- (no impact: {})", why_no_impact(json)),
                 None => "-".to_owned(),
             };
             if *key != "drive_work_J" && (!one_dof || ["key_start_s", "key_bottom_s", "peak_force_N"].contains(key)) {
                 lines.push((name, shown));
             }
         }
-        let strikes = json["strikes"].as_array().map_or(0, Vec::len);
-        if strikes > 1 && !one_dof {
-            lines.insert(6, ("impacts on the string", strikes.to_string()));
+        let impacts = json["impacts"].as_array().map_or(0, Vec::len);
+        if impacts > 1 && !one_dof {
+            lines.insert(6, ("impacts on the string", impacts.to_string()));
         }
         let worth = &json["force_worth"];
         if let Some(rms_n) = worth["force_rms_N"].as_f64() {

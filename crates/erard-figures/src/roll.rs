@@ -8,15 +8,17 @@ use crate::svg::{number, sides, text};
 const ROW_PX: f64 = 8.0;
 const TOP_PX: f64 = 18.0;
 const LEFT_PX: f64 = 34.0;
-/// Width of a second, px, unless the whole would be wider than the widest.
-const SECOND_PX: f64 = 60.0;
+/// Width of a second, px: the least, and the most, which a short piece takes to be as wide as a page. A piece that
+/// would be wider than the widest has narrower seconds.
+const SECOND_PX: [f64; 2] = [60.0, 600.0];
+const PAGE_PX: f64 = 860.0;
 const WIDEST_PX: f64 = 60_000.0;
 /// A note is drawn this wide at least, px.
 const LEAST_PX: f64 = 1.5;
 /// So many notes are drawn; those that went wrong before all others.
 const MOST: usize = 20_000;
 
-/// How a note turned out.
+/// Outcome of a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RollKind {
     /// Sounded as written.
@@ -36,7 +38,7 @@ pub struct RollNote {
     pub written_s: [f64; 2],
     /// When it did.
     pub sounded_s: Option<[f64; 2]>,
-    /// How it turned out.
+    /// Outcome of the note.
     pub kind: RollKind,
     /// The text beside a pointer that rests on it.
     pub words: String,
@@ -53,7 +55,8 @@ pub const ROLL_STYLE: &str = include_str!("roll.css");
 pub fn roll_svg(title: &str, notes: &[RollNote], duration_s: f64, name_of: &dyn Fn(usize) -> String) -> String {
     let lowest = notes.iter().map(|note| note.key).min().unwrap_or(40).saturating_sub(1).max(1);
     let highest = notes.iter().map(|note| note.key).max().unwrap_or(40) + 1;
-    let px_s = SECOND_PX.min(WIDEST_PX / duration_s.max(1.0));
+    let [least, most] = SECOND_PX;
+    let px_s = (PAGE_PX / duration_s.max(1.0)).clamp(least, most).min(WIDEST_PX / duration_s.max(1.0));
     let width = LEFT_PX + px_s * duration_s + 12.0;
     let bottom = TOP_PX + ROW_PX * (highest - lowest + 1) as f64;
     let top_of = |key: usize| TOP_PX + ROW_PX * (highest - key) as f64;
@@ -77,11 +80,12 @@ pub fn roll_svg(title: &str, notes: &[RollNote], duration_s: f64, name_of: &dyn 
         }
     }
     // Not more marks than can be read.
-    let every = [1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 300.0].into_iter().find(|s| s * px_s >= 50.0).unwrap_or(600.0);
+    let every =
+        [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 300.0].into_iter().find(|s| s * px_s >= 50.0).unwrap_or(600.0);
     for n in 0..=(duration_s / every) as usize {
         let x = LEFT_PX + px_s * every * n as f64;
         let _ = write!(out, "<path class=\"tick\" d=\"M{x} {TOP_PX}V{b}\"/>", x = number(x), b = number(bottom));
-        text(&mut out, "time", [x + 2.0, TOP_PX - 5.0], "", &format!("{} s", every * n as f64));
+        text(&mut out, "time", [x + 2.0, TOP_PX - 5.0], "", &format!("{} s", number(every * n as f64)));
     }
     let wrong = notes.iter().filter(|note| note.kind != RollKind::Right).take(MOST);
     let room = MOST.saturating_sub(notes.iter().filter(|note| note.kind != RollKind::Right).count());

@@ -38,7 +38,7 @@ pub struct SlowPress {
     pub toe_contact_key_m: Option<f64>,
 }
 
-/// How well kinematics and slow press agree, between the taking up of play and let-off.
+/// Agreement of kinematics and slow press, between the taking up of play and let-off.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Agreement {
     /// Key travel of each comparison, m.

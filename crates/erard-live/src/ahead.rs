@@ -8,10 +8,10 @@ const FALSE_AFTER_S: f64 = 5e-3;
 /// What is foreseen of an impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Foreseen {
-    /// How long from now, s.
+    /// Time from now, s.
     pub in_s: f64,
-    /// The hammer's speed, m/s.
-    pub hammer_m_per_s: f64,
+    /// Total speed of the hammer at the impact, m/s.
+    pub hammer_speed_m_per_s: f64,
 }
 
 /// An impact that was announced.
@@ -40,7 +40,7 @@ pub(crate) fn look(action: &mut Action, most_s: f64, input: &mut dyn FnMut(u32, 
         let input = input(n, action);
         let reading = action.step(input);
         if let Some(impact) = reading.impact {
-            found = Some(Foreseen { in_s: impact.time_s - now_s, hammer_m_per_s: impact.hammer_speed_m_per_s });
+            found = Some(Foreseen { in_s: impact.time_s - now_s, hammer_speed_m_per_s: impact.hammer_speed_m_per_s });
             break;
         }
         if reading.hammer_m_per_s <= 0.0 {

@@ -140,7 +140,9 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Mechanism<T, B, 
 
 fn message(note: u8, event: Event, resolution: Resolution) -> Message {
     match event {
-        Event::On { hammer_m_per_s, .. } => Message::note_on(0, note, Law::GOEBL.velocity(hammer_m_per_s), resolution),
+        Event::On { hammer_speed_m_per_s, .. } => {
+            Message::note_on(0, note, Law::GOEBL.velocity(hammer_speed_m_per_s), resolution)
+        }
         Event::Off { release_m_per_s, .. } => {
             Message::note_off(0, note, ReleaseLaw::USUAL.velocity(release_m_per_s), resolution)
         }

@@ -32,7 +32,7 @@ pub enum StopsFault {
     Few {
         /// From 1.
         key: usize,
-        /// How many.
+        /// Number of readings.
         found: usize,
     },
     /// It never changes.

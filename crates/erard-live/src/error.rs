@@ -36,7 +36,7 @@ pub enum LiveError {
     /// The keyboard does not have the keys of a piano.
     #[error("{found} keys; expected 1 to 88")]
     Count {
-        /// How many there are.
+        /// Number of keys.
         found: usize,
     },
 }

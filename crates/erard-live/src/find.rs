@@ -43,7 +43,7 @@ impl Limits<f64> {
     }
 }
 
-/// How deep a key goes under 5 N, m: the travel of its front between its two stops.
+/// Dip of a key under 5 N, m: the travel of its front between its two stops.
 ///
 /// # Errors
 /// [`ActionError`].

@@ -95,9 +95,9 @@ struct Announcing<'a> {
 impl Listen for Announcing<'_> {
     fn note(&mut self, event: Event) {
         (self.tell)(match event {
-            Event::On { time_s, hammer_m_per_s } => match self.announced.take() {
-                Some(Announced { hit, known_s }) => Told::Kept(hit, [time_s, hammer_m_per_s], known_s),
-                None => Told::Struck(time_s, hammer_m_per_s),
+            Event::On { time_s, hammer_speed_m_per_s } => match self.announced.take() {
+                Some(Announced { hit, known_s }) => Told::Kept(hit, [time_s, hammer_speed_m_per_s], known_s),
+                None => Told::Struck(time_s, hammer_speed_m_per_s),
             },
             Event::Off { time_s, release_m_per_s } => Told::Released(time_s, release_m_per_s),
         });
@@ -224,7 +224,7 @@ impl Key {
         if is_soon {
             return;
         }
-        let found = self.look(from, to).map(|f| [now_s + f.in_s, f.hammer_m_per_s]);
+        let found = self.look(from, to).map(|f| [now_s + f.in_s, f.hammer_speed_m_per_s]);
         if let (Some((at_s, Some([t0, v0]))), Some([t1, v1])) = (self.looked, found)
             && let times = (t1 - now_s) / (now_s - at_s)
             && (t1 - t0).abs() * times < SETTLED[0]

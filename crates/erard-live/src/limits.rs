@@ -16,11 +16,11 @@ pub struct Limits<T = f64> {
     pub key_m_per_s: T,
     /// The force, N, that does so if it is there at once.
     pub force_n: T,
-    /// How fast the front comes up at most when the key is let go, m/s: it is not pulled up faster.
+    /// Largest speed of the front when the key is let go, m/s, up positive: it is not pulled up faster.
     pub up_m_per_s: T,
-    /// How deep the key goes under 5 N, m.
+    /// Dip under 5 N, m.
     pub dip_m: T,
-    /// How high the hammer is at its string, m.
+    /// Rise of the hammer from rest to its string, m.
     pub blow_m: T,
 }
 

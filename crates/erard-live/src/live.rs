@@ -19,7 +19,7 @@ use crate::stream::{Of, Quantity, Sample};
 /// A sensor that has left its rest so often by little is noisy.
 const NOISY: u64 = 20;
 
-/// How a stream is played.
+/// Settings for playing a stream.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// Kind of keyboard that carries the sensors.
@@ -47,8 +47,8 @@ pub enum Event {
         time_s: f64,
         /// The instant up to which the stream is known, s: later than the impact, or earlier where it is announced.
         known_s: f64,
-        /// The hammer's speed, m/s.
-        hammer_m_per_s: f64,
+        /// Total speed of the hammer at the impact, m/s.
+        hammer_speed_m_per_s: f64,
         /// That as velocity.
         velocity: Velocity,
     },
@@ -58,7 +58,7 @@ pub enum Event {
         key: usize,
         /// When, s.
         time_s: f64,
-        /// How fast the key came up.
+        /// Release velocity of the key.
         release: Velocity,
     },
     /// A pedal.
@@ -76,7 +76,7 @@ pub enum Event {
 pub struct Live {
     keys: Vec<Key>,
     converters: Vec<Option<Converter<f64, Vec<[f64; 2]>>>>,
-    /// How far each key's front goes while the sensed place goes 1 m.
+    /// Ratio of each key: travel of its front per travel of the sensed place.
     front_per_sensed: Vec<f64>,
     pedals: [(u8, erard_midi::Pedal); 3],
     options: Options,
@@ -274,12 +274,12 @@ fn teller<'a>(
     give: &'a mut dyn FnMut(Event),
 ) -> impl FnMut(Told) + 'a {
     move |told| {
-        let on = |time_s: f64, hammer_m_per_s: f64| Event::On {
+        let on = |time_s: f64, hammer_speed_m_per_s: f64| Event::On {
             key,
             time_s: begins_s + time_s,
             known_s,
-            hammer_m_per_s,
-            velocity: Law::GOEBL.velocity(hammer_m_per_s),
+            hammer_speed_m_per_s,
+            velocity: Law::GOEBL.velocity(hammer_speed_m_per_s),
         };
         let off = |time_s: f64, m_per_s: f64| Event::Off {
             key,

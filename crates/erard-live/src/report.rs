@@ -63,7 +63,7 @@ pub struct Lead {
     pub notes: u64,
     /// Those of them that were announced.
     pub announced: u64,
-    /// How long before the impact, ms: shortest and median.
+    /// Time from the announcement to the impact, ms: shortest and median.
     pub shortest_ms: f64,
     /// Median, ms.
     pub median_ms: f64,

@@ -306,7 +306,7 @@ impl<T: Scalar, const W: usize> SensedKey<T, W> {
         listen.stepped(now_s);
     }
 
-    fn count(&mut self, is_limited: bool, is_finite: bool, hammer_m_per_s: f64) {
+    fn count(&mut self, is_limited: bool, is_finite: bool, hammer_speed_m_per_s: f64) {
         let counts = &mut self.counts;
         counts.fast_steps += u64::from(is_limited);
         if let Some((_, was_limited)) = &mut self.way
@@ -315,7 +315,7 @@ impl<T: Scalar, const W: usize> SensedKey<T, W> {
             counts.fast_strokes += u32::from(!core::mem::replace(was_limited, true));
         }
         counts.non_finite += u64::from(!is_finite);
-        counts.fastest_m_per_s = counts.fastest_m_per_s.max(hammer_m_per_s);
+        counts.fastest_m_per_s = counts.fastest_m_per_s.max(hammer_speed_m_per_s);
     }
 }
 

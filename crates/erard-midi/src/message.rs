@@ -2,7 +2,7 @@
 
 use crate::Velocity;
 
-/// How finely MIDI 1.0 tells a velocity.
+/// Resolution of a velocity in MIDI 1.0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Resolution {
     /// Seven bits: what every device understands.
@@ -73,7 +73,7 @@ impl Message {
         &self.bytes[..self.length]
     }
 
-    /// How long they take on a DIN cable, s: 31 250 bits a second, ten for a byte.
+    /// Duration on a DIN cable, s: 31 250 bits a second, ten for a byte.
     #[must_use]
     pub fn on_a_cable_s(&self) -> f64 {
         self.length as f64 * 10.0 / 31_250.0

@@ -7,14 +7,14 @@ pub enum Event {
     On {
         /// When, s.
         time_s: f64,
-        /// How fast, m/s.
-        hammer_m_per_s: f64,
+        /// Total speed of the hammer at the impact, m/s.
+        hammer_speed_m_per_s: f64,
     },
     /// The key, coming up, passed where it sets its damper down: a note-off.
     Off {
         /// When, s.
         time_s: f64,
-        /// How fast the key's front came up there, m/s.
+        /// Speed of the key's front on its way up there, m/s, up positive.
         release_m_per_s: f64,
     },
 }
@@ -72,10 +72,10 @@ impl KeyNotes {
             self.release_m_per_s = (x0 - key_m) / (time_s - t0);
             t0 + (x0 - at_m) / self.release_m_per_s
         });
-        let Some([on_s, hammer_m_per_s]) = impact else {
+        let Some([on_s, hammer_speed_m_per_s]) = impact else {
             return [passed_s.and_then(|at| self.ended(at)), None, None];
         };
-        let on = Some(Event::On { time_s: on_s, hammer_m_per_s });
+        let on = Some(Event::On { time_s: on_s, hammer_speed_m_per_s });
         match passed_s {
             // It struck and was let go at once.
             Some(at_s) if on_s <= at_s => {

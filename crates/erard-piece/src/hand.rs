@@ -10,7 +10,7 @@ const AWAY_S: f64 = 0.1;
 /// A muscle that holds the key does the same all the time so long after it began, s.
 const HELD_S: f64 = 0.12;
 
-/// How a hand leaves the key.
+/// Release of a key by the hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Way {
     /// Within what time its force is gone, s.

@@ -143,7 +143,7 @@ pub struct Played {
     pub released: Option<[f64; 2]>,
     /// Whether the key had been home and the hammer below the check for 20 ms when the hand began to press.
     pub from_home: bool,
-    /// How often it was tried.
+    /// Number of trials.
     pub trials: u32,
     pub(crate) reasons: Vec<Reason>,
     pub(crate) checked: bool,
@@ -186,7 +186,7 @@ impl Played {
         played
     }
 
-    /// How much later than written it sounded, s.
+    /// Delay of the sounded note against the written one, s; negative when it came early.
     #[must_use]
     pub fn late_s(&self) -> Option<f64> {
         self.impact.map(|[time_s, _]| time_s - self.wanted.on_s)

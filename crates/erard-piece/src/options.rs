@@ -1,8 +1,8 @@
-//! How a score is performed.
+//! Options of a performance.
 
 use erard_workshop::cores;
 
-/// How a score is performed.
+/// Options of a performance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// A row for every so many seconds in which a key is awake; rounded to steps.

@@ -6,7 +6,7 @@ use erard_midi::{Law, ReleaseLaw, Velocity};
 
 /// The first hammer meets its string this long after the beginning, s, or later: the softest key strokes take 0.25 s.
 pub const LEAD_S: f64 = 0.4;
-/// How far the sustain pedal lifts its rail when it is down, m: the dampers are 4.5 mm up then. An estimate.
+/// Lift of the rail under a pressed sustain pedal, m: the dampers are 4.5 mm up then. An estimate.
 pub const FULL_PEDAL_M: f64 = 7e-3;
 
 /// A note that is to be played.
@@ -22,7 +22,7 @@ pub struct Wanted {
     pub velocity: Velocity,
     /// The hammer's speed at the string that the law makes of it, m/s.
     pub speed_m_per_s: f64,
-    /// How fast the key's front is to come up there, m/s, positive; `None` where the piece does not say.
+    /// Speed of the key's front on its way up there, m/s, positive; `None` where the piece does not give it.
     pub release_m_per_s: Option<f64>,
 }
 

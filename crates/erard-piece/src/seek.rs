@@ -26,7 +26,7 @@ pub(crate) struct Hand {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Outcome {
     pub tried: Hand,
-    /// How long after the hand's beginning the hammer met the string, s, and how fast, m/s.
+    /// Impact: time after the hand's beginning, s, and hammer speed, m/s.
     pub struck: Option<[f64; 2]>,
     /// By how much too late, s.
     pub late_s: f64,

@@ -33,7 +33,7 @@ pub struct OverBare {
 }
 
 impl OverBare {
-    /// How many bare steps a step with everything around it costs.
+    /// Cost of a step with everything around it, in bare steps.
     #[must_use]
     pub fn ratio(&self) -> f64 {
         self.whole.median / self.bare.median

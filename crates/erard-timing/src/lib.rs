@@ -29,7 +29,7 @@ use serde_json::{Value, json};
 
 use latency::{of_group_steps, of_steps};
 
-/// How long to measure.
+/// Duration of a measurement.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
     /// Rounds of everything that is timed in turn.

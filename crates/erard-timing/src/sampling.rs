@@ -14,7 +14,7 @@ pub struct Times {
     pub lower_quartile: f64,
     /// A quarter of the times are above it.
     pub upper_quartile: f64,
-    /// How many times were taken.
+    /// Number of measured times.
     pub samples: usize,
 }
 

@@ -29,7 +29,7 @@ pub struct Blow {
     pub pulses: u32,
     /// The largest force, N.
     pub peak_n: f64,
-    /// How fast it leaves, m/s.
+    /// Speed at which it leaves, m/s, positive away from the string.
     pub back_m_per_s: f64,
 }
 

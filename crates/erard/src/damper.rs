@@ -9,11 +9,11 @@ use crate::stroke::least_jerk;
 
 /// Where a note-off belongs on a keyboard none of whose keys lifts a damper, m: the middle of a usual dip.
 pub const USUAL_HEIGHT_M: f64 = 5e-3;
-/// How deep the key is led, m: every damper of a grand is up by then, and no let-off has begun.
+/// Depth to which the key is pressed, m: every damper of a grand is up by then, and no let-off has begun.
 const DEPTH_M: f64 = 8e-3;
 /// Within what time, s: too slow to throw the hammer to its string.
 const DOWN_S: f64 = 0.3;
-/// How fast it comes up again, m/s: a twentieth of a key that is let go, so that the damper follows it.
+/// Speed at which it comes up again, m/s: a twentieth of a key that is let go, so that the damper follows it.
 const UP_M_PER_S: f64 = 0.01;
 /// The damper is set down when it presses with this share of what it presses with at rest.
 const SHARE: f64 = 0.01;

@@ -22,7 +22,7 @@ pub struct Events {
     pub let_off_s: Option<f64>,
     /// The key meets its front punching.
     pub key_bottom_s: Option<f64>,
-    /// The tail meets the back check after the blow.
+    /// The tail meets the back check after the impact.
     pub check_s: Option<f64>,
     /// Every impact of the hammer on the string.
     pub impacts: Vec<Impact>,
@@ -54,8 +54,8 @@ impl Events {
         Some(self.hammer_contact_s()? - self.let_off_s?)
     }
 
-    /// From the blow to the key's bottom, s: negative where the key is down before the hammer strikes.
-    pub fn key_bottom_after_blow_s(&self) -> Option<f64> {
+    /// From the impact to the key's bottom, s; negative where the key is down before the hammer strikes.
+    pub fn key_bottom_after_impact_s(&self) -> Option<f64> {
         Some(self.key_bottom_s? - self.hammer_contact_s()?)
     }
 }
@@ -155,7 +155,7 @@ impl EventDetector {
                 false => roles.knuckle.iter().map(|&z| mechanism.normal_force(z)).sum(),
                 true => 0.0,
             },
-            // Only after the blow does a check count; the sample before it is the first that is needed.
+            // Only after the impact does a check count; the sample before it is the first that is needed.
             check: if struck || compression(roles.string) > -NEAR_M {
                 once(events.check_s, roles.check)
             } else {

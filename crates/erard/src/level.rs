@@ -61,7 +61,7 @@ pub struct Solved {
     pub impact: Impact,
     /// The touch's number: the muscle's force, N, or the speed of arrival, m/s.
     pub louder: f64,
-    /// How many strokes were tried.
+    /// Number of strokes that were tried.
     pub trials: u32,
 }
 

@@ -29,7 +29,7 @@ pub struct Tick {
 /// Many mechanisms of one size, each with an input that holds until it is changed. Indices count from 0. Only [`bank`]
 /// allocates, and what says so.
 pub trait Bank: Send {
-    /// How many there are.
+    /// Number of mechanisms.
     fn count(&self) -> usize;
     /// The settings that all are stepped with.
     fn settings(&self) -> &Settings<f64>;
@@ -46,8 +46,8 @@ pub trait Bank: Send {
     /// Whether what nothing changes sleeps, as at first. Otherwise all are stepped in every step, with the same
     /// results.
     fn let_sleep(&mut self, sleep: bool);
-    /// How often steps are halved where something is near a compliant surface, from the next one on; as the surfaces
-    /// ask, at first. Wakes all. May allocate.
+    /// Sets the number of halvings of a step while something is near a compliant surface, from the next step on; as the
+    /// surfaces ask, at first. Wakes all. May allocate.
     fn halve(&mut self, halving: Halving);
     /// Steps all that are awake; `impact` is called with every one whose marked point has met its zone.
     fn step(&mut self, impact: &mut dyn FnMut(usize, Impact)) -> Tick;

@@ -30,16 +30,16 @@ pub struct StepOutput {
     pub zone_n: f64,
     /// The impact of the marked point on the marked zone in the step, if there was one.
     pub impact: Option<Impact>,
-    /// How the step ended, and its work; of a step that was left out, the report of the one that it repeats.
+    /// Outcome and work of the step; a skipped step has the report of the step that it repeats.
     pub report: StepReport,
 }
 
-/// How steps are taken, and what is kept of them.
+/// Settings of the steps, and the outputs that are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stepping {
     /// The engine's settings.
     pub settings: Settings<f64>,
-    /// How often they are halved where something is near the first surface; as the surfaces ask, at first.
+    /// Number of halvings of a step while something is near the first surface; at first, as the surfaces require.
     pub halving: Halving,
     /// Whether steps that are known to change nothing are left out, as at first. The results are the same bits.
     pub may_rest: bool,
@@ -84,7 +84,7 @@ pub struct Readout<'a> {
     pub contacts: &'a [Option<Contact<f64>>],
     /// Coulomb forces of the zones in the last step, N. There may be more places than zones.
     pub tangential_forces: &'a [f64],
-    /// How steps are taken.
+    /// Settings of the steps.
     pub stepping: &'a Stepping,
     /// The compliant external subsystem under the zones, where there is one.
     pub surfaces: Option<&'a dyn Surfaces>,

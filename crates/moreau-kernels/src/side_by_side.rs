@@ -10,7 +10,7 @@ use crate::{EveryBody, Group, Lanes, OwnedDescription, Size};
 /// Mechanisms that are stepped together, as many as there are lanes. Indices count from 0. Only [`side_by_side`]
 /// allocates.
 pub trait SideBySide: Send {
-    /// How they are stepped.
+    /// Settings of the steps.
     fn lanes(&self) -> Lanes;
     /// One step of all, with an input for each; writes how each ended. Inputs of different kinds are taken one by one.
     ///

@@ -80,7 +80,7 @@ pub struct Parts {
     pub apart: u32,
     /// While something is; a power of two, and no fewer.
     pub near: u32,
-    /// How near the first zone's disc may come to its surface before that, m.
+    /// Distance of the first zone's disc from its surface at which halving begins, m.
     pub reach_m: f64,
 }
 
@@ -273,7 +273,7 @@ impl Under {
         }
     }
 
-    /// How far a zone's surface is displaced, m; 0 for others.
+    /// Displacement of a zone's surface, m; 0 for rigid ones.
     pub(crate) fn displacement(&self, zone: usize) -> f64 {
         let index = self.surfaces.zones().iter().position(|&z| z == zone);
         index.map_or(0.0, |index| self.surfaces.surface(index).displacement)

@@ -21,7 +21,7 @@ pub const MOST_ITERATIONS: usize = 40;
 /// they shrink like the root of the distance, so this allows 1e-24 of it.
 const SINGULAR: f64 = 1e-12;
 
-/// How an attempt to solve the closure equations ended.
+/// Outcome of an attempt to solve the closure equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// The residual is below [`TOLERANCE`] (or below 1e-12 and no longer falling).
@@ -39,7 +39,7 @@ pub enum Outcome {
 /// The work one solution took.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonReport {
-    /// How it ended.
+    /// Outcome of the attempt.
     pub outcome: Outcome,
     /// Newton steps taken.
     pub iterations: usize,

@@ -136,7 +136,7 @@ impl<'m> Walk<'m> {
         self.scratch.cos_sin(angle.0)
     }
 
-    /// How the pose was found: its residual and the iterations of its last solution.
+    /// Residual of the pose and iterations of its last solution.
     #[must_use]
     pub fn report(&self) -> NewtonReport {
         self.report
@@ -283,7 +283,7 @@ pub struct SweptPose {
     pub pose: Pose,
     /// Their derivatives with respect to the prescribed coordinate.
     pub rates: Vec<f64>,
-    /// How the pose was found.
+    /// Residual and iterations of the pose.
     pub report: NewtonReport,
 }
 

@@ -47,7 +47,7 @@ pub enum ImpactLaw {
     Stronge,
 }
 
-/// How a step is to be taken.
+/// Settings of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings<T> {
     /// Step h, s. Errors fall with its square on smooth motion at theta = 1/2, with itself across impacts and

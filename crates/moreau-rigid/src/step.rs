@@ -16,7 +16,7 @@ use moreau::Scalar;
 /// Iterations after which impulses that are only nearly right are iterated upon no more.
 const NEARLY: u32 = 4;
 
-/// How a step ended.
+/// Outcome of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// Velocities, laws and joints met their tolerances.
@@ -41,7 +41,7 @@ pub enum Outcome {
 /// Report of a step: its outcome and its work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepReport<T> {
-    /// How it ended.
+    /// Outcome of the step.
     pub outcome: Outcome,
     /// Iterations on forces and rows.
     pub iterations: u32,

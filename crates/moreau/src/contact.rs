@@ -53,7 +53,7 @@ pub(crate) struct ContactState<T: Real, const B: usize> {
     pub row: [T; B],
 }
 
-/// How near a zone is.
+/// Whether a zone touches in the step, and its compression.
 pub(crate) struct Proximity<T: Real> {
     /// Whether it touches during the step.
     pub touched: T::Mask,

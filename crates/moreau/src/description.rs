@@ -115,7 +115,7 @@ impl<T: Real> Zone<T> {
         }
     }
 
-    /// How many set-valued laws it brings into a step.
+    /// Number of set-valued laws that it adds to a step.
     fn laws(&self) -> usize {
         usize::from(self.friction.is_some()) + self.felt.laws()
     }
@@ -154,7 +154,7 @@ pub struct Dwell<T> {
 pub struct Yields<T> {
     /// The zone. Its felt has no set-valued loss.
     pub zone: usize,
-    /// How far the curve may come out of where it is drawn, toward the disc, m. A zone that is farther open is not
+    /// Largest displacement of the curve from its drawn place toward the disc, m. A zone that is farther open is not
     /// looked at.
     pub excursion: T,
 }
@@ -285,7 +285,7 @@ impl fmt::Display for ModelError {
 impl core::error::Error for ModelError {}
 
 impl<T: Scalar> Description<'_, T> {
-    /// How many set-valued laws a step may have to solve at once: one for each pivot with dry friction, one for each
+    /// Largest number of set-valued laws in one step: one for each pivot with dry friction, one for each
     /// zone with Coulomb friction, one for a rigid drive where there is a site.
     pub fn laws(&self) -> usize {
         let pivots = self.bodies.iter().filter(|body| body.dry > T::ZERO).count();

@@ -25,7 +25,7 @@ pub struct Felt<T> {
     pub stiffness: T,
     /// r.
     pub exponent: Exponent<T>,
-    /// How it loses energy.
+    /// Law of its energy loss.
     pub loss: Loss<T>,
 }
 
@@ -53,7 +53,7 @@ impl<T: Real> Felt<T> {
         FeltKind { exponent, law: self.loss.law() }
     }
 
-    /// How many set-valued laws it brings into a step.
+    /// Number of set-valued laws that it adds to a step.
     pub(crate) fn laws(&self) -> usize {
         usize::from(self.dry().is_some())
     }

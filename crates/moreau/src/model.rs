@@ -19,7 +19,7 @@ pub(crate) struct Dwelling<T, const B: usize, const Z: usize> {
     pub pivot_rate: [T; B],
     pub zone_gain: [T; Z],
     pub zone_rate: [T; Z],
-    /// How many laws do.
+    /// Number of laws whose friction grows at rest.
     pub count: usize,
 }
 
@@ -62,7 +62,7 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) compiled: [CompiledZone<T>; Z],
     /// Their supporting joints.
     pub(crate) supports: [Support<T, B>; Z],
-    /// How far the curve of each may come toward its disc, m; zero where it does not yield.
+    /// Largest displacement of each curve toward its disc, m; zero where it does not yield.
     pub(crate) excursions: [T; Z],
     /// How the narrow phase looks at each: the length of its row, or [`YIELDING`].
     pub(crate) look: [usize; Z],
@@ -252,7 +252,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
 }
 
 impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
-    /// How many set-valued laws a step may have to solve at once: [`Description::laws`]. A workspace must have room for
+    /// Largest number of set-valued laws in one step: [`Description::laws`]. A workspace must have room for
     /// them.
     pub fn laws(&self) -> usize {
         self.laws
@@ -268,7 +268,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
         zone < self.zone_count && self.compiled[zone].felt.yields()
     }
 
-    /// How far a zone's curve may come out of where it is drawn, toward the disc, m; zero where it does not yield.
+    /// Largest displacement of a zone's curve from its drawn place toward the disc, m; zero where it does not yield.
     pub fn excursion(&self, zone: usize) -> T {
         self.excursions[zone]
     }

@@ -26,7 +26,7 @@ pub struct SavedState<T, const B: usize, const Z: usize> {
     /// Internal states of the felts, as their laws define them ([`Loss`](crate::Loss)). Zeros if a law has fewer
     /// numbers, or none.
     pub memory: [[T; MEMORY]; Z],
-    /// How far each pivot's dry friction and each zone's Coulomb friction has grown while it stuck, from 0 (kinetic) to
+    /// Growth of each pivot's dry friction and each zone's Coulomb friction while it stuck, from 0 (kinetic) to
     /// 1 (static); zero where it does not grow ([`Dwell`](crate::Dwell)).
     pub pivot_rested: [T; B],
     /// See `pivot_rested`.

@@ -1,9 +1,9 @@
-//! How a step is to be taken. Every tunable says its unit, its usual value and what breaks when it changes.
+//! Settings of a step. Every tunable says its unit, its usual value and what breaks when it changes.
 
 use crate::osnsp::Solver;
 use crate::real::{Real, Scalar};
 
-/// How dry friction is modelled.
+/// Model of dry friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrictionLaw<T> {
     /// The set-valued law, |p| <= bound with true stick: the model.
@@ -24,7 +24,7 @@ impl<T> FrictionLaw<T> {
     }
 }
 
-/// How a step is to be taken.
+/// Settings of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings<T> {
     /// Step h, s. 50e-6 is usual for the piano; the error falls with its square on smooth motion at theta = 1/2.

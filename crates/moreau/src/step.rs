@@ -64,7 +64,7 @@ use crate::state::State;
 use crate::timing::Timing;
 use crate::workspace::{Problem, Workspace};
 
-/// How a step ended.
+/// Outcome of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// The last Newton correction and the one-step problem met their tolerances.
@@ -82,7 +82,7 @@ pub enum Outcome {
 /// Report of a step: its outcome and its work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StepReport {
-    /// How it ended.
+    /// Outcome of the step.
     pub outcome: Outcome,
     /// Newton iterations.
     pub newton: u32,
@@ -133,7 +133,7 @@ pub fn step_out_of_line<T: Scalar, const B: usize, const Z: usize, const N: usiz
     step(model, settings, input, state, workspace)
 }
 
-/// How a step ended in every lane.
+/// Outcome of a step in every lane.
 #[derive(Debug, Clone, Copy)]
 pub struct LanesReport<M> {
     /// Lanes with [`Outcome::Converged`].

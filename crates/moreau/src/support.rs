@@ -124,7 +124,7 @@ impl<T: Real, const B: usize> Support<T, B> {
         Row { joint: core::array::from_fn(|k| self.joint[k]), entry: core::array::from_fn(|k| row[k]) }
     }
 
-    /// How many entries a row has.
+    /// Number of entries of a row.
     #[inline(always)]
     pub(crate) fn count(&self) -> usize {
         self.count

@@ -43,7 +43,7 @@ pub(crate) struct Yielding<T> {
 /// Zones whose surfaces belong to one thing: a force on one displaces the others within the same step.
 #[derive(Debug, Clone)]
 pub(crate) struct Coupled<T> {
-    /// How many; nothing is shared by fewer than two.
+    /// Number of coupled surfaces; 0 or at least two.
     pub count: usize,
     pub zone: [usize; COUPLED],
     /// A/h between them, m/s per N, symmetric; each one's own stands with its surface, and here is zero.

@@ -138,7 +138,7 @@ pub(crate) enum LawSource {
     Drive,
 }
 
-/// How fast each slip row turns, for steps that allow for it (README, "Sticking contacts").
+/// Rate at which each slip row turns, for steps that include it (README, "Sticking contacts").
 ///
 /// `controlled_step` writes `slip_before` and `span` before the step; at fixed steps the span is zero, and nothing is
 /// allowed for. `assemble_laws` reads them and writes `turn`.

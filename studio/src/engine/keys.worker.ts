@@ -5,8 +5,8 @@ import type { FromKeys, Scene, ToKeys } from "./protocol";
 
 /** Never more than this at once, s; and a page that asks for nothing for so long was not looked at. */
 const LONGEST_S = 0.1, AWAY_S = 0.5;
-const MOST_BLOWS = 256;
-const BLOW_BYTES = 24;
+const MOST_IMPACTS = 256;
+const IMPACT_BYTES = 24;
 /** Bytes of ErardInput: two counts and six doubles. */
 const INPUT_BYTES = 56;
 const FREE = 0, FORCE = 1, MOTION = 2;
@@ -14,7 +14,7 @@ const FREE = 0, FORCE = 1, MOTION = 2;
 const STRIDE = 20;
 const FASTEST_M_PER_S = 2;
 let library: Library;
-let keyboard = 0, keys = 0, input = 0, blows = 0, count = 0, reading = 0, bridge = 0;
+let keyboard = 0, keys = 0, input = 0, impacts = 0, count = 0, reading = 0, bridge = 0;
 let name = "";
 /** Whether strings sound: every step is heard at the bridge. */
 let sounds = false;
@@ -34,7 +34,7 @@ const open = async (module: WebAssembly.Module, called: string): Promise<void> =
   keyboard = library.made(library.given(name, (at) => raw.erard_keyboard_builtin(at, STEP_S, 0)));
   keys = raw.erard_keyboard_keys(keyboard);
   input = raw.erard_memory_new(INPUT_BYTES);
-  blows = raw.erard_memory_new(BLOW_BYTES * MOST_BLOWS);
+  impacts = raw.erard_memory_new(IMPACT_BYTES * MOST_IMPACTS);
   count = raw.erard_memory_new(8);
   reading = raw.erard_memory_new(READING_BYTES);
   bridge = raw.erard_memory_new(8);
@@ -79,7 +79,7 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
   const steps = Math.floor(owed_s / STEP_S + 1e-6);
   owed_s = Math.max(owed_s - steps * STEP_S, 0);
   const bridge_n = new Float32Array(sounds ? steps : 0);
-  const struck: { key: number; speed_m_per_s: number }[] = [];
+  const struck: { key: number; hammer_speed_m_per_s: number }[] = [];
   const from_m = finger_m ?? to_m;
   const wanted = to_m === null || from_m === null || !steps ? 0 : (to_m - from_m) / (steps * STEP_S);
   const velocity = Math.min(Math.max(wanted, -FASTEST_M_PER_S), FASTEST_M_PER_S);
@@ -87,11 +87,11 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
   for (let done = 0; done < steps; ) {
     const some = sounds ? 1 : to_m === null ? steps : Math.min(STRIDE, steps - done);
     if (shown && to_m !== null && from_m !== null) drive(shown.key, MOTION, 0, from_m + velocity * (done + 0.5 * some) * STEP_S, velocity);
-    check(raw.erard_keyboard_step(keyboard, some, blows, MOST_BLOWS, count));
-    const many = Math.min(library.u32(count, 1)[0]!, MOST_BLOWS);
+    check(raw.erard_keyboard_step(keyboard, some, impacts, MOST_IMPACTS, count));
+    const many = Math.min(library.u32(count, 1)[0]!, MOST_IMPACTS);
     for (let n = 0; n < many; n++) {
-      const at = blows + BLOW_BYTES * n;
-      struck.push({ key: library.u32(at, 1)[0]!, speed_m_per_s: library.f64(at + 16, 1)[0]! });
+      const at = impacts + IMPACT_BYTES * n;
+      struck.push({ key: library.u32(at, 1)[0]!, hammer_speed_m_per_s: library.f64(at + 16, 1)[0]! });
     }
     if (sounds) {
       check(raw.erard_keyboard_bridge_sum(keyboard, bridge));
@@ -114,7 +114,7 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
     pose = { key: shown.key, angles: Float32Array.from(library.f64(shown.angles, shown.bodies)) };
   }
   const awake = raw.erard_keyboard_awake(keyboard);
-  say({ kind: "frame", wall_ms, key_m, hammer_m, finger_n, blows: struck, awake, steps, cost_ms: performance.now() - began, late_s, shown: pose, bridge_n }, [key_m.buffer, hammer_m.buffer, finger_n.buffer, bridge_n.buffer]);
+  say({ kind: "frame", wall_ms, key_m, hammer_m, finger_n, impacts: struck, awake, steps, cost_ms: performance.now() - began, late_s, shown: pose, bridge_n }, [key_m.buffer, hammer_m.buffer, finger_n.buffer, bridge_n.buffer]);
 };
 
 const check = (status: number): void => {

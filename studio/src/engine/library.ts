@@ -69,7 +69,7 @@ export interface Exports {
   erard_keyboard_keys(keyboard: number): number;
   erard_keyboard_awake(keyboard: number): number;
   erard_keyboard_drive(keyboard: number, key: number, input: number): number;
-  erard_keyboard_step(keyboard: number, steps: number, blows: number, capacity: number, count: number): number;
+  erard_keyboard_step(keyboard: number, steps: number, impacts: number, capacity: number, count: number): number;
   erard_keyboard_read(keyboard: number, key: number, reading: number): number;
   erard_keyboard_set_pedal(keyboard: number, lift: number): number;
   erard_keyboard_bridge_sum(keyboard: number, force: number): number;

@@ -11,7 +11,7 @@ const KEPT_S = 3;
 /** Bytes of ErardReading. */
 export const READING_BYTES = 104;
 const EVENTS = [
-  "key_start_s", "toe_contact_s", "let_off_s", "blow_s", "hammer_speed_m_per_s", "key_bottom_s", "check_s", "free_flight_s", "key_bottom_after_blow_s",
+  "key_start_s", "toe_contact_s", "let_off_s", "hammer_contact_s", "hammer_speed_m_per_s", "key_bottom_s", "check_s", "free_flight_s", "key_bottom_after_impact_s",
 ] as const;
 
 /** What drives a key in a step. */
@@ -42,7 +42,7 @@ export class Played {
   private readonly shape: number;
   private stroke = 0;
   strokeLeft_s = 0;
-  private blowsBefore = 0;
+  private impactsBefore = 0;
   /** Steps that reached an iteration limit. */
   limited = 0;
 
@@ -106,7 +106,7 @@ export class Played {
 
   /** A press begins: its instants are looked for. */
   begin(): void {
-    this.blowsBefore = this.blows;
+    this.impactsBefore = this.impact_count;
     this.library.done(this.library.raw.erard_watch_again(this.watch));
     this.library.done(this.library.raw.erard_watch_look(this.watch, this.action));
   }
@@ -180,7 +180,7 @@ export class Played {
     return this.library.f64(this.reading, 1)[0]!;
   }
 
-  get blows(): number {
+  get impact_count(): number {
     return this.library.u32(this.reading + 80, 1)[0]!;
   }
 
@@ -213,8 +213,8 @@ export class Played {
   seen(): Events {
     this.library.done(this.library.raw.erard_watch_read(this.watch, this.events));
     const values = this.library.f64(this.events, EVENTS.length);
-    const blows = this.blows - this.blowsBefore;
-    return { ...(Object.fromEntries(EVENTS.map((name, index) => [name, values[index]!])) as unknown as Events), blows };
+    const impact_count = this.impact_count - this.impactsBefore;
+    return { ...(Object.fromEntries(EVENTS.map((name, index) => [name, values[index]!])) as unknown as Events), impact_count };
   }
 
   /** How it stood at a time, straight between rows; now where none is given. */
@@ -258,7 +258,7 @@ export class Played {
   }
 
   /** Key (mm), hammer (mm), finger (N) and string (N) at so many instants; of forces the largest since the instant
-   * before, so that no blow is lost. */
+   * before, so that no impact is lost. */
   curves(times: Float64Array): Float64Array[] {
     const out = [0, 1, 2, 3].map(() => new Float64Array(times.length).fill(NaN));
     const [first, last] = this.ring.span;

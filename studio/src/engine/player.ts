@@ -3,7 +3,7 @@
 import type { Library } from "./library";
 import { LibraryError } from "./library";
 import { type Drive, Played, STEP_S } from "./played";
-import type { Blow, Scene, Slow, Stroke, Touch } from "./protocol";
+import type { Impact, Scene, Slow, Stroke, Touch } from "./protocol";
 import type { Ring } from "./ring";
 
 /** A page that was away wakes up late: never more than this at once, s. */
@@ -33,7 +33,7 @@ export class Player {
   /** How fast the finger moved in real time, m/s. */
   private hand_m_per_s = 0;
   /** The last impact on the first action, s. */
-  private blow_s = -Infinity;
+  private impact_s = -Infinity;
   /** Seconds of the action in a second of the page. */
   pace = 1;
   private pressed = false;
@@ -41,7 +41,7 @@ export class Player {
   private pedal_m = 0;
   /** Whether the pedal was moved since the last steps. */
   private pedalled = false;
-  private fresh: Blow[] = [];
+  private fresh: Impact[] = [];
   /** Steps since the last time it was asked, and whether anything moved. */
   steps = 0;
   resting = false;
@@ -71,7 +71,7 @@ export class Player {
     this.owed_s = 0;
     this.fresh = [];
     this.hand_m_per_s = 0;
-    this.blow_s = -Infinity;
+    this.impact_s = -Infinity;
     this.pace = 1;
     this.resting = false;
     this.pedalled = this.pedal_m !== 0;
@@ -176,11 +176,11 @@ export class Player {
         drive = imposed ? { kind: "imposed", position_m: place_m(1), velocity_m_per_s: velocity } : { kind: "finger", position_m: place_m(0.5), velocity_m_per_s: velocity };
       } else if (this.force_n > 0) drive = { kind: "force", force_n: this.force_n };
       this.actions.forEach((one, action) => {
-        const before = one.blows;
+        const before = one.impact_count;
         one.step(one.strokeLeft_s > 0 ? { kind: "stroke" } : drive);
-        if (one.blows === before) return;
-        this.fresh.push({ action, time_s: one.time_s, speed_m_per_s: one.hammer_speed_m_per_s });
-        if (action === 0) this.blow_s = one.time_s;
+        if (one.impact_count === before) return;
+        this.fresh.push({ action, time_s: one.time_s, hammer_speed_m_per_s: one.hammer_speed_m_per_s });
+        if (action === 0) this.impact_s = one.time_s;
       });
       n += 1;
       if (slow.length) pace = this.paceNow(wanted_pace, slow);
@@ -198,7 +198,7 @@ export class Player {
     for (const rule of slow) {
       if (rule.pace >= pace) continue;
       if (rule.of === "impact") {
-        if (one.time_s - this.blow_s < rule.for_s) pace = rule.pace;
+        if (one.time_s - this.impact_s < rule.for_s) pace = rule.pace;
         continue;
       }
       const key = rule.of === "key", at = key ? one.key_m : one.hammer_m, speed = key ? one.key_m_per_s : one.hammer_m_per_s;
@@ -209,7 +209,7 @@ export class Player {
   }
 
   /** What was seen since the last time. */
-  takeBlows(): Blow[] {
+  takeImpacts(): Impact[] {
     return this.fresh.splice(0);
   }
 

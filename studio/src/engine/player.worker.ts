@@ -67,7 +67,7 @@ const act = async (message: ToPlayer): Promise<void> => {
       const asked = message.curves;
       const curves = asked && asked.to > asked.from ? player.curves(asked.from, asked.to, asked.points) : null;
       say({
-        kind: "frame", wall_ms: message.wall_ms, poses: player.poses(message.at_s), events: player.events(), span: player.span, blows: player.takeBlows(),
+        kind: "frame", wall_ms: message.wall_ms, poses: player.poses(message.at_s), events: player.events(), span: player.span, impacts: player.takeImpacts(),
         resting: player.resting, limited: player.limited, curves, steps: player.steps - before, pace: player.pace, cost_ms: performance.now() - began,
       });
       return;

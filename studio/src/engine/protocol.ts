@@ -24,14 +24,14 @@ export interface Events {
   key_start_s: number;
   toe_contact_s: number;
   let_off_s: number;
-  blow_s: number;
+  hammer_contact_s: number;
   hammer_speed_m_per_s: number;
   key_bottom_s: number;
   check_s: number;
   free_flight_s: number;
-  key_bottom_after_blow_s: number;
-  /** Blows since the press began. */
-  blows: number;
+  key_bottom_after_impact_s: number;
+  /** Number of impacts since the press began. */
+  impact_count: number;
 }
 
 /** An action at an instant: angles of its bodies, rad; of every zone force, point and normal. */
@@ -51,11 +51,11 @@ export interface Pose {
   swing_m: number;
 }
 
-/** A blow that was just struck. */
-export interface Blow {
+/** An impact since the last frame. */
+export interface Impact {
   action: number;
   time_s: number;
-  speed_m_per_s: number;
+  hammer_speed_m_per_s: number;
 }
 
 /** What presses the key: the fingertip somewhere (null: lifted), the key front's own motion where it is imposed, or a
@@ -95,7 +95,7 @@ export type FromPlayer =
   | { kind: "no-stroke"; message: string }
   | { kind: "stroke-begun"; told: string[] }
   | {
-      kind: "frame"; wall_ms: number; poses: Pose[]; events: Events[]; span: [number, number]; blows: Blow[]; resting: boolean;
+      kind: "frame"; wall_ms: number; poses: Pose[]; events: Events[]; span: [number, number]; impacts: Impact[]; resting: boolean;
       limited: number; cost_ms: number; steps: number; pace: number; curves: { times: Float64Array; series: Float64Array[][] } | null;
     }
   | { kind: "fault"; message: string }
@@ -216,7 +216,7 @@ export type FromKeys =
   | { kind: "ready"; keys: number; took_ms: number }
   | { kind: "shown"; key: number; scene: Scene }
   | {
-      kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_m: Float32Array; finger_n: Float32Array; blows: { key: number; speed_m_per_s: number }[];
+      kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_m: Float32Array; finger_n: Float32Array; impacts: { key: number; hammer_speed_m_per_s: number }[];
       awake: number; steps: number; cost_ms: number; late_s: number; shown: { key: number; angles: Float32Array } | null;
       /** Force of all strings on the bridge after each step of the frame, N; none where no strings sound. */
       bridge_n: Float32Array;

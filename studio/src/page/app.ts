@@ -343,8 +343,8 @@ export class App {
     return this.latest?.poses ?? [];
   }
 
-  /** The first blow of the last press, m/s. */
-  blowOf(which: number): number | undefined {
+  /** Hammer speed at the first impact of the last press, m/s. */
+  hammerSpeedOf(which: number): number | undefined {
     const speed = this.events[which]?.hammer_speed_m_per_s;
     return Number.isFinite(speed) ? speed : undefined;
   }

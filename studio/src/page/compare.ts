@@ -39,10 +39,10 @@ export const comparePanel = (app: App, into: HTMLElement): void => {
     sheets.forEach((sheet) => sheet.look(seen));
   });
   const lines: [string, string, number, (which: number) => number | undefined][] = [
-    ["hammer speed", "m/s", 2, (which) => app.blowOf(which)],
+    ["hammer speed", "m/s", 2, (which) => app.hammerSpeedOf(which)],
     ["last push, from key start", "ms", 1, (which) => 1e3 * (app.events[which]!.let_off_s - app.events[which]!.key_start_s)],
     ["free flight", "ms", 1, (which) => 1e3 * app.events[which]!.free_flight_s],
-    ["key bottom \u2212 hammer", "ms", 1, (which) => 1e3 * app.events[which]!.key_bottom_after_blow_s],
+    ["key bottom \u2212 hammer", "ms", 1, (which) => 1e3 * app.events[which]!.key_bottom_after_impact_s],
   ];
   const cells = lines.map(([name, unit]) => {
     const row = numbers.insertRow();

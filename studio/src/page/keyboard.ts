@@ -18,7 +18,7 @@ const UPPER = ["KeyQ", "Digit2", "KeyW", "Digit3", "KeyE", "KeyR", "Digit5", "Ke
 const MIDDLE_C = 40;
 /** How hard a finger presses at a key's back and at its front edge, N. */
 const SOFT_N = 1.2, HARD_N = 18;
-/** What the drawing counts as a full dip and a full blow, m. */
+/** What the drawing counts as a full dip and a full blow distance, m. */
 const DIP_M = 0.0105, BLOW_M = 0.048;
 /** How far a finger that drags a key may go above and below the key's rest, m: at the bottom it presses with some 30 N,
  * as fingers do. */
@@ -34,7 +34,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   const canvas = h("canvas", { class: "keys", tabindex: 0, id: "keys", role: "application", "aria-label": "88 keys. On the computer's keyboard Z is the C below middle C, Q is middle C; arrow keys choose a key, space presses it." });
   const chosen = h("output", { id: "chosen" });
   const told = h("p", { class: "soft", id: "keys-said" }, "The 88 actions are getting ready \u2026");
-  const list = h("ol", { class: "blows", id: "blows" });
+  const list = h("ol", { class: "impacts", id: "impacts" });
   const open = h("button", { type: "button", id: "open-key" }, "Play this action");
   /** The chosen key's action, as it moves. */
   const inside = h("div", { class: "inside" });
@@ -122,9 +122,9 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
       if (numbers.textContent !== text) numbers.textContent = text;
     }
     const now = performance.now();
-    for (const blow of data.blows) {
-      struck[blow.key] = now;
-      list.prepend(h("li", {}, `${nameOf(blow.key)} ${fixed(blow.speed_m_per_s, 2)} m/s`));
+    for (const impact of data.impacts) {
+      struck[impact.key] = now;
+      list.prepend(h("li", {}, `${nameOf(impact.key)} ${fixed(impact.hammer_speed_m_per_s, 2)} m/s`));
     }
     while (list.children.length > 12) list.lastChild!.remove();
     if (data.steps > 0) app.keysTiming.push([data.cost_ms, data.steps, data.awake]);
@@ -338,7 +338,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     told,
     sounding,
     heard,
-    h("h2", {}, "Blows"),
+    h("h2", {}, "Impacts"),
     list,
     h("p", { class: "soft" }, "With the keyboard in focus, ", h("kbd", {}, "Z"), " \u2026 ", h("kbd", {}, "/"), " play from C3 on, ", h("kbd", {}, "Q"), " \u2026 ", h("kbd", {}, "P"), " from middle C, C4, on; the force is that of the Play panel."),
   );

@@ -25,7 +25,7 @@ export const PARTS: Record<string, PartText> = {
     zones: ["key_back_rail"], dials: ["back_rail_cloth"], drag: { dial: "back_rail_cloth", along: UP },
   },
   string: {
-    does: "The hammer strikes it and is thrown back. Its height above the resting hammer is the blow.",
+    does: "The hammer strikes it and is thrown back. Its height above the resting hammer is the blow distance.",
     zones: ["string"], dials: ["string_height"], drag: { dial: "string_height", along: UP },
   },
   "damper stop rail": { does: "Stops the damper's lever, so that the damper does not fly on after a loud note.", zones: ["damper_stop"] },
@@ -41,7 +41,7 @@ export const PARTS: Record<string, PartText> = {
   },
   "key lead": { does: "Lead that makes up for the hammer's weight: it lightens the touch, and adds inertia.", zones: [], dials: ["leads"] },
   capstan: {
-    does: "Lifts the whippen by its heel. Higher is a higher hammer line, and less blow; further back is a shorter lever.",
+    does: "Lifts the whippen by its heel. Higher is a higher hammer line, and a shorter blow distance; further back is a shorter lever.",
     zones: ["capstan_heel"], dials: ["capstan_height", "capstan"], drag: { dial: "capstan_height", along: UP },
   },
   damper: { does: "Lies on the string and keeps it still; the key lifts it half-way down.", zones: ["damper_rest", "damper_left", "damper_right"] },

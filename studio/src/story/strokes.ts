@@ -48,11 +48,11 @@ export class Press {
   private down = false;
 
   /** The key's front now, mm, and what else a frame says. */
-  see(now: { time_s: number; key_mm: number; hammer_mm: number; finger_n: number; swing_m: number; impacts: { time_s: number; speed_m_per_s: number }[] }): void {
-    for (const { time_s, speed_m_per_s } of now.impacts) {
+  see(now: { time_s: number; key_mm: number; hammer_mm: number; finger_n: number; swing_m: number; impacts: { time_s: number; hammer_speed_m_per_s: number }[] }): void {
+    for (const { time_s, hammer_speed_m_per_s } of now.impacts) {
       if (!this.impacts) {
         this.first_impact_s = time_s;
-        this.hammer_speed_m_per_s = speed_m_per_s;
+        this.hammer_speed_m_per_s = hammer_speed_m_per_s;
       }
       this.impacts += 1;
       this.last_impact_s = time_s;

@@ -82,7 +82,7 @@ impl Component {
             Role::BridgeSum => played.bridge_sum_n(),
             Role::Awake => played.awake() as f64,
             Role::Contact(zone) => played.contact_force(zone),
-            Role::Blows => f64::from(played.reading(key).blows),
+            Role::Impacts => f64::from(played.reading(key).impact_count),
             Role::Reading(n) => {
                 let r = played.reading(key);
                 [
@@ -92,7 +92,7 @@ impl Component {
                     r.hammer_m,
                     r.hammer_m_per_s,
                     r.string_n,
-                    if r.blows > 0 { self.start_s + r.blow_time_s } else { 0.0 },
+                    if r.impact_count > 0 { self.start_s + r.impact_time_s } else { 0.0 },
                     r.hammer_speed_m_per_s,
                     played.bridge_n(key),
                     r.hand_m,

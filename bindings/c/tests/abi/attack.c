@@ -12,7 +12,7 @@ static ErardKeyboard *keyboard;
 static ErardStroke *stroke;
 static ErardWatch *watch;
 static ErardReading readings[8];
-static ErardBlow blows[4096];
+static ErardImpact impacts[4096];
 static ErardEvents events;
 static ErardInput input;
 static ErardStatus status;
@@ -94,7 +94,7 @@ static void play(int which) {
 int main(int arguments, char **names) {
     if (arguments != 3) return 1;
     /* Few seeds may draw none of the functions that take these. */
-    (void)blows; (void)events; (void)status; (void)floats; (void)bytes; (void)count;
+    (void)impacts; (void)events; (void)status; (void)floats; (void)bytes; (void)count;
     (void)stops; (void)stops_late;
     memset(long_text, 'a', sizeof long_text - 1);
     begin();

@@ -142,7 +142,7 @@ fn argument(chance: &mut Chance, function: &Function, place: usize) -> String {
                 "ErardWatch *" => "watch",
                 "ErardReading *" => "readings",
                 "ErardInput *" => "&input",
-                "ErardBlow *" => "blows",
+                "ErardImpact *" => "impacts",
                 "ErardEvents *" => "&events",
                 _ => panic!("{}: say here how an argument of type `{kind}` is made", function.name),
             };

@@ -79,7 +79,7 @@ fn the_largest_numbers_that_it_takes() {
         for _ in 0..1000 {
             action.force(5.0);
         }
-        assert_eq!(action.read().blows, 1, "{input:?}");
+        assert_eq!(action.read().impact_count, 1, "{input:?}");
     }
 }
 

@@ -17,13 +17,13 @@ fn bits(r: &ErardReading) -> [u64; 8] {
         .map(f64::to_bits)
 }
 
-/// Every number of every step is the native action's, force and motion, blows among it.
+/// Every number of every step is the native action's, force and motion, impacts among it.
 #[test]
 fn steps_are_the_native_actions() {
     let grand = erard::Instrument::builtin("concert-grand").unwrap();
     for by_motion in [false, true] {
         let (here, mut there) = (Action::grand(), erard::Action::new(&grand).unwrap());
-        let mut blows = 0;
+        let mut impacts = 0;
         for n in 0..10_000 {
             let t = n as f64 * 50e-6;
             let (input, native) = if by_motion {
@@ -51,16 +51,16 @@ fn steps_are_the_native_actions() {
             ];
             assert_eq!(found.map(f64::to_bits), expected.map(f64::to_bits), "step {n}");
             assert_eq!(r.time_s, there.time_s());
-            assert_eq!(r.new_blows == 1, there.impact().is_some(), "step {n}");
-            if let Some(blow) = there.impact() {
-                blows += 1;
+            assert_eq!(r.new_impact_count == 1, there.impact().is_some(), "step {n}");
+            if let Some(impact) = there.impact() {
+                impacts += 1;
                 assert_eq!(
-                    (r.blow_time_s, r.hammer_speed_m_per_s, r.blows),
-                    (blow.time_s, blow.hammer_speed_m_per_s, blows)
+                    (r.impact_time_s, r.hammer_speed_m_per_s, r.impact_count),
+                    (impact.time_s, impact.hammer_speed_m_per_s, impacts)
                 );
             }
         }
-        assert!(blows >= 2, "{blows} blows");
+        assert!(impacts >= 2, "{impacts} impacts");
         let angles: Vec<u64> = there.angles().iter().map(|angle| angle.to_bits()).collect();
         assert_eq!(here.angles(), angles);
     }
@@ -126,16 +126,16 @@ fn periods_are_steps() {
     for n in 0..200 {
         let force_n = if n < 100 { 6.0 } else { 0.0 };
         let reading = whole.advance(1e-3, pushed(force_n));
-        let (mut last, mut sum, mut blows) = (ErardReading::default(), 0.0, 0);
+        let (mut last, mut sum, mut impacts) = (ErardReading::default(), 0.0, 0);
         for _ in 0..20 {
             last = single.force(force_n);
             sum += last.finger_n;
-            blows += last.new_blows;
+            impacts += last.new_impact_count;
         }
         assert_eq!(bits(&reading), bits(&last), "period {n}");
-        assert_eq!((reading.finger_mean_n, reading.new_blows), (sum / 20.0, blows));
+        assert_eq!((reading.finger_mean_n, reading.new_impact_count), (sum / 20.0, impacts));
     }
-    assert!(whole.read().blows > 0);
+    assert!(whole.read().impact_count > 0);
     // 44.1 kHz: less than a step, and no multiple of it.
     let action = Action::grand();
     for n in 1..=44_100 {
@@ -237,12 +237,12 @@ impl Keyboard {
         assert_eq!(unsafe { erard_keyboard_drive(self.0, key, &pushed(force_n)) }, ErardStatus::Ok);
     }
 
-    fn step(&self, steps: u32) -> Vec<ErardBlow> {
-        let (mut blows, mut count) = (vec![ErardBlow::default(); 64], 0);
-        let status = unsafe { erard_keyboard_step(self.0, steps, blows.as_mut_ptr(), 64, &raw mut count) };
+    fn step(&self, steps: u32) -> Vec<ErardImpact> {
+        let (mut impacts, mut count) = (vec![ErardImpact::default(); 64], 0);
+        let status = unsafe { erard_keyboard_step(self.0, steps, impacts.as_mut_ptr(), 64, &raw mut count) };
         assert_eq!(status, ErardStatus::Ok);
-        blows.truncate(count);
-        blows
+        impacts.truncate(count);
+        impacts
     }
 
     fn read(&self, key: u32) -> ErardReading {
@@ -266,7 +266,7 @@ impl Drop for Keyboard {
     }
 }
 
-/// While strings of three keys ring, in another keyboard: the same bits of readings, and the same blows.
+/// While strings of three keys ring, in another keyboard: the same bits of readings, and the same impacts.
 #[test]
 fn a_strung_keyboard_goes_on() {
     let (first, second) = (Keyboard::strung(), Keyboard::strung());
@@ -285,7 +285,7 @@ fn a_strung_keyboard_goes_on() {
         press(&second, force_n);
         assert_eq!(first.step(1500).len(), second.step(1500).len());
         for key in [1, 40, 88] {
-            // Instants are right to a rounding, and with them the speed of the blow, which is read from the flight
+            // Instants are right to a rounding, and with them the speed of the impact, which is read from the flight
             // before it.
             let (here, there) = (first.read(key), second.read(key));
             assert_eq!(bits(&here)[1..7], bits(&there)[1..7], "key {key} in round {round}");
@@ -325,14 +325,14 @@ fn a_chord_is_heard_at_the_bridge() {
     let own = erard::Instrument::builtin("concert-grand-strings").unwrap();
     let mut beside = erard::Action::with(&own, erard::Settings::new(STEP_S)).unwrap();
     beside.set_pedal(0.007);
-    let (mut blows, mut loudest_n, mut force_n) = (0, 0.0_f64, f64::NAN);
+    let (mut impacts, mut loudest_n, mut force_n) = (0, 0.0_f64, f64::NAN);
     for n in 0..4800 {
         let finger_n = if n < 2400 { 6.0 } else { 0.0 };
         for key in [40, 44, 47] {
             keyboard.drive(key, finger_n);
             keys.drive(key as usize, Input::Force(finger_n));
         }
-        blows += keyboard.step(1).len();
+        impacts += keyboard.step(1).len();
         keys.step();
         for key in [40, 44, 47] {
             assert_eq!(unsafe { erard_keyboard_bridge_force(keyboard.0, key, &raw mut force_n) }, ErardStatus::Ok);
@@ -347,7 +347,7 @@ fn a_chord_is_heard_at_the_bridge() {
         assert_eq!(unsafe { erard_bridge_force(alone.0, &raw mut force_n) }, ErardStatus::Ok);
         assert_eq!(force_n.to_bits(), beside.strings().unwrap().bridge_n().to_bits(), "step {n}");
     }
-    assert!(blows == 3 && loudest_n > 1.0, "{blows} blows, {loudest_n} N");
+    assert!(impacts == 3 && loudest_n > 1.0, "{impacts} impacts, {loudest_n} N");
     // A key that rests is silent; what is wrong is refused.
     unsafe {
         assert_eq!(erard_keyboard_bridge_force(keyboard.0, 89, &raw mut force_n), ErardStatus::NoSuch);
@@ -370,8 +370,8 @@ fn a_chord_is_heard_at_the_bridge() {
     }
 }
 
-/// The keys that are played blow, each as an action of its own does; those at rest sleep. Saved and restored, at
-/// another instant of the clock and one step before a blow: the same bits, the same blow.
+/// the keys that are played strike, each as an action of its own does; those at rest sleep. Saved and restored, at
+/// another instant of the clock and one step before an impact: the same bits, the same impact.
 #[test]
 fn a_keyboard_plays() {
     let keyboard = Keyboard::new();
@@ -383,32 +383,32 @@ fn a_keyboard_plays() {
     // A key is the action of its instrument.
     let native = erard::keyboard::Keyboard::builtin("concert-grand").unwrap().key(40).unwrap();
     let mut alone = erard::Action::with(&native, erard::Settings::new(50e-6)).unwrap();
-    let mut alone_blow = None;
+    let mut alone_impact = None;
     keyboard.drive(40, 6.0);
     keyboard.drive(41, 9.0);
-    let mut blows = Vec::new();
+    let mut impacts = Vec::new();
     let mut before = Vec::new();
     for n in 0.. {
         let saved = keyboard.save();
         let new = keyboard.step(1);
         alone.step(Input::Force(6.0));
-        if let Some(blow) = alone.impact() {
-            alone_blow = Some((n, blow));
+        if let Some(impact) = alone.impact() {
+            alone_impact = Some((n, impact));
         }
         if !new.is_empty() {
             before.push((saved, new.clone()));
-            blows.extend(new);
+            impacts.extend(new);
         }
-        if blows.len() == 2 {
+        if impacts.len() == 2 {
             break;
         }
-        assert!(n < 4000, "no two blows");
+        assert!(n < 4000, "no two impacts");
     }
     assert_eq!(unsafe { erard_keyboard_awake(keyboard.0) }, 2);
-    let mine = blows.iter().find(|blow| blow.key == 40).expect("key 40 sounds");
-    let (_, blow) = alone_blow.expect("alone, too");
-    assert_eq!(mine.speed_m_per_s.to_bits(), blow.hammer_speed_m_per_s.to_bits());
-    assert!((mine.time_s - began_s - blow.time_s).abs() < 1e-12);
+    let mine = impacts.iter().find(|impact| impact.key == 40).expect("key 40 sounds");
+    let (_, impact) = alone_impact.expect("alone, too");
+    assert_eq!(mine.hammer_speed_m_per_s.to_bits(), impact.hammer_speed_m_per_s.to_bits());
+    assert!((mine.time_s - began_s - impact.time_s).abs() < 1e-12);
 
     let other = Keyboard::new();
     other.drive(7, 20.0);
@@ -421,7 +421,8 @@ fn a_keyboard_plays() {
             assert_eq!(a.key, b.key);
             // Its place in the flight is computed from instants that were moved: rounding of the clock.
             assert!(
-                (a.time_s - b.time_s).abs() < 1e-11 && (a.speed_m_per_s / b.speed_m_per_s - 1.0).abs() < 1e-9,
+                (a.time_s - b.time_s).abs() < 1e-11
+                    && (a.hammer_speed_m_per_s / b.hammer_speed_m_per_s - 1.0).abs() < 1e-9,
                 "{a:?} {b:?}"
             );
         }
@@ -451,12 +452,12 @@ fn states_and_snapshots_are_one() {
     }
     let (state, snapshot) = (here.save(), there.save());
     assert_eq!(erard::Snapshot::from_bytes(&state), Ok(snapshot.clone()));
-    let blows = here.read().blows;
+    let impacts = here.read().impact_count;
     for _ in 0..100 {
         here.force(1.0);
     }
     assert_eq!(here.restore(&snapshot.to_vec()), ErardStatus::Ok);
-    assert_eq!((here.read().blows, blows), (0, 1), "the snapshot knows of no blow");
+    assert_eq!((here.read().impact_count, impacts), (0, 1), "the snapshot knows of no impact");
     for n in 0..200 {
         let native = there.step(Input::Force(2.0));
         assert_eq!(here.force(2.0).hammer_m.to_bits(), native.hammer_m.to_bits(), "step {n}");

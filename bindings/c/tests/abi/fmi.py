@@ -1,4 +1,4 @@
-"""fmi.py UNIT MASS SPEED TIME SPEED TIME STRUNG CHORD: validates an unpacked unit with fmpy and plays it; the blow of 5 N as it is, and with a hammer of that mass in g
+"""fmi.py UNIT MASS SPEED TIME SPEED TIME STRUNG CHORD: validates an unpacked unit with fmpy and plays it; the impact of 5 N as it is, and with a hammer of that mass in g
 and the let-off button half a millimetre lower. STRUNG is a unit whose strings sound, with heard.txt: their force on the bridge under a hand, a line each ms. CHORD is a keyboard, with heard.txt: force on the bridge and travel of key 44. UNIT/mass.txt: a hammer's mass, kg, with its inertia, and its blow."""
 
 import ctypes
@@ -21,28 +21,28 @@ def same(found, wanted):
     assert abs(found / wanted - 1) < 1e-12, (found, wanted)
 
 
-def blow(step, **more):
-    outputs = ["blow_speed", "blow_time", "blows", "key", "string_force", "contact.string"]
+def impact(step, **more):
+    outputs = ["hammer_speed", "impact_time", "impact_count", "key", "string_force", "contact.string"]
     result = simulate_fmu(unit, stop_time=0.3, step_size=step, output_interval=step, fmi_type="CoSimulation",
                           output=outputs, start_values={"force": 5.0, **more})
     last = result[-1]
-    print(f"communication step {step * 1e6:.0f} us {more or ''}: {last['blows']} blows, {last['blow_speed']!r} m/s at {last['blow_time']!r} s")
-    assert last["blows"] == 1
-    return last["blow_speed"], last["blow_time"]
+    print(f"communication step {step * 1e6:.0f} us {more or ''}: {last['impact_count']} impacts, {last['hammer_speed']!r} m/s at {last['impact_time']!r} s")
+    assert last["impact_count"] == 1
+    return last["hammer_speed"], last["impact_time"]
 
 
 for step in (50e-6, 1e-3, 0.7e-3):
-    for found, wanted in zip(blow(step), expected[:2]):
+    for found, wanted in zip(impact(step), expected[:2]):
         same(found, wanted)
 for step in (50e-6, 1e-3):
-    found = blow(step, **{"body.hammer.mass_g": mass_g, "screw.let_off.setting_mm": -0.5})
+    found = impact(step, **{"body.hammer.mass_g": mass_g, "screw.let_off.setting_mm": -0.5})
     for one, wanted in zip(found, expected[2:]):
         same(one, wanted)
 
 # The hammer's mass with its inertia, by one parameter: to the bit.
 mass_kg, *whole = [float(x) for x in open(f"{unit}/mass.txt").read().split()]
 for step in (50e-6, 1e-3):
-    found = blow(step, **{"body.hammer.mass": mass_kg})
+    found = impact(step, **{"body.hammer.mass": mass_kg})
     assert list(found) == whole, (found, whole)
 
 # Call by call: states are saved, serialised, brought back; what is wrong is refused, with words.
@@ -81,7 +81,7 @@ ends = []
 for turn in range(3):
     for n in range(60, 200):
         fmu.doStep(2.0 + n * 1e-3, 1e-3)
-    ends.append([get(fmu, name) for name in ("key", "hammer", "hammer_speed", "blow_time", "blow_speed", "contact.string")])
+    ends.append([get(fmu, name) for name in ("key", "hammer", "hammer_velocity", "impact_time", "hammer_speed", "contact.string")])
     if turn == 0:
         fmu.setFMUState(state)
         fmu.freeFMUState(state)
@@ -90,7 +90,7 @@ for turn in range(3):
         fmu.setFMUState(state)
         fmu.freeFMUState(state)
 assert ends[0] == ends[1] == ends[2], ends
-print(f"states: {len(data)} bytes, the same end three times; the blow at {ends[0][3]:.6f} s on the simulator's clock")
+print(f"states: {len(data)} bytes, the same end three times; the impact at {ends[0][3]:.6f} s on the simulator's clock")
 assert abs(ends[0][3] - 2.0 - expected[1]) < 1e-9
 
 
@@ -118,7 +118,7 @@ fmu.reset()
 fmu.setupExperiment(startTime=0.0)
 fmu.enterInitializationMode()
 fmu.exitInitializationMode()
-assert get(fmu, "blow_speed") == 0.0 and abs(get(fmu, "key")) < 1e-9
+assert get(fmu, "hammer_speed") == 0.0 and abs(get(fmu, "key")) < 1e-9
 fmu.terminate()
 fmu.freeInstance()
 

@@ -25,7 +25,7 @@ fn python() -> Option<String> {
     has.then_some(python)
 }
 
-/// fmpy validates the unit and plays it: the blow is the native one's at communication steps of 50 us and 1 ms,
+/// fmpy validates the unit and plays it: the impact is the native one's at communication steps of 50 us and 1 ms,
 /// parameters act, states come back; a hand and the pedal act, and the strings are heard as
 /// natively; a keyboard's unit plays a chord.
 #[test]
@@ -83,33 +83,33 @@ fn fmpy_plays_it() {
     }
     std::fs::write(chord.path().join("heard.txt"), heard).unwrap();
 
-    let blow = |instrument: &Instrument| {
+    let impact = |instrument: &Instrument| {
         let mut action = Action::new(instrument).unwrap();
         for _ in 0..6000 {
             action.step(Input::Force(5.0));
-            if let Some(blow) = action.impact() {
-                return blow;
+            if let Some(impact) = action.impact() {
+                return impact;
             }
         }
-        panic!("no blow");
+        panic!("no impact");
     };
     // A little heavier, and let off earlier.
     let mass_g = 1.05 * erard::instrument::numbers_at(text, "body.hammer.mass_g").unwrap()[0];
     let changes = [("body.hammer.mass_g", 0, mass_g), ("screw.let_off.setting_mm", 0, -0.5)];
     let heavier = erard::instrument::with_numbers(text, &changes);
-    let expected = [blow(&file.instrument), blow(&Instrument::parse(&heavier.unwrap(), "heavier").unwrap())];
+    let expected = [impact(&file.instrument), impact(&Instrument::parse(&heavier.unwrap(), "heavier").unwrap())];
     // A heavier hammer with its inertia, by one parameter: to the bit what the command's `--vary` plays.
     let hammer = file.instrument.bodies.iter().find(|body| body.name == "hammer").unwrap();
     let mass_kg = 1.05 * hammer.mass_kg;
     let change = [("body.hammer.mass".to_owned(), Change::Text(format!("= {mass_kg:?} kg")))];
-    let whole = blow(&varied(text, "whole", &change).unwrap().instrument);
+    let whole = impact(&varied(text, "whole", &change).unwrap().instrument);
     let line = format!("{mass_kg:?} {:?} {:?}", whole.hammer_speed_m_per_s, whole.time_s);
     std::fs::write(folder.path().join("mass.txt"), line).unwrap();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/abi/fmi.py");
     let mut run = Command::new(python);
     run.arg(script).arg(folder.path()).arg(format!("{mass_g:?}"));
-    for blow in expected {
-        run.arg(format!("{:?}", blow.hammer_speed_m_per_s)).arg(format!("{:?}", blow.time_s));
+    for impact in expected {
+        run.arg(format!("{:?}", impact.hammer_speed_m_per_s)).arg(format!("{:?}", impact.time_s));
     }
     run.arg(strung.path()).arg(chord.path());
     let output = run.output().expect("it runs");

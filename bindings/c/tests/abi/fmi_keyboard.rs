@@ -233,13 +233,13 @@ fn a_chord_is_the_native_keys() {
     for (n, (unit, native)) in played.iter().zip(&native).enumerate() {
         assert_eq!(unit, native, "after {} ms", n + 1);
     }
-    let blows: Vec<c_int> = PRESSED.iter().map(|key| unit.get_integer(&format!("key[{key}].blows"))).collect();
-    assert!(blows.iter().all(|blows| *blows >= 1), "{blows:?}");
+    let counts: Vec<c_int> = PRESSED.iter().map(|key| unit.get_integer(&format!("key[{key}].impact_count"))).collect();
+    assert!(counts.iter().all(|counts| *counts >= 1), "{counts:?}");
     let loudest = native.iter().map(|row| f64::from_bits(row[0]).abs()).fold(0.0, f64::max);
     assert!(loudest > 10.0, "{loudest} N");
     assert_eq!(unit.get_integer("awake"), keys.awake() as c_int);
     // Another key is silent, and rests.
-    assert!(unit.get("key[50].key").abs() < 1e-9 && unit.get_integer("key[50].blows") == 0);
+    assert!(unit.get("key[50].key").abs() < 1e-9 && unit.get_integer("key[50].impact_count") == 0);
 
     // Back, here and elsewhere.
     assert_eq!(unit.restore(&state), OK);

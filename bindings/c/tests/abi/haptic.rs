@@ -42,9 +42,10 @@ fn rigid_coupling_is_none() {
     assert!(out.saturated, "{out:?}");
 }
 
-/// The way round, with a good servo at 20 kHz, the blow is that of the finger on the simulated key itself, to a tenth.
+/// The way round, with a good servo at 20 kHz, the impact is that of the finger on the simulated key itself, to a
+/// tenth.
 #[test]
-fn admittance_renders_the_blow() {
+fn admittance_renders_the_impact() {
     let [direct, servo] = [20e3, 1e3].map(|bandwidth| play_admittance(&grand(), 50e-6, bandwidth, Finger::Hand));
     assert!(direct.hammer_speed_m_per_s > 0.3 && servo.is_still(), "{direct:?} {servo:?}");
     assert!((servo.hammer_speed_m_per_s / direct.hammer_speed_m_per_s - 1.0).abs() < 0.1, "{direct:?} {servo:?}");

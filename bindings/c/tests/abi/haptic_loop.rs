@@ -118,7 +118,7 @@ pub struct Outcome {
     pub earlier_m_per_s: f64,
     /// The largest force that was asked of the motor, N.
     pub largest_n: f64,
-    /// Speed of the fastest blow, m/s; 0 without one.
+    /// Speed of the fastest impact, m/s; 0 without one.
     pub hammer_speed_m_per_s: f64,
     /// Whether the force of the motor was at its limit.
     pub saturated: bool,
@@ -178,8 +178,8 @@ pub fn play(instrument: &Instrument, device: &Device, coupling: [f64; 2], finger
                 Input::Motion { position_m, velocity_m_per_s: speed }
             };
             let reading = action.step(input);
-            if let Some(blow) = action.impact() {
-                out.hammer_speed_m_per_s = out.hammer_speed_m_per_s.max(blow.hammer_speed_m_per_s);
+            if let Some(impact) = action.impact() {
+                out.hammer_speed_m_per_s = out.hammer_speed_m_per_s.max(impact.hammer_speed_m_per_s);
             }
             sum += reading.finger_n;
         }
@@ -238,8 +238,8 @@ pub fn play_admittance(instrument: &Instrument, period_s: f64, bandwidth_hz: f64
         let mut key_m = 0.0;
         for _ in 0..sub_steps {
             key_m = action.step(Input::Force(measured_n)).key_m;
-            if let Some(blow) = action.impact() {
-                out.hammer_speed_m_per_s = out.hammer_speed_m_per_s.max(blow.hammer_speed_m_per_s);
+            if let Some(impact) = action.impact() {
+                out.hammer_speed_m_per_s = out.hammer_speed_m_per_s.max(impact.hammer_speed_m_per_s);
             }
         }
         let mut sum = 0.0;

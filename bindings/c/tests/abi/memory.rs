@@ -38,7 +38,7 @@ fn an_action_takes_none() {
                 assert!(!erard_body_name(action.0, 0).is_null() && !erard_status_text(-3).is_null());
             }
         }
-        assert!(r.blows > 0);
+        assert!(r.impact_count > 0);
         assert_eq!(erard_reset(action.0), ErardStatus::Ok);
     });
     assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{counted:?}");
@@ -53,7 +53,7 @@ fn a_keyboard_takes_none() {
     let mut bytes = vec![0; size];
     let mut all = 0;
     let counted = allocation_counter::measure(|| unsafe {
-        let (mut blows, mut count, mut r) = ([ErardBlow::default(); 16], 0, ErardReading::default());
+        let (mut impacts, mut count, mut r) = ([ErardImpact::default(); 16], 0, ErardReading::default());
         for n in 0..8_000_u32 {
             if n % 800 == 0 {
                 for finger in 0..10 {
@@ -61,7 +61,7 @@ fn a_keyboard_takes_none() {
                     erard_keyboard_drive(keyboard, 1 + (n / 1600 * 10 + finger) % 88, &raw const input);
                 }
             }
-            erard_keyboard_step(keyboard, 1, blows.as_mut_ptr(), 16, &raw mut count);
+            erard_keyboard_step(keyboard, 1, impacts.as_mut_ptr(), 16, &raw mut count);
             all += count;
             erard_keyboard_read(keyboard, 1 + n % 88, &raw mut r);
             if n % 1000 == 999 {
@@ -70,7 +70,7 @@ fn a_keyboard_takes_none() {
             }
         }
     });
-    assert!(all >= 40, "{all} blows");
+    assert!(all >= 40, "{all} impacts");
     assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{counted:?}");
     unsafe { erard_keyboard_free(keyboard) };
 }
@@ -84,10 +84,10 @@ fn pages_reserve_as_much_as_the_structures_take() {
         let found = std::fs::read_to_string(root.join(file)).unwrap();
         assert!(found.contains(&text), "{file} has no `{text}`");
     };
-    let (reading, input, blow) = (size_of::<ErardReading>(), size_of::<ErardInput>(), size_of::<ErardBlow>());
+    let (reading, input, impact) = (size_of::<ErardReading>(), size_of::<ErardInput>(), size_of::<ErardImpact>());
     says("bindings/c/examples/note.mjs", format!("reading = erard.erard_memory_new({reading})"));
     says("bindings/c/examples/note.mjs", format!("DataView(erard.memory.buffer, reading, {reading})"));
     says("studio/src/engine/played.ts", format!("READING_BYTES = {reading};"));
     says("studio/src/engine/keys.worker.ts", format!("INPUT_BYTES = {input};"));
-    says("studio/src/engine/keys.worker.ts", format!("BLOW_BYTES = {blow};"));
+    says("studio/src/engine/keys.worker.ts", format!("IMPACT_BYTES = {impact};"));
 }

@@ -89,11 +89,11 @@ fn masses_are_varied_with_their_inertias() {
     assert!(here.inertia_kg_m2 > 1.05 * drawn.inertia_kg_m2);
     let speed = |instrument: &Instrument| {
         let mut action = erard::Action::new(instrument).unwrap();
-        let blow = (0..3000).find_map(|_| {
+        let impact = (0..3000).find_map(|_| {
             action.step(erard::Input::Force(5.0));
             action.impact()
         });
-        blow.expect("a blow").hammer_speed_m_per_s
+        impact.expect("an impact").hammer_speed_m_per_s
     };
     assert!((speed(&read) / speed(&native) - 1.0).abs() < 1e-6, "{} {}", speed(&read), speed(&native));
     for (name, change, expected, word) in [
@@ -140,7 +140,7 @@ fn numbers_are_looked_up_and_changed() {
         }
     }
     // It is the heavier hammer that plays: slower, at the same force.
-    let blow = |action: *mut ErardAction| {
+    let impact = |action: *mut ErardAction| {
         let action = Action(action);
         for _ in 0..3000 {
             action.force(5.0);
@@ -151,7 +151,7 @@ fn numbers_are_looked_up_and_changed() {
     for _ in 0..3000 {
         light.force(5.0);
     }
-    let heavy = blow(heavy);
+    let heavy = impact(heavy);
     assert!(heavy > 0.0 && heavy < light.read().hammer_speed_m_per_s, "{heavy} {}", light.read().hammer_speed_m_per_s);
 
     let json: Value =

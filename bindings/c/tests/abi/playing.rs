@@ -103,12 +103,12 @@ fn strokes_are_those_of_press() {
                 key_start_s: 0.0,
                 toe_contact_s: 0.0,
                 let_off_s: 0.0,
-                blow_s: 0.0,
+                hammer_contact_s: 0.0,
                 hammer_speed_m_per_s: 0.0,
                 key_bottom_s: 0.0,
                 check_s: 0.0,
                 free_flight_s: 0.0,
-                key_bottom_after_blow_s: 0.0,
+                key_bottom_after_impact_s: 0.0,
             };
             assert_eq!(unsafe { erard_watch_read(watch, &raw mut seen) }, ErardStatus::Ok);
             let e = &run.events;
@@ -116,12 +116,12 @@ fn strokes_are_those_of_press() {
                 (seen.key_start_s, e.key_start_s),
                 (seen.toe_contact_s, e.toe_contact_s),
                 (seen.let_off_s, e.let_off_s),
-                (seen.blow_s, e.hammer_contact_s()),
+                (seen.hammer_contact_s, e.hammer_contact_s()),
                 (seen.hammer_speed_m_per_s, e.hammer_speed_m_per_s()),
                 (seen.key_bottom_s, e.key_bottom_s),
                 (seen.check_s, e.check_s),
                 (seen.free_flight_s, e.free_flight_s()),
-                (seen.key_bottom_after_blow_s, e.key_bottom_after_blow_s()),
+                (seen.key_bottom_after_impact_s, e.key_bottom_after_impact_s()),
             ] {
                 // The action's clock begins at 0, the stroke's where it says; both are the same sums but for their
                 // rounding.
@@ -358,7 +358,7 @@ fn recordings_are_made_ready() {
         };
         format!("time (ms),load (cN)\n{}", (0..300).map(row).collect::<Vec<_>>().join("\n"))
     };
-    let blow = |text: &str, status: &mut ErardStatus| {
+    let impact = |text: &str, status: &mut ErardStatus| {
         let place = &raw mut *status;
         let stroke = unsafe { erard_stroke_new(grand.0, text.as_ptr().cast(), text.len(), place) };
         assert_eq!(*status, ErardStatus::Ok, "{}", last_error());
@@ -370,8 +370,8 @@ fn recordings_are_made_ready() {
         unsafe { erard_stroke_free(stroke) };
         (action.read().hammer_speed_m_per_s, told)
     };
-    let (plain, said) = blow(&rows(0.0), &mut status);
-    let (offset, told) = blow(&rows(0.75), &mut status);
+    let (plain, said) = impact(&rows(0.0), &mut status);
+    let (offset, told) = impact(&rows(0.75), &mut status);
     assert!(plain > 1.0 && (plain - offset).abs() < 1e-9 * plain, "{plain} {offset}");
     assert!(!said.contains("zero") || said.contains("0.0000 N"), "{said}");
     assert!(told.contains("force: zero: 0.7500 N subtracted"), "{told}");
@@ -424,7 +424,7 @@ fn a_hand_plays_as_in_rust() {
             "{n}"
         );
     }
-    assert!(reading.blows == 1 && reading.hand_m_per_s < 0.0, "{reading:?}");
+    assert!(reading.impact_count == 1 && reading.hand_m_per_s < 0.0, "{reading:?}");
     let before = reading;
     for wrong in [
         pressed(f64::NAN),
@@ -462,7 +462,7 @@ fn steps_are_whole_where_the_caller_says_so() {
             action.step(erard::Input::Force(8.0));
         }
         let now = action.reading();
-        assert_eq!((reading.key_m, reading.hammer_m, reading.blows), (now.key_m, now.hammer_m, 1));
+        assert_eq!((reading.key_m, reading.hammer_m, reading.impact_count), (now.key_m, now.hammer_m, 1));
         found.push(reading.hammer_m);
         unsafe { erard_action_free(own) };
     }

@@ -103,15 +103,15 @@ fn the_examples_in_c() {
     sounds_three_notes(&said(&shared, "keyboard"));
 }
 
-/// The press: the blow and the last place are the native library's, to the bit.
+/// The press: the impact and the last place are the native library's, to the bit.
 fn presses(said: &str) {
     let mut action = Action::new(&Instrument::builtin("concert-grand").unwrap()).unwrap();
-    let (mut blow, mut last) = (None, None);
+    let (mut impact, mut last) = (None, None);
     for n in 0..10_000 {
         last = Some(action.step(Input::Force(if n < 5000 { 5.0 } else { 0.0 })));
-        blow = action.impact().or(blow);
+        impact = action.impact().or(impact);
     }
-    assert_eq!(number_after(said, " with ").to_bits(), blow.unwrap().hammer_speed_m_per_s.to_bits(), "{said}");
+    assert_eq!(number_after(said, " with ").to_bits(), impact.unwrap().hammer_speed_m_per_s.to_bits(), "{said}");
     assert_eq!(number_after(said, "ends at ").to_bits(), last.unwrap().key_m.to_bits(), "{said}");
 }
 
@@ -119,7 +119,7 @@ fn presses(said: &str) {
 /// gives 12 mm under 6 N.
 fn sounds_a_note(said: &str) {
     assert!(number_after(said, "force ") < 60.0 && number_after(said, "deepest ") < 24.0, "{said}");
-    assert!(said.starts_with("1 blows"), "{said}");
+    assert!(said.starts_with("1 impacts"), "{said}");
     // At its end it gives back what the finger presses.
     assert!((number_after(said, "mm and ") - 6.0).abs() < 0.5, "{said}");
 }
@@ -195,8 +195,8 @@ fn the_lines_that_install_work() {
             sh.env_remove(helps);
         }
         let said = run(sh.env("BUILT", library("liberard_c.so").parent().expect("a folder")));
-        assert_eq!(said.matches("blow at").count(), lines.matches("./press").count(), "{path}: {said}");
-        assert!(said.contains("blow at"), "{path}: {said}");
+        assert_eq!(said.matches("impact at").count(), lines.matches("./press").count(), "{path}: {said}");
+        assert!(said.contains("impact at"), "{path}: {said}");
     }
 }
 
@@ -225,7 +225,7 @@ fn installed() {
     run(cc.arg("-o").arg(&program));
     let mut press = Command::new(&program);
     let expected = run(press.env("LD_LIBRARY_PATH", prefix.join("lib")));
-    assert!(expected.contains("blow at"), "{expected}");
+    assert!(expected.contains("impact at"), "{expected}");
 
     if has("cmake") {
         let mut configure = Command::new("cmake");
@@ -308,7 +308,7 @@ int main() {
     double first = r.hammer_speed_m_per_s;
     if (action.restore(saved) < 0) return 2;
     for (int n = 400; n < 4000; n++) if (action.force(9.0, r) < 0) return 3;
-    if (r.blows != 1 || r.hammer_speed_m_per_s != first || !(first > 0)) return 4;
+    if (r.impact_count != 1 || r.hammer_speed_m_per_s != first || !(first > 0)) return 4;
     try {
         heavy.set("body.hammer.mass_g", -1);
         return 5;
@@ -321,15 +321,15 @@ int main() {
     press.kind = ERARD_FORCE;
     press.force_n = 8.0;
     if (keyboard.drive(40, press) < 0) return 7;
-    ErardBlow blows[4];
+    ErardImpact impacts[4];
     std::size_t count = 0;
-    if (keyboard.step(4000, blows, 4, count) < 0 || count != 1 || blows[0].key != 40) return 8;
+    if (keyboard.step(4000, impacts, 4, count) < 0 || count != 1 || impacts[0].key != 40) return 8;
     auto strung = erard::Keyboard::builtin("concert-grand-strings", 1.0 / 24000);
-    if (strung.set_pedal(0.007) < 0 || strung.drive(40, press) < 0 || strung.step(2400, blows, 4, count) < 0) return 9;
+    if (strung.set_pedal(0.007) < 0 || strung.drive(40, press) < 0 || strung.step(2400, impacts, 4, count) < 0) return 9;
     double heard = strung.bridge_force(40);
     auto kept = strung.save();
     if (count != 1 || heard == 0.0 || strung.bridge_force(41) == heard) return 10;
-    if (strung.step(100, blows, 4, count) < 0 || strung.bridge_force(40) == heard) return 11;
+    if (strung.step(100, impacts, 4, count) < 0 || strung.bridge_force(40) == heard) return 11;
     if (strung.restore(kept) < 0 || strung.read(40, r) < 0 || strung.bridge_force(40) != heard) return 12;
     return 0;
 }

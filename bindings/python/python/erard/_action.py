@@ -34,9 +34,9 @@ class Action:
     >>> action = erard.Action(erard.load("concert-grand"))
     >>> for _ in range(2000):
     ...     reading = action.step(force=4.5)
-    ...     if reading.blow:
+    ...     if reading.impact:
     ...         break
-    >>> 0.5 < reading.blow[1] < 5.0
+    >>> 0.5 < reading.impact[1] < 5.0
     True
     """
 
@@ -76,7 +76,7 @@ class Action:
         -------
         Reading
             `time_s`, `key_m`, `key_m_per_s`, `finger_n` (force of the finger on the key), `hammer_m`, `hammer_m_per_s` (up positive), `string_n`,
-            `hand_m` and `hand_m_per_s` (the hand, where there is one), `bridge_n` (force of the strings on the bridge, where they sound), `converged`, and `blow`: instant and speed of the blow whose hammer met the string in this step, else `None`.
+            `hand_m` and `hand_m_per_s` (the hand, where there is one), `bridge_n` (force of the strings on the bridge, where they sound), `converged`, and `impact`: instant (s) and hammer speed (m/s) of the impact in this step, else `None`.
         """
         return self._inner.step(None if force is None else number("force", force), pair("motion", motion), pair("rigid", rigid))
 

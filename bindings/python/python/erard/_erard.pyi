@@ -150,7 +150,7 @@ class Reading:
         hand_m_per_s: float,
         bridge_n: float,
         converged: bool,
-        blow: tuple[float, float] | None,
+        impact: tuple[float, float] | None,
     ) -> Reading: ...
     def __getnewargs__(
         self,
@@ -166,7 +166,7 @@ class Reading:
     hand_m_per_s: float
     bridge_n: float
     converged: bool
-    blow: tuple[float, float] | None
+    impact: tuple[float, float] | None
 
 @final
 class Action:

@@ -26,7 +26,7 @@ QUANTITIES = (
     "let_off_s",
     "hammer_contact_s",
     "key_bottom_s",
-    "key_bottom_after_blow_s",
+    "key_bottom_after_impact_s",
     "free_flight_s",
     "key_start_s",
     "toe_contact_s",

@@ -117,7 +117,7 @@ class Keys:
         Returns
         -------
         list of (int, float, float)
-            The blows in these steps, in their order: key, instant, s, and speed of the hammer at the string, m/s.
+            The impacts in these steps, in their order: key, instant, s, and speed of the hammer at the string, m/s.
         """
         return self._inner.step(steps)
 

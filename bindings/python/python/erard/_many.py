@@ -34,7 +34,7 @@ OUTCOMES = (
     "hammer_speed_m_per_s",
     "key_bottom_s",
     "check_s",
-    "strikes",
+    "impact_count",
     "hammer_highest_m",
     "unconverged_steps",
     "energy_residual_relative",
@@ -52,7 +52,7 @@ def work(threads: int | None, single: bool, ledger: bool, columns: Sequence[str]
 def outcomes(found: dict[str, Any]) -> dict[str, NDArray[Any]]:
     """The columns of what came of every stroke, read-only."""
     columns = {name: found[name] for name in OUTCOMES}
-    columns["strikes"] = np.nan_to_num(columns["strikes"]).astype(np.int64)
+    columns["impact_count"] = np.nan_to_num(columns["impact_count"]).astype(np.int64)
     columns["unconverged_steps"] = np.nan_to_num(columns["unconverged_steps"]).astype(np.int64)
     for values in columns.values():
         values.flags.writeable = False
@@ -63,7 +63,7 @@ class Rollout(Table):
     """The results of N strokes of T samples.
 
     Columns of shape (N,) tell what came of every stroke, by the names of a study's columns: instants in s (`let_off_s`, ...), nan where it did not
-    happen; `hammer_speed_m_per_s`; `strikes`; `failed`; `trusted`. Columns of shape (N, T) are what was sampled, a sample at each of `time_s`.
+    happen; `hammer_speed_m_per_s`; `impact_count`; `failed`; `trusted`. Columns of shape (N, T) are what was sampled, a sample at each of `time_s`.
 
     Attributes
     ----------
@@ -73,8 +73,8 @@ class Rollout(Table):
         Why strokes failed, by their row; their numbers are nan.
     doubts : list of str
         Why strokes cannot be trusted: of every kind how many, and the worst.
-    blows : list of list of (float, float)
-        Of every stroke: instant (s) and speed (m/s) of each blow on the string.
+    impacts : list of list of (float, float)
+        Of every stroke: instant (s) and speed (m/s) of each impact on the string.
     """
 
     def __init__(
@@ -83,11 +83,11 @@ class Rollout(Table):
         columns: dict[str, NDArray[Any]],
         errors: dict[int, str],
         doubts: list[str],
-        blows: list[list[tuple[float, float]]],
+        impacts: list[list[tuple[float, float]]],
     ) -> None:
         super().__init__(columns)
         time_s.flags.writeable = False
-        self.time_s, self.errors, self.doubts, self.blows = time_s, errors, doubts, blows
+        self.time_s, self.errors, self.doubts, self.impacts = time_s, errors, doubts, impacts
 
     def to_xarray(self) -> xarray.Dataset:
         """A labelled data set: dimensions `stroke` and `time_s`, units as attributes.
@@ -118,13 +118,13 @@ class Rollout(Table):
             "time_s": np.asarray(self.time_s),
             "errors": self.errors,
             "doubts": self.doubts,
-            "blows": self.blows,
+            "impacts": self.impacts,
         }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for values in state["columns"].values():
             values.flags.writeable = False
-        Rollout.__init__(self, state["time_s"], state["columns"], state["errors"], state["doubts"], state["blows"])
+        Rollout.__init__(self, state["time_s"], state["columns"], state["errors"], state["doubts"], state["impacts"])
 
 
 def divided(dt: float, own: Steps, instruments: Sequence[Instrument]) -> tuple[Steps, int]:
@@ -220,8 +220,8 @@ def rollout(
     for samples in sampled.values():
         samples.flags.writeable = False
     time_s = dt * np.arange(array.shape[1], dtype=np.float64)
-    errors, doubts, blows = dict(found_all["errors"]), found_all["doubts"], found_all.get("blows", [])
-    return Rollout(time_s, outcomes(found_all) | sampled, errors, doubts, blows)
+    errors, doubts, impacts = dict(found_all["errors"]), found_all["doubts"], found_all.get("impacts", [])
+    return Rollout(time_s, outcomes(found_all) | sampled, errors, doubts, impacts)
 
 
 class Study(Table):

@@ -30,8 +30,8 @@ class Run(Table):
     events : mapping
         Instants in s on the stroke's clock by their names (`key_start`, `toe_contact`, `let_off`, `hammer_contact`, `key_bottom`, `check`) and
         `hammer_speed` in m/s (total); only what happened.
-    strikes : list of (float, float)
-        Instant (s) and total speed (m/s) of every blow on the string.
+    impacts : list of (float, float)
+        Instant (s) and total speed (m/s) of every impact on the string.
     warnings : list of str
         Why the run cannot be trusted; empty if nothing speaks against it.
     notes : list of str
@@ -49,7 +49,7 @@ class Run(Table):
 
     title: str
     events: Mapping[str, float]
-    strikes: list[tuple[float, float]]
+    impacts: list[tuple[float, float]]
     warnings: list[str]
     notes: list[str]
 
@@ -58,7 +58,7 @@ class Run(Table):
         self._about = about
         self.title = title
         self.events = types.MappingProxyType({name: at for name, at in about["events"].items() if at is not None})
-        self.strikes = about["strikes"]
+        self.impacts = about["impacts"]
         self.warnings, self.notes = about["warnings"], about["notes"]
 
     @property
@@ -181,7 +181,7 @@ class Run(Table):
         if same is not True:
             return same
         assert isinstance(other, Run)
-        return dict(self.events) == dict(other.events) and self.strikes == other.strikes
+        return dict(self.events) == dict(other.events) and self.impacts == other.impacts
 
     __hash__ = None
 

@@ -163,7 +163,7 @@ AT_SHANK = Sensor("shank", "hammer_head_m", from_m=0.034, to_m=0.046, curvature=
 class Kind:
     """A kind of stroke and how often it comes.
 
-    `pressed` swells and holds, `struck` begins with the finger's blow, `repeated` presses a second time before the key is home, `half` lets go
+    `pressed` swells and holds, `struck` begins with the finger's impact, `repeated` presses a second time before the key is home, `half` lets go
     before the hammer is let off.
     """
 
@@ -271,9 +271,9 @@ def _pressed(t: Array, force: float, rise: float, rng: np.random.Generator) -> A
 
 
 def _struck(t: Array, force: float, rise: float, rng: np.random.Generator) -> Array:
-    held, blow = rng.uniform(0.15, 0.35), rng.uniform(0.004, 0.01)
-    first = _smooth(t, 0.005, blow / 2) * (1 - _smooth(t, 0.005 + blow / 2, blow / 2))
-    return force * first + 0.5 * force * _smooth(t, 0.005 + blow, rise) * (1 - _smooth(t, 0.005 + held, 0.03))
+    held, knock = rng.uniform(0.15, 0.35), rng.uniform(0.004, 0.01)
+    first = _smooth(t, 0.005, knock / 2) * (1 - _smooth(t, 0.005 + knock / 2, knock / 2))
+    return force * first + 0.5 * force * _smooth(t, 0.005 + knock, rise) * (1 - _smooth(t, 0.005 + held, 0.03))
 
 
 def _repeated(t: Array, force: float, rise: float, rng: np.random.Generator) -> Array:
@@ -300,11 +300,11 @@ COLUMNS = {
     "rise_s": "how long the force rose, s",
     "misregulated": "whether screws were turned away from the regulated action",
     "turned_SCREW_m": "by how much this one, m",
-    "hammer_speed_m_per_s": "label: speed of the strike point at the first blow, m/s; null where the string is not reached",
+    "hammer_speed_m_per_s": "label: speed of the strike point at the first impact, m/s; null where the string is not reached",
     "hammer_contact_s": "label: when that is, s from the recording's start",
-    "blows": "label: every blow on the string, its instant (s) and speed (m/s)",
-    "strikes": "label: how many blows there are; 2 or more is a repetition or a double strike",
-    "double_strike": "label: a second blow within 0.05 s of another, which the pianist did not mean",
+    "impacts": "label: every impact on the string, its instant (s) and hammer speed (m/s)",
+    "impact_count": "label: number of these; 2 or more is a repetition or a double strike",
+    "double_strike": "label: a second impact within 0.05 s of another, which the pianist did not mean",
     "let_off_s": "label: the last push on the knuckle before the string, s",
     "key_bottom_s": "label: the key meets its front punching, s",
     "release_s": "label: the key comes back above half of its travel for the last time, s; null where it does not",
@@ -372,11 +372,11 @@ def chunk(plan: Plan, index: int, *, threads: int | None = None) -> pyarrow.Tabl
     columns |= {f"turned_{name}_m": pa.array(values) for name, values in turns.items()}
     for name in ("hammer_speed_m_per_s", "hammer_contact_s", "let_off_s", "key_bottom_s", "check_s"):
         columns[name] = pa.array(played[name], from_pandas=True)
-    blows = played.blows
-    pair = pa.list_(pa.struct([("time_s", pa.float64()), ("speed_m_per_s", pa.float64())]))
-    columns["blows"] = pa.array([[{"time_s": at, "speed_m_per_s": v} for at, v in own] for own in blows], pair)
-    columns["strikes"] = pa.array(played["strikes"], pa.int16())
-    instants = [np.array([at for at, _ in own]) for own in blows]
+    impacts = played.impacts
+    pair = pa.list_(pa.struct([("time_s", pa.float64()), ("hammer_speed_m_per_s", pa.float64())]))
+    columns["impacts"] = pa.array([[{"time_s": at, "hammer_speed_m_per_s": v} for at, v in own] for own in impacts], pair)
+    columns["impact_count"] = pa.array(played["impact_count"], pa.int16())
+    instants = [np.array([at for at, _ in own]) for own in impacts]
     columns["double_strike"] = pa.array([bool(np.any(np.diff(own) < 0.05)) for own in instants])
     columns["release_s"] = pa.array(_released(played["key_m"], t), from_pandas=True)
     columns["trusted"] = pa.array(played["trusted"])

@@ -64,7 +64,7 @@ def speed_reward(now: Mapping[str, Floats], goal_m_per_s: Floats) -> Floats:
     Parameters
     ----------
     now : mapping of str to ndarray of shape (N,)
-        What there is to be read of each lane after the period; `blow_m_per_s` is nan where no hammer met its string.
+        What there is to be read of each lane after the period; `hammer_speed_m_per_s` is nan where no hammer met its string.
     goal_m_per_s : ndarray of shape (N,)
         The hammer speed that is asked for, m/s.
 
@@ -72,7 +72,7 @@ def speed_reward(now: Mapping[str, Floats], goal_m_per_s: Floats) -> Floats:
     -------
     ndarray of shape (N,)
     """
-    error = np.abs(now["blow_m_per_s"] / goal_m_per_s - 1.0)
+    error = np.abs(now["hammer_speed_m_per_s"] / goal_m_per_s - 1.0)
     return np.where(np.isnan(error), 0.0, np.maximum(1.0 - error, -1.0))
 
 
@@ -181,7 +181,7 @@ class _Lanes:
         now = self.read(lanes, values, self.steps)
         self.finger_m[lanes] = to_m
         self.periods[lanes] += 1
-        ended = (now["blows"] > 0) | (now["failed"] > 0)
+        ended = (now["impact_count"] > 0) | (now["failed"] > 0)
         cut = ~ended & (self.periods[lanes] >= self.periods_max)
         self.over[lanes] = ended | cut
         rewards = np.asarray(self.reward(now, self.goal[lanes]), dtype=np.float64)
@@ -206,7 +206,7 @@ class KeyEnv(gymnasium.Env[Any, Any]):
 
     Observations are eight numbers (`OBSERVED`): `key_m`, `key_m_per_s`, `finger_mean_n`, `hammer_m`, `hammer_m_per_s`, `finger_m`, `goal_m_per_s`,
     `time_s`. Key and finger are positive downward from the key's rest, the hammer upward. `info` has the hammer's speed at the impact,
-    `blow_m_per_s`.
+    `hammer_speed_m_per_s`.
 
     `reset(options=...)` takes `state` (what `Action.save` or `Keys.save` gave), `finger_m`, `goal_m_per_s` and `time_s`; what `save` gives are such
     options. An episode that begins with a checked hammer is a repetition.
@@ -241,7 +241,7 @@ class KeyEnv(gymnasium.Env[Any, Any]):
     ...     observation, reward, terminated, truncated, info = env.step([4.5])
     ...     if terminated or truncated:
     ...         break
-    >>> terminated, 0.5 < info["blow_m_per_s"] < 5.0
+    >>> terminated, 0.5 < info["hammer_speed_m_per_s"] < 5.0
     (True, True)
     """
 
@@ -304,12 +304,12 @@ class KeyEnv(gymnasium.Env[Any, Any]):
         truncated : bool
             The time is over.
         info : dict
-            `blow_m_per_s` at the impact, `failed` where a number became infinite.
+            `hammer_speed_m_per_s` at the impact, `failed` where a number became infinite.
         """
         seen, rewards, ended, cut, now = self._lanes.step(_FIRST, _action_of(action, (1,)))
         info: dict[str, Any] = {}
-        if now["blows"][0] > 0:
-            info["blow_m_per_s"] = float(now["blow_m_per_s"][0])
+        if now["impact_count"][0] > 0:
+            info["hammer_speed_m_per_s"] = float(now["hammer_speed_m_per_s"][0])
         if now["failed"][0] > 0:
             info["failed"] = True
         return seen[0], float(rewards[0]), bool(ended[0]), bool(cut[0]), info
@@ -429,7 +429,7 @@ class KeyVectorEnv(VectorEnv[Any, Any, Any]):
         rewards : ndarray of shape (N,)
         terminated, truncated : ndarray of shape (N,)
         infos : dict
-            `blow_m_per_s` and `failed` of each lane, and under the same names with `_` before them in which lanes they are.
+            `hammer_speed_m_per_s` and `failed` of each lane, and under the same names with `_` before them in which lanes they are.
         """
         asked = _action_of(actions, (self.num_envs, 1))[:, 0]
         lanes = self._lanes
@@ -439,7 +439,7 @@ class KeyVectorEnv(VectorEnv[Any, Any, Any]):
         infos: dict[str, Any] = {}
         if going.size:
             seen[going], rewards[going], terminated[going], truncated[going], now = lanes.step(going, asked[going])
-            for name, is_there in (("blow_m_per_s", now["blows"] > 0), ("failed", now["failed"] > 0)):
+            for name, is_there in (("hammer_speed_m_per_s", now["impact_count"] > 0), ("failed", now["failed"] > 0)):
                 if is_there.any():
                     infos[name], infos[f"_{name}"] = np.zeros(self.num_envs), np.zeros(self.num_envs, dtype=bool)
                     infos[name][going[is_there]], infos[f"_{name}"][going[is_there]] = now[name][is_there], True

@@ -6,7 +6,7 @@ made up, and how wrong its speeds and instants are. This file needs NumPy only a
 as a program it judges a table of notes:
 
     erard scan pieces/hanon.mid --cases --out data
-    python -m erard.judge data notes.csv                # columns key, time_s, hammer_m_per_s (or velocity)
+    python -m erard.judge data notes.csv                # columns key, time_s, hammer_speed_m_per_s (or velocity)
     python -m erard.judge data --algorithm slope --train nominal
 
 Three small algorithms serve for comparison: `TwoPoints`, `SlopeAtLetOff` and `OneDegreeHammer`.
@@ -48,19 +48,19 @@ DOUBLED_S = 0.2
 FAINT_M_PER_S = 0.25
 
 
-def velocity(hammer_m_per_s: ArrayLike) -> Floats:
+def velocity(hammer_speed_m_per_s: ArrayLike) -> Floats:
     """MIDI velocity of hammer speeds: 52 + 25 log2(v), Goebl's law, which `erard` uses; not limited to 0 to 127.
 
     Parameters
     ----------
-    hammer_m_per_s : array_like
+    hammer_speed_m_per_s : array_like
         Hammer speeds at the string, m/s.
 
     Returns
     -------
     ndarray of float64
     """
-    return np.asarray(52.0 + 25.0 * np.log2(np.asarray(hammer_m_per_s, dtype=np.float64)))
+    return np.asarray(52.0 + 25.0 * np.log2(np.asarray(hammer_speed_m_per_s, dtype=np.float64)))
 
 
 def speed(velocities: ArrayLike) -> Floats:
@@ -87,7 +87,7 @@ class Notes:
         Keys, from 1 (A0) to 88.
     time_s : array_like
         When each hammer meets its string, s, on the clock of the readings.
-    hammer_m_per_s : array_like
+    hammer_speed_m_per_s : array_like
         Hammer speeds at the string, m/s, positive.
     optional : array_like of bool, optional
         Of true strikes: those which need not be found (bounces of a hammer). Strikes slower than `FAINT_M_PER_S` need
@@ -99,11 +99,11 @@ class Notes:
         The columns differ in length, or a number is not finite, not positive or no key.
     """
 
-    def __init__(self, key: ArrayLike, time_s: ArrayLike, hammer_m_per_s: ArrayLike, optional: ArrayLike | None = None) -> None:
-        keys, times, speeds = (np.atleast_1d(np.asarray(column, dtype=np.float64)) for column in (key, time_s, hammer_m_per_s))
+    def __init__(self, key: ArrayLike, time_s: ArrayLike, hammer_speed_m_per_s: ArrayLike, optional: ArrayLike | None = None) -> None:
+        keys, times, speeds = (np.atleast_1d(np.asarray(column, dtype=np.float64)) for column in (key, time_s, hammer_speed_m_per_s))
         free = np.zeros(len(keys), dtype=bool) if optional is None else np.atleast_1d(np.asarray(optional, dtype=bool))
         if not len(keys) == len(times) == len(speeds) == len(free):
-            raise ValueError(f"key, time_s and hammer_m_per_s have {len(keys)}, {len(times)} and {len(speeds)} numbers; expected as many of each")
+            raise ValueError(f"key, time_s and hammer_speed_m_per_s have {len(keys)}, {len(times)} and {len(speeds)} numbers; expected as many of each")
         sound = np.isfinite(keys) & np.isfinite(times) & np.isfinite(speeds) & (speeds > 0) & (keys >= 1) & (keys <= 88) & (keys % 1 == 0)
         if not sound.all():
             first = int(np.flatnonzero(~sound)[0])
@@ -112,7 +112,7 @@ class Notes:
         order = np.argsort(times, kind="stable")
         self.key: NDArray[np.int64] = keys[order].astype(np.int64)
         self.time_s: Floats = times[order]
-        self.hammer_m_per_s: Floats = speeds[order]
+        self.hammer_speed_m_per_s: Floats = speeds[order]
         self.optional: NDArray[np.bool_] = free[order]
 
     def __len__(self) -> int:
@@ -125,7 +125,7 @@ class Notes:
         Parameters
         ----------
         path : str or Path
-            A CSV with the columns `key`, `time_s`, and `hammer_m_per_s` or `velocity`, as `erard live --out notes.csv`
+            A CSV with the columns `key`, `time_s`, and `hammer_speed_m_per_s` or `velocity`, as `erard live --out notes.csv`
             writes it; or a MIDI file (`pip install mido` reads it).
         shift_s : float, optional
             Added to the instants, s: by how much the file begins later than the readings' clock.
@@ -144,10 +144,10 @@ class Notes:
             return cls._of_midi(path, shift_s)
         rows = table(path)
         heads = rows[0].keys() if rows else ()
-        loud = "hammer_m_per_s" if "hammer_m_per_s" in heads else "velocity"
+        loud = "hammer_speed_m_per_s" if "hammer_speed_m_per_s" in heads else "velocity"
         key, time_s, by = (column(rows, name, path) for name in ("key", "time_s", loud))
         # Nothing that sounds is slower: velocity 0 is what is left of a strike below 1.
-        return cls(key, time_s + shift_s, by if loud == "hammer_m_per_s" else speed(by))
+        return cls(key, time_s + shift_s, by if loud == "hammer_speed_m_per_s" else speed(by))
 
     @classmethod
     def _of_midi(cls, path: Path, shift_s: float) -> Notes:
@@ -319,7 +319,7 @@ class DataSet:
         ]
         path = folder / self.about["truth"]
         rows = table(path)
-        self.truth = Notes(*(column(rows, name, path) for name in ("key", "time_s", "hammer_m_per_s", "again")))
+        self.truth = Notes(*(column(rows, name, path) for name in ("key", "time_s", "hammer_speed_m_per_s", "again")))
         path = folder / self.about["windows"]
         rows = table(path)
         self._cases = [row["case"] for row in rows]
@@ -387,7 +387,7 @@ class Score:
     def speed_error(self) -> Floats:
         """Errors of the speeds that were found, shares of the true ones."""
         pairs = self.pairs
-        return np.asarray(self.found.hammer_m_per_s[pairs[:, 1]] / self.true.hammer_m_per_s[pairs[:, 0]] - 1.0)
+        return np.asarray(self.found.hammer_speed_m_per_s[pairs[:, 1]] / self.true.hammer_speed_m_per_s[pairs[:, 0]] - 1.0)
 
     @property
     def velocity_error(self) -> Floats:
@@ -429,7 +429,7 @@ def compare(true: Notes, found: Notes) -> Score:
     -------
     Score
     """
-    free = true.optional | (true.hammer_m_per_s < FAINT_M_PER_S)
+    free = true.optional | (true.hammer_speed_m_per_s < FAINT_M_PER_S)
     of_true, of_found = np.full(len(true), -1), np.full(len(found), -1)
     for key in np.unique(found.key):
         ours, theirs = np.flatnonzero(true.key == key), np.flatnonzero(found.key == key)
@@ -561,11 +561,11 @@ class Baseline:
         """
         key, t, u = self._measured(scan)
         true, rows = data.truth, []
-        for index in np.flatnonzero(true.hammer_m_per_s >= FAINT_M_PER_S):
+        for index in np.flatnonzero(true.hammer_speed_m_per_s >= FAINT_M_PER_S):
             others = np.abs(true.time_s[true.key == true.key[index]] - true.time_s[index])
             near = np.flatnonzero((key == true.key[index]) & (np.abs(t - true.time_s[index]) < 0.1))
             if np.count_nonzero(others < 0.3) == 1 and len(near) > 0:
-                rows.append((u[near[0]], true.hammer_m_per_s[index], true.time_s[index] - t[near[0]]))
+                rows.append((u[near[0]], true.hammer_speed_m_per_s[index], true.time_s[index] - t[near[0]]))
         if len(rows) < 10:
             raise ValueError(f"{scan.path}: {len(rows)} strikes from rest were measured; expected ten or more to train with")
         u_s, v, late = np.array(rows).T
@@ -756,7 +756,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     parser = argparse.ArgumentParser(prog="erard.judge", description="Compares notes that an algorithm made of key sensors with the truth.")
     parser.add_argument("data", help="folder of `erard scan`")
-    parser.add_argument("notes", nargs="?", help="notes: CSV (key, time_s, hammer_m_per_s or velocity) or MIDI file")
+    parser.add_argument("notes", nargs="?", help="notes: CSV (key, time_s, hammer_speed_m_per_s or velocity) or MIDI file")
     parser.add_argument("--shift", type=float, default=0.0, metavar="S", help="added to the notes' instants, s")
     parser.add_argument("--algorithm", choices=BASELINES, help="judge a baseline on each scan instead")
     parser.add_argument("--train", metavar="FOLDER", help="data set that the baseline is trained on, of one sensor or the same ones")

@@ -132,8 +132,7 @@ impl Press {
                 "--wav needs modal strings; this instrument's string is rigid. Use --instrument concert-grand-strings";
             return Err(Failure::Usage(message.into()));
         }
-        let mut output =
-            self.out.prepare("press", &["run.csv", "run.parquet", "summary.json", "run.svg", "run.png", "run.html"])?;
+        let mut output = self.out.prepare("press", &["run.csv", "summary.json", "run.svg", "run.png", "run.html"])?;
         let started = Instant::now();
         let mut inside = Inside {
             reactions: self.reactions.then(|| ReactionRecorder::new(instrument)),
@@ -152,7 +151,6 @@ impl Press {
         let page = page_html(&shown_run, &stroke.title, &summary.lines());
         let table = Table::of_run(&run, inside::columns(&pins));
         output.table("run.csv", &table)?;
-        output.stage("run.parquet", |w| table.write_parquet("run", w))?;
         output.json("summary.json", &summary.json)?;
         output.figure("run", &svg)?;
         output.text("run.html", &page)?;

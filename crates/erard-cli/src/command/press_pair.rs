@@ -15,8 +15,7 @@ use crate::summary::{MEASURES, Measure, Summary, value};
 use crate::table::Table;
 
 /// What is written; the tables of the two runs are numbered.
-pub(crate) const FILES: [&str; 8] =
-    ["run-1.csv", "run-1.parquet", "run-2.csv", "run-2.parquet", "summary.json", "run.svg", "run.png", "run.html"];
+pub(crate) const FILES: [&str; 6] = ["run-1.csv", "run-2.csv", "summary.json", "run.svg", "run.png", "run.html"];
 
 /// One of the two.
 #[derive(Debug)]
@@ -82,16 +81,15 @@ fn rows(summaries: [&Value; 2]) -> Vec<(String, [String; 3])> {
 
 /// How often each hammer strikes.
 fn impacts(summaries: [&Value; 2]) -> [usize; 2] {
-    summaries.map(|summary| summary["strikes"].as_array().map_or(0, Vec::len))
+    summaries.map(|summary| summary["impacts"].as_array().map_or(0, Vec::len))
 }
 
 /// Stages the page, the figure, the tables and the numbers.
 pub(crate) fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(), Failure> {
     let (names, title, summaries) = (names(played), title(played), json_of(played));
-    for (one, tables) in played.iter().zip([["run-1.csv", "run-1.parquet"], ["run-2.csv", "run-2.parquet"]]) {
+    for (one, name) in played.iter().zip(["run-1.csv", "run-2.csv"]) {
         let table = Table::of_run(&one.run, Vec::new());
-        output.table(tables[0], &table)?;
-        output.stage(tables[1], |w| table.write_parquet("run", w))?;
+        output.table(name, &table)?;
     }
     let mut difference = Map::new();
     for measure in &MEASURES {

@@ -54,9 +54,9 @@ pub(crate) struct Study {
     )]
     by: Vec<String>,
     /// With --sensitivities: the results, with commas, out of hammer_speed_m_per_s, let_off_s, hammer_contact_s,
-    /// key_bottom_s, key_bottom_after_blow_s, free_flight_s, key_start_s, toe_contact_s, key_start_to_hammer_s,
-    /// down_weight_g, up_weight_g, balance_weight_g [default: hammer_speed_m_per_s, let_off_s, key_bottom_after_blow_s,
-    /// down_weight_g, balance_weight_g]
+    /// key_bottom_s, key_bottom_after_impact_s, free_flight_s, key_start_s, toe_contact_s, key_start_to_hammer_s,
+    /// down_weight_g, up_weight_g, balance_weight_g [default: hammer_speed_m_per_s, let_off_s,
+    /// key_bottom_after_impact_s, down_weight_g, balance_weight_g]
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',', requires = "sensitivities", conflicts_with = "vary")]
     of: Vec<String>,
     /// With --sensitivities: what happens to the rest at which the stroke starts while a number changes
@@ -135,7 +135,7 @@ impl Study {
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
         let setup = Setup { settings, start_s: stroke.start_s, hand: stroke.hand(), ..Setup::new(duration_s) };
         check(&setup)?;
-        let mut output = self.out.prepare("study", &["study.csv", "study.parquet"])?;
+        let mut output = self.out.prepare("study", &["study.csv"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };
         let model = self.instrument.model;
         let varied = Varied { instrument: &instrument, source: &source, model, axes: &axes, each };
@@ -159,7 +159,6 @@ impl Study {
         };
         let table = table_of(&columns);
         output.table("study.csv", &table)?;
-        output.stage("study.parquet", |w| table.write_parquet("study", w))?;
         let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive_name());
         if let Some(chart) = chart(&title, &axes, &rows) {
             let svg = chart_svg(&chart, "study");
@@ -175,7 +174,7 @@ impl Study {
             played.filter(|played| which(played.events.impacts.len())).count()
         };
         let counted =
-            [(impacts(|count| count == 0), "without a strike"), (impacts(|count| count > 1), "with several strikes")];
+            [(impacts(|count| count == 0), "without an impact"), (impacts(|count| count > 1), "with several impacts")];
         let counted = counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("; {count} {what}"));
         say!("{} strokes; {failed} failed{}", rows.len(), counted.collect::<String>());
         say!();

@@ -11,7 +11,9 @@ use clap::Args;
 use erard::instrument_spec::split_sample;
 use erard::keyboard::Keyboard;
 use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg};
-use erard_workshop::validate::{Drive, GroupResult, PressedBlow, Published, Row, Tally, Validation, Verdict, validate};
+use erard_workshop::validate::{
+    Drive, GroupResult, Published, Row, SimulatedPress, Tally, Validation, Verdict, validate,
+};
 use serde::Serialize;
 
 /// Text below the options.
@@ -131,7 +133,7 @@ struct RowReport<'a> {
 
 #[derive(Debug, Serialize)]
 #[allow(non_snake_case)]
-struct BlowReport {
+struct PressReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     force_N: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -185,8 +187,8 @@ struct Report<'a> {
     silent: usize,
     open: usize,
     rows: Vec<RowReport<'a>>,
-    blows: Vec<BlowReport>,
-    pressed: Vec<BlowReport>,
+    constant_force: Vec<PressReport>,
+    pressed: Vec<PressReport>,
 }
 
 impl<'a> Report<'a> {
@@ -207,7 +209,7 @@ impl<'a> Report<'a> {
             groups.iter().map(of).fold(TallyReport { met: 0, judged: 0 }, sum)
         };
         let ms = |s: Option<f64>| s.map(|s| s * 1e3);
-        let blow = |b: &PressedBlow| BlowReport {
+        let press = |b: &SimulatedPress| PressReport {
             force_N: if let Drive::Constant(force) = b.drive { Some(force) } else { None },
             rate_N_s: if let Drive::Pressed(rate) = b.drive { Some(rate) } else { None },
             key_stroke_ms: ms(b.key_stroke_s),
@@ -226,8 +228,8 @@ impl<'a> Report<'a> {
             undecided: 0,
             silent: count(&[SILENT]),
             open: count(&[OPEN]),
-            blows: validation.blows.iter().map(blow).collect(),
-            pressed: validation.pressed.iter().map(blow).collect(),
+            constant_force: validation.constant_force.iter().map(press).collect(),
+            pressed: validation.pressed.iter().map(press).collect(),
             rows,
         }
     }
@@ -365,29 +367,34 @@ fn print_groups(groups: &[GroupReport]) {
 
 fn print_table(rows: &[RowReport]) {
     let banded = rows.iter().any(|row| row.band_low.is_some());
-    let heads = ["", "published", "counts as met", "simulated", "5 to 95 %", "verdict"];
+    let heads = ["", "met if", "simulated", "5 to 95 %", "verdict"];
     let mut group = rows.first().map_or("", |row| row.group);
-    let mut cells: Vec<[String; 6]> = Vec::new();
+    let mut cells: Vec<[String; 5]> = Vec::new();
     for row in rows {
         if row.group != group {
             cells.push(Default::default());
             group = row.group;
         }
         let by = row.missed_by.map_or_else(String::new, |by| {
-            format!(" by {} {}", three(by.abs()), row.unit).trim_end().to_owned()
-                + if by < 0.0 { " (too low)" } else { " (too high)" }
+            let sign = if by < 0.0 { "-" } else { "+" };
+            format!(" by {sign}{} {}", three(by.abs()), row.unit).trim_end().to_owned()
         });
         let set = if row.set_by.is_some() { ", set" } else { "" };
-        let beside = row.constant_force.map_or_else(String::new, |x| format!(" ({} under a constant force)", three(x)));
         let simulated = row.simulated.map_or_else(|| "-".to_owned(), three);
         let band = row.band_low.zip(row.band_high);
         let band = band.map_or_else(String::new, |(low, high)| format!("{} to {}", three(low), three(high)));
-        let verdict = format!("{}{by}{set}{beside}", row.verdict);
-        cells.push([row.quantity.to_owned(), row.published.clone(), row.counts(), simulated, band, verdict]);
+        let verdict = format!("{}{by}{set}", row.verdict);
+        cells.push([row.quantity.to_owned(), row.counts(), simulated, band, verdict]);
+        if let Some(x) = row.constant_force {
+            let [none, empty] = [const { String::new() }; 2];
+            cells.push(["  under a constant force".to_owned(), none, three(x), empty, "not counted".to_owned()]);
+        }
     }
     let shown = |column: &usize| banded || heads[*column] != "5 to 95 %";
-    let of = |row: &[String; 6]| (0..6).filter(shown).map(|column| row[column].clone()).collect::<Vec<_>>();
-    say!("{}", Table::of((0..6).filter(shown).map(|column| heads[column]), cells.iter().map(of)));
+    let of = |row: &[String; 5]| (0..5).filter(shown).map(|column| row[column].clone()).collect::<Vec<_>>();
+    say!("{}", Table::of((0..5).filter(shown).map(|column| heads[column]), cells.iter().map(of)));
+    say!("  The published values, and the source of each, are in validate.csv.");
+    say!();
     // Rows with one reason share a line.
     let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for row in rows.iter().filter(|row| row.verdict != MET) {
@@ -416,39 +423,39 @@ struct Bar {
     range: [[f64; 2]; 2],
 }
 
-/// Blows that sound, and what they show against the hammer's speed; what did not happen is a gap.
+/// Presses that sound, and what they show against the hammer's speed; what did not happen is a gap.
 struct Curve<'a> {
-    blows: Vec<&'a PressedBlow>,
+    presses: Vec<&'a SimulatedPress>,
     speeds: Vec<f64>,
     ahead_ms: Vec<f64>,
     stroke_ms: Vec<f64>,
 }
 
 impl<'a> Curve<'a> {
-    fn of(blows: impl Iterator<Item = &'a PressedBlow>) -> Self {
-        let blows: Vec<&PressedBlow> = blows.collect();
-        let ms = |get: fn(&PressedBlow) -> Option<f64>| -> Vec<f64> {
-            blows.iter().map(|b| get(b).map_or(f64::NAN, |s| 1e3 * s)).collect()
+    fn of(presses: impl Iterator<Item = &'a SimulatedPress>) -> Self {
+        let presses: Vec<&SimulatedPress> = presses.collect();
+        let ms = |get: fn(&SimulatedPress) -> Option<f64>| -> Vec<f64> {
+            presses.iter().map(|b| get(b).map_or(f64::NAN, |s| 1e3 * s)).collect()
         };
         Curve {
-            speeds: blows.iter().filter_map(|b| b.hammer_speed_m_per_s).collect(),
+            speeds: presses.iter().filter_map(|b| b.hammer_speed_m_per_s).collect(),
             ahead_ms: ms(|b| b.hammer_ahead_s),
             stroke_ms: ms(|b| b.key_stroke_s),
-            blows,
+            presses,
         }
     }
 
-    /// The hammer speed of the first blow of which something holds.
-    fn speed(&self, holds: impl Fn(&PressedBlow) -> bool) -> Option<f64> {
-        self.blows.iter().find(|b| holds(b)).and_then(|b| b.hammer_speed_m_per_s)
+    /// The hammer speed of the first press of which something holds.
+    fn speed(&self, holds: impl Fn(&SimulatedPress) -> bool) -> Option<f64> {
+        self.presses.iter().find(|b| holds(b)).and_then(|b| b.hammer_speed_m_per_s)
     }
 }
 
-/// The order of events against loudness: simulated blows, and the published points as bars.
+/// The order of events against loudness: simulated presses, and the published points as bars.
 fn order_svg(validation: &Validation, published: &Published) -> String {
-    let [constant, pressed] = [&validation.blows, &validation.pressed]
-        .map(|blows| Curve::of(blows.iter().filter(|b| b.hammer_speed_m_per_s.is_some())));
-    // Where a row's published number stands: at the hammer speed of the simulated blow that it was compared with.
+    let [constant, pressed] = [&validation.constant_force, &validation.pressed]
+        .map(|presses| Curve::of(presses.iter().filter(|b| b.hammer_speed_m_per_s.is_some())));
+    // Where a row's published number stands: at the hammer speed of the simulated press that it was compared with.
     let bar = |name: &str, speed: Option<f64>| -> Option<Bar> {
         let row = published.rows.iter().find(|row| row.name == name)?;
         let v = speed?;
@@ -456,14 +463,14 @@ fn order_svg(validation: &Validation, published: &Published) -> String {
         Some(Bar { x: [v - BAR_M_PER_S, v + BAR_M_PER_S], y: [number, number], range: [[v, v], [low, high]] })
     };
     let near = |force: f64| constant.speed(|b| matches!(b.drive, Drive::Constant(n) if n >= force));
-    let quick = |b: &PressedBlow| b.key_stroke_s.is_some_and(|t| t <= 0.025);
+    let quick = |b: &SimulatedPress| b.key_stroke_s.is_some_and(|t| t <= 0.025);
     let bars = |all: [Option<Bar>; 5]| -> Vec<Bar> { all.into_iter().flatten().collect() };
     let orders = bars([
         bar("hammer_ahead_pp", Some(0.5)),
         bar("hammer_ahead_p", near(0.8)),
         bar("hammer_ahead_f", pressed.speed(quick)),
         bar("hammer_ahead_ff", Some(5.0)),
-        bar("hammer_ahead_loudest", pressed.blows.last().and_then(|b| b.hammer_speed_m_per_s)),
+        bar("hammer_ahead_loudest", pressed.presses.last().and_then(|b| b.hammer_speed_m_per_s)),
     ]);
     let strokes = bars([
         bar("key_stroke_at_0_8_N", near(0.8)),

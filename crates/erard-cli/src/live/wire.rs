@@ -113,7 +113,7 @@ impl Write for Kept {
 struct Row {
     key: usize,
     time_s: f64,
-    hammer_m_per_s: f64,
+    hammer_speed_m_per_s: f64,
     velocity: Velocity,
     /// When it ended, s, and the release's velocity.
     ended: Option<(f64, Velocity)>,
@@ -213,7 +213,7 @@ impl Wire {
             .optional("key", number(&|row| Some(row.key as f64)))
             .words("name", rows.iter().map(|row| note_name(row.key)))
             .optional("time_s", number(&|row| Some(row.time_s)))
-            .optional("hammer_m_per_s", number(&|row| Some(row.hammer_m_per_s)))
+            .optional("hammer_speed_m_per_s", number(&|row| Some(row.hammer_speed_m_per_s)))
             .optional("velocity", number(&|row| Some(row.velocity.counts())))
             .optional("release_s", number(&|row| row.ended.map(|(at_s, _)| at_s)))
             .optional("release_velocity", number(&|row| row.ended.map(|(_, release)| release.counts())));
@@ -237,8 +237,8 @@ impl Wire {
 /// Takes an event into the notes of a table. A key that strikes again before its damper is down has one end.
 fn note_down(rows: &mut Vec<Row>, event: &Event) {
     match *event {
-        Event::On { key, time_s, hammer_m_per_s, velocity, .. } => {
-            rows.push(Row { key, time_s, hammer_m_per_s, velocity, ended: None });
+        Event::On { key, time_s, hammer_speed_m_per_s, velocity, .. } => {
+            rows.push(Row { key, time_s, hammer_speed_m_per_s, velocity, ended: None });
         }
         Event::Off { key, time_s, release } => {
             if let Some(row) = rows.iter_mut().rev().find(|row| row.key == key) {

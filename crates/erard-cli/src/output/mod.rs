@@ -25,7 +25,7 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::inputs;
 use crate::signals;
-use crate::table::{TABLE, Table, beside, is_beside_a_table};
+use crate::table::{TABLE, Table, as_parquet, beside, is_beside_a_table};
 use crate::{answer, identity};
 pub(crate) use mark::Mark;
 use stage::Stage;
@@ -77,7 +77,9 @@ impl Output {
             return Err(refused(std::io::Error::other("this is a file; expected a folder")));
         }
         let place = Place { folder, command, force };
-        let tables = certain.iter().filter(|name| name.ends_with(TABLE)).map(|name| beside(name));
+        let tables = certain.iter().filter(|name| name.ends_with(TABLE));
+        let tables = tables
+            .flat_map(|name| [beside(name), as_parquet(name)].into_iter().take(1 + usize::from(command.is_some())));
         place.check(&certain.iter().map(|name| (*name).to_owned()).chain(tables).collect::<Vec<_>>())?;
         let stage = if place.is_whole() || !folder.exists() {
             // Where nothing can be made beside the folder, there may be room within it.
@@ -106,14 +108,20 @@ impl Output {
         self.put(name, &mut |writer| write.take().map_or(Ok(()), |write| write(writer)))
     }
 
-    /// Writes a table as CSV, and beside it the units of its columns and what made it, which a CSV cannot hold.
+    /// Writes a table as CSV, and beside it the units of its columns and what made it, which a CSV cannot hold. Results
+    /// of a command are written as Parquet, too; a file that the user has named is that file alone.
     ///
     /// # Errors
     /// [`Failure::Write`].
     pub fn table(&mut self, name: &str, table: &Table<'_>) -> Result<(), Failure> {
         self.stage(name, |writer| table.write_csv(writer))?;
         answer::offer_table(table);
-        self.json(&beside(name), &table.metadata(name))
+        self.json(&beside(name), &table.metadata(name))?;
+        if self.command.is_some() {
+            let title = name.strip_suffix(TABLE).unwrap_or(name);
+            self.stage(&as_parquet(name), |writer| table.write_parquet(title, writer))?;
+        }
+        Ok(())
     }
 
     /// A file without a name beside the results, for what is too long to be held; gone with its handle. It may be made
@@ -220,8 +228,28 @@ pub struct Written {
 
 impl std::fmt::Display for Written {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Written to {}: {}", inputs::shown(&self.folder), self.names.join(", "))
+        write!(f, "Written to {}: {}", inputs::shown(&self.folder), shortened(&self.names).join(", "))
     }
+}
+
+/// From so many files on whose names differ in digits only, the first and the last of them are named.
+const MANY: usize = 6;
+
+/// The names, with a line of numbered pages as its ends and their number.
+fn shortened(names: &[String]) -> Vec<String> {
+    let kind = |name: &str| name.replace(|c: char| c.is_ascii_digit(), "");
+    let mut kinds: Vec<(String, Vec<&str>)> = Vec::new();
+    for name in names {
+        match kinds.iter_mut().find(|(known, _)| *known == kind(name)) {
+            Some((_, alike)) => alike.push(name),
+            None => kinds.push((kind(name), vec![name])),
+        }
+    }
+    let shown = kinds.into_iter().flat_map(|(_, alike)| match &alike[..] {
+        [first, .., last] if alike.len() >= MANY => vec![format!("{first} to {last} ({} files)", alike.len())],
+        _ => alike.into_iter().map(str::to_owned).collect(),
+    });
+    shown.collect()
 }
 
 /// A folder and who wants to write into it.

@@ -34,7 +34,7 @@ pub(crate) fn table(side: &Side) -> Table<'static> {
         .optional("velocity", number(&|note| Some(note.wanted.velocity.counts())))
         .optional("wanted_m_per_s", number(&|note| Some(note.wanted.speed_m_per_s)))
         .optional("sounded_s", number(&|note| note.impact.map(|[at_s, _]| at_s)))
-        .optional("hammer_m_per_s", number(&|note| note.impact.map(|[_, speed]| speed)))
+        .optional("hammer_speed_m_per_s", number(&|note| note.impact.map(|[_, speed]| speed)))
         .optional("late_ms", number(&|note| note.late_s().map(|late_s| 1e3 * late_s)))
         .optional("louder_by_counts", number(&|note| note.louder))
         .optional("pressed_s", number(&|note| Some(note.pressed_s)))
@@ -72,7 +72,7 @@ fn reasons_json(all: &Summary) -> serde_json::Map<String, Value> {
 fn ceilings_json(performance: &Performance, law: &Law<'_>) -> Vec<Value> {
     let one = |(key, speed): (&usize, &f64)| {
         let velocity = law.velocity(*speed).counts();
-        json!({"key": key, "name": note_name(*key), "hammer_m_per_s": speed, "velocity": velocity})
+        json!({"key": key, "name": note_name(*key), "hammer_speed_m_per_s": speed, "velocity": velocity})
     };
     performance.ceilings().iter().map(one).collect()
 }

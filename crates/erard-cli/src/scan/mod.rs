@@ -87,8 +87,8 @@ impl Scanned<'_> {
             .words("case", strikes.iter().map(|one| windows[one.window].case))
             .optional("window", number(&|one| Some((one.window + 1) as f64)))
             .optional("time_s", number(&|one| Some(one.time_s)))
-            .optional("hammer_m_per_s", number(&|one| Some(one.hammer_m_per_s)))
-            .optional("velocity", number(&|one| Some(Law::GOEBL.velocity(one.hammer_m_per_s).counts())))
+            .optional("hammer_speed_m_per_s", number(&|one| Some(one.hammer_speed_m_per_s)))
+            .optional("velocity", number(&|one| Some(Law::GOEBL.velocity(one.hammer_speed_m_per_s).counts())))
             .optional("again", number(&|one| Some(f64::from(u8::from(one.again)))))
             .optional("release_s", number(&|one| one.released.map(|[at_s, _]| at_s)))
             .optional("release_m_per_s", number(&|one| one.released.map(|[_, speed]| speed)))
@@ -96,14 +96,14 @@ impl Scanned<'_> {
 
     fn windows(&self) -> Table<'static> {
         let windows = &self.truth.windows;
-        let strikes = |index: usize| self.truth.strikes.iter().filter(|one| one.window == index).count();
+        let impacts = |index: usize| self.truth.strikes.iter().filter(|one| one.window == index).count();
         Table::default()
             .optional("window", (1..=windows.len()).map(|n| Some(n as f64)))
             .optional("key", windows.iter().map(|one| Some(one.key as f64)))
             .words("case", windows.iter().map(|one| one.case))
             .optional("from_s", windows.iter().map(|one| Some(one.from_s)))
             .optional("to_s", windows.iter().map(|one| Some(one.to_s)))
-            .optional("strikes", (0..windows.len()).map(|index| Some(strikes(index) as f64)))
+            .optional("impact_count", (0..windows.len()).map(|index| Some(impacts(index) as f64)))
     }
 }
 

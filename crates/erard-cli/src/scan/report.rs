@@ -40,7 +40,7 @@ pub(crate) fn json(scanned: &Scanned<'_>, readings: &[usize]) -> Value {
     let cases: Vec<Value> = counted(scanned)
         .into_iter()
         .map(|(case, windows, strikes, again)| {
-            json!({ "case": case, "windows": windows, "strikes": strikes, "again": again })
+            json!({ "case": case, "windows": windows, "impact_count": strikes, "again": again })
         })
         .collect();
     json!({
@@ -92,5 +92,5 @@ pub(crate) fn text(scanned: &Scanned<'_>) -> String {
     let many = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let (keys, sensors) = (many(scanned.played.len(), "key"), many(scanned.sensors.len(), "sensor"));
     let own = format!("{piece}{} - {keys}, {sensors}", scanned.keyboard.name);
-    format!("{own}\n\n{}\n", Table::of(["case", "played", "strikes", "bounces"], rows))
+    format!("{own}\n\n{}\n", Table::of(["case", "played", "impacts", "bounces"], rows))
 }

@@ -88,7 +88,7 @@ const SHOWN: [Shown; 5] = [
 /// The table for people, at most so many rows of it, the first and the last among them.
 pub(crate) fn shown(axes: &[Axis], measures: &[&Line], rows: &[Row], most: usize) -> Table<'static> {
     let heads = axes.iter().map(Axis::column);
-    let heads = heads.chain(SHOWN.iter().map(|(name, _)| (*name).to_owned())).chain(["strikes".to_owned()]);
+    let heads = heads.chain(SHOWN.iter().map(|(name, _)| (*name).to_owned())).chain(["impacts".to_owned()]);
     let heads = heads.chain(measures.iter().map(|line| measured_title(axes, line))).chain([String::new()]);
     let shown = most.min(rows.len()).max(1);
     let places = (0..shown).map(|k| k * rows.len().saturating_sub(1) / (shown - 1).max(1));

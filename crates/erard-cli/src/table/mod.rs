@@ -4,7 +4,7 @@ mod parquet;
 mod text;
 
 use std::borrow::Cow;
-use std::io::{Error, Write};
+use std::io::Write;
 
 use erard::run::{Run, column_unit};
 use maud::{Markup, html};
@@ -12,6 +12,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 pub(crate) use parquet::RowGroups;
+use parquet::Values;
 pub use text::three;
 pub(crate) use text::{USUAL, WIDEST, decimal, wrapped};
 
@@ -24,6 +25,11 @@ const METADATA: &str = "-metadata.json";
 /// Name of the metadata of a table.
 pub(crate) fn beside(table: &str) -> String {
     format!("{table}{METADATA}")
+}
+
+/// Name of the same table as Parquet.
+pub(crate) fn as_parquet(table: &str) -> String {
+    format!("{}.parquet", table.strip_suffix(TABLE).unwrap_or(table))
 }
 
 /// Whether a name is that of a table's metadata.
@@ -135,21 +141,27 @@ impl<'a> Table<'a> {
         csv.flush()
     }
 
-    /// As Parquet: its columns of numbers.
+    /// As Parquet, with the title as the name of its rows' type. An empty cell is null.
     ///
     /// # Errors
     /// Of the writer.
     pub(crate) fn write_parquet(&self, title: &str, writer: &mut dyn Write) -> std::io::Result<()> {
         let rows = self.rows();
-        let columns = self.columns.iter().map(|(name, cells)| match cells {
-            Cells::All(all) => Ok((name.as_ref(), Cow::Borrowed(&all[..]), vec![i16::from(!all.is_empty()); rows])),
-            Cells::Some(some) => {
-                let there = some.iter().map(|value| i16::from(value.is_some())).collect();
-                Ok((name.as_ref(), some.iter().copied().flatten().collect(), there))
-            }
-            Cells::Words(_) => Err(Error::other(format!("{name}: words in a table of numbers"))),
+        let columns = self.columns.iter().map(|(name, cells)| {
+            let is_there = |row: usize| match cells {
+                Cells::Words(words) => words.get(row).is_some_and(|word| !word.is_empty()),
+                _ => cells.number(row).is_some(),
+            };
+            let values = match cells {
+                Cells::All(all) => Values::Numbers(Cow::Borrowed(&all[..])),
+                Cells::Some(some) => Values::Numbers(some.iter().copied().flatten().collect()),
+                Cells::Words(words) => {
+                    Values::Words(words.iter().filter(|word| !word.is_empty()).map(|word| word[..].into()).collect())
+                }
+            };
+            (name.as_ref(), values, (0..rows).map(|row| i16::from(is_there(row))).collect())
         });
-        parquet::write(title, &columns.collect::<Result<Vec<_>, _>>()?, writer)
+        parquet::write(title, &columns.collect::<Vec<_>>(), writer)
     }
 
     /// Its columns by their names: null where a cell is empty.

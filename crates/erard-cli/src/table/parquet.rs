@@ -6,8 +6,8 @@ use std::io::{Error, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use erard::run::column_unit;
-use parquet::basic::{Compression, Repetition};
-use parquet::data_type::{DoubleType, Int32Type};
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
@@ -15,29 +15,40 @@ use parquet::schema::types::Type;
 
 use crate::identity;
 
+/// The values of a column that are there.
+pub(super) enum Values<'a> {
+    Numbers(Cow<'a, [f64]>),
+    Words(Vec<ByteArray>),
+}
+
 /// Name, the values that are there, and for every row whether it has one.
-pub(super) type ParquetColumn<'a> = (&'a str, Cow<'a, [f64]>, Vec<i16>);
+pub(super) type ParquetColumn<'a> = (&'a str, Values<'a>, Vec<i16>);
 
 /// Columns that count: whole numbers.
-const COUNTS: [&str; 4] = ["strikes", "unconverged_steps", "failed", "key"];
+const COUNTS: [&str; 4] = ["impact_count", "unconverged_steps", "failed", "key"];
 
-/// One row group: doubles, and whole numbers for what counts.
+/// One row group: doubles, whole numbers for what counts, and words.
 pub(super) fn write(title: &str, columns: &[ParquetColumn<'_>], writer: &mut dyn Write) -> std::io::Result<()> {
     let names: Vec<&str> = columns.iter().map(|(name, ..)| *name).collect();
+    let kinds: Vec<_> = columns.iter().map(|(name, values, _)| (*name, kind(name, values))).collect();
     // The library wants a writer that can be sent to another thread; a buffer in between can.
     let mut bytes = Vec::new();
     let mut file =
-        SerializedFileWriter::new(&mut bytes, schema(title, &names, Repetition::OPTIONAL)?, properties(&names)?)
+        SerializedFileWriter::new(&mut bytes, schema(title, &kinds, Repetition::OPTIONAL)?, properties(&names)?)
             .map_err(Error::other)?;
     let mut group = file.next_row_group().map_err(Error::other)?;
     for (name, values, there) in columns {
         let Some(mut column) = group.next_column().map_err(Error::other)? else { break };
-        if counts(name) {
-            let whole: Vec<i32> = values.iter().map(|value| value.round() as i32).collect();
-            column.typed::<Int32Type>().write_batch(&whole, Some(there), None).map_err(Error::other)?;
-        } else {
-            column.typed::<DoubleType>().write_batch(values, Some(there), None).map_err(Error::other)?;
+        let there = Some(&there[..]);
+        match values {
+            Values::Words(words) => column.typed::<ByteArrayType>().write_batch(words, there, None),
+            Values::Numbers(numbers) if counts(name) => {
+                let whole: Vec<i32> = numbers.iter().map(|value| value.round() as i32).collect();
+                column.typed::<Int32Type>().write_batch(&whole, there, None)
+            }
+            Values::Numbers(numbers) => column.typed::<DoubleType>().write_batch(numbers, there, None),
         }
+        .map_err(Error::other)?;
         column.close().map_err(Error::other)?;
     }
     group.close().map_err(Error::other)?;
@@ -49,12 +60,21 @@ fn counts(name: &str) -> bool {
     COUNTS.contains(&name)
 }
 
-fn schema(title: &str, names: &[&str], repetition: Repetition) -> std::io::Result<Arc<Type>> {
-    let fields = names
+fn kind(name: &str, values: &Values<'_>) -> Physical {
+    match values {
+        Values::Words(_) => Physical::BYTE_ARRAY,
+        Values::Numbers(_) if counts(name) => Physical::INT32,
+        Values::Numbers(_) => Physical::DOUBLE,
+    }
+}
+
+fn schema(title: &str, columns: &[(&str, Physical)], repetition: Repetition) -> std::io::Result<Arc<Type>> {
+    let fields = columns
         .iter()
-        .map(|name| {
-            let kind = if counts(name) { parquet::basic::Type::INT32 } else { parquet::basic::Type::DOUBLE };
-            Type::primitive_type_builder(name, kind).with_repetition(repetition).build().map(Arc::new)
+        .map(|(name, kind)| {
+            let words = (*kind == Physical::BYTE_ARRAY).then_some(LogicalType::String);
+            let field = Type::primitive_type_builder(name, *kind).with_logical_type(words);
+            field.with_repetition(repetition).build().map(Arc::new)
         })
         .collect::<Result<Vec<_>, _>>()
         .map_err(Error::other)?;
@@ -103,7 +123,9 @@ impl<'w> RowGroups<'w> {
     /// Of the writer.
     pub(crate) fn new(title: &str, names: &[&str], writer: &'w mut dyn Write) -> std::io::Result<Self> {
         let taken = Taken::default();
-        let schema = schema(title, names, Repetition::REQUIRED)?;
+        let kinds: Vec<_> =
+            names.iter().map(|name| (*name, kind(name, &Values::Numbers(Cow::Borrowed(&[]))))).collect();
+        let schema = schema(title, &kinds, Repetition::REQUIRED)?;
         let file = SerializedFileWriter::new(taken.clone(), schema, properties(names)?).map_err(Error::other)?;
         Ok(RowGroups { file, taken, writer })
     }

@@ -11,7 +11,7 @@ pub(crate) const WIDEST: usize = 100;
 /// The width of text, and of tables that fit, characters: a terminal's.
 pub(crate) const USUAL: usize = 80;
 /// The narrowest that a column of words is wrapped to, so that a table is as wide as [`USUAL`], and as [`WIDEST`].
-const NARROWEST: [(usize, usize); 3] = [(USUAL, 32), (WIDEST, 24), (WIDEST, 12)];
+const NARROWEST: [(usize, usize); 4] = [(USUAL, 32), (USUAL, 22), (WIDEST, 24), (WIDEST, 12)];
 
 /// A column as people see it.
 pub(super) struct Shown<'t> {

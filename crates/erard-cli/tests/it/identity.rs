@@ -201,7 +201,7 @@ fn counts_are_integers() {
     let schema = reader.metadata().file_metadata().schema_descr();
     let kind = |name: &str| schema.columns().iter().find(|column| column.name() == name).unwrap().physical_type();
     for (name, wanted) in [
-        ("strikes", Type::INT32),
+        ("impact_count", Type::INT32),
         ("failed", Type::INT32),
         ("unconverged_steps", Type::INT32),
         ("check_s", Type::DOUBLE),

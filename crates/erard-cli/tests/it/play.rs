@@ -54,8 +54,9 @@ fn a_piece_is_played_and_written() {
     let page = folder.read("out/play.html");
     assert!(page.contains("<svg class=\"roll\"") && page.contains("href=\"note-0003.html\""), "{page}");
     assert!(folder.read("out/note-0003.html").contains("louder than a hand can play it: at most 7."));
-    let [key, hammer_m_per_s] = ["key", "hammer_m_per_s"].map(|name| own["ceilings"][0][name].as_f64().unwrap());
-    assert!(key == 52.0 && (7.3..7.8).contains(&hammer_m_per_s) && said.contains("ceiling of a key"), "{said}");
+    let [key, hammer_speed_m_per_s] =
+        ["key", "hammer_speed_m_per_s"].map(|name| own["ceilings"][0][name].as_f64().unwrap());
+    assert!(key == 52.0 && (7.3..7.8).contains(&hammer_speed_m_per_s) && said.contains("ceiling of a key"), "{said}");
     let reasons = &own["reasons"];
     assert_eq!(
         (&reasons["within 40 ms of the last stroke"], &reasons["louder than a hand can play it"]),
@@ -115,7 +116,7 @@ fn a_piece_is_played_by_laws() {
         let soft = "soft pedal ignored (controller 67: 3 changes, down 1 time, 1 note under it)";
         assert_eq!(said.matches(soft).count(), 1, "{said}");
         let notes = folder.read("out/notes.csv");
-        let at = notes.lines().next().unwrap().split(',').position(|name| name == "hammer_m_per_s").unwrap();
+        let at = notes.lines().next().unwrap().split(',').position(|name| name == "hammer_speed_m_per_s").unwrap();
         for (line, wanted) in notes.lines().skip(1).zip(wanted) {
             let speed: f64 = line.split(',').nth(at).unwrap().parse().unwrap();
             assert!((speed / wanted - 1.0).abs() < 0.01, "{law}: {speed} for {wanted}");

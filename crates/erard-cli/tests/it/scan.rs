@@ -1,5 +1,7 @@
 //! `erard scan`, as a user has it.
 
+use parquet::file::reader::SerializedFileReader;
+use parquet::record::Field;
 use serde_json::Value;
 
 use crate::common::Folder;
@@ -15,6 +17,28 @@ fn column(text: &str, name: &str) -> Vec<f64> {
     text.lines().skip(1).map(|line| line.split(',').nth(index).unwrap().parse().unwrap()).collect()
 }
 
+/// A table's Parquet has the cells of its CSV: words, counts and numbers, and nothing where a cell is empty.
+fn same_as_parquet(folder: &Folder, name: &str) {
+    let text = folder.read(&format!("{name}.csv"));
+    let mut lines = text.lines();
+    let heads: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let file = std::fs::File::open(folder.0.join(format!("{name}.parquet"))).unwrap();
+    let rows: Vec<_> = SerializedFileReader::new(file).unwrap().into_iter().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), lines.clone().count(), "{name}");
+    for (line, row) in lines.zip(&rows) {
+        for ((cell, head), (title, field)) in line.split(',').zip(&heads).zip(row.get_column_iter()) {
+            assert_eq!(head, title);
+            match field {
+                Field::Null => assert!(cell.is_empty(), "{head}: {cell}"),
+                Field::Str(word) => assert_eq!(cell, word, "{head}"),
+                Field::Int(number) => assert_eq!(cell, number.to_string(), "{head}"),
+                Field::Double(number) => assert_eq!(cell.parse(), Ok(*number), "{head}"),
+                other => panic!("{head}: {other}"),
+            }
+        }
+    }
+}
+
 /// A data set of two sensors: `erard live`, which reads them, finds the true strikes and none in the half strokes.
 #[test]
 fn what_is_scanned_is_what_live_reads() {
@@ -25,18 +49,21 @@ fn what_is_scanned_is_what_live_reads() {
     let summary: Value = serde_json::from_str(&folder.read("set/scan.json")).unwrap();
     let scans = summary["scans"].as_array().unwrap();
     assert_eq!((scans.len(), &summary["keys"][0]["key"], &summary["sample"]), (2, &40.into(), &Value::Null));
-    assert_eq!(summary["cases"][1]["strikes"], 0, "{summary}");
+    assert_eq!(summary["cases"][1]["impact_count"], 0, "{summary}");
     for scan in scans {
         let lines = folder.read(&format!("set/{}", scan["file"].as_str().unwrap())).lines().count();
         assert_eq!(lines as u64, scan["readings"].as_u64().unwrap() + 1);
     }
     let windows = folder.read("set/windows.csv");
-    assert_eq!(column(&windows, "strikes"), [1.0, 1.0, 0.0, 0.0, 0.0], "{windows}");
+    assert_eq!(column(&windows, "impact_count"), [1.0, 1.0, 0.0, 0.0, 0.0], "{windows}");
+    same_as_parquet(&folder, "set/windows");
+    same_as_parquet(&folder, "set/truth");
 
     let stream = "set/scan-12bit-1000hz-0.csv";
     let live = ["live", stream, "--calibration", "set/profile-12bit.toml", "--out", "notes.csv"];
     let said = folder.good(&live);
     assert!(said.contains("2 note-ons, 2 note-offs"), "{said}");
+    assert!(!folder.0.join("notes.parquet").exists(), "a file that the user has named is that file alone");
     let (truth, found) = (folder.read("set/truth.csv"), folder.read("notes.csv"));
     assert_eq!(column(&truth, "key"), column(&found, "key"));
     for (name, most) in [("time_s", 1e-3), ("release_s", 1e-3), ("velocity", 1.0)] {

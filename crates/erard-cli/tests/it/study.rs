@@ -53,9 +53,9 @@ fn several_strikes_and_none_are_counted() {
     // In words of another region, too; the column has this program's name.
     let said = folder.good(&["study", "--vary", "set_off=0,1mm", "--force-step", "5"]);
     assert_eq!(column(&folder, "erard-out-study/study.csv", "let_off_mm").len(), 2);
-    assert!(said.contains("2 strokes; 0 failed; 1 with several strikes"), "{said}");
+    assert!(said.contains("2 strokes; 0 failed; 1 with several impacts"), "{said}");
     let said = folder.good(&["study", "--vary", "let_off=0,0.1mm", "--force-step", "0.2", "--out", "soft"]);
-    assert!(said.contains("2 strokes; 0 failed; 2 without a strike"), "{said}");
+    assert!(said.contains("2 strokes; 0 failed; 2 without an impact"), "{said}");
 }
 
 /// A screw that is set and the distance that it sets have a title each.
@@ -136,7 +136,7 @@ fn single_precision_is_asked_for() {
         assert!((single / double - 1.0).abs() < 2e-4, "{single} {double}");
     }
     assert_eq!(doubles != singles, Lanes::most_single().is_single());
-    let [doubles, singles] = both("strikes");
+    let [doubles, singles] = both("impact_count");
     assert_eq!(doubles, singles);
 }
 
@@ -148,7 +148,7 @@ fn what_does_not_happen_is_empty_and_what_cannot_be_fails_alone() {
     folder.good(&["study", "--vary", "force=0.2,5", "--duration", "0.3", "--out", "forces"]);
     let speeds = column(&folder, "forces/study.csv", "hammer_speed_m_per_s");
     assert!(speeds[0].is_none() && speeds[1].is_some(), "{speeds:?}");
-    assert_eq!(column(&folder, "forces/study.csv", "strikes"), [Some(0.0), Some(1.0)]);
+    assert_eq!(column(&folder, "forces/study.csv", "impact_count"), [Some(0.0), Some(1.0)]);
 
     let printed =
         folder.good(&["study", "--vary", "repetition_spring=0,-99Nmm", "--force-step", "5", "--out", "springs"]);
@@ -191,7 +191,7 @@ fn wrong_studies() {
 fn what_matters_is_told() {
     let folder = Folder::new("study-sensitivities");
     let (of, by) = (
-        "hammer_speed_m_per_s,key_bottom_after_blow_s",
+        "hammer_speed_m_per_s,key_bottom_after_impact_s",
         "let_off,body.hammer.mass,zone.check.stiffness,force,zone.jack_knuckle.friction_coefficient",
     );
     let mut arguments = vec!["study", "--sensitivities", "--of", of, "--by", by];

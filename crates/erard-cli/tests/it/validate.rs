@@ -61,7 +61,7 @@ fn a_validated_grand() {
         "name,quantity,group,kind,set_by,unit,published,at_least,at_most,simulated,band_low,band_high,verdict,missed_by,z,source"
     ));
     assert_eq!(csv::Reader::from_reader(csv.as_bytes()).records().count(), rows.len());
-    assert!(report["blows"].as_array().unwrap().len() > 10);
+    assert!(report["constant_force"].as_array().unwrap().len() > 10);
     assert!(folder.read("out/order-of-events.svg").ends_with("</svg>\n"));
     assert!(folder.0.join("out/order-of-events.png").exists());
 }

@@ -2,7 +2,7 @@
 
 use super::ticks::{range, tick_label, ticks};
 
-/// How values are spread along an axis.
+/// Scale of an axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scale {
     /// Equal differences take equal room.

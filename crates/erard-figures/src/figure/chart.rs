@@ -41,7 +41,7 @@ pub struct ChartCurve {
     pub y: Vec<f64>,
     /// Colour; the same number is the same colour in all figures. 0 is the blue of the one-degree-of-freedom model.
     pub colour: usize,
-    /// How it is drawn.
+    /// Style.
     pub mark: Dash,
 }
 

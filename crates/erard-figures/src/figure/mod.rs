@@ -44,7 +44,7 @@ pub const PALETTE: [&str; 16] = [
     "#4a7a3a", "#5c6f8a", "#c08a6a", "#00807f", "#8f8f8f", "#3a3f8f",
 ];
 
-/// How a curve's line is broken.
+/// Line style of a curve.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Dash {
     /// Unbroken.
@@ -88,7 +88,7 @@ impl<'a> Trace<'a> {
     }
 }
 
-/// How a panel's curves share it.
+/// Arrangement of the curves in a panel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Layout {
     /// All over one axis.
@@ -116,7 +116,7 @@ pub struct Panel<'a> {
     pub unit: &'static str,
     /// Height, px.
     pub height_px: f64,
-    /// How the curves share the panel.
+    /// Arrangement of the curves.
     pub layout: Layout,
     /// Range of the axis; `None` fits it to what the windows show.
     pub y_range: Option<(f64, f64)>,
@@ -188,7 +188,7 @@ pub struct Figure<'a> {
     pub x_label: String,
     /// Factor from the data's unit to the axis' (s to ms: 1000).
     pub x_unit: f64,
-    /// How the abscissa is spread.
+    /// Scale of the abscissa.
     pub x_scale: Scale,
     /// Stretches of the abscissa, side by side.
     pub windows: Vec<Window>,

@@ -13,7 +13,7 @@ pub fn run_svg(run: &Run, stroke: &str) -> String {
     figure_svg(&run_figure(run, stroke))
 }
 
-/// The run's figure: the whole run and, where the blow takes only a small part of it, the blow beside it.
+/// The run's figure: the whole run and, where the impact takes only a small part of it, the impact beside it.
 pub(crate) fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
     let mut panels = vec![
         panel(run, ("force", "N"), 110.0, [("finger on key", Cow::Borrowed(&run.force_n[..]))]),
@@ -51,14 +51,14 @@ pub fn over_run<'a>(run: &Run, title: String, subtitle: String, panels: Vec<Pane
     }
 }
 
-/// Everything worth a mark: the events of the first blow, and every further blow on the string.
+/// Everything worth a mark: the events of the first impact, and every further impact on the string.
 pub fn instants(happened: &Events) -> Vec<(String, f64)> {
     let first = events(happened).into_iter().map(|(name, instant)| (name.to_owned(), instant));
     let more = happened.impacts.iter().enumerate().skip(1).filter(|(_, strike)| strike.time_s.is_finite());
     first.chain(more.map(|(index, strike)| (format!("impact {}", index + 1), strike.time_s))).collect()
 }
 
-/// The events of the first blow that happened, by the names that all figures and the page use.
+/// The events of the first impact that happened, by the names that all figures and the page use.
 pub fn events(events: &Events) -> Vec<(&'static str, f64)> {
     [
         ("key start", events.key_start_s),
@@ -73,7 +73,7 @@ pub fn events(events: &Events) -> Vec<(&'static str, f64)> {
     .collect()
 }
 
-/// The whole run and, where it takes only a small part of it, the first blow.
+/// The whole run and, where it takes only a small part of it, the first impact.
 pub(crate) fn windows(run: &Run) -> Vec<Window> {
     let end = run.time_s.last().copied().filter(|t| *t > 0.0 && t.is_finite()).unwrap_or(1.0);
     let begin = run.time_s.first().copied().filter(|t| *t < end).unwrap_or(0.0);
@@ -82,13 +82,13 @@ pub(crate) fn windows(run: &Run) -> Vec<Window> {
     let first = instants.iter().map(|(_, x)| *x).fold(f64::INFINITY, f64::min);
     let last = instants.iter().map(|(_, x)| *x).fold(f64::NEG_INFINITY, f64::max);
     let margin = (0.35 * (last - first)).max(5e-3);
-    let blow = (begin.max(first - 0.4 * margin), end.min(last + margin));
-    if instants.len() < 2 || blow.1 - blow.0 > 0.5 * (end - begin) {
+    let around = (begin.max(first - 0.4 * margin), end.min(last + margin));
+    if instants.len() < 2 || around.1 - around.0 > 0.5 * (end - begin) {
         return vec![whole];
     }
     vec![
         Window { heading: "the whole run".into(), names_markers: false, ..whole },
-        Window { from: blow.0, to: blow.1, weight: 1.6, heading: "around the impact".into(), names_markers: true },
+        Window { from: around.0, to: around.1, weight: 1.6, heading: "around the impact".into(), names_markers: true },
     ]
 }
 

@@ -50,7 +50,7 @@ const thin = (y, each) => {
 // Where a panel's title and the names of its curves stand: places across, and the line, from 0; as many lines as they
 // need.
 const HEADING = "12px system-ui, sans-serif";
-const titleOf = (panel) => `${panel.quantity} (${panel.unit}${panel.lanes ? ", logarithmic" : ""})`;
+const titleOf = (panel) => `${panel.quantity} (${panel.unit}${panel.lanes ? `, logarithmic, ${panel.lanes.map((v) => +v.toPrecision(2)).join(" to ")}` : ""})`;
 const headingOf = (panel) => {
   if (panel.lanes) return { names: [], lines: 1 };
   const g = canvas.getContext("2d");
@@ -67,12 +67,17 @@ const headingOf = (panel) => {
   return { names, lines: line + 1 };
 };
 
+// The height of a lane's label, which stands above the lane and never over its curve; two lanes of one contact share
+// it.
+const LABEL = 13;
+const labelsOf = (panel) => panel.curves.filter((curve) => !curve.joins).length;
+
 const arrange = () => {
   wide = canvas.parentElement.clientWidth;
   const headings = data.panels.map(headingOf);
   const words = headings.reduce((sum, { lines }) => sum + LINE * (lines - 1), 0);
   let y = TOP;
-  const least = (panel) => (panel.lanes ? 21 * panel.curves.length : 88);
+  const least = (panel) => (panel.lanes ? LABEL * labelsOf(panel) + 17 * panel.curves.length : 88);
   // a tall window is filled
   const room = window.innerHeight - 130 - FOOT - TOP - GAP * data.panels.length - words;
   const stretch = Math.min(Math.max(room / data.panels.reduce((sum, panel) => sum + least(panel), 1), 1), 2.2);
@@ -134,9 +139,10 @@ const drawTogether = (g, panel, top, tall) => {
 
 const drawLanes = (g, panel, top, tall) => {
   const [floor, ceiling] = panel.lanes;
-  const lane = tall / panel.curves.length;
-  panel.curves.forEach((curve, index) => {
-    const base = top + lane * (index + 1);
+  const lane = (tall - LABEL * labelsOf(panel)) / panel.curves.length;
+  let base = top;
+  panel.curves.forEach((curve) => {
+    base += lane + (curve.joins ? 0 : LABEL);
     const yOf = (v) => base - (v > floor ? Math.min(Math.log10(v / floor) / Math.log10(ceiling / floor), 1) * (lane - 3) : 0);
     g.save();
     g.beginPath();
@@ -159,23 +165,16 @@ const drawLanes = (g, panel, top, tall) => {
     g.restore();
     g.lineWidth = 0.7;
     rule(g, colour("--rule"), LEFT, base, wide - RIGHT, base);
+    if (curve.joins) return;
     g.textAlign = "left";
     g.font = "10.5px system-ui, sans-serif";
+    // the lines of events end beside it
     g.lineWidth = 3;
     g.strokeStyle = colour("--page");
-    g.globalAlpha = 0.75;
-    g.strokeText(curve.label, LEFT + 5, base - lane + 12);
-    g.globalAlpha = 1;
+    g.strokeText(curve.label, LEFT + 5, base - lane - 3);
     g.fillStyle = colour("--ink");
-    g.fillText(curve.label, LEFT + 5, base - lane + 12);
+    g.fillText(curve.label, LEFT + 5, base - lane - 3);
   });
-  g.textAlign = "right";
-  g.fillStyle = colour("--soft");
-  g.font = "9px system-ui, sans-serif";
-  for (const decade of [0.1, 10]) {
-    const share = Math.log10(decade / floor) / Math.log10(ceiling / floor);
-    g.fillText(`${decade}`, LEFT - 5, top + lane - share * (lane - 3) + 3);
-  }
 };
 
 const drawCurves = () => {

@@ -183,7 +183,12 @@ fn panel_value(panel: &Panel, shown: &[Shown<'_>], lanes: &[(usize, usize)], tim
                 }
                 _ => curve.label.clone(),
             };
-            json!({"label": label, "colour": curve.colour, "dash": dash, "source": source})
+            // The second action's lane lies right below the first's, under one label.
+            let joins = index > 0 && matches!(lanes.get(index), Some((1, _))) && {
+                let of = |at: usize| lanes.get(at).map(|&(action, zone)| shown[action].run.zones[zone].label.as_str());
+                of(index) == of(index - 1)
+            };
+            json!({"label": label, "colour": curve.colour, "dash": dash, "source": source, "joins": joins})
         })
         .collect();
     let lanes = match panel.layout {

@@ -89,11 +89,11 @@ const visit = (t) => {
   }
   go(t);
 };
-// The first blow's events as buttons; of the blows after it a few as well, many as a list.
-const isBlow = ([name]) => name.startsWith("blow ");
-const blows = data.events.filter(isBlow);
-const listed = blows.length > 6;
-for (const [name, t, action] of data.events.filter((event) => !(listed && isBlow(event)))) {
+// The first impact's events as buttons; of later impacts a few as well, many as a list.
+const isLater = ([name]) => name.startsWith("impact ");
+const later = data.events.filter(isLater);
+const listed = later.length > 6;
+for (const [name, t, action] of data.events.filter((event) => !(listed && isLater(event)))) {
   const button = document.createElement("button");
   button.type = "button";
   button.textContent = name;
@@ -106,13 +106,20 @@ for (const [name, t, action] of data.events.filter((event) => !(listed && isBlow
     button.setAttribute("aria-label", `${name}, ${data.actions[action].name}`);
   }
   button.addEventListener("click", () => visit(t));
+  // each action has its own row
+  if (action > 0 && $("events").lastElementChild?.dataset.action !== String(action)) {
+    const end = document.createElement("span");
+    end.className = "end";
+    $("events").append(end);
+  }
+  button.dataset.action = action;
   $("events").append(button);
 }
 if (listed) {
   const list = document.createElement("select");
-  list.setAttribute("aria-label", "Go to a later blow");
-  list.add(new Option("later blows", ""));
-  for (const [name, t] of blows) list.add(new Option(`${name}: ${milliseconds(t)}`, t));
+  list.setAttribute("aria-label", "Go to a later impact");
+  list.add(new Option("later impacts", ""));
+  for (const [name, t] of later) list.add(new Option(`${name}: ${milliseconds(t)}`, t));
   list.addEventListener("change", () => list.value !== "" && visit(+list.value));
   $("events").append(list);
 }

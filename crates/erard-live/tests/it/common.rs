@@ -43,7 +43,7 @@ pub fn played(live: &mut Live, samples: &[Sample]) -> Vec<Event> {
 /// Note-ons: when, s, and the hammer's speed, m/s.
 pub fn ons(events: &[Event]) -> Vec<[f64; 2]> {
     let on = |event: &Event| match event {
-        Event::On { time_s, hammer_m_per_s, .. } => Some([*time_s, *hammer_m_per_s]),
+        Event::On { time_s, hammer_speed_m_per_s, .. } => Some([*time_s, *hammer_speed_m_per_s]),
         _ => None,
     };
     events.iter().filter_map(on).collect()

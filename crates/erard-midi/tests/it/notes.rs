@@ -26,7 +26,7 @@ fn off(event: &Event) -> (f64, f64) {
 #[test]
 fn a_note_ends_where_the_key_passes_its_damper() {
     let (events, sounds) = played(&[0.0, 5.0, 10.0, 10.0, 7.0, 3.0, 0.0], &[[2.5e-3, 2.0]]);
-    assert_eq!(events[0], Event::On { time_s: 2.5e-3, hammer_m_per_s: 2.0 });
+    assert_eq!(events[0], Event::On { time_s: 2.5e-3, hammer_speed_m_per_s: 2.0 });
     // From 7 to 3 mm in a millisecond: 4 m/s, and 4 mm are passed after 3 of the 4.
     let (time_s, speed) = off(&events[1]);
     assert!((time_s - 4.75e-3).abs() < 1e-12 && (speed - 4.0).abs() < 1e-9, "{events:?}");

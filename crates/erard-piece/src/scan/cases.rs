@@ -80,7 +80,7 @@ impl Case {
         }
     }
 
-    /// How often it is played on a key, each time differently.
+    /// Number of times it is played on a key, each time differently.
     fn times(self) -> usize {
         match self {
             Case::Stroke => 6,

@@ -65,9 +65,9 @@ pub(super) fn play(
         let hit = reading.impact.map(|hit| [now_s + (hit.time_s - action.time_s()), hit.hammer_speed_m_per_s]);
         for event in notes.update(now_s, reading.key_m, hit).into_iter().flatten() {
             match event {
-                Event::On { time_s, hammer_m_per_s } => {
+                Event::On { time_s, hammer_speed_m_per_s } => {
                     let again = !strikes.is_empty() && risen_m < BOUNCED_M;
-                    strikes.push(Strike { key, window, time_s, hammer_m_per_s, again, released: None });
+                    strikes.push(Strike { key, window, time_s, hammer_speed_m_per_s, again, released: None });
                     (deepest_m, risen_m) = (reading.key_m, 0.0);
                 }
                 Event::Off { time_s, release_m_per_s } => {

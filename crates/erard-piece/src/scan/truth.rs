@@ -12,7 +12,7 @@ pub struct Strike {
     /// When, s.
     pub time_s: f64,
     /// The hammer's speed at the string, m/s.
-    pub hammer_m_per_s: f64,
+    pub hammer_speed_m_per_s: f64,
     /// The hammer bounced: it met the string again although the key had not come up in between.
     pub again: bool,
     /// When the key, coming up, set its damper down, s, and how fast its front came, m/s; `None` where it was pressed
@@ -54,11 +54,11 @@ impl Truth {
         for note in notes {
             let key = note.wanted.key;
             let Some(window) = keys.iter().position(|other| *other == key) else { continue };
-            let strike = |&[time_s, hammer_m_per_s]: &[f64; 2], again: bool, released| Strike {
+            let strike = |&[time_s, hammer_speed_m_per_s]: &[f64; 2], again: bool, released| Strike {
                 key,
                 window,
                 time_s,
-                hammer_m_per_s,
+                hammer_speed_m_per_s,
                 again,
                 released,
             };

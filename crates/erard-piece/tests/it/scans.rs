@@ -19,7 +19,7 @@ fn strikes(truth: &Truth, case: Case) -> Vec<Vec<(f64, bool)>> {
     let own = truth.windows.iter().enumerate().filter(|(_, window)| window.case == case.name());
     let of = |index: usize| {
         let strikes = truth.strikes.iter().filter(move |strike| strike.window == index);
-        strikes.map(|strike| (strike.hammer_m_per_s, strike.again)).collect()
+        strikes.map(|strike| (strike.hammer_speed_m_per_s, strike.again)).collect()
     };
     own.map(|(index, _)| of(index)).collect()
 }

@@ -104,7 +104,8 @@ impl KeyModel {
         (self.capstan_mm - by_mm) / self.capstan_mm * self.heel_mm / (self.heel_mm + by_mm)
     }
 
-    /// How far the capstan goes toward the player for such a factor, mm: the inverse of [`KeyModel::capstan_factor`].
+    /// Move of the capstan for such a factor, mm, toward the player positive: the inverse of
+    /// [`KeyModel::capstan_factor`].
     #[must_use]
     pub(crate) fn capstan_move_mm(&self, factor: f64) -> f64 {
         let (c, h) = (self.capstan_mm, self.heel_mm);

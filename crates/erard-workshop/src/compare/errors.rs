@@ -23,7 +23,7 @@ pub struct Errors {
     pub explained: f64,
     /// Correlation coefficient without delay; 0 where one of them is constant.
     pub correlation: f64,
-    /// How much later the simulated series comes, s: where the correlation is largest, within 20 ms either way.
+    /// Delay of the simulated series, s, positive when it comes later: where the correlation is largest, within 20 ms.
     pub delay_s: f64,
     /// Contribution of the rest before the touch, which any model explains; `None` without a rest.
     pub rest: Option<Rest>,

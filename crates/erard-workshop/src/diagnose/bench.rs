@@ -22,7 +22,7 @@ pub struct Bench {
     pub hammer_g: f64,
     /// The whippen's pin, at 25 mm.
     pub whippen_g: f64,
-    /// How often the hammer passes its lowest point, let go level.
+    /// Number of times the hammer passes its lowest point when it is let go level.
     pub swings: u32,
 }
 

@@ -12,11 +12,11 @@ pub struct Cause {
     pub key: String,
     /// In the words of the bench.
     pub name: String,
-    /// How often it is met, as odds: an estimate.
+    /// Prior odds: how common it is, an estimate.
     pub common: f64,
     /// What is changed in a simulated action.
     pub(super) plant: String,
-    /// How much, in a light, a plain and a heavy case.
+    /// Size of the change in a light, a plain and a heavy case.
     pub(super) amounts: [f64; 3],
     /// The quick test that tells it from the others.
     pub test: String,

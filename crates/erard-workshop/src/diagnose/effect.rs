@@ -191,7 +191,7 @@ pub fn check_effects(
     Ok(off.fold(0.0, f64::max))
 }
 
-/// How far a feature's reading may be off.
+/// Precision of a feature's reading.
 pub(super) fn precision(feature: usize) -> f64 {
     super::entry::entries()[feature].precision
 }

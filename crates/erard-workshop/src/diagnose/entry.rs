@@ -29,7 +29,7 @@ pub struct Entry {
     pub precision: f64,
     /// Decimals that are shown.
     pub decimals: usize,
-    /// How it is taken.
+    /// Protocol of the reading.
     pub how: &'static str,
 }
 

@@ -16,7 +16,7 @@ const MOST: usize = 6;
 /// A measurement that tells less, bits, is not asked for.
 const LEAST_BITS: f64 = 0.05;
 
-/// How a reading stands to its usual range.
+/// Place of a reading relative to its usual range.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Standing {
     /// Inside.
@@ -75,7 +75,7 @@ pub struct Suggestion {
     pub unit: &'static str,
     /// Decimals that are shown.
     pub decimals: usize,
-    /// How it is taken.
+    /// Protocol of the reading.
     pub how: &'static str,
     /// Information expected from it, bits.
     pub bits: f64,

@@ -13,7 +13,7 @@ use erard::grand::{Anatomy, AnatomyError, rise_m};
 use erard::instrument::{Curve, Instrument, Vec2};
 use erard::player::ActionError;
 
-/// How the key is pressed. The default is the project's protocol; a shop that measures otherwise can say so.
+/// Protocol of the presses. The default is the project's; a shop that measures otherwise can set its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Protocol {
     /// Speed of the slow finger, m/s: slow enough that what the hammer swings on its felts moves no distance by more

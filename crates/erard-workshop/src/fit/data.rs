@@ -154,7 +154,7 @@ impl Data {
         self.note.filter(|_| self.stroke.drive == Prescribed::Motion && self.driven.series.force.is_some())
     }
 
-    /// How a run over it is made.
+    /// Setup of a run over it.
     pub(super) fn setup(&self) -> Setup {
         let duration_s = self.time_s[self.time_s.len() - 1] - self.time_s[0];
         let (settings, hand, start_s) = (self.settings, self.hand, self.stroke.start_s);
@@ -187,7 +187,7 @@ impl Data {
         if self.driving == "force_N" { Role::Force } else { Role::Position }
     }
 
-    /// How well that is known: the relative standard deviation of the root mean square; 0 where nothing tells it.
+    /// Relative standard deviation of that root mean square; 0 where it is unknown.
     pub(super) fn noise_uncertainty(&self, column: &str) -> f64 {
         let role = COLUMNS.iter().find(|(own, ..)| *own == column).map(|(_, role, _)| *role);
         let noise = role.and_then(|role| self.prepared.report.channel(role)?.noise);

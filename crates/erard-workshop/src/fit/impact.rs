@@ -4,7 +4,7 @@ use crate::study::{Job, play_all};
 
 use super::{Data, FitError, Problem};
 
-/// How long after the blow the first look lasts, s: what comes later is moved far by a little more or less of anything.
+/// Length of the first fit after the impact, s: later motion reacts strongly to small changes.
 const AFTER_THE_BLOW_S: f64 = 2e-3;
 /// The hammer's speed before and after is taken over so long, s, and over so many samples at least.
 const SPEED_OVER_S: f64 = 2e-3;

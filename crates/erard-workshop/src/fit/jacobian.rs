@@ -18,7 +18,7 @@ pub const DIFFERENCES: [f64; 3] = [4e-3, 1e-3, 2.5e-4];
 /// Half the step of a delay's difference, ms.
 const DELAY_STEP_MS: f64 = 1e-2;
 
-/// How the Jacobian of the last steps is found.
+/// Method for the Jacobian of the last steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Jacobian {
     /// By central differences.

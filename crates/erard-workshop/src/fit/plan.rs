@@ -34,7 +34,7 @@ pub struct Plan {
     pub loss: Loss,
     /// Derivatives of the last steps and of the covariance.
     pub jacobian: Jacobian,
-    /// How often the fit may begin again elsewhere.
+    /// Number of times the fit may begin again elsewhere.
     pub restarts: usize,
     /// Most evaluations of one solution.
     pub most: usize,

@@ -33,7 +33,7 @@ pub struct Channel {
     pub fitted: Vec<f64>,
     /// Noise.
     pub sigma: f64,
-    /// How much later than the drive it was written down, s.
+    /// Delay against the drive, s; positive when it was recorded late.
     pub delay_s: f64,
 }
 
@@ -59,11 +59,11 @@ pub struct Problem {
     pub sigma: Vec<f64>,
     /// That noise where it is known; `None` elsewhere.
     pub told: Vec<Option<f64>>,
-    /// How well the noise of every channel is known, as a share of it: 0 where the caller said it.
+    /// Relative standard deviation of every channel's noise; 0 where the caller gave the noise.
     pub uncertainty: Vec<f64>,
     /// Noise of what drives, of every recording, where something tells it.
     pub drive_sigma: Vec<Option<f64>>,
-    /// How much every row counts; without, all alike.
+    /// Weight of every row; without weights all count alike.
     pub weights: Option<Vec<f64>>,
     /// Whether the Jacobian of fine steps comes from derivatives of the model itself.
     pub exact: bool,
@@ -189,7 +189,7 @@ impl Problem {
         if self.data.len() == 1 { column.to_owned() } else { format!("{column} of recording {i}") }
     }
 
-    /// How many delays there are: none, or one for every channel.
+    /// Number of delays: 0, or one for every channel.
     pub(crate) fn delays(&self) -> usize {
         if self.delay { self.sigma.len() } else { 0 }
     }
@@ -274,7 +274,7 @@ impl Problem {
         if (self.watch)(self.evaluations) { Ok(()) } else { Err(SimulationError::Interrupted.into()) }
     }
 
-    /// How much later than the drive a channel was written down, s.
+    /// Delay of a channel against the drive, s; positive when it was recorded late.
     pub(crate) fn delay_s(&self, point: &[f64], channel: usize) -> f64 {
         if self.delay { 1e-3 * point[self.free.len() + channel] } else { 0.0 }
     }

@@ -59,7 +59,7 @@ pub struct FitResult {
     pub singular_values: Vec<f64>,
     /// The directions that belong to them, delays included.
     pub directions: Rows,
-    /// How far the Jacobian depends on the steps of its differences: the largest relative change of a column.
+    /// Dependence of the Jacobian on the steps of its differences: the largest relative change of a column.
     pub jacobian_agreement: f64,
     /// Covariance of the inner parameters.
     pub inner_cov: Rows,
@@ -69,7 +69,7 @@ pub struct FitResult {
     pub channels: Vec<FittedChannel>,
     /// Attempts from different starts, and how many of them left as little as the best one.
     pub attempts: [usize; 2],
-    /// How far apart the places are where these ended: the largest distance of a parameter, in its standard deviations.
+    /// Distance of the places where these ended: the largest of any parameter, in its standard deviations.
     pub apart: f64,
     /// Parameters with misleading names, as measured on the bench.
     pub meanings: Vec<Meaning>,
@@ -96,7 +96,8 @@ pub struct FittedChannel {
     pub rms_at_start: f64,
     /// Root mean square of fitted less measured at the result, N or m.
     pub rms: f64,
-    /// How much later than the drive it was written down, s, and the standard deviation, where that was estimated.
+    /// Delay against the drive, s, positive when it was recorded late, and its standard deviation, where it was
+    /// estimated.
     pub delay_s: Option<(f64, f64)>,
 }
 
@@ -245,7 +246,7 @@ impl FitResult {
     }
 }
 
-/// How many attempts left as little as the best one, and how far apart they ended, in standard deviations.
+/// Number of attempts that ended with as small a misfit as the best one, and their distance, in standard deviations.
 fn spread(ends: &[Candidate], point: &[f64], cov: &[Vec<f64>]) -> [f64; 2] {
     let best = best_of(ends);
     let (mut good, mut apart) = (0.0, 0.0_f64);

@@ -45,8 +45,8 @@ pub enum Role {
     Step,
     /// A number of the reading, by its place in `READING`.
     Reading(usize),
-    /// How many blows there were; an integer.
-    Blows,
+    /// Number of impacts since the start; an integer.
+    Impacts,
     /// Force of the strings of all keys of a keyboard on the bridge, N.
     BridgeSum,
     /// How many keys of a keyboard are awake; an integer.
@@ -62,16 +62,16 @@ pub enum Role {
 /// The reading's numbers: name, unit, what it is.
 pub(crate) const READING: [(&str, &str, &str); 11] = [
     ("key", "m", "Travel of the key front, down positive"),
-    ("key_speed", "m/s", "Its speed"),
+    ("key_velocity", "m/s", "Its velocity, down positive"),
     ("finger_force", "N", "Force of the finger on the key in the last step"),
     ("hammer", "m", "Rise of the hammer's strike point"),
-    ("hammer_speed", "m/s", "How fast it rises"),
+    ("hammer_velocity", "m/s", "Its velocity, up positive"),
     ("string_force", "N", "Force between hammer and string in the last step"),
-    ("blow_time", "s", "Instant of the last blow; 0 before the first"),
-    ("blow_speed", "m/s", "Speed of the strike point in the last blow; 0 before the first"),
+    ("impact_time", "s", "Instant of the last impact of the hammer on the string; 0 before the first"),
+    ("hammer_speed", "m/s", "Total speed of the strike point at the last impact; 0 before the first"),
     ("bridge_force", "N", "Force of the strings on the bridge; 0 where they do not sound"),
     ("hand", "m", "Place of the hand, below the key front's rest (drive = 4)"),
-    ("hand_speed", "m/s", "Its speed"),
+    ("hand_velocity", "m/s", "Its velocity, down positive"),
 ];
 
 /// Places of the last impact's instant and speed in it.
@@ -102,7 +102,7 @@ impl Variable {
     /// Whether it is a whole number.
     #[must_use]
     pub fn is_integer(&self) -> bool {
-        matches!(self.role, Role::Drive | Role::Blows | Role::Awake)
+        matches!(self.role, Role::Drive | Role::Impacts | Role::Awake)
     }
 
     /// Whether it may be set before initialisation only.
@@ -211,7 +211,7 @@ fn readings() -> impl Iterator<Item = Variable> {
     let numbers = READING.iter().enumerate().map(|(n, (name, unit, description))| {
         variable(READING_FROM + n as u32, name, Role::Reading(n), None, unit, description)
     });
-    numbers.chain([variable(1, "blows", Role::Blows, None, "", "Blows so far")])
+    numbers.chain([variable(1, "impact_count", Role::Impacts, None, "", "Number of impacts of the hammer on the string since the start")])
 }
 
 /// All variables of an instrument's unit, in the order of the description.

@@ -73,7 +73,7 @@ impl Unit {
     /// A name for these files and this version of the numbering, as FMI writes it.
     #[must_use]
     pub fn guid(&self) -> String {
-        let version = concat!("erard-fmu/2 ", env!("CARGO_PKG_VERSION"));
+        let version = concat!("erard-fmu/3 ", env!("CARGO_PKG_VERSION"));
         let texts = || self.resources().flat_map(|(_, text)| text.bytes());
         let [a, b] = [FNV1A, 0x9e37_79b9_7f4a_7c15].map(|seed| fnv1a(seed, version.bytes().chain(texts())));
         let hex = format!("{a:016x}{b:016x}");

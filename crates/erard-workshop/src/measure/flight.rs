@@ -10,11 +10,11 @@ use serde::Serialize;
 /// A flight from one instant to the string.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Flight {
-    /// How far the head was from the string, mm.
+    /// Distance of the head from the string, mm.
     pub way_mm: f64,
-    /// How long it took from there, ms.
+    /// Time of flight from there, ms.
     pub time_ms: f64,
-    /// How long it would have taken at the speed with which it met the string, ms.
+    /// Time of flight at the constant speed of the impact, ms.
     pub at_constant_speed_ms: f64,
 }
 

@@ -73,13 +73,13 @@ pub enum NotAnAction {
     /// Something ends the key's free way at once.
     #[error("the slowly pressed key travels {:.1} mm before let-off, string or key bottom; expected more", way_m * 1e3)]
     NoFreeWay {
-        /// How far it goes, m.
+        /// Travel of the key, m.
         way_m: f64,
     },
     /// Nothing ends it.
     #[error("the slowly pressed key travels {} mm without let-off, string contact or key bottom", depth_m * 1e3)]
     NoLetOff {
-        /// How far the key was pressed, m.
+        /// Depth to which the key was pressed, m.
         depth_m: f64,
     },
     /// The instrument's gravity is zero.

@@ -47,7 +47,7 @@ pub struct Loudness {
 pub struct Softest {
     /// The constant force, N.
     pub force_n: f64,
-    /// How the hammer flew; `None` where jack and lever pushed until the blow.
+    /// Flight of the hammer; `None` where jack and lever pushed until the impact.
     pub flight: Option<SoftFlight>,
 }
 
@@ -56,9 +56,9 @@ pub struct Softest {
 pub struct SoftFlight {
     /// Speed of the strike point when it was pushed for the last time, m/s.
     pub let_off_speed_m_per_s: f64,
-    /// How far it then had to fly, m.
+    /// Distance of the flight, m.
     pub flight_m: f64,
-    /// How long it flew, s.
+    /// Duration of the flight, s.
     pub flight_s: f64,
     /// Hammer speed that a fall through that distance would give: sqrt(2 a d), m/s; see `fall_m_s2`.
     pub fall_speed_m_per_s: f64,

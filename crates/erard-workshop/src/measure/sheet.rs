@@ -83,15 +83,15 @@ pub struct Sheet {
     pub let_off_begins_mm: Option<f64>,
     /// Hammer to string where a slow press lets it fall, mm.
     pub let_off_mm: Option<f64>,
-    /// How far it then falls, mm.
+    /// Drop: fall of the hammer after let-off, mm.
     pub drop_mm: Option<f64>,
     /// Key travel left after let-off, mm.
     pub aftertouch_mm: Option<f64>,
     /// Hammer to string in the check, mm.
     pub check_mm: Option<f64>,
-    /// How far the repetition spring lifts the hammer from the check, mm.
+    /// Rise of the hammer from the check by the repetition spring, mm.
     pub repetition_rise_mm: Option<f64>,
-    /// How fast, m/s: the strength of the spring as the eye judges it.
+    /// Speed of that rise, m/s: the strength of the spring as the eye judges it.
     pub repetition_spring_m_per_s: Option<f64>,
     /// Key travel when the damper starts, a share of the dip.
     pub damper_start_share: Option<f64>,
@@ -130,7 +130,7 @@ pub struct Sheet {
     pub blocked: Vec<BlockedRow>,
     /// Hammer speed against constant force.
     pub dynamic_range: Vec<Loudness>,
-    /// How speeds become MIDI velocities.
+    /// Law from hammer speeds to MIDI velocities.
     pub midi_map: &'static str,
     /// Built-in touches, played by a hand of 200 g: what happens when.
     pub timing: Vec<TimingRow>,

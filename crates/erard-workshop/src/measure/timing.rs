@@ -28,7 +28,7 @@ pub(crate) struct Timing {
     pub peak_force_n: f64,
     /// Events of the run.
     pub events: Events,
-    /// How the hammer flew.
+    /// Flight of the hammer.
     pub flights: Option<Flights>,
     /// Why the run cannot be trusted.
     pub warnings: Vec<Warning>,
@@ -50,7 +50,7 @@ impl Timing {
         Some(event? - self.events.key_start_s?)
     }
 
-    /// How long before key bottom the hammer meets the string, s; negative when it comes later.
+    /// Time from the impact to key bottom, s; negative where the key is down first.
     #[must_use]
     pub(crate) fn hammer_before_bottom_s(&self) -> Option<f64> {
         Some(self.events.key_bottom_s? - self.events.hammer_contact_s()?)

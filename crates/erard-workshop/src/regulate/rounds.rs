@@ -27,7 +27,7 @@ const MOST_OUT_OF_THE_WAY: u32 = 5;
 /// A drop that tells that the drop screw is out of the way, m: more than twice the usual one.
 const FAR_DROP_M: f64 = 3.5e-3;
 
-/// How far the work has come.
+/// Progress of the work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Status {
     /// Round, from 1.

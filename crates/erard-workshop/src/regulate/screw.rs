@@ -2,7 +2,7 @@
 
 use erard::instrument::{Instrument, Screw, ScrewAction, Vec2};
 
-/// How far a screw goes, counted from the drawn geometry.
+/// Range of a screw, counted from the drawn geometry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
     /// From so much to so much, m.
@@ -13,7 +13,7 @@ pub enum Range {
     Torque(f64, f64),
 }
 
-/// How the bench does what a screw of the file does.
+/// Work at the bench that corresponds to a screw of the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Handwork {
     /// A thread is turned; it goes so far in a turn, m.
@@ -41,10 +41,10 @@ pub struct KnownScrew {
     pub name: &'static str,
     /// The direction in which a technician's usual words turn it; a file may count the other way.
     pub reference: Vec2,
-    /// How far it plausibly goes. These are estimates: the thread of a capstan or button, a stack of punchings, what a
+    /// Plausible range. These are estimates: the thread of a capstan or button, a stack of punchings, what a
     /// wire bends and what a spring takes.
     pub range: Range,
-    /// How it is done on the bench.
+    /// The work at the bench.
     pub work: Handwork,
 }
 

@@ -26,7 +26,7 @@ const ONE_SLOPE: f64 = 0.5;
 pub(super) struct Differences {
     /// By differences to both sides, extrapolated from two windows.
     pub slope: f64,
-    /// How far the two windows are apart.
+    /// Difference between the two windows' results.
     pub error: f64,
     /// To below and to above.
     pub sides: [f64; 2],
@@ -160,7 +160,7 @@ pub(super) fn weight(touch: &Touch, key: &str) -> Option<f64> {
 fn event(played: &Played, key: &str) -> Option<f64> {
     let events: &Events = &played.events;
     match key {
-        "key_bottom_after_blow_s" => events.key_bottom_after_blow_s(),
+        "key_bottom_after_impact_s" => events.key_bottom_after_impact_s(),
         "free_flight_s" => events.free_flight_s(),
         "key_start_to_hammer_s" => Some(events.hammer_contact_s()? - events.key_start_s?),
         _ => OUTCOMES.iter().find(|(name, _)| *name == key).and_then(|(_, of)| of(played)),

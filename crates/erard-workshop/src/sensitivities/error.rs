@@ -21,7 +21,7 @@ pub enum SensitivityError {
     Unconverged {
         /// Name and reason.
         told: String,
-        /// How many others do not.
+        /// Number of others that fail too.
         more: usize,
     },
     /// Not weighed.

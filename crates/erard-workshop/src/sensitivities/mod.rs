@@ -44,11 +44,11 @@ pub struct Quantity {
     pub unit: &'static str,
     /// Thousandths: whether it is shown in them.
     pub thousandths: bool,
-    /// How it is differentiated.
+    /// Method of differentiation.
     pub method: Method,
 }
 
-/// How a number was found.
+/// Origin of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// In numbers that carry derivatives.
@@ -69,7 +69,7 @@ impl Method {
 
 /// The results that are computed by default.
 pub const USUAL: [&str; 5] =
-    ["hammer_speed_m_per_s", "let_off_s", "key_bottom_after_blow_s", "down_weight_g", "balance_weight_g"];
+    ["hammer_speed_m_per_s", "let_off_s", "key_bottom_after_impact_s", "down_weight_g", "balance_weight_g"];
 
 /// Everything that can be asked for.
 pub fn quantities() -> Vec<Quantity> {
@@ -78,7 +78,7 @@ pub fn quantities() -> Vec<Quantity> {
         ("let_off_s", "last push", "ms", true),
         ("hammer_contact_s", "hammer meets the string", "ms", true),
         ("key_bottom_s", "key meets its bottom", "ms", true),
-        ("key_bottom_after_blow_s", "key bottom after the blow", "ms", true),
+        ("key_bottom_after_impact_s", "key bottom after the impact", "ms", true),
         ("free_flight_s", "free flight", "ms", true),
         ("key_start_s", "key start", "ms", true),
         ("toe_contact_s", "toe meets the button", "ms", true),

@@ -195,7 +195,7 @@ impl Variable {
         Some(made)
     }
 
-    /// How many of its units ([`Variable::per`]) a bare number is: what `study --vary` takes for a parameter (a turn in
+    /// A bare number in its units ([`Variable::per`]): what `study --vary` takes for a parameter (a turn in
     /// m, rad or N m; a factor), the number itself of the file, and 1 N.
     pub fn per_bare_number(&self) -> f64 {
         match &self.target {

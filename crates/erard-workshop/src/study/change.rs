@@ -75,10 +75,10 @@ pub struct Quantity {
     pub value: f64,
     /// SI; empty for a coefficient.
     pub unit: &'static str,
-    /// How far the file says it may be off, as [`Change::Number`] says it: turns in m, rad or N m, or factors. `None`
+    /// Spread that the file gives, in the form of [`Change::Number`]: turns in m, rad or N m, or factors. `None`
     /// where it does not say.
     pub spread: Option<[f64; 2]>,
-    /// How sure the file is of it; `None` for a bare number.
+    /// Certainty that the file gives; `None` for a bare number.
     pub certainty: Option<Certainty>,
     /// Its path in the file.
     pub path: String,

@@ -336,7 +336,7 @@ impl<'a> Lane<'a> {
         warnings.extend(trust::of_steps(self.unconverged_steps, self.steps));
         warnings.extend(trust::of_extremes(self.player.instrument, &self.extremes));
         let events = self.detector.finish();
-        warnings.extend(trust::of_blows(&events));
+        warnings.extend(trust::of_impacts(&events));
         Ok(Played {
             events,
             highest_m: self.highest_m,

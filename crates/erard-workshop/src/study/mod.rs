@@ -105,12 +105,12 @@ pub const OUTCOMES: [(&str, Outcome); 10] = [
     ("hammer_speed_m_per_s", |p| p.events.hammer_speed_m_per_s()),
     ("key_bottom_s", |p| p.events.key_bottom_s),
     ("check_s", |p| p.events.check_s),
-    ("strikes", |p| Some(p.events.impacts.len() as f64)),
+    ("impact_count", |p| Some(p.events.impacts.len() as f64)),
     ("hammer_highest_m", |p| Some(p.highest_m)),
     ("unconverged_steps", |p| Some(p.unconverged_steps as f64)),
 ];
 
-/// How a job ended: a job that fails fails alone.
+/// Result of a job; a failed job does not stop the others.
 pub type JobResult = Result<Played, SimulationError>;
 
 /// Plays all jobs; results stand in the order of the jobs. `setup` holds for all of them (nothing is recorded).

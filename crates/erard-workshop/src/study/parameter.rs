@@ -74,8 +74,8 @@ impl Parameter {
         !matches!(self, Parameter::Screw { .. })
     }
 
-    /// How far it may be varied: what [`Parameter::vary`] is given, in SI units or as a factor. The reader of files
-    /// knows narrower limits.
+    /// Range in which it may be varied: what [`Parameter::vary`] is given, in SI units or as a factor. The reader of
+    /// files knows narrower limits.
     pub fn range(&self) -> [f64; 2] {
         match self {
             // As far as a file's own setting may turn a curve.

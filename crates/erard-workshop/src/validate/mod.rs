@@ -1,19 +1,19 @@
 //! An instrument against what has been measured on real pianos.
 //!
 //! `published` is the table: one row per published number, with its source, its certainty and the range in which a
-//! simulated value meets it. `blows` and `touches` simulate what the technician's sheet ([`crate::measure`]) does not
+//! simulated value meets it. `presses` and `touches` simulate what the technician's sheet ([`crate::measure`]) does not
 //! hold: the order of events against loudness, under constant forces and under a hand, and pressed against struck keys.
 //! [`validate`] puts both beside each other; what misses is said to miss.
 
-mod blows;
 mod keys;
+mod presses;
 mod published;
 mod release;
 mod strings;
 mod touches;
 mod values;
 
-pub use blows::{Drive, Loudness, PressedBlow, measure as loudness};
+pub use presses::{Drive, Loudness, SimulatedPress, measure as loudness};
 pub use published::{Kind, Published, PublishedError, Row};
 pub use strings::Skipped;
 pub use values::names;
@@ -51,7 +51,7 @@ pub struct GroupResult {
     pub z: Option<f64>,
 }
 
-/// How a simulated value stands to a published one.
+/// Verdict on a simulated value against a published one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Verdict {
     /// Within the published range.
@@ -101,15 +101,15 @@ pub struct Validation {
     pub verdicts: Vec<Verdict>,
     /// Value of every row under a constant force, in the row's unit: for comparison, not counted.
     pub beside: Vec<Option<f64>>,
-    /// Blows of constant forces, soft to loud: the order of events against loudness.
-    pub blows: Vec<PressedBlow>,
-    /// Blows of hands that press, soft to loud.
-    pub pressed: Vec<PressedBlow>,
+    /// Presses by constant forces, soft to loud: the order of events against loudness.
+    pub constant_force: Vec<SimulatedPress>,
+    /// Presses by hands, soft to loud.
+    pub pressed: Vec<SimulatedPress>,
 }
 
 /// Shares of the work: the technician's sheet, and what comes after it.
 const SHEET: f64 = 0.5;
-const BLOWS: f64 = 0.25;
+const PRESSES: f64 = 0.25;
 const TOUCHES: f64 = 0.05;
 const KEYS: f64 = 0.05;
 
@@ -126,10 +126,10 @@ pub fn validate(
     progress: &mut Progress<'_>,
 ) -> Result<Validation, MeasureError> {
     let sheet = measure(instrument, &mut |share| progress(SHEET * share))?;
-    let loudness = blows::measure(instrument, &mut |share| progress(SHEET + BLOWS * share))?;
-    let touches = touches::measure(instrument, &mut |share| progress(SHEET + BLOWS + TOUCHES * share))?;
+    let loudness = presses::measure(instrument, &mut |share| progress(SHEET + PRESSES * share))?;
+    let touches = touches::measure(instrument, &mut |share| progress(SHEET + PRESSES + TOUCHES * share))?;
     let release = release::measure(instrument)?;
-    let before = SHEET + BLOWS + TOUCHES;
+    let before = SHEET + PRESSES + TOUCHES;
     let keys = keys::measure(keyboard, &mut |share| progress(before + KEYS * share))?;
     let before = before + KEYS;
     let strung = Strung::measure(instrument, keyboard, &mut |share| progress(before + (1.0 - before) * share))?;
@@ -150,8 +150,8 @@ pub fn validate(
         instrument: instrument.name.clone(),
         verdicts,
         beside,
-        blows: found.loudness.blows,
-        pressed: found.loudness.by_hand.blows,
+        constant_force: found.loudness.constant_force,
+        pressed: found.loudness.by_hand.pressed,
     })
 }
 

@@ -83,7 +83,7 @@ pub struct Row {
     pub at_most: Option<f64>,
     /// Name of its source.
     pub source: String,
-    /// How sure it is.
+    /// Certainty.
     pub certainty: Certainty,
     /// Method of the simulation, and the part of the range that is ours.
     pub how: String,
@@ -189,7 +189,7 @@ impl Row {
         self.at_least.is_none() && self.at_most.is_none()
     }
 
-    /// How a simulated value stands to this row.
+    /// Verdict on a simulated value against this row.
     #[must_use]
     pub fn judge(&self, simulated: Option<f64>) -> Verdict {
         let Some(simulated) = simulated.filter(|x| x.is_finite()) else { return Verdict::Absent };

@@ -1,6 +1,6 @@
 //! Hammer and strings over the compass: contact, largest force, return, inharmonicity.
 
-use super::blows::{FF_M_PER_S, MF_M_PER_S, PP_M_PER_S};
+use super::presses::{FF_M_PER_S, MF_M_PER_S, PP_M_PER_S};
 use crate::measure::MeasureError;
 use crate::struck::{Blow, STEP_S, Stopped, blow_of_speed, rest};
 use erard::Progress;

@@ -6,7 +6,7 @@
 
 use moreau::Settings;
 
-use super::blows::{Drive, MF_M_PER_S, PressedBlow, hand_at};
+use super::presses::{Drive, MF_M_PER_S, SimulatedPress, hand_at};
 use crate::measure::MeasureError;
 use erard::Progress;
 use erard::grand::Anatomy;
@@ -28,7 +28,7 @@ const MEAN_S: f64 = 1e-3;
 /// What the two touches show; `None` where one of them does not sound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Touches {
-    /// How much sooner the struck key's hammer is at the string, from key start, s.
+    /// Lead of the struck key's hammer at the string, counted from key start, s; positive when it is sooner.
     pub struck_sooner_s: Option<f64>,
     /// Key travel at which the struck key is slowest after its first surge, m.
     pub plateau_m: Option<f64>,
@@ -43,7 +43,7 @@ pub(super) fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> R
     let (Some(pressed), Some(struck)) = (pressed?, struck?) else {
         return Ok(Touches { struck_sooner_s: None, plateau_m: None, release_to_damper_s });
     };
-    let to_string = |run: &Run| PressedBlow::of(instrument, run, Drive::Constant(0.0)).to_string_s;
+    let to_string = |run: &Run| SimulatedPress::of(instrument, run, Drive::Constant(0.0)).to_string_s;
     let struck_sooner_s = to_string(&pressed).zip(to_string(&struck)).map(|(a, b)| a - b);
     Ok(Touches { struck_sooner_s, plateau_m: plateau(&struck), release_to_damper_s })
 }
@@ -80,8 +80,8 @@ fn release_to_damper(instrument: &Instrument) -> Result<Option<f64>, MeasureErro
     Ok(down.map(|rows| run.time_s[released + rows] - run.time_s[released]))
 }
 
-/// Key travel at the slowest instant between the first surge of the key and the hammer's blow, m; `None` where the key
-/// does not slow down by a tenth.
+/// Key travel at the slowest instant between the first surge of the key and the hammer's impact, m; `None` where the
+/// key does not slow down by a tenth.
 fn plateau(run: &Run) -> Option<f64> {
     let until = run.time_s.partition_point(|&t| t < run.events.hammer_contact_s().unwrap_or(0.0));
     let wide = (MEAN_S / STEP_S) as usize;

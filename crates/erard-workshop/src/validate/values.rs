@@ -1,6 +1,6 @@
 //! The simulated values by the names that rows of the table use. The unit ends the name.
 
-use super::blows::{Loudness, PressedBlow};
+use super::presses::{Loudness, SimulatedPress};
 use super::release::Release;
 use super::touches::Touches;
 use crate::measure::flex::POUND_N;
@@ -117,7 +117,7 @@ fn damper_resistance(sheet: &Sheet) -> Option<f64> {
 pub(super) fn value(name: &str, found: &Simulated) -> Option<f64> {
     let Simulated { sheet, loudness, touches, release, flex } = found;
     let ms = |seconds: Option<f64>| seconds.map(|s| s * MS_PER_S);
-    let of = |blow: &Option<PressedBlow>, get: fn(&PressedBlow) -> Option<f64>| blow.as_ref().and_then(get);
+    let of = |press: &Option<SimulatedPress>, get: fn(&SimulatedPress) -> Option<f64>| press.as_ref().and_then(get);
     let l = loudness;
     let hand = &l.by_hand;
     match name {

@@ -124,8 +124,8 @@ fn meets(grand: usize) {
     assert_eq!(silent_about.count(), 0);
     // The order of events reverses once, from the hammer first to the key first, as loudness grows: under constant
     // forces and pressed by a hand.
-    for blows in [&validation.blows, &validation.pressed] {
-        let ahead: Vec<f64> = blows.iter().filter_map(|blow| blow.hammer_ahead_s).collect();
+    for presses in [&validation.constant_force, &validation.pressed] {
+        let ahead: Vec<f64> = presses.iter().filter_map(|press| press.hammer_ahead_s).collect();
         let changes = ahead.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count();
         assert!(changes == 1 && ahead[0] > 0.0, "{ahead:?}");
     }
@@ -190,7 +190,7 @@ fn groups_are_counted_apart() {
         instrument: "none".into(),
         beside: vec![None; verdicts.len()],
         verdicts,
-        blows: Vec::new(),
+        constant_force: Vec::new(),
         pressed: Vec::new(),
     };
     let groups = validation.groups(&published);

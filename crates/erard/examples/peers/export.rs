@@ -52,7 +52,7 @@ pub fn mechanism<const B: usize, const Z: usize, const N: usize>(
             "radius_m": strike.radius_m,
         },
         "blow": {
-            "until_s": action.blow_s,
+            "until_s": action.press_s,
             "scales": SCALES,
             "times_s": stroke.times_s(),
             "forces_N": stroke.forces_n(),

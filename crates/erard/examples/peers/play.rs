@@ -28,7 +28,7 @@ pub struct Action<const B: usize, const Z: usize, const N: usize> {
     pub rest: Vec<f64>,
     /// The mf stroke, and how long it is simulated, s.
     pub stroke: ForceSeries,
-    pub blow_s: f64,
+    pub press_s: f64,
     pub strike: Strike,
     links: Vec<Link>,
     description: OwnedDescription,
@@ -182,10 +182,10 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
         let bends = instrument.has_bends();
         let mf = if bends { Series::builtin("mf", Touch::Pressed) } else { Series::rigid("mf", Touch::Pressed) };
         let stroke = mf.and_then(|s| s.force).ok_or("the mf stroke is not built in")?;
-        let blow_s = BLOW_S[usize::from(bends)];
+        let press_s = BLOW_S[usize::from(bends)];
         let (strike, links) = strike(&instrument)?;
         let (description, model) = (assembly::describe(&instrument), assembly::assemble(&instrument)?);
-        Ok(Action { instrument, rest, stroke, blow_s, strike, links, description, model })
+        Ok(Action { instrument, rest, stroke, press_s, strike, links, description, model })
     }
 
     /// Plays from rest to the last of `instants`, the engine only, in the given steps.
@@ -264,8 +264,8 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
         let mut watch = Watch::new(self.strike, &self.links, &state.angle, &[]);
         let mut workspace = Workspace::<f64, B, Z, N>::new();
         let (mut walked, mut t, mut before, mut missed) = (Walked::default(), 0.0, 0.0, 0.0);
-        while t < self.blow_s {
-            let h = length(t, before, missed).min(self.blow_s - t).max(SMALLEST_STEP_S);
+        while t < self.press_s {
+            let h = length(t, before, missed).min(self.press_s - t).max(SMALLEST_STEP_S);
             if before > 0.0 && before != h {
                 state.increment.iter_mut().for_each(|increment| *increment *= h / before);
             }
@@ -308,7 +308,7 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
         angles[..B].copy_from_slice(&self.rest);
         let mut watches: Vec<_> = scales.iter().map(|_| Watch::new(self.strike, &self.links, &angles, &[])).collect();
         let (mut inputs, mut outcomes) = (vec![Input::Free; scales.len()], vec![Outcome::Converged; scales.len()]);
-        for n in 0..(self.blow_s / h).ceil() as u64 {
+        for n in 0..(self.press_s / h).ceil() as u64 {
             let t = n as f64 * h;
             let force_n = force(t + theta * h);
             for (input, scale) in inputs.iter_mut().zip(scales) {

@@ -77,7 +77,7 @@ fn row<const B: usize, const Z: usize, const N: usize>(
         .iter()
         .map(|&scale| {
             let mut runs: Vec<_> =
-                (0..repetitions).map(|_| action.play(steps, action.force(scale), &[action.blow_s])).collect();
+                (0..repetitions).map(|_| action.play(steps, action.force(scale), &[action.press_s])).collect();
             runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
             let best = &runs[0];
             blow(scale, best.strike, best.seconds, best.steps)
@@ -143,7 +143,7 @@ fn batch<const B: usize, const Z: usize, const N: usize>(
     let blows: Vec<_> = SCALES
         .iter()
         .zip(strikes.chunks(MOST_LANES))
-        .map(|(&scale, group)| blow(scale, group[0], best_s, (action.blow_s / step_s).ceil() as u64))
+        .map(|(&scale, group)| blow(scale, group[0], best_s, (action.press_s / step_s).ceil() as u64))
         .collect();
     let mut row = json!({
         "task": "blow", "peer": "Erard", "batch_cores": cores, "lanes": lanes.count(), "precision": precision,

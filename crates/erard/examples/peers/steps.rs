@@ -86,7 +86,7 @@ pub fn where_errors_arise<const B: usize, const Z: usize, const N: usize>(action
         println!("\nsteps of {:.0} us, in one window {FINER} times finer: window (ms), rms, mean, us", h * 1e6);
         let coarse = Errors::of(&all(&Settings::new(h), &|_| h), &reference);
         println!("{:>7} {:>7} {}", "-", "-", coarse.columns());
-        for n in 0..(action.blow_s / WINDOW_S).round() as u32 {
+        for n in 0..(action.press_s / WINDOW_S).round() as u32 {
             let [from, until] = [n, n + 1].map(|n| f64::from(n) * WINDOW_S);
             if from > impact_s + 2.0 * WINDOW_S {
                 break;

@@ -37,7 +37,7 @@ impl Poses {
     }
 }
 
-/// How the poses move with a number: per unit of it. Only angles and what felts remember have a derivative.
+/// Derivative of the poses with respect to a number. Only angles and the internal states of felts have one.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Moves {
     rest: State,

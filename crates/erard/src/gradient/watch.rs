@@ -33,7 +33,7 @@ pub const QUANTITIES: [(&str, Get); 9] = [
     ("let_off_s", |i| i.let_off_s),
     ("hammer_contact_s", |i| i.hammer_contact_s),
     ("key_bottom_s", |i| i.key_bottom_s),
-    ("key_bottom_after_blow_s", |i| Some(i.key_bottom_s? - i.hammer_contact_s?)),
+    ("key_bottom_after_impact_s", |i| Some(i.key_bottom_s? - i.hammer_contact_s?)),
     ("free_flight_s", |i| Some(i.hammer_contact_s? - i.let_off_s?)),
     ("key_start_s", |i| i.key_start_s),
     ("toe_contact_s", |i| i.toe_contact_s),

@@ -17,7 +17,7 @@ use crate::instrument::Vec2;
 /// Direction of the pressed key front in the world: down.
 pub const KEY_DOWN: Vec2 = [0.0, -1.0];
 
-/// How far a point is on the way of what rises (hammer, damper), m, in the world: its height.
+/// Height of a point in the world, m: the coordinate along which hammer and damper rise.
 #[must_use]
 pub fn rise_m(point_m: Vec2) -> f64 {
     point_m[1]

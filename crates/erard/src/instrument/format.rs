@@ -56,7 +56,7 @@ pub(crate) struct InstrumentToml {
     #[serde(default)]
     #[schemars(length(max = MAX_STRINGS))]
     pub string: Vec<At<StringToml>>,
-    /// How the bridge moves where they end; at most 16 modes. It stands still when absent.
+    /// Modes of the bridge where the strings end; at most 16. A bridge without modes is rigid.
     #[serde(default)]
     #[schemars(length(max = MAX_BRIDGE_MODES))]
     pub bridge_mode: Vec<At<BridgeModeToml>>,
@@ -64,7 +64,7 @@ pub(crate) struct InstrumentToml {
     pub roles: Option<At<RolesToml>>,
     /// The player's fingertip: needed when `roles` names a key.
     pub finger: Option<At<FingerToml>>,
-    /// How the one-degree-of-freedom model is derived.
+    /// Derivation of the one-degree-of-freedom model.
     pub one_dof: Option<At<OneDofToml>>,
     /// Regulating screws.
     #[serde(default)]
@@ -120,9 +120,9 @@ pub(crate) struct BodyToml {
     /// key, a shank), and the hinge represents the bending of its wood. Its stiffness is that of a spring on this body.
     /// What means the rigid geometry or the weights of parts takes both for one body.
     pub bend: Option<At<bool>>,
-    /// How far its stops let it turn against what it is hinged on, from as drawn, degrees counter-clockwise: `[lowest,
-    /// highest]`, from at most 0 to at least 0. It takes no part in the mechanics: a run in which the body turns
-    /// further is not trusted. Not looked at when absent.
+    /// Range of its angle against the body that carries it, from the drawn pose, degrees counter-clockwise, as its
+    /// stops allow: `[lowest, highest]`, from at most 0 to at least 0. It takes no part in the mechanics: a run in
+    /// which the body turns further is not trusted. Not looked at when absent.
     pub turn_deg: Option<Num<Pair>>,
 }
 
@@ -168,7 +168,7 @@ pub(crate) struct StringToml {
     pub tension_n: Option<Num<Positive>>,
     /// B. That of a steel wire of 202 GPa and `diameter_mm` when absent.
     pub inharmonicity: Option<Num<NonNegative>>,
-    /// How far it is tuned from its frequency or tension, cents, up positive; 0 when absent.
+    /// Detuning from its frequency or tension, cents, up positive; 0 when absent.
     pub detuned_cents: Option<Num<Real>>,
     /// b1: what all partials' amplitudes lose, 1/s. Amplitudes decay as exp(-(b1 + b3 omega^2) t).
     pub loss_per_s: Num<NonNegative>,
@@ -359,9 +359,9 @@ pub(crate) struct ScrewToml {
     pub side: Option<At<ScrewSide>>,
     /// Direction of a positive setting in the frame of that side's body, of any length but zero.
     pub direction: Option<Num<Pair>>,
-    /// How far it is turned from the drawn geometry, mm.
+    /// Setting: travel from the drawn geometry, mm.
     pub setting_mm: Option<Num<Real>>,
-    /// How far the curve is turned from the drawn geometry, degrees counter-clockwise: a line about its `point_mm`, a
+    /// Rotation of the curve from the drawn geometry, degrees counter-clockwise: a line about its `point_mm`, a
     /// segment about its middle.
     pub setting_deg: Option<Num<Real>>,
     /// The spring that it tightens.
@@ -400,8 +400,8 @@ pub(crate) struct PartToml {
     pub smooth: bool,
     /// Source of the outline: a name in `[sources]`.
     pub source: Option<At<String>>,
-    /// How sure it is.
+    /// Certainty.
     pub certainty: Option<Certainty>,
-    /// How it was derived, or a caution.
+    /// Derivation, or a caution.
     pub note: Option<String>,
 }

@@ -89,7 +89,7 @@ pub struct Instrument {
     pub zones: Vec<Zone>,
     /// The strings that the hammer strikes, those of one note. None: the string is rigid.
     pub strings: Vec<PianoString>,
-    /// How the bridge moves under them. None: it stands still.
+    /// Modes of the bridge under them. Empty: the bridge is rigid.
     pub bridge_modes: Vec<BridgeMode>,
     /// Roles of the parts of the mechanism; `None` does not exist.
     pub roles: Roles,
@@ -122,12 +122,12 @@ pub struct Body {
     pub friction_torque_n_m: f64,
     /// Viscous friction of the pivot, N m s/rad.
     pub viscous_n_m_s: f64,
-    /// How its dry friction grows while it sticks; `None`: it does not.
+    /// Growth of its dry friction while it sticks; `None`: none.
     pub dwell: Option<Dwell>,
     /// Whether the hinge is a bend (or the far end of a bushing's arm): this body and what it is hinged on are pieces
     /// of one part, and the hinge represents its bending.
     pub is_bend: bool,
-    /// How far its stops let it turn against what it is hinged on, from as drawn, rad counter-clockwise: the lowest and
+    /// Range of its angle against the body that carries it, from the drawn pose, rad counter-clockwise: the lowest and
     /// the highest. It moves nothing: a run that goes further cannot be trusted ([`crate::trust`]). `None`: not
     /// known.
     pub turn_rad: Option<[f64; 2]>,
@@ -215,7 +215,7 @@ pub struct Zone {
     pub felt: Felt,
     /// Coulomb friction coefficient; 0 is none.
     pub friction_coefficient: f64,
-    /// How its friction grows while it sticks; `None`: it does not.
+    /// Growth of its friction while it sticks; `None`: none.
     pub dwell: Option<Dwell>,
 }
 
@@ -264,7 +264,7 @@ pub struct Felt {
     pub stiffness: f64,
     /// r, at least 1.
     pub exponent: f64,
-    /// How it loses energy.
+    /// Law of its energy loss.
     pub loss: Loss<f64>,
     /// Thickness of what is compressed, of both sides together, m. It moves nothing: a run that presses it deeper
     /// cannot be trusted ([`crate::trust`]). `None`: not known.
@@ -351,7 +351,7 @@ pub struct Screw {
     pub label: String,
     /// The action of the screw: the number that it moves.
     pub action: ScrewAction,
-    /// How far it is turned from the drawn geometry, in the action's own unit (m, rad or N m).
+    /// Setting: travel from the drawn geometry, in the screw's own unit (m, rad or N m).
     pub setting: f64,
 }
 

@@ -10,7 +10,7 @@ use super::{Instrument, Vec2};
 pub struct Placement {
     /// The frame's origin, m: a body's pivot.
     pub pivot_m: Vec2,
-    /// How far it is turned, rad, counter-clockwise: a body's absolute angle.
+    /// Angle, rad, counter-clockwise positive: a body's absolute angle.
     pub angle_rad: f64,
 }
 

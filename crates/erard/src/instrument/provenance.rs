@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How sure a number is.
+/// Certainty of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Certainty {
@@ -31,11 +31,11 @@ pub struct Source {
     pub date: Option<String>,
     /// Address.
     pub url: Option<String>,
-    /// How it was used, or a caution.
+    /// Use of the source, or a caution.
     pub note: Option<String>,
 }
 
-/// How far a number may be off.
+/// Spread of a number: how far it may be off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Spread {
     /// Plus or minus, in the unit of the file's key.
@@ -49,9 +49,9 @@ pub enum Spread {
 pub struct Citation {
     /// Name of a source in [`Provenance::sources`].
     pub source: String,
-    /// How sure it is.
+    /// Certainty.
     pub certainty: Certainty,
-    /// How far it may be off, if that is known.
+    /// Spread, if it is known.
     pub spread: Option<Spread>,
     /// Name of a shared deviation: numbers with the same name here deviate together.
     pub together: Option<String>,

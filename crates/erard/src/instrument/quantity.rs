@@ -158,7 +158,7 @@ pub struct Cited<T> {
     pub value: At<T>,
     /// Source: a name in `[sources]`.
     pub source: At<String>,
-    /// How sure it is.
+    /// Certainty.
     pub certainty: Certainty,
     /// Plus or minus, in the unit of the value (for a vector: of each component).
     pub spread: Option<At<NonNegative>>,
@@ -167,7 +167,7 @@ pub struct Cited<T> {
     /// Numbers with the same word here are off together, by the same share of their spreads: one cloth or one piece of
     /// wood serves them all.
     pub together: Option<At<String>>,
-    /// How it was derived, or a caution.
+    /// Derivation, or a caution.
     pub note: Option<String>,
 }
 

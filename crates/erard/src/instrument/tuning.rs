@@ -63,13 +63,13 @@ impl PianoString {
         0.5 * self.mass_kg_m * self.length_m
     }
 
-    /// How many partials lie below a frequency, Hz.
+    /// Number of partials below a frequency, Hz.
     #[must_use]
     pub fn partials_below(&self, hz: f64) -> u32 {
         (1..STATIC_PARTIALS).take_while(|&n| self.partial_hz(n) < hz).count() as u32
     }
 
-    /// How many partials are stepped, whatever the step: those below 20 kHz, and 32 at least.
+    /// Number of partials that are stepped, at any length of step: those below 20 kHz, and at least 32.
     #[must_use]
     pub(crate) fn stepped(&self) -> u32 {
         self.partials_below(REACH_HZ).max(LEAST_MODES)

@@ -58,7 +58,7 @@ pub(crate) struct AddedMassToml {
     pub body: At<String>,
     /// Position of the added mass, in the body's own frame, mm.
     pub at_mm: Num<Pair>,
-    /// How much over the keyboard, g.
+    /// Mass over the keyboard, g.
     pub mass_g: At<Vec<PointToml<Real>>>,
 }
 
@@ -86,7 +86,7 @@ pub(crate) struct ShiftToml {
     pub points: Vec<At<String>>,
     /// Direction, of any length but zero, in the frame of the body that carries the point.
     pub direction: Num<Pair>,
-    /// How far over the keyboard, mm.
+    /// Place over the keyboard, mm.
     pub by_mm: At<Vec<PointToml<Real>>>,
 }
 
@@ -101,9 +101,9 @@ pub(crate) struct PointToml<T> {
     pub value: At<T>,
     /// Source: a name in `[sources]`.
     pub source: Option<At<String>>,
-    /// How sure it is; needed where a source is named.
+    /// Certainty; required beside a source.
     pub certainty: Option<Certainty>,
-    /// How it was derived, or a caution.
+    /// Derivation, or a caution.
     pub note: Option<String>,
 }
 

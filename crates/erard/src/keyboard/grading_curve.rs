@@ -13,7 +13,7 @@ pub struct GradingPoint {
     pub citation: Option<Citation>,
 }
 
-/// How a curve runs between its points.
+/// Interpolation of a curve between its points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Between {
     /// Along a straight line.

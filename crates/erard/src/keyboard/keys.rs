@@ -101,13 +101,13 @@ impl Keys {
         self.bank.settings()
     }
 
-    /// How many there are.
+    /// Number of keys.
     #[must_use]
     pub fn count(&self) -> usize {
         self.bank.count()
     }
 
-    /// How many are awake: the next step steps these.
+    /// Number of keys that are awake: the next step steps these.
     #[must_use]
     pub fn awake(&self) -> usize {
         self.bank.awake().len()
@@ -179,9 +179,10 @@ impl Keys {
         self.bank.let_sleep(sleep);
     }
 
-    /// How often steps are halved while a hammer is near strings that sound, from the next one on: [`Action::halve`],
-    /// for all keys. As these ask, at first; with [`Halving::Never`] the worst step of a chord costs a fifteenth, and
-    /// contacts in the treble last too long (the book's chapter "Strings"). Wakes the keys. May allocate.
+    /// Sets the number of halvings of a step while a hammer is near modal strings, from the next step on:
+    /// [`Action::halve`], for all keys. As these ask, at first; with [`Halving::Never`] the worst step of a chord costs
+    /// a fifteenth, and contacts in the treble last too long (the book's chapter "Strings"). Wakes the keys. May
+    /// allocate.
     pub fn halve(&mut self, halving: Halving) {
         self.bank.halve(halving);
     }

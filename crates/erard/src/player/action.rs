@@ -442,7 +442,7 @@ impl Action {
         MechanismState::new(&self.identity, self.mechanism.save(), self.aimed_m)
     }
 
-    /// How modal strings vibrate, in lists of numbers with names; none where there are none. Does not allocate.
+    /// State of the modal strings, in named lists of numbers; nothing over a rigid string. Does not allocate.
     pub fn save_strings(&self, put: &mut dyn FnMut(&'static str, &mut dyn Iterator<Item = f64>)) {
         if let Some(strings) = self.mechanism.readout().surfaces {
             strings.save(put);

@@ -19,7 +19,7 @@ pub struct Hand {
     pub damping_n_s_per_m: f64,
     /// Initial position of the fingertip, m below the key front's rest; negative in the air.
     pub start_m: f64,
-    /// How fast it is then, m/s, down positive.
+    /// Its velocity then, m/s, down positive.
     pub start_m_per_s: f64,
 }
 

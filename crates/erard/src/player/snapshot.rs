@@ -29,7 +29,7 @@ const STRINGS: &str = "string_";
 pub struct Snapshot {
     /// The state of the mechanism.
     pub mechanism: MechanismState,
-    /// How modal strings vibrate: none where the string is rigid, or was left out.
+    /// State of the modal strings; empty where the string is rigid, or was left out.
     strings: BTreeMap<String, Vec<f64>>,
 }
 

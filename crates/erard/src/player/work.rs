@@ -2,7 +2,7 @@
 
 use moreau::{ControlledStep, Outcome, StepReport};
 
-/// How a run was made and what it cost.
+/// Method and cost of a run.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Work {
     /// Steps taken; of adaptive steps, their halves.

@@ -19,7 +19,7 @@ use crate::stroke::{
 };
 use thiserror::Error;
 
-/// How a recording is prepared.
+/// Options for preparing a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Preparation {
     /// Take the mean of the rest before the touch from every channel that has one.
@@ -28,7 +28,7 @@ pub struct Preparation {
     pub zero_at: Vec<(Role, f64)>,
     /// Channels that are positive upward (the hammer's: downward), and are turned.
     pub inverted: Vec<Role>,
-    /// How much later than the others a channel was written down, s.
+    /// Delay of a channel against the others, s; positive when it was recorded late.
     pub late_s: Vec<(Role, f64)>,
     /// Noise.
     pub low_pass: LowPass,

@@ -50,7 +50,7 @@ pub struct ChannelReport {
     pub stated_zero: Option<f64>,
     /// Whether its sign was turned.
     pub inverted: bool,
-    /// How much later than the others it was written down, s, as was said.
+    /// Delay against the others, s, as the caller gave it.
     pub late_s: f64,
     /// Its noise, where it shows any.
     pub noise: Option<Noise>,

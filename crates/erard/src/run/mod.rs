@@ -53,7 +53,7 @@ pub struct Run {
     pub ledger: Option<Ledger>,
     /// Steps and iterations.
     pub work: Work,
-    /// How far the bodies turned, and how deep the felts were pressed.
+    /// Largest angles of the bodies, rad, and largest compressions of the felts, m.
     pub extremes: Extremes,
     /// Why the run cannot be trusted; empty if nothing speaks against it.
     pub warnings: Vec<Warning>,

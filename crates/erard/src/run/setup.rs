@@ -19,7 +19,7 @@ pub const MOST_ROWS_ASKED: u64 = 1_000_000;
 pub const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
 /// Longest run, s: more than eleven days.
 pub const LONGEST_S: f64 = 1e6;
-/// How to run.
+/// Settings of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Setup {
     /// The engine's settings.
@@ -34,11 +34,11 @@ pub struct Setup {
     /// say. With a tolerance, rows stand where they would without, and steps between two of them are as long as their
     /// error allows.
     pub tolerance: Option<f64>,
-    /// How often steps are halved while the hammer is near strings that sound. Rows stay on the settings' grid.
+    /// Number of halvings of a step while the hammer is near modal strings. Rows stay on the settings' grid.
     pub halving: Halving,
     /// Whether the energy ledger is kept.
     pub ledger: bool,
-    /// How the sustain pedal is moved, on the stroke's own clock.
+    /// Motion of the sustain pedal, on the stroke's own clock.
     pub pedal: Pedal,
     /// The hand between stroke and key: the stroke's force is its muscle's, or its muscle follows the stroke's motion.
     /// `None`: the stroke drives the key.
@@ -81,7 +81,7 @@ pub enum SimulationError {
     Rows {
         /// Steps from row to row.
         every: u64,
-        /// How many rows that makes.
+        /// Number of rows.
         found: u64,
         /// Steps from row to row that would do.
         least: u64,

@@ -8,6 +8,7 @@ use crate::mechanism::Halving;
 use crate::player::{Action, Drive, Input, Observer, Snapshot};
 use crate::progress::Progress;
 use crate::stroke::HandStroke;
+use crate::trust::Kind;
 
 /// [`simulate`] without a progress callback.
 ///
@@ -81,7 +82,10 @@ pub fn simulate_from(
     let mut run = RunLoop::new(instrument, &drive, setup, steps, action, None);
     run.fixed(progress)?;
     progress(1.0);
-    Ok(run.finish(instrument))
+    let mut run = run.finish(instrument);
+    // A saved state may be in the middle of a motion: where it begins is no rest.
+    run.warnings.retain(|warning| warning.kind != Kind::RestFarFromDrawing);
+    Ok(run)
 }
 
 fn simulate_before(

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use moreau::Surface;
 use thiserror::Error;
 
-/// How far the rail can be lifted, m.
+/// Largest lift of the rail, m.
 pub const PEDAL_MOST_M: f64 = 10e-3;
 /// How fast it follows what it is set to, m/s: a foot that stamps moves it by 10 mm in 20 ms. So that a number that
 /// jumps is no blow with a hammer.
@@ -73,7 +73,7 @@ pub enum PedalError {
     /// Too many.
     #[error("the pedal has {found} instants; expected at most {MOST}")]
     Many {
-        /// How many there are.
+        /// Number of instants.
         found: usize,
     },
 }

@@ -6,7 +6,7 @@ use super::Series;
 /// Nuances, softest first.
 pub const NUANCES: [&str; 5] = ["pp", "p", "mf", "f", "ff"];
 
-/// How the hand meets the key.
+/// Way in which the hand meets the key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Touch {
     /// The hand rests on the key and presses it.

@@ -61,23 +61,23 @@ pub enum Muscle {
     },
     /// A force that rises from nothing at a constant rate, and stays at its height.
     Rises {
-        /// How fast, N/s.
+        /// Rate of the rise, N/s.
         rate_n_s: f64,
-        /// How high, N.
+        /// Force at the end of the rise, N.
         height_n: f64,
     },
     /// A force that rises from nothing by half a cosine, and stays.
     Swells {
-        /// How high, N.
+        /// Force at the end of the rise, N.
         force_n: f64,
         /// Within what time, s.
         within_s: f64,
     },
     /// Its stiffness and damping lead the hand down along the path of least jerk.
     Leads {
-        /// How deep, m below the key front's rest.
+        /// End of the path, m below the key front's rest.
         depth_m: f64,
-        /// How long that takes, s.
+        /// Duration of the path, s.
         duration_s: f64,
     },
 }
@@ -89,13 +89,13 @@ pub struct HandStroke {
     pub hand: Hand,
     /// Action of the muscle.
     pub muscle: Muscle,
-    /// How its force relaxes. `None`: it does not. A hand that is led does not.
+    /// Relaxation of its force. `None`: none; the muscle of a hand that follows a path never relaxes.
     pub relaxes: Option<Relax>,
-    /// How it leaves the key. `None`: it stays.
+    /// Release of the key. `None`: the hand stays.
     pub leaves: Option<Leave>,
 }
 
-/// How the key is held after the note.
+/// Hold of the key after the note.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Relax {
     /// When the force begins to relax, s: half a cosine of 0.1 s.

@@ -18,11 +18,11 @@ pub struct Recording {
     pub position_of: PositionOf,
     /// Columns of the file, time first.
     pub layout: Layout,
-    /// How the file is written.
+    /// Format of the file.
     pub dialect: Dialect,
 }
 
-/// How a table is written.
+/// Format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Dialect {
     /// Separator of cells; `None` for a file that is not text.
@@ -101,7 +101,7 @@ impl Channel {
         time_s.iter().zip(&self.values).filter(|(_, value)| !value.is_nan()).unzip()
     }
 
-    /// How much is missing.
+    /// Number of missing samples.
     pub fn gaps(&self, time_s: &[f64]) -> Gaps {
         let rows = self.values.iter().filter(|value| value.is_nan()).count();
         let there: Vec<usize> = (0..self.values.len()).filter(|&row| !self.values[row].is_nan()).collect();

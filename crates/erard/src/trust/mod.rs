@@ -146,7 +146,7 @@ pub(crate) fn assess(
     warnings.extend(ledger.map(energy_residual).and_then(of_energy));
     warnings.extend(of_steps(work.unconverged_steps, work.steps));
     warnings.extend(of_extremes(instrument, extremes));
-    warnings.extend(of_blows(events));
+    warnings.extend(of_impacts(events));
     warnings.extend(of_strings(instrument, struck));
     warnings.extend(of_tensions(instrument));
     warnings
@@ -194,7 +194,7 @@ fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
 
 /// Doubts about the fastest impact.
 #[must_use]
-pub fn of_blows(events: &Events) -> Option<Warning> {
+pub fn of_impacts(events: &Events) -> Option<Warning> {
     let fastest = events.impacts.iter().max_by(|a, b| a.hammer_speed_m_per_s.total_cmp(&b.hammer_speed_m_per_s))?;
     (fastest.hammer_speed_m_per_s > HAMMER_SPEED_M_PER_S).then(|| Warning {
         kind: Kind::HammerSpeed,

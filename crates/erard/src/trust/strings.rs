@@ -6,7 +6,7 @@ use crate::mechanism::Readout;
 /// A hammer that has not touched the strings for so long has left them, s: waves part the two for less.
 const APART_S: f64 = 2e-3;
 
-/// How the loudest blow on strings that sound was stepped: told of every step.
+/// Steps of the loudest impact on modal strings; it observes every step.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Struck {
     /// The contact under way.

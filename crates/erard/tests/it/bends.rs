@@ -160,7 +160,7 @@ fn a_held_note_is_still() {
 
 /// The ledger closes as it does without bends, and every step converges.
 #[test]
-fn the_books_close() {
+fn the_balance_closes() {
     for bodies in [7, 8] {
         for play in Play::strokes() {
             let run = play.run(&bending(bodies), Settings::new(50e-6), 0.6);

@@ -73,7 +73,7 @@ fn work_grows_with_the_cube_root() {
 /// The energy ledger, booked half by half: what it does not explain follows the tolerance too, and no loss is negative
 /// in any half.
 #[test]
-fn the_books_close() {
+fn the_balance_closes() {
     for (tolerance, most) in [(1e-3, 1e-3), (1e-5, 1e-4), (1e-7, 1e-5)] {
         let ledger = controlled(&MF, tolerance, 1.0, 20).ledger.unwrap();
         println!("tolerance {tolerance:e}: residual {:.1e}", ledger.residual_relative());

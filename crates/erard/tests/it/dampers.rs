@@ -348,7 +348,7 @@ fn key_and_pedal_lift_the_damper() {
 /// The energy balance of a note that is struck, held, let go and damped, with a pedal that comes and goes meanwhile:
 /// what the foot does is booked.
 #[test]
-fn the_books_close_over_dampers_and_pedal() {
+fn the_balance_closes_over_dampers_and_pedal() {
     let instrument = strung();
     for pedal in ["0mm", "7mm", "0.1s=0mm,0.2s=7mm,0.5s=7mm,0.7s=2.1mm,0.9s=0mm"] {
         let pedal: Pedal = pedal.parse().unwrap();
@@ -374,7 +374,7 @@ fn the_books_close_over_dampers_and_pedal() {
 /// the two are solved together within a step, so that the energy balance closes.
 #[test]
 #[ignore = "ci: steps of three lengths, for a second"]
-fn the_books_close_over_hammer_and_damper_on_the_same_string() {
+fn the_balance_closes_over_hammer_and_damper_on_the_same_string() {
     for (side, gravity) in [(1.0, 225.0), (-1.0, -225.0)] {
         let mut instrument = damped(0.0);
         instrument.gravity_m_s2 = gravity;
@@ -411,7 +411,7 @@ fn the_books_close_over_hammer_and_damper_on_the_same_string() {
 /// A hammer that strikes strings on which the damper lies, with the pedal's rail so high that it lies there with half
 /// its weight: the energy balance of the whole action.
 #[test]
-fn the_books_close_over_a_blow_under_the_damper() {
+fn the_balance_closes_over_an_impact_under_the_damper() {
     let mut instrument = strung();
     // The spoon comes so late that the damper stays where the pedal holds it.
     let screw = instrument.screws.iter().position(|screw| screw.name == "damper_timing").unwrap();
@@ -442,7 +442,7 @@ fn damped_on_a_bridge(mass_kg: f64) -> Instrument {
 /// Dampers that rock on strings whose bridge moves are solved together with it: the energy balance closes as it does
 /// over a rigid bridge.
 #[test]
-fn the_books_close_over_rocking_dampers_and_a_bridge_that_moves() {
+fn the_balance_closes_over_rocking_dampers_and_a_bridge_that_moves() {
     for mass_kg in [5.0, 0.2] {
         let instrument = damped_on_a_bridge(mass_kg);
         for h in [10e-6, 50e-6] {

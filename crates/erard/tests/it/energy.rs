@@ -62,7 +62,7 @@ fn worst(played: &[Played], residual: fn(&Ledger) -> f64) -> f64 {
 /// each quarter of the step leaves less than a quarter of the residual (a sixteenth in the mean, were it not for the
 /// contacts' phases).
 #[test]
-fn the_books_close_at_theta_one_half() {
+fn the_balance_closes_at_theta_one_half() {
     books_close(&SOME[0]);
 }
 
@@ -73,7 +73,7 @@ fn books_close(played: &[Played]) {
 
 #[test]
 #[ignore = "ci: all plays in steps of three lengths"]
-fn the_books_close_with_the_square_of_the_step() {
+fn the_balance_closes_with_the_square_of_the_step() {
     let in_steps = |step: f64| played(plays().into_iter(), 0.5, step);
     let [coarse, fine] = [4.0, 0.25].map(|part| worst(&in_steps(part * USUAL_STEP_S), Ledger::residual_relative));
     let residuals = [coarse, worst(&ALL[0], Ledger::residual_relative), fine];

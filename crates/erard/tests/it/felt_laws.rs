@@ -38,7 +38,7 @@ fn with(law: Law) -> Instrument {
 /// Whole notes: every step converges, the energy balance closes as it does with the papers' loss, and no loss is a
 /// gain.
 #[test]
-fn the_books_close() {
+fn the_balance_closes() {
     for (name, law) in LAWS {
         let instrument = with(law);
         for play in [Play::Stroke("f", Touch::Pressed), Play::Stroke("mf", Touch::Struck), Play::ForceStep(12.0, 0.6)] {

@@ -196,7 +196,8 @@ fn an_imposed_motion_is_an_actions() {
         keys.step();
         let own = alone.step(Input::Rigid { position_m: from_m, velocity_m_per_s: 0.0 });
         assert_eq!(own.key_m.to_bits(), keys.key_m(1).to_bits(), "step {n}");
-        assert!((own.key_m - from_m).abs() < 1e-6, "step {n}: {} {from_m}", own.key_m);
+        // Half a step of the speed that the key had; a tenth of the way to the old aim would be 46 um.
+        assert!((own.key_m - from_m).abs() < 1e-5, "step {n}: {} {from_m}", own.key_m);
     }
 }
 

@@ -327,7 +327,7 @@ fn partials_are_where_the_formula_has_them() {
 /// The whole action, softest to loudest: the energy balance closes to 1e-4, no step fails, and the hammer is caught as
 /// it is by a rigid string.
 #[test]
-fn the_books_of_a_whole_action_close() {
+fn the_balance_of_a_whole_action_closes() {
     for nuance in erard::stroke::NUANCES {
         let run = Play::Stroke(nuance, Touch::Pressed).run(&strung(), Settings::new(USUAL_STEP_S), 1.0);
         let ledger = run.ledger.as_ref().unwrap();

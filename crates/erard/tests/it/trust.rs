@@ -3,7 +3,8 @@
 use crate::common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::Keyboard;
-use erard::run::Run;
+use erard::player::{Action, Input};
+use erard::run::{Run, Setup, simulate_from};
 use erard::stroke::Touch;
 use erard::trust::{ENERGY_RESIDUAL, Kind};
 use moreau::Settings;
@@ -22,6 +23,19 @@ fn motions() -> impl Iterator<Item = Play> {
             .into_iter()
             .flat_map(move |touch| [Play::Motion(nuance, touch), Play::Rigid(nuance, touch)])
     })
+}
+
+/// A run that goes on from the hammer in its check begins far from the drawing, and not at a rest.
+#[test]
+fn a_run_that_begins_in_motion_says_nothing_of_a_rest() {
+    let grand = grand();
+    let mut action = Action::with(&grand, settings()).unwrap();
+    for _ in 0..4000 {
+        action.step(Input::Force(5.0));
+    }
+    assert!(action.reading().hammer_m > 0.02, "in its check: {:?}", action.reading());
+    let run = simulate_from(&grand, &action.save(), &|_| Input::Force(5.0), &Setup::new(0.02), &mut |_| true).unwrap();
+    assert_eq!(kinds(&run), []);
 }
 
 /// Every built-in stroke on every built-in instrument, by force and by motion, and steps of force. The only thing that
@@ -233,9 +247,10 @@ fn a_blow_faster_than_any_is_told() {
         ..erard::Events::default()
     };
     assert!(
-        erard::trust::of_blows(&events(19.9)).is_none() && erard::trust::of_blows(&erard::Events::default()).is_none()
+        erard::trust::of_impacts(&events(19.9)).is_none()
+            && erard::trust::of_impacts(&erard::Events::default()).is_none()
     );
-    let warning = erard::trust::of_blows(&events(180.0)).expect("no hammer does that");
+    let warning = erard::trust::of_impacts(&events(180.0)).expect("no hammer does that");
     assert_eq!((warning.kind, warning.value, warning.time_s), (Kind::HammerSpeed, 180.0, Some(0.2)));
     assert!(warning.what.contains("180 m/s"), "{warning}");
 }

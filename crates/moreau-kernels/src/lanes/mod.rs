@@ -19,7 +19,7 @@ mod number;
 
 use moreau::{Input, Model, Outcome, Settings, Sleep, State, Workspace, step_out_of_line};
 
-/// How many mechanisms of a group are stepped at once, and how precisely.
+/// Number of mechanisms that are stepped at once, and their precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lanes {
     /// One after the other, in doubles.
@@ -228,7 +228,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         Group { kind: Kind::OneByOne(Box::new(one_by_one)) }
     }
 
-    /// How many are stepped at once.
+    /// Number of mechanisms that are stepped at once.
     pub fn lanes(&self) -> Lanes {
         match self.kind {
             #[cfg(target_arch = "x86_64")]

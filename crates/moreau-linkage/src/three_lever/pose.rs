@@ -15,7 +15,7 @@ pub struct StrokePose {
     pub s1: f64,
     /// Place of the knuckle's contact along the whippen (from its pivot, toward the player).
     pub s2: f64,
-    /// How far capstan and heel have slid along each other since rest: the change of `s1`,
+    /// Sliding of capstan and heel along each other since rest, m: the change of `s1`,
     /// less what a disc has rolled (a contact point without a radius only slides).
     pub capstan_sliding: f64,
     /// Sliding of knuckle and jack, with `s2`.

@@ -28,7 +28,7 @@ const REJECTIONS: u32 = 30;
 /// Most rejected attempts that aim at the instant at which a law changes.
 const AIMED: u32 = 8;
 
-/// How accurate steps are to be, and how long.
+/// Tolerance and bounds of adaptive steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy<T> {
     /// Error allowed in a step: in each body's velocity as a part of `velocity` + |its velocity|, in its angle as a

@@ -21,7 +21,7 @@ pub(crate) type Memory<T> = [T; MEMORY];
 pub(crate) trait Law<T: Real>: Copy {
     /// Its numbers beside the spring's.
     const NUMBERS: &'static [LawNumber];
-    /// How many numbers it carries from step to step, at most [`MEMORY`].
+    /// Numbers of its internal state, at most [`MEMORY`].
     const REMEMBERS: usize = 0;
 
     /// Its numbers' values in the order of [`Law::NUMBERS`], filled up with zeros.

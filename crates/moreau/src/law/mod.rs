@@ -42,7 +42,7 @@ pub(crate) use spring::{Curvature, FAR, ONSET, Pressed, Spring, TINY};
 /// Makes [`Loss`], the list of tables, and the calls of the hook.
 macro_rules! laws {
     ($($(#[$doc:meta])* $law:ident)*) => {
-        /// How a felt loses energy.
+        /// Law of a felt's energy loss.
         #[derive(Debug, Clone, Copy, PartialEq)]
         #[non_exhaustive]
         pub enum Loss<T> {
@@ -86,7 +86,7 @@ macro_rules! laws {
                 }
             }
 
-            /// How many numbers it carries from step to step.
+            /// Numbers of its internal state.
             pub(crate) fn remembers(&self) -> usize {
                 match self {
                     $(Loss::$law(_) => <$law<T> as Law<T>>::REMEMBERS,)*

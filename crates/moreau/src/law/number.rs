@@ -17,7 +17,7 @@ pub struct LawNumber {
     pub key: &'static str,
     /// The key's unit; `1` for a number without one.
     pub unit: &'static str,
-    /// How many of these units are one of the engine's: 1000 for ms.
+    /// Number of these units in one of the engine's: 1000 for ms.
     pub units_per_si: f64,
     /// Allowed range, in the engine's units.
     pub range: Range,

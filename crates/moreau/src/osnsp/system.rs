@@ -14,7 +14,7 @@ pub struct System<T, const B: usize, const N: usize> {
     pub pivot_bound: [T; B],
     /// Sliding contacts and a rigid drive.
     pub sliding: [SlidingLaw<T, B>; N],
-    /// How many of them are in use.
+    /// Number of laws in use.
     pub count: usize,
 }
 

@@ -49,7 +49,7 @@ pub type Switched<'a> = dyn FnMut(Switch) + 'a;
 /// A switch of friction on the way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Switch {
-    /// How long after the start of the step, s.
+    /// Time after the start of the step, s.
     pub after_s: f64,
     /// Law that switches; `None` if it could not be identified.
     pub law: Option<SwitchingLaw>,

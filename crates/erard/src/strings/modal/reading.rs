@@ -13,7 +13,7 @@ impl Strings {
         &self.strings
     }
 
-    /// How many modes are stepped.
+    /// Number of modes that are stepped.
     #[must_use]
     pub fn modes(&self) -> usize {
         self.modes.len()
@@ -44,7 +44,7 @@ impl Strings {
         self.forces_n[1..=self.felts.len()].iter().copied()
     }
 
-    /// How far the pedal's rail is lifted now, m; `None` where there is none.
+    /// Lift of the pedal's rail now, m; `None` without a rail.
     #[must_use]
     pub fn pedal_m(&self) -> Option<f64> {
         self.rail.map(|rail| rail.lift_m)

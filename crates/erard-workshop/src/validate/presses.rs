@@ -1,4 +1,4 @@
-//! Blows from the softest to the loudest: when the key is down and when the hammer is there.
+//! Presses from the softest to the loudest: when the key is down and when the hammer is there.
 //!
 //! Five protocols, fixed before any number of an instrument was moved for them:
 //!
@@ -28,7 +28,7 @@ use moreau::Settings;
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
-/// A blow is over after this time, s: twice the slowest published.
+/// A press is over after this time, s: twice the slowest published.
 const DURATION_S: f64 = 0.5;
 /// The forces of published playing, N: 0.5 starts a key, 15 is ff, and 35 is more than any.
 const FORCES_N: [f64; 2] = [0.3, 35.0];
@@ -55,7 +55,7 @@ const F_M_PER_S: f64 = 3.15;
 /// The key stroke that a published f has, s.
 const F_STROKE_S: f64 = 0.025;
 
-/// How the key is pressed.
+/// Drive of the key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drive {
     /// By a constant force, N, that is there at once.
@@ -70,16 +70,16 @@ pub enum Drive {
     Led(f64),
 }
 
-/// One blow. SI units; `None` did not happen.
+/// One simulated press. SI units; `None` did not happen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PressedBlow {
-    /// How the key was pressed.
+pub struct SimulatedPress {
+    /// Drive of the key.
     pub drive: Drive,
     /// From key start to key bottom, s. Key bottom is the first touch of the front punching.
     pub key_stroke_s: Option<f64>,
     /// From key start to the hammer on the string, s.
     pub to_string_s: Option<f64>,
-    /// How long before key bottom the hammer meets the string, s; negative: after it.
+    /// Time from the impact to key bottom, s; negative where the key is down first.
     pub hammer_ahead_s: Option<f64>,
     /// Speed of the hammer at the string, m/s.
     pub hammer_speed_m_per_s: Option<f64>,
@@ -87,13 +87,13 @@ pub struct PressedBlow {
     pub key_speed_m_per_s: f64,
     /// Largest force of the finger before the hammer meets the string, N.
     pub peak_n: f64,
-    /// How long the hammer touches the string the first time, s.
+    /// Duration of the first contact of hammer and string, s.
     pub contact_s: Option<f64>,
     /// Farthest travel of the key front, m.
     pub deepest_m: f64,
 }
 
-/// Results of the blows. Drives that were not found are `None`.
+/// Results of the presses. Drives that were not found are `None`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loudness {
     /// Smallest force that starts the key, N.
@@ -101,54 +101,58 @@ pub struct Loudness {
     /// Constant force of a key stroke of 20 ms, N.
     pub force_of_a_20_ms_stroke_n: Option<f64>,
     /// The softest constant force that sounds and reaches key bottom.
-    pub softest: Option<PressedBlow>,
+    pub softest: Option<SimulatedPress>,
     /// At 0.8, 15 and 35 N.
-    pub at_0_8_n: PressedBlow,
-    /// A blow under 15 N.
-    pub at_15_n: PressedBlow,
-    /// A blow under 35 N.
-    pub at_35_n: PressedBlow,
+    pub at_0_8_n: SimulatedPress,
+    /// A press under 15 N.
+    pub at_15_n: SimulatedPress,
+    /// A press under 35 N.
+    pub at_35_n: SimulatedPress,
     /// Under a force that rises to 15 N.
-    pub ramped_15_n: PressedBlow,
+    pub ramped_15_n: SimulatedPress,
     /// Smallest force with such a rise for a hammer speed of 4.5 m/s, N.
     pub force_for_ff_n: Option<f64>,
     /// Constant forces for the hammer speeds of the marks.
-    pub mf: Option<PressedBlow>,
-    /// The f blow.
-    pub f: Option<PressedBlow>,
+    pub mf: Option<SimulatedPress>,
+    /// At f.
+    pub f: Option<SimulatedPress>,
     /// The constant force with the key stroke of a published f.
-    pub f_by_stroke: Option<PressedBlow>,
+    pub f_by_stroke: Option<SimulatedPress>,
     /// Hammer speed where hammer and key bottom come together under constant forces, m/s.
     pub crossover_m_per_s: Option<f64>,
     /// The curve of constant forces against loudness.
-    pub blows: Vec<PressedBlow>,
+    pub constant_force: Vec<SimulatedPress>,
     /// Results of hands.
     pub by_hand: ByHand,
 }
 
-/// Blows of hands.
+/// Presses by hands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ByHand {
     /// Led so slowly that it just sounds.
-    pub softest: Option<PressedBlow>,
+    pub softest: Option<SimulatedPress>,
     /// Led, at the hammer speed of pp.
-    pub pp: Option<PressedBlow>,
+    pub pp: Option<SimulatedPress>,
     /// Pressed, with the key stroke of a published f.
-    pub f_by_stroke: Option<PressedBlow>,
+    pub f_by_stroke: Option<SimulatedPress>,
     /// Pressed, at the hammer speed of ff.
-    pub ff: Option<PressedBlow>,
+    pub ff: Option<SimulatedPress>,
     /// Struck, at the hammer speeds of pp, p, mf and ff.
-    pub struck: [Option<PressedBlow>; 4],
+    pub struck: [Option<SimulatedPress>; 4],
     /// Pressed as fast as a hand can.
-    pub loudest: PressedBlow,
+    pub loudest: SimulatedPress,
     /// Hammer speed where hammer and key bottom come together, pressed, m/s.
     pub crossover_m_per_s: Option<f64>,
     /// The curve of pressed touches against loudness.
-    pub blows: Vec<PressedBlow>,
+    pub pressed: Vec<SimulatedPress>,
 }
 
-/// One blow.
-fn blow(instrument: &Instrument, drive: Drive, progress: &mut Progress<'_>) -> Result<PressedBlow, SimulationError> {
+/// One press.
+fn press(
+    instrument: &Instrument,
+    drive: Drive,
+    progress: &mut Progress<'_>,
+) -> Result<SimulatedPress, SimulationError> {
     let setup = Setup { settings: Settings::new(STEP_S), ..Setup::new(DURATION_S) };
     let run = match drive {
         Drive::Constant(force_n) => simulate(instrument, &player::force(|_| force_n), &setup, progress)?,
@@ -160,10 +164,10 @@ fn blow(instrument: &Instrument, drive: Drive, progress: &mut Progress<'_>) -> R
         Drive::Pressed(force_n) => press_by_hand(instrument, &HandStroke::pressed(MASS_KG, force_n), &setup, progress)?,
         Drive::Led(duration_s) => press_by_hand(instrument, &HandStroke::led(duration_s), &setup, progress)?,
     };
-    Ok(PressedBlow::of(instrument, &run, drive))
+    Ok(SimulatedPress::of(instrument, &run, drive))
 }
 
-impl PressedBlow {
+impl SimulatedPress {
     /// What a run shows.
     pub(super) fn of(instrument: &Instrument, run: &Run, drive: Drive) -> Self {
         let e = &run.events;
@@ -179,7 +183,7 @@ impl PressedBlow {
             let rows = normal[first..].iter().take_while(|n| **n > 0.0).count();
             rows as f64 * run.work.record_every as f64 * STEP_S
         });
-        PressedBlow {
+        SimulatedPress {
             drive,
             key_stroke_s: between(e.key_start_s, e.key_bottom_s),
             to_string_s: between(e.key_start_s, e.hammer_contact_s()),
@@ -210,22 +214,22 @@ const PRESSED: Family = Family { drive: Drive::Pressed, ends: HAND_FORCES_N };
 /// By the inverse of its time, 1/s, so that more is louder.
 const LED: Family = Family { drive: |per_s| Drive::Led(1.0 / per_s), ends: [1.0 / SLOWEST_S, 1.0 / QUICKEST_S] };
 
-/// The smallest number of the family from which on `holds`, by bisection on the logarithm, and its blow; `None` when it
-/// does not hold at the largest.
+/// The smallest number of the family from which on `holds`, by bisection on the logarithm, and its press; `None` when
+/// it does not hold at the largest.
 fn smallest(
     instrument: &Instrument,
     family: &Family,
-    holds: &dyn Fn(&PressedBlow) -> bool,
+    holds: &dyn Fn(&SimulatedPress) -> bool,
     progress: &mut Progress<'_>,
-) -> Result<Option<PressedBlow>, SimulationError> {
+) -> Result<Option<SimulatedPress>, SimulationError> {
     let [mut low, mut high] = family.ends;
-    let mut found = blow(instrument, (family.drive)(high), progress)?;
+    let mut found = press(instrument, (family.drive)(high), progress)?;
     if !holds(&found) {
         return Ok(None);
     }
     while high / low > 1.0 + CLOSE {
         let middle = (low * high).sqrt();
-        let tried = blow(instrument, (family.drive)(middle), progress)?;
+        let tried = press(instrument, (family.drive)(middle), progress)?;
         if holds(&tried) {
             (high, found) = (middle, tried);
         } else {
@@ -252,91 +256,91 @@ pub(super) fn hand_at(
     }
 }
 
-/// The blow of the struck hand whose hammer has a speed; `None` where no hand strikes so. Searched from below: a hand
+/// The press of the struck hand whose hammer has a speed; `None` where no hand strikes so. Searched from below: a hand
 /// that arrives too fast throws the hammer off the jack, and is softer.
 fn struck_at(
     instrument: &Instrument,
     speed_m_per_s: f64,
     progress: &mut Progress<'_>,
-) -> Result<Option<PressedBlow>, SimulationError> {
+) -> Result<Option<SimulatedPress>, SimulationError> {
     // The search is not counted: its trials end at the impact.
     let Some(found) = hand_at(instrument, Touch::Struck, speed_m_per_s, &mut |_| true)? else { return Ok(None) };
-    blow(instrument, Drive::Struck(found.louder), progress).map(Some)
+    press(instrument, Drive::Struck(found.louder), progress).map(Some)
 }
 
-/// The blows of a family from a number to its end, in equal ratios.
+/// The presses of a family from a number to its end, in equal ratios.
 fn curve(
     instrument: &Instrument,
     family: &Family,
     from: f64,
     progress: &mut Progress<'_>,
-) -> Result<Vec<PressedBlow>, SimulationError> {
+) -> Result<Vec<SimulatedPress>, SimulationError> {
     let share = |n: usize| n as f64 / (POINTS - 1) as f64;
     (0..POINTS)
-        .map(|n| blow(instrument, (family.drive)(from * (family.ends[1] / from).powf(share(n))), progress))
+        .map(|n| press(instrument, (family.drive)(from * (family.ends[1] / from).powf(share(n))), progress))
         .collect()
 }
 
 /// All that the table asks about.
 pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Loudness, MeasureError> {
-    // Counted in blows: eleven searches of about 13, two curves and five more.
-    const BLOWS: f64 = 11.0 * 13.0 + 2.0 * POINTS as f64 + 5.0;
+    // Counted in presses: eleven searches of about 13, two curves and five more.
+    const PRESSES: f64 = 11.0 * 13.0 + 2.0 * POINTS as f64 + 5.0;
     let mut done = 0.0;
     let progress = &mut |_: f64| {
         done += 1.0 / (1.0 + (DURATION_S / STEP_S / 8192.0).floor());
-        progress((done / BLOWS).min(1.0))
+        progress((done / PRESSES).min(1.0))
     };
-    let speed = |at_least: f64| move |b: &PressedBlow| b.hammer_speed_m_per_s.is_some_and(|v| v >= at_least);
-    let stroke = |at_most: f64| move |b: &PressedBlow| b.key_stroke_s.is_some_and(|t| t <= at_most);
+    let speed = |at_least: f64| move |b: &SimulatedPress| b.hammer_speed_m_per_s.is_some_and(|v| v >= at_least);
+    let stroke = |at_most: f64| move |b: &SimulatedPress| b.key_stroke_s.is_some_and(|t| t <= at_most);
     let starting = smallest(instrument, &CONSTANT, &|b| b.deepest_m > STARTED_M, progress)?;
-    let softest = smallest(instrument, &CONSTANT, &PressedBlow::whole, progress)?;
+    let softest = smallest(instrument, &CONSTANT, &SimulatedPress::whole, progress)?;
     let quick = smallest(instrument, &CONSTANT, &stroke(0.020), progress)?;
     let f_by_stroke = smallest(instrument, &CONSTANT, &stroke(F_STROKE_S), progress)?;
     let mf = smallest(instrument, &CONSTANT, &speed(MF_M_PER_S), progress)?;
     let f = smallest(instrument, &CONSTANT, &speed(F_M_PER_S), progress)?;
-    let force = |blow: &Option<PressedBlow>| match blow {
-        Some(PressedBlow { drive: Drive::Constant(force_n) | Drive::Ramped(force_n), .. }) => Some(*force_n),
+    let force = |found: &Option<SimulatedPress>| match found {
+        Some(SimulatedPress { drive: Drive::Constant(force_n) | Drive::Ramped(force_n), .. }) => Some(*force_n),
         _ => None,
     };
-    let blows = curve(instrument, &CONSTANT, force(&softest).unwrap_or(FORCES_N[0]), progress)?;
+    let constant_force = curve(instrument, &CONSTANT, force(&softest).unwrap_or(FORCES_N[0]), progress)?;
     let pressed = curve(instrument, &PRESSED, HAND_FORCES_N[0], progress)?;
     let mut struck = [None; 4];
-    for (blow, speed_m_per_s) in struck.iter_mut().zip([PP_M_PER_S, P_M_PER_S, MF_M_PER_S, FF_M_PER_S]) {
-        *blow = struck_at(instrument, speed_m_per_s, progress)?;
+    for (one, speed_m_per_s) in struck.iter_mut().zip([PP_M_PER_S, P_M_PER_S, MF_M_PER_S, FF_M_PER_S]) {
+        *one = struck_at(instrument, speed_m_per_s, progress)?;
     }
     let ramped = smallest(instrument, &RAMPED, &speed(FF_LEAST_M_PER_S), progress)?;
     let by_hand = ByHand {
         struck,
-        softest: smallest(instrument, &LED, &PressedBlow::whole, progress)?,
+        softest: smallest(instrument, &LED, &SimulatedPress::whole, progress)?,
         pp: smallest(instrument, &LED, &speed(PP_M_PER_S), progress)?,
         f_by_stroke: smallest(instrument, &PRESSED, &stroke(F_STROKE_S), progress)?,
         ff: smallest(instrument, &PRESSED, &speed(FF_M_PER_S), progress)?,
-        loudest: blow(instrument, Drive::Pressed(HAND_FORCES_N[1]), progress)?,
+        loudest: press(instrument, Drive::Pressed(HAND_FORCES_N[1]), progress)?,
         crossover_m_per_s: crossover(&pressed),
-        blows: pressed,
+        pressed,
     };
     Ok(Loudness {
         starting_force_n: force(&starting),
         force_of_a_20_ms_stroke_n: force(&quick),
         softest,
-        at_0_8_n: blow(instrument, Drive::Constant(0.8), progress)?,
-        at_15_n: blow(instrument, Drive::Constant(FF_FORCE_N), progress)?,
-        ramped_15_n: blow(instrument, Drive::Ramped(FF_FORCE_N), progress)?,
+        at_0_8_n: press(instrument, Drive::Constant(0.8), progress)?,
+        at_15_n: press(instrument, Drive::Constant(FF_FORCE_N), progress)?,
+        ramped_15_n: press(instrument, Drive::Ramped(FF_FORCE_N), progress)?,
         force_for_ff_n: force(&ramped),
-        at_35_n: blow(instrument, Drive::Constant(FORCES_N[1]), progress)?,
+        at_35_n: press(instrument, Drive::Constant(FORCES_N[1]), progress)?,
         mf,
         f,
         f_by_stroke,
-        crossover_m_per_s: crossover(&blows),
-        blows,
+        crossover_m_per_s: crossover(&constant_force),
+        constant_force,
         by_hand,
     })
 }
 
 /// Hammer speed at which the last change from hammer first to key bottom first lies, m/s: by linear interpolation.
-fn crossover(blows: &[PressedBlow]) -> Option<f64> {
+fn crossover(presses: &[SimulatedPress]) -> Option<f64> {
     let points: Vec<[f64; 2]> =
-        blows.iter().filter_map(|b| Some([b.hammer_speed_m_per_s?, b.hammer_ahead_s?])).collect();
+        presses.iter().filter_map(|b| Some([b.hammer_speed_m_per_s?, b.hammer_ahead_s?])).collect();
     let last = points.windows(2).rev().find(|pair| pair[0][1] > 0.0 && pair[1][1] <= 0.0)?;
     let [[slow, ahead], [fast, behind]] = [last[0], last[1]];
     Some(slow + (fast - slow) * ahead / (ahead - behind))
@@ -346,8 +350,8 @@ fn crossover(blows: &[PressedBlow]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    fn at(speed: f64, ahead: f64) -> PressedBlow {
-        PressedBlow {
+    fn at(speed: f64, ahead: f64) -> SimulatedPress {
+        SimulatedPress {
             drive: Drive::Constant(1.0),
             key_stroke_s: None,
             to_string_s: None,
@@ -364,7 +368,7 @@ mod tests {
     /// crossover.
     #[test]
     fn a_line_crosses_where_it_does() {
-        let line: Vec<PressedBlow> = [1.0, 2.0, 3.0, 4.0].iter().map(|v| at(*v, 1e-3 * (2.5 - v))).collect();
+        let line: Vec<SimulatedPress> = [1.0, 2.0, 3.0, 4.0].iter().map(|v| at(*v, 1e-3 * (2.5 - v))).collect();
         assert!((crossover(&line).unwrap() - 2.5).abs() < 1e-12);
         assert_eq!(crossover(&line[..2]), None);
     }
