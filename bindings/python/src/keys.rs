@@ -120,10 +120,8 @@ impl Keys {
                     if player.step().non_finite > 0 {
                         return Err("a number became infinite; that key is where it was before the step");
                     }
-                    let impacts = player.impacts().iter();
-                    impacts.extend(
-                        impacts.map(|b| (b.key, b.impact.time_s - self.began_s, b.impact.hammer_speed_m_per_s)),
-                    );
+                    let new = player.impacts().iter();
+                    impacts.extend(new.map(|b| (b.key, b.impact.time_s - self.began_s, b.impact.hammer_speed_m_per_s)));
                 }
                 Ok(())
             })
