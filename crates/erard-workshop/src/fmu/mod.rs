@@ -211,7 +211,14 @@ fn readings() -> impl Iterator<Item = Variable> {
     let numbers = READING.iter().enumerate().map(|(n, (name, unit, description))| {
         variable(READING_FROM + n as u32, name, Role::Reading(n), None, unit, description)
     });
-    numbers.chain([variable(1, "impact_count", Role::Impacts, None, "", "Number of impacts of the hammer on the string since the start")])
+    numbers.chain([variable(
+        1,
+        "impact_count",
+        Role::Impacts,
+        None,
+        "",
+        "Number of impacts of the hammer on the string since the start",
+    )])
 }
 
 /// All variables of an instrument's unit, in the order of the description.
