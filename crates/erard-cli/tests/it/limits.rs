@@ -175,9 +175,15 @@ fn negative_numbers() {
     }
 }
 
-/// Peak memory of a command, MiB, as the system counts it while the command runs.
+/// Peak memory of a command, MiB. On a busy machine a run may end unseen after its peak, so it is the largest of three.
 #[cfg(target_os = "linux")]
 fn peak_mib(folder: &Folder, arguments: &[&str]) -> f64 {
+    (0..3).map(|_| peak_once_mib(folder, arguments)).fold(0.0, f64::max)
+}
+
+/// Peak memory of a run, MiB, as the system counts it while the command runs.
+#[cfg(target_os = "linux")]
+fn peak_once_mib(folder: &Folder, arguments: &[&str]) -> f64 {
     use std::process::Stdio;
     let mut child = folder.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let (status, mut peak) = (format!("/proc/{}/status", child.id()), 0.0);
