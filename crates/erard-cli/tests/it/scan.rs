@@ -72,26 +72,6 @@ fn what_is_scanned_is_what_live_reads() {
     }
 }
 
-/// A sample's keys with a technician's scatter: every key is another instrument, the same each time.
-#[test]
-#[ignore = "ci: a sample is drawn and keys are weighed"]
-fn keys_of_a_sample_differ() {
-    let folder = Folder::new("scan-sample");
-    let set = |out: &str, more: &[&str]| {
-        let arguments = ["scan", "--cases", "half-stroke", "--keys", "40,41", "--out", out];
-        folder.good(&[&arguments[..], more].concat());
-        let summary: Value = serde_json::from_str(&folder.read(&format!("{out}/scan.json"))).unwrap();
-        assert_eq!(summary["sample"], 1);
-        let digests = summary["keys"].as_array().unwrap().iter().map(|key| key["digest"].clone());
-        (digests.collect::<Vec<Value>>(), folder.read(&format!("{out}/scan-12bit-1000hz-0.05.csv")))
-    };
-    let (first, readings) = set("one", &[]);
-    assert_eq!(set("again", &["--threads", "1"]), (first.clone(), readings.clone()));
-    let (other, _) = set("other", &["--seed", "2"]);
-    let (plain, _) = set("plain", &["--no-scatter"]);
-    assert!(first.iter().zip(other.iter().zip(&plain)).all(|(a, (b, c))| a != b && a != c && b != c));
-}
-
 /// Pieces, names and numbers that cannot be end in one error, and nothing is written.
 #[test]
 fn what_cannot_be_scanned_is_refused() {
@@ -115,5 +95,29 @@ fn what_cannot_be_scanned_is_refused() {
     ] {
         let said = Folder::words(&folder.bad(arguments));
         assert!(said.contains(part), "{arguments:?}: {said}");
+    }
+}
+
+mod nightly {
+    use super::*;
+
+    /// A sample's keys with a technician's scatter: every key is another instrument, the same each time.
+    #[test]
+    #[ignore = "nightly: a sample is drawn and keys are weighed, four times"]
+    fn keys_of_a_sample_differ() {
+        let folder = Folder::new("scan-sample");
+        let set = |out: &str, more: &[&str]| {
+            let arguments = ["scan", "--cases", "half-stroke", "--keys", "40,41", "--out", out];
+            folder.good(&[&arguments[..], more].concat());
+            let summary: Value = serde_json::from_str(&folder.read(&format!("{out}/scan.json"))).unwrap();
+            assert_eq!(summary["sample"], 1);
+            let digests = summary["keys"].as_array().unwrap().iter().map(|key| key["digest"].clone());
+            (digests.collect::<Vec<Value>>(), folder.read(&format!("{out}/scan-12bit-1000hz-0.05.csv")))
+        };
+        let (first, readings) = set("one", &[]);
+        assert_eq!(set("again", &["--threads", "1"]), (first.clone(), readings.clone()));
+        let (other, _) = set("other", &["--seed", "2"]);
+        let (plain, _) = set("plain", &["--no-scatter"]);
+        assert!(first.iter().zip(other.iter().zip(&plain)).all(|(a, (b, c))| a != b && a != c && b != c));
     }
 }

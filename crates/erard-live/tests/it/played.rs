@@ -77,9 +77,9 @@ fn errors(rates: &[f64], phases: u32) {
 }
 
 #[test]
-#[ignore = "ci: five levels, three rates, three widths, eight phases"]
-fn the_expected_error_is_what_is_found() {
-    errors(&[250.0, 500.0, 1000.0], 8);
+#[ignore = "ci: five levels, three widths, two phases"]
+fn the_expected_error_is_what_is_found_in_two_phases() {
+    errors(&[500.0], 2);
 }
 
 /// Over many speeds at which a key is led down the velocity never falls by more than a count from one to the next, and
@@ -114,9 +114,19 @@ fn velocity_rises_with_the_sensed_speed() {
     rises(SensorKind::Light, 25);
 }
 
-#[test]
-#[ignore = "ci: 200 speeds on either kind of sensor"]
-fn velocity_rises_with_two_hundred_sensed_speeds() {
-    rises(SensorKind::Action, 200);
-    rises(SensorKind::Light, 200);
+mod nightly {
+    use super::*;
+
+    #[test]
+    #[ignore = "nightly: five levels, three rates, three widths, eight phases"]
+    fn the_expected_error_is_what_is_found() {
+        errors(&[250.0, 500.0, 1000.0], 8);
+    }
+
+    #[test]
+    #[ignore = "nightly: 200 speeds on either kind of sensor"]
+    fn velocity_rises_with_two_hundred_sensed_speeds() {
+        rises(SensorKind::Action, 200);
+        rises(SensorKind::Light, 200);
+    }
 }

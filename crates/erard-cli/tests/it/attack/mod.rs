@@ -33,18 +33,18 @@ fn nothing_is_lost() {
 }
 
 #[test]
-#[ignore = "ci: 70 command lines"]
+#[ignore = "ci: 30 command lines"]
 fn nothing_is_lost_by_dozens() {
-    let [done, refused, ended] = attack(24..94);
-    // Most command lines are refused at once; enough of them are not.
-    assert!(done >= 10 && refused >= 10, "{done} done, {refused} refused, {ended} ended from outside");
+    attack(24..54);
 }
 
 mod nightly {
     #[test]
-    #[ignore = "nightly: another 80 command lines"]
+    #[ignore = "nightly: another 120 command lines"]
     fn nothing_is_lost_by_more() {
-        super::attack(94..174);
+        let [done, refused, ended] = super::attack(54..174);
+        // Most command lines are refused at once; enough of them are not.
+        assert!(done >= 10 && refused >= 10, "{done} done, {refused} refused, {ended} ended from outside");
     }
 
     #[test]
