@@ -51,9 +51,9 @@ fn a_short_scale_is_as_written() {
 
 /// Every so many keys from pp to ff.
 fn scales_are_as_written(step: usize) {
-    let keys = (1..=88).step_by(step);
+    let keys: Vec<usize> = (1..=88).step_by(step).collect();
     let count = keys.len() * LEVELS.len();
-    let performance = played(&score(scale(keys, &LEVELS), Vec::new()), &STRINGS, &Options::default());
+    let performance = played(&score(scale(keys.into_iter(), &LEVELS), Vec::new()), &STRINGS, &Options::default());
     home_is_right(&performance);
     let all = performance.summary();
     println!("{all:?}");
