@@ -88,6 +88,7 @@ OWN: dict[str, dict[str, Callable[[], Any]]] = {
 RESULTS: dict[str, Callable[[], Any]] = {
     "Action": lambda: erard.Action(GRAND),
     "Comparison": lambda: erard.compare(GRAND, _recording(), drives=["force"], models=["action"], progress=False),
+    "Diagnosis": lambda: erard.diagnose(key="C4", down_weight_g=58, up_weight_g=18),
     "Drawing": lambda: GRAND.draw(),
     "Fit": lambda: FITTED,
     "Gradient": lambda: erard.gradient(GRAND, ["let_off"], force=5.0, duration=0.02, compare=False, progress=False),
