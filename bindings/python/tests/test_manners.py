@@ -63,8 +63,8 @@ def test_control_c_ends_it(what: str) -> None:
             print(time.time(), flush=True)
     """
     inside = "_thread" if what == "measured study" else "erard._erard"
-    # What is interrupted has begun by then: before its measures a study plays its strokes, 0.4 s beside other work. On a busy machine it may take
-    # longer.
+    # What is interrupted has begun by then: before its measures a study plays its strokes, 0.4 s beside other work. On
+    # a busy machine it may take longer.
     begins_s = {"kinematics": 0.1, "measured study": 1.0}.get(what, 0.3)
     for wait_s in (begins_s, 3 * begins_s):
         child = subprocess.Popen([sys.executable, "-c", textwrap.dedent(code)], stdout=subprocess.PIPE, text=True)

@@ -116,8 +116,8 @@ mod nightly {
         hold(&["paper1-fine-structure", "touch-scatter", "scheme-energy", "scheme-solvers", "strings"]);
     }
 
-    /// Claims about strings. Two do not hold, which the book explains: how C4's contact shortens, and how long bass strings
-    /// ring under their dampers. Whoever mends one changes that chapter.
+    /// Claims about strings. Two do not hold, which the book explains: how C4's contact shortens, and how long bass
+    /// strings ring under their dampers. Whoever mends one changes that chapter.
     #[test]
     #[ignore = "nightly: three subjects of strings"]
     fn claims_about_strings() {
