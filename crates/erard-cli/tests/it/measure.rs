@@ -245,24 +245,28 @@ fn norms_by_register_and_inches() {
     assert!(line.contains(&format!("{:.3} in", dip_mm / 25.4)) && line.ends_with("0.374-0.433"), "{line}");
 }
 
-/// Many keys make one row each, with what was asked for only; each number is the sheet's.
-#[test]
-#[ignore = "ci: four sheets"]
-fn many_keys_make_rows() {
-    let folder = folder("rows");
-    let said = folder.good(&["concert-grand:key=1,40,88", "--only", "strike_weight_g,dip_mm,effective_inertia_kg"]);
-    assert!(said.starts_with("3 measured") && said.contains("Concert grand, key 88 (C8)"), "{said}");
-    let rows = json(&folder);
-    let rows = rows.as_array().unwrap();
-    assert_eq!(rows.iter().map(|row| row["norms_for_key"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 40, 88]);
-    let table = fs::read_to_string(folder.0.join("erard-out-measure/measure.csv")).unwrap();
-    assert_eq!(table.lines().next(), Some("key,strike_weight_g,dip_mm,effective_inertia_kg"));
-    assert_eq!(table.lines().count(), 4);
-    folder.good(&["concert-grand:key=88"]);
-    let sheet = json(&folder);
-    for key in ["strike_weight_g", "dip_mm", "effective_inertia_kg"] {
-        assert_eq!(rows[2][key], sheet[key], "{key}");
+mod nightly {
+    use super::*;
+
+    /// Many keys make one row each, with what was asked for only; each number is the sheet's.
+    #[test]
+    #[ignore = "nightly: four sheets"]
+    fn many_keys_make_rows() {
+        let folder = folder("rows");
+        let said = folder.good(&["concert-grand:key=1,40,88", "--only", "strike_weight_g,dip_mm,effective_inertia_kg"]);
+        assert!(said.starts_with("3 measured") && said.contains("Concert grand, key 88 (C8)"), "{said}");
+        let rows = json(&folder);
+        let rows = rows.as_array().unwrap();
+        assert_eq!(rows.iter().map(|row| row["norms_for_key"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 40, 88]);
+        let table = fs::read_to_string(folder.0.join("erard-out-measure/measure.csv")).unwrap();
+        assert_eq!(table.lines().next(), Some("key,strike_weight_g,dip_mm,effective_inertia_kg"));
+        assert_eq!(table.lines().count(), 4);
+        folder.good(&["concert-grand:key=88"]);
+        let sheet = json(&folder);
+        for key in ["strike_weight_g", "dip_mm", "effective_inertia_kg"] {
+            assert_eq!(rows[2][key], sheet[key], "{key}");
+        }
+        let error = folder.erard(&["concert-grand:key=80..99"]);
+        assert!(error.status.code() == Some(2) && String::from_utf8_lossy(&error.stderr).contains("keys from 1 to 88"));
     }
-    let error = folder.erard(&["concert-grand:key=80..99"]);
-    assert!(error.status.code() == Some(2) && String::from_utf8_lossy(&error.stderr).contains("keys from 1 to 88"));
 }
