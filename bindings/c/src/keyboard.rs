@@ -10,7 +10,7 @@ use erard::mechanism::TellNumbers;
 use erard::player::MechanismState;
 use erard::saved::{Lists, Writer};
 use erard::strings::Strings;
-use erard::{Action, Instrument};
+use erard::{Action, Input, Instrument};
 
 use crate::action::moving;
 use crate::instrument::{builtin_keyboard, file_fault};
@@ -100,6 +100,17 @@ impl ErardKeyboard {
 
     /// Sets the input of a key, from 1, from the next step on.
     pub(crate) fn drive(&mut self, key: usize, input: &ErardInput) -> ErardStatus {
+        self.take(key, input, |keys, checked| keys.drive(key, checked))
+    }
+
+    /// Imposes the motion of a key's front, from 1, on the next step.
+    #[cfg(all(feature = "workshop", not(target_family = "wasm")))]
+    pub(crate) fn impose(&mut self, key: usize, input: &ErardInput) -> ErardStatus {
+        self.take(key, input, |keys, _| keys.impose(key, input.position_m, input.velocity_m_per_s))
+    }
+
+    /// Keeps the input of a key, and hands it over.
+    fn take(&mut self, key: usize, input: &ErardInput, hand_over: impl FnOnce(&mut Keys, Input)) -> ErardStatus {
         let Some(place) = key.checked_sub(1).and_then(|index| self.inputs.get_mut(index)) else {
             return ErardStatus::NoSuch;
         };
@@ -107,23 +118,7 @@ impl ErardKeyboard {
             Err(status) => status,
             Ok(checked) => {
                 *place = *input;
-                self.keys.drive(key, checked);
-                ErardStatus::Ok
-            }
-        }
-    }
-
-    /// Imposes the motion of a key's front, from 1, on the next step.
-    #[cfg(all(feature = "workshop", not(target_family = "wasm")))]
-    pub(crate) fn impose(&mut self, key: usize, input: &ErardInput) -> ErardStatus {
-        let Some(place) = key.checked_sub(1).and_then(|index| self.inputs.get_mut(index)) else {
-            return ErardStatus::NoSuch;
-        };
-        match input.checked() {
-            Err(status) => status,
-            Ok(_) => {
-                *place = *input;
-                self.keys.impose(key, input.position_m, input.velocity_m_per_s);
+                hand_over(&mut self.keys, checked);
                 ErardStatus::Ok
             }
         }

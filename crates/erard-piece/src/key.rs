@@ -309,8 +309,12 @@ impl<'a> Key<'a> {
 
     /// Whether hand and pedal do the same until the next foot moves.
     fn is_left_alone(&self) -> bool {
-        let rail_m = self.action.strings().and_then(|strings| strings.pedal_m());
-        rail_m.is_none_or(|now_m| now_m == self.watch.sent_m) && self.hand.is_steady(self.n, self.h)
+        self.rail_m().is_none_or(|now_m| now_m == self.watch.sent_m) && self.hand.is_steady(self.n, self.h)
+    }
+
+    /// How far the pedal's rail is lifted now, m; `None` where there is none.
+    fn rail_m(&self) -> Option<f64> {
+        self.action.strings().and_then(|strings| strings.pedal_m())
     }
 
     /// The step at which a foot moves next, at most `to`.
@@ -414,7 +418,7 @@ impl<'a> Key<'a> {
         if is_due || self.sounds.is_some() {
             let heard_n = bridge_n(&self.action) - self.at_rest_n;
             if is_due {
-                self.rows.push(row(now_s, reading, heard_n, self.action.strings().and_then(|s| s.pedal_m())));
+                self.rows.push(row(now_s, reading, heard_n, self.rail_m()));
             }
             if let Some(sounds) = &mut self.sounds {
                 // The sample that ends with this step.

@@ -40,15 +40,11 @@ pub trait Surfaces: Send {
     fn advance(&mut self, forces: &[f64]);
     /// Whether the last step changed nothing, so that the next one does not either if the same forces press.
     fn rests(&self) -> bool;
-    /// Whether a surface may come to touch what it does not touch now, while the mechanism stands still.
-    fn may_reach(&self, index: usize) -> bool {
-        let _ = index;
-        true
-    }
-    /// The farthest that a surface swings from where it would rest, m, as long as nothing presses any of them, where
-    /// that is known; at most the excursion that the mechanism's description gives it. It decides which steps are left
-    /// out as they change nothing, so that a larger one costs time and no bit.
-    fn swings(&self, index: usize) -> f64 {
+    /// The farthest that a surface may come out of where it is drawn, toward the mechanism, while this stands still and
+    /// nothing presses on it anew, m: infinite where that is not known, for it counts up to the excursion of the
+    /// mechanism's description; minus infinity if it touches nothing that it does not touch now. It decides which steps
+    /// are left out because they change nothing, so that a larger one costs time and no bit.
+    fn reach(&self, index: usize) -> f64 {
         let _ = index;
         f64::INFINITY
     }
@@ -232,8 +228,7 @@ impl Under {
     fn reach<const B: usize, const Z: usize>(&self, model: &Model<f64, B, Z>, state: &State<f64, B, Z>) -> bool {
         let pose = Pose::of(model, &state.angle);
         let reaches = |(index, &zone): (usize, &usize)| {
-            let farthest_m = model.excursion(zone).min(self.surfaces.swings(index));
-            self.surfaces.may_reach(index) && pose.compression(model, zone) > -farthest_m
+            pose.compression(model, zone) > -model.excursion(zone).min(self.surfaces.reach(index))
         };
         self.surfaces.zones().iter().enumerate().any(reaches)
     }

@@ -18,6 +18,21 @@ if TYPE_CHECKING:
     from ._types import Floats, Progress, Steps
 
 
+class Values(Mapping[str, Any]):
+    """A mapping of an answer's keys, `self._values`, which is not changed."""
+
+    _values: dict[str, Any]
+
+    def __getitem__(self, key: str) -> Any:
+        return self._values[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+
 class Hand(NamedTuple):
     """A hand between stroke and key: a mass that muscle moves, behind the instrument's soft fingertip.
 

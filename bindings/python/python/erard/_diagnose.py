@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Iterator, Mapping
 from typing import Any, Union
 
 from . import _erard
+from ._common import Values
 
 Reading = Union[float, str, None]
 
 
-class Diagnosis(Mapping[str, Any]):
+class Diagnosis(Values):
     """What may be wrong with a key: a mapping of the keys of diagnosis.json for it, and a text when it is shown.
 
     `self["causes"]` is a list, the likeliest first, each with "name", "probability", "test" and "cure"; `self["to_do"]` says what to do in which
@@ -30,15 +30,6 @@ class Diagnosis(Mapping[str, Any]):
         self.rests_on: str = answer["rests_on"]
         self.is_key_assumed: bool = answer["is_key_assumed"]
         (self._values,) = answer["keys"]
-
-    def __getitem__(self, key: str) -> Any:
-        return self._values[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._values)
-
-    def __len__(self) -> int:
-        return len(self._values)
 
     def _causes(self) -> list[tuple[str, str, str]]:
         return [(cause["name"], f"{cause['probability']:.0%}", cause["test"]) for cause in self["causes"]]

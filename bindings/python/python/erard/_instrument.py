@@ -6,7 +6,7 @@ import html
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union, Unpack
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Union, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Hand, Stepping, bar, floats, mapping, names_of, number, quantity, step_of, steps, whole
+from ._common import Hand, Stepping, Values, bar, floats, mapping, names_of, number, quantity, step_of, steps, whole
 from ._errors import InputError
 from ._recording import Recording, as_recording
 from ._run import Run
@@ -578,20 +578,11 @@ def as_recording_to_play(source: Any) -> Recording:
     return as_recording(source)
 
 
-class Sheet(Mapping[str, Any]):
+class Sheet(Values):
     """Measures of an action: a mapping of the keys of measure.json, and the technician's table when it is shown."""
 
     def __init__(self, instrument: str, values: dict[str, Any]) -> None:
         self.instrument, self._values = instrument, values
-
-    def __getitem__(self, key: str) -> Any:
-        return self._values[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._values)
-
-    def __len__(self) -> int:
-        return len(self._values)
 
     def lines(self) -> list[tuple[str, str, str]]:
         """The lines of the table.

@@ -74,10 +74,10 @@ pub(crate) const READING: [(&str, &str, &str); 11] = [
     ("hand_velocity", "m/s", "Its velocity, down positive"),
 ];
 
-/// Places of the last impact's instant and speed in it.
-const LAST_IMPACT: [usize; 2] = [6, 7];
-/// Places of what a key of a keyboard does without, to keep its list short: the key's speed, the hand and its speed.
-const KEYBOARD_WITHOUT: [usize; 3] = [1, 9, 10];
+/// Those that belong to the last impact.
+const LAST_IMPACT: [&str; 2] = ["impact_time", "hammer_speed"];
+/// Those that a key of a keyboard does without, to keep its list short.
+const KEYBOARD_WITHOUT: [&str; 3] = ["key_velocity", "hand", "hand_velocity"];
 
 /// A variable of the unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -129,7 +129,7 @@ impl Variable {
 
     /// Whether it changes at instants only.
     fn is_discrete(&self) -> bool {
-        self.is_integer() || matches!(self.role, Role::Reading(n) if LAST_IMPACT.contains(&n))
+        self.is_integer() || matches!(self.role, Role::Reading(n) if LAST_IMPACT.contains(&READING[n].0))
     }
 }
 
@@ -244,7 +244,7 @@ pub fn keyboard_variables(base: &InstrumentFile, base_text: &str) -> Vec<Variabl
     all.push(variable(READING_FROM, "bridge_force", Role::BridgeSum, None, "N", sum));
     all.push(variable(2, "awake", Role::Awake, None, "", "How many keys are awake: the others take no step"));
     for key in 1..=KEYS {
-        let is_kept = |own: &Variable| !matches!(own.role, Role::Reading(n) if KEYBOARD_WITHOUT.contains(&n));
+        let is_kept = |own: &Variable| !KEYBOARD_WITHOUT.contains(&own.name.as_str());
         all.extend(driver().into_iter().chain(readings().filter(is_kept)).map(|own| of_key(key, own)));
     }
     parameters(base, base_text, &mut all);

@@ -51,6 +51,11 @@ struct Prepared {
     sounds: [f64; POINTS],
 }
 
+/// The exact motion of a string's mode, which is free, over a span, s: see [`transition`].
+fn free_motion(string: &PianoString, n: u32, span_s: f64) -> [f64; 4] {
+    transition(2.0 * PI * string.partial_hz(n), string.decay_per_s(n), span_s)
+}
+
 /// The strings of one note, struck by one felt, and what lies on them.
 #[derive(Debug, Clone)]
 pub struct Strings {
@@ -107,7 +112,7 @@ pub struct Strings {
     rocked_j: f64,
     steps: u64,
     still: bool,
-    /// See [`Surfaces::swings`](moreau_kernels::Surfaces::swings).
+    /// How far each place swings at most while nothing touches the strings, m; infinite where that is not known.
     swings_m: [f64; POINTS],
 }
 
@@ -196,10 +201,10 @@ impl Strings {
             let (count, mass_kg) = (counts[index], string.modal_mass_kg());
             let felt = self.felts.iter().position(|felt| felt.string == index);
             for n in 1..=count {
-                let (omega, sigma) = (2.0 * PI * string.partial_hz(n), string.decay_per_s(n));
+                let omega = 2.0 * PI * string.partial_hz(n);
                 let shape = share * PianoString::shape(n, string.strike_m, string.length_m);
                 let stiffness_n_m = mass_kg * omega * omega;
-                let [qq, qv, vq, vv] = transition(omega, sigma, step_s);
+                let [qq, qv, vq, vv] = free_motion(string, n, step_s);
                 let rests = shape / stiffness_n_m;
                 let at = first_of(index) * WIDE + (n - 1) as usize;
                 let (block, place) = (&mut self.blocks[at / WIDE], at % WIDE);

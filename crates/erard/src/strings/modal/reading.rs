@@ -1,6 +1,6 @@
 //! Readings of strings, and where the pedal is sent.
 
-use super::Strings;
+use super::{Mode, Strings};
 use crate::instrument::PianoString;
 use crate::strings::StringLosses;
 use crate::strings::bridge::Bridge;
@@ -105,21 +105,24 @@ impl Strings {
     #[must_use]
     pub fn partial(&self, string: usize, n: u32) -> Option<[f64; 2]> {
         let mode = self.modes.iter().find(|mode| (mode.string, mode.n) == (string, n))?;
-        let block = &self.blocks[mode.at / WIDE];
-        Some([block.q[mode.at % WIDE], block.v[mode.at % WIDE]])
+        Some(self.mode_now(mode.at))
+    }
+
+    /// Displacement, m, and velocity, m/s, of the mode at a place of the blocks.
+    pub(super) fn mode_now(&self, at: usize) -> [f64; 2] {
+        let block = &self.blocks[at / WIDE];
+        [block.q[at % WIDE], block.v[at % WIDE]]
+    }
+
+    /// Energy of a mode, J.
+    pub(super) fn mode_energy_j(&self, mode: &Mode) -> f64 {
+        let [q, v] = self.mode_now(mode.at);
+        0.5 * (mode.mass_kg * v * v + mode.stiffness_n_m * q * q)
     }
 
     /// Energy of the modes, of the bridge and of what follows statically, J.
     pub(super) fn energy_j(&self) -> f64 {
-        let modes: f64 = self
-            .modes
-            .iter()
-            .map(|mode| {
-                let block = &self.blocks[mode.at / WIDE];
-                let (q, v) = (block.q[mode.at % WIDE], block.v[mode.at % WIDE]);
-                0.5 * (mode.mass_kg * v * v + mode.stiffness_n_m * q * q)
-            })
-            .sum();
+        let modes: f64 = self.modes.iter().map(|mode| self.mode_energy_j(mode)).sum();
         let mut beyond = 0.0;
         for (row, force_n) in self.beyond_m_n.iter().zip(&self.forces_n) {
             for (compliance, other_n) in row.iter().zip(&self.forces_n) {

@@ -1,9 +1,7 @@
 //! Strings that ring by themselves, over any span at once.
 
-use core::f64::consts::TAU;
-
-use super::{Mode, POINTS, Strings};
-use crate::strings::rows::{WIDE, transition};
+use super::{Mode, POINTS, Strings, free_motion};
+use crate::strings::rows::WIDE;
 
 impl Strings {
     /// Whether nothing has touched them in the last step, on a bridge that stands still: each mode is then free.
@@ -22,10 +20,7 @@ impl Strings {
     /// Lets them ring freely for so many spans of a length, s, and shows them after each span. The motion of a free
     /// mode is exact over any span: this differs from steps by rounding.
     pub(crate) fn ring(&mut self, spans: u64, span_s: f64, each: &mut dyn FnMut(&Self)) {
-        let free = |mode: &Mode| {
-            let string = &self.strings[mode.string];
-            transition(TAU * string.partial_hz(mode.n), string.decay_per_s(mode.n), span_s)
-        };
+        let free = |mode: &Mode| free_motion(&self.strings[mode.string], mode.n, span_s);
         let transitions: Vec<[f64; 4]> = self.modes.iter().map(free).collect();
         for _ in 0..spans {
             for (mode, [qq, qv, vq, vv]) in self.modes.iter().zip(&transitions) {
@@ -41,9 +36,7 @@ impl Strings {
 
     /// How far a mode swings if nothing touches it, m: its energy does not grow.
     fn amplitude_m(&self, mode: &Mode) -> f64 {
-        let (block, place) = (&self.blocks[mode.at / WIDE], mode.at % WIDE);
-        let (q, v) = (block.q[place], block.v[place]);
-        (q * q + v * v * mode.mass_kg / mode.stiffness_n_m).sqrt()
+        (2.0 * self.mode_energy_j(mode) / mode.stiffness_n_m).sqrt()
     }
 
     /// How far each place swings at most, with all modes in step, m; unknown while something touches the strings.

@@ -39,11 +39,6 @@ impl Strings {
         let order: [usize; MAX_BRIDGE_MODES] = by_name(self.bridge_modes.iter().map(|mode| mode.name.as_str()));
         order.into_iter().take(self.bridge_modes.len())
     }
-
-    fn mode_now(&self, at: usize) -> [f64; 2] {
-        let block = &self.blocks[at / WIDE];
-        [block.q[at % WIDE], block.v[at % WIDE]]
-    }
 }
 
 impl Surfaces for Strings {
@@ -168,14 +163,13 @@ impl Surfaces for Strings {
         self.still && !self.rail.is_some_and(|rail| rail.moves())
     }
 
-    fn may_reach(&self, index: usize) -> bool {
-        // The rail is where it is unless it is moved.
-        index <= self.felts.len() || self.rail.is_some_and(|rail| rail.moves())
-    }
-
-    fn swings(&self, index: usize) -> f64 {
-        // Else it is the rail.
-        if index <= self.felts.len() { self.swings_m[index] } else { f64::INFINITY }
+    fn reach(&self, index: usize) -> f64 {
+        match &self.rail {
+            _ if index <= self.felts.len() => self.swings_m[index],
+            Some(rail) if rail.moves() => f64::INFINITY,
+            // The rail is where it is.
+            _ => f64::NEG_INFINITY,
+        }
     }
 
     fn energy(&self) -> f64 {
