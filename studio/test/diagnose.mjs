@@ -70,7 +70,8 @@ export const diagnose = async ({ visit }) => {
   await other.emulateMedia({ media: "screen" });
   // What cannot be is pointed at beside its field, all of it at once, and no answer stays that is not of these numbers.
   await type(page, { down_weight_g: "18", up_weight_g: "58", drop_mm: "much", key: "H9", leads: "14" });
-  await until(page, () => document.querySelector("[data-field=up_weight_g] .bad:not([hidden])"));
+  // Every field that is left is answered; the leads' is the last.
+  await until(page, () => document.querySelector("[data-field=leads] .bad:not([hidden])"));
   const told = await wrong(page);
   assert.deepEqual(Object.keys(told).sort(), ["drop_mm", "key", "leads", "up_weight_g"]);
   assert.match(told.up_weight_g, /are they swapped\?/);
