@@ -67,6 +67,8 @@ class Comparison:
         self.limit = [self.point(row) for row in rows if row["task"] == "limit"]
         self.points = [self.point(row) for row in rows if row["task"] == "blow"]
         self.holds = self.held([row for row in rows if row["task"] == "hold"])
+        # Rows of the fastest peer and of Erard, timed right after each other, for each round.
+        self.rounds = []
 
     def point(self, row):
         """A row with its error: the root mean square of the relative errors of the hammer speeds of all blows."""
@@ -136,8 +138,40 @@ class Comparison:
             holds.append(hold)
         return holds
 
+    def contest(self):
+        """Erard's fixed step and the stiff solver's setting that are fastest at the target's error; None where there is none of either."""
+        reached = [point for point, _ in self.at_error(TARGET_ERROR).values() if point is not None]
+        mine = [p for p in reached if p["peer"] == "Erard" and "step_s" in p and "batch_cores" not in p]
+        theirs = [p for p in reached if p["peer"] == "diffsol"]
+        fastest = lambda points: min(points, key=lambda p: p["seconds"])
+        return (fastest(mine), fastest(theirs)) if mine and theirs else None
+
+    def turns(self):
+        """By turns: how often Erard's time, alone and of each batch, fits into the peer's. Median of the rounds, the least and the largest."""
+        ratios = {}
+        for rows in self.rounds:
+            took = {name(row): statistics.median(blow["seconds"] for blow in row["blows"]) for row in rows}
+            peer = next(seconds for who, seconds in took.items() if not who.startswith("Erard"))
+            for who, seconds in took.items():
+                if who.startswith("Erard"):
+                    ratios.setdefault(who, []).append(peer / seconds)
+        return {who: [statistics.median(found), min(found), max(found)] for who, found in ratios.items()}
+
     def targets(self):
         """The fastest peer at the target's error, and Erard's ratios to it, alone and in batches: measured, wanted, met."""
+        turns = self.turns()
+        if turns:
+            own, batches = turns.pop("Erard"), turns
+            verdict = lambda ratio, wanted: {"ratio": ratio[0], "least": ratio[1], "largest": ratio[2], "ratio_wanted": wanted, "ratio_met": ratio[0] >= wanted}
+            mine, peer = self.contest()
+            return {
+                "error": TARGET_ERROR,
+                "setting": mine["setting"],
+                "fastest_peer": f"{peer['name']}, {peer['setting']}",
+                "rounds": len(self.rounds),
+                **verdict(own, TARGET_RATIO),
+                "batches": [{"batch": who.removeprefix("Erard batch, "), **verdict(ratio, TARGET_BATCH_RATIO)} for who, ratio in batches.items()],
+            }
         found = self.at_error(TARGET_ERROR)
         reached = {peer: ratio for peer, (point, ratio) in found.items() if ratio is not None and point["peer"] != "Erard"}
         if not reached:

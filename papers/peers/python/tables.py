@@ -87,15 +87,18 @@ def targets(found):
     if found is None:
         return "No peer reached the target's error.\n"
     verdict = lambda met: "met" if met else "NOT met"
+    between = lambda one: f" ({one['least']:.3g} to {one['largest']:.3g})" if "least" in one else ""
     lines = [
-        f"- At an error of {found['error']:g} the fastest peer ({found['fastest_peer']}) takes {found['ratio']:.3g} times Erard's time; "
+        f"- At an error of {found['error']:g} the fastest peer ({found['fastest_peer']}) takes {found['ratio']:.3g}{between(found)} times Erard's time; "
         f"wanted {found['ratio_wanted']:g}: {verdict(found['ratio_met'])}."
     ]
     for batch in found["batches"]:
         lines.append(
-            f"- Of a batch ({batch['batch']}) it takes {batch['ratio']:.3g} times Erard's time for each blow; "
+            f"- Of a batch ({batch['batch']}) it takes {batch['ratio']:.3g}{between(batch)} times Erard's time for each blow; "
             f"wanted {batch['ratio_wanted']:g}: {verdict(batch['ratio_met'])}."
         )
+    if "rounds" in found:
+        lines.append(f"\nEach timed right after the other in {found['rounds']} rounds; Erard with {found['setting']}. The median of the rounds, and in brackets the least and the largest.")
     return "\n".join(lines) + "\n"
 
 

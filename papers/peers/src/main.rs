@@ -1,5 +1,5 @@
-//! The same piano action by a stiff solver: `stiff-peer MECHANISM.json samples|blow|limit|hold [--quick]`, one JSON
-//! object a line.
+//! The same piano action by a stiff solver: `stiff-peer MECHANISM.json samples|blow|limit|hold [--quick]
+//! [--method=NAME --tolerance=NUMBER --width=NUMBER]`, one JSON object a line; of one setting alone where it is named.
 //!
 //! - `samples`: states along a blow and their accelerations, for other programs to check theirs against.
 //! - `blow`: hammer speeds and seconds at several tolerances and widths of the regularised friction.
@@ -63,19 +63,41 @@ fn main() -> ExitCode {
 
 fn command(arguments: Vec<String>) -> Result<(), String> {
     let quick = arguments.iter().any(|a| a == "--quick");
-    let words: Vec<&str> = arguments.iter().map(String::as_str).filter(|a| *a != "--quick").collect();
+    let option = |name: &str| arguments.iter().find_map(|a| a.strip_prefix(name)?.strip_prefix('='));
+    let number = |name: &str| option(name).and_then(|text| text.parse().ok());
+    let alone = match (option("--method"), number("--tolerance"), number("--width")) {
+        (Some(name), Some(tolerance), Some(width)) => {
+            let method = *BLOW.methods.iter().find(|method| method.name() == name).ok_or("no such method")?;
+            Some(Setup { method, tolerance, widths: widths(width) })
+        }
+        _ => None,
+    };
+    let words: Vec<&str> = arguments.iter().map(String::as_str).filter(|a| !a.starts_with("--")).collect();
     let [path, command] = words[..] else {
         return Err("expected MECHANISM.json and one of samples, blow, limit, hold".into());
     };
     let mechanism = mechanism::read(path)?;
     match mechanism.bodies.len() {
-        6 => play::<6, 12>(&mechanism, command, quick),
-        8 => play::<8, 16>(&mechanism, command, quick),
+        6 => play::<6, 12>(&mechanism, command, quick, alone),
+        8 => play::<8, 16>(&mechanism, command, quick, alone),
         found => Err(format!("{path}: {found} bodies; this program is compiled for 6 and 8")),
     }
 }
 
-fn play<const B: usize, const S: usize>(mechanism: &Mechanism, command: &str, quick: bool) -> Result<(), String> {
+fn play<const B: usize, const S: usize>(
+    mechanism: &Mechanism,
+    command: &str,
+    quick: bool,
+    alone: Option<Setup>,
+) -> Result<(), String> {
+    match (command, alone) {
+        ("blow", Some(setup)) => {
+            blow::<B, S>(mechanism, "blow", &setup, BLOW.repetitions);
+            return Ok(());
+        }
+        (_, Some(_)) => return Err("one setting is for `blow`".into()),
+        _ => {}
+    }
     match command {
         "samples" => println!("{}", samples::<B, S>(mechanism)?),
         "blow" => blows::<B, S>(mechanism, "blow", if quick { &QUICK_BLOW } else { &BLOW }),
@@ -114,29 +136,31 @@ fn describe(task: &str, setup: &Setup) -> Value {
 }
 
 fn blows<const B: usize, const S: usize>(mechanism: &Mechanism, task: &str, plan: &Plan) {
+    plan.each(|setup| blow::<B, S>(mechanism, task, setup, plan.repetitions));
+}
+
+fn blow<const B: usize, const S: usize>(mechanism: &Mechanism, task: &str, setup: &Setup, repetitions: usize) {
     let blow = &mechanism.blow;
-    plan.each(|setup| {
-        let mut row = describe(task, setup);
-        let play = |&scale: &f64| {
-            let mut runs = (0..plan.repetitions)
-                .map(|_| run::<B, S>(mechanism, setup, &|t| scale * blow.force(t), &[blow.until_s]))
-                .collect::<Result<Vec<Run<S>>, String>>()?;
-            runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
-            let best = &runs[0];
-            Ok(json!({
-                "scale": scale,
-                "speed_m_per_s": best.strike.map(|s| s[0]),
-                "contact_s": best.strike.map(|s| s[1]),
-                "seconds": best.seconds,
-                "steps": best.steps,
-            }))
-        };
-        match blow.scales.iter().map(play).collect::<Result<Vec<Value>, String>>() {
-            Ok(played) => row["blows"] = played.into(),
-            Err(error) => row["failed"] = error.into(),
-        }
-        println!("{row}");
-    });
+    let mut row = describe(task, setup);
+    let play = |&scale: &f64| {
+        let mut runs = (0..repetitions)
+            .map(|_| run::<B, S>(mechanism, setup, &|t| scale * blow.force(t), &[blow.until_s]))
+            .collect::<Result<Vec<Run<S>>, String>>()?;
+        runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        let best = &runs[0];
+        Ok(json!({
+            "scale": scale,
+            "speed_m_per_s": best.strike.map(|s| s[0]),
+            "contact_s": best.strike.map(|s| s[1]),
+            "seconds": best.seconds,
+            "steps": best.steps,
+        }))
+    };
+    match blow.scales.iter().map(play).collect::<Result<Vec<Value>, String>>() {
+        Ok(played) => row["blows"] = played.into(),
+        Err(error) => row["failed"] = error.into(),
+    }
+    println!("{row}");
 }
 
 fn holds<const B: usize, const S: usize>(mechanism: &Mechanism, plan: &Plan) {

@@ -6,10 +6,10 @@ use erard::assembly;
 use erard::instrument::{Curve, Instrument};
 use erard::stroke::{Cursor, ForceSeries, Series, Touch};
 use moreau::{
-    Accuracy, Controller, Input, Model, Outcome, Settings, Sleep, State, StepDoubling, Workspace, controlled_step, step,
+    Accuracy, Controller, Input, Model, Outcome, Settings, State, StepDoubling, Workspace, controlled_step, step,
 };
 use moreau_kernels::Lanes;
-use moreau_kernels::{OwnedDescription, SideBySide, Size, side_by_side};
+use moreau_kernels::{OwnedDescription, Saved, SideBySide, Size, Stepping, side_by_side};
 
 /// The stroke whose hammer speed is compared is the mf, pressed, that belongs to the instrument, its force times each
 /// of these: a single blow may be met by luck, a row of them is not.
@@ -54,7 +54,7 @@ pub struct Strike {
 impl Strike {
     /// Coordinate of the point in the string's direction, its rate, m/s, and the point's speed, m/s.
     #[inline(always)]
-    fn now<const B: usize>(&self, links: &[Link], angle: &[f64; B], velocity: &[f64; B]) -> [f64; 3] {
+    fn now(&self, links: &[Link], angle: &[f64], velocity: &[f64]) -> [f64; 3] {
         // A point of a chain is the sum of one turned arm for each of its bodies.
         let [mut along, mut x, mut y] = [self.pin_m, 0.0, 0.0];
         for link in links {
@@ -101,7 +101,7 @@ pub struct Walked {
 }
 
 /// How long steps are.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Steps {
     /// All as long, s.
     Fixed(f64),
@@ -154,7 +154,7 @@ impl<'a> Watch<'a> {
     /// ends; but the string is met as if the step before went on, the acceleration unchanged: at the step's end the
     /// string has pushed already.
     #[inline(always)]
-    fn look<const B: usize>(&mut self, t: f64, h: f64, angle: &[f64; B], velocity: &[f64; B]) {
+    fn look(&mut self, t: f64, h: f64, angle: &[f64], velocity: &[f64]) {
         let (before, now) = (self.now, self.strike.now(self.links, angle, velocity));
         let meets_m = self.strike.meets_m;
         if self.found.is_none() && before[0] <= meets_m && now[0] > meets_m {
@@ -193,7 +193,7 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
         let end = instants.last().copied().unwrap_or(0.0);
         let theta = Settings::<f64>::new(1e-3).theta;
         let input = |t: f64, h: f64| Input::Force(force(t + theta * h));
-        let start = Instant::now();
+        let mut start = Instant::now();
         let mut state = State::at_rest(std::array::from_fn(|i| self.rest[i]));
         let mut watch = Watch::new(self.strike, &self.links, &state.angle, instants);
         let mut taken = 0;
@@ -201,20 +201,23 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
             Steps::Fixed(h) | Steps::FixedOrRest(h) | Steps::Loose(h) => {
                 let rests = matches!(steps, Steps::FixedOrRest(_));
                 let settings = if matches!(steps, Steps::Loose(_)) { loose(h) } else { Settings::new(h) };
-                let mut workspace = Workspace::<f64, B, Z, N>::new();
-                let mut repose = Sleep::awake();
+                // The step that everybody has, compiled in `moreau-kernels`; assembled before the clock starts, as in a
+                // batch.
+                let none = moreau_kernels::Probes::default();
+                let mut engine = moreau_kernels::mechanism(&self.description, &none, settings, None)
+                    .expect("the model was assembled before");
+                engine.restore(&Saved { state: state.save().sized(), ..engine.save() });
+                engine.configure(Stepping { may_rest: rests, ..*engine.readout().stepping });
+                start = Instant::now();
                 for n in 0..(end / h).ceil() as u64 {
                     let t = n as f64 * h;
-                    let (model, input) = (&self.model, input(t, h));
-                    let report = if rests {
-                        repose.step(model, &settings, &input, &mut state, &mut workspace)
-                    } else {
-                        step(model, &settings, &input, &mut state, &mut workspace)
-                    };
+                    let report = engine.step(&input(t, h)).report;
                     assert_ne!(report.outcome, Outcome::NonFinite, "at {t} s");
-                    watch.look(t, h, &state.angle, &state.velocity);
+                    let now = engine.readout();
+                    watch.look(t, h, now.angles, now.velocities);
                     taken += 1;
                 }
+                state.angle.copy_from_slice(&engine.readout().angles[..B]);
             }
             Steps::Controlled(tolerance) => {
                 let settings = Settings::new(LARGEST_STEP_S);

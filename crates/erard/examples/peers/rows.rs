@@ -23,16 +23,42 @@ const HOLD_STEPS_S: [f64; 3] = [100e-6, 50e-6, 25e-6];
 const TOLERANCES: [f64; 7] = [1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 const HOLD_TOLERANCES: [f64; 2] = [1e-3, 1e-5];
 
-/// Prints a row for every step and tolerance, and the reference, which is the same engine at a far finer step.
-pub fn blows<const B: usize, const Z: usize, const N: usize>(action: &Action<B, Z, N>, quick: bool) {
-    row(action, "reference", Steps::Fixed(REFERENCE_STEP_S), 1);
-    let (steps, repetitions) = if quick { (&STEPS_S[..QUICK_STEPS], 3) } else { (&STEPS_S[..], 9) };
-    for &step in steps {
-        row(action, "blow", Steps::Fixed(step), repetitions);
-        row(action, "blow", Steps::Loose(step), repetitions);
+/// The settings that are played.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Chosen {
+    /// All of them.
+    All,
+    /// Fewer, and fewer repetitions.
+    Quick,
+    /// One alone.
+    One(Steps),
+}
+
+impl Chosen {
+    /// Fixed steps, usual and loose in turn, and so many repetitions of each.
+    fn fixed(self, repetitions: usize) -> (Vec<Steps>, usize) {
+        let each = |steps: &[f64]| steps.iter().flat_map(|&step| [Steps::Fixed(step), Steps::Loose(step)]).collect();
+        match self {
+            Chosen::All => (each(&STEPS_S), repetitions),
+            Chosen::Quick => (each(&STEPS_S[..QUICK_STEPS]), 3),
+            Chosen::One(steps) => (vec![steps], repetitions),
+        }
     }
-    for &tolerance in if quick { &TOLERANCES[..5] } else { &TOLERANCES[..] } {
-        row(action, "blow", Steps::Controlled(tolerance), repetitions);
+}
+
+/// Prints a row for every step and tolerance, and the reference, which is the same engine at a far finer step.
+pub fn blows<const B: usize, const Z: usize, const N: usize>(action: &Action<B, Z, N>, chosen: Chosen) {
+    let tolerances = match chosen {
+        Chosen::All => &TOLERANCES[..],
+        Chosen::Quick => &TOLERANCES[..5],
+        Chosen::One(_) => &[],
+    };
+    if !tolerances.is_empty() {
+        row(action, "reference", Steps::Fixed(REFERENCE_STEP_S), 1);
+    }
+    let (fixed, repetitions) = chosen.fixed(9);
+    for steps in fixed.into_iter().chain(tolerances.iter().map(|&tolerance| Steps::Controlled(tolerance))) {
+        row(action, "blow", steps, repetitions);
     }
 }
 
@@ -89,12 +115,17 @@ fn row<const B: usize, const Z: usize, const N: usize>(
 
 /// Prints a row for every step, of blows side by side in the lanes of as many cores as this process may use. A blow's
 /// seconds are those of all, over their number.
-pub fn batches<const B: usize, const Z: usize, const N: usize>(action: &Action<B, Z, N>, quick: bool) {
-    let (steps, repetitions) = if quick { (&STEPS_S[..QUICK_STEPS], 3) } else { (&STEPS_S[..], 15) };
+pub fn batches<const B: usize, const Z: usize, const N: usize>(action: &Action<B, Z, N>, chosen: Chosen) {
+    let (fixed, repetitions) = chosen.fixed(15);
     for lanes in [Lanes::most(), Lanes::most_single()].map(|lanes| action.lanes(lanes)) {
-        for &step_s in steps {
-            batch(action, lanes, &Settings::new(step_s), repetitions);
-            batch(action, lanes, &loose(step_s), repetitions);
+        for &steps in &fixed {
+            match steps {
+                Steps::Loose(step_s) => batch(action, lanes, &loose(step_s), repetitions),
+                Steps::Fixed(step_s) | Steps::FixedOrRest(step_s) => {
+                    batch(action, lanes, &Settings::new(step_s), repetitions);
+                }
+                Steps::Controlled(_) => {}
+            }
         }
     }
 }
