@@ -1,44 +1,48 @@
-//! Finds what a key may be asked for, by pressing.
+//! Finds the largest inputs of a key by trial presses.
 
 use erard::instrument::Instrument;
 use erard::player::ActionError;
-use erard::{Action, Input, Settings, Snapshot};
+use erard::{Action, Input, Reading, Settings, Snapshot};
 
+use crate::drive::SensorKind;
 use crate::limits::{LARGEST_HAMMER_M_PER_S, Limits};
 
-/// Ranges in which the limits are looked for: m/s and N.
+/// Ranges of the search for the limits: m/s and N.
 const SPEEDS_M_PER_S: [f64; 2] = [0.2, 4.0];
 const FORCES_N: [f64; 2] = [5.0, 500.0];
-/// So many ratios of them are tried first.
+/// Number of ratios of these that are tried first.
 const SCANNED: i32 = 20;
-/// A limit is known to this share.
+/// Relative accuracy of a limit.
 const CLOSE: f64 = 2e-3;
 /// A press that has not thrown the hammer after this time does not, s.
 const PATIENCE_S: f64 = 0.1;
-/// How a key's dip is found: it is held with a force, N, for a time, s.
+/// Force, N, and time, s, with which a key is held to find its dip.
 const HELD_N: f64 = 5.0;
 const HELD_S: f64 = 0.4;
 
 impl Limits<f64> {
-    /// Finds them by pressing; `None` where nothing throws the hammer to a string.
+    /// Finds the limits by pressing; `None` where no press throws the hammer to a string. The search covers only the
+    /// inputs that a sensor of this kind can produce: the speed stays unlimited where forces are sensed, the force
+    /// where positions are.
     ///
     /// # Errors
     /// [`ActionError`].
-    pub fn find(instrument: &Instrument) -> Result<Option<Self>, ActionError> {
+    pub fn find(instrument: &Instrument, kind: SensorKind) -> Result<Option<Self>, ActionError> {
         let mut bench = Bench::of(instrument)?;
-        let dip_m = bench.dip_m();
-        let mut play = |seconds: f64, input: &dyn Fn(f64) -> Input, ends: bool| bench.play(seconds, input, ends);
-        let let_go = |t: f64| if t < HELD_S { Input::Force(HELD_N) } else { Input::Free };
-        let up_m_per_s = play(HELD_S + PATIENCE_S, &let_go, false).3;
+        let (dip_m, up_m_per_s) = bench.held_and_let_go();
         let led = |v: f64| {
             move |t: f64| {
                 let is_on = v * t < dip_m;
                 Input::Rigid { position_m: (v * t).min(dip_m), velocity_m_per_s: if is_on { v } else { 0.0 } }
             }
         };
-        let (_, Some(blow_m), ..) = play(PATIENCE_S, &led(0.5), true) else { return Ok(None) };
-        let key_m_per_s = largest(SPEEDS_M_PER_S, &mut |v| play(PATIENCE_S, &led(v), true).0);
-        let force_n = largest(FORCES_N, &mut |force| play(PATIENCE_S, &|_| Input::Force(force), true).0);
+        let Some((_, blow_m)) = bench.impact(&led(0.5)) else { return Ok(None) };
+        let mut speed = |input: &dyn Fn(f64) -> Input| bench.impact(input).map_or(0.0, |(speed, _)| speed);
+        let (mut key_m_per_s, mut force_n) = (f64::INFINITY, f64::INFINITY);
+        match kind {
+            SensorKind::Force => force_n = largest(FORCES_N, &mut |force| speed(&|_| Input::Force(force))),
+            SensorKind::Action | SensorKind::Light => key_m_per_s = largest(SPEEDS_M_PER_S, &mut |v| speed(&led(v))),
+        }
         Ok(Some(Limits { key_m_per_s, force_n, up_m_per_s, dip_m, blow_m }))
     }
 }
@@ -48,7 +52,7 @@ impl Limits<f64> {
 /// # Errors
 /// [`ActionError`].
 pub fn dip_m(instrument: &Instrument) -> Result<f64, ActionError> {
-    Ok(Bench::of(instrument)?.dip_m())
+    Ok(Bench::of(instrument)?.held_and_let_go().0)
 }
 
 /// A key that is tried, each time from its rest.
@@ -65,34 +69,46 @@ impl Bench {
         Ok(Bench { action, rest, h })
     }
 
-    /// The fastest hammer, m/s, how high it was at its first string, m, where the key was last, m, and how fast it came
-    /// up at most, m/s. `ends`: with the first impact.
-    fn play(&mut self, seconds: f64, input: &dyn Fn(f64) -> Input, ends: bool) -> (f64, Option<f64>, f64, f64) {
+    /// Plays for a time, s, or until `ends` returns true.
+    fn play(&mut self, seconds: f64, input: &dyn Fn(f64) -> Input, ends: &mut dyn FnMut(f64, &Reading) -> bool) {
         let Bench { action, rest, h } = self;
         // A snapshot of this very action.
         let _ = action.restore(rest);
-        let (mut fastest, mut struck_m, mut key_m, mut up) = (0.0_f64, None, 0.0, 0.0_f64);
         for n in 1..=(seconds / *h) as u32 {
-            let reading = action.step(input(f64::from(n) * *h));
-            (key_m, up) = (reading.key_m, up.max(-reading.key_m_per_s));
-            if let Some(impact) = reading.impact {
-                fastest = fastest.max(impact.hammer_speed_m_per_s);
-                struck_m = struck_m.or(Some(reading.hammer_m));
-                if ends {
-                    break;
-                }
+            let t = f64::from(n) * *h;
+            if ends(t, &action.step(input(t))) {
+                break;
             }
         }
-        (fastest, struck_m, key_m, up)
     }
 
-    fn dip_m(&mut self) -> f64 {
-        self.play(HELD_S, &|_| Input::Force(HELD_N), false).2
+    /// The first impact: how fast the hammer is, m/s, and how high above its rest, m.
+    fn impact(&mut self, input: &dyn Fn(f64) -> Input) -> Option<(f64, f64)> {
+        let mut found = None;
+        self.play(PATIENCE_S, input, &mut |_, reading| {
+            found = reading.impact.map(|impact| (impact.hammer_speed_m_per_s, reading.hammer_m));
+            found.is_some()
+        });
+        found
+    }
+
+    /// Position of the key held at its bottom, m, and its largest speed on the way up after release, m/s.
+    fn held_and_let_go(&mut self) -> (f64, f64) {
+        let let_go = |t: f64| if t < HELD_S { Input::Force(HELD_N) } else { Input::Free };
+        let (mut dip_m, mut up_m_per_s) = (0.0, 0.0_f64);
+        self.play(HELD_S + PATIENCE_S, &let_go, &mut |t, reading| {
+            if t < HELD_S {
+                dip_m = reading.key_m;
+            }
+            up_m_per_s = up_m_per_s.max(-reading.key_m_per_s);
+            false
+        });
+        (dip_m, up_m_per_s)
     }
 }
 
-/// The largest number whose hammer stays within the limit, by bisection in ratios; of a hammer that never reaches it,
-/// the number with which it is fastest.
+/// The largest number for which the hammer stays within the limit, by bisection in ratios; for a hammer that never
+/// reaches the limit, the number that makes it fastest.
 fn largest([least, most]: [f64; 2], fastest: &mut dyn FnMut(f64) -> f64) -> f64 {
     let ratio = (most / least).powf(1.0 / f64::from(SCANNED));
     let (mut best, mut at, mut low, mut high) = (0.0, least, least, most);

@@ -107,12 +107,12 @@ impl Live {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let profile = self.calibration.as_deref().map(load_profile).transpose()?;
         let keyboard = load_keyboard(&self.keyboard)?;
-        let instruments = keyboard.instruments()?;
         let (input, is_file) = self.input()?;
         let feed = lines(input);
         let mut heard = Heard::default();
         let mut reader = self.head(&feed, &mut heard)?;
         let options = self.options(reader.quantity(), profile.as_ref())?;
+        let instruments = keyboard.instruments()?;
         let mut wire = self.wire()?;
         let mut progress = Progress::new("preparing keys");
         let made = Keys::new(&instruments, profile.as_ref(), options, &mut |share| progress.tell(share));
@@ -176,7 +176,7 @@ impl Live {
                 return Ok(Reader::new(head));
             }
         }
-        Err(wrong("it is empty; expected a head such as `time_s,key,mm`, then a line for each sample".into()))
+        Err(wrong("it is empty; expected a header such as `time_s,key,mm`, then a line for each sample".into()))
     }
 
     fn options(&self, quantity: Quantity, profile: Option<&Profile>) -> Result<Options, Failure> {
@@ -290,7 +290,7 @@ impl Live {
                 return Err(Failure::Usage("--json answers on standard output; name a file with --out".into()));
             }
             if io::stdout().is_terminal() {
-                let what = "the bytes of MIDI would go to this terminal; name a file with --out, or a pipe";
+                let what = "MIDI bytes would go to this terminal; name a file or a pipe with --out";
                 return Err(Failure::Usage(what.into()));
             }
             return Ok(Wire::bytes(Box::new(io::stdout()), self.bits, self.channel - 1));

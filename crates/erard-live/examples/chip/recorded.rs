@@ -1,9 +1,9 @@
 //! Ten keys of the built-in grand, pressed by hands, as a scanner with a converter of 12 bits reads them.
 
 use erard::level::LEVELS;
-use erard_live::Limits;
 use erard_live::profile::Stops;
 use erard_live::sensor::FixedLaw;
+use erard_live::{Limits, SensorKind};
 
 use crate::press::{GRAND, Press};
 
@@ -22,7 +22,7 @@ const PRESS_S: f64 = 0.9;
 
 /// What its key may be asked for.
 pub fn limits() -> Limits {
-    Limits::find(&GRAND).expect("it can be played").expect("it strikes")
+    Limits::find(&GRAND, SensorKind::Light).expect("it can be played").expect("it strikes")
 }
 
 /// The ten ways at an instant, m: a chord of all keys at all levels within 30 ms, then five of them again one after the
@@ -64,7 +64,7 @@ pub fn scan() -> Vec<u8> {
 
 /// `keyboard.rs`: the sensors, what a key may be asked for, how the scan is read.
 pub fn keyboard() -> String {
-    let Limits { key_m_per_s, force_n, up_m_per_s, dip_m, blow_m } = limits();
+    let Limits { key_m_per_s, up_m_per_s, dip_m, blow_m, .. } = limits();
     let law = FixedLaw::Table { points: const { &POINTS } };
     law.check().expect("it rises");
     format!(
@@ -78,7 +78,7 @@ pub fn keyboard() -> String {
          /// The sensors' law: shares of the reading's range and of the travel.\n\
          pub(crate) static POINTS: [[f64; 2]; {}] = {POINTS:?};\n\
          /// What a key may be asked for.\n\
-         pub(crate) const LIMITS: Limits = Limits {{ key_m_per_s: {key_m_per_s:?}, force_n: {force_n:?}, \
+         pub(crate) const LIMITS: Limits = Limits {{ key_m_per_s: {key_m_per_s:?}, force_n: f64::INFINITY, \
          up_m_per_s: {up_m_per_s:?}, dip_m: {dip_m:?}, blow_m: {blow_m:?} }};\n",
         STOPS.rest,
         STOPS.pressed,

@@ -32,7 +32,7 @@ fn mechanism(instrument: &Instrument, step_s: f64) -> Grand {
         rest: Action::new(instrument).unwrap().angles().try_into().unwrap(),
         hammer: probes.point.unwrap(),
         string: probes.zone.unwrap(),
-        limits: Limits::find(instrument).unwrap().unwrap(),
+        limits: Limits::find(instrument, SensorKind::Light).unwrap().unwrap(),
         damper_m: damper_height_m(instrument).unwrap().unwrap_or(USUAL_HEIGHT_M),
     };
     Mechanism::new(assemble(instrument).unwrap(), outline, step_s).unwrap()

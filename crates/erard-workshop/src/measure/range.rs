@@ -1,4 +1,4 @@
-//! From the softest blow that reaches the string to the loudest: hammer speed against the force on the key.
+//! From the softest note that reaches the string to the loudest: hammer speed against the force on the key.
 
 use moreau::Settings;
 
@@ -6,7 +6,7 @@ use super::MeasureError;
 use erard::Progress;
 use erard::grand::{Parts, falling_moment_n_m};
 use erard::instrument::Instrument;
-use erard::player::force;
+use erard::player::{Action, Input, Snapshot, force};
 use erard::run::Run;
 use erard::run::{Setup, simulate};
 use erard::trust::Warning;
@@ -17,11 +17,11 @@ const STEP_S: f64 = 50e-6;
 const PATIENCE_S: f64 = 0.8;
 /// Constant forces on the key, N: from what starts it to the most that has been published for a fortissimo, and beyond.
 pub(crate) const FORCES_N: [f64; 14] = [0.6, 0.7, 0.8, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 15.0, 22.0, 30.0];
-/// Forces among which a second blow is looked for, N: from the softest that sounds to where every blow is checked.
+/// Forces among which a second impact is looked for, N: from the softest that sounds to where every impact is checked.
 pub(crate) const DOUBLE_STRIKE_N: [f64; 2] = [0.7, 1.3];
 /// Steps between them.
 const DOUBLE_STRIKES: u32 = 12;
-/// A second blow that is hardly heard, m/s. Ours: no number is published.
+/// A second impact that is hardly heard, m/s. Ours: no number is published.
 pub const HARDLY_HEARD_M_PER_S: f64 = 0.15;
 /// Softest force: searched below this, to this, N.
 const LARGEST_SOFT_N: f64 = 10.0;
@@ -42,7 +42,7 @@ pub struct Loudness {
     pub warnings: Vec<Warning>,
 }
 
-/// The softest blow that reaches the string.
+/// The softest note that reaches the string.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Softest {
     /// The constant force, N.
@@ -51,7 +51,7 @@ pub struct Softest {
     pub flight: Option<SoftFlight>,
 }
 
-/// The flight of the softest blow.
+/// The flight of the softest note.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SoftFlight {
     /// Speed of the strike point when it was pushed for the last time, m/s.
@@ -106,7 +106,7 @@ pub(crate) fn speed_against_force(
         .collect()
 }
 
-/// The fastest blow after the first, m/s, of soft constant forces: a hammer that the repetition spring throws back
+/// The fastest impact after the first, m/s, of soft constant forces: a hammer that the repetition spring throws back
 /// against the string while the key is held (double striking). 0 where every one of `DOUBLE_STRIKE_N` sounds once.
 ///
 /// # Errors
@@ -128,31 +128,28 @@ pub fn double_strike(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
 /// See [`MeasureError`].
 pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Option<Softest>, MeasureError> {
     let parts = Parts::of(instrument)?;
+    let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
+    let rest = action.save();
     let (mut low, mut high) = (0.0, LARGEST_SOFT_N);
-    let mut blow = press(instrument, high, false, progress)?;
-    if blow.events.hammer_contact_s().is_none() {
+    if !reaches(&mut action, &rest, high, progress)? {
         return Ok(None);
     }
     while high - low > CLOSE_N {
         let middle = 0.5 * (low + high);
-        let run = press(instrument, middle, false, progress)?;
-        if run.events.hammer_contact_s().is_some() {
-            (high, blow) = (middle, run);
-        } else {
-            low = middle;
-        }
+        if reaches(&mut action, &rest, middle, progress)? { high = middle } else { low = middle }
     }
-    let (Some(off), Some(contact)) = (blow.events.let_off_s, blow.events.hammer_contact_s()) else {
+    let run = press(instrument, high, false, progress)?;
+    let (Some(off), Some(contact)) = (run.events.let_off_s, run.events.hammer_contact_s()) else {
         return Ok(Some(Softest { force_n: high, flight: None }));
     };
-    let row = |t: f64| blow.time_s.partition_point(|&time| time < t).min(blow.time_s.len() - 1);
+    let row = |t: f64| run.time_s.partition_point(|&time| time < t).min(run.time_s.len() - 1);
     let rigid = instrument.locked();
     let rigid_hammer = Parts::of(&rigid)?.hammer;
     let [along, above] = rigid.roles.hammer_head_m;
-    let flight_m = blow.hammer_head_m[row(contact)] - blow.hammer_head_m[row(off)];
+    let flight_m = run.hammer_head_m[row(contact)] - run.hammer_head_m[row(off)];
     // The head moves along its part's arc about the centre pin; what it rocks on a bending shank does not belong to its
     // flight.
-    let rate = blow.bodies[instrument.first_piece(parts.hammer)].rate_rad_per_s[row(off)];
+    let rate = run.bodies[instrument.first_piece(parts.hammer)].rate_rad_per_s[row(off)];
     let flight = SoftFlight {
         let_off_speed_m_per_s: rate.abs() * along.hypot(above),
         flight_m,
@@ -160,6 +157,24 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
         fall_speed_m_per_s: (2.0 * fall_m_s2(&rigid, rigid_hammer) * flight_m.max(0.0)).sqrt(),
     };
     Ok(Some(Softest { force_n: high, flight: Some(flight) }))
+}
+
+/// Whether the hammer reaches the string under a constant force from rest.
+fn reaches(
+    action: &mut Action,
+    rest: &Snapshot,
+    force_n: f64,
+    progress: &mut Progress<'_>,
+) -> Result<bool, MeasureError> {
+    // A snapshot of this very action.
+    let _ = action.restore(rest);
+    let mut steps = 0..=(PATIENCE_S / STEP_S).round() as u64;
+    let mut reached = false;
+    action.play(progress, &mut |action| {
+        reached = steps.next()? > 0 && action.impact().is_some();
+        (!reached).then_some(Input::Force(force_n))
+    })?;
+    Ok(reached)
 }
 
 fn press(

@@ -16,8 +16,8 @@ use moreau::Settings;
 
 use super::{MeasureError, NotAnAction};
 use erard::Progress;
-use erard::events::EventDetector;
 use erard::instrument::Instrument;
+use erard::mechanism::Impact;
 use erard::player::{Action, Input};
 
 /// Step, s.
@@ -26,7 +26,7 @@ const STEP_S: f64 = 50e-6;
 pub(crate) const PRESS_N: f64 = 8.0;
 /// Strokes of a trial; the first one starts from rest and does not count.
 const STROKES: usize = 9;
-/// A blow that is softer does not speak, m/s: published hammer speeds begin at 0.5 m/s (pp).
+/// An impact that is softer does not speak, m/s: published hammer speeds begin at 0.5 m/s (pp).
 const SPEAKS_M_PER_S: f64 = 0.5;
 /// How long the finger stays below and waits above, together: tried from nothing, in steps of this, to so many, s.
 const STAY_STEP_S: f64 = 2e-3;
@@ -42,7 +42,7 @@ const PATIENCE_S: f64 = 1.0;
 /// The fastest rate that is held, and how.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repetition {
-    /// Blows per second.
+    /// Strokes per second.
     pub rate_hz: f64,
     /// How long the finger stays on the bottom, s, and how long it waits above: together the shortest with which every
     /// stroke sounds.
@@ -51,7 +51,7 @@ pub struct Repetition {
     pub wait_s: f64,
     /// From bottom until the key is up, s.
     pub return_s: f64,
-    /// The softest of the blows, m/s.
+    /// The softest of the impacts, m/s.
     pub softest_m_per_s: f64,
 }
 
@@ -68,12 +68,17 @@ pub fn repetition(
     let Some(bottom) = instrument.roles.key_bottom else {
         return Err(NotAnAction::NoKeyBottom.into());
     };
+    let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
+    let rest = action.save();
     let mut neighbours: [Vec<Repetition>; WAITS.len()] = Default::default();
     for n in 0..STAYS {
         let mut best: Option<Repetition> = None;
         for (wait, neighbours) in WAITS.iter().zip(&mut neighbours) {
             let Some(stay) = n.checked_sub(*wait) else { continue };
-            match held(instrument, bottom, up_m, [stay, *wait].map(|n| n as f64 * STAY_STEP_S), progress)? {
+            // A snapshot of this very action.
+            let _ = action.restore(&rest);
+            let times_s = [stay, *wait].map(|n| n as f64 * STAY_STEP_S);
+            match held(&mut action, bottom, up_m, times_s, progress)? {
                 Some(repetition) => neighbours.push(repetition),
                 None => neighbours.clear(),
             }
@@ -98,25 +103,31 @@ enum Finger {
     Waits(f64),
 }
 
+/// Whether a stroke, from one press to the next, s, sounds once and loud enough; its hammer's speed, m/s.
+fn sounds([from_s, to_s]: [f64; 2], impacts: &[Impact]) -> Option<f64> {
+    let mut own = impacts.iter().filter(|impact| (from_s..to_s).contains(&impact.time_s));
+    let speed = own.next()?.hammer_speed_m_per_s;
+    (own.next().is_none() && speed >= SPEAKS_M_PER_S).then_some(speed)
+}
+
+/// Repeats from rest; ends with the first stroke that does not sound, for then none of the others matters.
 fn held(
-    instrument: &Instrument,
+    action: &mut Action,
     bottom: usize,
     up_m: f64,
     [stay_s, wait_s]: [f64; 2],
     progress: &mut Progress<'_>,
 ) -> Result<Option<Repetition>, MeasureError> {
-    let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
-    let mut detector = EventDetector::new(instrument);
     let mut finger = Finger::Presses(0.0);
     // When the finger began to press, and how long the key took to come up.
-    let (mut presses, mut returns) = (vec![0.0], Vec::new());
-    let (mut step, mut stuck) = (0_u64, false);
+    let (mut presses, mut returns, mut impacts) = (vec![0.0], Vec::new(), Vec::new());
+    let mut softest_m_per_s = f64::INFINITY;
+    let (mut step, mut fails) = (0_u64, false);
     action.play(progress, &mut |action| {
         let now = step as f64 * STEP_S;
         if step > 0 {
             let travel_m = action.reading().key_m;
-            // Nothing but blows is asked of the detector: the head's height does not matter to them.
-            detector.observe(now, travel_m, 0.0, action.impact(), action.mechanism());
+            impacts.extend(action.impact());
             match finger {
                 Finger::Presses(_) if action.compression(bottom) > 0.0 => finger = Finger::Stays(now),
                 Finger::Stays(since) if now - since >= stay_s => finger = Finger::IsOff(now),
@@ -124,7 +135,7 @@ fn held(
                     returns.push(now - since);
                     finger = Finger::Waits(now);
                 }
-                Finger::Presses(since) | Finger::IsOff(since) if now - since > PATIENCE_S => stuck = true,
+                Finger::Presses(since) | Finger::IsOff(since) if now - since > PATIENCE_S => fails = true,
                 _ => {}
             }
             // It may not wait at all.
@@ -133,25 +144,21 @@ fn held(
             {
                 presses.push(now);
                 finger = Finger::Presses(now);
+                // The first one starts from rest, and does not count.
+                if let [_, .., from_s, to_s] = presses[..] {
+                    match sounds([from_s, to_s], &impacts) {
+                        Some(speed) => softest_m_per_s = softest_m_per_s.min(speed),
+                        None => fails = true,
+                    }
+                }
             }
         }
         step += 1;
         let force_n = if matches!(finger, Finger::IsOff(_) | Finger::Waits(_)) { 0.0 } else { PRESS_N };
-        (!stuck && presses.len() <= STROKES).then_some(Input::Force(force_n))
+        (!fails && presses.len() <= STROKES).then_some(Input::Force(force_n))
     })?;
-    if stuck {
+    if fails {
         return Ok(None);
-    }
-    let blows = detector.finish().impacts;
-    let mut softest_m_per_s = f64::INFINITY;
-    for stroke in presses[1..].windows(2) {
-        let mut own = blows.iter().filter(|blow| (stroke[0]..stroke[1]).contains(&blow.time_s));
-        match (own.next(), own.next()) {
-            (Some(blow), None) if blow.hammer_speed_m_per_s >= SPEAKS_M_PER_S => {
-                softest_m_per_s = softest_m_per_s.min(blow.hammer_speed_m_per_s)
-            }
-            _ => return Ok(None),
-        }
     }
     let counted = (presses.len() - 2) as f64;
     Ok(Some(Repetition {

@@ -10,7 +10,7 @@ use moreau::Settings;
 use super::MeasureError;
 use erard::Progress;
 use erard::instrument::Instrument;
-use erard::player::{Action, Input};
+use erard::player::{Action, Input, Snapshot};
 
 /// Step, s: the key creeps, and a step half as long moves no weight by more than 0.03 g.
 const STEP_S: f64 = 400e-6;
@@ -44,7 +44,8 @@ pub(super) fn smallest_that_sinks(
     guess_n: Option<f64>,
     progress: &mut Progress<'_>,
 ) -> Result<Option<f64>, MeasureError> {
-    boundary(guess_n, &mut |force| moves(instrument, force, 0.0, to_m, progress))
+    let mut trials = Trials::at(instrument, 0.0, progress)?;
+    boundary(guess_n, &mut |force| trials.moves(force, to_m, progress))
 }
 
 /// The largest force against which the key, let go at `from_m`, comes up to `to_m`, N; `None` when none that is tried
@@ -60,7 +61,8 @@ pub(super) fn largest_that_is_lifted(
     progress: &mut Progress<'_>,
 ) -> Result<Option<f64>, MeasureError> {
     // Searched on the same axis: the smallest force that is no longer lifted.
-    boundary(guess_n, &mut |force| Ok(!moves(instrument, force, from_m, to_m, progress)?))
+    let mut trials = Trials::at(instrument, from_m, progress)?;
+    boundary(guess_n, &mut |force| Ok(!trials.moves(force, to_m, progress)?))
 }
 
 /// Where an answer changes from no to yes as the force grows. A guess saves trials, and changes nothing: where the
@@ -87,44 +89,56 @@ fn boundary(
     Ok(Some(0.5 * (low + high)))
 }
 
-/// Whether the key, let go at `from_m` under a force, arrives at `to_m`.
-fn moves(
-    instrument: &Instrument,
-    force_n: f64,
+/// An action whose key is let go again and again from one place.
+struct Trials {
+    action: Action,
+    start: Snapshot,
     from_m: f64,
-    to_m: f64,
-    progress: &mut Progress<'_>,
-) -> Result<bool, MeasureError> {
-    let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
-    if from_m > 0.0 {
-        hold_at(&mut action, instrument, from_m, progress)?;
+}
+
+impl Trials {
+    /// Rests at `from_m`.
+    fn at(instrument: &Instrument, from_m: f64, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
+        let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
+        if from_m > 0.0 {
+            hold_at(&mut action, instrument, from_m, progress)?;
+        }
+        let start = action.save();
+        Ok(Trials { action, start, from_m })
     }
-    let way = (to_m - from_m).signum();
-    let (mut still_s, mut before_m, mut arrived, mut moved) = (0.0, action.reading().key_m, false, false);
-    let mut steps = 0..=(PATIENCE_S / STEP_S) as u64;
-    action.play(progress, &mut |action| {
-        if steps.next()? == 0 {
-            return Some(Input::Force(force_n));
-        }
-        let at_m = action.reading().key_m;
-        let beyond_m = way * (at_m - to_m);
-        if arrived && beyond_m >= FURTHER_M {
-            moved = true;
-            return None;
-        }
-        if !arrived && beyond_m >= 0.0 {
-            arrived = true;
-            action.stop();
-        }
-        let speed = (at_m - before_m) / STEP_S;
-        before_m = at_m;
-        still_s = if speed == 0.0 { still_s + STEP_S } else { 0.0 };
-        if speed.abs() > CAUGHT_M_PER_S {
-            action.stop();
-        }
-        (still_s <= STUCK_S).then_some(Input::Force(force_n))
-    })?;
-    Ok(moved)
+
+    /// Whether the key, let go under a force, arrives at `to_m`.
+    fn moves(&mut self, force_n: f64, to_m: f64, progress: &mut Progress<'_>) -> Result<bool, MeasureError> {
+        let Trials { action, start, from_m } = self;
+        // A snapshot of this very action.
+        let _ = action.restore(start);
+        let way = (to_m - *from_m).signum();
+        let (mut still_s, mut before_m, mut arrived, mut moved) = (0.0, action.reading().key_m, false, false);
+        let mut steps = 0..=(PATIENCE_S / STEP_S) as u64;
+        action.play(progress, &mut |action| {
+            if steps.next()? == 0 {
+                return Some(Input::Force(force_n));
+            }
+            let at_m = action.reading().key_m;
+            let beyond_m = way * (at_m - to_m);
+            if arrived && beyond_m >= FURTHER_M {
+                moved = true;
+                return None;
+            }
+            if !arrived && beyond_m >= 0.0 {
+                arrived = true;
+                action.stop();
+            }
+            let speed = (at_m - before_m) / STEP_S;
+            before_m = at_m;
+            still_s = if speed == 0.0 { still_s + STEP_S } else { 0.0 };
+            if speed.abs() > CAUGHT_M_PER_S {
+                action.stop();
+            }
+            (still_s <= STUCK_S).then_some(Input::Force(force_n))
+        })?;
+        Ok(moved)
+    }
 }
 
 /// Brings the key slowly to `travel_m` and lets everything come to rest there.
