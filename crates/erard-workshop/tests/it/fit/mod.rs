@@ -225,7 +225,7 @@ fn both_jacobians_are_one() {
     let mut problem = problem(&late, &Asks { delay: true, ..asks(&vary) }).unwrap();
     let mut point: Vec<f64> = problem.free.iter().zip(&TRUE).map(|(one, (_, x))| one.inner(*x)).collect();
     point.extend([0.3, 0.3]);
-    problem.weights = Some(problem.until_the_blow(&point).unwrap());
+    problem.weights = Some(problem.until_the_impact(&point).unwrap());
     let exact = problem.by_gradient(&point).unwrap();
     let differences = problem.by_differences(&point, DIFFERENCES[1]).unwrap();
     assert_eq!((exact.len(), exact[0].len()), (6, problem.rows()));
