@@ -106,7 +106,7 @@ fn table(measured: &[Measured], lengths: Lengths) -> Markup {
         |line: &&Line| line.norm().is_some() || measured.iter().any(|one| (line.value)(&one.sheet).is_some());
     html! {
         h2 id="measures" { "Measures" }
-        div.wide tabindex="0" role="region" aria-label="Measures" { table {
+        div.wide tabindex="0" role="region" aria-label="Measures" { table.sourced[measured.len() == 1] {
             thead {
                 tr {
                     td {}
