@@ -207,6 +207,7 @@ fn play(unit: &Instance, from: u64, to: u64) -> Vec<Vec<u64>> {
 /// native keys after every millisecond; a state brings them back, in another instance as well. What is no input, and a
 /// state of another unit, is refused.
 #[test]
+#[ignore = "ci: 88 keys of strings, twice"]
 fn a_chord_is_the_native_keys() {
     const HEARD: u64 = 90;
     let name = "concert-grand-strings";

@@ -48,13 +48,6 @@ fn checked(folder: &Folder, home: &str, kind: &str) -> usize {
     files
 }
 
-#[test]
-#[ignore = "ci: keyboards of 88 keys"]
-fn check_knows_keyboards() {
-    let files = checked(&Folder::new("desk-check-keyboards"), "keyboards", "a keyboard");
-    assert!(files >= KEYBOARDS, "only {files} files");
-}
-
 /// Keyboards that the project ships, with their schema.
 const KEYBOARDS: usize = 4;
 
@@ -137,22 +130,6 @@ fn a_pull_is_refused_with_the_reason() {
     );
 }
 
-/// A miss ends with code 1 where that is asked for, and everything is written all the same.
-#[test]
-#[ignore = "ci: two validations and a subject of the papers"]
-fn misses_can_fail() {
-    let folder = Folder::new("desk-misses");
-    // Heavy on purpose: rows are missed.
-    let arguments = ["validate", "--instrument", "heavy-touch"];
-    let said = folder.good(&arguments);
-    assert!(!said.contains(" 0 missed"), "{said}");
-    let output = folder.erard(&[&arguments[..], &["--fail-on-miss"]].concat());
-    assert_eq!(output.status.code(), Some(1));
-    let error = String::from_utf8(output.stderr).unwrap();
-    assert!(error.contains(" rows missed: "), "{error}");
-    assert!(folder.0.join("erard-out-validate/validate.json").exists());
-}
-
 /// Words of a command line of the documentation, and the file that its output goes to.
 fn words(line: &str) -> (Vec<String>, Option<String>) {
     let (mut words, mut word, mut quoted) = (Vec::new(), String::new(), false);
@@ -220,6 +197,29 @@ mod nightly {
         let blocks = page.split("```sh,no_run\n").skip(1).map(|after| after.split("```").next().unwrap());
         let played: usize = blocks.map(|block| run_lines(&folder, block)).sum();
         assert!(played > 30, "{played} lines");
+    }
+
+    /// A miss ends with code 1 where that is asked for, and everything is written all the same.
+    #[test]
+    #[ignore = "nightly: two validations and a subject of the papers"]
+    fn misses_can_fail() {
+        let folder = Folder::new("desk-misses");
+        // Heavy on purpose: rows are missed.
+        let arguments = ["validate", "--instrument", "heavy-touch"];
+        let said = folder.good(&arguments);
+        assert!(!said.contains(" 0 missed"), "{said}");
+        let output = folder.erard(&[&arguments[..], &["--fail-on-miss"]].concat());
+        assert_eq!(output.status.code(), Some(1));
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(error.contains(" rows missed: "), "{error}");
+        assert!(folder.0.join("erard-out-validate/validate.json").exists());
+    }
+
+    #[test]
+    #[ignore = "nightly: keyboards of 88 keys"]
+    fn check_knows_keyboards() {
+        let files = checked(&Folder::new("desk-check-keyboards"), "keyboards", "a keyboard");
+        assert!(files >= KEYBOARDS, "only {files} files");
     }
 }
 

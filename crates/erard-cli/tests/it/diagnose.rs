@@ -97,7 +97,7 @@ fn what_is_wrong_is_named() {
         (&["empty.csv"], "empty.csv: the file is empty; expected a header such as"),
         (&["swapped.csv"], "swapped.csv:2: column `up_weight_g`"),
         (&["other.json"], "expected the measure.json of `erard measure`"),
-        (&["swapped.csv", "--drop", "1"], "readings are given as options, too"),
+        (&["swapped.csv", "--drop", "1"], "found readings both in a table and as options"),
         (&["--down-weight", "18", "--up-weight", "58"], "are they swapped?"),
         (&["--drop=-1"], "--drop -1: expected a number from 0 to 40 mm"),
         (&["--drop", "much"], "--drop much: expected a number"),

@@ -126,14 +126,9 @@ fn interrupted_it_leaves_nothing() {
 /// Two keyboards: both tables as each would be alone, the second less the first, both in one figure, and a page with a
 /// row for every key.
 #[test]
+#[ignore = "ci: two keyboards of 88 keys"]
 fn two_keyboards_beside_each_other() {
     beside_each_other(&[("mine.toml", 2)]);
-}
-
-#[test]
-#[ignore = "ci: one keyboard more"]
-fn two_keyboards_beside_each_other_are_as_each_alone() {
-    beside_each_other(&[("concert-grand", 1), ("mine.toml", 2)]);
 }
 
 /// Some of them are played alone, too.
@@ -178,4 +173,14 @@ fn beside_each_other(alone: &[(&str, usize)]) {
     let same = cells("same/difference.csv");
     assert!(same[1..].iter().all(|row| row[2..].iter().all(|cell| cell == "0")), "{same:?}");
     assert!(folder.read("same/keyboard.html").contains("Mine, second"));
+}
+
+mod nightly {
+    use super::*;
+
+    #[test]
+    #[ignore = "nightly: one keyboard more"]
+    fn two_keyboards_beside_each_other_are_as_each_alone() {
+        beside_each_other(&[("concert-grand", 1), ("mine.toml", 2)]);
+    }
 }

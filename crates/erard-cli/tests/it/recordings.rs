@@ -116,7 +116,10 @@ fn a_laboratory_s_recording_in_one_command() {
     assert!(said.lines().all(|line| line.chars().count() <= 100), "{said}");
     // A part of each share is the rest before the touch, in the numbers too.
     let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("variance is rest before the touch; without the rest the action explains"), "{said}");
+    assert!(
+        words.contains("of the variance) the action explains") && words.contains("without the rest before the touch"),
+        "{said}"
+    );
     let rest = &found["findings"][0]["errors"]["rest"];
     let number = |key: &str| rest[key].as_f64().unwrap();
     assert!((0.05..1.0).contains(&number("share_of_variance")) && number("explained_without") > 0.98, "{rest}");

@@ -70,6 +70,7 @@ fn a_mis_set_file_is_put_right() {
 /// The norms alone leave too much aftertouch on the built-in grand, and the command says so. With a priority it comes
 /// into its range, what was named stays, and the file that is written reads so.
 #[test]
+#[ignore = "ci: two regulations"]
 fn a_priority_brings_the_aftertouch_into_its_range() {
     let folder = folder("priority");
     let usual = 0.7..=1.3;

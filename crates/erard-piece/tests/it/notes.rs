@@ -77,9 +77,9 @@ fn loudest(keys: &[usize]) {
 }
 
 #[test]
-#[ignore = "ci: the loudest note of six keys by three laws"]
+#[ignore = "ci: the loudest note of two keys by three laws"]
 fn keys_have_ceilings() {
-    loudest(&[1, 20, 40, 52, 60, 88]);
+    loudest(&[40, 88]);
 }
 
 mod nightly {

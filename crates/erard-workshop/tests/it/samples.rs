@@ -42,6 +42,7 @@ fn every_estimate_has_a_spread() {
 /// A sample is another grand than its file's, within its spreads' reach, put right; its number is in its name. What is
 /// together moves together.
 #[test]
+#[ignore = "ci: a sample is drawn, regulated and measured"]
 fn a_sample_is_one_plausible_grand() {
     let sampled = Sampled::of_file(grand(), GRAND, &mut |_| true).unwrap();
     // One that is plausible as it is drawn first: others take several draws.

@@ -1,4 +1,4 @@
-//! Errors of a blow against a run with a much smaller step.
+//! Errors of an impact against a run with a much smaller step.
 //!
 //! A felt is touched at some phase between two instants of the grid, and the error of a single run depends on that
 //! phase: two runs with steps of 50 and 49 us have errors that differ by a factor. The root mean square over steps that
@@ -12,9 +12,9 @@ use super::Play;
 /// Steps that an error is averaged over: h, and 1/64, 2/64 ... less.
 pub const NEIGHBOURS: u32 = 8;
 
-/// A blow on the string.
+/// An impact on the string.
 #[derive(Debug, Clone, Copy)]
-pub struct FirstBlow {
+pub struct FirstImpact {
     /// Speed of the strike point, m/s.
     pub speed: f64,
     /// Instant, s.
@@ -25,10 +25,10 @@ pub struct FirstBlow {
     pub unconverged: u64,
 }
 
-/// The first blow of a run.
-pub fn blow(instrument: &Instrument, play: &Play, settings: Settings<f64>, duration_s: f64) -> FirstBlow {
+/// The first impact of a run.
+pub fn impact(instrument: &Instrument, play: &Play, settings: Settings<f64>, duration_s: f64) -> FirstImpact {
     let run = play.run_every(instrument, settings, duration_s, Some(u64::MAX));
-    FirstBlow {
+    FirstImpact {
         speed: run.events.hammer_speed_m_per_s().expect("the string is struck"),
         contact: run.events.hammer_contact_s().expect("the string is struck"),
         newton: run.work.newton_iterations as f64 / run.work.steps as f64,
@@ -42,7 +42,7 @@ pub struct Rung {
     /// h, s.
     pub step: f64,
     /// The run at exactly h.
-    pub blow: FirstBlow,
+    pub impact: FirstImpact,
     /// Relative error of its hammer speed, signed.
     pub speed_error: f64,
     /// Error of its contact instant, s, signed.
@@ -64,10 +64,10 @@ pub fn ladder(
     reference: f64,
     until: f64,
 ) -> Vec<Rung> {
-    let go = |step: f64| blow(instrument, play, Settings { theta, ..Settings::new(step) }, until);
+    let go = |step: f64| impact(instrument, play, Settings { theta, ..Settings::new(step) }, until);
     let finest = steps.iter().fold(f64::INFINITY, |a, b| a.min(*b));
     let exact = go(finest / reference);
-    let error = |b: &FirstBlow| (b.speed / exact.speed - 1.0, b.contact - exact.contact);
+    let error = |b: &FirstImpact| (b.speed / exact.speed - 1.0, b.contact - exact.contact);
     let rung = |&step: &f64| {
         let own = go(step);
         let (mut speed, mut contact, mut worst) = (0.0, 0.0, 0.0_f64);
@@ -81,7 +81,7 @@ pub fn ladder(
         let (speed_error, contact_error) = error(&own);
         Rung {
             step,
-            blow: own,
+            impact: own,
             speed_error,
             contact_error,
             speed_rms: (speed / n).sqrt(),

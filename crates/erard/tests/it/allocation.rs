@@ -10,8 +10,8 @@ use moreau_kernels::Lanes;
 
 type GrandGroup = moreau_kernels::Group<6, 14, 10>;
 
-/// The input at a step: silence, blows of up to 40 N, a soft finger's and an imposed motion, so that every kind of step
-/// occurs.
+/// The input at a step: silence, strokes of up to 40 N, a soft finger's and an imposed motion, so that every kind of
+/// step occurs.
 fn input(n: u64) -> Input<f64> {
     let phase = (n % 2000) as f64 / 2000.0;
     match n / 2000 % 5 {

@@ -95,11 +95,11 @@ fn energies_of_frozen_pieces_are_those_of_the_locked_part() {
 }
 
 fn speed(instrument: &Instrument, play: &Play) -> f64 {
-    play.run(instrument, Settings::new(25e-6), 0.2).events.hammer_speed_m_per_s().expect("a blow")
+    play.run(instrument, Settings::new(25e-6), 0.2).events.hammer_speed_m_per_s().expect("an impact")
 }
 
-/// The stiffer the bends, the nearer the blow is to that of the locked action: a thousandth of the give makes less than
-/// a hundredth of the difference.
+/// The stiffer the bends, the nearer the impact is to that of the locked action: a thousandth of the give makes less
+/// than a hundredth of the difference.
 #[test]
 fn stiff_bends_play_like_none() {
     let bent = bending(8);
@@ -119,11 +119,11 @@ fn stiff_bends_play_like_none() {
     assert!(stiff < 1e-2 * soft, "{soft} {stiff}");
 }
 
-/// The dry torque of the bends is a device for rest: no blow depends on it.
+/// The dry torque of the bends is a device for rest: no impact depends on it.
 #[test]
 fn the_dry_torque_of_bends_moves_no_blow() {
     for force_n in [1.0, 5.0, 20.0] {
-        let blow = |by: f64| {
+        let impact = |by: f64| {
             let mut bent = bending(8);
             for body in bent.bodies.iter_mut().filter(|body| body.is_bend) {
                 body.friction_torque_n_m *= by;
@@ -131,9 +131,9 @@ fn the_dry_torque_of_bends_moves_no_blow() {
             let events = Play::ForceStep(force_n, 0.4).run(&bent, Settings::new(25e-6), 0.4).events;
             [events.hammer_speed_m_per_s(), events.hammer_contact_s(), events.key_bottom_s].map(Option::unwrap)
         };
-        let usual = blow(1.0);
+        let usual = impact(1.0);
         for by in [0.5, 2.0] {
-            for (with, without) in blow(by).into_iter().zip(usual) {
+            for (with, without) in impact(by).into_iter().zip(usual) {
                 println!("{force_n} N, times {by}: {:+.1e}", with / without - 1.0);
                 near(with / without, 1.0, 1e-3, "speed, contact, bottom");
             }

@@ -10,7 +10,7 @@ use moreau_kernels::{Lanes, side_by_side};
 type GrandGroup = moreau_kernels::Group<6, 14, 10>;
 
 /// With no tolerance at all, an iteration is accepted only when it changes nothing: steps that move run into the bound.
-/// Two seconds of blows of 40 N and releases, with one, two and five iterations allowed.
+/// Two seconds of strokes of 40 N and releases, with one, two and five iterations allowed.
 ///
 /// What is claimed: no step takes more iterations than allowed; every step ends, and says how; the state stays finite;
 /// and the energy stored is never more than what was there and what the drive has put in, to a percent (one iteration

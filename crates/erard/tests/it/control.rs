@@ -18,8 +18,8 @@ fn speed(run: &Run) -> f64 {
 /// The hammer's speed against fixed steps of 0.2 and 0.1 us, extrapolated by their first order (they differ by some
 /// 1e-7, so that 1e-6 can be told), over four decades, by force, by motion and with the key's motion imposed; in every
 /// run of the tests by force, over three decades, against steps that are four times as long. The tolerance is that of a
-/// step. What is smooth is extrapolated beyond it; up to the blow some sixteen changes of friction may each err by it,
-/// either way, which makes four of it.
+/// step. What is smooth is extrapolated beyond it; up to the impact some sixteen changes of friction may each err by
+/// it, either way, which makes four of it.
 #[test]
 fn the_error_follows_the_tolerance() {
     error_follows(MF, 0.4e-6, &[1e-2, 1e-3, 1e-4, 1e-5]);

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p erard --example convergence` prints the whole tables.
 
-use crate::common::ladder::{Rung, blow, halvings, ladder};
+use crate::common::ladder::{Rung, halvings, impact, ladder};
 use crate::common::{Play, grand, rigid_grand};
 use erard::stroke::Touch;
 use moreau::Settings;
@@ -40,7 +40,7 @@ fn halves_the_error(steps: i32) {
 }
 
 /// Steps of force, where the drive itself is not smooth: order 1 or better over the ladder for every force, with the
-/// scatter of single rungs as above. 200 us is left out: a blow of 35 N lasts 60 of those steps and a let-off 5.
+/// scatter of single rungs as above. 200 us is left out: an impact of 35 N lasts 60 of those steps and a let-off 5.
 #[test]
 fn order_one_for_a_step_of_force() {
     order_one(&[(20.0, 0.02)]);
@@ -93,8 +93,8 @@ fn the_newton_tolerance_is_no_limit() {
     let grand = rigid_grand();
     for (play, until) in [(Play::Frozen("mf", Touch::Pressed), 0.06), (Play::ForceStep(20.0, 1.0), 0.02)] {
         for rung in ladder(&grand, &play, 0.5, &halvings(50e-6, 3), 64.0, until) {
-            let usual = blow(&grand, &play, Settings::new(rung.step), until);
-            let tight = blow(&grand, &play, Settings { tolerance: 1e-12, ..Settings::new(rung.step) }, until);
+            let usual = impact(&grand, &play, Settings::new(rung.step), until);
+            let tight = impact(&grand, &play, Settings { tolerance: 1e-12, ..Settings::new(rung.step) }, until);
             let change = (usual.speed / tight.speed - 1.0).abs();
             assert!(change < 1e-3 * rung.speed_worst, "{play:?} {}: {change:.1e}, {:.1e}", rung.step, rung.speed_worst);
             assert_eq!((usual.unconverged, tight.unconverged), (0, 0));
@@ -105,8 +105,8 @@ fn the_newton_tolerance_is_no_limit() {
     let grand = crate::common::grand();
     let play = Play::Frozen("mf", Touch::Pressed);
     for rung in ladder(&grand, &play, 0.5, &halvings(50e-6, 3), 64.0, 0.06) {
-        let usual = blow(&grand, &play, Settings::new(rung.step), 0.06);
-        let tight = blow(&grand, &play, Settings { tolerance: 1e-12, ..Settings::new(rung.step) }, 0.06);
+        let usual = impact(&grand, &play, Settings::new(rung.step), 0.06);
+        let tight = impact(&grand, &play, Settings { tolerance: 1e-12, ..Settings::new(rung.step) }, 0.06);
         let change = (usual.speed / tight.speed - 1.0).abs();
         assert!(change < 2e-2 * rung.speed_worst, "bending, {}: {change:.1e}, {:.1e}", rung.step, rung.speed_worst);
     }

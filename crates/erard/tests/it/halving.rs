@@ -12,11 +12,11 @@ use erard::{Action, Input, Settings, Setup, press};
 
 /// Speeds of the hammer when it meets the string, m/s: pp, mf and ff of `validation/published.toml`, nearly.
 const SPEEDS_M_PER_S: [f64; 3] = [0.5, 2.0, 5.0];
-/// Partials are looked at so long after the blow began, and once more so long after that, s.
+/// Partials are looked at so long after the impact began, and once more so long after that, s.
 const LOOKS_S: [f64; 2] = [10e-3, 25e-3];
 
-/// What a blow left.
-struct Blow {
+/// What an impact left.
+struct Impact {
     speed_m_per_s: f64,
     peak_n: f64,
     contact_s: f64,
@@ -28,7 +28,7 @@ struct Blow {
 
 /// The hammer of a key at rest, thrown at strings whose dampers are lifted: to the bit the same flight however steps
 /// are halved near the strings.
-fn thrown(instrument: &Instrument, speed_m_per_s: f64, halving: Halving) -> Blow {
+fn thrown(instrument: &Instrument, speed_m_per_s: f64, halving: Halving) -> Impact {
     let mut action = Action::new(instrument).unwrap();
     if action.strings().unwrap().pedal_m().is_some() {
         action.set_pedal(7e-3);
@@ -77,7 +77,7 @@ fn thrown(instrument: &Instrument, speed_m_per_s: f64, halving: Halving) -> Blow
     let soon = |i: &usize| series[*i][0] < series[first][0] + LOOKS_S[0];
     let last = (top..series.len() - 1).filter(soon).rfind(|&i| force(i) >= level && force(i + 1) < level).unwrap();
     let after = series.iter().find(|[time_s, ..]| *time_s > series[last][0] + 1e-3).unwrap();
-    Blow {
+    Impact {
         speed_m_per_s: struck.unwrap().0,
         peak_n,
         contact_s: crossing(last).1 - crossing(first).1,
@@ -98,30 +98,30 @@ fn bridge_partials(strings: &Strings) -> Vec<[f64; 2]> {
     (1..=string.partials_below(20e3)).map(of).collect()
 }
 
-/// How far a blow is from the exact one. First the largest relative error of peak, contact and return. Then the largest
-/// errors of the partials within 40 dB of the strongest: of their levels, dB, and of their frequencies, cents.
-fn worst(blow: &Blow, exact: &Blow, hz: &dyn Fn(u32) -> f64) -> [f64; 3] {
+/// How far an impact is from the exact one. First the largest relative error of peak, contact and return. Then the
+/// largest errors of the partials within 40 dB of the strongest: of their levels, dB, and of their frequencies, cents.
+fn worst(impact: &Impact, exact: &Impact, hz: &dyn Fn(u32) -> f64) -> [f64; 3] {
     // The flight is the same; only the impact that is worked out from it depends on the step.
     assert!(
-        (blow.speed_m_per_s / exact.speed_m_per_s - 1.0).abs() < 1e-5,
+        (impact.speed_m_per_s / exact.speed_m_per_s - 1.0).abs() < 1e-5,
         "{} {}",
-        blow.speed_m_per_s,
+        impact.speed_m_per_s,
         exact.speed_m_per_s
     );
     let off = |a: f64, b: f64| (a / b - 1.0).abs();
-    let pulse = off(blow.peak_n, exact.peak_n)
-        .max(off(blow.contact_s, exact.contact_s))
-        .max(off(blow.back_m_per_s, exact.back_m_per_s));
+    let pulse = off(impact.peak_n, exact.peak_n)
+        .max(off(impact.contact_s, exact.contact_s))
+        .max(off(impact.back_m_per_s, exact.back_m_per_s));
     let amplitude = |of: &[f64; 2]| of[0].hypot(of[1]);
     let strongest = exact.partials[0].iter().map(amplitude).fold(0.0, f64::max);
     let (mut db, mut cents) = (0.0_f64, 0.0_f64);
     for (i, own) in exact.partials[0].iter().enumerate().filter(|(_, own)| amplitude(own) > 0.01 * strongest) {
-        db = db.max((20.0 * (amplitude(&blow.partials[0][i]) / amplitude(own)).log10()).abs());
-        let turned = |of: &Blow| {
+        db = db.max((20.0 * (amplitude(&impact.partials[0][i]) / amplitude(own)).log10()).abs());
+        let turned = |of: &Impact| {
             let [a, b] = [0, 1].map(|look| f64::atan2(of.partials[look][i][1], of.partials[look][i][0]));
             b - a
         };
-        let turn = turned(blow) - turned(exact);
+        let turn = turned(impact) - turned(exact);
         let turn = turn - 2.0 * PI * (turn / (2.0 * PI)).round();
         let apart_hz = turn / (2.0 * PI * (LOOKS_S[1] - LOOKS_S[0]));
         cents = cents.max((1200.0 * (1.0 + apart_hz / hz(i as u32 + 1)).log2()).abs());
@@ -129,7 +129,7 @@ fn worst(blow: &Blow, exact: &Blow, hz: &dyn Fn(u32) -> f64) -> [f64; 3] {
     [pulse, db, cents]
 }
 
-/// A blow beside the same in steps an eighth as long, from pp to ff: peak, contact and return within 1 %, partials
+/// An impact beside the same in steps an eighth as long, from pp to ff: peak, contact and return within 1 %, partials
 /// within 40 dB of the strongest within 0.1 dB and 0.1 cent.
 fn compass(keys: &[usize]) {
     let keyboard = Keyboard::builtin("concert-grand-strings").unwrap();
@@ -172,7 +172,7 @@ mod nightly {
     }
 }
 
-/// Whatever the step is that is given, the blow is the same: long ones are halved more often. (They play the action
+/// Whatever the step is that is given, the impact is the same: long ones are halved more often. (They play the action
 /// less accurately, so that it is the hammer's speed that differs.)
 #[test]
 fn a_given_step_is_halved_likewise() {
@@ -217,7 +217,7 @@ fn trust_tells_of_steps_that_are_too_long_for_strings() {
 }
 
 /// A change between the lengths leaves displacements and velocities, and so the energy, to the bit, and allocates
-/// nothing; nor does a blow that is played through it.
+/// nothing; nor does an impact that is played through it.
 #[test]
 fn a_change_of_length_costs_no_energy_and_no_memory() {
     for bridged in [false, true] {
@@ -247,14 +247,14 @@ fn a_change_of_length_costs_no_energy_and_no_memory() {
         assert_eq!(surfaces.surface(0).compliance, longer);
 
         let mut action = Action::new(&instrument).unwrap();
-        let mut blows = 0;
+        let mut impacts = 0;
         let counted = allocation_counter::measure(|| {
             for n in 0..12_000 {
                 let input = if (n / 3000) % 2 == 0 { Input::Force(6.0) } else { Input::Free };
-                blows += usize::from(action.step(input).impact.is_some());
+                impacts += usize::from(action.step(input).impact.is_some());
             }
         });
-        assert!(blows >= 2 && counted.count_total == 0, "{blows} {counted:?}");
+        assert!(impacts >= 2 && counted.count_total == 0, "{impacts} {counted:?}");
     }
 }
 
@@ -287,8 +287,8 @@ fn a_keyboard_can_be_stepped_in_whole_steps() {
     assert_ne!(found[0], found[1], "halved steps are others");
 }
 
-/// From every instant around a blow an action that was saved goes on to the bit: also where steps begin or cease to be
-/// halved.
+/// From every instant around an impact an action that was saved goes on to the bit: also where steps begin or cease to
+/// be halved.
 #[test]
 fn saved_states_go_on_through_a_change_of_length() {
     let instrument = Instrument::builtin("concert-grand-strings").unwrap();

@@ -147,7 +147,7 @@ fn ten_hands_play_a_keyboard() {
         let force_n = if (40_000..46_000).contains(&step) { -2.0 } else { 3.0 + 0.4 * n as f64 };
         hand(n).input(&Input::Force(force_n)).unwrap()
     };
-    let (mut blows, mut asleep, mut away) = ([0; 10], 10, 0.0_f64);
+    let (mut impacts, mut asleep, mut away) = ([0; 10], 10, 0.0_f64);
     for (n, action) in actions.iter_mut().enumerate() {
         keys.place_hand(n + 1, -1e-3 * n as f64, 0.0);
         action.place_hand(-1e-3 * n as f64, 0.0);
@@ -162,7 +162,7 @@ fn ten_hands_play_a_keyboard() {
         }
         keys.step();
         for impact in keys.impacts() {
-            blows[impact.key - 1] += 1;
+            impacts[impact.key - 1] += 1;
         }
         if step == 39_999 {
             asleep = keys.awake();
@@ -176,8 +176,8 @@ fn ten_hands_play_a_keyboard() {
             away = away.min(alone.hand_m);
         }
     }
-    println!("blows {blows:?}, awake before they are let go {asleep}, farthest away {away} m");
-    assert!(blows.iter().all(|count| *count >= 2), "{blows:?}");
+    println!("impacts {impacts:?}, awake before they are let go {asleep}, farthest away {away} m");
+    assert!(impacts.iter().all(|count| *count >= 2), "{impacts:?}");
     assert_eq!(asleep, 0, "every held note sleeps");
     assert!(away < -5e-3, "{away}");
 }

@@ -662,7 +662,7 @@ fn slips_that_are_easily_overlooked() {
         "{bushing}\n[[spring]]\nname = \"{arm}\"\nbody = \"lever\"\nstiffness_N_m_per_rad = 1\ntorque_N_m = 0\n"
     );
     let error = error_of(&taken);
-    assert!(error.message.contains(&format!("there is a `{arm}` already")), "{error}");
+    assert!(error.message.contains(&format!("`{arm}` is taken")), "{error}");
 
     let guessed = error_of(&CLOCK.replacen("angle_deg", "masquerade", 1));
     assert!(!guessed.message.contains("did you mean") && guessed.expected != "`mass_g`", "{guessed}");

@@ -22,10 +22,10 @@ fn keys() -> Keys {
 
 /// What an observer of the tremolo sees in a tick.
 fn observed(tremolo: &Tremolo) -> (Vec<(usize, u64)>, Vec<u64>) {
-    let blows = tremolo.keys().impacts().iter().map(|b| (b.key, b.impact.hammer_speed_m_per_s.to_bits()));
-    let mut blows: Vec<_> = blows.collect();
-    blows.sort_unstable();
-    (blows, (1..=KEYS).map(|key| tremolo.keys().string_force(key).to_bits()).collect())
+    let impacts = tremolo.keys().impacts().iter().map(|b| (b.key, b.impact.hammer_speed_m_per_s.to_bits()));
+    let mut impacts: Vec<_> = impacts.collect();
+    impacts.sort_unstable();
+    (impacts, (1..=KEYS).map(|key| tremolo.keys().string_force(key).to_bits()).collect())
 }
 
 /// Ten fingers play a fortissimo tremolo once over all 88 keys. Every stroke sounds, once, at the speeds of a
@@ -41,13 +41,13 @@ fn ten_fingers_play_all_keys() {
         let tick = tremolo.tick();
         assert_eq!((tick.unconverged, tick.non_finite), (0, 0));
         most_awake = most_awake.max(tick.stepped);
-        for blow in tremolo.keys().impacts() {
-            speeds[blow.key].push(blow.impact.hammer_speed_m_per_s);
+        for impact in tremolo.keys().impacts() {
+            speeds[impact.key].push(impact.impact.hammer_speed_m_per_s);
         }
     }
     let all = || speeds.iter().flatten().copied();
     let (slowest, fastest) = (all().fold(f64::MAX, f64::min), all().fold(0.0, f64::max));
-    println!("{} blows of {slowest:.2} to {fastest:.2} m/s, at most {most_awake} keys awake", all().count());
+    println!("{} impacts of {slowest:.2} to {fastest:.2} m/s, at most {most_awake} keys awake", all().count());
     // Every stroke sounds once. Fingers with a shorter stretch begin anew while the others end; so does every other
     // finger, which is half a stroke ahead.
     let (first, longest) = (|finger: usize| 1 + KEYS * finger / TEN, KEYS.div_ceil(TEN));
@@ -71,7 +71,7 @@ fn ten_fingers_play_all_keys() {
     }
 }
 
-/// A keyboard whose keys sleep and one that is stepped in full go through the same states, bit for bit: blows, forces
+/// A keyboard whose keys sleep and one that is stepped in full go through the same states, bit for bit: impacts, forces
 /// on the strings in every tick, and the whole state now and then, while fingers wander, keys fall asleep at rest and
 /// under a finger that stays.
 #[test]

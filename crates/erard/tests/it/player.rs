@@ -1,4 +1,4 @@
-//! The player from outside: readings, blows, snapshots, bad inputs, sizes.
+//! The player from outside: readings, impacts, snapshots, bad inputs, sizes.
 
 use crate::common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::player::{MechanismState, SNAPSHOT_MARK};
@@ -18,13 +18,13 @@ fn bending(bodies: usize) -> Instrument {
     Instrument::load(std::path::Path::new(&path)).expect("it reads")
 }
 
-/// Stepped from outside, the action is the one that a run plays: key, hammer and blows to the bit, forces to the mean
+/// Stepped from outside, the action is the one that a run plays: key, hammer and impacts to the bit, forces to the mean
 /// of two steps.
 #[test]
 fn readings_are_a_runs_rows() {
     let run = Play::Stroke("mf", Touch::Pressed).run_every(&grand(), Settings::new(USUAL_STEP_S), 0.2, Some(1));
     let (mut action, force) = (Action::new(&grand()).unwrap(), mf());
-    let (mut blows, mut before_n) = (Vec::new(), None);
+    let (mut impacts, mut before_n) = (Vec::new(), None);
     for n in 0..4000 {
         let reading = action.step(force(n));
         let row = n as usize + 1;
@@ -34,11 +34,11 @@ fn readings_are_a_runs_rows() {
             let centred: f64 = 0.5 * before_n + 0.5 * reading.finger_n;
             assert!((centred - run.force_n[row - 1]).abs() < 1e-12, "row {row}");
         }
-        blows.extend(action.impact());
+        impacts.extend(action.impact());
     }
-    assert!(!blows.is_empty());
-    assert_eq!(blows, run.events.impacts);
-    assert_eq!(Some(blows[0].hammer_speed_m_per_s), run.events.hammer_speed_m_per_s());
+    assert!(!impacts.is_empty());
+    assert_eq!(impacts, run.events.impacts);
+    assert_eq!(Some(impacts[0].hammer_speed_m_per_s), run.events.hammer_speed_m_per_s());
 }
 
 /// The speeds of a reading are the derivatives of its places: by central differences of 50 us, whose own error is the
@@ -58,8 +58,8 @@ fn speeds_are_derivatives() {
     assert!(readings.iter().any(|r| r.hammer_m_per_s > 1.0));
 }
 
-/// A snapshot taken one step before a blow, restored in another action: the same blow and, many steps later, the same
-/// bits.
+/// A snapshot taken one step before an impact, restored in another action: the same impact and, many steps later, the
+/// same bits.
 #[test]
 fn a_snapshot_goes_on_to_the_bit() {
     goes_on_to_the_bit(100_000);
@@ -182,20 +182,20 @@ fn bad_inputs_leave_the_action_as_it_was() {
 fn nothing_allocates() {
     let mut action = Action::new(&grand()).unwrap();
     let force = mf();
-    let (mut sum, mut blows) = (0.0, 0);
+    let (mut sum, mut impacts) = (0.0, 0);
     let counted = allocation_counter::measure(|| {
         for n in 0..20_000 {
             let r = action.step(force(n));
             sum += r.key_m + r.key_m_per_s + r.finger_n + r.hammer_m + r.hammer_m_per_s + r.string_n;
             sum += action.angles()[0] + action.velocities()[1] + action.contact_force(3) + action.tangential_force(3);
-            blows += usize::from(action.impact().is_some());
+            impacts += usize::from(action.impact().is_some());
             if n % 1000 == 500 {
                 let snapshot = action.save();
                 action.restore(&snapshot).expect("its own");
             }
         }
     });
-    assert!(sum.is_finite() && blows > 0);
+    assert!(sum.is_finite() && impacts > 0);
     assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{counted:?}");
 }
 

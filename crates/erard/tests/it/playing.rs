@@ -1,4 +1,4 @@
-//! The concert grand is played: let-off before the string, free flight, blow, check, repetition, and back to rest.
+//! The concert grand is played: let-off before the string, free flight, impact, check, repetition, and back to rest.
 //!
 //! `cargo run --release -p erard --example force_steps` prints the table.
 
@@ -26,7 +26,7 @@ fn zone<'a>(run: &'a Run, name: &str) -> &'a [f64] {
     &run.zones.iter().find(|z| z.name == name).expect("a zone of this name").normal_n
 }
 
-/// Toe on the button, let-off, free flight, blow. In free flight nothing touches the knuckle, and what is left to the
+/// Toe on the button, let-off, free flight, impact. In free flight nothing touches the knuckle, and what is left to the
 /// string is the let-off distance: technicians set 1.5 mm, and it grows a little with softness (the hammer rises more
 /// slowly than the felts part), so that 0.5 to 4 mm are asked for.
 #[test]
@@ -36,9 +36,9 @@ fn every_force_lets_off_before_the_string() {
     for (grand, force) in rigid.into_iter().chain([0.8, 2.0, 5.0, 8.0].map(|force| (grand(), force))) {
         let run = press(&grand, force);
         let e = &run.events;
-        let (toe, off, blow) = (e.toe_contact_s.unwrap(), e.let_off_s.unwrap(), e.hammer_contact_s().unwrap());
-        assert!(e.key_start_s.unwrap() < toe && toe < off && off < blow, "{force} N: {e:?}");
-        let (first, last) = (row_at(&run, off) + 1, row_at(&run, blow) - 1);
+        let (toe, off, impact) = (e.toe_contact_s.unwrap(), e.let_off_s.unwrap(), e.hammer_contact_s().unwrap());
+        assert!(e.key_start_s.unwrap() < toe && toe < off && off < impact, "{force} N: {e:?}");
+        let (first, last) = (row_at(&run, off) + 1, row_at(&run, impact) - 1);
         for knuckle in ["jack_knuckle", "lever_knuckle"] {
             assert_eq!(
                 largest(zone(&run, knuckle)[first..last.max(first)].iter().copied()),
@@ -46,20 +46,20 @@ fn every_force_lets_off_before_the_string() {
                 "{force} N: {knuckle}"
             );
         }
-        let left = run.hammer_head_m[row_at(&run, blow)] - run.hammer_head_m[row_at(&run, off)];
+        let left = run.hammer_head_m[row_at(&run, impact)] - run.hammer_head_m[row_at(&run, off)];
         assert!((0.02e-3..4e-3).contains(&left), "{force} N: {left}");
         assert_eq!(run.work.unconverged_steps, 0);
     }
 }
 
-/// Blows hard enough to be thrown back are caught, 10 to 20 mm below the string (technicians set 12 to 15), and held
+/// Hammers thrown back hard enough are caught, 10 to 20 mm below the string (technicians set 12 to 15), and held
 /// there motionless by a check that presses on the tail.
 #[test]
 fn hard_enough_blows_are_checked() {
     let grand = grand();
     for force in [2.0, 5.0, 8.0, 20.0, 35.0] {
         let run = press(&grand, force);
-        assert_eq!(run.events.impacts.len(), 1, "{force} N: one blow");
+        assert_eq!(run.events.impacts.len(), 1, "{force} N: one impact");
         assert!(run.events.check_s.unwrap() > run.events.hammer_contact_s().unwrap());
         let held = row_at(&run, HELD_S) - 1;
         let string = run.hammer_head_m[row_at(&run, run.events.hammer_contact_s().unwrap())];
@@ -73,7 +73,7 @@ fn hard_enough_blows_are_checked() {
     }
 }
 
-/// The softest blow: published 150 ms from key start to key bottom at 0.8 N, and the hammer about 12 ms before key
+/// The softest note: published 150 ms from key start to key bottom at 0.8 N, and the hammer about 12 ms before key
 /// bottom.
 #[test]
 fn the_softest_blow_keeps_its_times() {
@@ -94,8 +94,8 @@ fn the_order_of_events_reverses() {
     let mut speed = 0.0;
     for (force, hammer_first) in [(0.8, true), (2.0, true), (4.0, true), (8.0, false), (20.0, false), (35.0, false)] {
         let e = press(&grand, force).events;
-        let (blow, bottom) = (e.hammer_contact_s().unwrap(), e.key_bottom_s.unwrap());
-        assert_eq!(blow < bottom, hammer_first, "{force} N: {e:?}");
+        let (impact, bottom) = (e.hammer_contact_s().unwrap(), e.key_bottom_s.unwrap());
+        assert_eq!(impact < bottom, hammer_first, "{force} N: {e:?}");
         assert!(e.hammer_speed_m_per_s().unwrap() > speed);
         speed = e.hammer_speed_m_per_s().unwrap();
     }
@@ -143,13 +143,13 @@ fn let_go_everything_comes_to_rest() {
     }
 }
 
-/// One blow in every stroke, and at least `highest` of key travel left between two of them.
+/// One impact in every stroke, and at least `highest` of key travel left between two of them.
 fn repeats(play: &Play, frequency: f64, strokes: u32, highest: f64, grand: &Instrument) {
     let run = play.run(grand, Settings::new(USUAL_STEP_S), f64::from(strokes) / frequency);
-    let blows: Vec<f64> = run.events.impacts.iter().map(|s| s.time_s * frequency).collect();
-    assert_eq!(blows.len(), strokes as usize, "{play:?}: {blows:?}");
-    for (n, blow) in blows.iter().enumerate() {
-        assert_eq!(*blow as usize, n, "{play:?}: blow {n} in stroke {blow}");
+    let impacts: Vec<f64> = run.events.impacts.iter().map(|s| s.time_s * frequency).collect();
+    assert_eq!(impacts.len(), strokes as usize, "{play:?}: {impacts:?}");
+    for (n, impact) in impacts.iter().enumerate() {
+        assert_eq!(*impact as usize, n, "{play:?}: impact {n} in stroke {impact}");
     }
     let after = &run.key_m[row_at(&run, 0.5 / frequency)..];
     let top = after.iter().fold(f64::INFINITY, |a, b| a.min(*b));
@@ -197,9 +197,9 @@ fn a_second_press_from_half_way_sounds() {
         let duration_s = 0.5 + wait;
         let setup = Setup { settings: Settings::new(USUAL_STEP_S), ..Setup::new(duration_s) };
         let run = simulate(&grand, &player::motion(&motion), &setup, &mut |_| true).unwrap();
-        let blows = &run.events.impacts;
-        assert_eq!(blows.len(), 2, "{wait}: {blows:?}");
-        assert!(blows[1].time_s > 0.26 + wait && blows[1].hammer_speed_m_per_s > 0.8, "{wait}: {blows:?}");
+        let impacts = &run.events.impacts;
+        assert_eq!(impacts.len(), 2, "{wait}: {impacts:?}");
+        assert!(impacts[1].time_s > 0.26 + wait && impacts[1].hammer_speed_m_per_s > 0.8, "{wait}: {impacts:?}");
         let top = run.key_m[row_at(&run, 0.1)..].iter().fold(f64::INFINITY, |a, b| a.min(*b));
         assert!(top > 4.8e-3, "{wait}: the key comes up to {top}");
     }

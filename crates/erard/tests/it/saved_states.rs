@@ -270,7 +270,7 @@ fn a_state_goes_on_in_another_order() {
         assert_ne!(own.bodies[0].name, other.bodies[0].name);
         (own.roles.rigid_bridge, other.roles.rigid_bridge) = (rigid_bridge, rigid_bridge);
         let (mut here, mut there) = (Action::new(&own).unwrap(), Action::new(&other).unwrap());
-        // Into the blow, where strings move and zones rub.
+        // Into the impact, where strings move and zones rub.
         while here.impact().is_none() {
             here.step(Input::Force(6.0));
         }

@@ -14,7 +14,7 @@ fn instants(e: &Events) -> [Option<f64>; 6] {
     [e.key_start_s, e.toe_contact_s, e.let_off_s, e.hammer_contact_s(), e.key_bottom_s, e.check_s]
 }
 
-/// Runs both and compares hammer speeds, all instants (to within a step) and all blows.
+/// Runs both and compares hammer speeds, all instants (to within a step) and all impacts.
 fn compare(play: &Play, theta: f64) -> [Run; 2] {
     let grand = grand();
     let [a, b] = [Solver::ActiveSet, Solver::ProjectedGaussSeidel].map(|solver| {
@@ -67,7 +67,7 @@ fn same_blows(plays: &[Play]) {
     }
 }
 
-/// Repetition under a moving finger: eight blows in a second, each the same.
+/// Repetition under a moving finger: eight impacts in a second, each the same.
 #[test]
 fn the_same_repetition_from_both_solvers() {
     let [_, b] = compare(&Play::Tremolo { top: 3e-3, bottom: 9.9e-3, frequency: 8.0 }, 0.5);

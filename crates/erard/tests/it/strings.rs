@@ -76,7 +76,7 @@ fn thrown(instrument: &Instrument, h: f64, speed: f64) -> Box<dyn Mechanism> {
     m
 }
 
-struct Blow {
+struct Impact {
     peak_n: f64,
     /// From the first touch to the last, s.
     until_s: f64,
@@ -87,32 +87,32 @@ struct Blow {
     pulses: usize,
 }
 
-fn blow(instrument: &Instrument, h: f64, speed: f64) -> Blow {
+fn impact(instrument: &Instrument, h: f64, speed: f64) -> Impact {
     let mut m = thrown(instrument, h, speed);
-    let (mut blow, mut touching) =
-        (Blow { peak_n: 0.0, until_s: 0.0, contact_s: 0.0, back_m_per_s: 0.0, pulses: 0 }, false);
+    let (mut impact, mut touching) =
+        (Impact { peak_n: 0.0, until_s: 0.0, contact_s: 0.0, back_m_per_s: 0.0, pulses: 0 }, false);
     let mut forces = Vec::new();
     for n in 0..(8e-3 / h) as usize {
         m.step(&moreau::Input::Free);
         let force = m.normal_force(0);
         forces.push(force);
         if force > 0.0 {
-            blow.until_s = (n + 1) as f64 * h;
-            blow.pulses += usize::from(!touching);
+            impact.until_s = (n + 1) as f64 * h;
+            impact.pulses += usize::from(!touching);
         }
         touching = force > 0.0;
     }
-    blow.back_m_per_s = -m.readout().velocities[0];
+    impact.back_m_per_s = -m.readout().velocities[0];
     // The peak between samples: a parabola through three.
     let top = (1..forces.len() - 1).max_by(|&a, &b| forces[a].total_cmp(&forces[b])).unwrap();
     let [a, b, c] = [forces[top - 1], forces[top], forces[top + 1]];
-    blow.peak_n = b - (c - a) * (c - a) / (8.0 * (a - 2.0 * b + c));
-    let level = 0.1 * blow.peak_n;
+    impact.peak_n = b - (c - a) * (c - a) / (8.0 * (a - 2.0 * b + c));
+    let level = 0.1 * impact.peak_n;
     let crossing = |i: usize| h * (i as f64 + (level - forces[i]) / (forces[i + 1] - forces[i]));
     let first = (0..top).find(|&i| forces[i] < level && forces[i + 1] >= level);
     let last = (top..forces.len() - 1).rev().find(|&i| forces[i] >= level && forces[i + 1] < level);
-    blow.contact_s = crossing(last.unwrap()) - first.map_or(0.0, crossing);
-    blow
+    impact.contact_s = crossing(last.unwrap()) - first.map_or(0.0, crossing);
+    impact
 }
 
 /// Peak, end of the last contact and speed of return from SciPy's DOP853 (relative tolerance 1e-9, steps of at most 20
@@ -125,7 +125,7 @@ fn a_blow_is_the_one_of_an_independent_solution() {
         [(0.5, 5.8183, 2.5178e-3, 0.36994), (2.5, 36.0947, 2.0030e-3, 1.60647), (5.0, 77.9063, 1.8617e-3, 3.10823)];
     let instrument = bare("0", 0.0);
     for (speed, peak_n, until_s, back_m_per_s) in reference {
-        let found = blow(&instrument, 12.5e-6, speed);
+        let found = impact(&instrument, 12.5e-6, speed);
         println!(
             "{speed}: {:.4} N, {:.4} ms, {:.5} m/s, {} pulses",
             found.peak_n,
@@ -191,9 +191,9 @@ fn blows_converge_with_the_second_order() {
         sum(&|i| a[i] - b[i]) / sum(&|i| b[i])
     };
     for speed in [1.0, 4.0] {
-        let (exact, exactly) = (blow(&instrument, 1.5625e-6, speed), spectrum(1.5625e-6, speed));
+        let (exact, exactly) = (impact(&instrument, 1.5625e-6, speed), spectrum(1.5625e-6, speed));
         let errors = [50e-6, 25e-6, 12.5e-6].map(|h| {
-            let b = blow(&instrument, h, speed);
+            let b = impact(&instrument, h, speed);
             let error = [
                 (b.peak_n / exact.peak_n - 1.0).abs(),
                 apart(&spectrum(h, speed), &exactly),
@@ -288,7 +288,7 @@ fn strings_lose_what_their_dashpots_take() {
     assert!((lost / taken - 1.0).abs() < 1e-6, "{lost} {taken}");
 }
 
-/// Partials of the bridge force after a blow: phase over a second, each within 0.1 cent of n f0 sqrt(1 + B n^2) with
+/// Partials of the bridge force after an impact: phase over a second, each within 0.1 cent of n f0 sqrt(1 + B n^2) with
 /// the declared f0 and B.
 #[test]
 fn partials_are_where_the_formula_has_them() {
@@ -427,8 +427,8 @@ fn keys_and_actions_are_the_same_bits() {
     assert!(action.strings().unwrap().bridge_n() != 0.0);
 }
 
-/// A snapshot in mid blow goes on to the bit, through bytes and through text; without the strings' own numbers they are
-/// at rest.
+/// A snapshot in mid impact goes on to the bit, through bytes and through text; without the strings' own numbers they
+/// are at rest.
 #[test]
 fn snapshots_hold_the_strings() {
     let instrument = strung();

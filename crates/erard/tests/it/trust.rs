@@ -232,7 +232,7 @@ fn no_rest_is_a_warning_of_its_own() {
     assert_eq!((warning.kind, warning.part.is_some()), (Kind::NoRest, true), "{warning:?}");
 }
 
-/// A blow that is faster than any hammer is reported, and the fastest of several.
+/// An impact that is faster than any hammer is reported, and the fastest of several.
 #[test]
 fn a_blow_faster_than_any_is_told() {
     let events = |speed_m_per_s: f64| erard::Events {
