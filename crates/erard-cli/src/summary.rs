@@ -37,7 +37,7 @@ pub(crate) fn value(summary: &Value, (key, _, factor, ..): &Measure) -> Option<f
 fn why_no_impact(summary: &Value) -> &'static str {
     let happened = |key: &str| !summary[key].is_null();
     match (happened("toe_contact_s"), happened("let_off_s")) {
-        (_, true) => "the hammer was let off too slowly, and fell back",
+        (_, true) => "the hammer left the jack too slowly and fell back",
         (true, _) => "the jack met its button, but was not pushed out",
         _ => "the key did not go down to let-off",
     }

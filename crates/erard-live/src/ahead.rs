@@ -1,11 +1,11 @@
-//! The impact before it comes: a copy of the key's state, stepped ahead.
+//! Prediction of impacts: steps a copy of the key's state ahead.
 
 use erard::{Action, Input};
 
-/// What has not come so long after its instant was false, s.
+/// Time after an announced instant from which on a missing impact counts as false, s.
 const FALSE_AFTER_S: f64 = 5e-3;
 
-/// What is foreseen of an impact.
+/// A predicted impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Foreseen {
     /// Time from now, s.
@@ -17,22 +17,22 @@ pub(crate) struct Foreseen {
 /// An impact that was announced.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Announced {
-    /// When it is to come, s, and how fast, m/s.
+    /// Predicted instant, s, and hammer speed, m/s.
     pub hit: [f64; 2],
-    /// When that was known, s.
+    /// Instant of the prediction, s.
     pub known_s: f64,
 }
 
 impl Announced {
-    /// Whether it has not come and does not come any more.
+    /// Whether the impact has not happened and can no longer happen.
     #[must_use]
     pub fn is_false(&self, now_s: f64) -> bool {
         now_s > self.hit[0] + FALSE_AFTER_S
     }
 }
 
-/// Steps the action ahead, for so long at most, s, under inputs by their number from 1; then it is where it was, to the
-/// bit. `None`: no impact is foreseen.
+/// Steps the action ahead for at most this time, s, under inputs by their number from 1, and then restores its state to
+/// the bit. `None`: no impact is predicted.
 pub(crate) fn look(action: &mut Action, most_s: f64, input: &mut dyn FnMut(u32, &Action) -> Input) -> Option<Foreseen> {
     let (state, now_s, h) = (action.mechanism_state(), action.time_s(), action.settings().step);
     let mut found = None;

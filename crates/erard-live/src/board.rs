@@ -1,5 +1,5 @@
-//! Keys on a chip: one mechanism, which all share, and for each key what its next step depends on. From readings of a
-//! converter to bytes of MIDI without a heap, in either precision. A key at rest takes no step.
+//! Keys on a chip, from readings of a converter to bytes of MIDI, without a heap and in either precision. All keys
+//! share one mechanism; each key has its own state. A key at rest takes no step.
 
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 use erard_midi::{Event, Law, Message, Pedal, ReleaseLaw, Resolution, note_of_key};
@@ -14,24 +14,24 @@ use crate::limits::Limits;
 use crate::sensed::{Counts, SensedKey, Stepped, Steps};
 use crate::sensor::FixedLaw;
 
-/// A press may have begun so many samples before its sensor was off its rest.
+/// Number of samples by which a press may begin before its sensor leaves its rest.
 pub const REMEMBERED: usize = 16;
-/// [`Settings::tolerance`]: coarser than usual, for single precision cannot tell 1e-5 rad/s from rounding in every
-/// step.
+/// [`Settings::tolerance`]: coarser than usual, because single precision cannot always distinguish 1e-5 rad/s from
+/// rounding.
 const TOLERANCE: f64 = 1e-3;
-/// A key that stands nearer to where it is led is left there, m, so that it comes to rest.
+/// A key nearer than this to its prescribed position is left there, m, so that it comes to rest.
 const THERE_M: f64 = 1e-6;
 
-/// What is to be known of a key's action beside its model.
+/// Properties of a key's action in addition to its model.
 #[derive(Debug, Clone, Copy)]
 pub struct Outline<const B: usize> {
-    /// Where it rests, rad.
+    /// Angles at rest, rad.
     pub rest: [f64; B],
     /// The body that strikes, and its point that meets the string, m in its frame.
     pub hammer: (usize, [f64; 2]),
     /// The zone of hammer and string.
     pub string: usize,
-    /// What its key may be asked for.
+    /// Largest inputs of the key.
     pub limits: Limits,
     /// Travel at which the key sets its damper down, m.
     pub damper_m: f64,
@@ -40,23 +40,23 @@ pub struct Outline<const B: usize> {
 /// The sensor of a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensor {
-    /// What it sits on: [`SensorKind::Action`] or [`SensorKind::Light`].
+    /// Kind of keyboard: [`SensorKind::Action`] or [`SensorKind::Light`].
     pub kind: SensorKind,
     /// Its law.
     pub law: FixedLaw,
-    /// Readings at the key's stops, which differ.
+    /// Readings at the key's two stops; they must differ.
     pub stops: Stops,
-    /// A reading that differs by no more from the last one that was taken is taken to be that one, so that noise does
-    /// not keep a key awake that stands.
+    /// A reading that differs from the last accepted one by no more than this counts as equal, so that noise does not
+    /// keep a resting key awake.
     pub still: f64,
     /// The sensed travel between them, m.
     pub travel_m: f64,
-    /// How far the key's front goes while the sensed place goes 1 m; of a light device its travel is spread over the
+    /// Travel of the key's front per travel of the sensed place; for a light device its whole travel is mapped to the
     /// simulated key's dip instead.
     pub front_per_sensed: f64,
 }
 
-/// The action that all keys have: what never changes, and the working memory of a step.
+/// The action that all keys share: its constant model and the working memory of a step.
 pub struct Mechanism<T: Scalar, const B: usize, const Z: usize, const N: usize> {
     model: Model<T, B, Z>,
     settings: Settings<T>,
@@ -69,7 +69,7 @@ pub struct Mechanism<T: Scalar, const B: usize, const Z: usize, const N: usize> 
 }
 
 impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Mechanism<T, B, Z, N> {
-    /// Of a model, which has a key's front to drive; steps of `step_s`.
+    /// Makes the mechanism of a model that has a key's front to drive, with steps of `step_s`.
     ///
     /// # Errors
     /// [`ModelError`]: `N` has too little room for its laws.
@@ -84,7 +84,7 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Mechanism<T, B, 
         Ok(all)
     }
 
-    /// Where the key's front is, m along its drive, and how fast it moves, m/s.
+    /// Position of the key's front along its drive, m, and its speed, m/s.
     fn front(&self, angle: &[T; B], velocity: &[T; B]) -> [T; 2] {
         let (point, direction) = &self.front;
         point.motion(angle, velocity).map(|x| dot(*direction, x))
@@ -111,8 +111,8 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Mechanism<T, B, 
         }
     }
 
-    /// Takes a key's reading at an instant, s; sends what comes of it. False if the instant is not after the key's last
-    /// one: the reading is left out.
+    /// Takes a key's reading at an instant, s, and sends the resulting messages. Returns false and ignores the reading
+    /// if the instant is not after the key's last one.
     pub fn take(
         &mut self,
         key: &mut Key<T, B, Z>,
@@ -130,7 +130,7 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Mechanism<T, B, 
         sensed.take((time_s, front_m), &mut action, &mut |event| send(message(*note, event, resolution)))
     }
 
-    /// Lets a key go, whatever it senses, and follows it until it is home: no note is left.
+    /// Releases a key, whatever its sensor reads, and follows it to its rest, so that no note keeps sounding.
     pub fn let_go(&mut self, key: &mut Key<T, B, Z>, time_s: f64, send: &mut dyn FnMut(Message)) {
         let Key { note, sensed, action, .. } = key;
         let mut action = Shared { mechanism: self, own: action };
@@ -149,13 +149,13 @@ fn message(note: u8, event: Event, resolution: Resolution) -> Message {
     }
 }
 
-/// A key: all that its next step depends on.
+/// A key: everything that its next step depends on.
 #[derive(Debug, Clone)]
 pub struct Key<T: Scalar, const B: usize, const Z: usize> {
     note: u8,
     front_per_sensed: T,
     still: T,
-    /// The reading that counts.
+    /// The last accepted reading.
     taken: T,
     converter: Converter<T, &'static [[f64; 2]]>,
     sensed: SensedKey<T, REMEMBERED>,
@@ -163,12 +163,12 @@ pub struct Key<T: Scalar, const B: usize, const Z: usize> {
 }
 
 impl<T: Scalar, const B: usize, const Z: usize> Key<T, B, Z> {
-    /// What was counted.
+    /// Counts of events.
     pub fn counts(&self) -> Counts {
         self.sensed.counts
     }
 
-    /// Steps that its action has taken: none while it rests.
+    /// Steps that its action has taken; none while it rests.
     pub fn steps(&self) -> u64 {
         self.action.steps
     }
@@ -178,7 +178,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Key<T, B, Z> {
         self.action.unconverged
     }
 
-    /// Whether its action stands still and its next steps change nothing.
+    /// Whether its action is still and its next steps would change nothing.
     pub fn rests(&self) -> bool {
         self.action.sleep.is_asleep()
     }
@@ -195,9 +195,9 @@ struct Own<T: Scalar, const B: usize, const Z: usize> {
     state: State<T, B, Z>,
     sleep: Sleep<T>,
     predictor: ImpactPredictor<T, B>,
-    /// The action's own clock, which stands still while it rests.
+    /// The action's own clock, which stops while it rests.
     steps: u64,
-    /// Where an imposed motion was to be at the end of the last step, m from rest.
+    /// Target of a prescribed motion at the end of the last step, m from rest.
     aimed_m: Option<T>,
     unconverged: u32,
 }
@@ -276,7 +276,8 @@ impl Pedals {
         Pedals([SUSTAIN, SOSTENUTO, SOFT].map(|controller| (controller, Pedal::up())))
     }
 
-    /// Takes where a pedal is, 0 (up) to 1 (down), by its controller; what is to be sent, if its value has changed.
+    /// Takes the position of a pedal, 0 (up) to 1 (down), by its controller; returns the message to send if its value
+    /// has changed.
     pub fn take(&mut self, controller: u8, down: f64) -> Option<Message> {
         let (_, pedal) = self.0.iter_mut().find(|(own, _)| *own == controller)?;
         pedal.update(down).map(|value| Message::controller(0, controller, value))

@@ -14,7 +14,7 @@ pub struct Cable {
 }
 
 impl Cable {
-    /// Takes so many bytes that come at an instant, s; returns when the last one has arrived, s.
+    /// Takes a number of bytes that come at an instant, s; returns the instant at which the last one has arrived, s.
     pub fn send(&mut self, at_s: f64, bytes: usize) -> f64 {
         self.free_s = self.free_s.max(at_s) + bytes as f64 * BYTE_S;
         self.longest_s = self.longest_s.max(self.free_s - at_s);

@@ -1,52 +1,52 @@
-//! The two stops of each key, found in readings of a device that is played for this.
+//! Finds the two stops of each key in readings of a device that is played for this purpose.
 //!
-//! Every key is left at rest for half a second, pressed to its bottom and held there, and let go, as often as one
-//! likes. A key stands still at its stops only: readings that stay the same for 50 ms gather there. The one at which it
-//! stands first is its rest, the farthest one from there its bottom. The stops are the medians of these.
+//! Leave every key at rest for half a second, press it to its bottom, hold it there, and let it go; repeat this as
+//! often as you like. A key is still at its stops only, so readings that stay equal for 50 ms gather there. The first
+//! such reading is its rest, the farthest from it its bottom. The stops are the medians of these readings.
 
 use std::collections::BTreeMap;
 
 use crate::profile::Stops;
 
-/// A key that keeps within [`STILL`] of its range for so long stands still, s.
+/// A key that stays within [`STILL`] of its range for this time is still, s.
 const STANDS_S: f64 = 0.05;
 /// A share of the range.
 const STILL: f64 = 0.01;
-/// Readings of standing still so near to a stop belong to it, a share of the range.
+/// Still readings this near to a stop belong to it, as a share of the range.
 const BESIDE: f64 = 0.02;
-/// The range must be so many times the largest noise at the rest.
+/// The range must be at least this multiple of the largest noise at the rest.
 const CLEAR: f64 = 8.0;
 
 /// Readings of one key.
 #[derive(Debug, Clone, Default)]
 pub struct Readings {
-    /// When, s, and what.
+    /// Instants, s, and readings.
     pub all: Vec<[f64; 2]>,
 }
 
 /// Why a key's stops are not found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StopsFault {
-    /// Too little came of it.
+    /// There are too few readings of the key.
     #[error("key {key}: {found} readings; expected the key at rest for half a second, pressed and held, and let go")]
     Few {
-        /// From 1.
+        /// Number of the key, from 1.
         key: usize,
         /// Number of readings.
         found: usize,
     },
-    /// It never changes.
+    /// The readings never change.
     #[error("key {key}: the reading is {found} all the time; is the sensor stuck?")]
     Stuck {
-        /// From 1.
+        /// Number of the key, from 1.
         key: usize,
-        /// It.
+        /// The reading.
         found: f64,
     },
-    /// It does not stand out of the noise.
+    /// The range of the readings is too small compared with the noise.
     #[error("key {key}: readings go from {low} to {high} with a noise of {noise}; expected a range 8 times as wide")]
     Noise {
-        /// From 1.
+        /// Number of the key, from 1.
         key: usize,
         /// The lowest.
         low: f64,
@@ -55,10 +55,10 @@ pub enum StopsFault {
         /// Largest change between neighbours at rest.
         noise: f64,
     },
-    /// It stands still nowhere but at rest.
+    /// The key is still only at its rest.
     #[error("key {key}: it is never held for 50 ms; press it to the bottom and hold it there")]
     NotHeld {
-        /// From 1.
+        /// Number of the key, from 1.
         key: usize,
     },
 }
@@ -70,7 +70,7 @@ pub struct Found {
     pub stops: Stops,
     /// Standard deviation of readings at rest, a share of the range.
     pub noise: f64,
-    /// By how much readings at rest differ from the recording's first to its last, a share of the range.
+    /// Drift of the readings at rest from the beginning of the recording to its end, as a share of the range.
     pub drift: f64,
     /// Readings.
     pub count: usize,
@@ -126,13 +126,13 @@ fn of_key(key: usize, all: &[[f64; 2]]) -> Result<Found, StopsFault> {
     Ok(Found { stops: Stops { rest, pressed }, noise, drift, count: all.len() })
 }
 
-/// A time in which a key stands still: mean and mean square deviation of its readings.
+/// An interval in which a key is still: mean and mean square deviation of its readings.
 struct Still {
     mean: f64,
     square: f64,
 }
 
-/// Times of [`STANDS_S`] in which readings keep within a width.
+/// Intervals of [`STANDS_S`] in which readings stay within a width.
 fn standing(all: &[[f64; 2]], width: f64) -> Vec<Still> {
     let (mut found, mut from) = (Vec::new(), 0);
     while from < all.len() {

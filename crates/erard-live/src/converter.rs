@@ -1,4 +1,4 @@
-//! How a key's readings become travel.
+//! Conversion of a key's readings to travel.
 
 use moreau::Scalar;
 
@@ -8,7 +8,7 @@ use crate::sensor::LawOf;
 const MOST_DRIFT: f64 = 0.15;
 /// A reading nearer to its rest than this share of the range may be the rest.
 const NEAR_REST: f64 = 0.03;
-/// It is if it has kept within this share of the range for this time, s.
+/// Such a reading is the rest if it has stayed within this share of the range for this time, s.
 const STEADY: f64 = 0.005;
 const RESTS_S: f64 = 1.0;
 /// The rest follows its readings within this time, s.
@@ -26,12 +26,12 @@ pub struct Stops {
 /// Converts a key's readings to travel, and follows how its rest drifts.
 ///
 /// A reading within 3 % of the range of the last known rest that keeps within 0.5 % for a second is the rest: it is
-/// followed within ten seconds, up to 15 % of the range. Both stops drift by the same. What reads beyond the rest,
-/// where no key goes, is followed however far it is. A key that is held down does not drift.
+/// followed within ten seconds, up to 15 % of the range. Both stops drift by the same. Readings beyond the rest, which
+/// no key reaches, are followed at any distance. There is no drift while a key is held down.
 #[derive(Debug, Clone)]
 pub struct Converter<T, P> {
     law: LawOf<P>,
-    /// The reading at rest, and what it gains down to the bottom.
+    /// The reading at rest, and its increase down to the bottom.
     rest: T,
     range: T,
     travel_m: T,
@@ -39,13 +39,14 @@ pub struct Converter<T, P> {
     drift: T,
     /// The last reading's instant, s.
     before_s: f64,
-    /// Since when readings have kept together, s, and around which; none before the first.
+    /// Instant since when readings have stayed together, s, and their centre; none before the first.
     steady: Option<(f64, T)>,
     beyond: u32,
 }
 
 impl<T: Scalar, P: AsRef<[[f64; 2]]>> Converter<T, P> {
-    /// Of a sensor's law, the readings at the key's stops, which differ, and the sensed travel between them, m.
+    /// Makes a converter from a sensor's law, the two different readings at the key's stops, and the sensed travel
+    /// between them, m.
     #[must_use]
     pub fn new(law: LawOf<P>, stops: Stops, travel_m: f64) -> Self {
         let (rest, range) = (T::from_f64(stops.rest), T::from_f64(stops.pressed - stops.rest));
@@ -80,13 +81,13 @@ impl<T: Scalar, P: AsRef<[[f64; 2]]>> Converter<T, P> {
         self.travel_m
     }
 
-    /// By which share of the range the rest has drifted.
+    /// Drift of the rest, as a share of the range.
     #[must_use]
     pub fn drift(&self) -> T {
         self.drift
     }
 
-    /// How often it would have gone beyond what is followed.
+    /// Number of times that the drift exceeded the limit.
     #[must_use]
     pub fn beyond(&self) -> u64 {
         u64::from(self.beyond)

@@ -1,4 +1,4 @@
-//! From samples to what drives a key in each step.
+//! Conversion of samples to the drive of a key in each step.
 
 use moreau::{Hand, Scalar};
 
@@ -7,34 +7,34 @@ use crate::limits::{CEILING_N, Limits};
 /// Kind of keyboard that carries the sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SensorKind {
-    /// The key of a real action, which moves as it does with hammer and all: its motion is prescribed.
+    /// The key of a real action, which moves with its hammer. Its motion is prescribed.
     Action,
-    /// A switch or controller, which the finger moves without inertia: a hand with mass follows its depth, with at most
+    /// A switch or controller, which the finger moves without inertia. A hand with mass follows its depth, with at most
     /// 60 N.
     Light,
     /// A force on the key's front.
     Force,
 }
 
-/// A key that is not quite where it is sensed, because its sensor has come to rest or has left it, comes there within
-/// this time, s; one that was limited, at its greatest speed.
+/// Time within which a key reaches its sensed position after its sensor has come to rest or left its rest, s. A key
+/// that was limited goes there at its largest allowed speed.
 const SETTLES_S: f64 = 0.02;
-/// The hand on a light device: its muscle follows more stiffly than a pianist's, for the device is all that is known of
-/// it. It asks for the ceiling where it is 3 mm behind. Estimates.
+/// The hand on a light device. Its muscle is stiffer than a pianist's, because only the device's position is known. It
+/// reaches the ceiling of force at a lag of 3 mm. Estimates.
 const HAND_KG: f64 = 0.2;
 const STIFF_N_PER_M: f64 = 20e3;
 const DAMPED_N_S_PER_M: f64 = 90.0;
-/// It is not asked for more, m/s: 60 N do not bring a hand and a key there within a dip.
+/// Largest speed of the hand, m/s: 60 N do not accelerate hand and key beyond it within a dip.
 const HAND_M_PER_S: f64 = 1.0;
-/// A sensed key is not led deeper beyond its dip, m.
+/// A sensed key is driven no deeper than this below its dip, m.
 pub(crate) const BEYOND_M: f64 = 0.5e-3;
-/// Nearer to its rest a key that is led there is let go, m.
+/// A key driven to its rest is released when it is nearer than this, m.
 const LET_GO_M: f64 = 1e-6;
 /// A hand whose device is at rest leaves the key after this time, s.
 const LEAVES_S: f64 = 0.2;
 
-/// What drives a key in a step: forces in N, places in m from the key front's rest, both positive downward. The numbers
-/// of a force or of a hand belong to the step's middle, those of a prescribed motion to its end.
+/// The drive of a key in a step: forces in N, positions in m from the key front's rest, both positive downward. The
+/// numbers of a force or of a hand apply at the step's middle, those of a prescribed motion at its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Push<T> {
     /// Nothing touches it.
@@ -57,9 +57,9 @@ pub enum Push<T> {
 pub(crate) struct Drive<T> {
     kind: SensorKind,
     limits: Limits<T>,
-    /// Where the key is led, m.
+    /// Position to which the key is driven, m.
     led_m: T,
-    /// Whether it is behind, because it was limited.
+    /// Whether the key lags behind because it was limited.
     is_behind: bool,
     /// How long the device has been at rest, s.
     rested_s: T,
@@ -74,7 +74,7 @@ impl<T: Scalar> Drive<T> {
         Drive { kind, limits, led_m: T::ZERO, is_behind: false, rested_s: T::from_f64(LEAVES_S) }
     }
 
-    /// Whether it leaves the key alone as long as the sensed value stays at 0.
+    /// Whether nothing drives the key while the sensed value stays at 0.
     pub(crate) fn is_away(&self) -> bool {
         match self.kind {
             SensorKind::Action => self.led_m == T::ZERO,
@@ -83,14 +83,14 @@ impl<T: Scalar> Drive<T> {
         }
     }
 
-    /// Whether the hand has to be laid on the key before a step in which it is pressed.
+    /// Whether the hand must be placed on the key before the first step of a press.
     pub(crate) fn begins(&self) -> bool {
         self.kind == SensorKind::Light && self.is_away()
     }
 
     /// The push of a step of `h` seconds from the sensed values, m or N, at its start and its end; `None` while the
-    /// sensor is at rest. `hand` gives the hand's place, m, and its speed, m/s. With it, whether it was limited, for
-    /// the hammer would have been too fast.
+    /// sensor is at rest. `hand` gives the hand's place, m, and its speed, m/s. Also returns whether the push was
+    /// limited because the hammer would have been too fast.
     pub(crate) fn push(&mut self, sensed: Option<[T; 2]>, h: T, hand: impl FnOnce() -> [T; 2]) -> (Push<T>, bool) {
         let zero = T::ZERO;
         let [start, end] = sensed.unwrap_or([zero; 2]).map(|value| value.max(zero));

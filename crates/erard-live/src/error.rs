@@ -8,7 +8,7 @@ use erard_workshop::cores::Ending;
 /// Why keys cannot be played from a stream.
 #[derive(Debug, thiserror::Error)]
 pub enum LiveError {
-    /// Interrupted, or a fault of a core's work.
+    /// The work was interrupted, or failed on a core.
     #[error(transparent)]
     Work(#[from] SimulationError),
     /// A key cannot be assembled.
@@ -16,7 +16,7 @@ pub enum LiveError {
     Action {
         /// The key, from 1.
         key: usize,
-        /// Why.
+        /// Reason.
         error: ActionError,
     },
     /// Where a key sets its damper down cannot be found.
@@ -24,10 +24,10 @@ pub enum LiveError {
     Damper {
         /// The key, from 1.
         key: usize,
-        /// Why.
+        /// Reason.
         error: DamperError,
     },
-    /// A key's hammer reaches no string however it is pressed.
+    /// No press brings the key's hammer to its string.
     #[error("key {key}: no press throws the hammer to a string; expected an action with key, hammer and string")]
     Silent {
         /// The key, from 1.

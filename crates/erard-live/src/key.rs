@@ -1,4 +1,4 @@
-//! One key of a stream: its action, and impacts announced before they come.
+//! One key of a stream: its action, and impacts that are announced in advance.
 
 use std::collections::VecDeque;
 
@@ -14,34 +14,35 @@ use crate::limits::Limits;
 use crate::report::ERRORS;
 use crate::sensed::{Counts, GAP_S, Listen, SensedKey, Stepped, Steps};
 
-/// A press may have begun so many samples before its sensor was off its rest.
+/// Number of samples by which a press may begin before its sensor leaves its rest.
 const REMEMBERED: usize = 64;
-/// Impacts are foreseen so far ahead at most, s.
+/// Largest lead of a predicted impact, s.
 const HORIZON_S: f64 = 6e-3;
-/// Not more often, s.
+/// Smallest interval between two predictions, s.
 const LOOK_EVERY_S: f64 = 0.5e-3;
-/// The key goes on as over the last samples that span so long at least, s: over less, the last digit of a sensor of 12
-/// bits is a hundredth of a loud key's speed and more.
+/// Shortest span of the last samples from which the key's motion is continued, s: over a shorter one, the last digit of
+/// a 12-bit sensor is a hundredth or more of a loud key's speed.
 const SLOPE_S: f64 = 0.999e-3;
-/// Slower hammers are not looked after, m/s.
+/// Impacts of slower hammers are not predicted, m/s.
 const RISES_M_PER_S: f64 = 0.1;
-/// Looks agree if what is foreseen, changing on as since the last one, will have changed by less than this at the
-/// impact: s, and a share of the speed. Half of the errors that are allowed. They are believed once they have agreed
-/// for [`SLOPE_S`]: what changes passes through values where it stands still.
+/// Two predictions agree if the prediction, extrapolated from its last change, changes by less than this until the
+/// impact: s, and a share of the speed. These are half of the allowed errors. Predictions are trusted once they have
+/// agreed for [`SLOPE_S`], because a changing prediction may be stationary for a moment.
 const SETTLED: [f64; 2] = [0.5 * ERRORS[0], 0.5 * ERRORS[1]];
 
-/// What comes of a key.
+/// An event of a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Told {
-    /// The hammer met the string: when, s, how fast, m/s.
+    /// The hammer met the string: instant, s, and speed, m/s.
     Struck(f64, f64),
-    /// It will.
+    /// The hammer will meet the string.
     Announced(f64, f64),
-    /// It was announced and met it: announced and true, each when, s, and how fast, m/s; and when that was known, s.
+    /// An announced impact happened: the announced and the true one, each with instant, s, and speed, m/s; and the
+    /// instant of the announcement, s.
     Kept([f64; 2], [f64; 2], f64),
-    /// It was announced and did not: when that is known, s.
+    /// An announced impact did not happen: instant at which this is known, s.
     False(f64),
-    /// The key set its damper down: when, s, how fast it came up, m/s.
+    /// The key set its damper down: instant, s, and speed on its way up, m/s.
     Released(f64, f64),
 }
 
@@ -86,7 +87,7 @@ fn input(push: &Push<f64>) -> Input {
     }
 }
 
-/// Holds what happens against what was announced.
+/// Compares impacts with their announcements.
 struct Announcing<'a> {
     announced: &'a mut Option<Announced>,
     tell: &'a mut dyn FnMut(Told),
@@ -127,9 +128,9 @@ pub(crate) struct Key {
     /// The last samples, over [`SLOPE_S`]; empty unless impacts are foreseen.
     recent: VecDeque<[f64; 2]>,
     announced: Option<Announced>,
-    /// The last look: when, and what it found: when and how fast.
+    /// The last prediction: its instant, and the predicted instant and speed.
     looked: Option<(f64, Option<[f64; 2]>)>,
-    /// Since when all looks agree, s.
+    /// Instant since when all predictions agree, s.
     agreed_since_s: Option<f64>,
 }
 
@@ -176,7 +177,8 @@ impl Key {
         self.sensed.counts
     }
 
-    /// Takes a sample: when, s, and what, m or N. False if it does not come after the last one: it is left out.
+    /// Takes a sample: instant, s, and value, m or N. Returns false and ignores the sample if it does not come after
+    /// the last one.
     pub(crate) fn take(&mut self, to: [f64; 2], tell: &mut dyn FnMut(Told)) -> bool {
         let [t1, x1] = to;
         let (last, period_s) = (self.sensed.last, self.sensed.period_s);
@@ -204,14 +206,14 @@ impl Key {
         true
     }
 
-    /// Whatever is sensed is taken to be at rest from now on; the key is followed until it is home.
+    /// Treats the sensor as being at rest from now on, and follows the key until it has come to rest.
     pub(crate) fn let_go(&mut self, now_s: f64, tell: &mut dyn FnMut(Told)) {
         let mut listen = Announcing { announced: &mut self.announced, tell };
         self.sensed.let_go(now_s, &mut self.action, &mut listen);
         self.recent.clear();
     }
 
-    /// Looks ahead, the key going on as over its last samples.
+    /// Predicts the impact, continuing the key's motion from its last samples.
     fn foresee(&mut self, from: [f64; 2], to: [f64; 2], tell: &mut dyn FnMut(Told)) {
         let (now, now_s) = (self.action.reading(), self.sensed.now_s());
         let rises = now.hammer_m_per_s > RISES_M_PER_S;
@@ -251,7 +253,7 @@ impl Key {
     }
 }
 
-/// Straight on through two samples; before the first as it is.
+/// Linear extrapolation through two samples; constant before the first.
 fn value_beyond([t0, x0]: [f64; 2], [t1, x1]: [f64; 2], t: f64) -> f64 {
     x0 + (x1 - x0) * ((t - t0) / (t1 - t0)).max(0.0)
 }

@@ -3,14 +3,15 @@
 //! - [`stream`]: the text that a sender writes, line by line;
 //! - [`sensor`], [`profile`], [`calibrate`]: raw readings to millimetres, from the two stops of each key and the
 //!   sensor's law, drift followed;
-//! - [`Live`]: takes samples as they come and gives notes ([`Event`]) as their hammers meet the strings, or before
-//!   ([`Options::ahead`]); it counts what was limited, clipped, late or lost ([`Report`]);
-//! - [`cable`]: how long bytes queue for a DIN cable; [`quality`]: what bits and rate of a sensor cost.
+//! - [`Live`]: takes samples as they come and returns notes ([`Event`]) when their hammers meet the strings, or before
+//!   ([`Options::ahead`]); it counts limited, clipped, late and lost samples ([`Report`]);
+//! - [`cable`]: how long bytes queue for a DIN cable; [`quality`]: errors from bits and rate of a sensor.
 //!
-//! Without the feature `std` (on by default) there is what a microcontroller needs, without a heap and in single
-//! precision, too: [`sensor`], [`converter`], [`sensed`] and [`board`]. A stream's keys go through the same code.
+//! Without the feature `std` (on by default) the crate contains the parts for a microcontroller, without a heap and
+//! also in single precision: [`sensor`], [`converter`], [`sensed`] and [`board`]. A stream's keys go through the same
+//! code.
 //!
-//! SI units but for files, which have millimetres; key and finger positive downward, the hammer upward.
+//! SI units, except for files, which use millimetres; key and finger positive downward, the hammer upward.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 

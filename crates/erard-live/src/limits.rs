@@ -1,4 +1,4 @@
-//! What a key may be asked for, so that no hammer goes faster than 8 m/s.
+//! Largest inputs of a key, chosen so that no hammer goes faster than 8 m/s.
 
 use moreau::Scalar;
 
@@ -10,11 +10,11 @@ pub(crate) const CEILING_N: f64 = 60.0;
 /// Largest inputs of a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits<T = f64> {
-    /// The speed of its front, m/s, with which a hammer comes to [`LARGEST_HAMMER_M_PER_S`] if the key is led down at
-    /// that speed from its rest at once; where it never does, the speed that throws it fastest. A key that is led
-    /// faster throws it no faster.
+    /// The speed of its front, m/s, at which the hammer reaches [`LARGEST_HAMMER_M_PER_S`] if the key is suddenly
+    /// driven down from its rest at that speed; if the hammer never does, the speed that throws it fastest. A key that
+    /// is driven faster throws it no faster.
     pub key_m_per_s: T,
-    /// The force, N, that does so if it is there at once.
+    /// The force, N, with this effect if it starts suddenly.
     pub force_n: T,
     /// Largest speed of the front when the key is let go, m/s, up positive: it is not pulled up faster.
     pub up_m_per_s: T,

@@ -16,7 +16,7 @@ use crate::quality::{Seen, expected_error_counts};
 use crate::report::{Leads, Report};
 use crate::stream::{Of, Quantity, Sample};
 
-/// A sensor that has left its rest so often by little is noisy.
+/// A sensor that has left its rest by a small amount this often is noisy.
 const NOISY: u64 = 20;
 
 /// Settings for playing a stream.
@@ -28,11 +28,11 @@ pub struct Options {
     pub quantity: Quantity,
     /// Distance of the sensed place from the key's pivot, m, on either side of it; `None` at the key's front.
     pub sensor_at_m: Option<f64>,
-    /// The device's own travel, m, where it is not that of a key: it is spread over the key's dip.
+    /// The device's own travel, m, if it differs from that of a key; it is mapped to the key's dip.
     pub travel_m: Option<f64>,
-    /// Impacts are announced before they come.
+    /// Whether impacts are announced in advance.
     pub ahead: bool,
-    /// On so many threads keys are prepared.
+    /// Number of threads that prepare the keys.
     pub threads: usize,
 }
 
@@ -43,13 +43,13 @@ pub enum Event {
     On {
         /// The key, from 1.
         key: usize,
-        /// When its hammer meets the string, s on the stream's clock.
+        /// Instant at which its hammer meets the string, s on the stream's clock.
         time_s: f64,
         /// The instant up to which the stream is known, s: later than the impact, or earlier where it is announced.
         known_s: f64,
         /// Total speed of the hammer at the impact, m/s.
         hammer_speed_m_per_s: f64,
-        /// That as velocity.
+        /// This speed as a velocity.
         velocity: Velocity,
     },
     /// A note-off.
@@ -105,7 +105,7 @@ impl Live {
         let silent: Vec<Instrument> = instruments.iter().map(Instrument::with_rigid_string).collect();
         let numbered: Vec<(usize, &Instrument)> = silent.iter().enumerate().map(|(i, one)| (i + 1, one)).collect();
         let found = cores::map(&numbered, options.threads, progress, |&(key, instrument), _| {
-            let limits = Limits::find(instrument).map_err(|error| LiveError::Action { key, error })?;
+            let limits = Limits::find(instrument, options.sensor).map_err(|error| LiveError::Action { key, error })?;
             let damper = damper_height_m(instrument).map_err(|error| LiveError::Damper { key, error })?;
             Ok::<_, LiveError>((limits.ok_or(LiveError::Silent { key })?, damper))
         })?;
@@ -135,25 +135,25 @@ impl Live {
         })
     }
 
-    /// Of a key, from 1: what it may be asked for.
+    /// Largest inputs of a key, from 1.
     #[must_use]
     pub fn limits(&self, key: usize) -> Option<Limits> {
         self.keys.get(key.checked_sub(1)?).map(|key| *key.limits())
     }
 
-    /// When the stream began, s on its own clock.
+    /// Beginning of the stream, s on its own clock.
     #[must_use]
     pub fn begins_s(&self) -> f64 {
         self.begins_s.unwrap_or(0.0)
     }
 
-    /// Whether no key is pressed: nothing need come then.
+    /// Whether no key is pressed, so that the stream may pause.
     #[must_use]
     pub fn are_up(&self) -> bool {
         self.keys.iter().all(Key::is_up)
     }
 
-    /// Takes a sample; gives what comes of it.
+    /// Takes a sample and returns the resulting events.
     pub fn take(&mut self, sample: &Sample, give: &mut dyn FnMut(Event)) {
         // The first key may have begun to move a period before.
         let begins_s = *self.begins_s.get_or_insert(sample.time_s - 0.01);
@@ -211,7 +211,7 @@ impl Live {
         })
     }
 
-    /// Nothing comes any more: all keys are let go, and what sounds ends.
+    /// Ends the stream: releases all keys and ends sounding notes.
     pub fn let_go(&mut self, give: &mut dyn FnMut(Event)) {
         let Live { keys, leads, report, begins_s, now_s, .. } = self;
         let begins_s = begins_s.unwrap_or(0.0);
@@ -225,7 +225,7 @@ impl Live {
         }
     }
 
-    /// Nothing has come for long while the sender should have sent: [`Live::let_go`], counted.
+    /// Handles a stalled sender: calls [`Live::let_go`] and counts it.
     pub fn stalled(&mut self, give: &mut dyn FnMut(Event)) {
         self.report.stalls += 1;
         self.let_go(give);
@@ -264,7 +264,7 @@ impl Live {
     }
 }
 
-/// What takes a key's news, counts it and gives events.
+/// Receives the events of a key, counts them and passes them on.
 fn teller<'a>(
     key: usize,
     begins_s: f64,

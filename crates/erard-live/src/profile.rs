@@ -32,7 +32,7 @@ pub enum ProfileFault {
     /// It cannot be read.
     #[error("line {line}: {what}")]
     Toml {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
         /// Fault, in words.
         what: String,
@@ -40,9 +40,9 @@ pub enum ProfileFault {
     /// A number or word.
     #[error("`{key}` is {found}; expected {expected}")]
     Value {
-        /// Its key.
+        /// Key of the entry.
         key: String,
-        /// It.
+        /// The text found.
         found: String,
         /// Expected text.
         expected: &'static str,

@@ -1,20 +1,20 @@
-//! What bits and rate of a sensor cost.
+//! Errors from the bits and the rate of a sensor.
 //!
-//! Two errors of the hammer's speed, in counts of velocity, as presses of the concert grand from pp to ff show whose
-//! key's way is sampled, rounded and played again (a test does): the converter's steps, most at pp, and what happens
-//! between two samples, most at ff, with the square of the period.
+//! There are two errors of the hammer speed, in counts of velocity: one from the converter's steps, largest at pp, and
+//! one from the motion between two samples, largest at ff and proportional to the square of the period. A test measures
+//! them: it samples and rounds presses of the concert grand from pp to ff and plays them again.
 
-/// Fewer bits over a key's travel are warned of.
+/// Fewer bits over a key's travel cause a warning.
 pub const FEWEST_BITS: f64 = 10.0;
-/// As is a lower rate, Hz.
+/// A lower rate causes a warning, Hz.
 pub const LOWEST_HZ: f64 = 500.0;
 /// Root mean square error at pp, counts, by bits.
 const BY_BITS: [[f64; 2]; 3] = [[7.0, 0.85], [10.0, 0.23], [12.0, 0.08]];
 /// At ff, counts, at 250 Hz.
 const AT_250_HZ: f64 = 1.0;
 
-/// The expected error of a hammer's speed, counts of velocity (2.8 % of the speed each), of a sensor with so many bits
-/// over a key's travel and so many samples a second. An estimate for hands that press; noise comes on top.
+/// The expected error of a hammer speed, in counts of velocity (2.8 % of the speed each), for a number of bits over a
+/// key's travel and of samples a second. An estimate for hands that press; noise adds to it.
 #[must_use]
 pub fn expected_error_counts(bits: f64, rate_hz: f64) -> f64 {
     let above = BY_BITS.iter().position(|[b, _]| bits <= *b).unwrap_or(2).max(1);
@@ -32,11 +32,11 @@ pub struct Seen {
     next: usize,
 }
 
-/// So many intervals are kept.
+/// Number of intervals that are kept.
 const KEPT: usize = 2048;
 
 impl Seen {
-    /// Two samples of a key that moves: the time between them, s, and how far it went, m.
+    /// Takes two samples of a moving key: the time between them, s, and the distance, m.
     pub fn take(&mut self, interval_s: f64, step_m: f64) {
         if step_m != 0.0 {
             self.least_step_m = Some(self.least_step_m.map_or(step_m.abs(), |least| least.min(step_m.abs())));
@@ -49,7 +49,7 @@ impl Seen {
         self.next += 1;
     }
 
-    /// Samples a second of a key, the median; `None` as long as none has moved.
+    /// Median number of samples a second of a key; `None` before any key has moved.
     #[must_use]
     pub fn rate_hz(&self) -> Option<f64> {
         let mut all = self.intervals_s.clone();
@@ -57,7 +57,7 @@ impl Seen {
         all.get(all.len() / 2).map(|middle_s| 1.0 / middle_s)
     }
 
-    /// Bits over a travel, m: its steps are the smallest that were seen.
+    /// Bits over a travel, m, from the smallest step that was observed.
     #[must_use]
     pub fn bits(&self, travel_m: f64) -> Option<f64> {
         self.least_step_m.map(|step_m| (travel_m / step_m).log2())

@@ -1,4 +1,4 @@
-//! What became of a stream.
+//! Report on a stream.
 
 use erard::level::LEVELS;
 use serde::Serialize;
@@ -18,7 +18,7 @@ pub struct Report {
     pub note_ons: u64,
     /// Note-offs.
     pub note_offs: u64,
-    /// Ways of keys that were limited, so that no hammer goes faster than 8 m/s, and steps in them.
+    /// Keystrokes that were limited so that no hammer goes faster than 8 m/s.
     pub limited_strokes: u64,
     /// Steps, of 50 us, in them.
     pub limited_steps: u64,
@@ -26,11 +26,11 @@ pub struct Report {
     pub fastest_hammer_m_per_s: f64,
     /// Samples deeper than the key goes.
     pub deep_samples: u64,
-    /// Times without a sample of a key that was off its rest, of 0.1 s or more.
+    /// Gaps of 0.1 s or more without a sample of a key that was off its rest.
     pub gaps: u64,
-    /// Times that all keys were let go because nothing came.
+    /// Number of times that all keys were released because the stream stalled.
     pub stalls: u64,
-    /// Keys whose sensor stood still between up and down for 10 s.
+    /// Keys whose sensor stayed still between up and down for 10 s.
     pub stuck_keys: Vec<usize>,
     /// Keys whose sensor left the rest twenty times or more by less than 0.5 mm.
     pub noisy_keys: Vec<usize>,
@@ -40,15 +40,15 @@ pub struct Report {
     pub rate_hz: Option<f64>,
     /// Bits over the key's travel: its smallest step.
     pub bits: Option<f64>,
-    /// What these cost: expected error of speed, counts of velocity.
+    /// Expected error of the speed from these, counts of velocity.
     pub expected_error_counts: Option<f64>,
     /// The largest drift that was followed, a share of a sensor's range.
     pub largest_drift: f64,
-    /// Drifts beyond what is followed.
+    /// Number of drifts beyond the limit.
     pub drifts_beyond: u64,
     /// The longest time that a message and those before it take on a DIN cable, s.
     pub longest_on_a_cable_s: f64,
-    /// Announced impacts that did not come: their notes were ended at once.
+    /// Announced impacts that did not happen; their notes were ended at once.
     pub false_announcements: u64,
     /// Impacts that were announced, by level.
     pub ahead: Vec<Lead>,
@@ -67,7 +67,7 @@ pub struct Lead {
     pub shortest_ms: f64,
     /// Median, ms.
     pub median_ms: f64,
-    /// Less than 1 ms: of no use.
+    /// Leads below 1 ms, which are useless.
     pub useless: bool,
     /// Largest error of the instant, ms.
     pub largest_error_ms: f64,
@@ -79,7 +79,7 @@ pub struct Lead {
 
 /// A useful lead, s.
 const USEFUL_S: f64 = 1e-3;
-/// An announced impact may be so far off: its instant by so many s, its speed by such a share.
+/// Allowed errors of an announced impact: of its instant, s, and of its speed, as a share.
 pub(crate) const ERRORS: [f64; 2] = [0.2e-3, 0.01];
 
 /// The level of a hammer speed: the nearest in ratio.
@@ -89,7 +89,7 @@ fn level(speed_m_per_s: f64) -> usize {
         .map_or(LEVELS.len() - 1, |i| i - 1)
 }
 
-/// What is kept of announcements.
+/// Statistics of announcements.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Leads {
     notes: [u64; LEVELS.len()],

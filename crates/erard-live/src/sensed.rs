@@ -1,4 +1,4 @@
-//! One key on its samples' clock: what drives it, and its notes. Without a heap, in either precision.
+//! One key on its samples' clock: its drive and its notes. Without a heap, in either precision.
 
 use erard_midi::{Crossing, Event, KeyNotes};
 use moreau::Scalar;
@@ -6,37 +6,38 @@ use moreau::Scalar;
 use crate::drive::{BEYOND_M, Drive, Push, SensorKind};
 use crate::limits::Limits;
 
-/// Nearer to its rest a sensor counts as being at rest, m; a key that leaves it is played from where it did.
+/// A sensor nearer than this to its rest counts as being at rest, m; a key that leaves its rest is played from the
+/// sample at which it did.
 const REST_M: f64 = 0.15e-3;
-/// It left its rest after the last sample below this, m, at most so many samples before as are kept.
+/// A key leaves its rest after the last sample below this, m, as far back as samples are kept.
 const BEGAN_M: f64 = 0.01e-3;
-/// A key of which nothing came for so long did not move meanwhile, s: the sender left it out, or stalled.
+/// A key without samples for this time did not move meanwhile, s: the sender omitted it or stalled.
 pub(crate) const GAP_S: f64 = 0.1;
 /// The time between two samples before it is known, s.
 const USUAL_PERIOD_S: f64 = 1e-3;
-/// A key that does not move for so long although it is neither up nor down is stuck, s.
+/// A key that is neither up nor down and does not move for this time is stuck, s.
 const STUCK_S: f64 = 10.0;
-/// A way from the rest that ends again below this is noise, m.
+/// A motion from the rest that stays below this is noise, m.
 const FLUTTER_M: f64 = 0.5e-3;
-/// After letting a key go it is followed for so long, s.
+/// Time for which a released key is followed, s.
 pub(crate) const HOME_S: f64 = 1.0;
 
-/// What a step of an action ended with.
+/// State at the end of an action's step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stepped<T> {
     /// Travel of the key's front, m.
     pub key_m: T,
     /// An impact in the step: its instant, s after the step's end (not positive), and the hammer's speed, m/s.
     pub hit: Option<(f64, T)>,
-    /// Whether all numbers were finite; otherwise the action is where it was.
+    /// Whether all numbers were finite; otherwise the action is unchanged.
     pub is_finite: bool,
 }
 
-/// The action of a key, which is stepped.
+/// The action of a key.
 pub trait Steps<T> {
     /// Takes a step.
     fn step(&mut self, push: &Push<T>) -> Stepped<T>;
-    /// Whether the last step changed nothing: without a push the next ones do not either.
+    /// Whether the last step changed nothing, so that without a push the next ones change nothing either.
     fn rests(&self) -> bool;
     /// Place of the hand, m below the key's rest, and its speed, m/s.
     fn hand(&self) -> [T; 2];
@@ -44,7 +45,7 @@ pub trait Steps<T> {
     fn lay_hand(&mut self);
 }
 
-/// Takes what becomes of a key.
+/// Receives the events of a key.
 pub trait Listen {
     /// A note begins or ends.
     fn note(&mut self, event: Event);
@@ -52,11 +53,11 @@ pub trait Listen {
     fn stepped(&mut self, now_s: f64) {
         let _ = now_s;
     }
-    /// Whether something is expected, so that a key at rest is not left alone.
+    /// Whether an event is expected, so that a key at rest must be stepped.
     fn waits(&self) -> bool {
         false
     }
-    /// The key was let go, at an instant, s: nothing is expected any more.
+    /// The key was released at an instant, s: no further event is expected.
     fn let_go(&mut self, at_s: f64) {
         let _ = at_s;
     }
@@ -68,20 +69,20 @@ impl<F: FnMut(Event)> Listen for F {
     }
 }
 
-/// What was counted of a key.
+/// Counts of one key.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Counts {
     /// Steps that were limited.
     pub fast_steps: u64,
     /// Samples deeper than the key goes.
     pub deep_samples: u64,
-    /// Ways from the rest in which the key was limited.
+    /// Motions from the rest in which the key was limited.
     pub fast_strokes: u32,
     /// Times without a sample while the key was off its rest.
     pub gaps: u32,
-    /// Ways from the rest that were noise.
+    /// Motions from the rest that were noise.
     pub flutters: u32,
-    /// Times the sensor stood still between up and down.
+    /// Number of times that the sensor stayed still between up and down.
     pub stuck: u32,
     /// Steps in which a number was not finite.
     pub non_finite: u64,
@@ -89,7 +90,7 @@ pub struct Counts {
     pub fastest_m_per_s: f64,
 }
 
-/// A sample: when, s, and what, m or N.
+/// A sample: instant, s, and value, m or N.
 type At<T> = (f64, T);
 
 /// The last samples, at most `W`.
@@ -114,7 +115,7 @@ impl<T: Scalar, const W: usize> Ring<T, W> {
     }
 }
 
-/// One key. `W`: so many samples at rest are kept, for it may turn out that a press began with them.
+/// One key. It keeps the last `W` samples at rest, because a press may have begun with them.
 #[derive(Debug, Clone)]
 pub struct SensedKey<T, const W: usize> {
     notes: KeyNotes,
@@ -124,7 +125,7 @@ pub struct SensedKey<T, const W: usize> {
     /// Steps on the samples' clock.
     pub(crate) n: u64,
     pub(crate) last: Option<At<T>>,
-    /// What was sensed where the last step ended, unless it was at rest.
+    /// The sensed value at the end of the last step, unless the sensor was at rest.
     reached: Option<T>,
     waiting: Ring<T, W>,
     /// The usual time between two samples, s.
@@ -170,12 +171,13 @@ impl<T: Scalar, const W: usize> SensedKey<T, W> {
         !self.is_pressed(self.value())
     }
 
-    /// How far the key has been played, s on the samples' clock.
+    /// Instant up to which the key has been played, s on the samples' clock.
     pub fn now_s(&self) -> f64 {
         self.n as f64 * self.h
     }
 
-    /// Takes a sample: when, s, and what, m or N. False if it does not come after the last one: it is left out.
+    /// Takes a sample: instant, s, and value, m or N. Returns false and ignores the sample if it does not come after
+    /// the last one.
     pub fn take(&mut self, to: At<T>, action: &mut impl Steps<T>, listen: &mut impl Listen) -> bool {
         let (t1, x1) = to;
         let mut from = self.last.unwrap_or((t1 - self.period_s, T::ZERO));
@@ -218,7 +220,7 @@ impl<T: Scalar, const W: usize> SensedKey<T, W> {
         true
     }
 
-    /// Whatever is sensed is taken to be at rest from now on; the key is followed until it is home.
+    /// Treats the sensor as being at rest from now on, and follows the key until it has come to rest.
     pub fn let_go(&mut self, now_s: f64, action: &mut impl Steps<T>, listen: &mut impl Listen) {
         let from_s = now_s.max(self.now_s());
         self.rest(from_s + HOME_S, action, listen);
@@ -236,7 +238,7 @@ impl<T: Scalar, const W: usize> SensedKey<T, W> {
         value > if self.kind == SensorKind::Force { T::ZERO } else { T::from_f64(REST_M) }
     }
 
-    /// Takes notice of sensors that are stuck or noisy.
+    /// Detects sensors that are stuck or noisy.
     fn watch(&mut self, x0: T, (t1, x1): At<T>) {
         let flutter_m = T::from_f64(FLUTTER_M);
         if x1 != x0 {
@@ -319,7 +321,7 @@ impl<T: Scalar, const W: usize> SensedKey<T, W> {
     }
 }
 
-/// Straight between two samples; before and after them as they are.
+/// Linear interpolation between two samples; constant before and after them.
 fn value_at<T: Scalar>((t0, x0): At<T>, (t1, x1): At<T>, t: f64) -> T {
     x0 + (x1 - x0) * T::from_f64(((t - t0) / (t1 - t0)).clamp(0.0, 1.0))
 }

@@ -1,4 +1,4 @@
-//! Sensors' laws: what share of its travel a key has gone at a reading between those of its two stops.
+//! Sensors' laws: the share of a key's travel at a reading between those of its two stops.
 
 use moreau::Scalar;
 
@@ -13,10 +13,10 @@ pub type FixedLaw = LawOf<&'static [[f64; 2]]>;
 #[cfg_attr(feature = "std", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "std", serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields))]
 pub enum LawOf<P> {
-    /// In proportion.
+    /// Travel in proportion to the reading.
     Linear {},
-    /// A reflective optical sensor CNY-70 under the back of a key, as it was read at marks of a ruler ([`CNY70`]). The
-    /// curve depends on how it is mounted: a table of one's own is better.
+    /// A reflective optical sensor CNY-70 under the back of a key, as read at marks of a ruler ([`CNY70`]). The curve
+    /// depends on the mounting, so a table of your own is better.
     Cny70 {},
     /// A Hall sensor on the axis of a small magnet, whose field falls with the third power of the distance.
     Hall {
@@ -25,9 +25,9 @@ pub enum LawOf<P> {
         /// Whether the key's rest is there.
         at_rest: bool,
     },
-    /// One's own points: share of the reading's range, and share of the travel, both from 0 to 1, ascending.
+    /// A table of your own points: share of the reading's range, and share of the travel, both from 0 to 1, ascending.
     Table {
-        /// Them.
+        /// The points.
         points: P,
     },
 }
@@ -46,12 +46,12 @@ pub enum LawFault {
     Points {
         /// Index of the point, from 0.
         index: usize,
-        /// It.
+        /// The point found.
         found: [f64; 2],
     },
     /// Too few points.
     TooFew(usize),
-    /// The distance is none.
+    /// The distance is not positive and finite.
     Nearest(f64),
 }
 
@@ -71,7 +71,7 @@ impl core::error::Error for LawFault {}
 
 #[cfg(feature = "std")]
 impl Law {
-    /// One's own points, readings and travel in any units, from the rest to the bottom.
+    /// Makes a law from your own points, readings and travel in any units, from the rest to the bottom.
     ///
     /// # Errors
     /// [`LawFault`]: the shares do not rise.
@@ -115,7 +115,7 @@ impl<P: AsRef<[[f64; 2]]>> LawOf<P> {
     }
 
     /// The share of its travel, m, that a key has gone, from the share of the reading's range; beyond the stops the law
-    /// goes on straight.
+    /// continues linearly.
     #[must_use]
     pub fn share<T: Scalar>(&self, read: T, travel_m: T) -> T {
         match self {
@@ -141,7 +141,7 @@ impl<P: AsRef<[[f64; 2]]>> LawOf<P> {
     }
 }
 
-/// Straight lines through points; the first and the last go on.
+/// Linear interpolation between points; the first and the last segment continue beyond the ends.
 fn along<T: Scalar>(count: usize, point: &dyn Fn(usize) -> [f64; 2], x: T) -> T {
     let end = (1..count - 1).find(|&i| x <= T::from_f64(point(i)[0])).unwrap_or(count - 1);
     let ([x0, y0], [x1, y1]) = (point(end - 1).map(T::from_f64), point(end).map(T::from_f64));

@@ -1,4 +1,4 @@
-//! The text that a sender writes: a head, then a line for each sample.
+//! The text that a sender writes: a header, then a line for each sample.
 //!
 //! ```text
 //! time_us,key,raw
@@ -6,16 +6,16 @@
 //! 1203340,sustain,0.75
 //! ```
 //!
-//! The head names the clock (`time_s`, or `time_us` of 32 bits that wraps around) and what is sensed: `mm` of the
-//! sensed place, `N` at the key's front, `raw` readings of a converter, or `pressure`, the polyphonic pressure 0 to 127
-//! of a device that means depth by it. A key is a number from 1 (the lowest A) to 88; `sustain`, `sostenuto` and `soft`
-//! are pedals, from 0 (up) to 1 (down). Times do not descend. A key that is at rest need not be sent; one that is off
-//! its rest is sent at the full rate. Blank lines and lines that begin with `#` are left out.
+//! The header names the clock (`time_s`, or `time_us` of 32 bits that wraps around) and the sensed quantity: `mm` of
+//! the sensed place, `N` at the key's front, `raw` readings of a converter, or `pressure`, the polyphonic pressure 0 to
+//! 127 of a device that uses it for depth. A key is a number from 1 (the lowest A) to 88; `sustain`, `sostenuto` and
+//! `soft` are pedals, from 0 (up) to 1 (down). Times do not descend. A sender may omit keys at rest; it sends a key off
+//! its rest at the full rate. Blank lines and lines that begin with `#` are left out.
 
 use erard::keyboard::KEYS;
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 
-/// No line is longer, bytes: what a serial line sends without a line's end is not kept.
+/// Longest line, bytes; longer input without a line's end is discarded.
 pub const LONGEST_LINE: usize = 256;
 
 /// Quantity of a stream's numbers.
@@ -31,7 +31,7 @@ pub enum Quantity {
     Pressure,
 }
 
-/// A stream's head.
+/// A stream's header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Head {
     in_microseconds: bool,
@@ -44,13 +44,13 @@ pub struct Head {
 pub struct Sample {
     /// The sender's clock, s.
     pub time_s: f64,
-    /// Whose number it is.
+    /// The key or pedal of the sample.
     pub of: Of,
     /// The number.
     pub value: f64,
 }
 
-/// Whose number a sample is.
+/// Key or pedal of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Of {
     /// A key's, from 1.
@@ -62,7 +62,7 @@ pub enum Of {
 /// Fault of a line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
-    /// It is no sample.
+    /// The line is not a sample.
     #[error("found `{found}`; expected three fields: time, key, value")]
     Fields {
         /// The line, cut off.
@@ -73,18 +73,18 @@ pub enum Fault {
     Number {
         /// The field: time or value.
         field: &'static str,
-        /// It.
+        /// The text found.
         found: String,
     },
     /// There is no such key.
     #[error("key is `{found}`; expected 1 to 88, `sustain`, `sostenuto` or `soft`")]
     Key {
-        /// It.
+        /// The text found.
         found: String,
     },
-    /// The head is none.
+    /// The header is invalid.
     #[error(
-        "the first line is `{found}`; expected a head such as `time_s,key,mm`: `time_s` or `time_us`, `key`, and `mm`, \
+        "the first line is `{found}`; expected a header such as `time_s,key,mm`: `time_s` or `time_us`, `key`, and `mm`, \
          `N`, `raw` or `pressure`"
     )]
     Head {
@@ -93,13 +93,13 @@ pub enum Fault {
     },
 }
 
-/// The beginning of what was found, without what a terminal would obey.
+/// The beginning of the text found, without control characters.
 fn cut(text: &str) -> String {
     text.chars().filter(|c| !c.is_control()).take(40).collect()
 }
 
 impl Head {
-    /// Reads a head.
+    /// Reads a header.
     ///
     /// # Errors
     /// [`Fault::Head`].
@@ -123,7 +123,7 @@ impl Head {
     }
 }
 
-/// Reads lines after a head; it remembers how often a clock of 32 bits has wrapped around.
+/// Reads the lines after a header; remembers how often a clock of 32 bits has wrapped around.
 #[derive(Debug, Clone)]
 pub struct Reader {
     head: Head,
@@ -132,7 +132,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// After a head.
+    /// Makes a reader for the lines after a header.
     #[must_use]
     pub fn new(head: Head) -> Self {
         Reader { head, before_us: 0.0, wraps_us: 0.0 }
@@ -147,7 +147,7 @@ impl Reader {
     /// Reads a line; `None` for one without content.
     ///
     /// # Errors
-    /// [`Fault`]: nothing is known of it then.
+    /// [`Fault`], with the reason.
     pub fn line(&mut self, line: &str) -> Result<Option<Sample>, Fault> {
         let line = line.trim();
         if line.is_empty() || line.starts_with('#') {

@@ -2,8 +2,8 @@
 
 use crate::Velocity;
 
-/// How fast the hammer is at the string, m/s, for each velocity. Every law rises with speed, and is exact both ways
-/// where it is not cut off at 0 or 127 counts.
+/// Relation between hammer speed at the string, m/s, and velocity. Every law rises with speed, and is exact in both
+/// directions unless it is cut off at 0 or 127 counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Law<'a> {
     /// `counts = at_one + per_octave log2(v)`, v in m/s.
@@ -18,8 +18,8 @@ pub enum Law<'a> {
         /// The speed of 127 counts, m/s, positive.
         full_m_per_s: f64,
     },
-    /// One's own points, straight lines between them in counts and the logarithm of the speed; beyond the ends the
-    /// first and the last line go on.
+    /// A table of your own points, with straight lines between them in counts and the logarithm of the speed; the first
+    /// and the last line continue beyond the ends.
     Table(Table<'a>),
 }
 
@@ -60,7 +60,7 @@ impl<'a> Law<'a> {
     /// and Perception of Melody in Expressive Piano Performance*, TR-2003-28, eq. 3.2].
     pub const GOEBL: Law<'static> = Law::Logarithmic { at_one: 52.0, per_octave: 25.0 };
 
-    /// A law of one's own points: hammer speed, m/s, and counts.
+    /// Makes a law from your own points: hammer speed, m/s, and counts.
     ///
     /// # Errors
     /// [`LawError`]: fewer than two points, a number out of range, or points that do not rise.
@@ -114,7 +114,7 @@ impl<'a> Law<'a> {
     }
 }
 
-/// The ends of the line on which something lies: the first one whose end is not below it, else the last. A table has at
+/// The ends of the segment that holds a value: the first one whose end is not below it, else the last. A table has at
 /// least two points.
 fn piece(points: &[[f64; 2]], is_below: impl Fn(&[f64; 2]) -> bool) -> [[f64; 2]; 2] {
     let last = points.len() - 1;
@@ -122,11 +122,11 @@ fn piece(points: &[[f64; 2]], is_below: impl Fn(&[f64; 2]) -> bool) -> [[f64; 2]
     [points[end - 1], points[end]]
 }
 
-/// How fast a key comes up where its damper is set down, as a release velocity.
+/// Relation between the speed of a rising key as its damper is set down and the release velocity.
 ///
-/// No publication was found that says which speed belongs to which release velocity. This law is a convention of this
-/// project: in proportion to the speed of the key's front, with 64 for 0.2 m/s, which is about the speed of a key that
-/// is let go. 64 is also what a sender that measures nothing sends.
+/// No publication was found that assigns speeds to release velocities. This law is a convention of this project: in
+/// proportion to the speed of the key's front, with 64 for 0.2 m/s, which is about the speed of a key that is let go.
+/// 64 is also what a sender that measures nothing sends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReleaseLaw {
     /// The speed of 64 counts, m/s at the key's front, upward, positive.

@@ -1,14 +1,14 @@
-//! From hammers to notes and back: what a piano action did, as MIDI.
+//! From hammers to notes and back: the motion of a piano action as MIDI.
 //!
 //! - [`law`]: hammer speed, m/s, to velocity and back;
-//! - [`message`]: the bytes of MIDI 1.0, with the seven more bits of controller 88, and the packets of MIDI 2.0;
+//! - [`message`]: the bytes of MIDI 1.0, with the seven additional bits of controller 88, and the packets of MIDI 2.0;
 //! - [`notes`]: when a key's note begins and ends, and the pedals;
 //! - [`file`](mod@file): Standard MIDI Files (feature `files`);
 //! - `ports`: MIDI ports of the operating system (feature `ports`, off by default: on Linux it needs ALSA's headers).
 //!
-//! All but files and ports goes without a heap and without a standard library, allocates nothing and does not panic: it
-//! is for control loops and microcontrollers. The crate knows nothing of mechanics: it takes speeds and instants from
-//! whoever has them.
+//! Everything except files and ports works without a heap and without the standard library, allocates nothing and does
+//! not panic, so it serves control loops and microcontrollers. The crate contains no mechanics: it takes speeds and
+//! instants from its caller.
 //!
 //! ```
 //! use erard_midi::{Law, Message, Resolution, Velocity};

@@ -5,10 +5,11 @@ use crate::Velocity;
 /// Resolution of a velocity in MIDI 1.0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Resolution {
-    /// Seven bits: what every device understands.
+    /// Seven bits, which every device understands.
     SevenBits,
-    /// Seven more in a controller 88 before each note-on and note-off [MIDI Manufacturers Association, CA-031, *High
-    /// Resolution Velocity Prefix*]. Twice as long on a cable. Some instruments take controller 88 for something else.
+    /// Seven additional bits in a controller 88 before each note-on and note-off [MIDI Manufacturers Association,
+    /// CA-031, *High Resolution Velocity Prefix*]. Twice as long on a cable. Some instruments use controller 88 for
+    /// another purpose.
     FourteenBits,
 }
 

@@ -1,18 +1,18 @@
-//! When a note begins and ends, from what a key's action does.
+//! Beginning and end of a note, from the motion of a key's action.
 
 /// Event of a key's action.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
     /// The hammer met the string: a note-on.
     On {
-        /// When, s.
+        /// Instant, s.
         time_s: f64,
         /// Total speed of the hammer at the impact, m/s.
         hammer_speed_m_per_s: f64,
     },
     /// The key, coming up, passed where it sets its damper down: a note-off.
     Off {
-        /// When, s.
+        /// Instant, s.
         time_s: f64,
         /// Speed of the key's front on its way up there, m/s, up positive.
         release_m_per_s: f64,
@@ -23,7 +23,7 @@ pub enum Event {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
     /// Travel of the key's front from rest, m, down positive, at which the key, coming up, sets its damper down while
-    /// the pedal is up. Keys without a damper take the same: on any key a note-off belongs there.
+    /// the pedal is up. Keys without a damper use this travel, too, for their note-offs.
     pub damper_m: f64,
 }
 
@@ -38,9 +38,9 @@ pub struct Crossing {
 pub struct KeyNotes {
     crossing: Crossing,
     sounds: bool,
-    /// The instant, s, and the key's travel, m, that a step ended with.
+    /// The instant, s, and the key's travel, m, at the end of a step.
     before: Option<[f64; 2]>,
-    /// How fast the key came up when it passed last, m/s.
+    /// Speed of the rising key at its last passage, m/s.
     release_m_per_s: f64,
 }
 
@@ -62,9 +62,9 @@ impl KeyNotes {
         core::mem::take(&mut self.sounds)
     }
 
-    /// Takes what a step ended with: the instant, s, the travel of the key's front, m, down positive, and the impact in
-    /// the step, if there was one: its instant, s, and the hammer's speed, m/s. Instants ascend, an impact's with them.
-    /// Gives what happened in the step, the earlier first.
+    /// Takes the state at the end of a step: the instant, s, the travel of the key's front, m, down positive, and the
+    /// impact in the step, if there was one: its instant, s, and the hammer's speed, m/s. Instants ascend, an impact's
+    /// with them. Returns the events of the step, the earlier first.
     pub fn update(&mut self, time_s: f64, key_m: f64, impact: Option<[f64; 2]>) -> [Option<Event>; 3] {
         let at_m = self.crossing.damper_m;
         let [t0, x0] = self.before.replace([time_s, key_m]).unwrap_or([time_s, key_m]);
@@ -106,14 +106,14 @@ impl KeyNotes {
     }
 }
 
-/// A pedal, which travels as a continuous controller and as nothing else: values are sent where they change.
+/// A pedal, sent as a continuous controller only: a value is sent when it changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pedal {
     value: u8,
 }
 
 impl Pedal {
-    /// A pedal that is up, as a receiver takes it to be at first.
+    /// A pedal that is up, the state that a receiver assumes at first.
     #[must_use]
     pub fn up() -> Self {
         Pedal { value: 0 }

@@ -5,15 +5,15 @@ use std::vec::Vec;
 
 use midir::{MidiOutput, MidiOutputConnection};
 
-/// The name under which this program is seen.
+/// The name under which this program appears.
 const CLIENT: &str = "erard";
 
 /// Why a port cannot be written to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PortError {
-    /// The system's MIDI cannot be reached: what it says.
+    /// The system's MIDI cannot be reached; with its message.
     System(String),
-    /// No port, or more than one, has a name with that in it: those that there are.
+    /// No port, or more than one, has a name that contains the text; with the names of all ports.
     Name(Vec<String>),
 }
 
@@ -46,7 +46,7 @@ pub fn outputs() -> Result<Vec<String>, PortError> {
 pub struct Output(MidiOutputConnection);
 
 impl Output {
-    /// Opens the port whose name has `name` in it.
+    /// Opens the port whose name contains `name`.
     ///
     /// # Errors
     /// [`PortError`].

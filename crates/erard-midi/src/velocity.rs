@@ -1,7 +1,7 @@
 //! A velocity, whatever its number of bits.
 
-/// A velocity of a note in counts of MIDI 1.0, 0 to 127, with the fractions that more bits can tell. A logarithmic law
-/// makes of one count 2.8 % of hammer speed.
+/// A velocity of a note in counts of MIDI 1.0, 0 to 127, with the fractions that additional bits can express. By a
+/// logarithmic law one count is 2.8 % of hammer speed.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Velocity(f64);
 
@@ -11,7 +11,7 @@ const MOST: f64 = 127.0;
 const CENTRE: f64 = 64.0;
 
 impl Velocity {
-    /// So many counts, cut off at 0 and 127; what is not a number is 0.
+    /// A velocity of this many counts, clamped to 0 and 127; NaN becomes 0.
     #[must_use]
     pub fn new(counts: f64) -> Self {
         Velocity(if counts > 0.0 { counts.min(MOST) } else { 0.0 })

@@ -15,23 +15,23 @@ pub enum PerformError {
     /// A key cannot be played.
     #[error("key {key}: {error}")]
     Action {
-        /// From 1.
+        /// Number of the key, from 1.
         key: usize,
-        /// Why.
+        /// Reason.
         error: ActionError,
     },
     /// Where a key sets its damper down cannot be found.
     #[error("key {key}: {error}")]
     Damper {
-        /// From 1.
+        /// Number of the key, from 1.
         key: usize,
-        /// Why.
+        /// Reason.
         error: DamperError,
     },
     /// The score has notes on a key for which there is no instrument.
     #[error("key {key}: there is no instrument for it; expected one for each key of the score")]
     NoInstrument {
-        /// From 1.
+        /// Number of the key, from 1.
         key: usize,
     },
     /// A number became infinite.
@@ -40,13 +40,13 @@ pub enum PerformError {
         /// s.
         time_s: f64,
     },
-    /// A fault of the program: a state that is not the key's own.
+    /// A bug: a state that belongs to another key.
     #[error(transparent)]
     Snapshot(#[from] SnapshotError),
-    /// A fault of the program: a hand that cannot be.
+    /// A bug: an impossible hand.
     #[error(transparent)]
     Hand(#[from] HandError),
-    /// A fault of the program: a note that was not tried.
+    /// A bug: a note that was not tried.
     #[error("a note was not tried")]
     Nothing,
     /// The sink refuses rows or sound.

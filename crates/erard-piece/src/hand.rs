@@ -5,26 +5,26 @@ use erard::stroke::{HandStroke, Leave, Muscle};
 
 /// Mass of the hand, kg: [`erard::level::MASS_KG`].
 const MASS_KG: f64 = erard::level::MASS_KG;
-/// So long after its force is gone a hand is away from the key, s: it is lifted by 20 mm or more by then.
+/// Time after the end of its force at which a hand is away from the key, s: by then it has risen by 20 mm or more.
 const AWAY_S: f64 = 0.1;
-/// A muscle that holds the key does the same all the time so long after it began, s.
+/// Time after which the force of a muscle that holds the key is constant, s.
 const HELD_S: f64 = 0.12;
 
 /// Release of a key by the hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Way {
-    /// Within what time its force is gone, s.
+    /// Time within which its force vanishes, s.
     pub within_s: f64,
 }
 
 impl Way {
-    /// As a hand leaves without hurry: [`erard::level::RELEASE_S`].
+    /// An unhurried release: [`erard::level::RELEASE_S`].
     pub(crate) const USUAL: Way = Way { within_s: erard::level::RELEASE_S };
-    /// The key is free at once.
+    /// An immediate release.
     pub(crate) const QUICK: Way = Way { within_s: 2e-3 };
 }
 
-/// What drives a key.
+/// The drive of a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Hand {
     /// Nothing touches it.
@@ -39,7 +39,7 @@ pub(crate) enum Hand {
 }
 
 impl Hand {
-    /// A hand that rests on the key where it is and presses with a force, N, that rises within a time, s.
+    /// A hand that rests on the key at its present position and presses with a force, N, that rises within a time, s.
     pub(crate) fn pressing(force_n: f64, rise_s: f64, begins: u64) -> Self {
         let mut stroke = HandStroke::pressed(MASS_KG, force_n);
         stroke.muscle = Muscle::Swells { force_n, within_s: rise_s };
@@ -63,7 +63,7 @@ impl Hand {
         }
     }
 
-    /// What it does in a step.
+    /// Its input in a step.
     pub(crate) fn input(&mut self, step: u64, h: f64, theta: f64) -> Result<Input, HandError> {
         let Hand::On { stroke, begins } = self else { return Ok(Input::Free) };
         let t = ((step - *begins) as f64 + theta) * h;
@@ -74,7 +74,7 @@ impl Hand {
         stroke.hand.input(&stroke.input(t))
     }
 
-    /// Whether it does the same in every step from this one on.
+    /// Whether its input is constant from this step on.
     pub(crate) fn is_steady(&self, step: u64, h: f64) -> bool {
         match self {
             Hand::Away => true,

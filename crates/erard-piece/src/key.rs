@@ -1,4 +1,4 @@
-//! One key's action, played on and on: its clock, its sleep, its hand and pedals, and what is kept of it.
+//! One key's action through the whole piece: its clock, its sleep, its hand and pedals, and its recorded rows.
 
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
@@ -14,31 +14,31 @@ use crate::sink::{Block, COLUMNS, Sink};
 pub const RATE_HZ: u32 = 48_000;
 /// A key is home within this travel, m.
 pub(crate) const HOME_M: f64 = 0.5e-3;
-/// A hammer that has not met its string yet flies so far, m. Whoever has struck is known better.
+/// Travel of a hammer that has not met its string yet, m. After an impact the real travel is known.
 const USUAL_BLOW_M: f64 = 47e-3;
-/// A jack that is turned farther from its place under the knuckle is not back, rad: a millimetre at its tip.
+/// A jack turned farther than this from its place under the knuckle is not back, rad: a millimetre at its tip.
 const JACK_RAD: f64 = 0.02;
-/// A sleeping key's strings press on the bridge by no more than this up and down, N: 80 dB below a mezzo forte.
+/// Largest variation of a sleeping key's force on the bridge, N: 80 dB below a mezzo forte.
 const QUIET_N: f64 = 1e-3;
-/// Nor do its bodies turn faster, rad/s.
+/// Largest angular velocity of a sleeping key's bodies, rad/s.
 const QUIET_RAD_PER_S: f64 = 0.02;
-/// For so long, s, before it is left alone.
+/// Time within these limits after which a key sleeps, s.
 const QUIET_S: f64 = 0.02;
-/// A key that is left alone feels no pedal. Its rail goes where the pedal is so long before its next hand, s: five
-/// times as long as a rail takes for its whole way.
+/// The pedal does not act on a sleeping key. Its rail moves to the pedal's position this long before its next hand, s:
+/// five times the rail's time for its whole travel.
 const WAKES_S: f64 = 0.08;
-/// A key was at home if it was ready for so long, s: what its hand does then is what it does from rest.
+/// A key counts as being at rest if it has been ready for this time, s: its hand then acts as from rest.
 const READY_S: f64 = 0.020;
-/// Every so many steps it is asked whether it has become quiet: not a multiple of any partial's period.
+/// Number of steps between tests whether the key has become quiet: not a multiple of any partial's period.
 const QUIET_EVERY: u64 = 7;
-/// So many rows make a block.
+/// Number of rows in a block.
 const BLOCK: usize = 4096;
-/// Strings that ring by themselves go on for so many rows at once, at most.
+/// Largest number of rows that freely ringing strings are advanced at once.
 const RINGING_ROWS: u64 = 1000;
-/// Every so many steps the caller is asked whether to go on.
+/// Number of steps between questions to the caller whether to go on.
 const ASK_EVERY: u64 = 512;
 
-/// The parts that tell how a key stands.
+/// The parts that determine the condition of a key.
 #[derive(Debug, Clone, Copy)]
 struct Senses {
     /// The jack, what carries it, and the angle between them at rest, rad.
@@ -54,28 +54,28 @@ fn row(at_s: f64, now: &Reading, heard_n: f64, rail_m: Option<f64>) -> [f64; COL
     [at_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, heard_n, rail_m.unwrap_or(0.0)]
 }
 
-/// What is remembered from step to step.
+/// Values kept from step to step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Watch {
     /// The last step in which the key was not home, or the hammer not below the check.
     unready: Option<u64>,
     /// Whether the back check has caught the hammer since it struck.
     checked: bool,
-    /// How high the hammer is at its string, m.
+    /// Height of the hammer at its string, m.
     blow_m: f64,
     key_m: f64,
     rail_m: f64,
-    /// Where the rail was sent last, m.
+    /// Last target of the rail, m.
     sent_m: f64,
     caught: bool,
     next_foot: usize,
-    /// The bridge's force since `since`, N: least and most.
+    /// Smallest and largest force on the bridge since `since`, N.
     swing_n: [f64; 2],
     since: u64,
     quiet: bool,
 }
 
-/// How a key stands when a hand begins to press it.
+/// Condition of a key when a hand begins to press it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Poise {
     pub key_m: f64,
@@ -93,7 +93,7 @@ impl Poise {
     }
 }
 
-/// A state to come back to.
+/// A state that can be restored.
 pub(crate) struct Mark {
     snapshot: Snapshot,
     n: u64,
@@ -115,16 +115,16 @@ pub(crate) struct Key<'a> {
     h: f64,
     theta: f64,
     pub hand: Hand,
-    /// Every impact: when, s, and how fast, m/s.
+    /// Every impact: instant, s, and speed, m/s.
     pub impacts: Vec<[f64; 2]>,
-    /// Every time the key, coming up, set its damper down: when, s, and how fast the front came, m/s.
+    /// Every release at which the key set its damper down: instant, s, and speed of the front, m/s.
     pub ups: Vec<[f64; 2]>,
     row_every: u64,
     rows: Vec<[f64; COLUMNS.len()]>,
-    /// Sound, where it is wanted: first sample and samples.
+    /// Sound, if requested: first sample and samples.
     sounds: Option<Vec<(u64, Vec<f32>)>>,
     at_rest_n: f64,
-    /// Steps that were taken, trials among them.
+    /// Steps taken, trials included.
     pub steps: u64,
 }
 
@@ -214,7 +214,7 @@ impl<'a> Key<'a> {
         self.action.save()
     }
 
-    /// Places a hand on the key, which moves with it, and lets it press from now on.
+    /// Places a hand on the key, moving with it, and lets it press from now on.
     pub(crate) fn touch(&mut self, force_n: f64, rise_s: f64) {
         let now = self.action.reading();
         self.action.place_hand(now.key_m, now.key_m_per_s);
@@ -269,7 +269,7 @@ impl<'a> Key<'a> {
         Ok(())
     }
 
-    /// Goes on to a step. A key at which nothing happens is left alone.
+    /// Advances to a step. A quiet key sleeps.
     pub(crate) fn advance(&mut self, to: u64, progress: &mut Progress<'_>) -> Result<(), PerformError> {
         while self.n < to {
             match self.sleeps_until(to) {
@@ -286,12 +286,12 @@ impl<'a> Key<'a> {
         Ok(())
     }
 
-    /// Nothing touches the key, and nothing of it can be heard.
+    /// Whether nothing touches the key and it is inaudible.
     fn dozes(&self) -> bool {
         self.hand == Hand::Away && self.watch.quiet
     }
 
-    /// The step until which its next steps would change nothing, or nothing that can be heard; `None`: it is awake.
+    /// The step until which its next steps would change nothing audible; `None`: it is awake.
     fn sleeps_until(&self, to: u64) -> Option<u64> {
         if !(self.is_left_alone() && (self.dozes() || self.action.rests())) {
             return None;
@@ -307,12 +307,12 @@ impl<'a> Key<'a> {
         (wakes > self.n).then_some(wakes)
     }
 
-    /// Whether hand and pedal do the same until the next foot moves.
+    /// Whether hand and pedal are constant until a foot next moves.
     fn is_left_alone(&self) -> bool {
         self.rail_m().is_none_or(|now_m| now_m == self.watch.sent_m) && self.hand.is_steady(self.n, self.h)
     }
 
-    /// How far the pedal's rail is lifted now, m; `None` where there is none.
+    /// Present lift of the pedal's rail, m; `None` without a rail.
     fn rail_m(&self) -> Option<f64> {
         self.action.strings().and_then(|strings| strings.pedal_m())
     }
@@ -322,7 +322,7 @@ impl<'a> Key<'a> {
         self.feet.get(self.watch.next_foot).map_or(to, |(at_s, _)| self.step_at(*at_s)).min(to)
     }
 
-    /// Lets strings that ring by themselves go on from row to row, while all else of the key rests; whether they did.
+    /// Advances freely ringing strings from row to row while the rest of the key is still; returns whether it did.
     fn rings(&mut self, to: u64) -> bool {
         let begins = self.n.is_multiple_of(self.row_every) && self.watch.sent_m == self.lift_m();
         if !(begins && self.sounds.is_none() && self.is_left_alone()) {
@@ -365,7 +365,7 @@ impl<'a> Key<'a> {
         Ok(reading)
     }
 
-    /// Takes notice of what feet have done until now.
+    /// Applies the pedal motions up to now.
     fn follow_feet(&mut self) {
         while let Some((at_s, foot)) = self.feet.get(self.watch.next_foot)
             && self.step_at(*at_s) <= self.n
@@ -391,7 +391,7 @@ impl<'a> Key<'a> {
         }
     }
 
-    /// It is not quiet any more.
+    /// Notes that the key is no longer quiet.
     fn stir(&mut self) {
         self.watch.quiet = false;
         self.watch.since = self.n;
@@ -433,7 +433,7 @@ impl<'a> Key<'a> {
         }
     }
 
-    /// Takes notice of where key and hammer are.
+    /// Updates the condition of key and hammer.
     fn stand(&mut self, reading: &Reading) {
         if reading.key_m > HOME_M || reading.hammer_m > 0.5 * self.watch.blow_m {
             self.watch.unready = Some(self.n);
@@ -453,8 +453,8 @@ impl<'a> Key<'a> {
         }
     }
 
-    /// Hands over what is kept, when it is a block, or `all` of it. Nothing that is handed over can be gone back
-    /// behind.
+    /// Hands over complete blocks of rows, or `all` rows. The state cannot be restored to an instant before the rows
+    /// that were handed over.
     pub(crate) fn hand_over(&mut self, sink: &mut dyn Sink, all: bool) -> Result<(), PerformError> {
         if !self.rows.is_empty() && (all || self.rows.len() >= BLOCK) {
             sink.take(Block::Rows(std::mem::take(&mut self.rows)))?;

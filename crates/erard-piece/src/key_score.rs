@@ -16,24 +16,24 @@ use crate::score::{Score, Wanted};
 use crate::sink::Sink;
 use crate::touches::Touches;
 
-/// After the last note's end keys are played on for so long, s.
+/// Time for which keys are simulated after the last note's end, s.
 const TAIL_S: f64 = 1.0;
-/// They are handed over every so many seconds then.
+/// Interval at which rows are handed over then, s.
 const BLOCK_S: f64 = 10.0;
-/// Between a damper's fall and the next hand a key takes so long to come home after a usual release, s.
+/// Time that a key needs after a usual release, from the fall of its damper until it is at rest, s.
 const HOME_S: f64 = 0.060;
 
-/// No key is pressed again so soon after it was struck, s: no action repeats 25 times a second, and the fastest players
-/// not two thirds as often. Such a note is not tried.
+/// Shortest time between two strikes of a key, s: no action repeats 25 times a second, and the fastest players not two
+/// thirds as often. A note sooner than that is not tried.
 const SOONEST_S: f64 = 0.040;
 
-/// What came of a key.
+/// The results of a key.
 pub(crate) struct KeyPlayed {
     /// Its notes, with their numbers in the score, from 0.
     pub notes: Vec<(usize, Played)>,
-    /// Notes to be looked at.
+    /// Notes kept for viewing.
     pub moments: Vec<Moment>,
-    /// Steps taken, trials among them, and the length of one, s.
+    /// Steps taken, trials included, and the length of a step, s.
     pub steps: u64,
     pub step_s: f64,
 }
@@ -46,7 +46,7 @@ pub(crate) struct Player<'a, 'k> {
     notes: Vec<(usize, Played)>,
     /// The last one that was pressed, as an index.
     last: Option<usize>,
-    /// When the key is to be released, s, and how fast it is to come up.
+    /// Instant of the key's release, s, and its speed on the way up.
     off: (f64, Option<f64>),
     moments: Vec<Moment>,
     options: &'a Options,
@@ -120,8 +120,8 @@ impl Player<'_, '_> {
         Ok(())
     }
 
-    /// Releases the key for a hand that begins at an instant, s; or says how it is to be released as a part of the
-    /// next stroke, where there is no time for more.
+    /// Releases the key for a hand that begins at an instant, s, or, if there is no time for that, returns the release
+    /// that becomes a part of the next stroke.
     fn make_ready(&mut self, begins_s: f64, progress: &mut Progress<'_>) -> Result<Option<LetGo>, PerformError> {
         let Some(last) = self.last.map(|last| &self.notes[last].1) else { return Ok(None) };
         let (off_s, release_m_per_s) = self.off;
@@ -136,7 +136,7 @@ impl Player<'_, '_> {
         Ok(Some(LetGo { written, earliest }))
     }
 
-    /// What became of the last note until this instant, s, when the next hand begins, or the piece ends.
+    /// The result of the last note up to this instant, s, when the next hand begins or the piece ends.
     fn conclude(&mut self, until_s: f64, was_checked: bool) {
         let Some(last) = self.last.map(|last| &mut self.notes[last].1) else { return };
         let struck_s = last.impact.map_or(last.pressed_s, |[at_s, _]| at_s);
@@ -147,7 +147,7 @@ impl Player<'_, '_> {
         self.key.forget_before(until_s);
     }
 
-    /// Whether a note is kept to be looked at: a few with faults, and a few without.
+    /// Whether a note is kept for viewing: a few with faults, and a few without.
     fn is_of_interest(&self, played: &Played) -> bool {
         let is_wrong = |note: usize| self.notes.iter().any(|(n, played)| *n == note && !played.faults().is_empty());
         let wrong = self.moments.iter().filter(|moment| is_wrong(moment.note)).count();

@@ -1,14 +1,14 @@
 //! Plays a piece on the simulated actions of a keyboard.
 //!
-//! - [`Score`]: a piece as motions to be made: instants, hammer speeds, releases, the pedals' rails;
-//! - [`perform`]: plays a score on the instruments of its keys, a job per key on all cores, and reports what became of
-//!   each note ([`Played`]) and why ([`Fault`], [`Reason`]);
+//! - [`Score`]: a piece as a list of motions: instants, hammer speeds, releases, the pedals' rails;
+//! - [`perform`]: plays a score on the instruments of its keys, a job per key on all cores, and reports the result of
+//!   each note ([`Played`]) with its faults and their reasons ([`Fault`], [`Reason`]);
 //! - [`Sink`]: takes rows and sound as they are made;
-//! - [`scan`]: what sensors under the keys read meanwhile, for builders who derive notes from sensors.
+//! - [`scan`]: the readings of sensors under the keys, for builders who derive notes from sensors.
 //!
-//! A note's hand is found by playing it. The key's real state is saved, a hand is tried, and the state is restored if
-//! the hammer came too fast, too slow, too early or too late; the trial that is good enough is the note. Hands that
-//! were right from rest are remembered per key, so most notes need one trial.
+//! The crate finds a note's hand by trial. It saves the key's real state, tries a hand, and restores the state if the
+//! hammer came too fast, too slow, too early or too late; the first trial that is good enough is the note. It remembers
+//! successful hands from rest for each key, so most notes need one trial.
 //!
 //! SI units; key and finger positive downward, the hammer upward.
 

@@ -1,4 +1,4 @@
-//! One note of a performance, to be looked at closely.
+//! One note of a performance, for viewing in detail.
 
 use erard::instrument::Instrument;
 use erard::run::{Run, Setup, SimulationError, simulate_from};
@@ -6,12 +6,12 @@ use erard::strings::Pedal;
 use erard::stroke::HandStroke;
 use erard::{Progress, Snapshot};
 
-/// After its hand began a note is shown for so long after the longest stroke, s.
+/// Time for which a note is shown beyond the longest stroke, s.
 const SHOWN_S: f64 = 0.25;
-/// A run that is shown has about so many rows.
+/// Approximate number of rows of a run for viewing.
 const ROWS: f64 = 500.0;
 
-/// The beginning of a note: the key as it was when the hand began to press, and what the hand did.
+/// The beginning of a note: the key's state when the hand began to press, and the hand's stroke.
 #[derive(Debug, Clone)]
 pub struct Moment {
     /// Its number in the score, from 0.
@@ -20,16 +20,16 @@ pub struct Moment {
     pub key: usize,
     pub(crate) start: Snapshot,
     pub(crate) stroke: HandStroke,
-    /// When the hand began to press, s.
+    /// Instant at which the hand began to press, s.
     pub pressed_s: f64,
     pub(crate) lift_m: f64,
 }
 
 impl Moment {
-    /// The note once more, from its hand's beginning (0 s) on, as a run.
+    /// Replays the note as a run from the beginning of its hand (0 s).
     ///
     /// # Errors
-    /// As [`erard::run::simulate`]; [`SimulationError::State`] where the instrument is another one.
+    /// As [`erard::run::simulate`]; [`SimulationError::State`] for another instrument.
     pub fn run(
         &self,
         instrument: &Instrument,

@@ -5,9 +5,9 @@ use erard_midi::Law;
 use crate::key::{HOME_M, Poise};
 use crate::score::Wanted;
 
-/// A note that comes later than written by more is late; earlier, early, s.
+/// Smallest deviation from the written instant with which a note counts as late or early, s.
 const LATE_S: f64 = 2e-3;
-/// A note that is softer than written by more counts is soft; louder, loud.
+/// Smallest deviation from the written velocity with which a note counts as soft or loud, counts.
 const SOFT: f64 = 1.0;
 
 /// The faults of a note.
@@ -15,7 +15,7 @@ const SOFT: f64 = 1.0;
 pub enum Fault {
     /// The hammer did not meet the string.
     Silent,
-    /// It met it more than once.
+    /// The hammer met the string more than once.
     Twice,
     /// By more than 2 ms.
     Late,
@@ -62,18 +62,19 @@ pub enum Reason {
     },
     /// The back check had not caught the hammer.
     NotChecked,
-    /// The piece leaves the hand too little time to press as gently as that.
+    /// The piece leaves the hand too little time for so gentle a press.
     NoTime,
-    /// It is written within 40 ms of the key's last stroke, and was not tried.
+    /// The note is within 40 ms of the key's last stroke and was not tried.
     TooSoon,
-    /// No hand within 100 N plays the key so loudly from where it was.
+    /// No hand up to 100 N plays the key this loudly from its state.
     TooLoud {
         /// The hammer's speed at the string that the hand reached, m/s.
         reached_m_per_s: f64,
     },
     /// The softest hand that plays the key is louder.
     TooSoft,
-    /// The string still sounds, and comes to meet the hammer: by more than 0.1 mm under the felt, from side to side, m.
+    /// The string is still sounding and shifts the impact: it swings under the felt by more than 0.1 mm from side to
+    /// side, m.
     StringSounds {
         /// m.
         swing_m: f64,
@@ -126,19 +127,19 @@ impl std::fmt::Display for Reason {
 /// A note that was played.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Played {
-    /// Note as written.
+    /// The written note.
     pub wanted: Wanted,
-    /// When the hand began to press, s.
+    /// Instant at which the hand began to press, s.
     pub pressed_s: f64,
-    /// Its greatest force, N.
+    /// Largest force of the hand, N.
     pub force_n: f64,
-    /// The first impact: when, s, and the hammer's speed, m/s.
+    /// The first impact: instant, s, and hammer speed, m/s.
     pub impact: Option<[f64; 2]>,
-    /// By how many counts of velocity it was louder than written, by the score's law.
+    /// Excess of the loudness over the written velocity, in counts by the score's law.
     pub louder: Option<f64>,
-    /// Further impacts before the key was pressed again: when, s, and the hammer's speed, m/s.
+    /// Further impacts before the key was pressed again: instant, s, and hammer speed, m/s.
     pub more_impacts: Vec<[f64; 2]>,
-    /// When the key, coming up, set its damper down, s, and how fast its front came, m/s; `None` where it was pressed
+    /// Instant at which the rising key set its damper down, s, and speed of its front, m/s; `None` if it was pressed
     /// again before.
     pub released: Option<[f64; 2]>,
     /// Whether the key had been home and the hammer below the check for 20 ms when the hand began to press.
@@ -179,7 +180,7 @@ impl Played {
         }
     }
 
-    /// A note that is not tried, for it comes too soon after the key was struck.
+    /// A note that was not tried because it comes too soon after the key's last strike.
     pub(crate) fn left_out(wanted: Wanted, poise: &Poise) -> Self {
         let mut played = Played::new(wanted, wanted.on_s, 0.0, poise);
         played.reasons.push(Reason::TooSoon);
@@ -192,7 +193,7 @@ impl Played {
         self.impact.map(|[time_s, _]| time_s - self.wanted.on_s)
     }
 
-    /// With the impact of its hammer: when, s, and how fast, m/s.
+    /// The note with its first impact: instant, s, and speed, m/s.
     pub(crate) fn with_impact(self, impact: Option<[f64; 2]>, law: &Law<'_>) -> Self {
         let counts = |speed: f64| law.velocity(speed).counts();
         let louder = impact.map(|[_, speed]| counts(speed) - counts(self.wanted.speed_m_per_s));
@@ -213,7 +214,7 @@ impl Played {
         all.into_iter().filter(|(_, is_so)| *is_so).map(|(fault, _)| fault).collect()
     }
 
-    /// How the key stood where that is why a fault came about; empty without one.
+    /// Conditions of the key that explain a fault; empty without a fault.
     #[must_use]
     pub fn reasons(&self) -> Vec<Reason> {
         let faults = self.faults();
@@ -235,7 +236,7 @@ impl Played {
 pub struct Summary {
     /// Notes.
     pub notes: usize,
-    /// Of these the key was home and the hammer below the check for 20 ms before the press.
+    /// Notes for which the key was at rest and the hammer below the check for 20 ms before the press.
     pub from_home: usize,
     /// Notes without a fault.
     pub right: usize,
@@ -243,7 +244,7 @@ pub struct Summary {
     pub faults: [usize; Fault::ALL.len()],
     /// Largest error of a note from home that sounded: counts of velocity, and s.
     pub home_errors: [f64; 2],
-    /// Those errors of the others.
+    /// Largest errors of the other notes.
     pub other_errors: [f64; 2],
     /// Notes with a fault by reason, in the order of [`Reason::NAMES`]; one note may have several.
     pub reasons: [usize; Reason::NAMES.len()],

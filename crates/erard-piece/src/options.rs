@@ -5,13 +5,13 @@ use erard_workshop::cores;
 /// Options of a performance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// A row for every so many seconds in which a key is awake; rounded to steps.
+    /// Interval of the rows while a key is awake, s; rounded to steps.
     pub row_s: f64,
-    /// Whether sound is handed over: all keys are stepped by a sample then.
+    /// Whether sound is handed over; all keys are then stepped by a sample.
     pub sound: bool,
-    /// Of each key so many notes with faults, and so many without, are kept as [`crate::Moment`]s.
+    /// Number of notes with faults, and of notes without, that are kept for each key as [`crate::Moment`]s.
     pub moments: usize,
-    /// On so many threads. The results do not depend on it.
+    /// Number of threads. The results do not depend on it.
     pub threads: usize,
 }
 

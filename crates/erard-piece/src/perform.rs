@@ -21,11 +21,11 @@ use crate::sink::Sink;
 pub struct Performance {
     /// The notes, in the score's order.
     pub notes: Vec<Played>,
-    /// Notes to be looked at, in the score's order.
+    /// Notes kept for viewing, in the score's order.
     pub moments: Vec<Moment>,
     /// The keys that were played, from 1, with the height at which each sets its damper down, m.
     pub dampers: BTreeMap<usize, f64>,
-    /// Steps of all keys, trials among them.
+    /// Steps of all keys, trials included.
     pub steps: u64,
     /// Length of a step, s.
     pub step_s: f64,
@@ -38,8 +38,8 @@ impl Performance {
         Summary::of(&self.notes)
     }
 
-    /// The greatest hammer speed that a hand reached, m/s, of each key, from 1, from which a note asked for more: notes
-    /// whose key was home, softer than written by more than a count.
+    /// Largest hammer speed that a hand reached, m/s, for each key, from 1, with a note that required more: its key was
+    /// at rest, and it was softer than written by more than a count.
     #[must_use]
     pub fn ceilings(&self) -> BTreeMap<usize, f64> {
         let mut ceilings = BTreeMap::new();
@@ -62,9 +62,8 @@ struct Job<'a> {
     notes: Vec<usize>,
 }
 
-/// Performs a score: each key on the instrument at its number less one, by an action of its own. `sinks` makes what
-/// takes a key's rows and sound. `progress` receives the share of keys that are done, and ends the work by returning
-/// false.
+/// Performs a score: each key with its own action of the instrument at its number less one. `sinks` makes the sink for
+/// a key's rows and sound. `progress` receives the share of keys that are done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`PerformError`].
@@ -96,7 +95,7 @@ pub fn perform(
     Ok(gather(played))
 }
 
-/// Where a key sets its damper down, m; a key without a damper takes the height of the next one below that has one.
+/// Height at which a key sets its damper down, m; a key without a damper takes that of the next lower key with one.
 pub(crate) fn height_m(key: usize, instruments: &[Instrument]) -> Result<f64, PerformError> {
     for below in (1..=key).rev() {
         let found = damper_height_m(&instruments[below - 1]);

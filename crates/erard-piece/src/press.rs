@@ -1,5 +1,5 @@
-//! The hand for a note: tried on the key as it really is, until the hammer meets the string at the written instant with
-//! the written speed.
+//! Search for a note's hand: hands are tried on the key in its real state until the hammer meets the string at the
+//! written instant with the written speed.
 
 use erard::level::HOLD_N;
 use erard::{Progress, Snapshot};
@@ -13,32 +13,32 @@ use crate::score::Wanted;
 use crate::seek::{self, CLOSE, Seek};
 use crate::touches::{FORCES_N, Guess, RISES_S, Touches};
 
-/// A note is good enough with less: counts of velocity and milliseconds together.
+/// Error below which a note is good enough: counts of velocity and milliseconds together.
 const GOOD: f64 = 1.0;
 /// An instant is right within this, s.
 const CLOSE_S: f64 = 0.2e-3;
-/// A note is tried so often from one hand on; from others, or when it has to be late, so often again.
+/// Number of trials from one starting hand; from others, or when the note has to be late, there are as many again.
 const TRIALS: u32 = 14;
 const AGAIN: u32 = 8;
-/// By how much a note that does not sound in time is tried later, s.
+/// Delay with which a note that does not sound in time is tried again, s.
 const LATER_S: [f64; 4] = [0.010, 0.020, 0.040, 0.080];
 /// A key that was struck so shortly before is tried from one hand only, s: no action repeats 15 times a second.
 const HOPELESS_S: f64 = 0.065;
 /// So often.
 const FEW: u32 = 5;
-/// A hammer that has fallen so far from its highest point does not meet the string any more, m.
+/// Fall from its highest point after which a hammer no longer meets the string, m.
 const FALLEN_M: f64 = 5e-3;
-/// A string that swings by more under the felt, from side to side, shifts the impact of a soft note, m.
+/// Swing of the string under the felt, from side to side, above which it shifts the impact of a soft note, m.
 const SOUNDS_M: f64 = 1e-4;
 /// It rises when it is faster, m/s.
 const RISES_M_PER_S: f64 = 0.05;
-/// The key is home, and the jack has come to rest under the knuckle, so long after a hand that leaves at once, s. An
-/// estimate; where the key is slower, the trials find out.
+/// Time after an immediate release at which the key is home and the jack rests under the knuckle, s. An estimate; where
+/// the key is slower, the trials find out.
 const HOME_AGAIN_S: f64 = 0.070;
-/// A hand stays on a key that it has played for so long, s. An estimate: the hammer is in the check by then.
+/// Time for which a hand stays on a key that it has played, s. An estimate: the hammer is in the check by then.
 pub(crate) const STAYS_S: f64 = 0.020;
 
-/// The release of the note before, where it belongs to the stroke.
+/// The release of the previous note, if it is part of this stroke.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LetGo {
     /// The step in which the hand would leave as written.
@@ -55,7 +55,7 @@ struct Trial {
     begins: u64,
     poise: Poise,
     impact: Option<[f64; 2]>,
-    /// How far its string swung under the felt before, from side to side, m.
+    /// Swing of its string under the felt before the press, from side to side, m.
     swing_m: f64,
     /// Whether there was no time to begin earlier.
     hurried: bool,
@@ -63,7 +63,7 @@ struct Trial {
 }
 
 impl Trial {
-    /// How wrong it is: counts of velocity and milliseconds.
+    /// Its error: counts of velocity and milliseconds.
     fn cost(&self, wanted: &Wanted) -> f64 {
         match self.impact {
             Some([at_s, speed]) => {
@@ -84,9 +84,9 @@ impl Trial {
 /// A note's hand, before its release.
 pub(crate) struct Pressed {
     pub played: Played,
-    /// The key as it was when the hand began.
+    /// State of the key when the hand began.
     pub start: Snapshot,
-    /// How the key stood then.
+    /// Condition of the key at that moment.
     pub poise: Poise,
 }
 
@@ -109,8 +109,8 @@ struct Search<'a, 'k, 'p, 'q> {
     progress: &'p mut Progress<'q>,
 }
 
-/// Plays a note from the key's present state. Afterwards the key is where its hammer met the string, or would have.
-/// `next_s`: when the key's next note is to sound.
+/// Plays a note from the key's present state. Afterwards the key is in its state at the impact, or at the instant where
+/// it should have been. `next_s`: instant of the key's next note.
 pub(crate) fn press(
     key: &mut Key<'_>,
     touches: &mut Touches,
@@ -182,8 +182,8 @@ impl Search<'_, '_, '_, '_> {
         self.best.as_ref().is_some_and(|best| best.cost(&self.wanted) < GOOD)
     }
 
-    /// On a key that moves the search may end where it leads nowhere: it begins anew at other hands, as long as none is
-    /// good: as from home, stronger, and the best so far.
+    /// On a moving key the search may get stuck. It then starts again from other hands until one is good: the hand from
+    /// rest, a stronger one, and the best so far.
     fn seek_again(&mut self) -> Result<(), PerformError> {
         let rise = RISES_S.len() - 1;
         let home = self.touches.guess(rise, self.wanted.speed_m_per_s);

@@ -12,15 +12,15 @@ use crate::touches::Touches;
 const CLOSE_S: f64 = 1e-3;
 /// A written speed is met within this share.
 const CLOSE: f64 = 0.1;
-/// A hand may turn out to have to leave so much earlier than known, s.
+/// Largest amount by which a hand may have to leave earlier than expected, s.
 const GUARD_S: f64 = 15e-3;
-/// Where nothing is known of a release so fast it may turn out to be so much, s.
+/// Likewise for a release of unknown duration, s.
 const WIDE_GUARD_S: f64 = 0.3;
-/// The shortest and the longest times in which a hand leaves, s.
+/// Shortest and longest time in which a hand leaves, s.
 const WITHIN_S: [f64; 2] = [2e-3, 0.5];
-/// A key that is not up so long after the hand's force is gone does not come up, s.
+/// Time after the end of the hand's force by which a key that comes up at all is up, s.
 const PATIENCE_S: f64 = 0.3;
-/// A release is tried so often; one with a written speed more often.
+/// Number of trials of a release; one with a written speed gets more.
 const TRIALS: [u32; 2] = [3, 6];
 
 /// Releases a key from its present state, for its damper to be down at an instant, s, its front coming up so fast, m/s,

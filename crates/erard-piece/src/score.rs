@@ -1,4 +1,4 @@
-//! A piece as what is to be done.
+//! A piece as a list of motions.
 
 use erard_midi::file::{Note, PedalChange, Piece};
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
@@ -9,18 +9,18 @@ pub const LEAD_S: f64 = 0.4;
 /// Lift of the rail under a pressed sustain pedal, m: the dampers are 4.5 mm up then. An estimate.
 pub const FULL_PEDAL_M: f64 = 7e-3;
 
-/// A note that is to be played.
+/// A note to play.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wanted {
     /// The key, from 1.
     pub key: usize,
-    /// When the hammer is to meet the string, s from the performance's beginning.
+    /// Instant at which the hammer should meet the string, s from the performance's beginning.
     pub on_s: f64,
-    /// When the key, coming up, is to set its damper down, s.
+    /// Instant at which the rising key should set its damper down, s.
     pub off_s: f64,
     /// The velocity as written.
     pub velocity: Velocity,
-    /// The hammer's speed at the string that the law makes of it, m/s.
+    /// The hammer speed at the string that follows from it by the law, m/s.
     pub speed_m_per_s: f64,
     /// Speed of the key's front on its way up there, m/s, positive; `None` where the piece does not give it.
     pub release_m_per_s: Option<f64>,
@@ -37,7 +37,7 @@ pub fn passage(piece: &Piece, from_s: f64, to_s: f64) -> Piece {
     Piece { notes: shifted.collect(), pedals: pedals.collect(), remarks: piece.remarks.clone() }
 }
 
-/// What a foot does.
+/// A motion of a foot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Foot {
     /// The sustain pedal sends its rail to a lift, m.
@@ -55,7 +55,7 @@ pub struct Score<'l> {
     pub notes: Vec<Wanted>,
     /// The feet in the order of time, s.
     pub(crate) feet: Vec<(f64, Foot)>,
-    /// By how much the piece was shifted so that the first hand has time to press, s; 0 where it has.
+    /// Shift of the piece that gives the first hand time to press, s; 0 if it has enough.
     pub shift_s: f64,
     /// When the last note ends, s.
     pub duration_s: f64,
@@ -64,7 +64,7 @@ pub struct Score<'l> {
 }
 
 impl<'l> Score<'l> {
-    /// The sustain pedal: when it moves, s, and where to, from 0 (up) to 1 (down).
+    /// The sustain pedal: instants of its motions, s, and positions, from 0 (up) to 1 (down).
     #[must_use]
     pub fn sustain(&self) -> Vec<[f64; 2]> {
         let moved = |&(at_s, foot): &(f64, Foot)| match foot {
@@ -74,12 +74,12 @@ impl<'l> Score<'l> {
         self.feet.iter().filter_map(moved).collect()
     }
 
-    /// The motions that a piece asks for, its velocities read by a law.
+    /// Converts a piece to motions, its velocities read by a law.
     ///
     /// The sustain pedal (controller 64) travels in proportion to its values; its rail follows as fast as a foot that
     /// stamps. The sostenuto pedal (66) holds the dampers that are up when it passes the middle of its way. The soft
     /// pedal (67) would shift the hammers to fewer strings and to another place of their felts, which the model does
-    /// not have: a remark says how often it is asked for, and how many notes are played as without it.
+    /// not have: a remark says how often it goes down, and how many notes should have been played with it.
     #[must_use]
     pub fn of(piece: &Piece, law: &Law<'l>) -> Self {
         let first_s = piece.notes.first().map_or(LEAD_S, |note| note.start_s);
@@ -113,7 +113,7 @@ impl<'l> Score<'l> {
     }
 }
 
-/// What of a piece the missing soft pedal changes, in words.
+/// Remark on the notes of a piece that lack the soft pedal.
 fn soft_remark(piece: &Piece) -> Option<String> {
     let mut changes: Vec<_> = piece.pedals.iter().filter(|change| change.controller == SOFT).collect();
     // Of the changes before a passage the last one counts, if it left the pedal down.

@@ -4,31 +4,31 @@ use crate::touches::{FORCES_N, by_work};
 
 /// A speed is right within this share of it: a fifth of a count of velocity.
 pub(crate) const CLOSE: f64 = 5e-3;
-/// No hand changes more from trial to trial: the logarithm of its force, and its beginning, s.
+/// Largest change of a hand from trial to trial: of the logarithm of its force, and of its beginning, s.
 const MOST: [f64; 2] = [0.7, 0.025];
-/// What of a hand's beginning weighs as much as the logarithm of its force, s.
+/// Change of a hand's beginning that weighs as much as one of the logarithm of its force, s.
 const WEIGHT_S: f64 = 0.05;
 
-/// After so many hands in a row that did not sound the search ends.
+/// Number of hands without sound in a row after which the search ends.
 const MOST_SILENT: u32 = 6;
 
-/// So often a speed is bracketed.
+/// Number of times that a speed is bracketed.
 const MOST_BRACKETED: u32 = 7;
 
-/// A hand to be tried: its force, N, and how long before the written instant it begins, s.
+/// A hand to try: its force, N, and its lead before the written instant, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Hand {
     pub force_n: f64,
     pub takes_s: f64,
 }
 
-/// What a trial came to.
+/// Result of a trial.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Outcome {
     pub tried: Hand,
     /// Impact: time after the hand's beginning, s, and hammer speed, m/s.
     pub struck: Option<[f64; 2]>,
-    /// By how much too late, s.
+    /// Lateness, s.
     pub late_s: f64,
     /// Whether the key was home, so that the hand's beginning does not matter to what it does.
     pub from_home: bool,

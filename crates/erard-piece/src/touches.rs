@@ -1,13 +1,13 @@
-//! Forces and times learnt from a key's strokes: which force makes the hammer how fast from rest, and how long that
-//! takes; how long before its damper is down the key must be let go.
+//! Forces and times learnt from a key's strokes: the hammer speed that a force gives from rest, and the time that it
+//! takes; and the time from the release of the key until its damper is down.
 
 /// Rise times of the muscle's force, s, the usual one first. A hand that has little time, or must be louder than the
 /// usual one can, is quicker. The shorter ones are estimates.
 pub(crate) const RISES_S: [f64; 3] = [erard::stroke::RISE_S, 0.020, 0.008];
 /// The force of a hand, N, from 0.2 to 100: [`erard::level::FORCES_N`].
 pub(crate) const FORCES_N: [f64; 2] = erard::level::FORCES_N;
-/// Of touches that differ by less in the logarithm of their speed the last one is remembered: a key that has been
-/// played does not rest quite as it did.
+/// Difference in the logarithm of speed below which only the last of two touches is remembered: a key that has been
+/// played does not rest exactly as before.
 const ALIKE: f64 = 1e-2;
 
 /// A hand for a speed.
@@ -44,7 +44,7 @@ impl Touch {
     }
 }
 
-/// What is known of one key.
+/// Touches known for one key.
 #[derive(Debug, Default)]
 pub(crate) struct Touches {
     /// By rise time, in the order of speed.
@@ -56,7 +56,7 @@ pub(crate) struct Touches {
 }
 
 impl Touches {
-    /// The hand for a speed, from what is known.
+    /// The hand for a speed, from known touches.
     pub(crate) fn guess(&self, rise: usize, speed_m_per_s: f64) -> Guess {
         let work = by_work(speed_m_per_s, RISES_S[rise]);
         let (known, at) = (&self.known[rise], speed_m_per_s.ln());
@@ -92,12 +92,12 @@ impl Touches {
         }
     }
 
-    /// Remembers what a hand did on a key that was still on its way.
+    /// Remembers the result of a hand on a key that was still moving.
     pub(crate) fn learn_moving(&mut self, rise: usize, force_n: f64, takes_s: f64, speed_m_per_s: f64) {
         self.moving[rise] = Some(Touch::of(rise, force_n, takes_s, speed_m_per_s));
     }
 
-    /// Remembers what a hand did from rest.
+    /// Remembers the result of a hand from rest.
     pub(crate) fn learn(&mut self, rise: usize, force_n: f64, takes_s: f64, speed_m_per_s: f64) {
         let touch = Touch::of(rise, force_n, takes_s, speed_m_per_s);
         let known = &mut self.known[rise];
@@ -106,7 +106,7 @@ impl Touches {
         known.insert(at, touch);
     }
 
-    /// How long the damper takes to be down once the hand begins to leave within so many s.
+    /// Time until the damper is down, s, from the beginning of a release of this duration, s.
     pub(crate) fn lag_s(&self, within_s: f64) -> f64 {
         let near = |way: &&[f64; 3]| (way[0] / within_s).ln().abs();
         match self.ways.iter().min_by(|a, b| near(a).total_cmp(&near(b))) {
@@ -120,7 +120,7 @@ impl Touches {
         self.ways.iter().any(|way| (way[2] / speed_m_per_s).ln().abs() < 0.1)
     }
 
-    /// Remembers how long it took, and how fast the key came up.
+    /// Remembers the duration of a release, and the key's speed on its way up.
     pub(crate) fn learn_way(&mut self, within_s: f64, lag_s: f64, speed_m_per_s: f64) {
         match self.ways.iter_mut().find(|way| (way[0] / within_s).ln().abs() < 0.02) {
             Some(way) => *way = [within_s, lag_s, speed_m_per_s],

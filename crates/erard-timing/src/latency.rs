@@ -52,7 +52,7 @@ pub(crate) fn report(one: &Latency, group: &Latency) -> Value {
     })
 }
 
-/// Somebody who plays at random: blows of up to 40 N, held for 10 to 200 ms; every second time the key is let go.
+/// Somebody who plays at random: strokes of up to 40 N, held for 10 to 200 ms; every second time the key is let go.
 struct RandomPlayer {
     random: Rng,
     force_n: f64,

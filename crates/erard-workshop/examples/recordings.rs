@@ -2,8 +2,8 @@
 //! `recordings/heavier-<nuance>.csv`: `cargo run --release -p erard-workshop --example recordings`.
 //!
 //! What is different is [`TRUE`]. Sensors as a laboratory has them, at 4 kHz: a load cell with 20 mN of noise, the key
-//! to 10 um, the hammer to 50 um, each with an offset of its own, after a rest of 0.1 s; they end 3 ms after the blow.
-//! Noise is normal and white; all these sizes are estimates.
+//! to 10 um, the hammer to 50 um, each with an offset of its own, after a rest of 0.1 s; they end 3 ms after the
+//! impact. Noise is normal and white; all these sizes are estimates.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -26,7 +26,7 @@ pub const NUANCES: [&str; 2] = ["mf", "f"];
 const SENSORS: [[f64; 2]; 3] = [[0.02, 0.11], [10e-6, -0.3e-3], [50e-6, 1e-3]];
 const RATE_HZ: f64 = 4000.0;
 const REST_S: f64 = 0.1;
-/// So long after the blow: what comes later, check and rebound, is moved far by a little more or less of anything.
+/// So long after the impact: what comes later, check and rebound, is moved far by a little more or less of anything.
 const AFTER_THE_BLOW_S: f64 = 3e-3;
 
 /// The grand that was recorded.

@@ -1,4 +1,4 @@
-//! A key of a keyboard with strings under a constant force: its hammer's first blow.
+//! A key of a keyboard with strings under a constant force: its hammer's first impact.
 
 use moreau::Settings;
 
@@ -18,9 +18,9 @@ const FORCES_N: [f64; 2] = [0.3, 35.0];
 /// A force is found when it is known to this share.
 const CLOSE: f64 = 5e-3;
 
-/// The first blow of a hammer.
+/// The first impact of a hammer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Blow {
+pub struct FirstImpact {
     /// Speed of the hammer when it meets the string, m/s.
     pub speed_m_per_s: f64,
     /// From its first touch to its last within 10 ms, waves that come back and part them for a moment among it, s.
@@ -38,14 +38,14 @@ pub fn rest(instrument: &Instrument) -> Result<Action, ActionError> {
     Action::with(instrument, Settings::new(STEP_S))
 }
 
-/// The first blow under a constant force, from rest; `None`: it does not sound.
-pub fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
-    let (mut first, mut blow, mut touching) = (None, None, false);
+/// The first impact under a constant force, from rest; `None`: it does not sound.
+pub fn impact(action: &mut Action, force_n: f64) -> Option<FirstImpact> {
+    let (mut first, mut impact, mut touching) = (None, None, false);
     for n in 0..((PATIENCE_S + FOLLOWED_S) / STEP_S) as usize {
         let reading = action.step(Input::Force(force_n));
         if let (Some(strike), None) = (action.impact(), first) {
             first = Some(n);
-            blow = Some(Blow {
+            impact = Some(FirstImpact {
                 speed_m_per_s: strike.hammer_speed_m_per_s,
                 contact_s: 0.0,
                 pulses: 0,
@@ -53,7 +53,7 @@ pub fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
                 back_m_per_s: 0.0,
             });
         }
-        let (Some(since), Some(blow)) = (first, &mut blow) else {
+        let (Some(since), Some(impact)) = (first, &mut impact) else {
             if n as f64 * STEP_S > PATIENCE_S {
                 break;
             }
@@ -63,36 +63,36 @@ pub fn blow(action: &mut Action, force_n: f64) -> Option<Blow> {
             break;
         }
         if reading.string_n > 0.0 {
-            blow.pulses += u32::from(!touching);
-            (blow.contact_s, blow.back_m_per_s) = ((n - since + 1) as f64 * STEP_S, -reading.hammer_m_per_s);
-            blow.peak_n = blow.peak_n.max(reading.string_n);
+            impact.pulses += u32::from(!touching);
+            (impact.contact_s, impact.back_m_per_s) = ((n - since + 1) as f64 * STEP_S, -reading.hammer_m_per_s);
+            impact.peak_n = impact.peak_n.max(reading.string_n);
         }
         touching = reading.string_n > 0.0;
     }
-    blow
+    impact
 }
 
-/// The blow under the smallest constant force with which the hammer is so fast, m/s, by bisection; `None` where none
+/// The impact under the smallest constant force with which the hammer is so fast, m/s, by bisection; `None` where none
 /// is. `progress` ends it by returning false.
-pub(crate) fn blow_of_speed(
+pub(crate) fn impact_of_speed(
     action: &mut Action,
     speed_m_per_s: f64,
     progress: &mut Progress<'_>,
-) -> Result<Option<Blow>, Stopped> {
+) -> Result<Option<FirstImpact>, Stopped> {
     let still = action.save();
-    let mut fast_enough = |force_n: f64| -> Result<Option<Blow>, Stopped> {
+    let mut fast_enough = |force_n: f64| -> Result<Option<FirstImpact>, Stopped> {
         if !progress(0.0) {
             return Err(Stopped);
         }
         action.restore(&still).expect("it is the action's own");
-        Ok(blow(action, force_n).filter(|blow| blow.speed_m_per_s >= speed_m_per_s))
+        Ok(impact(action, force_n).filter(|impact| impact.speed_m_per_s >= speed_m_per_s))
     };
     let [mut low, mut high] = FORCES_N;
     let Some(mut found) = fast_enough(high)? else { return Ok(None) };
     while high / low > 1.0 + CLOSE {
         let middle = (low * high).sqrt();
         match fast_enough(middle)? {
-            Some(blow) => (high, found) = (middle, blow),
+            Some(impact) => (high, found) = (middle, impact),
             None => low = middle,
         }
     }

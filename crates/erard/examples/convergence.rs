@@ -4,7 +4,7 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use common::ladder::{NEIGHBOURS, blow, halvings, ladder};
+use common::ladder::{NEIGHBOURS, halvings, impact, ladder};
 use common::{Play, grand};
 use erard::instrument::Instrument;
 use erard::stroke::Touch;
@@ -44,14 +44,14 @@ fn steps(grand: &Instrument) {
                 println!(
                     "{:9.3}   {:.6}     {:+.1e}   {:.1e}   {}   {:+11.4}   {:8.4}   {}   {:.3}",
                     r.step * 1e6,
-                    r.blow.speed,
+                    r.impact.speed,
                     r.speed_error,
                     r.speed_rms,
                     ratio(|r| r.speed_rms),
                     r.contact_error * 1e6,
                     r.contact_rms * 1e6,
                     ratio(|r| r.contact_rms),
-                    r.blow.newton
+                    r.impact.newton
                 );
             }
         }
@@ -67,10 +67,10 @@ fn tolerances(grand: &Instrument) {
     for (name, play, until) in cases() {
         for step in [50e-6, 12.5e-6] {
             let with = |tolerance| Settings { tolerance, ..Settings::new(step) };
-            let best = blow(grand, &play, with(1e-12), until);
+            let best = impact(grand, &play, with(1e-12), until);
             for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-9] {
                 let run = play.run_every(grand, with(tolerance), until, Some(u64::MAX));
-                let b = blow(grand, &play, with(tolerance), until);
+                let b = impact(grand, &play, with(tolerance), until);
                 println!(
                     "{name:14} {:7.1}     {tolerance:7.0e}           {:7.1e}       {:7.1e}           {:7.1e}         {:.3}         {:.3}",
                     step * 1e6,

@@ -9,7 +9,7 @@ use moreau::Settings;
 fn main() {
     let grand = grand();
     println!(
-        "force   start to bottom   hammer before bottom   speed   let-off before string   check after   blows   energy"
+        "force   start to bottom   hammer before bottom   speed   let-off before string   check after   impacts   energy"
     );
     println!(
         "    N                ms                     ms     m/s                      ms            ms           residual"

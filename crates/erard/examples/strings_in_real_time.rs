@@ -33,7 +33,7 @@ fn step_s(instrument: &Instrument) -> f64 {
     best
 }
 
-/// The same while the strings ring and the action sleeps, in seconds a step; in the first second after the blow, and
+/// The same while the strings ring and the action sleeps, in seconds a step; in the first second after the impact, and
 /// after 30 s, when most modes have died away.
 fn ringing_s(instrument: &Instrument) -> [f64; 2] {
     let mut action = Action::new(instrument).expect("it comes to rest");
@@ -94,8 +94,8 @@ fn second_s(instrument: &Instrument, step_s: f64, halving: Halving) -> f64 {
 }
 
 /// Ten fingers strike keys 79 to 88 at once, fortissimo, eight times: the mean and the worst step, s, and how many of
-/// the steps of a blow take longer than they may. Every blow is the same, so that the quickest of the eight tells what
-/// a step costs, and the longest what this computer lost to something else.
+/// the steps of an impact take longer than they may. Every impact is the same, so that the quickest of the eight tells
+/// what a step costs, and the longest what this computer lost to something else.
 fn top_octave(instruments: &[Instrument], halving: Halving) -> ([f64; 2], usize) {
     let mut keys = Keys::at_rest(instruments, Settings::new(STEP_S)).expect("they rest");
     keys.halve(halving);
@@ -128,7 +128,7 @@ fn main() {
     println!("step, rigid string             {:.3} us", 1e6 * rigid);
     println!("step, one trichord that sounds {:.3} us, {:.2} times as long", 1e6 * yielding, yielding / rigid);
     let [fresh, late] = ringing_s(&strung);
-    println!("strings alone, 1 s after a blow {:.3} us, 30 s after it {:.3} us", 1e6 * fresh, 1e6 * late);
+    println!("strings alone, 1 s after an impact {:.3} us, 30 s after it {:.3} us", 1e6 * fresh, 1e6 * late);
     let fixed = second_s(&strung, FIXED_STEP_S, Halving::Never);
     let halved = second_s(&strung, STEP_S, Halving::AsAsked);
     println!(
@@ -141,7 +141,7 @@ fn main() {
     for (name, halving) in [("halved", Halving::AsAsked), ("whole", Halving::Never)] {
         let ([mean, worst], late) = top_octave(&keyboard.instruments().expect("it reads"), halving);
         println!(
-            "ten fingers at once in the top octave, ff, {name} steps: mean {:.1} us, worst {:.0} us; {late} steps of a blow take longer than the {:.1} us that pass meanwhile",
+            "ten fingers at once in the top octave, ff, {name} steps: mean {:.1} us, worst {:.0} us; {late} steps of an impact take longer than the {:.1} us that pass meanwhile",
             1e6 * mean,
             1e6 * worst,
             1e6 * STEP_S

@@ -15,7 +15,7 @@ use erard::run::Run;
 use erard::trust::energy_residual;
 use moreau::Settings;
 
-/// Long enough for the softest blow and the way back, s.
+/// Long enough for the softest note and the way back, s.
 const DURATION_S: f64 = 0.4;
 const REFERENCE_S: f64 = 1.5625e-6;
 const STEPS_S: [f64; 7] = [1e-3, 400e-6, 200e-6, 100e-6, USUAL_STEP_S, 25e-6, 12.5e-6];

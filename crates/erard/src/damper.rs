@@ -7,24 +7,24 @@ use crate::instrument::Instrument;
 use crate::player::{Action, ActionError, Input};
 use crate::stroke::least_jerk;
 
-/// Where a note-off belongs on a keyboard none of whose keys lifts a damper, m: the middle of a usual dip.
+/// Height of note-offs on a keyboard without dampers, m: the middle of a usual dip.
 pub const USUAL_HEIGHT_M: f64 = 5e-3;
 /// Depth to which the key is pressed, m: every damper of a grand is up by then, and no let-off has begun.
 const DEPTH_M: f64 = 8e-3;
-/// Within what time, s: too slow to throw the hammer to its string.
+/// Duration of this press, s: too slow to throw the hammer to its string.
 const DOWN_S: f64 = 0.3;
-/// Speed at which it comes up again, m/s: a twentieth of a key that is let go, so that the damper follows it.
+/// Speed at which the key comes up again, m/s: a twentieth of that of a released key, so that the damper follows it.
 const UP_M_PER_S: f64 = 0.01;
-/// The damper is set down when it presses with this share of what it presses with at rest.
+/// The damper counts as set down when it presses with this share of its force at rest.
 const SHARE: f64 = 0.01;
 
-/// Why there is no such height to be found.
+/// Why the height cannot be found.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum DamperError {
-    /// It is no grand action.
+    /// The instrument is not a grand action.
     #[error(transparent)]
     Anatomy(#[from] AnatomyError),
-    /// It cannot be played.
+    /// The instrument cannot be played.
     #[error(transparent)]
     Action(#[from] ActionError),
 }
@@ -32,8 +32,8 @@ pub enum DamperError {
 /// Travel of the key's front, m below its rest, at which the key, coming up slowly with the pedal up, sets its damper
 /// down: where a note-off belongs. `None` where the key lifts no damper.
 ///
-/// The key is led down until the damper is up, and led up at 10 mm/s; the height is where the damper's first felt
-/// presses again. The string is rigid meanwhile: nothing sounds.
+/// The key is driven down until the damper is up, and then up at 10 mm/s; the height is where the damper's first felt
+/// presses again. The string is rigid meanwhile.
 ///
 /// # Errors
 /// See [`DamperError`].

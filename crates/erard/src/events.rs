@@ -4,11 +4,11 @@ use crate::instrument::{Instrument, Roles};
 use crate::mechanism::{Impact, Observation};
 use crate::player::Action;
 
-/// The key front has left its rest when it is this far down, m: a tenth of a millimetre, ten times what its cloths
-/// breathe and a hundredth of its dip.
+/// The key front has left its rest when it is this far down, m: a tenth of a millimetre, ten times the slow motion of
+/// its cloths and a hundredth of its dip.
 pub(crate) const KEY_START_M: f64 = 1e-4;
 
-/// A check is looked for within this distance of the string, m.
+/// Distance from the string within which a check is detected, m.
 const NEAR_M: f64 = 0.02;
 
 /// Instants and speeds of one press; `None` where it did not happen. Seconds from the stroke's start.
@@ -44,7 +44,7 @@ impl Events {
         self.first_impact().map(|impact| impact.hammer_speed_m_per_s)
     }
 
-    /// Its part along the string's normal, m/s: what presses the felt.
+    /// Component of that speed along the string's normal, m/s, which compresses the felt.
     pub fn hammer_speed_normal_m_per_s(&self) -> Option<f64> {
         self.first_impact().map(|impact| impact.hammer_speed_normal_m_per_s)
     }
@@ -75,7 +75,7 @@ pub struct EventDetector {
     released_at_apex_s: Option<f64>,
 }
 
-/// What is compared from step to step.
+/// Quantities that are compared from step to step.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     time_s: f64,
@@ -96,8 +96,8 @@ struct Push {
 }
 
 impl Push {
-    /// When the last of two pushes ends, the older one first: straight on from both, at the latest at `until`, the
-    /// middle of a step without one.
+    /// Instant at which the last of two pushes ends, the older one first, by linear extrapolation of both; at the
+    /// latest `until`, the middle of a step without a push.
     fn end_of([older, last]: [Push; 2], until: f64) -> f64 {
         let falls_by = older.force_n - last.force_n;
         let end = last.time_s + (last.time_s - older.time_s) * last.force_n / falls_by;
@@ -168,7 +168,7 @@ impl EventDetector {
         self.previous = Some(now);
     }
 
-    /// Nothing has moved until this instant, s: as if it had been observed in every step.
+    /// Reports that nothing has moved until this instant, s, as if every step had been observed.
     pub(crate) fn stood(&mut self, time_s: f64) {
         if let Some(previous) = &mut self.previous {
             previous.time_s = time_s;
@@ -208,7 +208,7 @@ impl EventDetector {
         }
     }
 
-    /// Whether all that happens once has happened, so that only further impacts are left to be found.
+    /// Whether all events that happen once have happened, so that only further impacts remain to be found.
     pub fn awaits_impacts_only(&self) -> bool {
         let (roles, events) = (&self.roles, &self.events);
         let over = |event: Option<f64>, zone: Option<usize>| event.is_some() || zone.is_none();
@@ -219,7 +219,7 @@ impl EventDetector {
             && over(events.check_s, roles.check)
     }
 
-    /// Whether the force on the knuckle is still of interest: until the first impact.
+    /// Whether the force on the knuckle is still needed: until the first impact.
     pub fn awaits_let_off(&self) -> bool {
         self.events.impacts.is_empty() && !self.roles.knuckle.is_empty()
     }
@@ -245,8 +245,8 @@ impl EventDetector {
 }
 
 impl Sample {
-    /// The instant at which a quantity that runs linearly from a (here) to b (at `now`) is zero; that of `now` where a
-    /// was not observed.
+    /// The instant at which a quantity that changes linearly from a (here) to b (at `now`) is zero; the instant of
+    /// `now` if a was not observed.
     fn at_zero(&self, a: f64, b: f64, now: &Sample) -> f64 {
         if a == f64::NEG_INFINITY {
             return now.time_s;

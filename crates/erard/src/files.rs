@@ -1,18 +1,18 @@
-//! Files, and their names, of which nobody vouches for what is in them.
+//! Files, and their names, with untrusted content.
 
 use std::borrow::Cow;
 use std::fmt;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// A path as messages show it: on one line, with nothing that steers a terminal.
+/// A path as messages show it: on one line, without control characters.
 #[must_use]
 pub fn shown(path: &Path) -> String {
     printable(&path.to_string_lossy()).replace('\n', "\\n").replace('\t', "\\t")
 }
 
-/// Text in which every character that would steer a terminal, or turn the order in which it is read, is shown by its
-/// code. Ends of lines and tabulators stay.
+/// Text in which every character that would control a terminal or reverse the reading order is shown by its code. Line
+/// ends and tabs stay.
 #[must_use]
 pub fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(steers) {
@@ -28,7 +28,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
 /// Longest word of a message, in characters: no number, name or path that a person wrote is longer.
 const LONGEST_WORD: usize = 1024;
 
-/// A message in which a word that nobody reads to its end is cut, with its length.
+/// A message in which overlong words are cut; their length is given.
 #[must_use]
 pub fn clipped(text: &str) -> Cow<'_, str> {
     let too_long = |word: &str| word.len() > LONGEST_WORD && word.chars().nth(LONGEST_WORD).is_some();
@@ -55,7 +55,7 @@ pub fn steers(c: char) -> bool {
         || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// Writes what is wrong and, where they are not empty, what was found and what was expected.
+/// Writes the fault and, unless they are empty, the text found and the text expected.
 pub(crate) fn write_fault(f: &mut fmt::Formatter<'_>, message: &str, found: &str, expected: &str) -> fmt::Result {
     match (found.is_empty(), expected.is_empty()) {
         (false, false) => write!(f, "{message} (found {found}, expected {expected})"),
@@ -65,10 +65,10 @@ pub(crate) fn write_fault(f: &mut fmt::Formatter<'_>, message: &str, found: &str
     }
 }
 
-/// What a reader holds; `None` where that is more than so many bytes, of which no more are read than tell.
+/// Content of a reader; `None` if it has more than this many bytes. It reads no more bytes than that takes.
 ///
 /// # Errors
-/// Of the reader.
+/// An error of the reader.
 pub(crate) fn read_at_most(reader: impl Read, bytes: usize) -> io::Result<Option<Vec<u8>>> {
     let mut held = Vec::new();
     reader.take(bytes as u64 + 1).read_to_end(&mut held)?;

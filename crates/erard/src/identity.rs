@@ -1,4 +1,4 @@
-//! Which instrument it is: the numbers that change a step, by their paths, and a digest of them.
+//! Identity of an instrument: the numbers that affect a step, by their paths, and a digest of them.
 //!
 //! **Paths** are the instrument file's keys with names in place of indices and with SI units: `body.hammer.mass_kg`,
 //! `zone.capstan_heel.felt.stiffness_N_per_m_r`, `zone.string.disc.center_m.x`. A reference to a body or a zone is a
@@ -6,12 +6,12 @@
 //! field of a Rust type may be renamed, a path may not.
 //!
 //! **Values** are the instrument's own: screws are turned, grading is done, bushings are bodies and springs. A value of
-//! zero is left out, so that a key that is absent is its default. Whoever adds a key chooses a value that is zero where
-//! the key is absent.
+//! zero is left out, so that an absent key equals its default. A new key must have a value that is zero where the key
+//! is absent.
 //!
-//! **Not listed** is what changes no step: names for people, notes and sources, drawn parts, screws, which hinges count
-//! as bends, limits beyond which a run is not trusted, roles that only name events. The order in the file does not
-//! count.
+//! **Not listed** are entries that do not affect a step: names for people, notes and sources, drawn parts, screws,
+//! which hinges count as bends, limits beyond which a run is not trusted, roles that only name events. The order in the
+//! file does not count.
 //!
 //! **The digest** is [`fnv1a`] over the pairs, sorted by path: the path's bytes, a zero, the value's 64 bits from the
 //! lowest byte on.
@@ -26,7 +26,7 @@ pub(crate) const BODIES: usize = 12;
 /// See [`BODIES`].
 pub(crate) const ZONES: usize = 32;
 
-/// What a saved state must know of an instrument.
+/// The part of an instrument's identity that saved states need.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Identity {
     pub digest: u64,
@@ -112,7 +112,7 @@ impl List<'_> {
         });
     }
 
-    /// A reference; none is the ground, or what is not there.
+    /// A reference; `None` is the ground or an absent part.
     fn body(&mut self, key: &str, body: Option<usize>) {
         if let Some(body) = body.and_then(|body| self.instrument.bodies.get(body)) {
             self.within(key, |list| list.number(&body.name, 1.0));

@@ -16,7 +16,7 @@ pub const SAMPLE: &str = ":sample=";
 /// The last sample.
 pub(crate) const LAST_SAMPLE: u32 = 1_000_000;
 
-/// Splits `:sample=N`, which may stand before or behind `:key=N`, from the rest of the argument.
+/// Splits `:sample=N`, before or after `:key=N`, from the rest of the argument.
 ///
 /// # Errors
 /// [`InstrumentSpecError::NoSample`].
@@ -42,7 +42,7 @@ pub enum InstrumentSpec<'a> {
     Key {
         /// The keyboard.
         keyboard: &'a str,
-        /// From 1.
+        /// Number of the key, from 1.
         key: usize,
     },
 }
@@ -95,7 +95,7 @@ pub enum InstrumentSpecError {
 }
 
 impl<'a> InstrumentSpec<'a> {
-    /// Understands what was asked for. What exists, has an extension or a folder is a file.
+    /// Parses a specification. A name that exists as a file, or has an extension or a folder, is a file.
     ///
     /// # Errors
     /// [`InstrumentSpecError::NoKey`], [`InstrumentSpecError::NoSample`], [`InstrumentSpecError::Sampled`].

@@ -21,20 +21,20 @@ use crate::stroke::{HandStroke, Touch};
 pub const LEVELS: [(&str, f64); 5] = [("pp", 0.5), ("p", 0.79), ("mf", 1.99), ("f", 3.15), ("ff", 5.0)];
 /// A level is reached when the hammer's speed is right to this share.
 pub const CLOSE: f64 = 1e-3;
-/// Mass of a hand unless told otherwise, kg.
+/// Default mass of a hand, kg.
 pub const MASS_KG: f64 = 0.2;
 /// Force that holds the key down after the impact, N. An estimate.
 pub const HOLD_N: f64 = 3.0;
 /// The hand leaves the key at this instant, s, its force gone within [`RELEASE_S`].
 pub const LET_GO_S: f64 = 0.5;
-/// Within what time the force is gone, s.
+/// Time within which the force vanishes, s.
 pub const RELEASE_S: f64 = 0.030;
-/// How long a stroke lasts with its release, s.
+/// Duration of a stroke with its release, s.
 pub const DURATION_S: f64 = 1.0;
 
-/// A stroke that has not sounded after this time does not, s: twice the longest published key stroke.
+/// Time after which a stroke that has not sounded counts as silent, s: twice the longest published key stroke.
 const PATIENCE_S: f64 = 0.4;
-/// Nor does one whose hammer has fallen so far, m, before it met the string.
+/// Fall of the hammer before an impact after which a stroke counts as silent, m.
 const FALLEN_M: f64 = 5e-3;
 /// The forces of a pressed hand, N. 100 N within [`crate::stroke::RISE_S`] are 50 N after 20 ms, which Timmermans and
 /// Fisette (Machines 8 (2020) 76) ask of an actuator that is to play as a pianist does.
@@ -43,7 +43,7 @@ pub const FORCES_N: [f64; 2] = [0.2, 100.0];
 pub(crate) const ARRIVALS_M_PER_S: [f64; 2] = [0.02, 5.0];
 /// A bracket grows by this factor.
 const GROWS: f64 = 1.4;
-/// A bracket this narrow, as a ratio, that does not hold the speed holds a jump.
+/// A bracket this narrow, as a ratio, without the speed in it contains a jump.
 const NARROW: f64 = 1.0 + 1e-6;
 
 /// The hammer speed of a level by its name, m/s.
@@ -101,7 +101,7 @@ pub enum LevelError {
     /// The instrument has no key, no hammer or no string: there is no speed at the string.
     #[error("{instrument}: the hammer never reaches a string; expected an action with key, hammer and string")]
     Silent {
-        /// Its name.
+        /// Name of the instrument.
         instrument: String,
     },
     /// No hand of this kind reaches the speed.
@@ -139,7 +139,7 @@ pub enum LevelError {
     /// The instrument cannot be played.
     #[error(transparent)]
     Action(#[from] ActionError),
-    /// The rest is not this action's own: a fault of the program.
+    /// A bug: the rest belongs to another action.
     #[error(transparent)]
     Rest(#[from] SnapshotError),
     /// A number became infinite.
@@ -153,7 +153,7 @@ pub enum LevelError {
     Interrupted,
 }
 
-/// The hammer speeds that may be asked for, m/s: slower ones do not reach a string, faster ones belong to no piano.
+/// Range of hammer speeds, m/s: slower hammers do not reach a string, and no piano's are faster.
 pub(crate) const SPEEDS_M_PER_S: [f64; 2] = [0.01, 20.0];
 
 /// A touch with the mass of its hand, without the number that makes it louder.
@@ -268,8 +268,8 @@ impl Reference {
         }
     }
 
-    /// The struck hand that arrives with a speed, m/s, whatever the hammer's comes out as. One that does not sound
-    /// begins to hold the key when patience ends.
+    /// The struck hand that arrives with a speed, m/s, without a search for the hammer speed. A silent one begins to
+    /// hold the key after the longest time of a trial.
     ///
     /// # Errors
     /// See [`LevelError`]: [`LevelError::Arrival`], and none of a level.
@@ -337,7 +337,8 @@ impl Search<'_, '_> {
         (speed - self.wanted).abs() <= CLOSE * self.wanted
     }
 
-    /// From where work and momentum say: down until a trial is below the speed, or up until one is above it.
+    /// Starts at the estimate from work and momentum, and goes down until a trial is below the speed, or up until one
+    /// is above it.
     fn bracket(&mut self) -> Result<Bracket, LevelError> {
         let [least, most] = self.kind.ends();
         let (mut trial, mut solved) = self.play(self.kind.begins(self.wanted))?;
@@ -385,7 +386,7 @@ impl Search<'_, '_> {
         Err(self.out_of_reach()?)
     }
 
-    /// The range that the family has.
+    /// The range of speeds of this kind of hand.
     fn range(&mut self) -> Result<[Solved; 2], LevelError> {
         let [least, most] = self.kind.ends();
         let Some(loudest) = self.play(most)?.1 else {

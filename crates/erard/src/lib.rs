@@ -1,5 +1,5 @@
-//! The grand piano action, simulated: a force or a position of the finger goes in, and what the mechanism does comes
-//! out.
+//! Simulation of the grand piano action: computes the motion and the forces of the mechanism from a force or a position
+//! of the finger.
 //!
 //! ```
 //! use erard::{Action, Input, Instrument};

@@ -1,4 +1,4 @@
-//! An instrument's mechanism, of any size, behind one interface: what [`crate::Action`] plays.
+//! An instrument's mechanism, of any size, behind one interface, which [`crate::Action`] steps.
 
 pub use moreau_kernels::{
     Halving, Impact, InputDuring, Mechanism, Observation, Part, Readout, Saved, Size, StepOutput, Stepping, Surfaces,
@@ -13,7 +13,7 @@ use crate::strings::Strings;
 
 /// Smallest step that an action takes, s: below it the rounding of a position sum exceeds what the step improves.
 pub(crate) const SMALLEST_STEP_S: f64 = 1e-8;
-/// Largest step that an action takes, s: a fortissimo blow lasts two of them.
+/// Largest step that an action takes, s: a fortissimo impact lasts two of them.
 pub(crate) const LARGEST_STEP_S: f64 = 1e-3;
 
 /// Assembles an instrument into the smallest engine size that holds it, at the angles as drawn.

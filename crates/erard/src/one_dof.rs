@@ -38,7 +38,7 @@ pub enum OneDofError {
     Action(#[from] ActionError),
 }
 
-/// The reduced model and what it was reduced with.
+/// The reduced model and the data of its reduction.
 #[derive(Debug, Clone)]
 pub struct OneDof {
     /// The one-body instrument.

@@ -1,8 +1,8 @@
-//! How long work reports how far it is, and how it is cancelled.
+//! Progress reports and cancellation of long work.
 
-/// Called now and then during long work with the share that is done, 0 to 1, and asked whether to go on: work that it
-/// answers with false ends, and reports an interruption. Work that does not know its share says 0.
+/// Called regularly during long work with the share that is done, 0 to 1. If it returns false, the work ends and
+/// reports an interruption. Work that does not know its share passes 0.
 pub type Progress<'a> = dyn FnMut(f64) -> bool + 'a;
 
-/// Every so many steps the caller is asked whether to go on: well below a tenth of a second.
+/// Number of steps between calls: well below a tenth of a second.
 pub(crate) const ASK_EVERY: u64 = 512;

@@ -1,7 +1,7 @@
 //! Saved states as bytes: lists of numbers by name, the same bytes on every machine, read and written without
 //! allocating.
 //!
-//! | bytes | what they are |
+//! | bytes | content |
 //! |---|---|
 //! | 8 | mark: the kind of state |
 //! | 8 | [`VERSION`] of this layout |
@@ -19,7 +19,7 @@ pub use crate::fnv1a::{FNV1A, fnv1a};
 /// The version of the layout that this program writes, and the only one that it reads.
 pub const VERSION: u32 = 2;
 
-/// Why bytes are no saved state.
+/// Why bytes cannot be read as a saved state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum Unreadable {
     /// The bytes begin with another mark, or are too few.
@@ -173,7 +173,7 @@ impl<'a> Lists<'a> {
         self.find(name).chunks_exact(WORD).map(word)
     }
 
-    /// Tells every number of a list with its index. Returns how many there are: none where the list is absent.
+    /// Passes every number of a list on with its index. Returns how many there are: none if the list is absent.
     pub fn each(&self, name: &str, number: &mut dyn FnMut(usize, f64)) -> usize {
         let mut count = 0;
         for word in self.words(name) {

@@ -180,8 +180,8 @@ impl<T: Scalar, const B: usize> ImpactPredictor<T, B> {
 /// a = dv/dt, d = -g / (dg/dx), v^2 = v_b^2 + 2 a d, t = t_b + 2 d / (v_b + v)
 ///
 /// with both slopes taken over the step before, g the zone's compression and x the point's path. The end of the step in
-/// which the zone is met plays no part: there it has pushed already, which at 200 us would make a piano hammer's blow a
-/// hundredth slower. `None` where there is no such flight: at the second look, and where the zone was touched a step
+/// which the zone is met plays no part: there it has pushed already, which at 200 us would make a piano hammer's impact
+/// a hundredth slower. `None` where there is no such flight: at the second look, and where the zone was touched a step
 /// before.
 pub fn impact_in_flight<T: Scalar>([older, before]: [[T; 3]; 2], now_s: T) -> Option<[T; 2]> {
     let ([older_s, older_m, v0], [before_s, before_m, v1]) = (older, before);

@@ -24,7 +24,7 @@ use moreau::Settings;
 
 /// Steps of a tree that are counted.
 const STEPS: u64 = 2000;
-/// Duration of a stroke that is counted, s: from rest past the blow.
+/// Duration of a stroke that is counted, s: from rest past the impact.
 const STROKE_S: f64 = 0.05;
 /// Strokes of a study.
 const STROKES: [usize; 5] = [4, 8, 16, 32, 64];

@@ -99,7 +99,7 @@ impl Calibrate {
             let Some(reader) = &mut reader else {
                 let head = Head::parse(text).map_err(|fault| wrong(index + 1, fault.to_string()))?;
                 if !matches!(head.quantity, Quantity::Raw | Quantity::Pressure) {
-                    return Err(wrong(index + 1, format!("found `{text}`; expected readings, `time_s,key,raw`")));
+                    return Err(wrong(index + 1, format!("found `{text}`; expected a reading, `time_s,key,raw`")));
                 }
                 reader = Some(Reader::new(head));
                 continue;
@@ -116,7 +116,9 @@ impl Calibrate {
             }
         }
         if keys.is_empty() {
-            return Err(Failure::Usage(format!("{name}: no readings; expected `time_s,key,raw` and lines of it")));
+            return Err(Failure::Usage(format!(
+                "{name}: no readings; expected the header `time_s,key,raw` and a line for each reading"
+            )));
         }
         identity::used_without_file("readings", &name);
         Ok(keys)

@@ -95,7 +95,7 @@ impl Check {
             Self::usual(name, &text)
         } else if says("format").is_none() && says("kind").is_some_and(|kind| kind == "three-lever") {
             Err(Failure::Usage(format!(
-                "{name}: a linkage of three levers, which a program of its own reads. From a clone of the repository, run\n\n    \
+                "{name}: a three-lever linkage; another program reads it. From a clone of the repository, run\n\n    \
                  cargo run --release -p erard-kinematics -- {name} --check"
             )))
         } else {

@@ -157,7 +157,8 @@ impl Diagnose {
     fn of_file(&self, path: &Path) -> Result<Vec<(usize, Known)>, Failure> {
         if !self.readings.0.is_empty() || !self.leads.is_empty() {
             let file = inputs::shown(path);
-            let why = "readings are given as options, too; expected either, and more columns in the table";
+            let why =
+                "found readings both in a table and as options; expected one of the two (a table takes more columns)";
             return Err(Failure::Usage(format!("{file}: {why}")));
         }
         let (file, bytes) = inputs::bytes(path)?;

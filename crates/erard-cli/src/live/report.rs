@@ -48,8 +48,8 @@ impl Told {
         };
         counted(r.limited_strokes, "strokes limited, whose hammers would have been faster than 8 m/s");
         counted(r.deep_samples, "samples deeper than the key goes");
-        counted(r.out_of_order, "samples left out: not after the last one of their key");
-        counted(r.uncalibrated, "samples left out: of keys without stops in the calibration");
+        counted(r.out_of_order, "samples skipped: not later than their key's last one");
+        counted(r.uncalibrated, "samples skipped: their keys have no stops in the calibration");
         counted(r.gaps, "gaps of 0.1 s or more while the key was off its rest");
         counted(r.stalls, "stalls: all keys were let go");
         counted(r.drifts_beyond, "drifts beyond 15 % of a sensor's range");

@@ -131,7 +131,7 @@ fn lost(played: &Played<'_>) -> Markup {
                 p { (differing(played).len()) " notes are as written on one of the two keyboards and not on the other." }
             }
             div.wide { table { (table.html()) } }
-            @if count > LISTED { p.soft { (count - LISTED) " more stand in the table of notes." } }
+            @if count > LISTED { p.soft { (count - LISTED) " more are in the table of notes." } }
         }
     }
 }

@@ -197,7 +197,7 @@ pub(crate) fn text(played: &Played<'_>) -> String {
     if count > 0 {
         out += &format!("\n{}\n", table.to_string().trim_end());
         if count > PRINTED {
-            out += &format!("  {} more in the table of notes\n", count - PRINTED);
+            out += &format!("  {} more are in the table of notes\n", count - PRINTED);
         }
         if played.sides.len() > 1 {
             out += "  why: in the tables of notes and in play.html\n";

@@ -46,7 +46,7 @@ fn comes_from(key: &str) -> &'static str {
         _ if key.starts_with("effective_inertia") => {
             "lighter hammers, less leverage or less lead bring it down: measure again after this list"
         }
-        _ => "no line of this list is for it: measure again after it",
+        _ => "this list has no line for it: measure again afterwards",
     }
 }
 
@@ -131,7 +131,9 @@ fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Len
         Work::Friction { by_g } if *by_g < 0.0 => {
             format!("ease it by {:.0} g (key bushings, centre pins, knuckle); weigh again before you go on", -by_g)
         }
-        Work::Friction { by_g } => format!("{by_g:.0} g too little: loose centre pins? weigh again before you go on"),
+        Work::Friction { by_g } => {
+            format!("{by_g:.0} g too little: are the centre pins loose? Weigh again before you go on")
+        }
         Work::Hammer { by_g } => crate::weigh::hammer_text(*by_g),
         Work::Capstan { by_mm } => {
             format!("move it {} {}", lengths.text(by_mm.abs(), 1), item.work.way(instrument))
@@ -196,18 +198,14 @@ fn why_words(quantity: Quantity, why: &Why) -> String {
         Why::NoSetting(names) => format!("no setting of {} gives it", screws(names)),
         Why::NoScrew => "no screw in this file; set it by hand".to_owned(),
         Why::Friction => "friction must come right first".to_owned(),
-        Why::ReadAgain => {
-            "the lines before it change it, nobody knows well how far; read it again after this list".to_owned()
-        }
+        Why::ReadAgain => "earlier lines change it by an uncertain amount; read it again after this list".to_owned(),
         Why::Unreadable => "it cannot be read before the hammer drops; measure again after this list".to_owned(),
         Why::NoBalance => {
-            "with this friction no balance weight has down-weight and up-weight in their ranges".to_owned()
+            "with this friction no balance weight brings both down-weight and up-weight into range".to_owned()
         }
-        Why::Ceiling => {
-            "the key has as much lead as it should; lighter hammers or less leverage would do it".to_owned()
-        }
+        Why::Ceiling => "the key carries as much lead as it should; use lighter hammers or less leverage".to_owned(),
         Why::Follows if quantity == Quantity::FrontWeight => {
-            "above its ceiling, and the weights leave no room for less lead: lighter hammers or less leverage would"
+            "above its ceiling, and the weights leave no room for less lead: use lighter hammers or less leverage"
                 .to_owned()
         }
         _ => "it follows from the lines above".to_owned(),

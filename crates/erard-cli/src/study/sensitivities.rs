@@ -216,7 +216,7 @@ pub(crate) fn lines(all: &Sensitivities, most: usize) -> Vec<String> {
         lines.extend(Table::of(heads, cells).to_string().lines().map(str::to_owned));
         for one in rows.iter().take(most).filter(|one| one.mark == Mark::Unconverged) {
             let (name, event) = (&all.by[one.by].name, one.event.as_deref().unwrap_or("nowhere to be named"));
-            lines.push(format!("  {name} has no derivative: steps of different lengths part {event}"));
+            lines.push(format!("  {name} has no derivative: {event} differs between step lengths"));
         }
         if rows.len() > most {
             lines.push(format!("  {} more; sensitivities.csv holds them", rows.len() - most));

@@ -62,7 +62,9 @@ pub(super) fn sections<'w>(work: &'w Work<'_>) -> Vec<Section<'w>> {
 
 fn heading(operation: Operation) -> &'static str {
     match operation {
-        Operation::Friction => "Friction (key bushings, balance hole, centre pins, knuckle); weigh these keys again",
+        Operation::Friction => {
+            "Friction (key bushings, balance hole, centre pins, knuckle): ease it, then weigh these keys again"
+        }
         Operation::Hammers => "Hammers, before any lead",
         Operation::Leads => "Key leads (in brackets: what the inertia at the front changes by)",
     }
@@ -178,7 +180,7 @@ pub(super) fn remarks(work: &Work<'_>) -> Vec<String> {
     }
     lines.extend(neighbours(work));
     if plan.keys.iter().any(|key| key.from_curves) {
-        lines.push("~ Something was not weighed: the smooth curve over the keyboard stands in for it.".to_owned());
+        lines.push("~ Something was not weighed: the smooth curve over the keyboard takes its place.".to_owned());
     }
     let missing = erard::keyboard::KEYS - plan.keys.len();
     if missing > 0 {
@@ -235,7 +237,7 @@ pub(super) fn stays(work: &Work<'_>) -> Vec<String> {
     }
     if !ceiling.is_empty() {
         lines.push(format!(
-            "{ceiling}: as much lead as a key should have, and still too heavy; lighter hammers or less leverage would do it."
+            "{ceiling}: as much lead as a key should have, and still too heavy: use lighter hammers or less leverage."
         ));
     }
     lines

@@ -71,7 +71,7 @@ pub fn angles_at(run: &Run, frame: usize) -> Vec<f64> {
 pub(crate) struct ArrowLaw {
     /// Length of the arrow of a vanishing force, mm.
     pub base_mm: f64,
-    /// Growth per factor of ten, mm: logarithmic, since weights at rest are tenths of a newton and blows a hundred.
+    /// Growth per factor of ten, mm: logarithmic, since weights at rest are tenths of a newton and impacts a hundred.
     pub per_decade_mm: f64,
     /// Force at which growth sets in, N.
     pub knee_n: f64,

@@ -3,7 +3,7 @@
 //! Drawn as plain SVG rather than through a plotting crate: those tried place everything on whole pixels (slow curves
 //! turn into stairs), cannot clip a curve to a window and draw dashes as thousands of separate strokes.
 //!
-//! One or several windows of time stand side by side over the same panels: a blow takes ten milliseconds of a run
+//! One or several windows of time stand side by side over the same panels: an impact takes ten milliseconds of a run
 //! that takes a second, and both are worth seeing.
 
 mod axes;

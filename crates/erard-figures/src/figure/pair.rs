@@ -72,14 +72,14 @@ pub(crate) fn pair_figure<'a>(title: &str, runs: [(&str, &'a Run); 2]) -> Figure
     }
     let speed =
         |run: &Run| run.events.hammer_speed_m_per_s().map_or("no impact".to_owned(), |speed| format!("{speed:.2} m/s"));
-    let blow = |(name, run): (&str, &Run)| {
+    let impact = |(name, run): (&str, &Run)| {
         Some(Marker {
             x: run.events.hammer_contact_s()?,
             label: format!("impact, {name} {:.1}", run.events.hammer_contact_s()? * 1e3),
         })
     };
     let longer = if runs[1].1.time_s.last() > runs[0].1.time_s.last() { runs[1].1 } else { runs[0].1 };
-    // The window of the blow holds both blows.
+    // The window holds the impacts of both.
     let mut shown = windows(longer);
     if let ([_, first], [_, second]) = (&windows(runs[0].1)[..], &windows(runs[1].1)[..])
         && shown.len() == 2
@@ -88,7 +88,7 @@ pub(crate) fn pair_figure<'a>(title: &str, runs: [(&str, &'a Run); 2]) -> Figure
     }
     let speeds = runs.map(|(name, run)| format!("{name}, {}", speed(run)));
     let subtitle = format!("hammer at the string: {}", speeds.join(" - "));
-    let markers = runs.into_iter().filter_map(blow).collect();
+    let markers = runs.into_iter().filter_map(impact).collect();
     Figure { markers, ..Figure::over_time(title.to_owned(), subtitle, shown, panels) }
 }
 

@@ -8,7 +8,7 @@ pub(crate) const MOST: usize = 6000;
 /// Rows of the run, ascending, at most about `most` of them.
 ///
 /// A long run is sampled at equal steps of what happens rather than of time: the sum of how far every series has moved,
-/// each against the way it goes in all. Blows and felts that open and close so get their frames, a key at rest few.
+/// each against the way it goes in all. Impacts and felts that open and close so get their frames, a key at rest few.
 /// Time takes part too, so that nothing rests for too long; the first and last row, the row of every series' extremes
 /// and the rows next to the given instants are always there.
 pub(crate) fn choose(run: &Run, instants: &[f64], most: usize) -> Vec<usize> {
@@ -26,7 +26,7 @@ pub(crate) fn choose(run: &Run, instants: &[f64], most: usize) -> Vec<usize> {
         add(&mut activity, &mut always, 1.0, body.angle_rad.iter().copied());
     }
     for zone in &run.zones {
-        // the root lets weights count beside blows
+        // the root lets weights count beside impacts
         add(&mut activity, &mut always, 0.5, zone.normal_n.iter().map(|force| force.max(0.0).sqrt()));
     }
     for instant in instants {

@@ -16,14 +16,14 @@ use crate::Velocity;
 pub struct Note {
     /// The key, from 1, the lowest A.
     pub key: usize,
-    /// When the hammer is to meet the string, s from the piece's first instant.
+    /// Instant at which the hammer should meet the string, s from the piece's first instant.
     pub start_s: f64,
-    /// When the key, coming up, is to set its damper down, s.
+    /// Instant at which the rising key should set its damper down, s.
     pub end_s: f64,
     /// The note-on's velocity, with the fractions of controller 88 where there are any.
     pub velocity: Velocity,
-    /// The note-off's; `None` where the file does not say: note-ons of velocity 0, and note-offs of 0 or 64, which
-    /// senders that measure no release use.
+    /// The note-off's velocity; `None` where the file does not give it: note-ons of velocity 0, and note-offs of 0 or
+    /// 64, which senders that measure no release use.
     pub release: Option<Velocity>,
 }
 
@@ -39,7 +39,7 @@ pub struct PedalChange {
     pub value: u8,
 }
 
-/// A piece for one piano: what all tracks and channels play.
+/// A piece for one piano: the notes of all tracks and channels.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Piece {
     /// The notes in the order of their beginnings, then of their keys. Notes of one key do not overlap.

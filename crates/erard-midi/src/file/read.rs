@@ -19,11 +19,11 @@ const PERCUSSION: u8 = 9;
 /// Why a file is not read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ReadError {
-    /// The file is no Standard MIDI File or is broken; with the reason.
+    /// The file is not a Standard MIDI File, or is damaged; with the reason.
     Syntax(String),
     /// The file is longer than 16 MiB; with its length, bytes.
     TooLong(usize),
-    /// Its tracks are pieces of their own (format 2), of which this file has so many.
+    /// Its tracks are separate pieces (format 2); with their number.
     Sequences(usize),
     /// Its header gives no time: zero ticks for a quarter note or a frame.
     NoTime,
@@ -35,7 +35,7 @@ impl std::fmt::Display for ReadError {
             ReadError::Syntax(what) => write!(f, "not a readable Standard MIDI File: {what}"),
             ReadError::TooLong(bytes) => write!(f, "{bytes} bytes; at most {MOST_BYTES} are read"),
             ReadError::Sequences(count) => {
-                write!(f, "a file of format 2, of {count} pieces that belong to nothing common; expected format 0 or 1")
+                write!(f, "a file of format 2, {count} independent pieces; expected format 0 or 1")
             }
             ReadError::NoTime => f.write_str("the header gives a quarter note or a frame 0 ticks; expected at least 1"),
         }
@@ -45,11 +45,11 @@ impl std::fmt::Display for ReadError {
 impl std::error::Error for ReadError {}
 
 /// Reads a piece from the bytes of a Standard MIDI File of format 0 or 1. Memory and work are linear in the number of
-/// bytes but for sorting.
+/// bytes, except for sorting.
 ///
-/// Leaves out, with a remark, what a piano does not play: notes of the percussion channel, notes that are not on
-/// the keyboard. A key that one track or channel presses while another holds it is struck again, and held until the
-/// last of them lets go. A note that no note-off ends is held to the file's last event.
+/// Leaves out, with a remark, events that a piano does not play: notes of the percussion channel, and notes outside the
+/// keyboard. A key that one track or channel presses while another holds it is struck again, and held until the last of
+/// them lets go. A note without a note-off is held to the file's last event.
 ///
 /// # Errors
 /// [`ReadError`].
@@ -84,7 +84,7 @@ pub fn read(bytes: &[u8]) -> Result<Piece, ReadError> {
         !matches!(track.last().map(|event| event.kind), Some(TrackEventKind::Meta(MetaMessage::EndOfTrack)))
     };
     for (i, _) in tracks.iter().enumerate().filter(|(_, track)| breaks_off(track)) {
-        piece.remarks.push(format!("track {} breaks off: what may have followed is not read", i + 1));
+        piece.remarks.push(format!("track {} breaks off; the rest of it was not read", i + 1));
     }
     Ok(piece)
 }
@@ -99,7 +99,7 @@ struct Event {
 
 /// Instants of ticks.
 struct Clock {
-    /// From a tick on, which is at an instant, s, each tick takes so long, s; the first one is tick 0.
+    /// Tempo from a tick on: its instant, s, and the duration of a tick, s; the first entry is for tick 0.
     from: Vec<(u64, f64, f64)>,
 }
 
@@ -140,14 +140,14 @@ impl Clock {
     }
 }
 
-/// Who holds a key: a track and a channel.
+/// The holder of a key: a track and a channel.
 type Holder = (usize, u8);
 
 /// What is known so far.
 #[derive(Default)]
 struct Reader {
     piece: Piece,
-    /// Of keys that are held: their note in the piece, and who holds them.
+    /// Held keys: their note in the piece, and their holders.
     held: BTreeMap<usize, (usize, Vec<Holder>)>,
     /// The seven bits below the next note's velocity.
     below: BTreeMap<Holder, u8>,
@@ -224,7 +224,7 @@ impl Reader {
         };
         piece.remarks.extend(say(percussion, " of the percussion channel, 10, left out"));
         piece.remarks.extend(say(beyond, " beyond the keyboard, A0 to C8, left out"));
-        piece.remarks.extend(say(held.len(), " without an end: held to the file's last event"));
+        piece.remarks.extend(say(held.len(), " without an end: held until the file's last event"));
         // Two keys of one instant: the lower one first. What is of no duration cannot be played.
         let empty = piece.notes.iter().filter(|note| note.end_s <= note.start_s).count();
         piece.notes.retain(|note| note.end_s > note.start_s);

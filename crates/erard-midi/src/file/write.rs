@@ -26,7 +26,7 @@ pub enum WriteError {
     Note(usize),
     /// A pedal's change, likewise, has an instant that is not finite or before 0.
     Pedal(usize),
-    /// So long a time passes from an instant, s, on without an event that the file cannot say it.
+    /// The time without an event from this instant, s, on is too long for the file format.
     Silence(f64),
 }
 
@@ -44,8 +44,8 @@ impl std::fmt::Display for WriteError {
 
 impl std::error::Error for WriteError {}
 
-/// Writes a piece as a Standard MIDI File of format 0, on channel 1, in ticks of 1/20 ms. A release that is not known
-/// is written as 64. Of one instant note-offs come first, then pedals, then note-ons.
+/// Writes a piece as a Standard MIDI File of format 0, on channel 1, in ticks of 1/20 ms. An unknown release is written
+/// as 64. At one instant note-offs come first, then pedals, then note-ons.
 ///
 /// # Errors
 /// [`WriteError`].

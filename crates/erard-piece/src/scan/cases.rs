@@ -10,14 +10,14 @@ use super::truth::{Truth, Window};
 use crate::error::PerformError;
 use crate::perform::height_m;
 
-/// The key is home and the hammer at rest so long after a case, s.
+/// Time after a case at which key and hammer are at rest, s.
 const TAIL_S: f64 = 0.5;
-/// Where a finger goes that presses a key to its bottom: a dip of 10 mm and a half more, m.
+/// Depth to which a finger goes that presses a key to its bottom, m: a dip of 10 mm and 0.5 mm more.
 const BOTTOM_M: f64 = 10.5e-3;
-/// Where a finger goes that leaves the key, m above its rest.
+/// Height to which a finger goes that leaves the key, m above its rest.
 const LEFT_M: f64 = -8e-3;
-/// How much tighter the repetition spring is of an action whose soft notes strike twice, a share of its torque, and by
-/// how much its back check is too far from the hammer, m. An estimate, for which they do.
+/// Misadjustment of an action whose soft notes strike twice: excess of the repetition spring's torque, as a share, and
+/// excess distance of the back check from the hammer, m. Estimates with which they do.
 const BRISK: f64 = 0.6;
 const FAR_M: f64 = 3e-3;
 
@@ -37,7 +37,7 @@ pub enum Case {
     SlowRelease,
     /// That release, stopped where the jack has reset, and another stroke from there.
     Repress,
-    /// A stroke from where the key has come up a little only.
+    /// A stroke from a key that has come up only a little.
     ShallowRepress,
     /// A finger that trembles on a key that it holds near the let-off.
     Trembling,
@@ -147,7 +147,7 @@ fn brisk(instrument: &Instrument) -> Instrument {
     brisk
 }
 
-/// Plays cases one after the other on each of these keys, by a finger that is led along a path; every key begins at an
+/// Plays cases one after the other on each of these keys, by a finger that follows a path; every key begins at an
 /// instant, s. A path depends on the seed, the key, the case and how often it was played. `scans` takes the keys'
 /// motion. `progress` receives the share of keys that are done, and ends the work by returning false.
 ///

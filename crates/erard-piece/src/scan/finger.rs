@@ -1,4 +1,4 @@
-//! A finger that is led along a path, on one key.
+//! A finger that follows a path, on one key.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -12,23 +12,22 @@ use super::sensor::Sampler;
 use super::truth::Strike;
 use crate::error::PerformError;
 
-/// A finger with a part of the hand, on muscle that leads it, kg, N/m, N s/m. Estimates: it follows a path of 10 Hz,
-/// and yields by 0.8 mm under 5 N.
+/// A finger with a part of the hand, and the muscle that drives it, kg, N/m, N s/m. Estimates: it follows a path of 10
+/// Hz, and deviates by 0.8 mm under 5 N.
 const FINGER: Hand =
     Hand { mass_kg: 0.1, stiffness_n_per_m: 6000.0, damping_n_s_per_m: 35.0, start_m: 0.0, start_m_per_s: 0.0 };
-/// A hammer that meets the string again while its key has come up by less bounced, m.
+/// Rise of the key below which a second impact counts as a bounce of the hammer, m.
 const BOUNCED_M: f64 = 1e-3;
 /// A finger this high above the key's rest is away from the key, m.
 const AWAY_M: f64 = 4e-3;
-/// Every so many steps the caller is asked whether to go on.
+/// Number of steps between questions to the caller whether to go on.
 const ASK_EVERY: u64 = 512;
 
-/// A piece of a finger's path: how long it takes, s, and how deep it ends, m below the key front's rest, along the path
-/// of least jerk.
+/// A piece of a finger's path, of least jerk: its duration, s, and its final depth, m below the key front's rest.
 pub(super) type Leg = [f64; 2];
 
-/// Leads a finger along a path on an action at rest, from an instant, s, and on for a while after its end, s. The
-/// strikes, of a window; when it ended, s.
+/// Drives a finger along a path on an action at rest, from an instant, s, and for a while after its end, s. Returns the
+/// strikes of the window and its end, s.
 pub(super) fn play(
     instrument: &Instrument,
     [begins_s, tail_s]: [f64; 2],
@@ -82,7 +81,7 @@ pub(super) fn play(
     Ok((strikes, begins_s + lasts_s))
 }
 
-/// Where the finger is led at an instant, m, and its speed, m/s.
+/// Prescribed position of the finger at an instant, m, and its speed, m/s.
 fn place(path: &[Leg], t: f64) -> [f64; 2] {
     let (mut from_s, mut from_m) = (0.0, 0.0);
     for &[takes_s, to_m] in path {

@@ -1,10 +1,10 @@
-//! What sensors under the keys read while a piece or a case is played, with the truth beside it: for builders who
-//! derive notes from sensors.
+//! Readings of sensors under the keys while a piece or a case is played, together with the ground truth: for builders
+//! who derive notes from sensors.
 //!
 //! - [`Sensor`], [`Scans`]: bits, rate and noise of a sensor; the readings of all keys, sample by sample;
 //! - [`Case`], [`play_cases`]: motions of a finger that mislead simple algorithms, played on simulated actions;
 //! - [`Truth`]: when and how fast every hammer met its string, and when each key set its damper down. It comes from the
-//!   simulated actions and from nothing else: where no string was struck, there is no note.
+//!   simulated actions alone: where no string was struck, there is no note.
 
 mod cases;
 mod finger;

@@ -1,4 +1,4 @@
-//! Sensors under the keys' fronts: what a converter reads of a travel, scan by scan.
+//! Sensors under the keys' fronts: a converter's readings of the travel, scan by scan.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
@@ -9,13 +9,13 @@ use erard_live::profile::Stops;
 
 use crate::sink::{Block, Sink};
 
-/// No sensor is read faster, Hz: as often as an action is stepped.
+/// Highest rate of a sensor, Hz: that of an action's steps.
 pub const MOST_RATE_HZ: f64 = 20_000.0;
 /// A key's stops lie at these shares of the converter's range: a key that bounces at its bottom is not cut off.
 const STOPS: [f64; 2] = [0.10, 0.85];
 /// A key is off its rest from this travel on, m.
 const OFF_M: f64 = 0.05e-3;
-/// It is sent for so long before it leaves its rest, and after it came back, s.
+/// Time before a key leaves its rest, and after it comes back, for which its readings are sent, s.
 const MARGIN_S: f64 = 0.03;
 
 /// A sensor.
@@ -32,7 +32,7 @@ pub struct Sensor {
 /// A reading of one key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Reading {
-    /// When, us.
+    /// Instant, us.
     pub time_us: u64,
     /// The key, from 1.
     pub key: usize,
@@ -40,7 +40,8 @@ pub struct Reading {
     pub raw: u32,
 }
 
-/// The readings at a key's two stops, counts of a converter with so many bits, without noise: not whole numbers.
+/// The readings at a key's two stops in counts of a converter with this number of bits, without noise: not whole
+/// numbers.
 #[must_use]
 pub fn stops(bits: u32) -> Stops {
     let full = f64::from(full(bits));
@@ -52,7 +53,7 @@ fn full(bits: u32) -> u32 {
 }
 
 impl Sensor {
-    /// What it reads at a share of the key's travel, off by so many standard deviations of its noise.
+    /// Its reading at a share of the key's travel, with an error in standard deviations of its noise.
     fn reads(&self, share: f64, deviation: f64) -> u32 {
         let Stops { rest, pressed } = stops(self.bits);
         let exact = rest + (share + self.noise * deviation) * (pressed - rest);
@@ -124,7 +125,7 @@ pub(super) struct Sampler {
 }
 
 impl Sampler {
-    /// Takes where the key's front is, m, at an instant, s. Between two of them it went straight.
+    /// Takes the position of the key's front, m, at an instant, s. Between two positions it moves linearly.
     pub(super) fn take(&mut self, time_s: f64, key_m: f64) {
         let to = [time_s, key_m];
         for channel in &mut self.channels {
@@ -167,7 +168,7 @@ impl Scans {
         Scans { sensors: sensors.to_vec(), seed, travels_m, samplers: Mutex::default() }
     }
 
-    /// The sampler of a key; on and on the same one.
+    /// The sampler of a key, always the same one.
     pub(super) fn sampler(&self, key: usize) -> Arc<Mutex<Sampler>> {
         let make = || {
             let random = |index: usize| fastrand::Rng::with_seed(self.seed << 16 ^ (index as u64) << 8 ^ key as u64);
@@ -187,7 +188,7 @@ impl Scans {
         Arc::clone(samplers.entry(key).or_insert_with(make))
     }
 
-    /// What takes a key's rows in a performance, one for each step ([`crate::Options::row_s`] of 0).
+    /// The sink for a key's rows in a performance, one for each step ([`crate::Options::row_s`] of 0).
     #[must_use]
     pub fn sink(&self, key: usize) -> Box<dyn Sink> {
         Box::new(Sampling(self.sampler(key)))

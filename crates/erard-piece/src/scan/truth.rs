@@ -1,4 +1,4 @@
-//! What really happened: strikes of hammers, and the times in which they are looked for.
+//! Ground truth: strikes of hammers, and the intervals in which they may fall.
 
 use crate::note::Played;
 
@@ -9,23 +9,23 @@ pub struct Strike {
     pub key: usize,
     /// The window that it belongs to, an index into [`Truth::windows`].
     pub window: usize,
-    /// When, s.
+    /// Instant of the impact, s.
     pub time_s: f64,
     /// The hammer's speed at the string, m/s.
     pub hammer_speed_m_per_s: f64,
     /// The hammer bounced: it met the string again although the key had not come up in between.
     pub again: bool,
-    /// When the key, coming up, set its damper down, s, and how fast its front came, m/s; `None` where it was pressed
+    /// Instant at which the rising key set its damper down, s, and speed of its front, m/s; `None` if it was pressed
     /// again before.
     pub released: Option<[f64; 2]>,
 }
 
-/// A time in which a key is played.
+/// An interval in which a key is played.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Window {
     /// The key, from 1.
     pub key: usize,
-    /// What is played: the name of a case, or `piece`.
+    /// Name of the case, or `piece`.
     pub case: &'static str,
     /// From this instant, s.
     pub from_s: f64,
@@ -33,7 +33,7 @@ pub struct Window {
     pub to_s: f64,
 }
 
-/// All strikes, and the windows in which they fall. A window without a strike is one in which no note belongs.
+/// All strikes, and the windows in which they fall. A window without a strike must contain no note.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Truth {
     /// By their beginning, then by key.
@@ -43,7 +43,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// The truth of a performance that lasts so many s: a window per key.
+    /// The truth of a performance of this duration, s: a window per key.
     #[must_use]
     pub fn of_performance(notes: &[Played], duration_s: f64) -> Self {
         let mut keys: Vec<usize> = notes.iter().map(|note| note.wanted.key).collect();

@@ -425,20 +425,31 @@ impl Comparison {
     /// it; of the action, for each thing that was measured.
     pub fn rests(&self) -> Vec<String> {
         let action = self.trials.iter().filter(|trial| trial.which == Which::Action);
-        let told = action.flat_map(|trial| {
-            let of = |what, errors: Option<&Errors>| Some((trial.driven, what, errors?.rest?));
-            [of(outcome(trial.driven), trial.errors.as_ref()), of("hammer", trial.hammer_errors.as_ref())]
-        });
-        told.flatten()
-            .map(|(driven, what, rest)| {
+        let told = action.filter_map(|trial| {
+            let of = |what, errors: Option<&Errors>| Some((what, errors?.rest?));
+            let both = [of(outcome(trial.driven), trial.errors.as_ref()), of("hammer", trial.hammer_errors.as_ref())];
+            let rests: Vec<_> = both.into_iter().flatten().collect();
+            let parts: Vec<String> = rests.iter().map(|(_, rest)| share(rest.share, 0)).collect();
+            let parts =
+                if parts.iter().all(|part| *part == parts[0]) { &parts[..parts.len().min(1)] } else { &parts[..] };
+            let explained: Vec<String> = rests
+                .iter()
+                .enumerate()
+                .map(|(n, (what, rest))| {
+                    let of = if n == 0 { format!("the {what}'s variance") } else { format!("the {what}'s") };
+                    format!("{} of {of}", share(rest.explained_without, 1))
+                })
+                .collect();
+            (!rests.is_empty()).then(|| {
                 format!(
-                    "{} driven: {} of the {what}'s variance is rest before the touch; without the rest the action explains {}",
-                    driven.name(),
-                    share(rest.share, 0),
-                    share(rest.explained_without, 1)
+                    "{} driven: without the rest before the touch ({} of the variance) the action explains {}",
+                    trial.driven.name(),
+                    parts.join(" and "),
+                    explained.join(", ")
                 )
             })
-            .collect()
+        });
+        told.collect()
     }
 
     /// In words: of every recorded motion that drives the action, what the force that comes out is worth.

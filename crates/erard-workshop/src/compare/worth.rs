@@ -134,7 +134,7 @@ impl Worth {
         let Worth { rms_n, within_n, noise_m } = self;
         let begin = format!("{} driven: the position's noise, {:.2} um rms,", driven.name(), 1e6 * noise_m);
         if !rms_n.is_finite() {
-            return format!("{begin} makes the motion unplayable: the force is worth nothing");
+            return format!("{begin} makes the motion unplayable: the simulated force cannot be used");
         }
         format!(
             "{begin} makes the simulated force uncertain by {rms_n:.3} N rms, and in 95 % of the samples by less than {within_n:.3} N ({PLAYED} motions with as much noise added)"

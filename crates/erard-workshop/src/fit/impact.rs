@@ -36,11 +36,11 @@ impl Problem {
         Ok(impacts)
     }
 
-    /// 1 for rows up to shortly after the blow, 0 for later ones.
+    /// 1 for rows up to shortly after the impact, 0 for later ones.
     ///
     /// # Errors
     /// An interruption.
-    pub fn until_the_blow(&mut self, point: &[f64]) -> Result<Vec<f64>, FitError> {
+    pub fn until_the_impact(&mut self, point: &[f64]) -> Result<Vec<f64>, FitError> {
         let impacts = self.first_impacts(point)?;
         let mut weights = Vec::with_capacity(self.rows());
         for (one, impact_s) in self.data.iter().zip(impacts) {

@@ -2,7 +2,7 @@
 //!
 //! Each recording drives the model by its force, or its motion, and what else was recorded is compared ([`Data`]). What
 //! is free, and between which bounds, is a [`Free`] parameter; residuals and their Jacobian make a [`Problem`].
-//! [`fit()`] solves it: first what leads to the blow, then all of it in differences that look past what jumps, then
+//! [`fit()`] solves it: first what leads to the impact, then all of it in differences that look past what jumps, then
 //! finely, and from elsewhere again until two have ended alike. [`FitResult`] says what came of it: covariance (noise
 //! of sensors and of what drives, misfit beyond both), and which directions nobody sees.
 //!

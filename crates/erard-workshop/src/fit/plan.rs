@@ -1,4 +1,4 @@
-//! The course of a fit: what leads to the blow, then all of it in coarse differences, then finely; and from elsewhere
+//! The course of a fit: what leads to the impact, then all of it in coarse differences, then finely; and from elsewhere
 //! again.
 
 use fastrand::Rng;
@@ -13,7 +13,7 @@ use super::{Asked, FitError, FitResult, Jacobian, Loss, Problem};
 
 /// The step of the first differences: long enough to look past what jumps.
 const COARSE: f64 = 1e-2;
-/// Most evaluations up to the blow, and of all of it in coarse differences.
+/// Most evaluations up to the impact, and of all of it in coarse differences.
 const COARSE_MOST: [usize; 2] = [20, 15];
 /// Beyond so many times the misfit that the sensors' noise explains, the fit begins again elsewhere.
 const MISFIT: f64 = 1.03;
@@ -181,8 +181,8 @@ fn elsewhere(problem: &Problem, ends: &[Candidate], rng: &mut Rng) -> Vec<f64> {
 impl Course<'_> {
     /// All stages from a point.
     fn attempt(&mut self, from: &[f64], plan: &Plan) -> Result<(Solution, Candidate), FitError> {
-        // First what leads to the blow, which is smooth; then all of it, in steps that look past what jumps.
-        self.problem.weights = Some(self.problem.until_the_blow(from)?);
+        // First what leads to the impact, which is smooth; then all of it, in steps that look past what jumps.
+        self.problem.weights = Some(self.problem.until_the_impact(from)?);
         self.problem.forget();
         let found = self.solve(from, COARSE, Loss::SoftL1, COARSE_MOST[0])?;
         self.problem.weights = None;

@@ -570,7 +570,7 @@ mod tests {
     /// Two outliers among twelve samples of a decay, 2 + 3 exp(-0.8 t): SciPy's answers for every loss, and as many
     /// evaluations. A loss that gives outliers less weight is near the truth; plain squares are not.
     #[test]
-    fn outliers_are_heeded_less() {
+    fn outliers_count_for_less() {
         const OFF: [f64; 12] = [0.1, -0.2, 0.15, 0.05, -0.1, 3.0, 0.12, -0.07, -2.5, 0.03, 0.09, -0.11];
         let known = [
             (Loss::Linear, [0.677_091_893, 4.073_663_027, 0.278_202_728], 315.843_549_354, 12),

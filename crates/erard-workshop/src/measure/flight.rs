@@ -25,7 +25,7 @@ pub struct Flights {
     pub speed_m_per_s: f64,
     /// Its largest speed before, m/s.
     pub largest_speed_m_per_s: f64,
-    /// From the last push on the knuckle; `None` where jack and lever pushed until the blow.
+    /// From the last push on the knuckle; `None` where jack and lever pushed until the impact.
     pub from_last_push: Option<Flight>,
     /// From the largest speed.
     pub from_largest_speed: Flight,
@@ -37,7 +37,7 @@ pub(crate) fn flights(t: &[f64], y: &[f64], events: &Events) -> Option<Flights> 
     let last = t.partition_point(|&t| t <= contact_s).min(y.len()).checked_sub(1)?;
     let speed = |i: usize| (y[i] - y[i - 1]) / (t[i] - t[i - 1]);
     let largest = (1..=last).max_by(|&a, &b| speed(a).total_cmp(&speed(b)))?;
-    // The row before the blow and the one before that: free of the string.
+    // The row before the impact and the one before that: free of the string.
     let speed_m_per_s = speed(last);
     let string_m = y[last] + speed_m_per_s * (contact_s - t[last]);
     let from = |at_s: f64| {
@@ -66,20 +66,20 @@ mod tests {
     /// A head that is thrown up: uniform speed to 30 ms, then gravity alone.
     #[test]
     fn a_throw_is_what_the_closed_form_says() {
-        let (v, g, off, blow) = (1.0, 9.81, 0.030, 0.032);
+        let (v, g, off, impact) = (1.0, 9.81, 0.030, 0.032);
         let height = |t: f64| if t < off { v * t } else { v * t - 0.5 * g * (t - off) * (t - off) };
         let time_s: Vec<f64> = (0..=700).map(|i| f64::from(i) * 50e-6).collect();
         let head_m: Vec<f64> = time_s.iter().map(|&t| height(t)).collect();
-        let impacts = vec![Impact { time_s: blow, hammer_speed_m_per_s: 1.0, hammer_speed_normal_m_per_s: 1.0 }];
+        let impacts = vec![Impact { time_s: impact, hammer_speed_m_per_s: 1.0, hammer_speed_normal_m_per_s: 1.0 }];
         let events = Events { let_off_s: Some(off), impacts, ..Events::default() };
         let found = flights(&time_s, &head_m, &events).unwrap();
         let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-3, "{found} {expected}");
-        near(found.speed_m_per_s, v - g * (blow - off));
+        near(found.speed_m_per_s, v - g * (impact - off));
         near(found.largest_speed_m_per_s, v);
         let flight = found.from_last_push.unwrap();
         near(flight.time_ms, 2.0);
-        near(flight.way_mm, (height(blow) - height(off)) * 1e3);
-        near(flight.at_constant_speed_ms, flight.way_mm / (v - g * (blow - off)));
+        near(flight.way_mm, (height(impact) - height(off)) * 1e3);
+        near(flight.at_constant_speed_ms, flight.way_mm / (v - g * (impact - off)));
         assert!(found.from_largest_speed.time_ms >= 2.0 - 0.05);
     }
 }

@@ -103,9 +103,9 @@ pub struct Sheet {
     pub effective_inertia_whippen_kg: f64,
     /// See there.
     pub effective_inertia_hammer_kg: f64,
-    /// Blows per second, the key fully released.
+    /// Strokes per second, the key fully released.
     pub repetition_rate_hz: Option<f64>,
-    /// Blows per second, the key released to half its dip.
+    /// Strokes per second, the key released to half its dip.
     pub repetition_rate_half_hz: Option<f64>,
     /// The finger's force while it repeats, N.
     pub repetition_force_N: f64,
@@ -115,7 +115,7 @@ pub struct Sheet {
     pub softest_let_off_speed_m_per_s: Option<f64>,
     /// Hammer speed that sqrt(2 a d) gives for the remaining flight, m/s.
     pub softest_fall_speed_m_per_s: Option<f64>,
-    /// The fastest second blow after a soft first one, the key held, m/s; 0 where there is none.
+    /// The fastest second impact after a soft first one, the key held, m/s; 0 where there is none.
     pub double_strike_m_per_s: Option<f64>,
     /// Largest force on the slow way from where let-off begins to the bottom less that before it, N: what the finger
     /// feels of let-off.

@@ -177,7 +177,7 @@ pub struct Sensitivities {
     pub by: Vec<Variable>,
     /// Every one of every quantity that happened, by quantity, the largest effect first.
     pub rows: Vec<Sensitivity>,
-    /// Instants at which derivatives jump, from the pose as drawn to the blow, and those that could not be
+    /// Instants at which derivatives jump, from the pose as drawn to the impact, and those that could not be
     /// distinguished.
     pub switches: [u32; 2],
 }
@@ -253,7 +253,7 @@ pub fn sensitivities<'a>(
                     }
                     if !found.has_rest(i) && row.derivative.abs() * variable.usual > NEGLIGIBLE * c.value.abs() {
                         row.mark = Mark::Unconverged;
-                        row.event = Some("the rest does not move by one slope to both sides".to_owned());
+                        row.event = Some("the rest position has a different slope on either side".to_owned());
                     } else if row.mark == Mark::Unconverged {
                         let [first, second] = [0, 2].map(|which| found.one(which, i));
                         let event = first.zip(second).and_then(|(a, b)| parting(a, b, i % DIRECTIONS));

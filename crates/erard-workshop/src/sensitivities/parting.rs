@@ -74,10 +74,10 @@ impl Refusal {
         let begin = format!("the derivative of {of} by {by} does not converge");
         let why = match &self.event {
             Some(event) => format!(
-                "it is {a:.4e} in steps of {h:.4} us and {b:.4e} in steps of {shorter:.4} us, which part {}; shorter steps may tell",
+                "it is {a:.4e} in steps of {h:.4} us and {b:.4e} in steps of {shorter:.4} us, which differ in {}; shorter steps may decide",
                 event.told(instrument)
             ),
-            None => "the rest at which the press starts does not move by one slope to both sides".to_owned(),
+            None => "the rest position at which the press starts has a different slope on either side".to_owned(),
         };
         let sides = self.sides.map_or_else(String::new, |[below, above]| {
             format!(". Differences give {below:.4e} to below and {above:.4e} to above")

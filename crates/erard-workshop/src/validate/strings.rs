@@ -2,7 +2,7 @@
 
 use super::presses::{FF_M_PER_S, MF_M_PER_S, PP_M_PER_S};
 use crate::measure::MeasureError;
-use crate::struck::{Blow, STEP_S, Stopped, blow_of_speed, rest};
+use crate::struck::{FirstImpact, STEP_S, Stopped, impact_of_speed, rest};
 use erard::Progress;
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
@@ -14,7 +14,7 @@ use erard::{Action, Input};
 const A0: usize = 1;
 const C6: usize = 64;
 const C8: usize = 88;
-/// Blows that are looked for, and about how many tries each takes.
+/// Impacts that are looked for, and about how many tries each takes.
 const SEARCHES: f64 = 5.0;
 const TRIES: f64 = 11.0;
 /// Cents of the second partial per B: 1200/ln 2 times B n^2/2.
@@ -70,9 +70,9 @@ impl Skipped {
 /// What was found; `None` did not come about.
 #[derive(Debug, Clone, Default)]
 struct Found {
-    c4: [Option<Blow>; 3],
-    a0: Option<Blow>,
-    c8: Option<Blow>,
+    c4: [Option<FirstImpact>; 3],
+    a0: Option<FirstImpact>,
+    c8: Option<FirstImpact>,
     /// C4, C6, C8.
     cents: [Option<f64>; 3],
     /// A0, C4, C6, under their dampers, s.
@@ -100,13 +100,14 @@ impl Strung {
             done += 1.0 / (SEARCHES * TRIES);
             progress(f64::min(done, 1.0))
         };
-        let mut play = |one: &Instrument, speed_m_per_s: f64| -> Result<Option<Blow>, MeasureError> {
+        let mut play = |one: &Instrument, speed_m_per_s: f64| -> Result<Option<FirstImpact>, MeasureError> {
             let mut action = rest(one)?;
-            blow_of_speed(&mut action, speed_m_per_s, &mut going).map_err(|Stopped| SimulationError::Interrupted.into())
+            impact_of_speed(&mut action, speed_m_per_s, &mut going)
+                .map_err(|Stopped| SimulationError::Interrupted.into())
         };
         let mut found = Found::default();
-        for (blow, speed_m_per_s) in found.c4.iter_mut().zip([PP_M_PER_S, MF_M_PER_S, FF_M_PER_S]) {
-            *blow = play(instrument, speed_m_per_s)?;
+        for (impact, speed_m_per_s) in found.c4.iter_mut().zip([PP_M_PER_S, MF_M_PER_S, FF_M_PER_S]) {
+            *impact = play(instrument, speed_m_per_s)?;
         }
         if yields {
             found.cents[0] = cents(instrument);
@@ -142,9 +143,9 @@ impl Strung {
         if !self.keyboard && !name.contains("_c4") {
             return Some(Err(Skipped::NoKeyboard));
         }
-        let contact = |blow: &Option<Blow>| blow.map(|blow| 1e3 * blow.contact_s);
-        let peak = |blow: &Option<Blow>| blow.map(|blow| blow.peak_n);
-        let back = |blow: &Option<Blow>| blow.map(|blow| blow.back_m_per_s / blow.speed_m_per_s);
+        let contact = |impact: &Option<FirstImpact>| impact.map(|impact| 1e3 * impact.contact_s);
+        let peak = |impact: &Option<FirstImpact>| impact.map(|impact| impact.peak_n);
+        let back = |impact: &Option<FirstImpact>| impact.map(|impact| impact.back_m_per_s / impact.speed_m_per_s);
         let found = &self.found;
         let [pp, mf, ff] = &found.c4;
         Some(Ok(match name {

@@ -1,19 +1,19 @@
 //! Derivatives of a key press: how its instants and speeds depend on the numbers of the instrument and on the force, by
 //! forward mode.
 //!
-//! The press is played once in numbers that carry derivatives ([`moreau_kernels::Tangents`]), up to eight directions at
-//! a time, from its rest to the blow. What is differentiated is the motion with dry friction that truly sticks and
-//! felts that are not smoothed: steps end where sliding comes to rest or turns round, and there the derivatives jump as
-//! they must (the engine's README, "Derivatives"). Of the map from an instrument's numbers to the mechanism's, which is
-//! smooth, differences are taken.
+//! The press is played once in dual numbers ([`moreau_kernels::Tangents`]), up to eight directions at a time, from its
+//! rest to the impact. This differentiates the motion itself, with dry friction that truly sticks and felts that are
+//! not smoothed: steps end where sliding stops or reverses, and there the derivatives jump as they must (the engine's
+//! README, "Derivatives"). The smooth map from an instrument's numbers to the mechanism's is differentiated by
+//! differences.
 //!
 //! It starts at the rest of [`crate::simulate`], to the bit ([`Poses`]). With dry friction an action can rest in many
-//! poses; the one it is in depends on how it got there. So a [`Direction`] says what happens to the rest:
-//! [`Direction::moving`] has it move as the rest of `simulate` moves, [`Direction::between`] alone holds it, as an
-//! action that is changed while its friction holds it.
+//! poses, depending on its history. A [`Direction`] therefore determines how the rest changes: [`Direction::moving`]
+//! moves it as the rest of `simulate` moves; [`Direction::between`] alone holds it, as in an action that is changed
+//! while its friction holds it.
 //!
-//! A derivative holds for the piece of the solution on which the press is. Where the solution jumps beside it, as where
-//! a hammer strikes twice or only once, a derivative says nothing of the jump.
+//! A derivative is valid for the smooth piece of the solution that contains the press. It does not show nearby jumps of
+//! the solution, for example between one and two impacts of the hammer.
 
 mod start;
 mod watch;
@@ -56,13 +56,13 @@ pub enum GradientError {
         "derivatives are not supported with modal strings; expected a rigid string (`rigid_string = true` in [roles])"
     )]
     Yielding,
-    /// Something of the engine that is not derived.
+    /// A feature of the engine that has no derivatives.
     #[error("{what} has no derivatives here")]
     NotDerived {
         /// Name of the part without derivatives.
         what: &'static str,
     },
-    /// Changing the number changes what the mechanism is made of.
+    /// Changing the number changes the structure of the mechanism.
     #[error("a small change of the number changes what the mechanism is made of")]
     Makeup,
     /// Error control.
@@ -100,11 +100,11 @@ impl From<ModelError> for GradientError {
 pub struct Direction {
     /// The derivative of every number of the mechanism's description.
     numbers: Vec<f64>,
-    /// That of the hammer's strike point, m.
+    /// Derivative of the hammer's strike point, m.
     head: [f64; 2],
-    /// That of the force on the key, N.
+    /// Derivative of the force on the key, N.
     force: f64,
-    /// Those of the poses at the start; `None` where they are held.
+    /// Derivatives of the poses at the start; `None` where they are held.
     moves: Option<Moves>,
 }
 
@@ -114,8 +114,8 @@ impl Direction {
         Direction { numbers: Vec::new(), head: [0.0; 2], force: 1.0, moves: None }
     }
 
-    /// From an instrument with a number a little lower to one with the number a little higher, which is `apart` more.
-    /// The pose at the start is held.
+    /// Direction from an instrument with a number a little lower to one with the number higher by `apart`. The pose at
+    /// the start is held.
     ///
     /// # Errors
     /// [`GradientError::Makeup`].
@@ -132,8 +132,8 @@ impl Direction {
         Ok(Direction { numbers, head: [slope((&p[0], &q[0])), slope((&p[1], &q[1]))], force: 0.0, moves: None })
     }
 
-    /// The same, and the poses at the start move: from those with the number a little lower to those with it a little
-    /// higher, which is `apart` more.
+    /// This direction with moving poses at the start: from those with the number a little lower to those with it higher
+    /// by `apart`.
     #[must_use]
     pub fn moving(self, low: &Poses, high: &Poses, apart: f64) -> Self {
         Direction { moves: Some(Moves::between(low, high, apart)), ..self }
@@ -167,8 +167,8 @@ pub struct Followed {
 }
 
 impl Followed {
-    /// Switches at which derivatives jumped, and switches so close upon another that they were taken as they came:
-    /// derivatives may be off.
+    /// Switches at which derivatives jumped, and switches so close together that they could not be resolved:
+    /// derivatives may then be wrong.
     pub fn counts(&self) -> [u32; 2] {
         let unresolved = self.switches.iter().filter(|one| one.switch.kind == SwitchKind::Unresolved).count();
         [self.switches.len() - unresolved, unresolved].map(|count| count as u32)
@@ -180,12 +180,12 @@ impl Followed {
 pub struct How {
     /// Steps between two samples, if there are to be any.
     pub sample_every: Option<u64>,
-    /// Derivatives go on as they were across switches that cannot be distinguished. How far they then are from those of
-    /// the other way, which steps across, is what such switches make uncertain.
+    /// Derivatives continue unchanged across switches that cannot be distinguished. Their distance from those of the
+    /// other method, which steps across, is the uncertainty that such switches cause.
     pub passes_unresolved: bool,
 }
 
-/// Whether an instrument has derivatives at all: the same errors as [`follow`], before any work.
+/// Checks whether an instrument has derivatives at all: gives the errors of [`follow`] before any work.
 ///
 /// # Errors
 /// See [`GradientError`].
@@ -194,8 +194,8 @@ pub fn check(instrument: &Instrument) -> Result<(), GradientError> {
     Ok(())
 }
 
-/// Presses the key in numbers that carry the derivatives in at most [`DIRECTIONS`] directions. The run ends when all
-/// has been seen, or with the setup's duration; with samples every so many steps, with the duration.
+/// Presses the key in dual numbers with at most [`DIRECTIONS`] directions. The run ends when all events have been
+/// found, at the latest with the setup's duration; with samples, it ends with the duration.
 ///
 /// It starts at `poses`: those of the instrument ([`Poses::of`]).
 ///
@@ -289,16 +289,16 @@ pub fn follow(
     Ok(Followed { instants: watch.finish(), samples, switches, unconverged: all.unconverged })
 }
 
-/// Room that [`follow`] needs on its thread's stack, bytes: a step's working memory in numbers with derivatives is nine
-/// times that of plain ones. A thread that is started has less unless told otherwise.
+/// Stack that [`follow`] needs on its thread, bytes: a step's working memory in dual numbers is nine times that in
+/// plain ones. New threads have less by default.
 pub const STACK_BYTES: usize = 64 << 20;
 
-/// Newton's tolerance: derivatives have their own, and the velocities are to be as exact.
+/// Newton's tolerance, so that velocities are as exact as derivatives, which have their own.
 const TOLERANCE: f64 = 1e-8;
 /// Steps between two questions whether to go on.
 const ASK_EVERY: u64 = 64;
 
-/// What travels are measured from, and what is driven how.
+/// Reference of travels, and the drive.
 struct Places {
     site: Number,
     /// The strike point in the hammer's frame.

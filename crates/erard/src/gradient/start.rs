@@ -1,4 +1,4 @@
-//! Where a press that is differentiated starts: at the rest of [`crate::simulate`], and how that moves.
+//! Start of a differentiated press: the rest of [`crate::simulate`], and its derivative.
 
 use moreau::SavedState;
 use moreau_kernels::{DIRECTIONS, Number};
@@ -17,7 +17,7 @@ type State = SavedState<f64, 12, 32>;
 pub struct Poses {
     /// The rest from which travels are measured.
     pub rest: State,
-    /// Where the mechanism stands when the press begins: at the rest, or under a finger that is already down.
+    /// Pose at the beginning of the press: at rest, or under a finger that is already down.
     pub start: State,
 }
 
@@ -25,7 +25,7 @@ impl Poses {
     /// Those of [`crate::simulate`], to the bit. `begins_at_m`: how far down a prescribed finger begins, m.
     ///
     /// # Errors
-    /// What cannot be assembled or brought to rest.
+    /// An instrument that cannot be assembled or does not come to rest.
     pub fn of(instrument: &Instrument, begins_at_m: f64, progress: &mut Progress<'_>) -> Result<Self, SimulationError> {
         let mut action = Action::asking(instrument, Settings::new(instrument.usual_step_s()), progress)?;
         let rest = action.mechanism().save().state;
@@ -58,7 +58,7 @@ impl Moves {
     }
 }
 
-/// A state, and what its numbers depend on, for each direction that moves it.
+/// A state, and its derivative in each direction that moves it.
 fn moved<'a>(state: &State, slopes: impl Iterator<Item = Option<&'a State>>) -> SavedState<Number, 12, 32> {
     let mut all = SavedState::at_rest(state.angle.map(Number::constant));
     all.memory = state.memory.map(|one| one.map(Number::constant));
@@ -77,7 +77,7 @@ fn moved<'a>(state: &State, slopes: impl Iterator<Item = Option<&'a State>>) -> 
     all
 }
 
-/// Rest and start in numbers that depend on the directions; a direction that holds the poses has none.
+/// Rest and start in dual numbers; a direction that holds the poses has no derivative there.
 pub(super) fn dual<'a>(
     poses: &Poses,
     moves: impl Iterator<Item = Option<&'a Moves>> + Clone,

@@ -54,7 +54,7 @@ pub(super) struct DualEventDetector {
     pushes: [(f64, Number); 2],
     /// Compressions of the knuckle's zones before the last step.
     knuckle: Vec<Number>,
-    /// When the last of them parted, s.
+    /// Instant at which the last of them separated, s.
     parted_s: Option<Number>,
     released_s: Option<Number>,
     highest_m: f64,
@@ -97,7 +97,7 @@ fn end_of_push(older: (f64, Number), last: (f64, Number), until: f64, parted: Op
     }
 }
 
-/// Zones that part so many steps from the end of the push end it.
+/// Number of steps around the end of a push within which separating zones end it.
 const NEAR: f64 = 1.5;
 
 impl DualEventDetector {
@@ -209,7 +209,7 @@ impl DualEventDetector {
         }
     }
 
-    /// Whether nothing is left to be seen.
+    /// Whether all events have been found.
     pub(crate) fn has_seen_all(&self) -> bool {
         let (roles, instants) = (&self.roles, &self.instants);
         let over = |event: Option<Number>, zone: Option<usize>| event.is_some() || zone.is_none();
@@ -219,7 +219,7 @@ impl DualEventDetector {
             && over(instants.key_bottom_s, roles.key_bottom)
     }
 
-    /// What was seen. Where the hammer never reached the string, let-off is the last push before its highest point.
+    /// The events found. If the hammer never reached the string, let-off is the last push before its highest point.
     pub(crate) fn finish(mut self) -> Instants {
         if self.instants.hammer_contact_s.is_none() && self.instants.key_start_s.is_some() {
             self.instants.let_off_s = self.released_at_apex_s.filter(|_| self.instants.toe_contact_s.is_some());

@@ -1,9 +1,9 @@
-//! Which body and which zone is which, as a technician names them. Found from who touches whom, so that no file has to
-//! say it.
+//! Finds the parts of a grand action, as a technician names them, among bodies and zones by their contacts, so that no
+//! file has to name them.
 
 use crate::instrument::{Instrument, Zone};
 
-/// A part that a grand action needs to be regulated is not there, or not where it belongs.
+/// A part that a grand action needs for regulation is missing or misplaced.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AnatomyError {
     /// A role that nothing has.
@@ -15,7 +15,7 @@ pub enum AnatomyError {
     /// The let-off zone is on the ground on both sides.
     #[error("the instrument cannot be measured as a grand action: zone `{zone}` touches no body")]
     LetOffTouchesNothing {
-        /// Its name.
+        /// Name of the zone.
         zone: String,
     },
     /// The part that meets the let-off button does not push the knuckle.
@@ -24,7 +24,7 @@ pub enum AnatomyError {
          hammer"
     )]
     JackPushesNothing {
-        /// Its name.
+        /// Name of the body.
         body: String,
     },
 }
@@ -52,7 +52,7 @@ pub struct Anatomy {
     pub check: Option<usize>,
     /// Repetition lever - knuckle.
     pub lever_knuckle: Option<usize>,
-    /// The damper: what the key lifts that is neither whippen nor hammer.
+    /// The damper: the body lifted by the key that is neither whippen nor hammer.
     pub damper: Option<usize>,
     /// Key end - damper.
     pub key_damper: Option<usize>,
@@ -64,7 +64,7 @@ impl Anatomy {
     /// other body on the ground that the key touches besides whippen and hammer.
     ///
     /// # Errors
-    /// Where a part is missing that regulation needs.
+    /// A part that regulation needs is missing.
     pub fn find(instrument: &Instrument) -> Result<Self, AnatomyError> {
         let (roles, zones) = (&instrument.roles, &instrument.zones);
         let needed = |found: Option<usize>, role: &'static str| found.ok_or(AnatomyError::NoRole { role });

@@ -1,8 +1,8 @@
-//! Rules that hold for a grand only, and would be different in an upright: which way key and hammer go, which part is
-//! which, and how parts lie when they are weighed.
+//! Rules for grand actions only, which would differ in an upright: the directions of key and hammer, the names of
+//! parts, and the pose of parts on a scale.
 //!
-//! All else takes an instrument as it comes: bodies, zones and their roles. Who measures an action asks here where up
-//! is, what is the whippen and what the shank's level pose.
+//! All other code uses only bodies, zones and their roles. Measurements get from here the upward direction, the
+//! whippen, and the pose with a level shank.
 
 mod anatomy;
 mod parts;

@@ -23,7 +23,7 @@ impl Parts {
     /// Finds the parts of an instrument.
     ///
     /// # Errors
-    /// When it is no grand action.
+    /// The instrument is not a grand action.
     pub fn of(instrument: &Instrument) -> Result<Self, AnatomyError> {
         let anatomy = Anatomy::find(instrument)?;
         let rides_on_whippen = |body: usize| body != anatomy.whippen && carries(instrument, anatomy.whippen, body);

@@ -1,4 +1,4 @@
-//! Parts on the scale: as a technician lays them there, each on its own pin.
+//! Weights of parts on a scale, as a technician measures them, each part on its own pin.
 
 use super::Parts;
 use crate::instrument::Instrument;
@@ -7,7 +7,7 @@ use crate::instrument::Instrument;
 const G_PER_KG: f64 = 1e3;
 
 /// The front weight, g, which a scale under the key's front end shows: the key on its balance pin, level as drawn.
-/// `front_m` is the distance of the front from the pin, positive; a key that is heavier behind shows less than nothing.
+/// `front_m` is the distance of the front from the pin, positive; for a key that is heavier behind it is negative.
 #[must_use]
 pub fn front_weight_g(instrument: &Instrument, parts: &Parts, front_m: f64) -> f64 {
     let key = &instrument.bodies[parts.key];

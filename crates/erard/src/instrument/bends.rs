@@ -2,8 +2,8 @@
 //! they make.
 //!
 //! A bend is a hinge between two rigid pieces with the stiffness that the part has there (a pseudo-rigid-body model): a
-//! key at its fulcrum, a shank beyond the knuckle. Whoever means the part's geometry or its weights, and not what it
-//! gives, locks the bends ([`Instrument::locked`]): the pieces become one rigid body, as drawn.
+//! key at its fulcrum, a shank beyond the knuckle. Code that needs the part's geometry or its weights, without its
+//! compliance, locks the bends ([`Instrument::locked`]): the pieces become one rigid body, as drawn.
 
 use super::placement::Placement;
 use super::{Body, Curve, Instrument, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone};
@@ -113,7 +113,7 @@ fn add(whole: &mut Body, piece: &Body, center: Vec2) {
     whole.mass_kg = mass_kg;
 }
 
-/// What becomes of the pieces.
+/// Result for the pieces.
 struct Rigid {
     becomes: Vec<Option<usize>>,
     placed: Vec<Placement>,

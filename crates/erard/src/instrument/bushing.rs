@@ -1,12 +1,12 @@
-//! Bushings: pivots whose cloth gives.
+//! Bushings: pivots with compliant cloth.
 //!
 //! A pivot that may move a little in one direction is a pivot at the end of a long arm: a body of its own, hinged in
 //! line with the pivot on what that was hinged on, and held by a spring. The engine's tree of hinges then needs nothing
-//! new. For whoever means the rigid geometry the arm is a piece of what it is hinged on ([`Instrument::locked`]).
+//! new. For the rigid geometry the arm is a piece of the body that it is hinged on ([`Instrument::locked`]).
 
 use super::{Body, Instrument, Spring};
 
-/// m; so long that the pivot's path is straight over what a bushing gives.
+/// Length of the arm, m; so long that the pivot's path is straight over the compression of a bushing.
 const ARM_M: f64 = 0.3;
 /// Of what represents the pin, at the arm's end: small beside every part of an action.
 const PIN_KG: f64 = 1e-3;

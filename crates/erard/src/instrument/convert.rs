@@ -152,7 +152,7 @@ fn read_bushings(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &
         let name = instrument.bushing_name(body);
         let taken = instrument.bodies.iter().map(|b| &b.name).chain(instrument.springs.iter().map(|s| &s.name));
         if taken.into_iter().any(|other| *other == name) {
-            let message = format!("there is a `{name}` already, which is what the reader calls this bushing");
+            let message = format!("`{name}` is taken: the reader gives this bushing that name");
             return Err(Fault::at(stiffness.span(), message, "another name for that one"));
         }
         if instrument.bodies.len() >= MAX_BODIES || instrument.springs.len() >= MAX_SPRINGS {

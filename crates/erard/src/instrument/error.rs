@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The one thing that is wrong with an instrument file: where it stands, what was found, what was expected.
+/// The fault of an instrument file: its place, the text found and the text expected.
 ///
 /// Every failure of [`Instrument::load`](super::Instrument::load) and [`Instrument::parse`](super::Instrument::parse) is
 /// this type, so that a program can print it as one line (its `Display`) or underline `span` in `text`.

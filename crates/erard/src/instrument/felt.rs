@@ -153,7 +153,7 @@ impl JsonSchema for FeltToml {
         add(STIFFNESS, "k, N/m^r.", generator.subschema_for::<Num<NonNegative>>());
         add(EXPONENT, "r, from 1 to 6.", generator.subschema_for::<Num<Exponent>>());
         let thickness = "Thickness of felt, cloth or leather, of both sides together, mm. It takes no part in the mechanics: a run that compresses it \
-                         by more is not trusted. Not looked at when absent.";
+                         by more is not trusted. Not checked when absent.";
         add(THICKNESS, thickness, generator.subschema_for::<Num<Positive>>());
         for number in NUMBERS.iter() {
             add(number.key, number.meaning, LossNum::schema(number.range, generator));

@@ -42,7 +42,7 @@ impl InstrumentFile {
     /// Reads the text of an instrument file. `file_name` appears in errors only.
     ///
     /// # Errors
-    /// The first thing that is wrong, with line, key, what was found and what was expected.
+    /// The first fault, with line, key, the text found and the text expected.
     pub fn parse(text: &str, file_name: &str) -> Result<Self, Box<FileError>> {
         let (file, instrument, numbers) = read(text, file_name)?;
         let (keys, lines) = (KeyMap::read(text), Lines::read(text));
@@ -87,8 +87,7 @@ impl InstrumentFile {
     }
 }
 
-/// An instrument file's keys, the instrument, and its numbers with their places: where they come from nobody has asked
-/// yet.
+/// An instrument file's keys, the instrument, and its numbers with their places, before their sources are read.
 fn read(text: &str, file_name: &str) -> Result<(InstrumentToml, Instrument, Vec<ReadNumber>), Box<FileError>> {
     check_size(text, file_name, "an instrument, starting with its `format`")?;
     let file: InstrumentToml = from_toml(text).map_err(|error| dress(file_name, text, serde_fault(&error, text)))?;

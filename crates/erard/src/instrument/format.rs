@@ -122,7 +122,7 @@ pub(crate) struct BodyToml {
     pub bend: Option<At<bool>>,
     /// Range of its angle against the body that carries it, from the drawn pose, degrees counter-clockwise, as its
     /// stops allow: `[lowest, highest]`, from at most 0 to at least 0. It takes no part in the mechanics: a run in
-    /// which the body turns further is not trusted. Not looked at when absent.
+    /// which the body turns further is not trusted. Not checked when absent.
     pub turn_deg: Option<Num<Pair>>,
 }
 

@@ -218,7 +218,7 @@ pub fn title(name: &At<String>, what: &str) -> Result<String, Fault> {
     if trimmed.chars().any(|c| c.is_control() || steers(c)) {
         return wrong(
             "a name holds a control character".to_owned(),
-            "letters, digits and signs on one line".to_owned(),
+            "letters, digits and punctuation on one line".to_owned(),
         );
     }
     Ok(trimmed.to_owned())

@@ -7,10 +7,10 @@ use super::{Instrument, ScrewAction};
 
 /// Who the source of the new settings is, in the file's own list of sources.
 const AUTHOR: &str = "erard regulate";
-/// The source's name, where nobody else has taken it.
+/// The source's name, unless it is taken.
 const SOURCE: &str = "regulated";
 
-/// Why a file cannot be rewritten. The text was read before, so that neither is the user's fault.
+/// Why a file cannot be rewritten. The text was read successfully before, so none of these is the user's mistake.
 #[derive(Debug, thiserror::Error)]
 pub enum RewriteError {
     /// The text is no TOML.

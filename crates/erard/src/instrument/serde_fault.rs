@@ -3,8 +3,8 @@
 use super::error::Fault;
 use super::from_toml::TomlError;
 
-/// A fault from what serde and the TOML parser say. They tell mistakes apart by their wording only, so this reads their
-/// wording; what it does not recognise it quotes.
+/// Makes a fault of a message of serde or the TOML parser. These distinguish mistakes only by their wording, so this
+/// function reads the wording and quotes messages that it does not recognise.
 pub fn serde_fault(error: &TomlError, text: &str) -> Fault {
     let span = error.span.clone().unwrap_or(0..0);
     let message = error.message.as_str();

@@ -8,12 +8,12 @@ use super::PianoString;
 pub(crate) const STEEL_DENSITY_KG_M3: f64 = 7850.0;
 /// Steel wire, Pa.
 pub(crate) const STEEL_YOUNG_PA: f64 = 2.02e11;
-/// Partials above this are not part of the force on the bridge: nobody hears them, Hz.
+/// Frequency above which partials are not part of the force on the bridge, Hz: they are inaudible.
 pub(crate) const REACH_HZ: f64 = 20e3;
 /// So many partials are stepped at least. A treble string has few below 20 kHz, and what the others yield would follow
 /// the felt's force half a step late.
 const LEAST_MODES: u32 = 32;
-/// Partials that a static compliance counts: what is beyond adds less than a thousandth of it.
+/// Number of partials in a static compliance: the higher ones add less than a thousandth to it.
 const STATIC_PARTIALS: u32 = 4000;
 
 /// Bending stiffness of a round steel wire, N m2, from its diameter, m.

@@ -227,7 +227,7 @@ fn absence(file: &AbsentToml, base: &mut DocumentMut, base_key: usize) -> Result
     let keys = (*file.keys).map(|key| usize::try_from(key).unwrap_or(0));
     if !(keys[0] >= 1 && keys[0] <= keys[1] && keys[1] <= KEYS) {
         let expected = format!("[first, last] from 1 to {KEYS}");
-        return Err(Fault::at(file.keys.span(), "no keys of a piano", expected));
+        return Err(Fault::at(file.keys.span(), "not keys of a piano", expected));
     }
     if (keys[0]..=keys[1]).contains(&base_key) {
         let expected = format!("keys without {base_key}, the `instrument_key`");
@@ -273,7 +273,7 @@ fn shift(file: &ShiftToml, reader: &mut Reader, base: &mut DocumentMut, base_key
     Ok(Grading { name: title(&file.name, "a grading")?, graded: Graded::Shift { points, direction }, curve })
 }
 
-/// A path in the instrument at which so many numbers stand.
+/// A path to this many numbers in the instrument.
 fn path_of(path: &At<String>, base: &mut DocumentMut, count: usize) -> Result<String, Fault> {
     let what = if count == 1 { "a number" } else { "a point" };
     let segments: Vec<&str> = path.split('.').collect();
@@ -291,7 +291,7 @@ fn key_number(key: &At<i64>) -> Result<usize, Fault> {
     usize::try_from(**key)
         .ok()
         .filter(|key| (1..=KEYS).contains(key))
-        .ok_or_else(|| Fault::at(key.span(), "no key of a piano", format!("a number from 1 to {KEYS}")))
+        .ok_or_else(|| Fault::at(key.span(), "not a key of a piano", format!("a number from 1 to {KEYS}")))
 }
 
 /// A curve that is `neutral` at the base instrument's own key.

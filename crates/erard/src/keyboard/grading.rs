@@ -13,7 +13,7 @@ use crate::instrument::edit::{cite, find, numbers, set, source_name};
 
 /// Who the source of graded numbers is, in the instrument's own list of sources.
 const AUTHOR: &str = "erard keyboard";
-/// The source's name, where nobody else has taken it.
+/// The source's name, unless it is taken.
 const SOURCE: &str = "graded";
 /// Digits to which graded numbers are written: a part in a million.
 const DIGITS: usize = 6;

@@ -18,7 +18,7 @@ use crate::player::snapshot::strings_are_finite;
 use crate::player::{Action, ActionError, Input, MechanismState, Reading, Snapshot, SnapshotError};
 use crate::strings::Strings;
 
-/// How long the keys are let come to a complete rest before they are handed over, s: a few steps are enough.
+/// Time for the keys to come to a complete rest before they are handed over, s: a few steps are enough.
 const SETTLING_S: f64 = 0.1;
 
 /// Why the keys cannot be assembled.
@@ -48,7 +48,7 @@ pub struct Keys {
     impacts: Vec<KeyImpact>,
 }
 
-/// What is one key's.
+/// Data of one key.
 struct Own {
     rest: Rest,
     identity: Identity,
@@ -125,7 +125,7 @@ impl Keys {
         self.bank.now_s()
     }
 
-    /// Sets the drive of a key from the next step on, until another is set. Wakes it if that is anything new. An
+    /// Sets the drive of a key from the next step on, until another is set. Wakes the key if the drive is new. An
     /// imposed motion ([`Input::Rigid`]) holds its velocity; [`Keys::impose`] follows its position as well.
     ///
     /// # Panics
@@ -160,7 +160,7 @@ impl Keys {
     }
 
     /// Sends the sustain pedal's rail to a lift, m, under all keys that have one; see [`Strings::set_pedal`]. Wakes
-    /// them if that is anything new.
+    /// them if the lift is new.
     pub fn set_pedal(&mut self, lift_m: f64) {
         for index in 0..self.bank.count() {
             let aim = |strings: &Strings| strings.pedal_aim_m().filter(|aim_m| *aim_m != lift_m);
@@ -173,7 +173,7 @@ impl Keys {
         }
     }
 
-    /// Whether sleeping keys are left alone (as at first). Otherwise every key is stepped in every step, with the same
+    /// Sets whether sleeping keys are skipped, the default. Otherwise every key is stepped in every step, with the same
     /// results.
     pub fn let_sleep(&mut self, sleep: bool) {
         self.bank.let_sleep(sleep);
@@ -257,8 +257,8 @@ impl Keys {
         self.bank.velocities(key - 1)
     }
 
-    /// All that a key's following steps depend on: what an [`Action`] of its instrument can go on from, and the other
-    /// way round.
+    /// Saves everything that a key's following steps depend on. An [`Action`] of the same instrument can continue from
+    /// it, and the reverse.
     #[must_use]
     pub fn save(&self, key: usize) -> Snapshot {
         Snapshot::new(self.mechanism_state(key), self.bank.surfaces(key - 1))
@@ -278,8 +278,8 @@ impl Keys {
         }
     }
 
-    /// A key goes on from a snapshot of the same instrument, to the bit; its input stays. Its clock is that of all
-    /// keys: what the snapshot has seen of the hammer's flight is moved there.
+    /// Continues a key from a snapshot of the same instrument, to the bit; its input stays. The key's clock is that of
+    /// all keys, so the snapshot's record of the hammer's flight is shifted to it.
     ///
     /// # Errors
     /// [`SnapshotError`].

@@ -1,8 +1,8 @@
 //! The keyboard: 88 actions, graded from bass to treble, and played together.
 //!
-//! A [`Keyboard`] is what a keyboard *is*: the instrument file of one key and what differs from it from key to key
-//! (hammers, leads, strings, pins). Every key's [`Instrument`] comes of it, for every command that takes one. [`Keys`]
-//! are the assembled actions, stepped together, in which a key at rest costs nothing; [`tremolo`] plays them.
+//! A [`Keyboard`] holds the instrument file of one key and the differences from key to key (hammers, leads, strings,
+//! pins). From it comes every key's [`Instrument`], for every command that takes one. [`Keys`] are the assembled
+//! actions, stepped together, in which a key at rest costs nothing; [`tremolo`] plays them.
 
 mod file;
 mod format;
@@ -80,7 +80,7 @@ impl Keyboard {
     /// A key's instrument with its provenance.
     ///
     /// # Errors
-    /// Where a grading leads to what cannot be: a mass below zero, say.
+    /// A grading leads to an impossible value, such as a negative mass.
     pub fn key_file(&self, key: usize) -> Result<InstrumentFile, Box<FileError>> {
         InstrumentFile::parse(&self.key_text(key), &self.key_name(key))
     }

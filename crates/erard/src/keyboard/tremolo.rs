@@ -1,4 +1,4 @@
-//! A fortissimo tremolo that wanders over the whole keyboard: what a keyboard has to bear in real time.
+//! A fortissimo tremolo that wanders over the whole keyboard: a demanding load for a keyboard in real time.
 //!
 //! Every finger has a stretch of the keyboard of its own. It strikes a key [`STROKES`] times, [`STROKES_PER_S`] times a
 //! second, goes on to the next key and from the last of its stretch back to the first. Every other finger strikes half

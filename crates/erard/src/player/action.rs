@@ -61,13 +61,13 @@ pub struct Reading {
     pub key_m: f64,
     /// Its speed, m/s.
     pub key_m_per_s: f64,
-    /// Force of the finger on the key, N: what a haptic key has to give back.
+    /// Force of the finger on the key, N, which a haptic key renders.
     pub finger_n: f64,
     /// Rise of the hammer's strike point, m; 0 without a hammer.
     pub hammer_m: f64,
-    /// How fast it rises, m/s.
+    /// Speed of the hammer's strike point, m/s.
     pub hammer_m_per_s: f64,
-    /// Place of the hand ([`Input::Hand`]), m below the key front's rest; where none presses, where the last one was.
+    /// Position of the hand ([`Input::Hand`]), m below the key front's rest; without a hand, the last one's.
     pub hand_m: f64,
     /// Its speed, m/s.
     pub hand_m_per_s: f64,
@@ -75,7 +75,7 @@ pub struct Reading {
     pub string_n: f64,
     /// The impact of the hammer on the string in the step, if there was one.
     pub impact: Option<Impact>,
-    /// How the step ended. After [`Outcome::NonFinite`] the action is where it was, and can be stepped on.
+    /// Outcome of the step. After [`Outcome::NonFinite`] the action is unchanged and can be stepped further.
     pub outcome: Outcome,
 }
 
@@ -98,11 +98,11 @@ impl Reading {
     }
 }
 
-/// A grand action that is stepped from outside: a force or a position in, what the mechanism does out.
+/// A grand action that is stepped from outside: takes a force or a position, returns the mechanism's response.
 ///
-/// It starts at rest, friction included, nothing touching the key. [`Action::step`] never allocates, never panics and
-/// takes a bounded number of iterations; nor does anything else here but [`Action::new`] and [`Action::with`], unless
-/// it says so. Nothing uses a clock or a thread.
+/// It starts at rest, friction included, with nothing touching the key. [`Action::step`] never allocates, never panics
+/// and takes a bounded number of iterations. This also holds for all other functions here, except [`Action::new`],
+/// [`Action::with`] and those that say otherwise. Nothing uses a clock or a thread.
 ///
 /// ```
 /// use erard::{Action, Input, Instrument};
@@ -123,7 +123,7 @@ pub struct Action {
     mechanism: Box<dyn Mechanism>,
     rest: Rest,
     identity: Identity,
-    /// Where an imposed motion was to be at the end of the last step, m from rest.
+    /// Target of a prescribed motion at the end of the last step, m from rest.
     aimed_m: Option<f64>,
 }
 
@@ -160,7 +160,7 @@ impl Action {
         Ok(action)
     }
 
-    /// Whether an action can be stepped by so many seconds.
+    /// Checks whether an action can take steps of this length, s.
     ///
     /// # Errors
     /// [`ActionError::Step`].
@@ -169,7 +169,7 @@ impl Action {
         if range.contains(&step_s) { Ok(()) } else { Err(ActionError::Step { found: step_s }) }
     }
 
-    /// Standing still at the angles as drawn in the file, wherever that is; travels are measured from there.
+    /// An action that is still at the angles as drawn in the file; travels are measured from there.
     ///
     /// # Errors
     /// See [`ActionError`].
@@ -186,7 +186,7 @@ impl Action {
         Ok(action)
     }
 
-    /// From now on travels are measured from here, and this instant is 0 s.
+    /// Makes the present pose the reference of travels and this instant 0 s.
     pub fn rest_here(&mut self, instrument: &Instrument) {
         self.rest = Rest::of(instrument, self.mechanism.as_ref());
         self.place_hand(0.0, 0.0);
@@ -286,7 +286,7 @@ impl Action {
         took
     }
 
-    /// Calls the present instant so, s, and forgets the flight of the hammer so far.
+    /// Sets the present instant, s, and forgets the flight of the hammer so far.
     pub(crate) fn begin_at(&mut self, now_s: f64) {
         self.mechanism.set(Part::Instant(now_s));
         self.aimed_m = None;
@@ -315,13 +315,13 @@ impl Action {
         self.mechanism.configure(Stepping { halving, ..stepping });
     }
 
-    /// Whether steps that are known to change nothing are left out, as at first: the same bits for less work.
+    /// Sets whether steps that are known to change nothing are skipped, the default: equal bits for less work.
     pub fn let_rest(&mut self, may_rest: bool) {
         let stepping = *self.mechanism.readout().stepping;
         self.mechanism.configure(Stepping { may_rest, ..stepping });
     }
 
-    /// Whether the last step changed nothing: with the same input the next one does not either.
+    /// Whether the last step changed nothing, so that the next one with the same input changes nothing either.
     pub fn rests(&self) -> bool {
         self.mechanism.readout().rests
     }
@@ -332,8 +332,8 @@ impl Action {
         self.mechanism.readout().bodies_rest && self.strings().is_some_and(Strings::ring_freely)
     }
 
-    /// Where [`Action::only_strings_move`], lets them ring for so many spans of a length, s, at once, and shows them
-    /// after each span; whether it did. A mode's free motion is exact over any span: what differs from steps is
+    /// If [`Action::only_strings_move`], lets them ring for a number of spans of a length, s, at once, and shows them
+    /// after each span; returns whether it did. A mode's free motion is exact over any span: what differs from steps is
     /// rounding. Allocates.
     pub fn ring(&mut self, spans: u64, span_s: f64, each: &mut dyn FnMut(&Strings)) -> bool {
         if !self.only_strings_move() {
@@ -347,12 +347,12 @@ impl Action {
         true
     }
 
-    /// Catches everything: sets all velocities to zero.
+    /// Sets all velocities to zero.
     pub fn stop(&mut self) {
         self.mechanism.set(Part::Standstill);
     }
 
-    /// The strings, where they yield: where they are, and what they do to the bridge.
+    /// The modal strings, if there are any: their displacement, and their force on the bridge.
     pub fn strings(&self) -> Option<&Strings> {
         Strings::under(self.mechanism.as_ref())
     }
@@ -372,7 +372,7 @@ impl Action {
         self.mechanism.surfaces_mut()?.as_any_mut().downcast_mut()
     }
 
-    /// While the action is brought to rest: the strings follow their forces, and do not ring.
+    /// Mode for the search for rest: the strings follow their forces without ringing.
     pub(crate) fn let_strings_follow(&mut self, statically: bool) {
         if let Some(surfaces) = self.mechanism.surfaces_mut() {
             surfaces.follow(statically);
@@ -411,7 +411,7 @@ impl Action {
         self.mechanism.compression(zone)
     }
 
-    /// A point of a body (`None`: of the ground), m in its frame, in the world now, m.
+    /// Present position in the world, m, of a point of a body (`None`: of the ground), m in its frame.
     pub fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {
         self.mechanism.point(body, point)
     }
@@ -421,7 +421,7 @@ impl Action {
         self.rest
     }
 
-    /// What saved states must know of the instrument.
+    /// The identity of the instrument for saved states.
     pub(crate) fn identity(&self) -> &Identity {
         &self.identity
     }
@@ -431,13 +431,13 @@ impl Action {
         self.mechanism.as_ref()
     }
 
-    /// All that the following steps depend on. Allocates for modal strings only; [`Action::mechanism_state`] and
-    /// [`Action::save_strings`] never do.
+    /// Saves everything that the following steps depend on. Allocates for modal strings only;
+    /// [`Action::mechanism_state`] and [`Action::save_strings`] never do.
     pub fn save(&self) -> Snapshot {
         Snapshot::new(self.mechanism_state(), self.mechanism.readout().surfaces)
     }
 
-    /// All that the following steps depend on, but for how modal strings vibrate. Does not allocate.
+    /// Everything that the following steps depend on, except the vibration of modal strings. Does not allocate.
     pub fn mechanism_state(&self) -> MechanismState {
         MechanismState::new(&self.identity, self.mechanism.save(), self.aimed_m)
     }
@@ -449,17 +449,17 @@ impl Action {
         }
     }
 
-    /// Goes on from a snapshot of the same instrument, to the bit in steps of the same length. The last step's forces
-    /// are not part of it: they are zero until the next. Settings stay as they are.
+    /// Continues from a snapshot of the same instrument, to the bit in steps of equal length. The snapshot does not
+    /// contain the last step's forces: they are zero until the next step. Settings do not change.
     ///
     /// # Errors
-    /// [`SnapshotError`]: another instrument's, or of another version; nothing has changed then.
+    /// [`SnapshotError`]: the snapshot belongs to another instrument or version; nothing has changed.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SnapshotError> {
         self.restore_from(&snapshot.mechanism, &|name, number| snapshot.each(name, number))
     }
 
-    /// Restores a state from its parts. `strings` tells the numbers of a list by its name and returns how many there
-    /// are; of none, modal strings are at rest. Does not allocate.
+    /// Restores a state from its parts. `strings` reads the numbers of a list by its name and returns how many there
+    /// are; without any, modal strings are at rest. Does not allocate.
     ///
     /// # Errors
     /// As [`Action::restore`].
@@ -480,7 +480,7 @@ impl Action {
         Ok(())
     }
 
-    /// Adds to the angular velocity of a body (index as in the instrument), rad/s: what an impulse on it does. The last
+    /// Adds to the angular velocity of a body (index as in the instrument), rad/s, like an impulse on it. The last
     /// step's forces are zero until the next step.
     ///
     /// # Panics

@@ -1,4 +1,4 @@
-//! Rest, friction included: where a run starts.
+//! Rest, friction included: the start of a run.
 
 use moreau::{FrictionLaw, Input, ModelError, Outcome, Settings};
 use thiserror::Error;
@@ -10,7 +10,7 @@ use crate::progress::Progress;
 /// Step of the settling run, s. It is the same for every run, so that runs with different steps start from the same
 /// pose.
 pub const STEP_S: f64 = crate::strings::STEP_S;
-/// A mechanism that has not come to rest by itself after this time is slowed down by force.
+/// A mechanism that has not come to rest by itself after this time is slowed down artificially.
 pub const PATIENCE_S: f64 = 2.0;
 /// Largest settling time in all.
 const LIMIT_S: f64 = 20.0;
@@ -60,8 +60,8 @@ pub enum EquilibriumError {
     Interrupted,
 }
 
-/// How a mechanism is stepped toward its rest: with true dry friction, and with theta = 1, which damps what the felts
-/// leave and does not move the rest position.
+/// Settings for the search for rest: true dry friction, and theta = 1, which damps the remaining motion without moving
+/// the rest position.
 pub fn settings() -> Settings<f64> {
     Settings { theta: 1.0, friction: FrictionLaw::SetValued, ..Settings::new(STEP_S) }
 }
@@ -79,7 +79,7 @@ pub struct Settling {
 }
 
 impl Settling {
-    /// Looks after every step, of [`STEP_S`]; true when the mechanism has come to rest.
+    /// Call after every step of [`STEP_S`]; true when the mechanism has come to rest.
     pub fn rests(&mut self, velocities: &[f64]) -> bool {
         self.time_s += STEP_S;
         self.speed = velocities.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -87,9 +87,9 @@ impl Settling {
         self.quiet_s >= QUIET_S
     }
 
-    /// Counts the steps that the solver does not solve, told every step's outcome after [`Settling::rests`]; true when
-    /// there is no hope. What stands still may be undetermined (felts with a set-valued loss lock more than there are
-    /// freedoms) and does not count.
+    /// Counts steps without a solution; call it with every step's outcome after [`Settling::rests`]. True when the
+    /// search should give up. Steps in which nothing moves do not count: there forces may be undetermined (felts with a
+    /// set-valued loss can lock more than there are degrees of freedom).
     pub fn is_hopeless(&mut self, outcome: Outcome) -> bool {
         let unsolved = outcome == Outcome::IterationLimit && self.quiet_s == 0.0;
         self.unsolved = if unsolved { self.unsolved + 1 } else { 0 };

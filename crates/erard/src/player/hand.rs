@@ -1,7 +1,7 @@
 //! A hand behind the fingertip: a mass that muscle moves.
 //!
-//! A prescribed force is there whatever the key does, and a prescribed motion stops for nothing. A hand has inertia: it
-//! arrives with speed, its force rises above its muscle's when the key stops it, and it may lift off. That is the
+//! A prescribed force does not depend on the key's motion, and nothing stops a prescribed motion. A hand has inertia:
+//! it arrives with speed, its force rises above its muscle's when the key stops it, and it may lift off. This is the
 //! coupled pianist that \[T13\] names as future work. The engine solves hand and key in one step; [`moreau::Hand`] has
 //! the equations.
 
@@ -24,7 +24,8 @@ pub struct Hand {
 }
 
 impl Default for Hand {
-    /// 0.2 kg on the key, at rest; muscle of 1500 N/m and 14 N s/m, which damps the hand by 0.4 of what is critical.
+    /// 0.2 kg on the key, at rest; muscle of 1500 N/m and 14 N s/m, which damps the hand by 0.4 of the critical
+    /// damping.
     fn default() -> Self {
         Hand { mass_kg: 0.2, stiffness_n_per_m: 1500.0, damping_n_s_per_m: 14.0, start_m: 0.0, start_m_per_s: 0.0 }
     }
@@ -81,7 +82,7 @@ pub enum HandError {
     Number {
         /// Quantity with its unit.
         what: &'static str,
-        /// It.
+        /// The value found.
         found: f64,
         /// The smallest.
         from: f64,

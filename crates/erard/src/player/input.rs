@@ -35,7 +35,7 @@ pub enum Input {
 }
 
 impl Input {
-    /// The input `t` s later, for a step of `h` s: what moves, moves on at its velocity. A soft finger's place, and the
+    /// The input `t` s later, for a step of `h` s: a motion continues at its velocity. A soft finger's place, and the
     /// place where a muscle holds its hand, belong to the middle of the step, an imposed one to its end. A device that
     /// is slower than the steps gives one input for all steps of its period; `t` counts from the period's beginning.
     #[must_use]
@@ -54,7 +54,7 @@ impl Input {
         }
     }
 
-    /// The position that a motion has, m; 0 for what has none.
+    /// Position of a motion, m; 0 for inputs without one.
     pub fn position_m(&self) -> f64 {
         match *self {
             Input::Free | Input::Force(_) | Input::Hand(_) => 0.0,
@@ -94,7 +94,7 @@ pub const LARGEST_POSITION_M: f64 = 0.1;
 /// Largest speed that one step takes, m/s, up or down.
 pub const LARGEST_SPEED_M_PER_S: f64 = 100.0;
 
-/// A number that no step takes.
+/// A number out of range for a step.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("found {found}; expected a number of at most {most} {unit} either way")]
 pub struct InputRange {
@@ -106,8 +106,8 @@ pub struct InputRange {
     pub unit: &'static str,
 }
 
-/// Checks what drives a key for one step: force, fingertip's or key's motion. Whoever takes numbers from outside asks
-/// this; the step itself does not. A hand's input is checked by its numbers' owner.
+/// Checks the drive of a key for one step: force, fingertip's or key's motion. Code that takes numbers from outside
+/// calls this; the step itself does not. A hand's input is checked where its numbers are set.
 ///
 /// # Errors
 /// [`InputRange`] with the number that is not finite or beyond its range.

@@ -1,4 +1,4 @@
-//! Books what a running action's energy does.
+//! Energy balance of a running action.
 
 use moreau::Ledger;
 

@@ -1,7 +1,7 @@
-//! Where the energy goes: what every pin and every contact has lost.
+//! Energy losses of every pin and every contact.
 //!
-//! The engine's ledger sums the same losses over all pins and all contacts ([`moreau::Ledger`]); here they are kept one
-//! by one.
+//! The engine's ledger sums these losses over all pins and all contacts ([`moreau::Ledger`]); this module keeps them
+//! separately.
 
 use super::Observer;
 use crate::instrument::Instrument;
@@ -30,9 +30,9 @@ pub struct ContactLoss {
 /// Losses of a pin, a contact or the strings, with its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loss {
-    /// The body of a pin, or the zone; of what yields `strings`, `bridge` or `rocking`.
+    /// The body of a pin, or the zone; for modal strings `strings`, `bridge` or `rocking`.
     pub name: String,
-    /// `pin`, `contact` or, of all that yields under the contacts, `strings`.
+    /// `pin`, `contact` or, for modal strings, `strings`.
     pub kind: &'static str,
     /// For people.
     pub label: String,
@@ -52,21 +52,21 @@ impl Loss {
     }
 }
 
-/// An observer that books losses: told where an action begins, then of every step, of whatever length (of both halves
-/// of each, where the error is controlled).
+/// An observer that sums losses. It needs the start of an action and then every step, of any length (with adaptive
+/// steps both halves of each).
 #[derive(Debug, Clone)]
 pub struct Losses {
     instrument: Instrument,
     pins: Vec<PinLoss>,
     contacts: Vec<ContactLoss>,
-    /// What modal strings had lost at the start of the energy balance, and since, J.
+    /// Losses of modal strings up to the start of the energy balance, and since, J.
     strings_before: StringLosses,
     strings: StringLosses,
     /// See [`Strings::bears`].
     bears: [bool; 2],
 }
 
-/// What modal strings have lost since they were made.
+/// Losses of modal strings since they were made.
 fn lost_in_strings(mechanism: &dyn Mechanism) -> StringLosses {
     Strings::under(mechanism).map_or(StringLosses::default(), Strings::losses)
 }
@@ -177,7 +177,7 @@ impl Losses {
 pub struct LossRecorder {
     instrument: Instrument,
     losses: Option<Losses>,
-    /// What each pin, then each contact, and then strings, bridge and rocked felts had lost at every row, J.
+    /// Losses of each pin, then each contact, and then strings, bridge and rocked felts up to every row, J.
     rows: Vec<Vec<f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! A step as it was taken, seen from outside: where bodies were at its theta point, how fast, and how they accelerated.
+//! A step in outputs: positions, velocities and accelerations of the bodies at its theta point.
 
 use crate::instrument::{Instrument, Placement, Vec2};
 use crate::mechanism::Mechanism;

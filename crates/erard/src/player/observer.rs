@@ -4,7 +4,7 @@ use crate::mechanism::Mechanism;
 
 /// A further observer of a run.
 pub trait Observer {
-    /// Where the run begins: the mechanism stands still, and this instant is its first row.
+    /// The start of the run: the mechanism does not move, and this instant is its first row.
     fn begin(&mut self, time_s: f64, mechanism: &dyn Mechanism);
     /// After every step, which ends at `time_s`; `row`: this instant is a row of the run.
     fn step(&mut self, time_s: f64, row: bool, mechanism: &dyn Mechanism);

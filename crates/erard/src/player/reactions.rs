@@ -2,9 +2,9 @@
 //!
 //! The engine's coordinates are angles, so that no pin force appears in its equations. Newton's and Euler's laws give
 //! them back, body by body from the leaves of the tree to the ground: with the acceleration of each centre of mass from
-//! the step's velocities, and all other forces (felts, friction, weight, the finger) as they acted in the step, what is
-//! missing to m a is the pin's. The moments about the pins are not needed for that. They are left as a check:
-//! [`Reactions::moment_n_m`] is what Euler's law leaves over.
+//! the step's velocities, and all other forces (felts, friction, weight, the finger) as they acted in the step, the
+//! remainder of m a is the pin's force. This does not need the moments about the pins, which serve as a check:
+//! [`Reactions::moment_n_m`] is the residual of Euler's law.
 
 use moreau::vector::{add, cross, sub};
 
@@ -14,7 +14,7 @@ use crate::grand::KEY_DOWN;
 use crate::instrument::{Instrument, Vec2};
 use crate::mechanism::Mechanism;
 
-/// An observer of a running action: told where it begins, then of every step.
+/// An observer of a running action. It needs the start and then every step.
 ///
 /// With adaptive steps it observes both halves of every step. The second half arrives at velocities that
 /// were combined with those of the whole step to a higher order: they differ from what its forces alone made of them by
@@ -26,7 +26,7 @@ pub struct Reactions {
     motion: Motion,
     pin_n: Vec<Vec2>,
     moment_n_m: Vec<f64>,
-    /// Forces on each body but the pins', N, and their moments about its pin, N m.
+    /// Forces on each body except the pins', N, and their moments about its pin, N m.
     force: Vec<Vec2>,
     moment: Vec<f64>,
     /// Accelerations of the pins, m/s2.
@@ -34,7 +34,7 @@ pub struct Reactions {
 }
 
 impl Reactions {
-    /// Begins where an action stands still. Its mechanism must keep its contacts
+    /// Begins at an action that does not move. Its mechanism must keep its contacts
     /// ([`moreau_kernels::Stepping::keeps_contacts`]), as that of a run does.
     #[must_use]
     pub fn open(instrument: &Instrument, mechanism: &dyn Mechanism) -> Self {
@@ -79,7 +79,7 @@ impl Reactions {
         &self.moment_n_m
     }
 
-    /// All forces but the pins', and what follows from them.
+    /// All forces except the pins', and the results that follow from them.
     fn balance(&mut self, m: &dyn Mechanism) {
         self.apply(m);
         let Reactions { instrument, motion, pin_n, moment_n_m, force, moment, pivot_acceleration } = self;
@@ -176,7 +176,7 @@ pub struct PinSeries {
     pub pin_y_n: Vec<f64>,
 }
 
-/// Writes pin reactions and accelerations down while a run goes on.
+/// Records pin reactions and accelerations during a run.
 #[derive(Debug, Clone)]
 pub struct ReactionRecorder {
     instrument: Instrument,

@@ -1,4 +1,4 @@
-//! Writes down a run while it goes on.
+//! Records a run.
 
 use moreau::Contact;
 
@@ -9,8 +9,8 @@ use crate::strings::{ShapeProbe, Strings};
 /// Recorded motion of modal strings.
 #[derive(Debug, Clone, Default)]
 pub struct StringSeries {
-    /// Displacement under the hammer from a straight line, m, away from it; of several strings their mean. What a
-    /// damper's weight displaces is in it.
+    /// Displacement under the hammer from a straight line, m, away from the hammer; for several strings their mean. It
+    /// includes the displacement by a damper's weight.
     pub displacement_m: Vec<f64>,
     /// Force of all of them on the bridge, N, positive in the direction in which the hammer pushes.
     pub bridge_n: Vec<f64>,
@@ -73,10 +73,10 @@ pub struct Recorded {
     pub strings: Option<StringSeries>,
 }
 
-/// An observer that writes an action's series down: told of every step, and of every instant that makes a row.
+/// An observer that records an action's series. It needs every step, and every instant that makes a row.
 ///
-/// Memory for all rows is asked for at once, as zeros, which an operating system gives only where they are overwritten:
-/// a zone that is never touched costs neither time nor memory.
+/// Memory for all rows is allocated at once as zeros, which the operating system provides only where they are
+/// overwritten: a zone that is never touched costs neither time nor memory.
 #[derive(Debug)]
 pub struct Recorder {
     recorded: Recorded,
@@ -84,12 +84,12 @@ pub struct Recorder {
     has_hammer: bool,
     /// The last row's forces are those of a step of this length, s, and still wait for those of the step after it.
     pending: Option<f64>,
-    /// What tells the string's shape.
+    /// The probe of the string's shape.
     shape: Option<ShapeProbe>,
 }
 
 impl Recorder {
-    /// For at most so many rows of an instrument that plays as this mechanism.
+    /// Makes a recorder for at most this many rows of an instrument with this mechanism.
     pub(crate) fn new(instrument: &Instrument, rows: usize, m: &mut dyn Mechanism) -> Self {
         m.configure(Stepping { keeps_contacts: true, ..*m.readout().stepping });
         let series = || vec![0.0; rows];
@@ -167,8 +167,8 @@ impl Recorder {
         }
     }
 
-    /// In the place of [`Recorder::step`] where the last step and the one before it changed nothing: their forces,
-    /// being the same, are their own mean.
+    /// Replaces [`Recorder::step`] where the last two steps changed nothing: their forces are equal and so are their
+    /// own mean.
     pub(crate) fn stood(&mut self) {
         self.pending = None;
     }
@@ -176,7 +176,7 @@ impl Recorder {
     /// A row: key travel and hammer rise from rest, m.
     ///
     /// # Panics
-    /// If there are more than was said at first.
+    /// If there are more rows than the recorder was made for.
     pub(crate) fn row(&mut self, time_s: f64, key_m: f64, hammer_m: f64, now: &Readout<'_>) {
         self.pending = Some(now.last_step_s);
         let row = self.rows;
@@ -215,7 +215,7 @@ impl Recorder {
         }
     }
 
-    /// What was written down.
+    /// The recorded series.
     pub(crate) fn finish(self) -> Recorded {
         let Recorder { mut recorded, rows, .. } = self;
         let Recorded { time_s, force_n, key_m, hammer_head_m, hammer_head_m_per_s, bodies, zones, strings } =

@@ -1,4 +1,4 @@
-//! Where travels are measured from, and how inputs become the engine's.
+//! Reference of travels, and conversion of inputs to the engine's.
 
 use moreau::Input;
 pub(crate) use moreau::RIGID_CORRECTION;

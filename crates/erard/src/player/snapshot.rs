@@ -23,8 +23,8 @@ pub const MARK: [u8; 8] = *b"erardsav";
 /// What the names of the strings' lists begin with.
 const STRINGS: &str = "string_";
 
-/// All that the steps of an [`crate::Action`] after an instant depend on, in plain numbers. It belongs to one
-/// instrument, which its digest tells, and says nothing of the settings.
+/// Everything that the steps of an [`crate::Action`] after an instant depend on, in plain numbers. It belongs to one
+/// instrument, identified by its digest, and does not contain the settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
     /// The state of the mechanism.
@@ -33,8 +33,7 @@ pub struct Snapshot {
     strings: BTreeMap<String, Vec<f64>>,
 }
 
-/// All of a [`Snapshot`] but how modal strings vibrate: of a size that is always the same, to be copied without
-/// allocating.
+/// A [`Snapshot`] without the vibration of modal strings, of fixed size, so that copying it does not allocate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MechanismState {
     instrument: u64,
@@ -43,7 +42,7 @@ pub struct MechanismState {
     aimed_m: Option<f64>,
 }
 
-/// Why a snapshot cannot be gone on from.
+/// Why a run cannot continue from a snapshot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SnapshotError {
@@ -53,7 +52,7 @@ pub enum SnapshotError {
     /// A number is not finite.
     #[error("a number of the snapshot is not finite")]
     NotFinite,
-    /// Bytes that are no snapshot, of another version, or damaged.
+    /// Bytes that are not a snapshot, or are of another version, or damaged.
     #[error(transparent)]
     Unreadable(#[from] Unreadable),
 }
@@ -85,8 +84,8 @@ impl Snapshot {
         bytes
     }
 
-    /// The snapshot that such bytes are. Whether it belongs to an instrument is seen when it is restored. Without the
-    /// strings' lists it is one whose strings are at rest.
+    /// Reads a snapshot from bytes. Restoring checks whether it belongs to the instrument. Without the strings' lists
+    /// its strings are at rest.
     ///
     /// # Errors
     /// [`SnapshotError::Unreadable`], [`SnapshotError::NotFinite`].
@@ -97,7 +96,7 @@ impl Snapshot {
         if finite { Ok(Snapshot { mechanism, strings }) } else { Err(SnapshotError::NotFinite) }
     }
 
-    /// Tells the numbers of one of the strings' lists.
+    /// Reads the numbers of one of the strings' lists.
     pub(crate) fn each(&self, name: &str, number: &mut TellNumbers<'_>) -> usize {
         let numbers = self.strings.get(name).map_or(&[][..], |numbers| numbers);
         numbers.iter().enumerate().for_each(|(index, x)| number(index, *x));

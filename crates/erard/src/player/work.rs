@@ -39,7 +39,7 @@ pub struct ControlWork {
 }
 
 impl Work {
-    /// Counts what one call of the engine did.
+    /// Adds the work of one call of the engine.
     pub(crate) fn count(&mut self, report: &StepReport, steps: u64) {
         self.unconverged_steps += u64::from(report.outcome == Outcome::IterationLimit);
         self.steps += steps;

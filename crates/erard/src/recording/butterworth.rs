@@ -29,8 +29,8 @@ pub const ORDERS: std::ops::RangeInclusive<usize> = 1..=10;
 const PERIODS_BEYOND_THE_ENDS: f64 = 6.0;
 
 impl Butterworth {
-    /// A low-pass of an order (of one pass) for a series of so many samples per second; `None` where the order is not
-    /// one of [`ORDERS`] or the cutoff does not lie between zero and half the rate.
+    /// A low-pass of an order (of one pass) for a series with a number of samples per second; `None` where the order is
+    /// not one of [`ORDERS`] or the cutoff does not lie between zero and half the rate.
     pub fn low_pass(order: usize, cutoff_hz: f64, rate_hz: f64) -> Option<Self> {
         let is_sound = cutoff_hz > 0.0 && cutoff_hz < 0.5 * rate_hz && rate_hz.is_finite();
         if !(ORDERS.contains(&order) && is_sound) {

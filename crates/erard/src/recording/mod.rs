@@ -1,9 +1,9 @@
 //! A prepared recording: its zero, its sign, its clock and its noise.
 //!
-//! What a sensor delivers is seldom what a model can be driven by. [`prepare`] takes the zero from the rest before the
-//! touch, turns signs, moves one channel's clock against the other's, and filters noise by Butterworth's low-pass
-//! forward and backward; a derivative is that of the filtered series. It reports all that it has done, and what it has
-//! noticed and not done.
+//! Raw sensor data can seldom drive a model. [`prepare`] subtracts the zero found in the rest before the touch,
+//! reverses signs, moves one channel's clock against the other's, and filters noise by Butterworth's low-pass forward
+//! and backward; a derivative is that of the filtered series. It reports all its changes, and what it noticed without
+//! changing it.
 
 mod butterworth;
 mod noise;
@@ -24,7 +24,7 @@ use thiserror::Error;
 pub struct Preparation {
     /// Take the mean of the rest before the touch from every channel that has one.
     pub zero: bool,
-    /// What a channel reads in the file where its quantity is zero, N, m or m/s: taken from it, rest or none.
+    /// Reading of a channel in the file where its quantity is zero, N, m or m/s: subtracted, with or without a rest.
     pub zero_at: Vec<(Role, f64)>,
     /// Channels that are positive upward (the hammer's: downward), and are turned.
     pub inverted: Vec<Role>,
@@ -100,7 +100,7 @@ pub struct Prepared {
     pub report: Report,
 }
 
-/// Makes a recording ready.
+/// Prepares a recording.
 ///
 /// # Errors
 /// See [`PrepareError`].
@@ -131,10 +131,11 @@ pub fn prepare(recording: &Recording, preparation: &Preparation) -> Result<Prepa
 
 /// Jumps from sample to sample that differ by no more than this share are an even clock, written down with few digits.
 const EVEN: f64 = 0.1;
-/// Beyond this, in medians, a step is a gap: its noise is not told of, and nothing is filtered that was not asked for.
+/// A step longer than this, in medians, is a gap: the noise of such a channel is not reported, and it is filtered only
+/// on request.
 const GAP: f64 = 3.0;
 
-/// A channel's samples that are there.
+/// A channel's samples without the missing ones.
 struct Samples {
     role: Role,
     gaps: crate::stroke::Gaps,

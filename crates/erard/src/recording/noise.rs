@@ -1,4 +1,4 @@
-//! How noisy a series is, and up to which frequency its signal is above the noise.
+//! Noise of a series, and the frequency up to which its signal is above the noise.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -26,14 +26,14 @@ pub struct Noise {
 
 /// Fewest samples from which noise is estimated.
 const FEWEST: usize = 64;
-/// Below this share of the range noise is the rounding of whoever wrote the numbers.
+/// Share of the range below which noise is only the rounding of the written numbers.
 const ROUNDING: f64 = 1e-5;
 /// Longest piece that is transformed at once, samples.
 const LONGEST: usize = 1 << 17;
 /// Parts of the half rate between which the spectrum is compared: noise is as strong in both.
 const LOWER: [f64; 2] = [0.4, 0.6];
 const UPPER: [f64; 2] = [0.8, 0.95];
-/// What counts as equally strong.
+/// Largest ratio that counts as equally strong.
 const FLAT: f64 = 2.0;
 /// Bands are a third of an octave, from this frequency on, Hz.
 const LOWEST_HZ: f64 = 8.0;
@@ -83,7 +83,7 @@ impl Spectrum {
     }
 }
 
-/// The noise of a series sampled evenly, of which the first so many samples are a rest; `None` where it shows none.
+/// The noise of an evenly sampled series that begins with a number of samples at rest; `None` if it shows none.
 pub(super) fn noise(x: &[f64], rate_hz: f64, rest: usize) -> Option<Noise> {
     let (low, high) = range(x);
     if x.len() < FEWEST || high <= low {

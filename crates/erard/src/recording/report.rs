@@ -1,4 +1,4 @@
-//! The report of a recording: what was done to it and what was noticed, as data and in words.
+//! The report of a recording: its changes and remarks, as data and in words.
 
 use crate::stroke::{Gaps, Role};
 
@@ -7,7 +7,7 @@ use super::noise::{Noise, Whence, range};
 /// All channels, in the order of their roles.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
-    /// Them.
+    /// The channels.
     pub channels: Vec<ChannelReport>,
 }
 
@@ -54,7 +54,7 @@ pub struct ChannelReport {
     pub late_s: f64,
     /// Its noise, where it shows any.
     pub noise: Option<Noise>,
-    /// Up to here it is more than its noise, Hz; `None` where no noise was found.
+    /// Frequency up to which the signal is above the noise, Hz; `None` where no noise was found.
     pub band_hz: Option<f64>,
     /// The low-pass.
     pub low_pass: Option<Filtered>,
@@ -92,7 +92,7 @@ impl ChannelReport {
         }
     }
 
-    /// What the numbers themselves give away.
+    /// Hints in the numbers themselves.
     pub(super) fn told(&mut self, values: &[f64]) {
         let (low, high) = self.range;
         let noise = self.noise.map_or(0.0, |noise| noise.rms);

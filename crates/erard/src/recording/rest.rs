@@ -9,10 +9,10 @@ const FEWEST: usize = 10;
 const TOUCHED: f64 = 0.01;
 /// Over how long it is smoothed, s.
 const SMOOTHED_S: f64 = 0.001;
-/// A rest stands still: its halves differ by no more than this share of the range, or than their noise explains.
+/// In a rest the halves differ by no more than this share of the range, or than their noise explains.
 const STILL: f64 = 1e-3;
 
-/// How many samples stand still before anything moves; 0 where that is no rest.
+/// Number of samples at rest before the first motion; 0 without a rest.
 pub(super) fn rest(time_s: &[f64], x: &[f64]) -> usize {
     let (low, high) = range(x);
     let range = high - low;

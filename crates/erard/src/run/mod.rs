@@ -1,5 +1,4 @@
-//! One key press from rest to the end of its duration, and what it leaves behind: series, events and the energy
-//! balance.
+//! One key press from rest to the end of its duration, and its results: series, events and the energy balance.
 //!
 //! [`simulate`] prepares an action and hands it to the loop over steps in `run_loop.rs`.
 
@@ -55,12 +54,12 @@ pub struct Run {
     pub work: Work,
     /// Largest angles of the bodies, rad, and largest compressions of the felts, m.
     pub extremes: Extremes,
-    /// Why the run cannot be trusted; empty if nothing speaks against it.
+    /// Reasons why the run cannot be trusted; empty without a warning.
     pub warnings: Vec<Warning>,
 }
 
 impl Run {
-    /// Whether nothing speaks against the run's numbers ([`crate::trust`]).
+    /// Whether the run has no warnings ([`crate::trust`]).
     pub fn is_trusted(&self) -> bool {
         self.warnings.is_empty()
     }
@@ -93,7 +92,7 @@ impl Run {
     }
 }
 
-/// What the endings of columns' names mean, the longer before the shorter.
+/// Units by the endings of columns' names, the longer before the shorter.
 const UNITS: [(&str, &str); 18] = [
     ("_rad_per_s2", "rad/s2"),
     ("_degrees", "deg"),

@@ -23,7 +23,7 @@ pub(crate) const SMALLEST_CONTROLLED_STEP_S: f64 = 1e-11;
 pub(crate) struct RunLoop<'a> {
     drive: &'a Drive<'a>,
     setup: &'a Setup,
-    /// Steps of the setup's length, and every how many a row is kept.
+    /// Steps of the setup's length, and the number of steps per row.
     steps: u64,
     every: u64,
     rest: Rest,
@@ -32,7 +32,7 @@ pub(crate) struct RunLoop<'a> {
     work: Work,
 }
 
-/// What observes every step.
+/// Observers of every step.
 struct Observers<'a> {
     detector: EventDetector,
     recorder: Recorder,
@@ -78,7 +78,7 @@ impl<'a> RunLoop<'a> {
         RunLoop { drive, setup, steps, every, rest, action, observers, work }
     }
 
-    /// The instant after so many steps of the setup's length, s.
+    /// The instant after a number of steps of the setup's length, s.
     fn at(&self, n: u64) -> f64 {
         self.setup.start_s + n as f64 * self.setup.settings.step
     }
@@ -159,7 +159,7 @@ impl<'a> RunLoop<'a> {
         Ok(())
     }
 
-    /// What the run leaves behind.
+    /// The results of the run.
     pub(crate) fn finish(self, instrument: &Instrument) -> Run {
         let Observers { detector, recorder, ledger, extremes, struck, peak_force_n, .. } = self.observers;
         let mechanism = self.action.mechanism();

@@ -1,4 +1,4 @@
-//! How a run is made, and why it cannot be.
+//! Settings of a run, and errors.
 
 use moreau::{ModelError, Settings};
 use thiserror::Error;
@@ -10,9 +10,9 @@ use crate::player::{ActionError, Drive, Hand, HandError, Input, PlayError, Snaps
 use crate::strings::Pedal;
 use crate::trust::{Kind, Warning};
 
-/// Most rows that a run keeps unless told otherwise; longer runs keep every n-th step.
+/// Most rows that a run keeps by default; longer runs keep every n-th step.
 pub const MOST_ROWS: u64 = 200_000;
-/// Most rows that a run keeps when told how many. The concert grand's hold some 500 bytes each.
+/// Most rows that a run keeps on request. The concert grand's hold some 500 bytes each.
 pub const MOST_ROWS_ASKED: u64 = 1_000_000;
 /// Tolerances that an error-controlled run accepts: below, rounding is seen as error; above, the largest step limits
 /// the error.
@@ -28,7 +28,7 @@ pub struct Setup {
     pub start_s: f64,
     /// Simulated time, s.
     pub duration_s: f64,
-    /// Keep a row every so many steps; `None`: every step, or so many that [`MOST_ROWS`] are not exceeded.
+    /// Number of steps per row; `None`: one, or as many as are needed not to exceed [`MOST_ROWS`].
     pub record_every: Option<u64>,
     /// Error that a step may have (see [`moreau::Accuracy::tolerance`]); `None`: all steps are as long as the settings
     /// say. With a tolerance, rows stand where they would without, and steps between two of them are as long as their
@@ -86,7 +86,7 @@ pub enum SimulationError {
         /// Steps from row to row that would do.
         least: u64,
     },
-    /// The start is no sane instant.
+    /// The start is out of range.
     #[error("the stroke starts at {found} s; expected a number below 1e9 s")]
     Start {
         /// s.
@@ -103,7 +103,7 @@ pub enum SimulationError {
     /// The instrument has no key to drive.
     #[error("the instrument has no `roles.key`; expected the body to press")]
     NoKey,
-    /// A hand that cannot press so.
+    /// The hand cannot press in this way.
     #[error(transparent)]
     Hand(#[from] HandError),
     /// Strings need fixed steps.
@@ -111,7 +111,7 @@ pub enum SimulationError {
         "adaptive stepping is not supported with modal strings: remove the tolerance, or set `rigid_string = true` in [roles]"
     )]
     StringsControlled,
-    /// There is nothing that a pedal could lift.
+    /// The instrument has no rail for a pedal.
     #[error(
         "a pedal needs a damper rail (`roles.pedal`) and modal strings; the instrument lacks one of them. `concert-grand-strings` has both"
     )]
@@ -131,7 +131,7 @@ pub enum SimulationError {
 }
 
 impl SimulationError {
-    /// An interruption is one, wherever it is heard.
+    /// An interruption stays an interruption, wherever it occurs.
     pub(crate) fn settling(error: EquilibriumError) -> Self {
         match error {
             EquilibriumError::Interrupted => SimulationError::Interrupted,
@@ -151,8 +151,8 @@ impl From<ActionError> for SimulationError {
 }
 
 impl Setup {
-    /// A run of so many seconds from the stroke's start at 0: steps of 50 us with the usual settings, every step a row
-    /// (or so many that [`MOST_ROWS`] are not exceeded), with the ledger.
+    /// A run of a duration, s, from the stroke's start at 0: steps of 50 us with the usual settings, every step a row
+    /// (or every n-th, not to exceed [`MOST_ROWS`]), with the ledger.
     pub fn new(duration_s: f64) -> Self {
         let settings = Settings::new(equilibrium::STEP_S);
         Setup {
@@ -189,7 +189,7 @@ impl Setup {
         })
     }
 
-    /// Checks the numbers, and says how many steps they make.
+    /// Checks the numbers, and returns the number of steps.
     ///
     /// # Errors
     /// See [`SimulationError`].

@@ -35,7 +35,7 @@ pub fn simulate(
     simulate_before(instrument, drive, setup, None, progress)
 }
 
-/// [`simulate`] before the eyes of an observer of its own.
+/// [`simulate`] with an additional observer.
 ///
 /// # Errors
 /// As [`simulate`].
@@ -49,7 +49,7 @@ pub fn simulate_observed(
     simulate_before(instrument, drive, setup, Some(observer), progress)
 }
 
-/// Simulates a touch: [`simulate`] with the hand and what its muscle does.
+/// Simulates a touch: [`simulate`] with the hand and its muscle.
 ///
 /// # Errors
 /// See [`SimulationError`].
@@ -63,8 +63,9 @@ pub fn press_by_hand(
     simulate(instrument, &|t| hand.input(t), &setup, progress)
 }
 
-/// Simulates on from a saved state of the instrument, which is the start of the run: what its hand was doing, the
-/// pedal's rail and the strings' motion are in it; [`Setup::hand`] says what the hand is from then on, not where.
+/// Continues a simulation from a saved state of the instrument, which is the start of the run. The state includes the
+/// motion of the hand, the pedal's rail and the strings. [`Setup::hand`] sets the properties of the hand, not its
+/// position.
 ///
 /// # Errors
 /// As [`simulate`]; [`SimulationError::State`]: the state is another instrument's.

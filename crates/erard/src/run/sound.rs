@@ -1,5 +1,4 @@
-//! The force on the bridge as sound: what a microphone at the bridge would hear, and not a piano. No soundboard, no
-//! room.
+//! The force on the bridge as sound. It is not the sound of a piano: there is no soundboard and no room.
 
 use moreau::Settings;
 
@@ -19,7 +18,7 @@ pub(crate) const STEPS_PER_SAMPLE: u64 = 2;
 /// The force of a note's strings on the bridge.
 #[derive(Debug, Clone, Default)]
 pub struct Sound {
-    /// N, [`RATE_HZ`] samples a second, from the stroke's start, less what lies on the strings then.
+    /// Force, N, [`RATE_HZ`] samples a second, from the stroke's start, without the initial static load.
     pub bridge_n: Vec<f64>,
 }
 
@@ -33,7 +32,7 @@ impl Sound {
 
 struct Microphone {
     sound: Sound,
-    /// What lies on the strings at rest: nobody hears it.
+    /// Static load on the strings at rest, which is inaudible.
     rest_n: f64,
     steps: u64,
 }
@@ -51,8 +50,8 @@ impl Observer for Microphone {
     }
 }
 
-/// Plays a stroke in steps of 1/96000 s, whatever else it is played with, and listens at the bridge. `None` where the
-/// string is rigid.
+/// Plays a stroke in steps of 1/96000 s, whatever its other settings, and records the force on the bridge. `None` where
+/// the string is rigid.
 ///
 /// # Errors
 /// As [`crate::run::simulate`].

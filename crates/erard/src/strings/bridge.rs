@@ -15,8 +15,8 @@
 //!
 //! **A step.** The strings' modes move exactly under the mean w of the step's two ends, those of the bridge exactly
 //! under the mean F_b. The work that the one does, w (S1 - S0), and that of the other, F_b (w1 - w0), add up to what V
-//! has changed by, whatever the length of the step: nothing is won, and nothing can become unstable. Both means are
-//! linear in the hammer's force, so that it goes on being one scalar unknown.
+//! has changed by, whatever the length of the step: no energy is gained, and nothing can become unstable. Both means
+//! are linear in the hammer's force, so that it remains one scalar unknown.
 
 use std::f64::consts::PI;
 
@@ -34,7 +34,7 @@ pub(super) struct Bridge {
     /// Of all its modes: 1/k, and what a newton adds to w in a step, m/N.
     static_m_n: f64,
     gives_m_n: f64,
-    /// What w adds to S in a step, N/m.
+    /// Contribution of w to S in a step, N/m.
     answers_n_m: f64,
 }
 
@@ -104,8 +104,8 @@ impl Bridge {
         0.5 * (s_n[0] + s_n[1]) - self.stiffness_n_m * mean_m
     }
 
-    /// Where it stands, m, under the strings' force at w = 0 without inertia, N: they hold it as springs of T/L do.
-    /// `hold_n_m`: these.
+    /// Equilibrium position, m, under the strings' force at w = 0 without inertia, N: they hold the bridge like springs
+    /// of T/L (`hold_n_m`).
     pub(crate) fn stands_m(&self, force_n: f64, hold_n_m: f64) -> f64 {
         force_n / (1.0 / self.static_m_n + hold_n_m)
     }

@@ -1,17 +1,17 @@
 //! The dampers' felts on their strings.
 //!
-//! A damper's felt of length l lies on each string by itself, so that strings of one note are damped that move against
-//! each other, too. What it is compressed by is the mean along it, in Gauss's quadrature the mean of the two places
-//! l/sqrt(12) before and behind its middle: this is a contact of the mechanism like any other, whose force the damper's
-//! weight on its lever, the key and the pedal decide.
+//! A damper's felt of length l lies on each string separately, so that it also damps strings of one note that move
+//! against each other. Its compression is the mean along it, in Gauss's quadrature the mean of the two places
+//! l/sqrt(12) before and behind its middle: this is a contact of the mechanism like any other, whose force depends on
+//! the damper's weight on its lever, the key and the pedal.
 //!
-//! A partial with a node under the middle would pass by that mean. It rocks the felt: half the difference of the two
-//! places, r, is what one end is pressed by more than the other. Its force is the felt's own dashpot, c r' with c the
-//! loss of the felt's law at the compression of the step before, c = b g^2 (a k g^r); found within the step, f = -c
-//! (r1 - r0) / h with r1 = r_free + A_r f, so that it takes f^2 h / c, never less than nothing. (What the felt's
-//! stiffness adds to that is left out.) It is linear in the forces of felt and hammer, r_free = r + sum A_rp F_p, and
-//! so the places yield to these by a little less: by A_pr k A_rq with k = (c/h)/(1 + (c/h) A_r), and they are moved by
-//! -A_pr k (r - r0) if nothing presses them.
+//! A partial with a node under the middle would not change that mean. It rocks the felt: half the difference of the two
+//! places, r, is the additional compression of one end. Its force is the felt's own dashpot, c r' with c the loss of
+//! the felt's law at the compression of the step before, c = b g^2 (a k g^r); found within the step, f = -c (r1 - r0) /
+//! h with r1 = r_free + A_r f, so that it takes f^2 h / c, never less than nothing. (What the felt's stiffness adds to
+//! that is left out.) It is linear in the forces of felt and hammer, r_free = r + sum A_rp F_p, and so the places yield
+//! to these by a little less: by A_pr k A_rq with k = (c/h)/(1 + (c/h) A_r), and they are moved by -A_pr k (r - r0) if
+//! nothing presses them.
 //!
 //! Where the bridge moves, all felts of a note rock each other through it, and are rocked by whatever presses any of
 //! its strings: k is then the matrix (C^-1 + A)^-1 with C the dashpots c/h on its diagonal, and A what a newton that

@@ -18,23 +18,22 @@
 //! (q - q_s, q') -> P (q - q_s, q'),   P = exp(-sigma h) [ c + sigma s, s ; -omega^2 s, c - sigma s ],   c = cos(w h), s = sin(w h)/w, w^2 = omega^2 - sigma^2
 //! ```
 //!
-//! at every length of step: nothing can become unstable. What the felt sees of it is where the string would be without
-//! it, u_free, and by how much a newton displaces it by the step's end, A = sum of sin^2 (1 - P_11) / (m omega^2),
-//! without losses sin^2 (1 - cos(omega h)) / (m omega^2). The work that F does on the modes is F times the way of the
-//! struck point, exactly, so that nothing is won or lost between felt and string (`crates/moreau/README.md`, "Compliant
-//! surfaces").
+//! at every length of step: nothing can become unstable. The felt needs two numbers of the string: its position without
+//! the felt's force, u_free, and its displacement per newton by the step's end, A = sum of sin^2 (1 - P_11) / (m
+//! omega^2), without losses sin^2 (1 - cos(omega h)) / (m omega^2). The work of F on the modes is exactly F times the
+//! displacement of the struck point, so that no energy is gained or lost between felt and string
+//! (`crates/moreau/README.md`, "Compliant surfaces").
 //!
 //! **Which modes are stepped** does not depend on the step: those below 20 kHz, and 32 a string at least. The others
-//! follow the force as a spring does: their static compliance is added to A. They take what the force's change leaves
-//! them, never giving any back that was not there. Those above 20 kHz are not part of the force on the bridge.
+//! follow the force as a spring does: their static compliance is added to A. They store energy as the force changes,
+//! and never return more than they stored. Those above 20 kHz are not part of the force on the bridge.
 //!
-//! **Steps are halved** while the hammer is near the strings, as often as its blow needs (`modal/parts.rs`).
+//! **Steps are halved** while the hammer is near the strings, as often as its impact needs (`modal/parts.rs`).
 //!
-//! **Several strings** of a note are struck by one felt. It is pressed by the mean of their displacements, and presses
-//! each with an equal part of its force: u = sum u_i / N and F_i = F / N, whose work is the same, sum F_i du_i = F du.
-//! Strings of one note differ by less than a cent, so that within a blow they move together. They do not feel each
-//! other unless the bridge moves (`bridge.rs`); dampers lie on each by itself (`damping.rs`), and the pedal lifts them
-//! (`pedal.rs`).
+//! **Several strings** of a note are struck by one felt. The mean of their displacements compresses it, and it presses
+//! each with an equal part of its force: u = sum u_i / N and F_i = F / N, with equal work, sum F_i du_i = F du. Strings
+//! of one note differ by less than a cent, so that within an impact they move together. They are coupled only if the
+//! bridge moves (`bridge.rs`); dampers lie on each by itself (`damping.rs`), and the pedal lifts them (`pedal.rs`).
 //!
 //! **Several places** on one string, the hammer's and the damper's, displace each other within a step by little: at 50
 //! us a wave goes 16 mm. Their forces are found together ([`moreau_kernels::Surfaces::coupled`]), and with them what
@@ -58,8 +57,8 @@ use crate::instrument::Instrument;
 pub(crate) const STEP_S: f64 = 50e-6;
 /// Usual steps of an instrument whose strings sound, s.
 const SOUNDING_STEP_S: f64 = 1.0 / 24e3;
-/// How far a string may swing out of its rest toward the hammer, m: a hammer that is farther away is not looked at.
-/// Strings of a fortissimo swing by 3 mm.
+/// Largest swing of a string toward the hammer, m: the engine does not test a hammer that is farther away. In a
+/// fortissimo strings swing by 3 mm.
 const EXCURSION_M: f64 = 5e-3;
 /// Likewise toward the damper, which lies nearer to the end.
 const DAMPER_EXCURSION_M: f64 = 3e-3;
@@ -80,7 +79,7 @@ pub(crate) fn yielding_zones(instrument: &Instrument) -> Vec<(usize, f64)> {
 pub struct StringLosses {
     /// By the strings' own damping.
     pub strings_j: f64,
-    /// By the damping of a bridge that moves: what the strings have done to it, less what is still in its modes.
+    /// By the damping of a moving bridge: the work of the strings on it, less the energy that is still in its modes.
     pub bridge_j: f64,
     /// In dampers' felts that are rocked; what these lose as they are compressed is the loss of their contacts.
     pub rocking_j: f64,
@@ -112,7 +111,7 @@ impl std::ops::Sub for StringLosses {
 }
 
 impl Instrument {
-    /// Whether the hammer's string yields: strings are described, and not said to be rigid.
+    /// Whether the hammer's string is modal: strings are described and not declared rigid.
     #[must_use]
     pub fn has_yielding_strings(&self) -> bool {
         self.roles.string.is_some() && !self.strings.is_empty() && !self.roles.rigid_string

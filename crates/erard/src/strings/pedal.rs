@@ -7,8 +7,8 @@ use thiserror::Error;
 
 /// Largest lift of the rail, m.
 pub const PEDAL_MOST_M: f64 = 10e-3;
-/// How fast it follows what it is set to, m/s: a foot that stamps moves it by 10 mm in 20 ms. So that a number that
-/// jumps is no blow with a hammer.
+/// Speed at which it follows its target, m/s: a stamping foot moves it by 10 mm in 20 ms. Without the limit a jump of
+/// the target would hit the dampers like a hammer.
 pub const PEDAL_M_PER_S: f64 = 0.5;
 
 /// Where the rail is, m above its place with the pedal up.
@@ -19,7 +19,7 @@ pub(super) struct Rail {
 }
 
 impl Rail {
-    /// Where it is to go. Beyond its ends it goes as far as it can; what is no number changes nothing.
+    /// Sets its target, clamped to its range; NaN changes nothing.
     pub(crate) fn aim(&mut self, lift_m: f64) {
         if !lift_m.is_nan() {
             self.aim_m = lift_m.clamp(0.0, PEDAL_MOST_M);
@@ -30,7 +30,7 @@ impl Rail {
         self.lift_m != self.aim_m
     }
 
-    /// Where it is after a step.
+    /// Its position after a step.
     pub(crate) fn after(&self, step_s: f64) -> f64 {
         let most_m = PEDAL_M_PER_S * step_s;
         let left_m = self.aim_m - self.lift_m;
@@ -106,7 +106,7 @@ impl Pedal {
         }
     }
 
-    /// Whether it is ever moved or held down.
+    /// Whether the pedal is ever moved or held down.
     #[must_use]
     pub(crate) fn is_used(&self) -> bool {
         self.points[..self.count].iter().any(|[_, lift_m]| *lift_m != 0.0)

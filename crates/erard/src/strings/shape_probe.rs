@@ -1,4 +1,4 @@
-//! The shape of a string, to be looked at.
+//! The shape of a string, as a probe.
 
 use super::modal::Strings;
 use super::rows::WIDE;
@@ -18,7 +18,7 @@ pub struct ShapeProbe {
 }
 
 impl Strings {
-    /// The string that is looked at: the middle one.
+    /// The probed string: the middle one.
     fn looked_at(&self) -> usize {
         self.strings().len() / 2
     }

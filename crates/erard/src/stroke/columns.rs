@@ -1,6 +1,6 @@
-//! Which column of a table is the time, the force, the position, and in which unit.
+//! Assignment of a table's columns to time, force and position, and their units.
 //!
-//! A title tells both (`force_N`, `Displacement (mm)`, `F [gf]`, `t / ms`), or a [`Columns`] names them.
+//! A title gives both (`force_N`, `Displacement (mm)`, `F [gf]`, `t / ms`), or a [`Columns`] names them.
 
 use std::str::FromStr;
 
@@ -19,7 +19,7 @@ pub enum Role {
     Position,
     /// Rise of the hammer's strike point, up positive.
     HammerHead,
-    /// Its speed: how fast the strike point rises, up positive.
+    /// Speed of the hammer's strike point, up positive.
     HammerSpeed,
 }
 
@@ -31,7 +31,7 @@ const MAX_TIME_S: f64 = 86_400.0;
 
 const TIMES: &[&str] = &["time", "t", "zeit", "temps"];
 const FORCES: &[&str] = &["force", "f", "load", "finger_force", "key_force"];
-/// Of these `key` says something with a unit only: it may well be a key's number.
+/// Among these, `key` counts only with a unit: without one it may be a key's number.
 const POSITIONS: &[&str] = &[
     "key",
     "position",
@@ -57,7 +57,7 @@ const FINGERTIPS: &[&str] = &[
 ];
 const HAMMERS: &[&str] = &["hammer_head", "hammer_head_position", "hammer_head_travel", "hammer_head_displacement"];
 const HAMMER_SPEEDS: &[&str] = &["hammer_head_speed", "hammer_head_velocity", "hammer_speed", "hammer_velocity"];
-/// The largest speed that can be true, m/s: hammers reach 10.
+/// The largest plausible speed, m/s: hammers reach 10.
 const MAX_SPEED_M_PER_S: f64 = 100.0;
 
 impl Role {
@@ -93,7 +93,7 @@ impl Role {
         }
     }
 
-    /// The largest number that can be true, SI, and what is expected of a larger one.
+    /// The largest plausible number, SI, and the expected text for a larger one.
     pub(super) fn largest(self) -> (f64, &'static str) {
         match self {
             Role::Time => (MAX_TIME_S, "seconds from the start of the stroke, at most 86400 (milliseconds?)"),
@@ -125,7 +125,7 @@ impl Role {
     }
 }
 
-/// Whose position a stroke holds.
+/// Body to which a stroke's position belongs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum PositionOf {
     /// The key's front.
@@ -211,7 +211,7 @@ impl Title {
 /// A column that was asked for by its title or number, and perhaps its unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Asked {
-    /// Not to be read, whatever there is.
+    /// Do not read this quantity.
     None,
     /// Title, and after a colon the unit.
     Named(String),
@@ -283,12 +283,12 @@ fn role_of(text: &str) -> Option<(Role, &str)> {
 }
 
 impl Columns {
-    /// Whether a title is asked for by its name: then the header may stand below lines that are none.
+    /// Whether a title is requested by its name: then the header may follow other lines.
     pub(super) fn name_titles(&self) -> bool {
         self.asked.iter().flatten().any(|asked| matches!(asked, Asked::Named(title) if !title.starts_with('#')))
     }
 
-    /// Whether all that is asked for is asked for by its number: then there may be no header.
+    /// Whether all columns are requested by number: then there may be no header.
     pub(super) fn need_no_titles(&self) -> bool {
         let named: Vec<&Asked> = self.asked.iter().flatten().collect();
         !named.is_empty()
@@ -298,7 +298,7 @@ impl Columns {
                 .all(|asked| matches!(asked, Asked::Named(title) if title.starts_with('#')) || **asked == Asked::None)
     }
 
-    /// Whether all titles that are asked for stand among these.
+    /// Whether all requested titles are among these.
     pub(super) fn are_among(&self, titles: &[&str]) -> bool {
         self.asked.iter().flatten().all(|asked| match asked {
             Asked::None => true,
@@ -333,14 +333,14 @@ pub struct Column {
     pub title: String,
     /// The unit's usual name; empty as long as it is not known.
     pub unit: &'static str,
-    /// How much of the SI unit one is.
+    /// Value of the unit in SI.
     pub factor: f64,
 }
 
 /// The columns that are read of a table, time first, and at least one of force and position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
-    /// Them.
+    /// The columns.
     pub columns: Vec<Column>,
     /// Whose position the column holds, as far as its title says.
     pub position_of: PositionOf,
@@ -349,7 +349,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Finds the columns by their titles in the file of this name, or says what is wrong with them.
+    /// Finds the columns by their titles in the file of this name.
     ///
     /// # Errors
     /// A column that is missing, is there twice, or states no unit or one that is not known.
@@ -360,7 +360,7 @@ impl Layout {
         Ok(layout)
     }
 
-    /// The same; units that no title states may come in the next row.
+    /// As [`Layout::of`], but units that no title states may come in the next row.
     pub(super) fn find(titles: &[&str], asked: &Columns, place: &Place) -> Result<Self, Box<StrokeError>> {
         let all = || excerpt(&titles.join(","));
         let mut columns = Vec::new();

@@ -1,4 +1,4 @@
-//! A stroke, ready to drive: what it prescribes, from when on and for how long.
+//! A stroke ready to drive: the prescribed quantity, its start and its duration.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -6,11 +6,11 @@ use super::{ForceSeries, HandStroke, NUANCES, PositionOf, PositionSeries, Sample
 use crate::instrument::Finger;
 use crate::player::{self, Hand, Input};
 
-/// Duration of a run under a constant force unless told otherwise, s.
+/// Default duration of a run under a constant force, s.
 const CONSTANT_DURATION_S: f64 = 0.6;
-/// How long a run goes on after the end of a recording, s: the key comes home and the hammer falls to rest.
+/// Time that a run continues after the end of a recording, s: the key comes home and the hammer falls to rest.
 const AFTER_RECORDING_S: f64 = 0.3;
-/// How long it goes on after the end of a built-in stroke, s.
+/// Time that it continues after the end of a built-in stroke, s.
 const AFTER_BUILTIN_S: f64 = 0.2;
 
 /// The prescribed quantity.
@@ -43,7 +43,7 @@ impl Prescribed {
     }
 }
 
-/// Why a recording cannot drive so.
+/// Why a recording cannot drive in the requested way.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DrivingError {
     /// The prescribed quantity was not recorded.
@@ -65,7 +65,7 @@ pub enum DrivingError {
         /// The smallest force, N.
         least_n: f64,
     },
-    /// The fingertip's position without a force does not tell the key's.
+    /// Without a force the fingertip's position does not determine the key's.
     #[error(
         "{title}: driving the key itself needs its position; found the fingertip's and no force. Add a column `force_N`, or drive by motion"
     )]
@@ -73,12 +73,12 @@ pub enum DrivingError {
         /// The stroke.
         title: String,
     },
-    /// Key and fingertip cannot be told from each other.
+    /// Key and fingertip cannot be computed from each other.
     #[error("{title}: key and fingertip: {error}")]
     Samples {
         /// The stroke.
         title: String,
-        /// Why.
+        /// Reason.
         error: SampleError,
     },
 }
@@ -92,9 +92,9 @@ pub struct Stroke {
     pub drive: Prescribed,
     /// First instant, s.
     pub start_s: f64,
-    /// Duration to run unless told otherwise, s.
+    /// Default duration of a run, s.
     pub duration_s: f64,
-    /// The hand between stroke and key, and what its muscle does where no series says it.
+    /// The hand between stroke and key, and its muscle's action where no series gives it.
     hand: Option<Hand>,
     by_hand: Option<HandStroke>,
     series: Option<Series>,
@@ -127,7 +127,7 @@ impl Stroke {
         }
     }
 
-    /// The stroke of a hand, for so many s from the instant 0 on, e.g. a touch found by [`crate::level`].
+    /// The stroke of a hand, for a duration, s, from the instant 0 on, e.g. a touch found by [`crate::level`].
     pub fn by_hand(title: String, stroke: HandStroke, duration_s: f64) -> Self {
         let (hand, by_hand) = (Some(stroke.hand), Some(stroke));
         Stroke { duration_s, hand, by_hand, ..Stroke::constant(title, 0.0) }
@@ -156,8 +156,8 @@ impl Stroke {
         if self.hand.is_some() { "hand" } else { self.drive.name() }
     }
 
-    /// A built-in force curve (`strokes/*.csv`), which drives by its force unless told otherwise; `None` where there is
-    /// none of that name ([`NUANCES`]).
+    /// A built-in force curve (`strokes/*.csv`), which drives by its force by default; `None` for an unknown name
+    /// ([`NUANCES`]).
     ///
     /// # Errors
     /// See [`DrivingError`].
@@ -171,8 +171,8 @@ impl Stroke {
         Some(Self::of(title, Series::builtin(nuance, touch)?, PositionOf::Key, drive, AFTER_BUILTIN_S))
     }
 
-    /// A recording, and a note where it does not drive quite as it says. It drives by its force where it has one, else
-    /// by the motion of whatever was recorded, unless told otherwise.
+    /// A recording, and a note if it cannot drive exactly as recorded. By default it drives by its force if it has one,
+    /// otherwise by the recorded motion.
     ///
     /// # Errors
     /// See [`DrivingError`].
@@ -269,8 +269,8 @@ impl Stroke {
         }
     }
 
-    /// The position of key or fingertip, worked out once for all strokes with the same finger; what was recorded where
-    /// the other is not known.
+    /// The position of key or fingertip, computed once for all strokes with the same finger; the recorded one where the
+    /// other is unknown.
     fn position(&self, wanted: PositionOf, finger: &Finger) -> Result<Arc<PositionSeries>, DrivingError> {
         let mut worked_out = self.worked_out.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, position)) = worked_out.as_ref().filter(|(of, _)| of == finger) {

@@ -1,6 +1,6 @@
 //! Faults of a stroke file, and where they are.
 
-/// The one thing that is wrong with a stroke file: where it stands, what was found, what was expected.
+/// The fault of a stroke file: its place, the text found and the text expected.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub struct StrokeError {
     /// The file's name as the caller gave it.

@@ -33,12 +33,12 @@ impl ForceSeries {
         self.forces_n.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], n| [least.min(*n), most.max(*n)])
     }
 
-    /// The force as a run asks for it, at instants that move on: time in s to force in N.
+    /// The force as a function for a run with ascending instants: time in s to force in N.
     pub fn drive(&self) -> impl Fn(f64) -> f64 {
         Self::driven(self)
     }
 
-    /// The same of a series that is borrowed or shared.
+    /// As [`ForceSeries::drive`], of a borrowed or shared series.
     pub(super) fn driven(series: impl Borrow<Self>) -> impl Fn(f64) -> f64 {
         Cursor::kept(move |t_s, cursor| series.borrow().at(t_s, cursor))
     }

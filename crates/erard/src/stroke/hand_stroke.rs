@@ -1,33 +1,34 @@
 //! The stroke of a pianist's hand: a hand ([`Hand`]) and the force of its muscle, to the release of the key.
 //!
-//! The built-in touches ([`HandStroke::pressed`], [`HandStroke::struck`]) have one number that makes them louder;
-//! [`crate::level`] finds it for a hammer speed. Goebl, Bresin and Galembo (J. Acoust. Soc. Am. 118 (2005) 1154) tell
-//! the two apart: in the *pressed* touch the finger rests on the key before, a *struck* one arrives with speed.
+//! The built-in touches ([`HandStroke::pressed`], [`HandStroke::struck`]) have one parameter that sets their loudness;
+//! [`crate::level`] finds it for a hammer speed. Goebl, Bresin and Galembo (J. Acoust. Soc. Am. 118 (2005) 1154)
+//! distinguish the two: in the *pressed* touch the finger first rests on the key, in the *struck* one it arrives with
+//! speed.
 //!
 //! ```text
 //! pressed:  F(t) = A (1 - cos(pi t / T)) / 2, then A;   the hand at rest on the key at first
 //! struck:   F(t) = c v;                                 the hand arrives with the speed v
 //! ```
 //!
-//! T is the rise time of the muscle, which depends little on how loud the note is. After the impact the force goes to
-//! what holds the key ([`HandStroke::relaxing`]); last comes the release ([`HandStroke::leaving`],
+//! T is the rise time of the muscle, which depends little on how loud the note is. After the impact the force changes
+//! to the one that holds the key ([`HandStroke::relaxing`]); last comes the release ([`HandStroke::leaving`],
 //! [`HandStroke::letting_go`]).
 //!
-//! A hand may also be led down along the path of least jerk, as people's hands move between two points (Flash and
-//! Hogan, The coordination of arm movements, J. Neurosci. 5 (1985) 1688, from memory):
+//! A hand may also follow the path of least jerk downward, as people's hands move between two points (Flash and Hogan,
+//! The coordination of arm movements, J. Neurosci. 5 (1985) 1688, from memory):
 //!
 //! ```text
 //! x(t) = d (10 s^3 - 15 s^4 + 6 s^5),   s = t / T
 //! ```
 //!
-//! All numbers of these touches are estimates and say so where they stand.
+//! All numbers of these touches are estimates and are marked as such.
 
 use std::f64::consts::PI;
 
 use crate::player::{Hand, HandInput, Input};
 
-/// How deep a hand is led, m below the key front's rest: a dip of 10 mm and a half more, so that muscle holds the key
-/// down at the end.
+/// Depth to which a hand is driven, m below the key front's rest: a dip of 10 mm and 0.5 mm more, so that muscle holds
+/// the key down at the end.
 const LED_DEPTH_M: f64 = 10.5e-3;
 /// Within this time the muscle's force of a pressed touch rises, s. An estimate.
 pub const RISE_S: f64 = 0.040;
@@ -38,42 +39,42 @@ const RELAX_S: f64 = 0.100;
 /// A muscle that holds the key stiffens within this time, s. An estimate.
 const STIFFENS_S: f64 = 0.010;
 /// The time constant with which a muscle that holds the key brings its hand to rest, s: 14 N s/m for 0.2 kg. A heavier
-/// hand has more arm to it, and stronger muscles. An estimate.
+/// hand includes more of the arm, with stronger muscles. An estimate.
 pub const HOLDS_S: f64 = 1.0 / 70.0;
-/// With what acceleration a hand whose muscle pressed leaves the key, m/s2. An estimate: it is 5 mm away after 30 ms.
+/// Acceleration with which a hand whose muscle pressed leaves the key, m/s2. An estimate: it is 5 mm away after 30 ms.
 const LEAVING_M_S2: f64 = 11.0;
-/// With what acceleration a hand lets the key go, m/s2: more than the 22 m/s2 with which a free key is home in 30 ms.
+/// Acceleration with which a hand lets the key go, m/s2: more than the 22 m/s2 with which a free key is home in 30 ms.
 /// An estimate.
 const LETTING_GO_M_S2: f64 = 60.0;
-/// Within what time the force is gone that lets the key go, s.
+/// Time within which the force vanishes in a letting-go, s.
 const LETTING_GO_S: f64 = 2e-3;
-/// How far a hand that was led goes above the key front's rest when it leaves, m.
+/// Height above the key front's rest to which a hand on a path goes when it leaves, m.
 const LEFT_M: f64 = 5e-3;
 
 /// Action of a hand's muscle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Muscle {
-    /// A force that is there at once and stays.
+    /// A force that starts suddenly and stays constant.
     Steady {
         /// N.
         force_n: f64,
     },
-    /// A force that rises from nothing at a constant rate, and stays at its height.
+    /// A force that rises from zero at a constant rate and then stays constant.
     Rises {
         /// Rate of the rise, N/s.
         rate_n_s: f64,
         /// Force at the end of the rise, N.
         height_n: f64,
     },
-    /// A force that rises from nothing by half a cosine, and stays.
+    /// A force that rises from zero by half a cosine and then stays constant.
     Swells {
         /// Force at the end of the rise, N.
         force_n: f64,
-        /// Within what time, s.
+        /// Duration of the rise, s.
         within_s: f64,
     },
-    /// Its stiffness and damping lead the hand down along the path of least jerk.
+    /// Stiffness and damping that drive the hand down along the path of least jerk.
     Leads {
         /// End of the path, m below the key front's rest.
         depth_m: f64,
@@ -82,7 +83,7 @@ pub enum Muscle {
     },
 }
 
-/// A touch: a hand and what its muscle does.
+/// A touch: a hand and the action of its muscle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HandStroke {
     /// The hand.
@@ -100,7 +101,7 @@ pub struct HandStroke {
 pub struct Relax {
     /// When the force begins to relax, s: half a cosine of 0.1 s.
     pub at_s: f64,
-    /// To what, N.
+    /// Final force, N.
     pub to_n: f64,
     /// Damping of the muscle, which stiffens within 10 ms from then on (half a cosine), N s/m: it slows down the hand
     /// whichever way it moves.
@@ -110,17 +111,17 @@ pub struct Relax {
 /// The release of the key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leave {
-    /// When the hand begins to leave, s.
+    /// Instant at which the hand begins to leave, s.
     pub at_s: f64,
-    /// Within what time its force is gone, s (half a cosine); a hand that was led goes up along the path of least jerk
-    /// within twice that.
+    /// Time within which its force vanishes, s (half a cosine); a hand on a path goes up along the path of least jerk
+    /// within twice this time.
     pub within_s: f64,
-    /// With what acceleration its muscle then lifts it, m/s2.
+    /// Acceleration with which its muscle then lifts it, m/s2.
     pub lifts_m_s2: f64,
 }
 
 impl HandStroke {
-    /// The pressed touch: a hand of so many kg rests on the key, and its muscle's force rises to so many N within
+    /// The pressed touch: a hand of this mass, kg, rests on the key, and its muscle's force rises to a force, N, within
     /// [`RISE_S`] by half a cosine.
     #[must_use]
     pub fn pressed(mass_kg: f64, force_n: f64) -> Self {
@@ -128,7 +129,7 @@ impl HandStroke {
         HandStroke { hand: Hand { mass_kg, ..Hand::default() }, muscle, relaxes: None, leaves: None }
     }
 
-    /// The struck touch: a hand of so many kg arrives at the key with a speed, m/s, and its muscle presses on by
+    /// The struck touch: a hand of this mass, kg, arrives at the key with a speed, m/s, and its muscle presses by
     /// [`STRUCK_N_S_M`].
     #[must_use]
     pub fn struck(mass_kg: f64, speed_m_per_s: f64) -> Self {
@@ -149,8 +150,7 @@ impl HandStroke {
         HandStroke { hand, muscle: Muscle::Rises { rate_n_s, height_n: f64::INFINITY }, relaxes: None, leaves: None }
     }
 
-    /// A hand that rests on the key and is led down within so many s. The hand is
-    /// [`Hand::default`].
+    /// A hand that rests on the key and is driven down within this time, s. The hand is [`Hand::default`].
     #[must_use]
     pub fn led(duration_s: f64) -> Self {
         let muscle = Muscle::Leads { depth_m: LED_DEPTH_M, duration_s };
@@ -170,7 +170,7 @@ impl HandStroke {
         HandStroke { relaxes: Some(Relax { at_s, to_n, damping_n_s_m: self.hand.mass_kg / HOLDS_S }), ..self }
     }
 
-    /// This stroke, leaving the key from this instant on, s; its force is gone within so many s.
+    /// This stroke, leaving the key from this instant on, s; its force vanishes within this time, s.
     #[must_use]
     pub fn leaving(self, at_s: f64, within_s: f64) -> Self {
         HandStroke { leaves: Some(Leave { at_s, within_s, lifts_m_s2: LEAVING_M_S2 }), ..self }

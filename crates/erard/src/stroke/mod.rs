@@ -1,10 +1,10 @@
-//! Strokes: what the player does over time.
+//! Strokes: the player's force or motion over time.
 //!
 //! Time in seconds, force in newtons, position in metres; force and position are positive downward (pushing), position
-//! is counted from the key's rest. Whose position it is, the key's front or the fingertip's, [`PositionOf`] says.
+//! is counted from the key's rest. [`PositionOf`] says whether it is the position of the key's front or of the
+//! fingertip.
 //!
-//! A [`Recording`] is a table as a laboratory wrote it, its columns and units understood; a [`Series`] is what can
-//! drive a key.
+//! A [`Recording`] is a laboratory's table with known columns and units; a [`Series`] can drive a key.
 
 mod builtin;
 mod columns;
@@ -37,7 +37,7 @@ pub use units::Quantity;
 /// Largest force, N: a finger plays fortissimo with less than 50.
 pub const MAX_FORCE_N: f64 = crate::player::LARGEST_FORCE_N;
 
-/// Says what is wrong with a constant force, N, if anything: it is from 0 to [`MAX_FORCE_N`].
+/// Returns the fault of a constant force, N, if there is one: it must be from 0 to [`MAX_FORCE_N`].
 #[must_use]
 pub fn constant_force_fault(force_n: f64) -> Option<String> {
     if (0.0..=MAX_FORCE_N).contains(&force_n) {
@@ -67,10 +67,10 @@ pub struct Series {
 }
 
 impl Series {
-    /// Its first so many seconds: the samples before that instant, and one at it.
+    /// The stroke up to an instant, s: the samples before it, and one at it.
     ///
     /// # Errors
-    /// [`SampleError`] where that is no time at all.
+    /// [`SampleError`] if the result would be empty.
     pub fn first(&self, duration_s: f64) -> Result<Self, SampleError> {
         let end_s = self.start_s() + duration_s;
         if end_s >= self.end_s() {
@@ -185,7 +185,7 @@ pub enum SampleError {
     #[error("as many values as times are needed")]
     UnequalLengths,
     /// A time or value is not finite, or so large that interpolating it overflows; the index of the sample.
-    #[error("sample {0} is not a finite number of sane size")]
+    #[error("sample {0} is not a finite number within range")]
     NotFinite(usize),
     /// Time does not increase; the index of the later sample.
     #[error("time does not increase at sample {0}")]

@@ -26,12 +26,12 @@ impl PositionSeries {
         Ok(Self { times_s, positions_m, curvatures })
     }
 
-    /// The motion as a run asks for it, at instants that move on: time in s to position in m and velocity in m/s.
+    /// The motion as a function for a run with ascending instants: time in s to position in m and velocity in m/s.
     pub fn drive(&self) -> impl Fn(f64) -> [f64; 2] {
         Self::driven(self)
     }
 
-    /// The same of a series that is borrowed or shared.
+    /// This function for a borrowed or shared series.
     pub(super) fn driven(series: impl Borrow<Self>) -> impl Fn(f64) -> [f64; 2] {
         Cursor::kept(move |t_s, cursor| {
             let (position, velocity, _) = series.borrow().at(t_s, cursor);

@@ -7,7 +7,7 @@ use super::{ForceSeries, PositionSeries, ROLES, SHORTEST_STEP_S, SampleError, Se
 /// Most rows that are read: more than an hour at 1 kHz.
 pub const MAX_ROWS: usize = 5_000_000;
 
-/// A table of which the columns and their units are understood. Everything is in SI units: s, N, m.
+/// A table with known columns and units. Everything is in SI units: s, N, m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// The instants of the rows, s, increasing; two or more.
@@ -29,7 +29,7 @@ pub struct Dialect {
     pub separator: Option<char>,
     /// Whether numbers have a comma before their decimals.
     pub decimal_comma: bool,
-    /// Rows above the header that are none.
+    /// Number of lines above the header.
     pub skipped_rows: usize,
 }
 
@@ -53,7 +53,7 @@ pub struct Gaps {
 
 impl Recording {
     /// Makes a recording of columns that are numbers already, as from a Parquet file: one slice for each column of the
-    /// layout, in its order and in the file's units; what is not a number is a gap.
+    /// layout, in its order and in the file's units; NaN is a gap.
     ///
     /// # Errors
     /// As of a text; the line of an error is the row, from 1.
@@ -171,7 +171,7 @@ impl Builder {
         if self.time_s.len() < 2 {
             let (place, message) = match self.first_row {
                 None => (header.clone(), "a header and no rows"),
-                Some(place) => (place, "one row is no stroke"),
+                Some(place) => (place, "one row is not a stroke"),
             };
             return Err(place.fault("", message, count(self.time_s.len(), "row"), "two rows or more"));
         }

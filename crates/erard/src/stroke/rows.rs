@@ -10,19 +10,19 @@ use super::StrokeError;
 
 /// Most bytes that are read.
 pub const MAX_BYTES: u64 = 1 << 30;
-/// Longest line, bytes. Without a bound, a file that is no table would end up in memory as one row.
+/// Longest line, bytes. Without a bound, a file that is not a table would end up in memory as one row.
 const LONGEST_LINE: u64 = 1 << 16;
 /// Longest excerpt that an error quotes, in characters.
 const LONGEST_EXCERPT: usize = 60;
 
-/// What a comment begins with.
+/// Beginnings of comments.
 const COMMENTS: [&str; 3] = ["#", "%", "//"];
 
 /// Reads rows: lines that are neither blank nor comments, split at commas, semicolons or tabulators. Line ends are LF
 /// or CRLF.
 pub(super) struct Rows<R> {
     reader: BufReader<R>,
-    /// What separates cells; as long as it is not known, each row's own.
+    /// Separator of cells; until it is known, each row has its own.
     pub(super) separator: Option<u8>,
     bytes_left: u64,
     bytes: Vec<u8>,
@@ -125,8 +125,8 @@ impl<R: Read> Rows<R> {
     }
 }
 
-/// What separates the cells of a line: what stands in it most often, outside of quotes; a semicolon or tabulator before
-/// a comma.
+/// Separator of the cells of a line: the most frequent one outside quotes; a semicolon or tab takes precedence over a
+/// comma.
 fn separator(text: &str) -> u8 {
     let mut counts = [(0, b','), (0, b';'), (0, b'\t')];
     let mut quoted = false;

@@ -29,7 +29,7 @@ impl SpeedSeries {
         &self.values
     }
 
-    /// The speed at an instant, m/s; before the first and after the last sample that one's.
+    /// The speed at an instant, m/s; that of the first sample before it, that of the last one after it.
     pub fn at(&self, t: f64, cursor: &mut Cursor) -> f64 {
         let last = self.times.len() - 1;
         if t <= self.times[0] {

@@ -1,4 +1,4 @@
-//! Units as people write them, and what they are in SI.
+//! Units as people write them, and their SI values.
 
 /// Physical quantity of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,13 +13,13 @@ pub enum Quantity {
     Speed,
 }
 
-/// Standard gravity, m/s2, by definition: what a gram weighs.
+/// Standard gravity, m/s2, by definition, for the weight of a gram.
 const GRAVITY: f64 = 9.806_65;
 /// A pound, kg, by definition.
 const POUND: f64 = 0.453_592_37;
 const INCH: f64 = 0.025_4;
 
-/// How much of the SI unit one is, its usual name, and what else it is called; small letters.
+/// Value of the unit in SI, its usual name, and its other names, in lower case.
 type Unit = (f64, &'static str, &'static [&'static str]);
 
 const TIMES: &[Unit] = &[
@@ -77,7 +77,7 @@ impl Quantity {
         }
     }
 
-    /// How much of the SI unit one of these is, and its usual name; capitals and a full stop at the end do not matter.
+    /// Value of a unit in SI, and its usual name; capitals and a final full stop do not matter.
     pub fn unit(self, text: &str) -> Option<(f64, &'static str)> {
         let text = text.trim().trim_end_matches('.');
         // A meganewton is not a millinewton, a megasecond no millisecond.
@@ -89,7 +89,7 @@ impl Quantity {
         self.units().iter().find(named).map(|&(factor, name, _)| (factor, name))
     }
 
-    /// The unit in which people read it, and how many of these an SI unit is.
+    /// The unit in which people read it, and the number of these in an SI unit.
     pub fn shown(self) -> (f64, &'static str) {
         match self {
             Quantity::Time => (1e3, "ms"),

@@ -1,4 +1,4 @@
-//! An observer: how far bodies have turned, and how deep felts were pressed.
+//! An observer of the largest turns of bodies and compressions of felts.
 
 use crate::instrument::Instrument;
 use crate::mechanism::Readout;
@@ -15,14 +15,14 @@ pub struct Furthest {
 impl Furthest {
     const NOT_YET: Self = Furthest { value: 0.0, time_s: 0.0 };
 
-    /// Takes note of what is larger.
+    /// Keeps a larger value.
     fn up(&mut self, value: f64, time_s: f64) {
         if value > self.value {
             *self = Furthest { value, time_s };
         }
     }
 
-    /// Takes note of what is smaller.
+    /// Keeps a smaller value.
     fn down(&mut self, value: f64, time_s: f64) {
         if value < self.value {
             *self = Furthest { value, time_s };
@@ -30,7 +30,7 @@ impl Furthest {
     }
 }
 
-/// How far the bodies of an instrument have turned, and how deep its felts were pressed: told of every step.
+/// Largest turns of the bodies of an instrument, and largest compressions of its felts, over every step.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Extremes {
     /// Lowest (at most 0) and highest (at least 0) angle of each body against its parent, from as drawn, rad
@@ -38,9 +38,9 @@ pub struct Extremes {
     pub turned: Vec<[Furthest; 2]>,
     /// Deepest compression of each zone, m, at least 0.
     pub deepest: Vec<Furthest>,
-    /// Of every body: the same angle at the first instant, rad; empty before it.
+    /// That angle of every body at the first instant, rad; empty before it.
     pub first: Vec<f64>,
-    /// Of every body: what it is hinged on, and the angle as drawn against that, rad.
+    /// Parent of every body, and its angle as drawn relative to the parent, rad.
     hinges: Vec<(Option<usize>, f64)>,
 }
 

@@ -1,10 +1,10 @@
-//! Whether a run can be trusted: what it shows is measured against stated bounds, and every bound that it breaks is a
+//! Whether a run can be trusted: its results are compared with stated bounds, and every bound that it exceeds is a
 //! warning.
 //!
-//! A simulation always gives numbers. These are the signs that they are not the instrument's: energy that the energy
-//! balance does not explain, steps that did not converge, a felt pressed deeper than it is thick, a body turned further
-//! than its stops let it, a hammer faster than any, strings struck in too few or too long steps, no rest to start from.
-//! A run without a warning has shown none of them; it is not thereby right.
+//! A simulation always gives numbers. The following signs show that they do not describe the instrument: energy that
+//! the energy balance does not explain, steps that did not converge, a felt compressed beyond its thickness, a body
+//! turned beyond its stops, a hammer faster than any real one, strings struck in too few or too long steps, no rest to
+//! start from. A run without a warning has shown none of these signs; that does not prove it right.
 //!
 //! ```
 //! use erard::{Input, Instrument, Setup, press};
@@ -37,18 +37,19 @@ use crate::player::Work;
 pub const ENERGY_RESIDUAL: f64 = 0.01;
 /// Steps that may end without convergence: none.
 pub(crate) const UNCONVERGED_STEPS: u64 = 0;
-/// Fastest blow, m/s: four times the fastest that was measured on a piano, and as far as the engine looks ahead for
-/// what may be touched within a step.
+/// Fastest hammer, m/s: four times the fastest measured on a piano, and the speed up to which the engine finds contacts
+/// within a step.
 pub(crate) const HAMMER_SPEED_M_PER_S: f64 = 20.0;
-/// Steps with a force that the loudest blow on strings that sound has to have: with as many its contact, its largest
-/// force and the hammer's return are right to a hundredth.
+/// Smallest number of steps with a force in the loudest impact on modal strings: with this many, its contact, its
+/// largest force and the hammer's return are right to a hundredth.
 pub(crate) const CONTACT_STEPS: u32 = 60;
 /// Tensile strength of steel wire, Pa: the thinnest music wire breaks at 3.0e9 (ASTM A228: 2.9e9 to 3.2e9 at 0.3 mm),
 /// that of treble strings at 2.5e9.
 pub(crate) const STEEL_STRENGTH_PA: f64 = 3.2e9;
-/// Furthest that a body may rest from as drawn, rad. Actions are drawn at rest; regulation turns no part by half of it.
+/// Largest angle of a body at rest from its drawn position, rad. Actions are drawn at rest; regulation turns no part by
+/// half of it.
 pub(crate) const REST_RAD: f64 = 10.0 * core::f64::consts::PI / 180.0;
-/// Turnover below which the residual is measured against this, J: a thousandth of the softest blow's.
+/// Turnover below which the residual is measured against this, J: a thousandth of the softest note's.
 pub const LEAST_TURNOVER_J: f64 = 1e-6;
 
 /// Kind of doubt.
@@ -60,17 +61,17 @@ pub enum Kind {
     EnergyResidual,
     /// Steps reached an iteration limit.
     UnconvergedSteps,
-    /// A felt was pressed deeper than it is thick.
+    /// A felt was compressed beyond its thickness.
     FeltBeyondThickness,
-    /// A body turned further than its stops let it.
+    /// A body turned beyond its stops.
     TurnBeyondStops,
-    /// The hammer met the string faster than any hammer does.
+    /// The hammer met the string faster than any real hammer.
     HammerSpeed,
-    /// The hammer's contact with strings that sound was taken in too few steps.
+    /// The hammer's contact with modal strings took too few steps.
     ContactSteps,
-    /// Strings have partials that the steps of a blow are too long for.
+    /// The steps of an impact are too long for some partials of the strings.
     PartialsBeyondStep,
-    /// A string would bear more than steel does.
+    /// The tension of a string exceeds the strength of steel.
     StringTension,
     /// The rest lies far from how the action is drawn.
     RestFarFromDrawing,
@@ -100,14 +101,14 @@ impl Kind {
     }
 }
 
-/// A bound that a run has broken.
+/// A bound that a run has exceeded.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Warning {
     /// Kind of doubt.
     pub kind: Kind,
     /// The doubt as a sentence, without a full stop.
     pub what: String,
-    /// The zone or body, where it is one's.
+    /// The zone or body concerned; `None` for the whole run.
     pub part: Option<String>,
     /// Value found, in `unit`.
     pub value: f64,
@@ -115,7 +116,7 @@ pub struct Warning {
     pub bound: f64,
     /// Unit of value and bound: `m`, `rad`, `N`, `steps`, `partials`, `m/s`, `rad/s`, or empty for a share.
     pub unit: &'static str,
-    /// When it was worst, on the stroke's clock, s; `None` where it is the whole run's.
+    /// Instant of the worst value on the stroke's clock, s; `None` for the whole run.
     pub time_s: Option<f64>,
 }
 
@@ -125,14 +126,15 @@ impl std::fmt::Display for Warning {
     }
 }
 
-/// The residual of the energy balance, over the energy turned over: the work that the drive put in, or all that
-/// was lost where that is more, or [`LEAST_TURNOVER_J`].
+/// The residual of the energy balance, relative to the turnover: the largest of the drive's work, all losses, and
+/// [`LEAST_TURNOVER_J`].
 #[must_use]
 pub fn energy_residual(ledger: &Ledger) -> f64 {
     ledger.residual().abs() / ledger.drive_work_in.max(ledger.dissipated()).max(LEAST_TURNOVER_J)
 }
 
-/// All bounds that a run has broken. `ledger`: where it was kept; without it the energy is not judged.
+/// All bounds that a run has exceeded. `ledger`: the energy balance, if it was kept; without it the energy is not
+/// judged.
 #[must_use]
 pub(crate) fn assess(
     instrument: &Instrument,
@@ -152,7 +154,7 @@ pub(crate) fn assess(
     warnings
 }
 
-/// What is wrong with how strings that sound were struck: in too few steps, or in longer ones than their partials bear.
+/// Doubts about the impact on modal strings: too few steps, or steps too long for their partials.
 fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
     let Some(contact) = struck.loudest() else { return Vec::new() };
     let mut warnings = Vec::new();
@@ -217,7 +219,7 @@ pub fn of_extremes<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> im
     of_felts(instrument, extremes).chain(of_turns(instrument, extremes)).chain(of_rest(instrument, extremes))
 }
 
-/// The body that rests furthest from as drawn, where that is far.
+/// The body that rests furthest from its drawn position, if that is too far.
 fn of_rest(instrument: &Instrument, extremes: &Extremes) -> Option<Warning> {
     let turned = instrument.bodies.iter().zip(&extremes.first);
     let (body, by) = turned.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
@@ -237,8 +239,8 @@ fn of_rest(instrument: &Instrument, extremes: &Extremes) -> Option<Warning> {
     })
 }
 
-/// The string that bears most, where no steel would. A wound string's core is thinner than its mass says, and bears
-/// more.
+/// The string with the highest stress, if that exceeds the strength of steel. The core of a wound string is thinner
+/// than its mass suggests, so its stress is higher.
 fn of_tensions(instrument: &Instrument) -> Option<Warning> {
     let most = |string: &PianoString| STEEL_STRENGTH_PA * string.mass_kg_m / STEEL_DENSITY_KG_M3;
     let excess = |string: &&PianoString| string.tension_n / most(string);

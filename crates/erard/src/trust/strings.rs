@@ -1,9 +1,9 @@
-//! An observer: in how many steps, and how long ones, the strings were struck.
+//! An observer of the number and the length of the steps of impacts on strings.
 
 use crate::instrument::Instrument;
 use crate::mechanism::Readout;
 
-/// A hammer that has not touched the strings for so long has left them, s: waves part the two for less.
+/// Time without contact after which a hammer has left the strings, s: waves separate the two for shorter times.
 const APART_S: f64 = 2e-3;
 
 /// Steps of the loudest impact on modal strings; it observes every step.
@@ -25,9 +25,9 @@ pub(super) struct Contact {
     pub steps: u32,
     /// The longest of them, s.
     pub longest_s: f64,
-    /// When it began, s.
+    /// Beginning of the contact, s.
     pub since_s: f64,
-    /// When its last step with a force ended, s.
+    /// End of its last step with a force, s.
     last_s: f64,
 }
 

@@ -6,7 +6,7 @@
 //! Each of the four sliders bears a quarter of the loss, and they give one after the other: at a quarter, a half, three
 //! quarters and the whole of `slip`. Pressed for the first time the felt pushes with (1 + eta) k g^r. In x =
 //! g^((r+1)/2), let go from X, a slider i turns round at X (1 - s_i)/(1 + s_i), and pulls then with eta/4 of k g^r. The
-//! loop between two depths closes on itself. A blow loses 2 eta / (1 + eta) of its energy, times the mean of (1 -
+//! loop between two depths closes on itself. An impact loses 2 eta / (1 + eta) of its energy, times the mean of (1 -
 //! s_i)/(1 + s_i).
 
 use super::hook::{Law, MEMORY, Memory, Pressing};
@@ -47,7 +47,7 @@ impl<T: Real> Law<T> for Iwan<T> {
         DAMPING,
         LawNumber::needed("eta", "iwan_loss", "1", Range::Part).loss().means(
             "eta of sliders in parallel (Iwan's model), from 0 to below 1: the part of the force by which loading and unloading differ from k g^r, however \
-             slowly the felt moves. A blow loses 2 eta / (1 + eta) of its energy, times the mean of (1 - s_i)/(1 + s_i).",
+             slowly the felt moves. An impact loses 2 eta / (1 + eta) of its energy, times the mean of (1 - s_i)/(1 + s_i).",
         ),
         LawNumber::needed("slip", "iwan_slip", "1", Range::InnerPart).means(
             "With `iwan_loss`: the stretch at which the last of the four sliders gives, as a part of g^((r+1)/2), above 0 and below 1; the others give at a \

@@ -2,7 +2,7 @@
 
 use moreau::Settings;
 
-use super::blow::{Play, tell};
+use super::impact::{Play, tell};
 use super::{Claim, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 

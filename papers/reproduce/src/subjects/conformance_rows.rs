@@ -3,7 +3,7 @@
 use moreau::Settings;
 use moreau_conformance::{Expected, problems};
 
-use super::blow::{Play, tell};
+use super::impact::{Play, tell};
 use super::{Claim, Progress, ReproduceError, Section, Table, small};
 use erard::instrument::Instrument;
 

@@ -1,6 +1,6 @@
 //! How long the hammer touches the string: beside published times, and what decides it.
 
-use super::blow::tell;
+use super::impact::tell;
 use super::strings::head;
 use super::{Claim, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;

@@ -2,7 +2,7 @@
 
 use moreau::Settings;
 
-use super::blow::halvings;
+use super::impact::halvings;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use std::time::Instant;
 
@@ -193,7 +193,7 @@ fn price(rungs: &[Rung], wanted: f64, error: usize, work: fn(&Rung) -> f64) -> O
 }
 
 pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
-    let force = super::blow::own(instrument, "mf", Touch::Pressed)
+    let force = super::impact::own(instrument, "mf", Touch::Pressed)
         .and_then(|s| s.force)
         .ok_or_else(|| ReproduceError::Instrument("the built-in stroke mf cannot be read".into()))?;
     let mut told = |share: f64| progress(0.1 * share);

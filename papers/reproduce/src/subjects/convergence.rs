@@ -2,7 +2,7 @@
 
 use moreau::{FrictionLaw, Settings};
 
-use super::blow::{Play, Rung, blow, halvings, ladder, order, regularised, tell};
+use super::impact::{Play, Rung, halvings, impact, ladder, order, regularised, tell};
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::stroke::Touch;
@@ -30,13 +30,13 @@ fn climb(
     instrument: &Instrument,
     label: String,
     friction: FrictionLaw<f64>,
-    truth: Option<&super::blow::FirstBlow>,
+    truth: Option<&super::impact::FirstImpact>,
     progress: &mut Progress,
-) -> Result<(Law, super::blow::FirstBlow), ReproduceError> {
+) -> Result<(Law, super::impact::FirstImpact), ReproduceError> {
     let steps = halvings(LADDER.0, LADDER.1);
     let settings = Settings { friction, ..Settings::new(LADDER.0) };
     let finest = Settings { step: steps[steps.len() - 1] / REFERENCE, ..settings };
-    let limit = blow(instrument, PLAY, finest, UNTIL_S)?;
+    let limit = impact(instrument, PLAY, finest, UNTIL_S)?;
     tell(progress, 0.3)?;
     let own = ladder(instrument, PLAY, settings, &steps, &limit, UNTIL_S, &mut |s| progress(0.3 + 0.35 * s))?;
     let exact = truth.copied().unwrap_or(limit);
@@ -90,7 +90,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
                 .zip(colours)
                 .map(|(law, colour)| ChartCurve {
                     label: law.label.clone(),
-                    x: law.rungs.iter().map(|r| r.blow.newton).collect(),
+                    x: law.rungs.iter().map(|r| r.impact.newton).collect(),
                     y: law.rungs.iter().map(|r| r.speed).collect(),
                     colour,
                     mark: Dash::Points,
@@ -109,9 +109,9 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
                 law.label.clone(),
                 format!("{:.3}", r.step * 1e6),
                 format!("{:.1e}", r.speed),
-                format!("{}", r.blow.newton),
-                format!("{} of {}", r.blow.unconverged, r.blow.steps),
-                format!("{:.3}", r.blow.of_real_time),
+                format!("{}", r.impact.newton),
+                format!("{} of {}", r.impact.unconverged, r.impact.steps),
+                format!("{:.3}", r.impact.of_real_time),
             ]);
         }
     }
@@ -143,7 +143,7 @@ fn claims(laws: &[Law], section: &mut Section) {
             last(law) > 10.0 * last(truth),
         ));
     }
-    let price = |law: &Law| law.rungs.iter().find(|r| r.speed <= WANTED).map(|r| r.blow.newton);
+    let price = |law: &Law| law.rungs.iter().find(|r| r.speed <= WANTED).map(|r| r.impact.newton);
     let told: Vec<String> = laws
         .iter()
         .map(|law| format!("{}: {}", law.label, price(law).map_or("not reached".into(), |n| format!("{n} iterations"))))

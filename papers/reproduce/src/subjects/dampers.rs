@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use super::blow::tell;
+use super::impact::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::{Instrument, PianoString};
 use erard::keyboard::{Keyboard, note_name};

@@ -3,7 +3,7 @@
 use fastrand::Rng;
 use moreau::Settings;
 
-use super::blow::{Play, tell};
+use super::impact::{Play, tell};
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::one_dof::reduce;

@@ -3,7 +3,7 @@
 
 use moreau::Settings;
 
-use super::blow::tell;
+use super::impact::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
 use erard::level::{HOLD_N, Kind, LevelError, Reference};

@@ -2,7 +2,7 @@
 
 use moreau::Settings;
 
-use super::blow::{Play, tell};
+use super::impact::{Play, tell};
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::stroke::{NUANCES, Touch};

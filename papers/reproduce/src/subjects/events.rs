@@ -6,7 +6,7 @@
 
 use moreau::Settings;
 
-use super::blow::{NEIGHBOURS, halvings, neighbouring, tell};
+use super::impact::{NEIGHBOURS, halvings, neighbouring, tell};
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::level::{Kind, LEVELS, LevelError, MASS_KG, Reference};

@@ -2,12 +2,12 @@
 //!
 //! The felts of the instrument, the hammer's on the string excepted, are given another loss in place of b g^2 dg/dt or
 //! beside it. What is asked: does a slow contact lose energy, does a held action go on vibrating, what becomes of a
-//! blow and of the released key, how much work is it.
+//! impact and of the released key, how much work is it.
 
 use moreau::{Elastoplastic, Loss, SetValued, Settings};
 use moreau_conformance::thrown_back;
 
-use super::blow::{Play, tell};
+use super::impact::{Play, tell};
 use super::{Claim, Progress, ReproduceError, Section, Table};
 use erard::instrument::{Felt, Instrument};
 use erard::player::{Action, Input};

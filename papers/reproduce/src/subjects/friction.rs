@@ -4,8 +4,8 @@ use moreau::{
     Body, Curve, Description, FrictionLaw, GROUND, Input, Pose, Settings, Solver, State, Workspace, Zone, step,
 };
 
-use super::blow::{NEIGHBOURS, Play, blow, halvings, regularised, tell};
 use super::convergence::WIDTHS;
+use super::impact::{NEIGHBOURS, Play, halvings, impact, regularised, tell};
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, small};
 use erard::instrument::Instrument;
 use erard::stroke::Touch;
@@ -136,7 +136,7 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
     let mut torques = Vec::new();
     let mut by_pivot = Table::new("Friction torque of each pivot after a minute of rest (N m)", &["friction"]);
     by_pivot.header.extend(instrument.bodies.iter().map(|b| b.name.clone()));
-    let exact = blow(instrument, Play::Stroke("mf", Touch::Pressed), Settings::new(3.125e-6 / 4.0), 0.06)?;
+    let exact = impact(instrument, Play::Stroke("mf", Touch::Pressed), Settings::new(3.125e-6 / 4.0), 0.06)?;
     for (i, (name, friction)) in laws.iter().enumerate() {
         let from = i as f64 / laws.len() as f64;
         let mut told = |share: f64| progress(from + share / laws.len() as f64);
@@ -233,7 +233,7 @@ fn largest_step(
         // At every phase: at a single one a coarse step may happen to be right.
         for k in 0..NEIGHBOURS {
             let settings = Settings { friction, ..Settings::new(h * (1.0 - f64::from(k) / 64.0)) };
-            let b = blow(instrument, Play::Stroke("mf", Touch::Pressed), settings, 0.06)?;
+            let b = impact(instrument, Play::Stroke("mf", Touch::Pressed), settings, 0.06)?;
             if (b.speed / speed - 1.0).abs().is_nan() || (b.speed / speed - 1.0).abs() > 0.01 || b.unconverged > 0 {
                 return Ok(largest);
             }
@@ -340,7 +340,7 @@ pub(super) fn run_time(instrument: &Instrument, progress: &mut Progress) -> Resu
         for _ in 0..5 {
             tell(progress, i as f64 / ways.len() as f64)?;
             let settings = Settings { friction, solver, ..Settings::new(h) };
-            best = best.min(blow(instrument, Play::Stroke("mf", Touch::Pressed), settings, 1.0)?.of_real_time);
+            best = best.min(impact(instrument, Play::Stroke("mf", Touch::Pressed), settings, 1.0)?.of_real_time);
         }
         if i == 0 {
             faster = best < 1.0;

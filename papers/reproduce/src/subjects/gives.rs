@@ -1,8 +1,8 @@
-//! Compliance in a blow: how far key, shank, heel and knuckle yield at each instant, and what each does to timing.
+//! Compliance in a loud note: how far key, shank, heel and knuckle yield at each instant, and what each does to timing.
 
 use moreau::Settings;
 
-use super::blow::tell;
+use super::impact::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending, builtin};
 use erard::grand::Anatomy;
 use erard::instrument::{Instrument, Zone};
@@ -140,7 +140,7 @@ fn chart(instrument: &Instrument) -> Result<Chart, ReproduceError> {
     Ok(Chart {
         title: "What gives in a pressed f".into(),
         caption: "Millimetres at the key's front, one above the other; 0 ms: the hammer meets the string".into(),
-        x_label: "time before and after the blow (ms)".into(),
+        x_label: "time before and after the impact (ms)".into(),
         x_log: false,
         panels: vec![
             ChartPanel { y_label: "give at the key's front (mm)".into(), y_log: false, y_range: None, curves },

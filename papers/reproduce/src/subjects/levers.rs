@@ -2,7 +2,7 @@
 
 use moreau_linkage::three_lever::{Drive, Levers, Move, Regulation, StrokePose};
 
-use super::blow::tell;
+use super::impact::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard_levers::{Case, Design, Digest, LinkageFile, derive, slow_press};

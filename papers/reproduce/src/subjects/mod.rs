@@ -7,7 +7,6 @@
 //! [`subjects`] lists what can be reproduced; each is computed by itself, from nothing, and gives a [`Section`]. All
 //! numbers are the same every time, but for times on the clock, which stand in tables that say so and in no figure.
 
-mod blow;
 mod bushings;
 mod conformance_rows;
 mod contact;
@@ -21,6 +20,7 @@ mod events;
 mod felt_losses;
 mod friction;
 mod gives;
+mod impact;
 mod landing;
 mod levers;
 mod order;
@@ -148,7 +148,7 @@ pub fn subjects() -> Vec<Subject> {
             1.0,
             touch::fine_structure,
         ),
-        subject("touch-scatter", "How much of a touch's scatter the blow has", 6.0, touch::scatter),
+        subject("touch-scatter", "How much of a touch's scatter reaches the impact", 6.0, touch::scatter),
         subject("paper2-felt", "The felt law", 1.0, friction::felt),
         subject("paper2-rest", "Rest under dry and under regularised friction", 14.0, friction::rest),
         subject("paper2-convergence", "Convergence and cost, set-valued and regularised", 18.0, convergence::section),
@@ -162,7 +162,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("felt-losses", "Which loss the felts should have", 4.0, felt_losses::section),
         subject("bushings", "Pivots that give", 1.0, bushings::section),
         subject("conformance", "Textbook problems with known answers", 40.0, conformance_rows::section),
-        subject("what-gives", "What gives in a blow, and what it does to timing", 8.0, gives::section),
+        subject("what-gives", "What yields in a loud note, and what it does to timing", 8.0, gives::section),
         subject("dynamics", "From gentle to loud: touches, hands, travel times", 3.0, dynamics::section),
         subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
         subject("events", "How events converge, and which of them are chance", 6.0, events::section),

@@ -2,7 +2,7 @@
 
 use moreau::Settings;
 
-use super::blow::{Play, Rung, blow, halvings, ladder, order, tell};
+use super::impact::{Play, Rung, halvings, impact, ladder, order, tell};
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::stroke::Touch;
@@ -48,7 +48,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
             tell(progress, part / 4.0)?;
             let settings = Settings { theta, ..Settings::new(LADDER.0) };
             let finest = steps[steps.len() - 1] / REFERENCE;
-            let exact = blow(instrument, play, Settings { step: finest, ..settings }, until)?;
+            let exact = impact(instrument, play, Settings { step: finest, ..settings }, until)?;
             let rungs =
                 ladder(instrument, play, settings, &steps, &exact, until, &mut |share| progress((part + share) / 4.0))?;
             let label = format!("{}, theta {theta}", play.label());
@@ -64,7 +64,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
                     ratio(|r| r.speed),
                     format!("{:.4}", r.contact * 1e6),
                     ratio(|r| r.contact),
-                    format!("{:.3}", r.blow.newton / r.blow.steps as f64),
+                    format!("{:.3}", r.impact.newton / r.impact.steps as f64),
                 ]);
             }
             let (speed, contact) = (order(&rungs, |r| r.speed), order(&rungs, |r| r.contact));
@@ -99,7 +99,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         contact_curves.push(line(top(&contact_curves[..4])));
     }
     section.charts.push(Chart {
-        title: "Errors of a blow over the step".into(),
+        title: "Errors of an impact over the step".into(),
         caption: "Root mean square over eight phases, against the run with the finest step".into(),
         x_label: "step (us)".into(),
         x_log: true,

@@ -4,9 +4,9 @@
 
 use moreau::Settings;
 
-use super::blow::tell;
 use super::felt_losses::{ETA, SLIP, restitution};
 use super::gives::stiffen;
+use super::impact::tell;
 use super::landing;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;

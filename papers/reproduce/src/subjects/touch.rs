@@ -1,5 +1,5 @@
-//! Touch and control: how much of the mechanism a finger could feel, and how well it controls the blow; the papers' two
-//! remarks, as numbers.
+//! Touch and control: how much of the mechanism a finger could feel, and how well it controls the impact; the papers'
+//! two remarks, as numbers.
 //!
 //! **The fine structure of the force.** The whole action and one degree of freedom are led through the same motion of
 //! the key; the difference of the forces that this takes is what the mechanism adds to the touch beyond inertia and
@@ -14,7 +14,7 @@
 //!   Järveläinen, Giordano, Schiesser, Fröhlich, IEEE Trans. Haptics 10 (2017) 113, its abstract), a transient of some
 //!   tens of milliseconds raises them: an estimate.
 //!
-//! **The scatter of the blow.** A touch is never twice the same. How much of its scatter comes out as scatter of the
+//! **The scatter of the impact.** A touch is never twice the same. How much of its scatter comes out as scatter of the
 //! hammer's speed and instant?
 
 use std::f64::consts::PI;
@@ -24,7 +24,7 @@ use moreau::Settings;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-use super::blow::tell;
+use super::impact::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::one_dof::{OneDof, reduce};
@@ -276,7 +276,7 @@ const SCATTER: f64 = 0.05;
 /// How fast the force rises, N/s: soft to loud.
 const RATES_N_S: [f64; 3] = [40.0, 150.0, 600.0];
 
-/// A blow: when, s after the force begins to rise, and how fast, m/s.
+/// An impact: when, s after the force begins to rise, and how fast, m/s.
 #[derive(Clone, Copy)]
 struct Hit {
     at_s: f64,

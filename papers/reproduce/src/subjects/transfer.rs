@@ -10,7 +10,7 @@ use moreau::Settings;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-use super::blow::tell;
+use super::impact::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::one_dof::reduce;

@@ -43,7 +43,7 @@ pub(super) struct Parts {
     pub(super) hammer_rest: Option<usize>,
     pub(super) lift: Option<usize>,
     pub(super) damper_rest: Option<usize>,
-    /// What a loud blow throws the damper against, and the jack.
+    /// What a loud note throws the damper against, and the jack.
     pub(super) damper_stop: Option<usize>,
     pub(super) jack_stop: Option<usize>,
     /// The rail that the sustain pedal lifts, under the damper's lever.

@@ -1,5 +1,5 @@
-//! The strings of a note in their modes, and their step. What the engine asks of them is in `surfaces.rs`, what can be
-//! read of them in `reading.rs`.
+//! The strings of a note in their modes, and their step. The engine's queries are in `surfaces.rs`, the readings in
+//! `reading.rs`.
 
 mod parts;
 mod reading;
@@ -63,8 +63,8 @@ pub struct Strings {
     bridge_modes: Vec<crate::instrument::BridgeMode>,
     /// The hammer's, those of the dampers' felts, and the pedal's rail's.
     zones: Vec<usize>,
-    /// The longest step that a blow is taken in, s.
-    blow_step_s: f64,
+    /// The longest step that an impact is taken in, s.
+    impact_step_s: f64,
     /// What is prepared, by the steps' length and their parts.
     prepared_for: (f64, Parts),
     /// For the parts that are not in use, where they have another length; whether those in use are the near ones.
@@ -129,7 +129,7 @@ impl Strings {
             strings: instrument.strings.clone(),
             bridge_modes: if instrument.roles.rigid_bridge { Vec::new() } else { instrument.bridge_modes.clone() },
             zones,
-            blow_step_s: parts::blow_step_s(instrument),
+            impact_step_s: parts::impact_step_s(instrument),
             prepared_for: (0.0, Parts::WHOLE),
             other: None,
             near: false,
@@ -169,7 +169,7 @@ impl Strings {
         Strings::read(&mechanism.readout())
     }
 
-    /// The same from what is read of the mechanism.
+    /// The strings of an instrument, from readings of the mechanism.
     pub(crate) fn read<'a>(now: &Readout<'a>) -> Option<&'a Self> {
         now.surfaces.and_then(|surfaces| surfaces.as_any().downcast_ref())
     }

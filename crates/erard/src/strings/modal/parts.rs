@@ -1,10 +1,10 @@
 //! Into how many parts a step is taken, and the change between their lengths.
 //!
-//! **Which modes exist** does not depend on a step's length: all up to 20 kHz, each moving exactly at any. What a step
-//! cannot follow is the felt's force, which it holds. So steps are short while the hammer is near the strings, and long
-//! while nothing but dampers touches them.
+//! **Which modes exist** does not depend on a step's length: all up to 20 kHz, each moving exactly at any. A step
+//! cannot follow changes of the felt's force, which it holds constant. So steps are short while the hammer is near the
+//! strings, and long while nothing but dampers touches them.
 //!
-//! **How short.** What is heard hangs on the shape of the force: partials that are 40 dB weaker than the strongest lie
+//! **How short.** The sound depends on the shape of the force: partials that are 40 dB weaker than the strongest lie
 //! between lobes of its spectrum, where a thousandth of a change of the pulse is a tenth of a decibel. The scale of a
 //! pulse is the time for which the hammer would touch a wall; steps of a 160th of that are enough for every key of the
 //! concert grand, while peak, contact and return need a tenth as many.
@@ -41,7 +41,7 @@ const MOST_HALVINGS: u32 = 10;
 
 /// The longest step, s, that the strings of an instrument may be struck in: a part of the time for which their hammer
 /// would touch a wall in a fortissimo.
-pub(super) fn blow_step_s(instrument: &Instrument) -> f64 {
+pub(super) fn impact_step_s(instrument: &Instrument) -> f64 {
     wall_contact_s(instrument).map_or(UNKNOWN_S, |time_s| time_s / STEPS_OF_A_BLOW)
 }
 
@@ -69,7 +69,7 @@ impl Strings {
             (0..MOST_HALVINGS).find(|n| step_s <= longest_s * NEARLY * f64::from(1 << n)).unwrap_or(MOST_HALVINGS)
         };
         let apart = halvings(if self.bridge_modes.is_empty() { LONGEST_S } else { LONGEST_ON_A_BRIDGE_S });
-        let near = halvings(self.blow_step_s).max(apart);
+        let near = halvings(self.impact_step_s).max(apart);
         Parts { apart: 1 << apart, near: 1 << near, reach_m: FASTEST_M_PER_S * step_s }
     }
 

@@ -57,7 +57,7 @@ impl Strings {
     }
 
     /// Sends the pedal's rail to a lift, m, from 0 (up) to [`crate::strings::PEDAL_MOST_M`]; it goes there at
-    /// [`crate::strings::PEDAL_M_PER_S`] at most. What is no number changes nothing.
+    /// [`crate::strings::PEDAL_M_PER_S`] at most. NaN changes nothing.
     pub fn set_pedal(&mut self, lift_m: f64) {
         if let Some(rail) = &mut self.rail {
             rail.aim(lift_m);

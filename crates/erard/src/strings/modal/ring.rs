@@ -1,10 +1,10 @@
-//! Strings that ring by themselves, over any span at once.
+//! Freely ringing strings, advanced over any span at once.
 
 use super::{Mode, POINTS, Strings, free_motion};
 use crate::strings::rows::WIDE;
 
 impl Strings {
-    /// Whether nothing has touched them in the last step, on a bridge that stands still: each mode is then free.
+    /// Whether nothing has touched them in the last step, on a bridge that does not move: each mode is then free.
     pub(super) fn untouched(&self) -> bool {
         self.bridge.is_none()
             && self.forces_n.iter().all(|force_n| *force_n == 0.0)
@@ -17,7 +17,7 @@ impl Strings {
         self.untouched() && !(self.still || self.statically || moved)
     }
 
-    /// Lets them ring freely for so many spans of a length, s, and shows them after each span. The motion of a free
+    /// Lets them ring freely for a number of spans of a length, s, and shows them after each span. The motion of a free
     /// mode is exact over any span: this differs from steps by rounding.
     pub(crate) fn ring(&mut self, spans: u64, span_s: f64, each: &mut dyn FnMut(&Self)) {
         let free = |mode: &Mode| free_motion(&self.strings[mode.string], mode.n, span_s);
@@ -34,7 +34,7 @@ impl Strings {
         self.settle();
     }
 
-    /// How far a mode swings if nothing touches it, m: its energy does not grow.
+    /// Largest swing of a mode if nothing touches it, m: its energy does not grow.
     fn amplitude_m(&self, mode: &Mode) -> f64 {
         (2.0 * self.mode_energy_j(mode) / mode.stiffness_n_m).sqrt()
     }

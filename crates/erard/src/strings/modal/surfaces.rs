@@ -1,4 +1,4 @@
-//! Strings as surfaces that yield, for the engine.
+//! Strings as compliant surfaces for the engine.
 
 use std::any::Any;
 
@@ -12,7 +12,7 @@ use crate::strings::bridge::Bridge;
 use crate::strings::pedal::Rail;
 use crate::strings::rows::WIDE;
 
-/// Every so many steps it is seen whether the strings have come to rest.
+/// Number of steps between tests whether the strings have come to rest.
 const LOOK_EVERY: u64 = 64;
 /// Strings that are still go on standing as they do where a force changes by less than this part of it: its rounding.
 const SAME: f64 = 1e-10;

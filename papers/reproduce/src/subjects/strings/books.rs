@@ -5,7 +5,7 @@ use erard::mechanism::{open_ledger, take_stock};
 use erard::stroke::{NUANCES, Touch};
 use moreau::Settings;
 
-use super::super::blow::{Play, tell};
+use super::super::impact::{Play, tell};
 use super::super::{Claim, Progress, ReproduceError, Section};
 use super::head;
 use erard_workshop::struck::STEP_S;

@@ -1,4 +1,4 @@
-//! Whether a blow converges as the step shrinks, and with which order: a head alone, and the whole action.
+//! Whether an impact converges as the step shrinks, and with which order: a head alone, and the whole action.
 
 use erard::instrument::Instrument;
 use erard::mechanism::Halving;
@@ -6,7 +6,7 @@ use erard::strings::Strings;
 use erard::{Action, Input};
 use moreau::Settings;
 
-use super::super::blow::{halvings, neighbouring};
+use super::super::impact::{halvings, neighbouring};
 use super::super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use super::head;
 
@@ -36,11 +36,11 @@ const FIRST_ORDER: f64 = 0.7;
 /// Errors at a step.
 type Rung = (f64, [f64; 4]);
 
-/// What is compared, in the order of [`Blow::errors`].
+/// What is compared, in the order of [`Impact::errors`].
 const QUANTITIES: [&str; 4] = ["contact time", "largest force", "return", "partials to 5 kHz"];
 
-/// What a blow is looked at for.
-struct Blow {
+/// What an impact is looked at for.
+struct Impact {
     contact_s: f64,
     peak_n: f64,
     back_m_per_s: f64,
@@ -48,10 +48,10 @@ struct Blow {
     partials: Vec<f64>,
 }
 
-impl Blow {
+impl Impact {
     /// From the force of every step, and the speed upward at the end of every step. Times lie between the steps'
     /// middles by straight lines, the peak on a parabola through three, so that nothing hangs on where the grid lies.
-    fn of(forces_n: &[f64], speeds_m_per_s: &[f64], step_s: f64, partials: Vec<f64>) -> Option<Blow> {
+    fn of(forces_n: &[f64], speeds_m_per_s: &[f64], step_s: f64, partials: Vec<f64>) -> Option<Impact> {
         let top = (1..forces_n.len() - 1).max_by(|&a, &b| forces_n[a].total_cmp(&forces_n[b]))?;
         let [a, b, c] = [forces_n[top - 1], forces_n[top], forces_n[top + 1]];
         let bend = a - 2.0 * b + c;
@@ -66,11 +66,11 @@ impl Blow {
         let before = (last - 0.5).floor().max(0.0) as usize;
         let share = last - 0.5 - before as f64;
         let back_m_per_s = -(speeds_m_per_s[before] + share * (speeds_m_per_s[before + 1] - speeds_m_per_s[before]));
-        Some(Blow { contact_s: (last - first) * step_s, peak_n, back_m_per_s, partials })
+        Some(Impact { contact_s: (last - first) * step_s, peak_n, back_m_per_s, partials })
     }
 
     /// Relative errors against an exact one.
-    fn errors(&self, exact: &Blow) -> [f64; 4] {
+    fn errors(&self, exact: &Impact) -> [f64; 4] {
         let norm = |of: &mut dyn Iterator<Item = f64>| of.map(|x| x * x).sum::<f64>().sqrt();
         let apart = norm(&mut self.partials.iter().zip(&exact.partials).map(|(a, b)| a - b));
         [
@@ -96,7 +96,7 @@ fn amplitudes(strings: &Strings, late_s: f64) -> Vec<f64> {
     found
 }
 
-fn head_alone(head: &Instrument, step_s: f64) -> Result<Option<Blow>, ReproduceError> {
+fn head_alone(head: &Instrument, step_s: f64) -> Result<Option<Impact>, ReproduceError> {
     let mut thrown = head::thrown(head, step_s, SPEED_M_PER_S)?;
     let steps = (HEAD_S / step_s).round();
     let (mut forces_n, mut speeds_m_per_s) = (Vec::new(), Vec::new());
@@ -106,10 +106,10 @@ fn head_alone(head: &Instrument, step_s: f64) -> Result<Option<Blow>, ReproduceE
         speeds_m_per_s.push(thrown.readout().velocities[0]);
     }
     let partials = Strings::under(thrown.as_ref()).map(|strings| amplitudes(strings, steps * step_s - HEAD_S));
-    Ok(partials.and_then(|partials| Blow::of(&forces_n, &speeds_m_per_s, step_s, partials)))
+    Ok(partials.and_then(|partials| Impact::of(&forces_n, &speeds_m_per_s, step_s, partials)))
 }
 
-fn whole_action(grand: &Instrument, step_s: f64) -> Result<Option<Blow>, ReproduceError> {
+fn whole_action(grand: &Instrument, step_s: f64) -> Result<Option<Impact>, ReproduceError> {
     let mut action =
         Action::with(grand, Settings::new(step_s)).map_err(|error| ReproduceError::Simulation(error.into()))?;
     action.halve(Halving::Never);
@@ -121,13 +121,13 @@ fn whole_action(grand: &Instrument, step_s: f64) -> Result<Option<Blow>, Reprodu
         speeds_m_per_s.push(reading.hammer_m_per_s);
     }
     let partials = action.strings().map(|strings| amplitudes(strings, steps * step_s - ACTION_S));
-    Ok(partials.and_then(|partials| Blow::of(&forces_n, &speeds_m_per_s, step_s, partials)))
+    Ok(partials.and_then(|partials| Impact::of(&forces_n, &speeds_m_per_s, step_s, partials)))
 }
 
 /// Errors of what is compared at every step of the ladder, each the root mean square over eight steps that are nearly
 /// the same.
 fn climb(
-    play: &dyn Fn(f64) -> Result<Option<Blow>, ReproduceError>,
+    play: &dyn Fn(f64) -> Result<Option<Impact>, ReproduceError>,
     progress: &mut Progress,
 ) -> Result<Vec<Rung>, ReproduceError> {
     let missing = || ReproduceError::Instrument("nothing sounds".into());
@@ -168,7 +168,7 @@ fn converges(rungs: &[Rung]) -> (String, bool) {
     (format!("orders from {from:.0} to {knee:.1} us, then to {to:.1} us: {}", told.join("; ")), holds)
 }
 
-/// The part of a blow's energy that the scheme itself takes: from a head whose felt and strings lose nothing.
+/// The part of an impact's energy that the scheme itself takes: from a head whose felt and strings lose nothing.
 fn taken(head: &Instrument, step_s: f64) -> Result<f64, ReproduceError> {
     let mut head = head.clone();
     head.zones[0].felt.loss = moreau::Loss::none();
@@ -216,7 +216,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
     let halves = lost[1..].windows(2).all(|pair| pair[1] > 0.0 && pair[0] / pair[1] > f64::exp2(FIRST_ORDER));
     section.claims.push(Claim::new(
         "this program",
-        "these modes give nothing and take little: B (F1 - F0)^2 / 2 a step with their static compliance B, the part of a blow's energy that a head, felt and strings without losses lose; it halves with the step from 50 us on",
+        "these modes give nothing and take little: B (F1 - F0)^2 / 2 a step with their static compliance B, the part of an impact's energy that a head, felt and strings without losses lose; it halves with the step from 50 us on",
         told.join(", "),
         halves,
     ));
@@ -251,7 +251,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
         curves: curves(rungs),
     };
     section.charts.push(Chart {
-        title: "A blow on strings converges".into(),
+        title: "An impact on strings converges".into(),
         caption: format!(
             "Errors over the length of the step: a head of 8.9 g that is thrown at C4's strings at {SPEED_M_PER_S:.0} m/s, and the whole action under {FORCE_N:.0} N (mf)."
         ),
@@ -260,7 +260,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
         panels: vec![panel("head alone", &alone), panel("whole action", &whole)],
     });
     let mut table = Table::new(
-        "Errors of a blow at each step, relative",
+        "Errors of an impact at each step, relative",
         &["what", "step, us", QUANTITIES[0], QUANTITIES[1], QUANTITIES[2], QUANTITIES[3]],
     );
     for (what, rungs) in [("head alone", &alone), ("whole action", &whole)] {

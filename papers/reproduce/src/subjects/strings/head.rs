@@ -1,4 +1,4 @@
-//! A hammer's head alone, thrown at the strings of middle C: as simple as a blow can be.
+//! A hammer's head alone, thrown at the strings of middle C: as simple as an impact can be.
 
 use erard::instrument::{Curve, Instrument, InstrumentFile};
 use erard::mechanism::{Halving, Mechanism, Stepping, mechanism};

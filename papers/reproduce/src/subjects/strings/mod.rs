@@ -6,12 +6,12 @@ mod convergence;
 pub(super) mod head;
 pub(super) mod residual;
 
-use super::blow::tell;
+use super::impact::tell;
 use super::{Claim, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::keyboard::{Keyboard, note_name};
 use erard::{Action, Input};
-use erard_workshop::struck::{self, STEP_S, blow};
+use erard_workshop::struck::{self, STEP_S, impact};
 
 /// The keyboard and the instrument that this is about.
 const NAME: &str = "concert-grand-strings";
@@ -39,7 +39,7 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
         ..Section::default()
     };
     let mut table = Table::new(
-        "Blows over the compass",
+        "Impacts over the compass",
         &[
             "note",
             "force, N",
@@ -60,7 +60,7 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
         for (m, (loud, force_n)) in FORCES.into_iter().enumerate() {
             tell(progress, 0.4 * (n * FORCES.len() + m) as f64 / (KEYS.len() * FORCES.len()) as f64)?;
             let mut action = rest(&instrument)?;
-            let found = blow(&mut action, force_n);
+            let found = impact(&mut action, force_n);
             let cells = match &found {
                 Some(b) => vec![
                     format!("{:.2}", b.speed_m_per_s),
@@ -104,7 +104,7 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
         let exponent = (last.1 / first.1).ln() / (last.0 / first.0).ln();
         section.claims.push(Claim::new(
             "this program",
-            "C4: the peak grows with more than the first power of the hammer's speed, so that loud blows are shorter and brighter",
+            "C4: the peak grows with more than the first power of the hammer's speed, so that loud notes are shorter and brighter",
             format!("{:.1} N at {:.2} m/s, {:.0} N at {:.2} m/s: power {exponent:.2}", first.1, first.0, last.1, last.0),
             exponent > 1.0,
         ));

@@ -5,7 +5,7 @@ use erard::mechanism::{Halving, open_ledger, take_stock};
 use erard::run::{Setup, press};
 use erard::{Input, Settings};
 
-use super::super::blow::{halvings, neighbouring, tell};
+use super::super::impact::{halvings, neighbouring, tell};
 use super::super::{Claim, Progress, ReproduceError, Section, Table, builtin};
 use super::head;
 
@@ -81,7 +81,7 @@ pub(crate) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
     table.row(row("a head alone at the strings", &alone, "-".into()));
     section.claims.push(Claim::new(
         "this program",
-        "felt, hammer and strings of a blow lack nothing but rounding, at every step: what whole notes lack is the action's",
+        "felt, hammer and strings of an impact lack nothing but rounding, at every step: what whole notes lack is the action's",
         alone.iter().map(|[e]| format!("{e:.1e}")).collect::<Vec<_>>().join(", "),
         alone.iter().all(|[e]| *e < ROUNDING),
     ));

@@ -1,4 +1,4 @@
-//! Runs that the subjects have in common: a stroke or a force step, and the blow that comes of it.
+//! Runs that the subjects have in common: a stroke or a force step, and the impact that comes of it.
 //!
 //! A felt is touched at some phase between two instants of the grid, and the error of a single run depends on that
 //! phase. The root mean square over steps that are nearly the same, with phases that are not, is what follows a law.
@@ -96,9 +96,9 @@ pub(crate) fn regularised(width: f64) -> FrictionLaw<f64> {
     FrictionLaw::Regularised { pivot_width: width, sliding_width: 0.1 * width }
 }
 
-/// A blow on the string.
+/// An impact on the string.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FirstBlow {
+pub(crate) struct FirstImpact {
     /// Speed of the strike point, m/s; not a number if the string was not struck.
     pub speed: f64,
     /// Instant, s.
@@ -113,17 +113,17 @@ pub(crate) struct FirstBlow {
     pub of_real_time: f64,
 }
 
-/// The first blow of a run.
-pub(crate) fn blow(
+/// The first impact of a run.
+pub(crate) fn impact(
     instrument: &Instrument,
     play: Play,
     settings: Settings<f64>,
     until: f64,
-) -> Result<FirstBlow, ReproduceError> {
+) -> Result<FirstImpact, ReproduceError> {
     let started = Instant::now();
     let run = play.run(instrument, settings, until, u64::MAX)?;
     let took_s = started.elapsed().as_secs_f64();
-    Ok(FirstBlow {
+    Ok(FirstImpact {
         speed: run.events.hammer_speed_m_per_s().unwrap_or(f64::NAN),
         contact: run.events.hammer_contact_s().unwrap_or(f64::NAN),
         newton: run.work.newton_iterations as f64,
@@ -133,42 +133,42 @@ pub(crate) fn blow(
     })
 }
 
-/// Errors of a blow at a step.
+/// Errors of an impact at a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rung {
     /// h, s.
     pub step: f64,
     /// The run at exactly h.
-    pub blow: FirstBlow,
+    pub impact: FirstImpact,
     /// Root mean square of the relative error of the hammer speed over the neighbouring steps.
     pub speed: f64,
     /// That of the contact instant, s.
     pub contact: f64,
 }
 
-/// Errors of a blow at several steps against an exact one.
+/// Errors of an impact at several steps against an exact one.
 pub(crate) fn ladder(
     instrument: &Instrument,
     play: Play,
     settings: Settings<f64>,
     steps: &[f64],
-    exact: &FirstBlow,
+    exact: &FirstImpact,
     until: f64,
     progress: &mut Progress,
 ) -> Result<Vec<Rung>, ReproduceError> {
-    let mut blows: Vec<Option<FirstBlow>> = vec![None; steps.len()];
+    let mut impacts: Vec<Option<FirstImpact>> = vec![None; steps.len()];
     let mut errors = |rung: usize, h: f64| {
-        let b = blow(instrument, play, Settings { step: h, ..settings }, until)?;
+        let b = impact(instrument, play, Settings { step: h, ..settings }, until)?;
         // The clock is read on all of them: the least disturbed counts.
-        let own: &mut FirstBlow = blows[rung].get_or_insert(b);
+        let own: &mut FirstImpact = impacts[rung].get_or_insert(b);
         own.of_real_time = own.of_real_time.min(b.of_real_time);
         Ok([b.speed / exact.speed - 1.0, b.contact - exact.contact])
     };
     let errors = neighbouring(steps, &mut errors, progress)?;
-    let rung = |((&step, blow), [speed, contact]): ((&f64, Option<FirstBlow>), [f64; 2])| {
-        blow.map(|blow| Rung { step, blow, speed, contact })
+    let rung = |((&step, impact), [speed, contact]): ((&f64, Option<FirstImpact>), [f64; 2])| {
+        impact.map(|impact| Rung { step, impact, speed, contact })
     };
-    Ok(steps.iter().zip(blows).zip(errors).filter_map(rung).collect())
+    Ok(steps.iter().zip(impacts).zip(errors).filter_map(rung).collect())
 }
 
 /// Errors at several steps, each the root mean square over steps that are nearly the same. `errors`: at a step near one
