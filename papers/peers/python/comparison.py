@@ -139,12 +139,15 @@ class Comparison:
         return holds
 
     def contest(self):
-        """Erard's fixed step and the stiff solver's setting that are fastest at the target's error; None where there is none of either."""
+        """Erard's fixed step and the fastest peer's setting at the target's error; None where either is missing, or where the peer is no
+        program that can be asked for one setting."""
         reached = [point for point, _ in self.at_error(TARGET_ERROR).values() if point is not None]
         mine = [p for p in reached if p["peer"] == "Erard" and "step_s" in p and "batch_cores" not in p]
-        theirs = [p for p in reached if p["peer"] == "diffsol"]
+        theirs = [p for p in reached if p["peer"] != "Erard"]
+        if not mine or not theirs:
+            return None
         fastest = lambda points: min(points, key=lambda p: p["seconds"])
-        return (fastest(mine), fastest(theirs)) if mine and theirs else None
+        return (fastest(mine), fastest(theirs)) if fastest(theirs)["peer"] == "diffsol" else None
 
     def turns(self):
         """By turns: how often Erard's time, alone and of each batch, fits into the peer's. Median of the rounds, the least and the largest."""
@@ -155,48 +158,36 @@ class Comparison:
             for who, seconds in took.items():
                 if who.startswith("Erard"):
                     ratios.setdefault(who, []).append(peer / seconds)
-        return {who: [statistics.median(found), min(found), max(found)] for who, found in ratios.items()}
+        return {
+            who: {"ratio": statistics.median(found), "least": min(found), "largest": max(found)} for who, found in ratios.items()
+        }
 
     def targets(self):
-        """The fastest peer at the target's error, and Erard's ratios to it, alone and in batches: measured, wanted, met."""
-        turns = self.turns()
-        if turns:
-            own, batches = turns.pop("Erard"), turns
-            verdict = lambda ratio, wanted: {"ratio": ratio[0], "least": ratio[1], "largest": ratio[2], "ratio_wanted": wanted, "ratio_met": ratio[0] >= wanted}
-            mine, peer = self.contest()
-            return {
-                "error": TARGET_ERROR,
-                "setting": mine["setting"],
-                "fastest_peer": f"{peer['name']}, {peer['setting']}",
-                "rounds": len(self.rounds),
-                **verdict(own, TARGET_RATIO),
-                "batches": [{"batch": who.removeprefix("Erard batch, "), **verdict(ratio, TARGET_BATCH_RATIO)} for who, ratio in batches.items()],
-            }
+        """The fastest peer at the target's error, and Erard's ratios to it, alone and in batches: measured, wanted, met. Of rounds by turns
+        where there are some, else of the tables."""
         found = self.at_error(TARGET_ERROR)
         reached = {peer: ratio for peer, (point, ratio) in found.items() if ratio is not None and point["peer"] != "Erard"}
         if not reached:
             return None
         peer = min(reached, key=reached.get)
-        targets = {
-            "error": TARGET_ERROR,
-            "fastest_peer": peer,
-            "ratio": reached[peer],
-            "ratio_wanted": TARGET_RATIO,
-            "ratio_met": reached[peer] >= TARGET_RATIO,
-            "batches": [],
+        about = {"error": TARGET_ERROR, "fastest_peer": peer}
+        if self.rounds:
+            ratios = self.turns()
+            own = ratios.pop("Erard")
+            mine, theirs = self.contest()
+            about |= {"fastest_peer": f"{peer}, {theirs['setting']}", "setting": mine["setting"], "rounds": len(self.rounds)}
+        else:
+            own = {"ratio": reached[peer]}
+            batches = {who: point for who, (point, _) in found.items() if point is not None and "batch_cores" in point}
+            ratios = {who: {"ratio": found[peer][0]["seconds"] / point["seconds"]} for who, point in batches.items()}
+        verdict = lambda one, wanted: {**one, "ratio_wanted": wanted, "ratio_met": one["ratio"] >= wanted}
+        return {
+            **about,
+            **verdict(own, TARGET_RATIO),
+            "batches": [
+                {"batch": who.removeprefix("Erard batch, "), **verdict(one, TARGET_BATCH_RATIO)} for who, one in ratios.items()
+            ],
         }
-        for point, _ in found.values():
-            if point is not None and "batch_cores" in point:
-                ratio = found[peer][0]["seconds"] / point["seconds"]
-                targets["batches"].append(
-                    {
-                        "batch": batch(point),
-                        "ratio": ratio,
-                        "ratio_wanted": TARGET_BATCH_RATIO,
-                        "ratio_met": ratio >= TARGET_BATCH_RATIO,
-                    }
-                )
-        return targets
 
     def document(self, machine):
         """Everything, for machines."""

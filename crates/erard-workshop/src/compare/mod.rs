@@ -429,9 +429,8 @@ impl Comparison {
             let of = |what, errors: Option<&Errors>| Some((what, errors?.rest?));
             let both = [of(outcome(trial.driven), trial.errors.as_ref()), of("hammer", trial.hammer_errors.as_ref())];
             let rests: Vec<_> = both.into_iter().flatten().collect();
-            let parts: Vec<String> = rests.iter().map(|(_, rest)| share(rest.share, 0)).collect();
-            let parts =
-                if parts.iter().all(|part| *part == parts[0]) { &parts[..parts.len().min(1)] } else { &parts[..] };
+            let mut parts: Vec<String> = rests.iter().map(|(_, rest)| share(rest.share, 0)).collect();
+            parts.dedup();
             let explained: Vec<String> = rests
                 .iter()
                 .enumerate()

@@ -113,6 +113,17 @@ pub enum Steps {
     Controlled(f64),
 }
 
+impl Steps {
+    /// The engine's settings; adaptive steps begin with the longest.
+    pub fn settings(self) -> Settings<f64> {
+        match self {
+            Steps::Fixed(h) | Steps::FixedOrRest(h) => Settings::new(h),
+            Steps::Loose(h) => loose(h),
+            Steps::Controlled(_) => Settings::new(LARGEST_STEP_S),
+        }
+    }
+}
+
 /// A tolerance of Newton's method that moves the errors of long steps by less than a twentieth (`steps` shows it), and
 /// saves them a quarter of their iterations. The engine's usual one is 1e-5.
 pub const LOOSE: f64 = 1e-2;
@@ -196,11 +207,10 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
         let mut start = Instant::now();
         let mut state = State::at_rest(std::array::from_fn(|i| self.rest[i]));
         let mut watch = Watch::new(self.strike, &self.links, &state.angle, instants);
-        let mut taken = 0;
+        let (mut taken, settings) = (0, steps.settings());
         match steps {
             Steps::Fixed(h) | Steps::FixedOrRest(h) | Steps::Loose(h) => {
                 let rests = matches!(steps, Steps::FixedOrRest(_));
-                let settings = if matches!(steps, Steps::Loose(_)) { loose(h) } else { Settings::new(h) };
                 // The step that everybody has, compiled in `moreau-kernels`; assembled before the clock starts, as in a
                 // batch.
                 let none = moreau_kernels::Probes::default();
@@ -220,7 +230,6 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
                 state.angle.copy_from_slice(&engine.readout().angles[..B]);
             }
             Steps::Controlled(tolerance) => {
-                let settings = Settings::new(LARGEST_STEP_S);
                 let accuracy = Accuracy::new(tolerance, SMALLEST_STEP_S, LARGEST_STEP_S);
                 let mut controller = Controller::<f64, Z>::new(FIRST_STEP_S);
                 let mut halves = StepDoubling::<f64, B, Z, N>::new(&settings);

@@ -6,7 +6,7 @@ use moreau::Settings;
 use moreau_kernels::Lanes;
 use serde_json::{Value, json};
 
-use super::play::{Action, HOLD_N, HOLD_S, LOOSE, SCALES, Steps, loose};
+use super::play::{Action, HOLD_N, HOLD_S, LOOSE, SCALES, Steps};
 
 /// Steps of the rows, s.
 const STEPS_S: [f64; 14] =
@@ -119,13 +119,7 @@ pub fn batches<const B: usize, const Z: usize, const N: usize>(action: &Action<B
     let (fixed, repetitions) = chosen.fixed(15);
     for lanes in [Lanes::most(), Lanes::most_single()].map(|lanes| action.lanes(lanes)) {
         for &steps in &fixed {
-            match steps {
-                Steps::Loose(step_s) => batch(action, lanes, &loose(step_s), repetitions),
-                Steps::Fixed(step_s) | Steps::FixedOrRest(step_s) => {
-                    batch(action, lanes, &Settings::new(step_s), repetitions);
-                }
-                Steps::Controlled(_) => {}
-            }
+            batch(action, lanes, &steps.settings(), repetitions);
         }
     }
 }

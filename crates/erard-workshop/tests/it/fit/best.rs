@@ -181,9 +181,8 @@ fn what_a_solver_passes_by_is_a_candidate() {
 mod nightly {
     use super::*;
 
-    /// Ten starts up to a factor of two away, and up to 0.8 mm of the screw: the root mean square of what is left of
-    /// key and hammer at the start and at the end, beside the sensors' noise. The truth is found from each; where it is
-    /// not, the fit says that it is doubtful.
+    /// Fits from ten starts, up to a factor of two and 0.8 mm of the screw away. Prints the rms residuals of key and
+    /// hammer at the start and at the end. A fit that does not find the truth reports a misfit.
     #[test]
     #[ignore = "nightly: ten fits of four parameters, with restarts"]
     fn from_ten_far_starts() {
