@@ -138,6 +138,39 @@ const SMALLEST_STEP_S: f64 = 1e-8;
 const LARGEST_STEP_S: f64 = 1e-3;
 const FIRST_STEP_S: f64 = 50e-6;
 
+/// Newton iterations for the instant at which the string is met: a flight within a step is almost straight.
+const NEWTON: usize = 4;
+
+/// How a speed changes, at the end of a step: found from two steps, of second order.
+#[derive(Debug, Clone, Copy, Default)]
+struct Rate {
+    /// Mean over the last step, m/s2.
+    mean: f64,
+    /// At its end, m/s2.
+    now: f64,
+    /// Its own rate, m/s3.
+    jerk: f64,
+}
+
+impl Rate {
+    /// After a step over which its mean was `mean`; `steps_s` are the step before and this one.
+    #[inline(always)]
+    fn next(&self, mean: f64, steps_s: [f64; 2]) -> Rate {
+        let jerk = (mean - self.mean) * 2.0 / (steps_s[0] + steps_s[1]);
+        Rate { mean, now: mean + 0.5 * steps_s[1] * jerk, jerk }
+    }
+
+    /// The speed `t` later, that is `speed` now.
+    fn after(&self, speed: f64, t: f64) -> f64 {
+        speed + t * (self.now + 0.5 * t * self.jerk)
+    }
+
+    /// Its mean until then.
+    fn mean(&self, speed: f64, t: f64) -> f64 {
+        speed + t * (0.5 * self.now + t * self.jerk / 6.0)
+    }
+}
+
 /// Looks out for the blow and for the instants at which the angle is asked for.
 struct Watch<'a> {
     strike: Strike,
@@ -145,8 +178,10 @@ struct Watch<'a> {
     found: Option<[f64; 2]>,
     /// What the strike point does now: [`Strike::now`].
     now: [f64; 3],
-    /// Its acceleration toward the string over the last step, m/s2.
-    slope: f64,
+    /// Rates of the last two of these, now: m/s2, and their own rates over the last two steps, m/s3.
+    rates: [Rate; 2],
+    /// The last step, s.
+    step_s: f64,
     /// Angle and angular velocity of what strikes, now.
     turn: [f64; 2],
     instants: &'a [f64],
@@ -158,21 +193,25 @@ impl<'a> Watch<'a> {
     fn new<const B: usize>(strike: Strike, links: &'a [Link], angles: &[f64; B], instants: &'a [f64]) -> Self {
         let angles_rad = Vec::with_capacity(instants.len());
         let (now, turn) = (strike.now(links, angles, &[0.0; B]), [angles[strike.body], 0.0]);
-        Watch { strike, links, found: None, now, slope: 0.0, turn, instants, angles_rad }
+        Watch { strike, links, found: None, now, rates: [Rate::default(); 2], step_s: 0.0, turn, instants, angles_rad }
     }
 
     /// A step of h from t on has been taken. Within it the angle is the cubic through angles and velocities at both
-    /// ends; but the string is met as if the step before went on, the acceleration unchanged: at the step's end the
-    /// string has pushed already.
+    /// ends; but the string is met as if the flight went on as in the two steps before: at the step's end the string
+    /// has pushed already. Both speeds are continued, for the head turns in its flight: at 2 m/s and a radius of 0.13 m
+    /// by 15 rad/s, which changes their ratio by a thousandth in 200 us.
     #[inline(always)]
     fn look(&mut self, t: f64, h: f64, angle: &[f64], velocity: &[f64]) {
         let (before, now) = (self.now, self.strike.now(self.links, angle, velocity));
         let meets_m = self.strike.meets_m;
         if self.found.is_none() && before[0] <= meets_m && now[0] > meets_m {
-            let left = meets_m - before[0];
-            let v = (before[1] * before[1] + 2.0 * self.slope * left).max(0.0).sqrt();
-            // The point's way is all but straight; its speed is what it was, grown as its part toward the string.
-            self.found = Some([v * before[2] / before[1], t + 2.0 * left / (before[1] + v)]);
+            let ([along, speed], left_m) = (self.rates, meets_m - before[0]);
+            let mut flight_s = left_m / before[1];
+            for _ in 0..NEWTON {
+                let missed_m = flight_s * along.mean(before[1], flight_s) - left_m;
+                flight_s -= missed_m / along.after(before[1], flight_s);
+            }
+            self.found = Some([speed.after(before[2], flight_s), t + flight_s]);
         }
         let ([q0, v0], [q1, v1]) = (self.turn, [angle[self.strike.body], velocity[self.strike.body]]);
         let at = |s: f64| {
@@ -182,7 +221,10 @@ impl<'a> Watch<'a> {
         while let Some(&instant) = self.instants.get(self.angles_rad.len()).filter(|&&instant| instant <= t + h) {
             self.angles_rad.push(at((instant - t) / h));
         }
-        (self.now, self.slope, self.turn) = (now, (now[1] - before[1]) / h, [q1, v1]);
+        for (rate, k) in self.rates.iter_mut().zip([1, 2]) {
+            *rate = rate.next((now[k] - before[k]) / h, [self.step_s, h]);
+        }
+        (self.now, self.step_s, self.turn) = (now, h, [q1, v1]);
     }
 }
 

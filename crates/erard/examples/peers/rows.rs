@@ -9,12 +9,14 @@ use serde_json::{Value, json};
 use super::play::{Action, HOLD_N, HOLD_S, LOOSE, SCALES, Steps};
 
 /// Steps of the rows, s.
-const STEPS_S: [f64; 14] =
-    [1000e-6, 700e-6, 500e-6, 450e-6, 400e-6, 375e-6, 350e-6, 300e-6, 200e-6, 100e-6, 50e-6, 25e-6, 12.5e-6, 6.25e-6];
+const STEPS_S: [f64; 15] = [
+    1000e-6, 700e-6, 500e-6, 450e-6, 400e-6, 375e-6, 350e-6, 300e-6, 250e-6, 200e-6, 100e-6, 50e-6, 25e-6, 12.5e-6,
+    6.25e-6,
+];
 /// Step of the converged reference, s: a 128th of the finest row.
 const REFERENCE_STEP_S: f64 = 6.25e-6 / 128.0;
 /// So many of them in a quick run.
-const QUICK_STEPS: usize = 11;
+const QUICK_STEPS: usize = 12;
 /// Blows in a batch: each factor once in every lane.
 const MOST_LANES: usize = 16;
 const HOLD_STEPS_S: [f64; 3] = [100e-6, 50e-6, 25e-6];
