@@ -127,12 +127,10 @@ fn data_of_shorter_steps_have_no_doubts() {
 }
 
 /// Data of another model, whose key and shank bend, fitted by rigid bodies: no coverage is claimed, and the misfit is
-/// reported.
-#[test]
-#[ignore = "ci: 20 fits to data of another model"]
-fn misfit_of_another_model_is_reported() {
+/// reported. So many of these fits report it.
+fn reported(seeds: std::ops::Range<u64>) -> usize {
     let mut reported = 0;
-    for seed in 0..20 {
+    for seed in seeds {
         let mut other = Instrument::builtin("concert-grand").unwrap();
         let all = Parameter::all(&other);
         for (name, by) in drawn(&NAMES[..2], &mut Rng::with_seed(seed)) {
@@ -144,11 +142,24 @@ fn misfit_of_another_model_is_reported() {
         let found = fit(&[short(&other, seed, 50e-6, 0.0)], &asks).unwrap();
         reported += usize::from(found.doubts.iter().any(|doubt| doubt.kind == DoubtKind::Misfit));
     }
-    assert!(reported >= 19, "{reported} of 20");
+    reported
+}
+
+#[test]
+#[ignore = "ci: 4 fits to data of another model"]
+fn misfit_of_another_model_is_reported() {
+    assert_eq!(reported(0..4), 4);
 }
 
 mod nightly {
     use super::*;
+
+    #[test]
+    #[ignore = "nightly: 20 fits to data of another model"]
+    fn misfit_of_another_model_is_reported_in_95_per_cent() {
+        let reported = reported(0..20);
+        assert!(reported >= 19, "{reported} of 20");
+    }
 
     /// Of 1600 recordings for each kind of noise, 400 of each set: by parameter, over the sets that it is in, within
     /// 4 points of 68 % and 2.5 points of 95 %. `ERARD_COVERAGE` asks for fewer recordings of each set; then three
