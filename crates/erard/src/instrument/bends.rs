@@ -1,5 +1,5 @@
-//! Parts that bend: pieces of one part, joined by hinges that represent the bending of wood, and the rigid part that
-//! they make.
+//! Parts that bend: the pieces of a part, the hinges that represent the bending of its wood, and the rigid part that
+//! the pieces form when these hinges are locked.
 //!
 //! A bend is a hinge between two rigid pieces with the stiffness that the part has there (a pseudo-rigid-body model): a
 //! key at its fulcrum, a shank beyond the knuckle. Code that needs the part's geometry or its weights, without its
@@ -9,14 +9,14 @@ use super::placement::Placement;
 use super::{Body, Curve, Instrument, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone};
 
 impl Instrument {
-    /// Whether a part of it bends.
+    /// Whether any part bends.
     #[must_use]
     pub fn has_bends(&self) -> bool {
         self.bodies.iter().any(|body| body.is_bend)
     }
 
-    /// The first piece of the part that a body belongs to: the one that is not hinged by a bend. Of a body that does
-    /// not bend, itself.
+    /// Returns the first piece of the part that a body belongs to: the piece whose own hinge is not a bend. A body that
+    /// is not hinged by a bend is its own first piece.
     #[must_use]
     pub fn first_piece(&self, mut body: usize) -> usize {
         while self.bodies[body].is_bend {
@@ -44,23 +44,24 @@ impl Instrument {
         self.first_piece(a) == self.first_piece(b)
     }
 
-    /// The instrument with all bends locked as drawn: the pieces of a part are one rigid body, in the frame of the
-    /// first, with their masses and moments of inertia (Steiner's theorem). It bears the name of the piece that has a
-    /// role (key, hammer), else of the first.
+    /// Returns the instrument with all bends locked as drawn. The pieces of a part become one rigid body, in the frame
+    /// of the first piece, with their masses and moments of inertia (Steiner's theorem). This body has the name of the
+    /// piece that is key or hammer, otherwise the name of the first piece.
     ///
-    /// The dry torque, damping and springs of the bends are gone, and the screws that turned them.
+    /// The dry torques, damping and springs of the bends are left out, and so are the screws that act on these springs.
     #[must_use]
     pub fn locked(&self) -> Instrument {
         if !self.has_bends() {
             return self.clone();
         }
         let count = self.bodies.len();
-        // Of every piece: the rigid body that it becomes a part of, and its place in that body's frame.
+        // For every piece: the index of the rigid body that it joins, and its placement in that body's frame.
         let mut becomes = vec![None; count];
         let placed: Vec<Placement> = (0..count).map(|piece| self.on_first_piece(piece)).collect();
         let mut bodies: Vec<Body> = Vec::new();
         for (i, body) in self.bodies.iter().enumerate() {
-            // What it is hinged on: a body of the rigid ones, or the ground, and where in that its frame stands.
+            // The rigid body that carries the hinge (or the ground), and the placement of the carrying piece in its
+            // frame.
             let (on, place) = body.parent.map_or((None, Placement::GROUND), |p| (becomes[p], placed[p]));
             if !body.is_bend {
                 becomes[i] = Some(bodies.len());
@@ -101,7 +102,8 @@ impl Instrument {
     }
 }
 
-/// Adds a piece's mass, whose centre stands at `center` in the whole's frame.
+/// Adds the mass and inertia of a piece to a rigid body. `center` is the piece's centre of mass in that body's frame,
+/// m.
 fn add(whole: &mut Body, piece: &Body, center: Vec2) {
     let square = |[x, y]: Vec2| x * x + y * y;
     let about_center = piece.inertia_kg_m2 - piece.mass_kg * square(piece.center_of_mass_m);
@@ -113,7 +115,7 @@ fn add(whole: &mut Body, piece: &Body, center: Vec2) {
     whole.mass_kg = mass_kg;
 }
 
-/// Result for the pieces.
+/// The rigid body that each piece joins, and the placement of each piece in it.
 struct Rigid {
     becomes: Vec<Option<usize>>,
     placed: Vec<Placement>,
@@ -147,7 +149,7 @@ impl Rigid {
         }
     }
 
-    /// The springs that are not of bends, and where each of the old ones is now.
+    /// Returns the springs that do not belong to bends, and the new index of every old spring that is kept.
     fn springs(&self, instrument: &Instrument) -> (Vec<Spring>, Vec<Option<usize>>) {
         let (mut springs, mut kept) = (Vec::new(), Vec::new());
         for spring in &instrument.springs {

@@ -1,28 +1,29 @@
 //! Bushings: pivots with compliant cloth.
 //!
-//! A pivot that may move a little in one direction is a pivot at the end of a long arm: a body of its own, hinged in
-//! line with the pivot on what that was hinged on, and held by a spring. The engine's tree of hinges then needs nothing
-//! new. For the rigid geometry the arm is a piece of the body that it is hinged on ([`Instrument::locked`]).
+//! A pivot that can move a little in one direction is modelled as a pivot at the end of a long arm. The arm is a body
+//! of its own, held by a spring, and hinged in line with the pivot on the body that carried the pivot before. So the
+//! engine needs no new kind of joint. For the rigid geometry the arm is a piece of the body that carries it
+//! ([`Instrument::locked`]).
 
 use super::{Body, Instrument, Spring};
 
-/// Length of the arm, m; so long that the pivot's path is straight over the compression of a bushing.
+/// Length of the arm, m: long enough that the pivot's path is practically straight over the compression of a bushing.
 const ARM_M: f64 = 0.3;
-/// Of what represents the pin, at the arm's end: small beside every part of an action.
+/// Mass of the pin at the arm's end, kg: small compared with every part of an action.
 const PIN_KG: f64 = 1e-3;
-/// N; so that it comes to rest.
+/// Dry friction of the pin, N, which brings the arm to rest.
 const DRY_N: f64 = 3e-3;
 
 impl Instrument {
-    /// The name of a body's bushing: a body and a spring.
+    /// Returns the name of a body's bushing, shared by its arm (a body) and its spring.
     #[must_use]
     pub(crate) fn bushing_name(&self, body: usize) -> String {
         format!("{}_bushing", self.bodies[body].name)
     }
 
-    /// The instrument with a bushing at a body's pivot, of a stiffness, N/m, and a damping, N s/m: the pivot may move
-    /// across the x axis of what the body is hinged on (up and down, for the ground). The bushing is a body more, right
-    /// before this one, and a spring more, the last.
+    /// Returns the instrument with a bushing of the given stiffness, N/m, and damping, N s/m, at a body's pivot. The
+    /// pivot can move at right angles to the x axis of the body that carries it (up and down on the ground). The
+    /// bushing adds a body, right before this one, and a spring, the last.
     #[must_use]
     pub fn with_bushing(&self, body: usize, n_per_m: f64, n_s_per_m: f64) -> Instrument {
         let mut other = self.clone();
@@ -42,7 +43,7 @@ impl Instrument {
             is_bend: true,
             turn_rad: None,
         };
-        // The arm takes the body's place; the body and all that follow move on by one.
+        // The arm takes the body's index; the indices of the body and of all later ones grow by one.
         let moved = |index: &mut usize| *index += usize::from(*index >= body);
         other.bodies.insert(body, arm);
         other.bodies.iter_mut().skip(body + 1).filter_map(|b| b.parent.as_mut()).for_each(moved);

@@ -1,4 +1,4 @@
-//! From the file as written to the instrument in SI units, checked.
+//! Checks an instrument file and converts it to the instrument in SI units.
 
 use std::ops::Range;
 
@@ -18,7 +18,8 @@ use super::{
     Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
 };
 
-/// How much smaller than a point mass's an inertia may be before it is called impossible: rounding of decimals only.
+/// Relative amount by which an inertia may be below that of a point mass at the centre of mass; it allows for rounded
+/// decimals only.
 const PARALLEL_AXIS_TOLERANCE: f64 = 1e-9;
 
 /// Checks and converts a file.
@@ -98,7 +99,7 @@ fn at_most<T>(tables: &[At<T>], most: usize, what: &str) -> Result<(), Fault> {
     }
 }
 
-/// Reads the bodies, parents first whatever their order in the file.
+/// Reads the bodies and puts parents first, whatever their order in the file.
 fn read_bodies(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &mut Instrument) -> Result<(), Fault> {
     let mut names: Vec<String> = Vec::new();
     for table in tables {
@@ -132,7 +133,7 @@ fn read_bodies(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &mu
     Ok(())
 }
 
-/// Puts bodies on their bushings: after all that names bodies has been read.
+/// Adds the bushings. It shifts the indices of bodies, so everything that names bodies must have been read before.
 fn read_bushings(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &mut Instrument) -> Result<(), Fault> {
     for table in tables {
         let Some(stiffness) = &table.bushing_n_per_m else {
@@ -146,8 +147,8 @@ fn read_bushings(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &
         let n_s_per_m = reader.scalar_or_zero(table.bushing_n_s_per_m.as_ref(), Limits::up_to(1e6, "N s/m"))?;
         let body = index_of(&table.name, "body", instrument.bodies.iter().map(|body| body.name.as_str()))?;
         if instrument.bodies[body].is_bend {
-            let expected = "a bushing where the part's own pivot is";
-            return Err(Fault::at(stiffness.span(), "a bend has no pin", expected));
+            let expected = "a bushing on the piece that has the part's own pivot";
+            return Err(Fault::at(stiffness.span(), "a bend has no pin for a bushing", expected));
         }
         let name = instrument.bushing_name(body);
         let taken = instrument.bodies.iter().map(|b| &b.name).chain(instrument.springs.iter().map(|s| &s.name));
@@ -156,7 +157,7 @@ fn read_bushings(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &
             return Err(Fault::at(stiffness.span(), message, "another name for that one"));
         }
         if instrument.bodies.len() >= MAX_BODIES || instrument.springs.len() >= MAX_SPRINGS {
-            let expected = format!("at most {MAX_BODIES} bodies, every bushing among them");
+            let expected = format!("at most {MAX_BODIES} bodies and {MAX_SPRINGS} springs, one of each per bushing");
             return Err(Fault::at(stiffness.span(), "there is no room for a bushing", expected));
         }
         *instrument = instrument.with_bushing(body, n_per_m, n_s_per_m);
@@ -164,7 +165,8 @@ fn read_bushings(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &
     Ok(())
 }
 
-/// Both keys of friction that grows at rest, or none; only where there is friction.
+/// Reads the two keys of friction that grows at rest. They must be given together, and only beside a friction greater
+/// than 0.
 fn read_dwell(
     ratio: Option<&Num<Positive>>,
     time: Option<&Num<Positive>>,
@@ -178,7 +180,7 @@ fn read_dwell(
             time_s: reader.scalar(time, Limits::between(1e-6, 1e6, "s"))?,
         })),
         (Some(ratio), Some(_)) => {
-            Err(Fault::at(ratio.span(), "there is no dry friction that could grow", "a friction greater than 0"))
+            Err(Fault::at(ratio.span(), "`static_friction_ratio` needs dry friction", "a friction greater than 0"))
         }
         (Some(one), None) => Err(Fault::at(one.span(), "this key needs another one", "`dwell_s` beside it")),
         (None, Some(one)) => {
@@ -187,15 +189,15 @@ fn read_dwell(
     }
 }
 
-/// The order in which every parent precedes its children and which otherwise keeps the file's; `Err` is a member of a
-/// cycle.
+/// Returns an order in which every parent precedes its children and which otherwise keeps the file's order. The error
+/// is a body of a cycle.
 fn parents_first(parents: &[Option<usize>]) -> Result<Vec<usize>, usize> {
     let mut order = Vec::with_capacity(parents.len());
     let mut placed = vec![false; parents.len()];
     while order.len() < parents.len() {
         let next = (0..parents.len()).find(|&body| !placed[body] && parents[body].is_none_or(|parent| placed[parent]));
         let Some(next) = next else {
-            // Everything left hangs on a cycle; walking up long enough ends inside it.
+            // Every remaining body descends from a cycle; following the parents long enough ends inside it.
             let mut body = placed.iter().position(|placed| !placed).unwrap_or(0);
             for _ in 0..parents.len() {
                 body = parents[body].unwrap_or(body);
@@ -255,7 +257,7 @@ fn read_bend(table: &BodyToml, parent: Option<usize>) -> Result<bool, Fault> {
     }
 }
 
-/// A bend without stiffness is a hinge.
+/// Refuses a bend without stiffness: it would be a free hinge.
 fn check_bends(tables: &[At<BodyToml>], instrument: &Instrument) -> Result<(), Fault> {
     for (index, body) in instrument.bodies.iter().enumerate().filter(|(_, body)| body.is_bend) {
         let stiffness: f64 = instrument
@@ -273,13 +275,13 @@ fn check_bends(tables: &[At<BodyToml>], instrument: &Instrument) -> Result<(), F
     Ok(())
 }
 
-/// How far a body may turn either way, rad.
+/// Reads the range of angle that a body's stops allow, rad.
 fn read_turn(turn: &Num<Pair>, reader: &mut Reader<'_>) -> Result<[f64; 2], Fault> {
     let [low, high] = reader.pair(turn, Limits::symmetric(360.0, "degrees"))?;
     if !(low <= 0.0 && high >= 0.0 && low < high) {
         return Err(Fault::at(
             turn.value_span(),
-            "a body as drawn must be within what its stops allow",
+            "the drawn pose, 0, must be within the range",
             "[lowest, highest] in degrees, such as [-2, 4]",
         ));
     }
@@ -295,7 +297,7 @@ fn read_spring(table: &At<SpringToml>, reader: &mut Reader<'_>, instrument: &Ins
     })
 }
 
-/// What people call it; in absence the name's words.
+/// Returns the label; when absent, the name with spaces for underscores.
 fn label(label: Option<&At<String>>, what: &str, name: &str) -> Result<String, Fault> {
     label.map_or_else(|| Ok(name.replace('_', " ")), |label| title(label, what))
 }
@@ -332,7 +334,7 @@ fn read_zone(table: &At<ZoneToml>, reader: &mut Reader<'_>, instrument: &Instrum
     })
 }
 
-/// Body, centre and radius.
+/// Reads a disc: its body, its centre, m, and its radius, m.
 fn read_disc(
     table: &DiscToml,
     reader: &mut Reader<'_>,
@@ -344,7 +346,7 @@ fn read_disc(
     Ok((body, center_m, radius_mm / MM_PER_M))
 }
 
-/// Side B: its body, its curve, and where its body is named.
+/// Reads side B: its body, its curve, and the place in the text that names the body.
 fn read_curve(
     table: &At<ZoneToml>,
     reader: &mut Reader<'_>,
@@ -439,7 +441,7 @@ fn zone_index(name: &At<String>, instrument: &Instrument) -> Result<usize, Fault
     index_of(name, "zone", instrument.zones.iter().map(|zone| zone.name.as_str()))
 }
 
-/// Indices of named zones, each named once.
+/// Returns the indices of the named zones; a zone that is named twice is a fault.
 fn zone_indices(names: &[At<String>], instrument: &Instrument) -> Result<Vec<usize>, Fault> {
     let mut indices = Vec::new();
     for name in names {
@@ -452,7 +454,7 @@ fn zone_indices(names: &[At<String>], instrument: &Instrument) -> Result<Vec<usi
     Ok(indices)
 }
 
-/// Reads a screw and turns it: the zone or spring it acts on is changed by its setting.
+/// Reads a screw and applies its setting to the zone or spring on which it acts.
 fn read_screw(table: &At<ScrewToml>, reader: &mut Reader<'_>, instrument: &mut Instrument) -> Result<Screw, Fault> {
     let name = new_name(&table.name, "screw", instrument.screws.iter().map(|screw| screw.name.as_str()))?;
     let label = label(table.label.as_ref(), "a screw", &name)?;
@@ -488,14 +490,14 @@ fn read_screw(table: &At<ScrewToml>, reader: &mut Reader<'_>, instrument: &mut I
     if !instrument.shift(&action, setting) {
         return Err(Fault::at(
             setting_span,
-            "this setting turns the spring's torque around",
+            "this setting cancels the spring's torque or turns it around",
             "a setting that leaves the spring pushing the same way",
         ));
     }
     Ok(Screw { name, label, action, setting })
 }
 
-/// A screw that moves one side of a zone: its action, its setting (m), and where that stands.
+/// Reads a screw that moves one side of a zone: its action, its setting, m, and the setting's place in the text.
 fn read_moved(
     table: &At<ScrewToml>,
     zone: usize,
@@ -513,7 +515,7 @@ fn read_moved(
     Ok((action, reader.scalar(setting, LENGTH_MM)? / MM_PER_M, setting.value_span()))
 }
 
-/// A screw that turns a zone's curve: its action, its setting (rad), and where that stands.
+/// Reads a screw that turns a zone's curve: its action, its setting, rad, and the setting's place in the text.
 fn read_turned(
     table: &At<ScrewToml>,
     zone: usize,
@@ -538,7 +540,7 @@ fn needed<'t, T>(table: &At<ScrewToml>, value: Option<&'t T>, key: &str, expecte
     value.ok_or_else(|| Fault::missing(table.span(), key, expected))
 }
 
-/// A key of a screw that belongs to another kind of screw.
+/// Returns the fault of a key that belongs to another kind of screw.
 fn misplaced(span: Range<usize>, with: &str) -> Fault {
     Fault::at(
         span,

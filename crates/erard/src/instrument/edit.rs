@@ -1,11 +1,11 @@
-//! Changing numbers in the text of an instrument file: comments and layout stay.
+//! Changes numbers in the text of an instrument file. Comments and layout stay.
 
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value, value};
 
-/// Certainty of every number that is put in: the program computed it.
+/// Certainty of every number that is written, because the program computed it.
 const CERTAINTY: &str = "estimate";
 
-/// What stands at a path; the tables of a list are distinguished by their `name`, as in `zone`, `string`, `felt`,
+/// Returns the item at a path. Tables of a list are distinguished by their `name`, as in `zone`, `string`, `felt`,
 /// `exponent`.
 pub(crate) fn find<'d>(table: &'d mut dyn TableLike, path: &[&str]) -> Option<&'d mut Item> {
     let (first, rest) = path.split_first()?;
@@ -21,7 +21,7 @@ pub(crate) fn find<'d>(table: &'d mut dyn TableLike, path: &[&str]) -> Option<&'
     }
 }
 
-/// A number, or the components of a vector, bare or cited.
+/// Returns a number, or the components of a vector, bare or cited.
 pub(crate) fn numbers(item: &Item) -> Option<Vec<f64>> {
     let item = item.as_table_like().map_or(Some(item), |cited| cited.get("value"))?;
     let number = |value: &Value| value.as_float().or_else(|| value.as_integer().map(|n| n as f64));
@@ -31,7 +31,7 @@ pub(crate) fn numbers(item: &Item) -> Option<Vec<f64>> {
     }
 }
 
-/// Puts a cited number in the place of another. What stood about it (a comment behind it) stays.
+/// Replaces a number by a cited one. A comment behind it stays.
 pub(crate) fn set(item: &mut Item, new: impl Into<Value>, source: &str, note: &str) {
     let new = new.into();
     if let Some(cited) = item.as_table_like_mut() {
@@ -39,7 +39,7 @@ pub(crate) fn set(item: &mut Item, new: impl Into<Value>, source: &str, note: &s
         cited.insert("source", value(source));
         cited.insert("certainty", value(CERTAINTY));
         cited.insert("note", value(note));
-        // How far the old number may have been off.
+        // The spread belonged to the old number.
         cited.remove("spread");
         cited.remove("spread_factor");
         cited.remove("together");
@@ -57,7 +57,8 @@ pub(crate) fn set(item: &mut Item, new: impl Into<Value>, source: &str, note: &s
     *item = Item::Value(cited);
 }
 
-/// A name that no other source has: `stem`, or `stem-2` and so on. A source by the same `author` is this one.
+/// Returns a name for a source: `stem`, or `stem-2` and so on if another author's source has that name. A source by the
+/// same `author` is used again.
 pub(crate) fn source_name(document: &DocumentMut, stem: &str, author: &str) -> String {
     let taken = |name: &str| {
         let source = document.get("sources").and_then(|sources| sources.get(name));
@@ -67,7 +68,7 @@ pub(crate) fn source_name(document: &DocumentMut, stem: &str, author: &str) -> S
     std::iter::once(stem.to_owned()).chain(others).find(|name| !taken(name)).unwrap_or_default()
 }
 
-/// Lists a source, or gives it a new title.
+/// Adds a source to `[sources]`, or gives an existing one a new title.
 pub(crate) fn cite(document: &mut DocumentMut, name: &str, title: &str, author: &str) {
     let sources = document.entry("sources").or_insert_with(|| {
         let mut sources = Table::new();

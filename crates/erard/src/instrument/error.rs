@@ -1,9 +1,9 @@
-//! Faults of an instrument file, and where they are.
+//! Faults of an instrument file and their places in the text.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The fault of an instrument file: its place, the text found and the text expected.
+/// A fault of an instrument file: its place, the text found and the text expected.
 ///
 /// Every failure of [`Instrument::load`](super::Instrument::load) and [`Instrument::parse`](super::Instrument::parse) is
 /// this type, so that a program can print it as one line (its `Display`) or underline `span` in `text`.
@@ -11,12 +11,12 @@ use std::sync::Arc;
 pub struct FileError {
     /// The file's name as the caller gave it.
     pub file: String,
-    /// Line, counted from 1; 0 when the file as a whole is meant (it cannot be read, it is too large).
+    /// Line, counted from 1; 0 for a fault of the whole file, e.g. a file that is too large.
     pub line: usize,
     /// Column in characters, counted from 1; 0 with `line` 0.
     pub column: usize,
-    /// Dotted path of the key, tables of a list by their name where they have one: `body.jack.mass_g`. Empty when the
-    /// fault belongs to no key.
+    /// Dotted path of the key, e.g. `body.jack.mass_g`: a table of a list appears by its name, or by its number if it
+    /// has none. Empty when the fault belongs to no key.
     pub key: String,
     /// The fault, in a few words.
     pub message: String,
@@ -24,7 +24,7 @@ pub struct FileError {
     pub found: String,
     /// Expected text; empty if `message` is complete.
     pub expected: String,
-    /// Bytes of `text` to underline.
+    /// Byte range of `text` to underline.
     pub span: Range<usize>,
     /// The file's text (with replacement characters where it is not UTF-8; empty when it could not be read).
     pub text: Arc<str>,
@@ -44,10 +44,10 @@ impl std::fmt::Display for FileError {
     }
 }
 
-/// A fault that knows its place in the text only as a span; [`FileError`] is this plus file, line and key.
+/// A fault whose place is a byte range of the text. [`FileError`] adds file, line and key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
-    /// Bytes of the text.
+    /// Byte range of the text.
     pub span: Range<usize>,
     /// The fault.
     pub message: String,
@@ -55,17 +55,17 @@ pub struct Fault {
     pub found: Option<String>,
     /// Expected text.
     pub expected: String,
-    /// Name of the key that is absent from the table at `span`, or that stands in it and should not.
+    /// Name of the key that is missing from the table at `span`, or that does not belong in it.
     pub child_key: Option<String>,
 }
 
 impl Fault {
-    /// A fault whose found text is what stands under the span.
+    /// Creates a fault whose found text is the text under the span.
     pub fn at(span: Range<usize>, message: impl Into<String>, expected: impl Into<String>) -> Self {
         Self { span, message: message.into(), found: None, expected: expected.into(), child_key: None }
     }
 
-    /// A key that must stand in the table at `span` and does not.
+    /// Creates the fault of a required key that is missing from the table at `span`.
     pub(crate) fn missing(span: Range<usize>, key: &str, expected: impl Into<String>) -> Self {
         Self {
             span,
@@ -76,13 +76,13 @@ impl Fault {
         }
     }
 
-    /// The same fault in other words.
+    /// Replaces the message.
     pub(crate) fn message(mut self, message: impl Into<String>) -> Self {
         self.message = message.into();
         self
     }
 
-    /// The same fault with another description of what was found; an empty one leaves it out.
+    /// Replaces the text found; an empty one is not shown.
     pub(crate) fn found(mut self, found: impl Into<String>) -> Self {
         self.found = Some(found.into());
         self

@@ -1,6 +1,5 @@
-//! A zone's felt in the file: the spring, and the numbers of one contact law. Which numbers there are, their units,
-//! ranges and descriptions come from the engine's tables ([`moreau::LAWS`]): reader, schema and messages know no law by
-//! name.
+//! The felt of a zone in a file: a spring and the parameters of one loss law. Keys, units, ranges and descriptions of
+//! these parameters come from the engine's tables ([`moreau::LAWS`]), so reader, schema and messages name no law.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -21,7 +20,7 @@ const STIFFNESS: &str = "stiffness_N_per_m_r";
 const EXPONENT: &str = "exponent";
 const THICKNESS: &str = "thickness_mm";
 
-/// The numbers of all laws, each key once.
+/// Parameters of all laws. A key that several laws share is listed once.
 static NUMBERS: LazyLock<Vec<&'static LawNumber>> = LazyLock::new(|| {
     let mut numbers: Vec<&LawNumber> = Vec::new();
     for number in LAWS.iter().copied().flatten() {
@@ -43,11 +42,11 @@ pub(crate) struct FeltToml {
     stiffness: Num<NonNegative>,
     exponent: Num<Exponent>,
     thickness_mm: Option<Num<Positive>>,
-    /// In the order of the file.
+    /// Parameters of the loss law, in the order of the file.
     loss: Vec<(&'static LawNumber, LossNum)>,
 }
 
-/// A number of a law, read as its range asks.
+/// A parameter of a law, of the kind that its range requires.
 #[derive(Debug)]
 enum LossNum {
     NonNegative(Num<NonNegative>),
@@ -80,7 +79,7 @@ impl LossNum {
         }
     }
 
-    /// In the engine's units.
+    /// Checks the range and converts the number to the engine's unit.
     fn value(&self, number: &LawNumber, reader: &mut Reader<'_>) -> Result<f64, Fault> {
         let unit = if number.unit == "1" { "" } else { number.unit };
         let limits = match number.range {
@@ -126,7 +125,7 @@ impl<'de> Deserialize<'de> for FeltToml {
                         }
                     }
                 }
-                // A table's keys come in no order of the file.
+                // The keys of a table do not arrive in the order of the file.
                 loss.sort_by_key(|(_, number): &(_, LossNum)| number.span().start);
                 Ok(FeltToml {
                     stiffness: stiffness.ok_or_else(|| M::Error::missing_field(STIFFNESS))?,
@@ -150,16 +149,17 @@ impl JsonSchema for FeltToml {
         let mut add = |key: &str, meaning: &str, schema: Schema| {
             properties.insert(key.to_owned(), serde_json::json!({ "description": meaning, "allOf": [schema] }));
         };
-        add(STIFFNESS, "k, N/m^r.", generator.subschema_for::<Num<NonNegative>>());
-        add(EXPONENT, "r, from 1 to 6.", generator.subschema_for::<Num<Exponent>>());
-        let thickness = "Thickness of felt, cloth or leather, of both sides together, mm. It takes no part in the mechanics: a run that compresses it \
-                         by more is not trusted. Not checked when absent.";
+        add(STIFFNESS, "Stiffness k of the spring k g^r, N/m^r.", generator.subschema_for::<Num<NonNegative>>());
+        add(EXPONENT, "Exponent r of the spring k g^r, from 1 to 6.", generator.subschema_for::<Num<Exponent>>());
+        let thickness = "Thickness of felt, cloth or leather, of both sides together, mm. It does not affect the \
+                         motion: a run that compresses the felt by more is marked as not trusted. Not checked when \
+                         absent.";
         add(THICKNESS, thickness, generator.subschema_for::<Num<Positive>>());
         for number in NUMBERS.iter() {
             add(number.key, number.meaning, LossNum::schema(number.range, generator));
         }
         json_schema!({
-            "description": "What a felt does at the compression g in metres: k g^r, and the loss of one law, by that law's keys. It never pulls.",
+            "description": "Force of a felt at the compression g in metres: the spring k g^r and the loss of one law, chosen by its keys. The force never pulls.",
             "type": "object",
             "properties": properties,
             "required": [STIFFNESS, EXPONENT],
@@ -168,7 +168,7 @@ impl JsonSchema for FeltToml {
     }
 }
 
-/// The felt in SI units.
+/// Checks a felt and converts it to SI units.
 pub(crate) fn read_felt(table: &FeltToml, reader: &mut Reader<'_>) -> Result<Felt, Fault> {
     let law = law_of(&table.loss)?;
     let mut numbers = [0.0; LAW_NUMBERS];
@@ -187,7 +187,7 @@ pub(crate) fn read_felt(table: &FeltToml, reader: &mut Reader<'_>) -> Result<Fel
     })
 }
 
-/// The law whose numbers these are: all that it needs, and none that it does not know.
+/// Finds the law that has all the given keys and needs no others; returns its index in [`LAWS`].
 fn law_of(given: &[(&'static LawNumber, LossNum)]) -> Result<usize, Fault> {
     let says = |key: &str| given.iter().find(|(number, _)| number.key == key);
     let knows = |law: &[LawNumber], key: &str| law.iter().any(|number| number.key == key);
@@ -206,9 +206,9 @@ fn law_of(given: &[(&'static LawNumber, LossNum)]) -> Result<usize, Fault> {
     for (k, (second, span)) in given.iter().enumerate() {
         if let Some((first, _)) = given[..k].iter().find(|(first, _)| !together(first, second)) {
             let expected = format!("either `{}` or `{}`", first.key, second.key);
-            return Err(Fault::at(span.span(), "a felt has one law", expected).found("both"));
+            return Err(Fault::at(span.span(), "a felt can have only one law", expected).found("both"));
         }
     }
     let last = last.map_or(0..0, |(_, given)| given.span());
-    Err(Fault::at(last, "a felt has one law", "the keys of one law").found("more"))
+    Err(Fault::at(last, "a felt can have only one law", "the keys of one law").found("keys of several laws"))
 }

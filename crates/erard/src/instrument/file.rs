@@ -15,7 +15,7 @@ use super::reader::ReadNumber;
 use super::serde_fault::serde_fault;
 use crate::files::{read_at_most, shown};
 
-/// Largest instrument file that is read, bytes: a grand with all its outlines needs a fiftieth of it.
+/// Largest instrument file that is read, bytes. A grand with all its outlines needs a fiftieth of this.
 pub const MAX_FILE_BYTES: usize = 4 << 20;
 
 /// The instruments that come with the program, by name.
@@ -27,14 +27,14 @@ const BUILTIN: [(&str, &str); 5] = [
     ("heavy-touch", include_str!("../../instruments/heavy-touch.toml")),
 ];
 
-/// An instrument file, read: the instrument in SI units and where its numbers come from.
+/// An instrument file that was read: the instrument in SI units and the sources of its numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InstrumentFile {
     /// The instrument, checked.
     pub instrument: Instrument,
     /// Description from the file; may be empty.
     pub description: String,
-    /// Every number's source.
+    /// The file's numbers and their sources.
     pub provenance: Provenance,
 }
 
@@ -82,12 +82,12 @@ impl InstrumentFile {
     /// A built-in instrument, or `None` when there is none of that name.
     pub fn builtin(name: &str) -> Option<Self> {
         let (name, text) = BUILTIN.iter().find(|(known, _)| *known == name)?;
-        // A test reads every one of them.
+        // A test checks that every built-in file parses.
         Self::parse(text, name).ok()
     }
 }
 
-/// An instrument file's keys, the instrument, and its numbers with their places, before their sources are read.
+/// Reads and converts a file: returns its keys, the instrument, and its numbers with their places in the text.
 fn read(text: &str, file_name: &str) -> Result<(InstrumentToml, Instrument, Vec<ReadNumber>), Box<FileError>> {
     check_size(text, file_name, "an instrument, starting with its `format`")?;
     let file: InstrumentToml = from_toml(text).map_err(|error| dress(file_name, text, serde_fault(&error, text)))?;
@@ -109,17 +109,17 @@ impl Instrument {
     /// # Errors
     /// [`UnknownInstrument`]: there is none of that name.
     pub fn builtin(name: &str) -> Result<Self, UnknownInstrument> {
-        // A test reads every one of them.
+        // A test checks that every built-in file parses.
         let found = Self::builtin_text(name).and_then(|text| Self::parse(text, name).ok());
         found.ok_or_else(|| UnknownInstrument { name: name.to_owned() })
     }
 
-    /// The names that [`Instrument::builtin`] knows, the default one first.
+    /// Returns the names of the built-in instruments, the default one first.
     pub fn builtin_names() -> impl Iterator<Item = &'static str> {
         BUILTIN.iter().map(|(name, _)| *name)
     }
 
-    /// The TOML text of a built-in instrument: what a new instrument starts from.
+    /// Returns the TOML text of a built-in instrument, e.g. as the start of a new one.
     pub fn builtin_text(name: &str) -> Option<&'static str> {
         BUILTIN.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
     }
@@ -127,7 +127,7 @@ impl Instrument {
     /// Reads an instrument file from disk. See [`InstrumentFile::load`].
     ///
     /// # Errors
-    /// The first thing that is wrong, with file, line and key.
+    /// The first fault, with file, line and key.
     pub fn load(path: &Path) -> Result<Self, Box<FileError>> {
         InstrumentFile::load(path).map(|file| file.instrument)
     }
@@ -135,13 +135,13 @@ impl Instrument {
     /// Reads the text of an instrument file; `file_name` appears in errors only. See [`InstrumentFile::parse`].
     ///
     /// # Errors
-    /// The first thing that is wrong, with file, line and key.
+    /// The first fault, with file, line and key.
     pub fn parse(text: &str, file_name: &str) -> Result<Self, Box<FileError>> {
         read(text, file_name).map(|(_, instrument, _)| instrument)
     }
 }
 
-/// Refuses text that is too long or empty; `expected` is what it should hold.
+/// Refuses a text that is empty or longer than [`MAX_FILE_BYTES`]. `expected` describes the content for the message.
 pub fn check_size(text: &str, file_name: &str, expected: &str) -> Result<(), Box<FileError>> {
     if text.len() > MAX_FILE_BYTES {
         return Err(too_large(file_name));
@@ -152,10 +152,10 @@ pub fn check_size(text: &str, file_name: &str, expected: &str) -> Result<(), Box
     Ok(())
 }
 
-/// The bytes of a file as text.
+/// Converts the bytes of a file to text.
 ///
 /// # Errors
-/// Where they are not UTF-8, with the line.
+/// The bytes are not UTF-8; the error names the line.
 pub fn utf8<'b>(bytes: &'b [u8], file_name: &str) -> Result<&'b str, Box<FileError>> {
     std::str::from_utf8(bytes).map_err(|error| {
         if bytes.len() > MAX_FILE_BYTES {
@@ -170,15 +170,15 @@ pub fn utf8<'b>(bytes: &'b [u8], file_name: &str) -> Result<&'b str, Box<FileErr
     })
 }
 
-/// A file's name as errors show it, and its bytes.
+/// Reads a file: returns its name as errors show it, and its bytes.
 pub fn read_bytes(path: &Path) -> Result<(String, Vec<u8>), Box<FileError>> {
     let name = shown(path);
     let bytes = file_bytes(std::fs::File::open(path), &name)?;
     Ok((name, bytes))
 }
 
-/// The bytes of an opened instrument, keyboard or linkage file: not more of them than [`MAX_FILE_BYTES`] and one, which
-/// tells that it is too large. A device that never ends is not read to its end. `file_name` appears in errors only.
+/// Reads the bytes of an opened instrument, keyboard or linkage file. It stops one byte after [`MAX_FILE_BYTES`], so an
+/// endless device is refused as too large. `file_name` appears in errors only.
 ///
 /// # Errors
 /// When it could not be opened, cannot be read, or is too large.

@@ -1,7 +1,7 @@
-//! The instrument file as it is written: TOML, a pianist's units, the unit in the key's name.
+//! The TOML format of instrument files: lengths in mm, masses in g, any other unit at the end of the key's name.
 //!
-//! These structs are the format: serde reads the file into them, and the JSON Schema is generated from them, doc
-//! comments included. What they mean in SI units, and what is not allowed, is [`super::convert`]'s business.
+//! Serde reads the file into these structs, and the JSON Schema is generated from them, doc comments included.
+//! [`super::convert`] checks the values and converts them to SI units.
 
 use std::collections::BTreeMap;
 
@@ -15,14 +15,14 @@ use super::{
     MAX_BODIES, MAX_BRIDGE_MODES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_STRINGS, MAX_ZONES, Material,
 };
 
-/// What the key `format` must say.
+/// Required value of the key `format`.
 pub(crate) const FORMAT: &str = "erard-instrument/1";
 
 /// An instrument: a planar mechanism of hinged rigid bodies with felts between them.
 ///
-/// Lengths in millimetres, masses in grams, angles in degrees; x toward the back of the piano, y up, angles
-/// counter-clockwise; the player sits at negative x. Every number may stand alone or carry its provenance:
-/// `mass_g = 140` or `mass_g = { value = 140, source = "...", certainty = "estimate" }`.
+/// Lengths are in millimetres, masses in grams, angles in degrees. x points to the back of the piano and y up, angles
+/// are counter-clockwise, and the player sits at negative x. A number is bare or carries its provenance: `mass_g = 140`
+/// or `mass_g = { value = 140, source = "...", certainty = "estimate" }`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Erard instrument file")]
@@ -34,16 +34,16 @@ pub(crate) struct InstrumentToml {
     pub name: At<String>,
     /// Description of the instrument, for people.
     pub description: Option<String>,
-    /// Gravity, m/s2, pointing down.
+    /// Acceleration of gravity, m/s2; it acts downward.
     #[serde(rename = "gravity_m_s2")]
     pub gravity_m_s2: Num<NonNegative>,
     /// The sources that numbers cite, by name.
     #[serde(default)]
     pub sources: BTreeMap<String, Source>,
-    /// The bodies; at most 12.
+    /// Rigid bodies, from 1 to 12; each bushing counts as one more.
     #[schemars(length(min = 1, max = MAX_BODIES))]
     pub body: Vec<At<BodyToml>>,
-    /// Torsion springs at pivots; at most 24.
+    /// Torsion springs at pivots, at most 24; each bushing counts as one more.
     #[serde(default)]
     #[schemars(length(max = MAX_SPRINGS))]
     pub spring: Vec<At<SpringToml>>,
@@ -51,8 +51,8 @@ pub(crate) struct InstrumentToml {
     #[serde(default)]
     #[schemars(length(max = MAX_ZONES))]
     pub zone: Vec<At<ZoneToml>>,
-    /// The strings that the hammer strikes, at the zone that `roles.string` names; at most 3, those of one note. The
-    /// string is rigid when absent.
+    /// Modal strings of one note, at most 3. The hammer strikes them at the zone that `roles.string` names. The string
+    /// is rigid when absent.
     #[serde(default)]
     #[schemars(length(max = MAX_STRINGS))]
     pub string: Vec<At<StringToml>>,
@@ -60,39 +60,41 @@ pub(crate) struct InstrumentToml {
     #[serde(default)]
     #[schemars(length(max = MAX_BRIDGE_MODES))]
     pub bridge_mode: Vec<At<BridgeModeToml>>,
-    /// Roles of the parts of the mechanism. A role that is absent does not exist.
+    /// Bodies and zones that have a role in the action. An absent role means that the instrument has no such part.
     pub roles: Option<At<RolesToml>>,
-    /// The player's fingertip: needed when `roles` names a key.
+    /// The player's fingertip; required when `roles` names a key.
     pub finger: Option<At<FingerToml>>,
-    /// Derivation of the one-degree-of-freedom model.
+    /// Zones from which the one-degree-of-freedom model is derived.
     pub one_dof: Option<At<OneDofToml>>,
-    /// Regulating screws.
+    /// Regulating screws, at most 64.
     #[serde(default)]
     #[schemars(length(max = MAX_SCREWS))]
     pub screw: Vec<At<ScrewToml>>,
-    /// Outlines for drawings; they take no part in the mechanics.
+    /// Outlines for drawings, at most 512. They do not affect the mechanics.
     #[serde(default)]
     #[schemars(length(max = MAX_PARTS))]
     pub part: Vec<At<PartToml>>,
 }
 
-/// A rigid body on a hinge. Its own frame has its origin at the pivot and is turned by `angle_deg`.
+/// A rigid body on a hinge. The origin of its frame is the pivot; `angle_deg` is the frame's angle as drawn.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Body")]
 pub(crate) struct BodyToml {
-    /// Identifier: lower-case letters, digits and underscores; the stem of the run's columns. Not `ground`.
+    /// Identifier: 1 to 40 lower-case letters, digits and underscores, starting with a letter; not `ground`. Names of a
+    /// run's columns begin with it, e.g. `<name>_rad`.
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
-    /// The body that carries the hinge; `ground` when absent.
+    /// Body that carries the hinge; `ground` when absent.
     pub hinged_on: Option<At<String>>,
-    /// The pivot in the frame of what it is hinged on (the world's frame for the ground), mm.
+    /// Pivot in the frame of the body that carries the hinge (the world's frame for the ground), mm.
     pub pivot_mm: Num<Pair>,
-    /// Angle of the body's own frame against the world as drawn, degrees counter-clockwise; 0 when absent.
+    /// Angle of the body's frame against the world in the drawn pose, degrees counter-clockwise; 0 when absent.
     pub angle_deg: Option<Num<Real>>,
     /// Mass, g.
     pub mass_g: Num<Positive>,
-    /// Moment of inertia about its own pivot, kg m2; at least mass times the squared distance of the centre of mass.
+    /// Moment of inertia about the pivot, kg m2; at least the mass times the squared distance from the pivot to the
+    /// centre of mass.
     #[serde(rename = "inertia_kg_m2")]
     pub inertia_kg_m2: Num<Positive>,
     /// Centre of mass in the body's own frame, mm.
@@ -103,26 +105,26 @@ pub(crate) struct BodyToml {
     /// Viscous friction of the pivot, N m s per radian; 0 when absent.
     #[serde(rename = "viscous_N_m_s")]
     pub viscous_n_m_s: Option<Num<NonNegative>>,
-    /// Static over kinetic friction, from 1: what sticks gets harder to move, as 1 - exp(-t/tau), and what slips has
-    /// lost that. With `dwell_s`.
+    /// Ratio of static to kinetic friction, from 1 to 100. While the pivot sticks, friction grows from kinetic to
+    /// static as 1 - exp(-t/tau); slipping resets it. Requires `dwell_s` and `friction_torque_N_m`.
     pub static_friction_ratio: Option<Num<Positive>>,
-    /// tau of that, s.
+    /// Time constant tau of the growth of static friction, s. Requires `static_friction_ratio`.
     pub dwell_s: Option<Num<Positive>>,
-    /// Stiffness of the pivot's bushing, N/m: the pivot may then move, across the x axis of what it is hinged on (for
-    /// the ground, up and down). It stands at the end of an arm of 300 mm, a body of its own that the reader adds
-    /// (`<name>_bushing`). Rigid when absent.
+    /// Stiffness of the pivot's bushing, N/m, from 100 to 1e9; the pivot is rigid when absent. The pivot can move at
+    /// right angles to the x axis of the body that carries the hinge (up and down on the ground). The reader adds a
+    /// body for it (an arm of 300 mm) and a spring, both named `<name>_bushing`.
     #[serde(rename = "bushing_N_per_m")]
     pub bushing_n_per_m: Option<Num<Positive>>,
-    /// Damping of the bushing, N s/m; 0 when absent.
+    /// Damping of the bushing, N s/m; 0 when absent. Requires `bushing_N_per_m`.
     #[serde(rename = "bushing_N_s_per_m")]
     pub bushing_n_s_per_m: Option<Num<NonNegative>>,
-    /// Whether the hinge is a bend, false when absent: this body and what it is hinged on are two pieces of one part (a
-    /// key, a shank), and the hinge represents the bending of its wood. Its stiffness is that of a spring on this body.
-    /// What means the rigid geometry or the weights of parts takes both for one body.
+    /// True if the hinge represents the bending of wood: this body and the one that carries it are two pieces of one
+    /// part, such as a key or a shank. A `[[spring]]` on this body gives the stiffness. Results for weights or rigid
+    /// geometry treat both pieces as one body. False when absent.
     pub bend: Option<At<bool>>,
-    /// Range of its angle against the body that carries it, from the drawn pose, degrees counter-clockwise, as its
-    /// stops allow: `[lowest, highest]`, from at most 0 to at least 0. It takes no part in the mechanics: a run in
-    /// which the body turns further is not trusted. Not checked when absent.
+    /// Range of angle that the stops allow, `[lowest, highest]`, degrees counter-clockwise from the drawn pose and
+    /// relative to the body that carries the hinge; it must include 0. It does not affect the motion: a run that
+    /// exceeds it is marked as not trusted. Not checked when absent.
     pub turn_deg: Option<Num<Pair>>,
 }
 
@@ -131,50 +133,51 @@ pub(crate) struct BodyToml {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Spring")]
 pub(crate) struct SpringToml {
-    /// Identifier: lower-case letters, digits and underscores.
+    /// Identifier: 1 to 40 lower-case letters, digits and underscores, starting with a letter.
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
-    /// The body that it turns; the opposite torque acts on what that body is hinged on.
+    /// Body on which the torque acts. The opposite torque acts on the body that carries its hinge.
     pub body: At<String>,
-    /// Torque on the body as drawn, N m, counter-clockwise positive.
+    /// Torque on the body in the drawn pose, N m, counter-clockwise positive.
     #[serde(rename = "torque_N_m")]
     pub torque_n_m: Num<Real>,
-    /// Stiffness, N m per radian of turning away from the drawn position.
+    /// Stiffness, N m per radian of rotation from the drawn pose, relative to the body that carries the hinge.
     #[serde(rename = "stiffness_N_m_per_rad")]
     pub stiffness_n_m_per_rad: Num<NonNegative>,
 }
 
-/// A modal string under the hammer: a stiff string between two supports that do not move. Its inharmonicity B lifts
-/// partial n to n f0 sqrt(1 + B n^2).
+/// A modal string: a stiff string with one end fixed and the other on the bridge. Partial n has the frequency n f0
+/// sqrt(1 + B n^2), with the inharmonicity B.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "String", extend("oneOf" = [{ "required": ["frequency_Hz"] }, { "required": ["tension_N"] }]))]
 pub(crate) struct StringToml {
-    /// Identifier: lower-case letters, digits and underscores.
+    /// Identifier: 1 to 40 lower-case letters, digits and underscores, starting with a letter.
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
     /// Speaking length, mm.
     pub length_mm: Num<Positive>,
-    /// Diameter of the wire, of a wound string's core, mm; it bends the string. With `inharmonicity` and `mass_g_per_m`
-    /// it may be absent.
+    /// Diameter of the wire (of the core of a wound string), mm. It gives the default of `mass_g_per_m` and of
+    /// `inharmonicity`, and is required unless both are given.
     pub diameter_mm: Option<Num<Positive>>,
-    /// Mass per length, g/m, for a wound string; that of a steel wire of 7850 kg/m3 when absent.
+    /// Mass per length, g/m. When absent, that of a steel wire of 7850 kg/m3 and `diameter_mm`; give it for a wound
+    /// string.
     pub mass_g_per_m: Option<Num<Positive>>,
-    /// Frequency of the first partial, Hz, to which the string is tuned. In place of `tension_N`.
+    /// Frequency of the first partial before detuning, Hz. Give either this or `tension_N`.
     #[serde(rename = "frequency_Hz")]
     pub frequency_hz: Option<Num<Positive>>,
-    /// Tension, N. In place of `frequency_Hz`.
+    /// Tension before detuning, N. Give either this or `frequency_Hz`.
     #[serde(rename = "tension_N")]
     pub tension_n: Option<Num<Positive>>,
-    /// B. That of a steel wire of 202 GPa and `diameter_mm` when absent.
+    /// Inharmonicity B, from 0 to 1. When absent, that of a steel wire of 202 GPa and `diameter_mm`.
     pub inharmonicity: Option<Num<NonNegative>>,
-    /// Detuning from its frequency or tension, cents, up positive; 0 when absent.
+    /// Detuning from `frequency_Hz` or `tension_N`, cents, from -1200 to 1200, sharp positive; 0 when absent.
     pub detuned_cents: Option<Num<Real>>,
-    /// b1: what all partials' amplitudes lose, 1/s. Amplitudes decay as exp(-(b1 + b3 omega^2) t).
+    /// Loss b1, 1/s, equal for all partials. Amplitudes decay as exp(-(b1 + b3 omega^2) t).
     pub loss_per_s: Num<NonNegative>,
-    /// b3: what they lose the more, the higher they are, s; 0 when absent.
+    /// Loss b3, s, which makes higher partials decay faster (see `loss_per_s`); 0 when absent.
     pub loss_s: Option<Num<NonNegative>>,
-    /// Striking point of the hammer, mm from one end.
+    /// Striking point of the hammer, mm from the end opposite the bridge; less than `length_mm`.
     pub strike_mm: Num<Positive>,
     /// Damper on the string; none when absent.
     pub damper: Option<At<DamperToml>>,
@@ -185,58 +188,61 @@ pub(crate) struct StringToml {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Damper")]
 pub(crate) struct DamperToml {
-    /// The zone between the damper and this string; its side B is a line on the ground, where the string lies at rest.
+    /// Zone between the damper and this string, used for no other contact. Its side B is the string at rest: a line on
+    /// the ground.
     pub zone: At<String>,
-    /// The middle of the felt, mm from the end that `strike_mm` is counted from.
+    /// Middle of the felt, mm from the end from which `strike_mm` is measured.
     pub middle_mm: Num<Positive>,
-    /// Its length along the string, mm.
+    /// Length of the felt along the string, mm. The felt must not extend beyond the string.
     pub length_mm: Num<Positive>,
 }
 
-/// A mode of the soundboard where the strings of a note end: the bridge moves, and strings feel each other through it.
+/// A vibration mode of the soundboard at the bridge. The bridge then moves and couples the strings of the note.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "BridgeMode")]
 pub(crate) struct BridgeModeToml {
-    /// Identifier: lower-case letters, digits and underscores.
+    /// Identifier: 1 to 40 lower-case letters, digits and underscores, starting with a letter.
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
-    /// Its mass, referred to the bridge there, g.
+    /// Mass of the mode, g, referred to the point of the bridge where the strings end.
     pub mass_g: Num<Positive>,
-    /// Its frequency, Hz.
+    /// Frequency of the mode, Hz.
     #[serde(rename = "frequency_Hz")]
     pub frequency_hz: Num<Positive>,
-    /// Its loss factor, below 1: amplitudes decay as exp(-loss_factor omega t / 2).
+    /// Loss factor of the mode, from 0 to 0.99: amplitudes decay as exp(-loss_factor omega t / 2).
     pub loss_factor: Num<Part>,
 }
 
-/// A felt between a disc (or a point) on one body and a line, a rounded segment or a disc on another.
-/// Exactly one of `line`, `segment` and `other_disc` is given.
+/// A contact zone: a felt between a disc or point on one body (side A) and a line, rounded segment or disc on another
+/// (side B). Give exactly one of `line`, `segment` and `other_disc`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Zone", extend("oneOf" = [{ "required": ["line"] }, { "required": ["segment"] }, { "required": ["other_disc"] }]))]
 pub(crate) struct ZoneToml {
-    /// Identifier: lower-case letters, digits and underscores; the stem of the run's columns.
+    /// Identifier: 1 to 40 lower-case letters, digits and underscores, starting with a letter; not `force`, and not
+    /// ending in `_tangential`. Names of a run's columns begin with it, e.g. `<name>_N`.
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
-    /// A line for people, e.g. `jack toe - let-off button`; the name when absent.
+    /// Label for people, on one line, e.g. `jack toe - let-off button`. When absent, the name with spaces for
+    /// underscores.
     pub label: Option<At<String>>,
-    /// Side A.
+    /// Side A: a disc or a point.
     pub disc: At<DiscToml>,
-    /// Side B, a half plane of wood.
+    /// Side B: the straight edge of a half plane of wood.
     pub line: Option<At<LineToml>>,
-    /// Side B, a segment that ends.
+    /// Side B: a straight edge with two ends, so that a disc can slip off.
     pub segment: Option<At<SegmentToml>>,
-    /// Side B, a second disc.
+    /// Side B: a second disc. At least one of the two discs has a radius.
     pub other_disc: Option<At<DiscToml>>,
-    /// The felt's law.
+    /// Force law of the felt.
     pub felt: At<FeltToml>,
-    /// Coulomb friction coefficient; no friction when absent.
+    /// Kinetic friction coefficient (Coulomb's law); no friction when absent.
     pub friction_coefficient: Option<Num<NonNegative>>,
-    /// Static over kinetic friction, from 1: what sticks gets harder to move, as 1 - exp(-t/tau), and what slips has
-    /// lost that. With `dwell_s`.
+    /// Ratio of static to kinetic friction, from 1 to 100. While the surfaces stick, friction grows from kinetic to
+    /// static as 1 - exp(-t/tau); slipping resets it. Requires `dwell_s` and `friction_coefficient`.
     pub static_friction_ratio: Option<Num<Positive>>,
-    /// tau of that, s.
+    /// Time constant tau of the growth of static friction, s. Requires `static_friction_ratio`.
     pub dwell_s: Option<Num<Positive>>,
 }
 
@@ -253,7 +259,7 @@ pub(crate) struct DiscToml {
     pub radius_mm: Option<Num<NonNegative>>,
 }
 
-/// A straight edge of wood without ends.
+/// A straight edge of wood, unlimited in both directions.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Line")]
@@ -262,11 +268,13 @@ pub(crate) struct LineToml {
     pub body: At<String>,
     /// A point of the line in that body's own frame (the world's for the ground), mm.
     pub point_mm: Num<Pair>,
-    /// Direction that points out of the wood, of any length but zero: [0, 1] for a floor, [0, -1] for a ceiling.
+    /// Normal that points out of the wood, in the same frame, of any length but zero: [0, 1] for a floor, [0, -1] for a
+    /// ceiling.
     pub normal: Num<Pair>,
 }
 
-/// A straight edge that ends, with round corners: all points within `rounding_mm` of the core segment.
+/// A straight edge with rounded ends: all points within `rounding_mm` of the core, the segment from `from_mm` to
+/// `to_mm`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Segment")]
@@ -281,30 +289,30 @@ pub(crate) struct SegmentToml {
     pub rounding_mm: Option<Num<NonNegative>>,
 }
 
-/// Roles: names of bodies and zones.
+/// Names of the bodies and zones that have a role in the action.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Roles")]
 pub(crate) struct RolesToml {
     /// The body that the finger presses.
     pub key: Option<At<String>>,
-    /// Point at which the finger presses, in the key's own frame, mm.
+    /// Point at which the finger presses, in the key's own frame, mm; required with `key`.
     pub key_front_mm: Option<Num<Pair>>,
-    /// Whether the key is a sharp; a keyboard says it of each of its keys. For drawings only.
+    /// True for a black key, for drawings only; false when absent. A keyboard file sets it for each of its keys.
     #[serde(default)]
     pub sharp: bool,
-    /// The body whose speed is the result.
+    /// The hammer: the body whose speed at `hammer_head_mm` is reported.
     pub hammer: Option<At<String>>,
-    /// The strike point in the hammer's own frame, mm.
+    /// Strike point in the hammer's own frame, mm; required with `hammer`.
     pub hammer_head_mm: Option<Num<Pair>>,
-    /// The zone that stops the key: key bottom.
+    /// The zone that stops the key at the bottom of its travel (key front punching).
     pub key_bottom: Option<At<String>>,
     /// The zone between hammer and string.
     pub string: Option<At<String>>,
-    /// Whether the string stands still although strings are described; no when absent.
+    /// True for a rigid string in spite of `[[string]]`; false when absent.
     #[serde(default)]
     pub rigid_string: bool,
-    /// Whether the bridge stands still although its modes are described; no when absent.
+    /// True for a rigid bridge in spite of `[[bridge_mode]]`; false when absent.
     #[serde(default)]
     pub rigid_bridge: bool,
     /// The zone between the damper's lever and the rail that the sustain pedal lifts.
@@ -331,14 +339,14 @@ pub(crate) struct FingerToml {
     pub damping_n_s_per_m: Num<NonNegative>,
 }
 
-/// What the one-degree-of-freedom model is made of.
+/// Zones from which the one-degree-of-freedom model is derived.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "OneDof")]
 pub(crate) struct OneDofToml {
-    /// Zones that tie the other bodies to the key at rest.
+    /// Zones that are closed at rest and make the other bodies follow the key: as many zones as such bodies.
     pub transmits: Vec<At<String>>,
-    /// The key's own stops.
+    /// Zones that stop the key itself; the model keeps them.
     pub stops: Vec<At<String>>,
 }
 
@@ -348,25 +356,26 @@ pub(crate) struct OneDofToml {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Screw")]
 pub(crate) struct ScrewToml {
-    /// Identifier: lower-case letters, digits and underscores.
+    /// Identifier: 1 to 40 lower-case letters, digits and underscores, starting with a letter.
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
-    /// Effect of a positive setting, for people.
+    /// Effect of a positive setting, for people. When absent, the name with spaces for underscores.
     pub label: Option<At<String>>,
-    /// The zone of which it moves one side.
+    /// Zone that the screw changes. Give either this or `spring`.
     pub zone: Option<At<String>>,
-    /// The side that it moves.
+    /// Side that the screw moves; `curve` if it turns the curve.
     pub side: Option<At<ScrewSide>>,
-    /// Direction of a positive setting in the frame of that side's body, of any length but zero.
+    /// Direction of a positive `setting_mm` in the frame of that side's body, of any length but zero.
     pub direction: Option<Num<Pair>>,
-    /// Setting: travel from the drawn geometry, mm.
+    /// Setting of a screw that moves a side: distance along `direction` from the drawn geometry, mm.
     pub setting_mm: Option<Num<Real>>,
-    /// Rotation of the curve from the drawn geometry, degrees counter-clockwise: a line about its `point_mm`, a
-    /// segment about its middle.
+    /// Setting of a screw that turns the curve: rotation from the drawn geometry, degrees counter-clockwise, from -90
+    /// to 90. A line turns about its `point_mm`, a segment about its middle.
     pub setting_deg: Option<Num<Real>>,
-    /// The spring that it tightens.
+    /// Spring that the screw tightens. Give either this or `zone`.
     pub spring: Option<At<String>>,
-    /// Torque added to the spring, N m; positive tightens it, whatever the sign of its torque.
+    /// Torque added to the magnitude of the spring's torque, N m; negative loosens the spring. It must not cancel or
+    /// reverse the torque.
     #[serde(rename = "setting_N_m")]
     pub setting_n_m: Option<Num<Real>>,
 }
@@ -381,7 +390,7 @@ pub(crate) enum ScrewSide {
     Curve,
 }
 
-/// A piece of wood, felt, leather or metal in drawings.
+/// Outline of a piece of wood, felt, leather or metal, for drawings only.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Part")]
@@ -392,15 +401,15 @@ pub(crate) struct PartToml {
     pub body: At<String>,
     /// Material of the part.
     pub material: Material,
-    /// Closed polygon in that body's own frame (the world's for the ground), mm; three corners or more.
+    /// Closed polygon in that body's own frame (the world's for the ground), mm: from 3 to 4096 corners `[x, y]`.
     #[schemars(length(min = 3, max = MAX_CORNERS))]
     pub outline_mm: At<Vec<Pair>>,
-    /// Whether its corners are rounded off into a smooth curve; no when absent.
+    /// True to round the corners off into a smooth curve; false when absent.
     #[serde(default)]
     pub smooth: bool,
-    /// Source of the outline: a name in `[sources]`.
+    /// Source of the outline: a name in `[sources]`; requires `certainty`.
     pub source: Option<At<String>>,
-    /// Certainty.
+    /// Certainty of the outline; requires `source`.
     pub certainty: Option<Certainty>,
     /// Derivation, or a caution.
     pub note: Option<String>,

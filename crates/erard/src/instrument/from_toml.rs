@@ -1,8 +1,8 @@
-//! From TOML to the types of a file.
+//! Deserializes TOML into the types of a file.
 //!
-//! As `toml::from_str`, whose deserializer is four types: it compiles every type of a file, each number among them, a
-//! dozen times, which was most of what this crate took to compile. Here values, keys and spans are one type (`Node`),
-//! and so is what stands in tables and lists.
+//! It does what `toml::from_str` does. The deserializer of `toml` consists of four types, so every type of a file, each
+//! kind of number included, is compiled a dozen times; this was most of this crate's compile time. Here values, keys
+//! and spans share one type (`Node`), also within tables and lists.
 
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -17,21 +17,21 @@ use serde_spanned::de::is_spanned;
 use toml::Spanned;
 use toml::de::{DeFloat, DeInteger, DeTable, DeValue};
 
-/// The key under which a date is handed over, as by `toml`: no number and no text.
+/// Key under which `serde` receives a date, as from `toml`. A date is neither a number nor a text.
 const DATE: &str = "$__toml_private_datetime";
 
-/// Why a text is not what was expected.
+/// Error of a text that is not TOML or does not match the expected type.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct TomlError {
-    /// In the words of the parser or of `serde`.
+    /// Message of the parser or of `serde`.
     pub message: String,
-    /// Place, in bytes of the text.
+    /// Byte range of the text, if it is known.
     pub span: Option<Range<usize>>,
 }
 
 impl TomlError {
-    /// It lies within this, unless it is known already where.
+    /// Sets the place, unless it is known already.
     fn within(mut self, span: &Range<usize>) -> Self {
         self.span.get_or_insert_with(|| span.clone());
         self
@@ -44,21 +44,21 @@ impl Error for TomlError {
     }
 }
 
-/// Reads a text.
+/// Reads a TOML text into a type.
 ///
 /// # Errors
-/// Where it is no TOML, or not what the type expects.
+/// The text is not TOML, or does not match the type.
 pub fn from_toml<T: DeserializeOwned>(text: &str) -> Result<T, TomlError> {
     let table =
         DeTable::parse(text).map_err(|error| TomlError { message: error.message().to_owned(), span: error.span() })?;
     T::deserialize(Node::Table(table.get_ref(), table.span()))
 }
 
-/// What can be read into a type.
+/// A piece of a document that `serde` can read into a type.
 enum Node<'a> {
     Value(&'a Spanned<DeValue<'a>>),
     Table(&'a DeTable<'a>, Range<usize>),
-    /// A key, or another text.
+    /// A key or another text.
     Text(&'a str),
     /// Place in the text where a value begins or ends.
     Place(usize),
@@ -73,7 +73,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// The error of what was read in here.
+    /// Returns a function that gives an error the place of this node, unless it has one.
     fn blamed(&self) -> impl FnOnce(TomlError) -> TomlError + use<> {
         let span = match self {
             Node::Value(_) | Node::Table(..) => Some(self.span()),
@@ -192,7 +192,7 @@ impl<'a> Deserializer<'a> for Node<'a> {
     }
 }
 
-/// What stands in a list.
+/// Elements of a list.
 struct Items<'a>(std::slice::Iter<'a, Spanned<DeValue<'a>>>);
 
 impl<'a> SeqAccess<'a> for Items<'a> {
@@ -207,7 +207,8 @@ impl<'a> SeqAccess<'a> for Items<'a> {
     }
 }
 
-/// Keys and values, and where the key stands: of a table, or those that report to `serde` where a value stands.
+/// Keys and values: of a table, with the place of each key, or the pairs by which `serde` receives the place of a
+/// value.
 struct Pairs<'a> {
     table: Option<toml::map::Iter<'a, Spanned<Cow<'a, str>>, Spanned<DeValue<'a>>>>,
     more: [Option<(&'a str, Node<'a>)>; 3],
@@ -223,7 +224,7 @@ impl<'a> Pairs<'a> {
         Pairs { table: None, more: [Some((DATE, Node::Text(""))), None, None], value: None }
     }
 
-    /// Start, end and the value itself.
+    /// Pairs of a value with its place: start, end and the value itself.
     fn spanned(node: Node<'a>, fields: &'static [&'static str]) -> Self {
         let Range { start, end } = node.span();
         let mut values = [Some(Node::Place(start)), Some(Node::Place(end)), Some(node)];

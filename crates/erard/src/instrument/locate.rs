@@ -1,4 +1,4 @@
-//! From a span of bytes to what a person needs: line, column, and the dotted path of the key.
+//! Converts a byte range of a text to line, column and dotted path of the key.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ pub(crate) struct KeyMap {
 }
 
 impl KeyMap {
-    /// Reads the keys of `text`; a document that is no TOML has none.
+    /// Reads the keys of `text`; a text that is not TOML has none.
     pub(crate) fn read(text: &str) -> Self {
         let mut entries = Vec::new();
         if let Ok(table) = DeTable::parse(text) {
@@ -53,7 +53,7 @@ fn walk_value(value: &DeValue<'_>, path: &str, entries: &mut Vec<(Range<usize>, 
         DeValue::Table(table) => walk_table(table, path, entries),
         DeValue::Array(array) => {
             for (index, element) in array.iter().enumerate() {
-                // Numbers inside a vector stay with the vector's key; tables of a list are distinguished.
+                // Numbers of a vector have the vector's path; each table of a list has a path of its own.
                 let DeValue::Table(table) = element.get_ref() else {
                     continue;
                 };
@@ -69,13 +69,13 @@ fn walk_value(value: &DeValue<'_>, path: &str, entries: &mut Vec<(Range<usize>, 
     }
 }
 
-/// The lines of a text, found once.
+/// Positions of a text's line breaks.
 pub(crate) struct Lines {
     newlines: Vec<usize>,
 }
 
 impl Lines {
-    /// Reads `text`.
+    /// Finds the line breaks of `text`.
     pub(crate) fn read(text: &str) -> Self {
         Self { newlines: text.match_indices('\n').map(|(at, _)| at).collect() }
     }
@@ -93,12 +93,12 @@ pub(crate) fn line_column(text: &str, byte: usize) -> (usize, usize) {
     (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
 
-/// Dresses a fault with file, line and key.
+/// Adds file, line and key to a fault.
 pub fn dress(file: &str, text: &str, fault: Fault) -> Box<FileError> {
     let start = floor_char_boundary(text, fault.span.start);
     let end = floor_char_boundary(text, fault.span.end).max(start);
     let (line, column) = line_column(text, start);
-    // A key that the whole file lacks has no place in it: not that of the file's first key.
+    // A key that is missing at the top of the file has no place there, so it must not get the path of the first key.
     let is_whole_file = fault.child_key.is_some() && end == 0;
     let mut key = if is_whole_file { String::new() } else { KeyMap::read(text).key_at(&(start..end)) };
     if key.is_empty() && fault.child_key.is_none() {
@@ -123,7 +123,7 @@ pub fn dress(file: &str, text: &str, fault: Fault) -> Box<FileError> {
     })
 }
 
-/// The key of a line that is no TOML: what stands left of its `=`, or in the brackets of a table.
+/// Returns the key of a line that is not TOML: the text left of its `=`, or in the brackets of a table's header.
 fn left_of_equals(text: &str, byte: usize) -> String {
     let start = text[..byte].rfind('\n').map_or(0, |newline| newline + 1);
     let line = text[start..].lines().next().unwrap_or_default();
@@ -135,7 +135,7 @@ fn left_of_equals(text: &str, byte: usize) -> String {
     if name.starts_with('#') || name.chars().count() > LONGEST_EXCERPT { String::new() } else { name.to_owned() }
 }
 
-/// One line, not too long.
+/// Quotes a text on one line, cut to [`LONGEST_EXCERPT`] characters.
 fn excerpt(text: &str) -> String {
     let mut words = text.split_whitespace().collect::<Vec<_>>().join(" ");
     if words.chars().count() > LONGEST_EXCERPT {

@@ -1,16 +1,15 @@
-//! The instrument: what a piano action *is*, in SI units, checked, and without a trace of the file it came from.
+//! The instrument: a piano action in SI units, checked, and independent of the file that it was read from.
 //!
 //! World frame at rest: x toward the back of the piano, y up, angles counter-clockwise; metres, kilograms, seconds,
 //! newtons, radians. Every body carries a frame of its own with the origin at its pivot; all geometry on a body is
 //! given in that frame, all geometry on the ground in the world frame.
 //!
-//! Parts may bend: `bends` says what then belongs together. `format` is the file as written, `file` reads it, `convert`
-//! checks it and turns it into the types below, `provenance` keeps where every number comes from, `screws` turns the
-//! regulating screws, `rewrite` puts their settings back into the file, and `edit` is how numbers in its text are
-//! changed.
+//! `format` defines the file, `file` reads it, `convert` checks it and converts it to the types below, and `provenance`
+//! keeps the source of every number. `bends` joins the pieces of parts that bend, `screws` turns the regulating screws,
+//! `rewrite` writes their settings back to the file, and `edit` changes numbers in its text.
 
-// Hidden modules are the reader that all kinds of files share; the linkage files of `erard-workshop` are read by it,
-// too. They promise nothing to others.
+// Hidden modules are the reader that all kinds of files share, the linkage files of `erard-levers` included. They are
+// no stable interface for others.
 mod bends;
 mod bushing;
 mod convert;
@@ -54,27 +53,27 @@ pub(crate) use tuning::{REACH_HZ, STEEL_DENSITY_KG_M3};
 
 use moreau::{LawNumber, Loss, Range};
 
-/// Most bodies of an instrument: the engine's capacity.
+/// Largest number of bodies of an instrument: the engine's capacity.
 pub(crate) const MAX_BODIES: usize = 12;
-/// Most zones of an instrument: the engine's capacity.
+/// Largest number of zones of an instrument: the engine's capacity.
 pub(crate) const MAX_ZONES: usize = 32;
-/// Most springs of an instrument.
+/// Largest number of springs of an instrument.
 pub(crate) const MAX_SPRINGS: usize = 24;
-/// Most strings of a note.
+/// Largest number of strings of a note.
 pub(crate) const MAX_STRINGS: usize = 3;
-/// Most modes of a bridge.
+/// Largest number of modes of a bridge.
 pub(crate) const MAX_BRIDGE_MODES: usize = 16;
-/// Most regulating screws of an instrument.
+/// Largest number of regulating screws of an instrument.
 pub(crate) const MAX_SCREWS: usize = 64;
-/// Most drawn parts of an instrument.
+/// Largest number of drawn parts of an instrument.
 pub(crate) const MAX_PARTS: usize = 512;
-/// Most corners of one outline.
+/// Largest number of corners of one outline.
 pub(crate) const MAX_CORNERS: usize = 4096;
 
 /// A point or direction in a plane, `[x, y]`, metres (or dimensionless for directions).
 pub type Vec2 = [f64; 2];
 
-/// A whole instrument, validated: every index is in range, every number finite, every mass and inertia positive.
+/// A checked instrument: every index is in range, every number finite, every mass and inertia positive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instrument {
     /// Name shown in summaries, e.g. `Concert grand, C4`.
@@ -83,15 +82,15 @@ pub struct Instrument {
     pub gravity_m_s2: f64,
     /// Bodies; a parent always precedes its children.
     pub bodies: Vec<Body>,
-    /// Torsion springs between a body and what it is hinged on.
+    /// Torsion springs between a body and the one that carries its hinge.
     pub springs: Vec<Spring>,
     /// Contact zones.
     pub zones: Vec<Zone>,
-    /// The strings that the hammer strikes, those of one note. None: the string is rigid.
+    /// Modal strings of one note, which the hammer strikes. Empty: the string is rigid.
     pub strings: Vec<PianoString>,
-    /// Modes of the bridge under them. Empty: the bridge is rigid.
+    /// Modes of the bridge at the strings' ends. Empty: the bridge is rigid.
     pub bridge_modes: Vec<BridgeMode>,
-    /// Roles of the parts of the mechanism; `None` does not exist.
+    /// Roles of bodies and zones; `None` where the instrument has no such part.
     pub roles: Roles,
     /// The fingertip.
     pub finger: Finger,
@@ -104,7 +103,7 @@ pub struct Instrument {
 /// One hinged rigid body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// Identifier, e.g. `whippen`; the stem of the run's columns.
+    /// Identifier, e.g. `whippen`; names of a run's columns begin with it.
     pub name: String,
     /// Index of the body it is hinged on; `None` is the ground.
     pub parent: Option<usize>,
@@ -114,7 +113,8 @@ pub struct Body {
     pub angle_rad: f64,
     /// Mass, kg, positive.
     pub mass_kg: f64,
-    /// Moment of inertia about its own pivot, kg m2; at least mass times the squared distance of the centre of mass.
+    /// Moment of inertia about the pivot, kg m2; at least the mass times the squared distance from the pivot to the
+    /// centre of mass.
     pub inertia_kg_m2: f64,
     /// Centre of mass in the body's frame, m.
     pub center_of_mass_m: Vec2,
@@ -122,19 +122,19 @@ pub struct Body {
     pub friction_torque_n_m: f64,
     /// Viscous friction of the pivot, N m s/rad.
     pub viscous_n_m_s: f64,
-    /// Growth of its dry friction while it sticks; `None`: none.
+    /// Growth of the dry friction while the pivot sticks; `None`: it does not grow.
     pub dwell: Option<Dwell>,
-    /// Whether the hinge is a bend (or the far end of a bushing's arm): this body and what it is hinged on are pieces
-    /// of one part, and the hinge represents its bending.
+    /// Whether the hinge represents the bending of a part: this body and the one that carries its hinge are pieces of
+    /// that part. Also true of the arm that represents a bushing.
     pub is_bend: bool,
-    /// Range of its angle against the body that carries it, from the drawn pose, rad counter-clockwise: the lowest and
-    /// the highest. It moves nothing: a run that goes further cannot be trusted ([`crate::trust`]). `None`: not
-    /// known.
+    /// Range of angle that the stops allow, lowest and highest, rad counter-clockwise from the drawn pose and relative
+    /// to the body that carries the hinge. It does not affect the motion: a run that exceeds it cannot be trusted
+    /// ([`crate::trust`]). `None`: not known.
     pub turn_rad: Option<[f64; 2]>,
 }
 
 /// A torsion spring at the pivot of `body`: torque on the body `torque - stiffness (relative angle - as drawn)`,
-/// counter-clockwise positive, and its opposite on what the body is hinged on.
+/// counter-clockwise positive. The opposite torque acts on the body that carries the hinge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spring {
     /// Identifier.
@@ -147,7 +147,7 @@ pub struct Spring {
     pub stiffness_n_m_per_rad: f64,
 }
 
-/// A string between two supports. [`crate::strings`] says what its numbers do.
+/// A modal string between a fixed support and the bridge; [`crate::strings`] has its equations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PianoString {
     /// Identifier, e.g. `left`.
@@ -160,11 +160,11 @@ pub struct PianoString {
     pub tension_n: f64,
     /// Bending stiffness EI, N m2.
     pub bending_n_m2: f64,
-    /// b1, 1/s: the decay of amplitudes, sigma = b1 + b3 omega^2.
+    /// Loss b1, 1/s: amplitudes decay at the rate sigma = b1 + b3 omega^2.
     pub loss_per_s: f64,
-    /// b3, s.
+    /// Loss b3, s.
     pub loss_s: f64,
-    /// Striking point of the hammer, m from one end.
+    /// Striking point of the hammer, m from the end opposite the bridge.
     pub strike_m: f64,
     /// Damper on the string; `None` without one.
     pub damper: Option<DamperFelt>,
@@ -173,33 +173,33 @@ pub struct PianoString {
 /// The felt of a damper on a string.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DamperFelt {
-    /// The zone between damper and string.
+    /// Index of the zone between damper and string.
     pub zone: usize,
-    /// Its middle, m from the end that the strike is counted from.
+    /// Middle of the felt, m from the end from which `strike_m` is measured.
     pub middle_m: f64,
-    /// Its length along the string, m.
+    /// Length of the felt along the string, m.
     pub length_m: f64,
 }
 
-/// A mode of the soundboard where the strings of a note end.
+/// A vibration mode of the soundboard at the bridge, where the strings of a note end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BridgeMode {
     /// Identifier.
     pub name: String,
-    /// Its mass, referred to the bridge there, kg.
+    /// Mass of the mode, kg, referred to the point of the bridge where the strings end.
     pub mass_kg: f64,
-    /// Its frequency, Hz.
+    /// Frequency of the mode, Hz.
     pub frequency_hz: f64,
-    /// Its loss factor: amplitudes decay as exp(-loss_factor omega t / 2).
+    /// Loss factor of the mode: amplitudes decay as exp(-loss_factor omega t / 2).
     pub loss_factor: f64,
 }
 
-/// A felt between two curves.
+/// A contact zone: a felt between two curves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Zone {
-    /// Identifier, e.g. `let_off_button`; the stem of the run's columns.
+    /// Identifier, e.g. `let_off_button`; names of a run's columns begin with it.
     pub name: String,
-    /// A line for people, e.g. `jack toe - let-off button`.
+    /// Label for people, on one line, e.g. `jack toe - let-off button`.
     pub label: String,
     /// Side A: always a disc (radius 0 is a point). `None` is the ground.
     pub disc_body: Option<usize>,
@@ -215,20 +215,20 @@ pub struct Zone {
     pub felt: Felt,
     /// Coulomb friction coefficient; 0 is none.
     pub friction_coefficient: f64,
-    /// Growth of its friction while it sticks; `None`: none.
+    /// Growth of the friction while the surfaces stick; `None`: it does not grow.
     pub dwell: Option<Dwell>,
 }
 
-/// Dry friction that grows while it sticks, and is lost when it slips ([`moreau::Dwell`]).
+/// Dry friction that grows from kinetic to static while the surfaces stick; slipping resets it ([`moreau::Dwell`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dwell {
-    /// Static over kinetic friction, at least 1.
+    /// Ratio of static to kinetic friction, at least 1.
     pub ratio: f64,
-    /// tau, s.
+    /// Time constant tau of the growth, s.
     pub time_s: f64,
 }
 
-/// The other side of a zone.
+/// Side B of a zone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Curve {
     /// Half plane: the wood lies below, the unit `normal` points out of it.
@@ -238,8 +238,7 @@ pub enum Curve {
         /// Outward unit normal.
         normal: Vec2,
     },
-    /// A segment with round edges (a stadium of the given radius about the core segment): it ends, so that a disc can
-    /// slip off.
+    /// A segment with rounded ends: a stadium of the given radius about the core segment. A disc can slip off its ends.
     Segment {
         /// One end of the core, m.
         from_m: Vec2,
@@ -257,22 +256,23 @@ pub enum Curve {
     },
 }
 
-/// k g^r and a loss ([`moreau::Loss`]), never pulling.
+/// A felt's force law for the compression g, m: the spring k g^r and a loss ([`moreau::Loss`]). The force never pulls.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Felt {
-    /// k, N/m^r.
+    /// Stiffness k, N/m^r.
     pub stiffness: f64,
-    /// r, at least 1.
+    /// Exponent r, at least 1.
     pub exponent: f64,
     /// Law of its energy loss.
     pub loss: Loss<f64>,
-    /// Thickness of what is compressed, of both sides together, m. It moves nothing: a run that presses it deeper
-    /// cannot be trusted ([`crate::trust`]). `None`: not known.
+    /// Thickness of felt, cloth or leather, of both sides together, m. It does not affect the motion: a run that
+    /// compresses the felt by more cannot be trusted ([`crate::trust`]). `None`: not known.
     pub thickness_m: Option<f64>,
 }
 
 impl Felt {
-    /// Multiplies its loss, whichever law it has; parts of a whole stay below one.
+    /// Multiplies the felt's loss parameters by `factor`, whichever law it has. Parameters that are fractions stay
+    /// below 1.
     pub fn scale_loss(&mut self, factor: f64) {
         const MOST: f64 = 0.99;
         let mut table = self.loss.table().iter();
@@ -286,12 +286,12 @@ impl Felt {
         });
     }
 
-    /// The first number that says how much it loses, with its value in SI units, if its law has one.
+    /// Returns the first loss parameter of the felt's law with its value in SI units; `None` if the law has none.
     pub fn first_loss(&self) -> Option<(&'static LawNumber, f64)> {
         self.loss.table().iter().zip(self.loss.numbers()).find(|(number, _)| number.is_loss)
     }
 
-    /// Takes all its force away.
+    /// Removes the felt's force: stiffness and loss become zero.
     pub fn remove(&mut self) {
         *self = Felt { exponent: self.exponent, thickness_m: self.thickness_m, ..Felt::default() };
     }
@@ -306,29 +306,29 @@ pub struct Roles {
     pub key_front_m: Vec2,
     /// Whether the key is a sharp, for drawings only.
     pub is_sharp: bool,
-    /// The body whose speed is the result.
+    /// The hammer: the body whose strike point's speed is reported.
     pub hammer: Option<usize>,
     /// The strike point, in the hammer's frame, m.
     pub hammer_head_m: Vec2,
-    /// Key front punching: key bottom.
+    /// Zone that stops the key at the bottom of its travel: the key front punching.
     pub key_bottom: Option<usize>,
-    /// Hammer - string.
+    /// Zone between hammer and string.
     pub string: Option<usize>,
-    /// Whether the string stands still although strings are described.
+    /// Whether the string is rigid in spite of [`Instrument::strings`].
     pub rigid_string: bool,
-    /// Whether the bridge stands still although its modes are described.
+    /// Whether the bridge is rigid in spite of [`Instrument::bridge_modes`].
     pub rigid_bridge: bool,
-    /// Damper lever - the rail that the sustain pedal lifts.
+    /// Zone between the damper lever and the rail that the sustain pedal lifts.
     pub pedal: Option<usize>,
-    /// Jack toe - let-off button.
+    /// Zone between jack toe and let-off button.
     pub let_off: Option<usize>,
     /// Zones that push the hammer up (jack - knuckle, lever - knuckle).
     pub knuckle: Vec<usize>,
-    /// Hammer tail - back check.
+    /// Zone between hammer tail and back check.
     pub check: Option<usize>,
-    /// One-degree-of-freedom model: the zones that tie the other bodies to the key at rest.
+    /// One-degree-of-freedom model: zones that are closed at rest and make the other bodies follow the key.
     pub transmits: Vec<usize>,
-    /// One-degree-of-freedom model: the key's own stops.
+    /// One-degree-of-freedom model: zones that stop the key itself.
     pub stops: Vec<usize>,
 }
 
@@ -336,9 +336,9 @@ pub struct Roles {
 /// Zero on an instrument without a key.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Finger {
-    /// N/m.
+    /// Stiffness, N/m.
     pub stiffness_n_per_m: f64,
-    /// N s/m.
+    /// Damping, N s/m.
     pub damping_n_s_per_m: f64,
 }
 
@@ -349,25 +349,25 @@ pub struct Screw {
     pub name: String,
     /// Effect of a positive setting, for people, e.g. `raises the capstan: less lost motion`.
     pub label: String,
-    /// The action of the screw: the number that it moves.
+    /// Action of the screw on a zone or a spring.
     pub action: ScrewAction,
-    /// Setting: travel from the drawn geometry, in the screw's own unit (m, rad or N m).
+    /// Setting, counted from the drawn geometry, in the SI unit of the action (m, rad or N m).
     pub setting: f64,
 }
 
 /// Effect of a screw.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ScrewAction {
-    /// Moves one side of a zone by `setting` metres along a unit direction in the frame of that side's body.
+    /// Moves side A, the disc, by `setting` metres along a unit direction in the frame of its body.
     Disc {
-        /// Zone.
+        /// Index of the zone.
         zone: usize,
         /// Unit direction of a positive setting.
         direction: Vec2,
     },
-    /// As [`ScrewAction::Disc`] for side B's curve.
+    /// Moves side B, the curve, by `setting` metres along a unit direction in the frame of its body.
     Curve {
-        /// Zone.
+        /// Index of the zone.
         zone: usize,
         /// Unit direction of a positive setting.
         direction: Vec2,
@@ -375,12 +375,12 @@ pub enum ScrewAction {
     /// Turns side B's curve by `setting` radians, counter-clockwise: a line about its point, a segment about its
     /// middle.
     Turn {
-        /// Zone.
+        /// Index of the zone.
         zone: usize,
     },
-    /// Adds `setting` N m, times the sign of the spring's own torque, to a spring's torque.
+    /// Adds `setting` N m to the magnitude of a spring's torque; a positive setting tightens the spring.
     Spring {
-        /// Spring.
+        /// Index of the spring.
         spring: usize,
     },
 }

@@ -1,17 +1,18 @@
-//! Numbers in the text of an instrument file by their dotted paths, for callers that vary them.
+//! Reads and changes numbers in the text of an instrument file by their dotted paths, for callers that vary them.
 
 use toml_edit::{DocumentMut, Item, Value};
 
 use super::edit::{find, numbers};
 
-/// The numbers at a dotted path, such as `body.hammer.mass_g` (one) or `zone.string.disc.center_mm` (two), in the
-/// file's own units; the entries of a list are distinguished by their `name`. `None` where there are none.
+/// Returns the numbers at a dotted path, such as `body.hammer.mass_g` (one) or `zone.string.disc.center_mm` (two), in
+/// the file's own units; the entries of a list are distinguished by their `name`. `None` if the path leads to no
+/// number.
 #[must_use]
 pub fn numbers_at(text: &str, path: &str) -> Option<Vec<f64>> {
     numbers_at_each(text, [path]).pop().flatten()
 }
 
-/// [`numbers_at`] each of these paths. The text is read once.
+/// Returns the numbers at each of these paths, as [`numbers_at`] does. The text is parsed once.
 #[must_use]
 pub fn numbers_at_each<'a>(text: &str, paths: impl IntoIterator<Item = &'a str>) -> Vec<Option<Vec<f64>>> {
     let mut document: Option<DocumentMut> = text.parse().ok();
@@ -22,9 +23,9 @@ pub fn numbers_at_each<'a>(text: &str, paths: impl IntoIterator<Item = &'a str>)
     paths.into_iter().map(&mut at).collect()
 }
 
-/// The text with other numbers at some paths: the path, which of its numbers, and the value in the file's own unit.
-/// What they were said to come from stays beside them; the result is for computing, not for keeping. `None` where there
-/// is no such number.
+/// Returns the text with some numbers changed. Each change is a path, the index of the number there (from 0), and the
+/// new value in the file's own unit. Sources and notes stay as they are, so use the result for computing and do not
+/// save it. `None` if a number does not exist.
 #[must_use]
 pub fn with_numbers(text: &str, changes: &[(&str, usize, f64)]) -> Option<String> {
     let mut document: DocumentMut = text.parse().ok()?;
@@ -42,7 +43,7 @@ pub fn with_numbers(text: &str, changes: &[(&str, usize, f64)]) -> Option<String
     Some(document.to_string())
 }
 
-/// The bare value of a number that may be cited.
+/// Returns the bare value of a number that may be cited.
 fn number_of(item: &mut Item) -> Option<&mut Value> {
     if item.as_table_like().is_some() {
         return item.as_table_like_mut()?.get_mut("value")?.as_value_mut();

@@ -1,13 +1,13 @@
-//! Notes that their numbers have outlived: a number was changed and kept the note of the instrument that it comes from.
+//! Outdated notes: a number was changed, but kept the note of the built-in instrument that it comes from.
 
 use super::provenance::{CitedNumber, Provenance};
 use super::{Instrument, InstrumentFile};
 
-/// A number that was changed and still carries the note of the built-in instrument that it comes from: the note speaks
-/// of the old value.
+/// A number that was changed but still carries the note of the built-in instrument that it comes from. The note refers
+/// to the old value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutlivedNote {
-    /// The number as it is.
+    /// The number in the file.
     pub number: CitedNumber,
     /// Value in the built-in instrument.
     pub was: Vec<f64>,
@@ -16,7 +16,7 @@ pub struct OutlivedNote {
 }
 
 impl Provenance {
-    /// The numbers that differ from a built-in instrument's and have kept its note word for word.
+    /// Returns the numbers that differ from those of a built-in instrument but have kept its note word for word.
     #[must_use]
     pub fn outlived_notes(&self) -> Vec<OutlivedNote> {
         let note = |number: &CitedNumber| number.citation.as_ref().and_then(|citation| citation.note.clone());

@@ -1,11 +1,11 @@
-//! Where the bodies of an instrument are: the kinematics of its tree, from absolute angles.
+//! Places the bodies of an instrument from their absolute angles: the kinematics of its tree of hinges.
 
 use moreau::vector::{add, sub};
 
 use super::{Instrument, Vec2};
 
-/// A frame in another one: of a body in the world, or of a piece in that of its part. A point x of the frame is at
-/// `pivot_m` + R(`angle_rad`) x there.
+/// Placement of a frame in another one: of a body in the world, or of a piece in its part. The point x of the frame
+/// lies at `pivot_m` + R(`angle_rad`) x in the other one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// The frame's origin, m: a body's pivot.
@@ -15,28 +15,28 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// The world's own frame, for what the ground carries.
+    /// Placement of the world's own frame, for points of the ground.
     pub const GROUND: Self = Self { pivot_m: [0.0; 2], angle_rad: 0.0 };
 
-    /// A direction of the frame, seen in the world.
+    /// Converts a direction from this frame to the world.
     #[must_use]
     pub fn direction_to_world(&self, direction: Vec2) -> Vec2 {
         if self.angle_rad == 0.0 { direction } else { turned_by(direction, self.angle_rad) }
     }
 
-    /// A point of the frame, m, seen in the world.
+    /// Converts a point, m, from this frame to the world.
     #[must_use]
     pub fn to_world(&self, point_m: Vec2) -> Vec2 {
         add(self.pivot_m, self.direction_to_world(point_m))
     }
 
-    /// A direction of the world, seen from the frame.
+    /// Converts a direction from the world to this frame.
     #[must_use]
     pub fn direction_from_world(&self, direction: Vec2) -> Vec2 {
         turned_by(direction, -self.angle_rad)
     }
 
-    /// A point of the world, m, seen from the frame.
+    /// Converts a point, m, from the world to this frame.
     #[must_use]
     pub fn from_world(&self, world_m: Vec2) -> Vec2 {
         self.direction_from_world(sub(world_m, self.pivot_m))
@@ -50,7 +50,7 @@ pub(super) fn turned_by([x, y]: Vec2, angle_rad: f64) -> Vec2 {
 }
 
 impl Instrument {
-    /// The angles that the instrument is drawn with, rad.
+    /// Returns the absolute angles of the bodies as drawn, rad.
     #[must_use]
     pub fn drawn_angles(&self) -> Vec<f64> {
         self.bodies.iter().map(|body| body.angle_rad).collect()
@@ -65,7 +65,7 @@ impl Instrument {
         placed
     }
 
-    /// [`Instrument::placements`] into a list that has been filled before: it does not allocate.
+    /// Writes [`Instrument::placements`] to a list. It does not allocate if the list was filled before.
     pub(crate) fn place(&self, angles_rad: &[f64], placed: &mut Vec<Placement>) {
         placed.clear();
         for (index, body) in self.bodies.iter().enumerate() {

@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 pub enum Certainty {
     /// Measured on the instrument that the file describes.
     Measured,
-    /// Read in a public source, named beside it.
+    /// Read in a public source, which is cited with the number.
     Read,
-    /// Read in somebody's quotation of a source.
+    /// Read in another author's quotation of a source.
     SecondHand,
-    /// Estimated; the derivation stands in the note or at the source.
+    /// Estimated; the note or the source gives the derivation.
     Estimate,
 }
 
@@ -27,20 +27,20 @@ pub struct Source {
     pub title: String,
     /// Author.
     pub author: Option<String>,
-    /// When, e.g. `2001` or `November 2001`.
+    /// Date, e.g. `2001` or `November 2001`.
     pub date: Option<String>,
-    /// Address.
+    /// Web address.
     pub url: Option<String>,
-    /// Use of the source, or a caution.
+    /// How the source is used, or a caution.
     pub note: Option<String>,
 }
 
-/// Spread of a number: how far it may be off.
+/// Spread of a number: its likely deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Spread {
-    /// Plus or minus, in the unit of the file's key.
+    /// Deviation in either direction, in the unit of the file's key.
     PlusMinus(f64),
-    /// Times or divided by, at least 1.
+    /// Deviation as a factor, at least 1, by which the number is multiplied or divided.
     Factor(f64),
 }
 
@@ -59,7 +59,7 @@ pub struct Citation {
     pub note: Option<String>,
 }
 
-/// One number of the file as it stands there: in the unit that ends the key's name.
+/// One number of the file, in the file's own unit: the one at the end of the key's name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CitedNumber {
     /// Dotted path, e.g. `body.jack.mass_g` or `zone.string.felt.exponent`.
@@ -72,12 +72,13 @@ pub struct CitedNumber {
     pub citation: Option<Citation>,
 }
 
-/// Every number of a file and where it comes from.
+/// Every number of a file and its source.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Provenance {
     /// The sources by name.
     pub sources: BTreeMap<String, Source>,
-    /// The numbers in the order of their reading: top, bodies, springs, zones, roles, finger, screws, parts.
+    /// The numbers in the order in which they are read: gravity, bodies, springs, zones, roles, strings, bridge modes,
+    /// finger, screws, parts, bushings.
     pub numbers: Vec<CitedNumber>,
 }
 

@@ -11,12 +11,12 @@ use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, IntoDeserializer, 
 
 use super::provenance::Certainty;
 
-/// A value that remembers where in the text it stood; invisible in the schema.
+/// A value with its place in the file's text. The schema shows the value only.
 #[derive(Debug, Clone)]
 pub struct At<T>(toml::Spanned<T>);
 
 impl<T> At<T> {
-    /// Bytes of the text.
+    /// Byte range of the value in the text.
     pub fn span(&self) -> Range<usize> {
         self.0.span()
     }
@@ -52,9 +52,9 @@ impl<T: JsonSchema> JsonSchema for At<T> {
 
 /// Values that can be bare or cited: a number of some range, or a pair of numbers.
 pub trait Kind: for<'de> Deserialize<'de> + JsonSchema + Clone + fmt::Debug {
-    /// What an error says should stand there.
+    /// Expected value, as an error message describes it.
     const EXPECTED: &'static str;
-    /// The numbers.
+    /// Its numbers: one, or the two of a pair.
     fn numbers(&self) -> &[f64];
 }
 
@@ -93,13 +93,13 @@ scalar_kind!(
     /// A number greater than zero.
     Positive, "Positive", "a number greater than 0", { "type": "number", "exclusiveMinimum": 0 });
 scalar_kind!(
-    /// Zero or more.
+    /// A number of at least zero.
     NonNegative, "NonNegative", "a number that is not negative", { "type": "number", "minimum": 0 });
 scalar_kind!(
-    /// A part of a whole that is never all of it.
+    /// A fraction from 0 to below 1.
     Part, "Part", "a number from 0 to below 1", { "type": "number", "minimum": 0, "exclusiveMaximum": 1 });
 scalar_kind!(
-    /// A felt's exponent.
+    /// Exponent of a felt's force law, from 1 to 6.
     Exponent, "Exponent", "a number from 1 to 6", { "type": "number", "minimum": 1, "maximum": 6 });
 
 /// A point or direction, `[x, y]`.
@@ -154,25 +154,27 @@ impl JsonSchema for Pair {
 #[serde(deny_unknown_fields)]
 #[schemars(bound = "T: JsonSchema")]
 pub struct Cited<T> {
-    /// The number, in the unit that ends the key's name.
+    /// The number or vector, in the unit at the end of the key's name.
     pub value: At<T>,
     /// Source: a name in `[sources]`.
     pub source: At<String>,
-    /// Certainty.
+    /// Certainty of the value.
     pub certainty: Certainty,
-    /// Plus or minus, in the unit of the value (for a vector: of each component).
+    /// Deviation in either direction, in the unit of the value (for a vector, of each component). Nine plausible pianos
+    /// in ten lie within it. Give either this or `spread_factor`.
     pub spread: Option<At<NonNegative>>,
-    /// Times or divided by: for what is known to a factor only, such as a felt's stiffness. At least 1.
+    /// Deviation as a factor, at least 1, by which the value is multiplied or divided. Use it in place of `spread` for
+    /// a value known only to a factor, such as a felt's stiffness.
     pub spread_factor: Option<At<SpreadFactor>>,
-    /// Numbers with the same word here are off together, by the same share of their spreads: one cloth or one piece of
-    /// wood serves them all.
+    /// Name of a shared deviation. Numbers with the same name deviate together, by the same share of their spreads,
+    /// e.g. because they describe one cloth. Requires a spread.
     pub together: Option<At<String>>,
     /// Derivation, or a caution.
     pub note: Option<String>,
 }
 
 scalar_kind!(
-    /// A factor of uncertainty.
+    /// A factor of uncertainty, at least 1.
     SpreadFactor, "SpreadFactor", "a factor of at least 1", { "type": "number", "minimum": 1 });
 
 /// A number, bare or cited.
@@ -215,8 +217,8 @@ impl<'de, T: Kind> Deserialize<'de> for Quantity<T> {
                 let number: F64Deserializer<E> = value.into_deserializer();
                 T::deserialize(number).map(Quantity::Bare)
             }
-            // TOML integers have 64 bits; those beyond 2^53 lose digits here, and none of them is a sane length or
-            // mass.
+            // TOML integers have 64 bits. Those beyond 2^53 lose digits here, but no plausible length or mass is that
+            // large.
             fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
                 self.visit_f64(value as f64)
             }
@@ -239,7 +241,7 @@ impl<T: Kind> JsonSchema for Quantity<T> {
         let bare = T::json_schema(generator);
         let cited = generator.subschema_for::<Cited<T>>();
         json_schema!({
-            "description": format!("{}, bare or with its provenance.", T::EXPECTED),
+            "description": format!("A quantity, bare or with its provenance: {}.", T::EXPECTED),
             "anyOf": [bare, cited],
         })
     }

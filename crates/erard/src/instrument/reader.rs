@@ -1,4 +1,4 @@
-//! Reading single values: numbers within their limits and with their provenance, names that exist.
+//! Reads single values: numbers, with their limits and provenance, and names, which must exist or be new.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -14,10 +14,11 @@ pub const MM_PER_M: f64 = 1000.0;
 /// Grams in a kilogram.
 pub(crate) const G_PER_KG: f64 = 1000.0;
 
-/// Longest length of a name: it becomes a column title.
+/// Longest name, characters: names become titles of columns.
 const LONGEST_NAME: usize = 40;
 
-/// The range outside which a number is a slip of the pen rather than an instrument. Wide: an anvil and a watch fit in.
+/// Plausible range of a number: a value outside is taken for a slip of the pen. The ranges are wide enough for an anvil
+/// and for a watch.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
     /// Smallest value.
@@ -43,7 +44,7 @@ impl Limits {
     }
 }
 
-/// A number on its way into the provenance; its key is found later, from its span.
+/// A number for the provenance. Its key is found later from its span.
 pub struct ReadNumber {
     pub span: Range<usize>,
     pub values: Vec<f64>,
@@ -62,30 +63,30 @@ impl<'a> Reader<'a> {
         Self { sources, numbers: Vec::new() }
     }
 
-    /// A scalar within `limits`, in the file's unit.
+    /// Reads a scalar within `limits`, in the file's unit.
     pub fn scalar<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<f64, Fault> {
         self.checked(number, limits)?;
         Ok(number.kind().numbers()[0])
     }
 
-    /// A scalar that may be absent, then 0.
+    /// Reads a scalar that may be absent; it is 0 then.
     pub(crate) fn scalar_or_zero<T: Kind>(&mut self, number: Option<&Num<T>>, limits: Limits) -> Result<f64, Fault> {
         number.map_or(Ok(0.0), |number| self.scalar(number, limits))
     }
 
-    /// A pair within `limits`, in the file's unit.
+    /// Reads a pair within `limits`, in the file's unit.
     pub(crate) fn pair<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<Vec2, Fault> {
         self.checked(number, limits)?;
         let numbers = number.kind().numbers();
         Ok([numbers[0], numbers[1]])
     }
 
-    /// A point given in millimetres, in metres.
+    /// Reads a point in millimetres and returns it in metres.
     pub fn point_m<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
         Ok(self.pair(number, LENGTH_MM)?.map(|mm| mm / MM_PER_M))
     }
 
-    /// A direction of any length but zero, as a unit vector.
+    /// Reads a direction of any length but zero and returns a unit vector.
     pub(crate) fn direction<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
         let [x, y] = self.pair(number, Limits::symmetric(1e6, ""))?;
         let length = libm::hypot(x, y);
@@ -156,7 +157,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// A corner of an outline, in metres.
+    /// Checks a corner of an outline, mm, and returns it in metres.
     pub(crate) fn corner_m(&self, corner_mm: Vec2, span: Range<usize>) -> Result<Vec2, Fault> {
         for value in corner_mm {
             self.check_value(value, span.clone(), "numbers [x, y]", LENGTH_MM)?;
@@ -164,7 +165,7 @@ impl<'a> Reader<'a> {
         Ok(corner_mm.map(|mm| mm / MM_PER_M))
     }
 
-    /// A citation whose source exists.
+    /// Returns a citation after checking that its source exists.
     pub(crate) fn citation(
         &self,
         source: &At<String>,
@@ -180,10 +181,10 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Lengths and coordinates: ten metres is a room, not an action.
+/// Limits of lengths and coordinates: ten metres, far beyond any action.
 pub const LENGTH_MM: Limits = Limits::symmetric(1e4, "mm");
 
-/// A new name for a body, spring, zone or screw: fit for a column title and not taken.
+/// Checks a new name for a body, spring, zone, string or screw: it must be fit for a column title and not taken.
 pub(crate) fn new_name<'n>(
     name: &At<String>,
     what: &str,
@@ -202,10 +203,10 @@ pub(crate) fn new_name<'n>(
     Ok(name.to_string())
 }
 
-/// Longest name or label for people, characters: it stands on one line of a figure.
+/// Longest name or label for people, characters: it must fit on one line of a figure.
 pub(crate) const LONGEST_TITLE: usize = 120;
 
-/// A name or label for people: without the blanks around it, on one line, not empty.
+/// Checks a name or label for people: one line, not empty. Returns it without the blanks around it.
 pub fn title(name: &At<String>, what: &str) -> Result<String, Fault> {
     let trimmed = name.trim();
     let wrong = |message: String, expected: String| Err(Fault::at(name.span(), message, expected));
@@ -228,7 +229,7 @@ fn plural(what: &str) -> String {
     format!("{} of this name", if what == "body" { "bodies".to_owned() } else { format!("{what}s") })
 }
 
-/// Index of a named thing.
+/// Returns the index of a name in a list of names.
 pub(crate) fn index_of<'n>(
     name: &At<String>,
     what: &str,
@@ -239,7 +240,7 @@ pub(crate) fn index_of<'n>(
     })
 }
 
-/// Index of a named body; `None` for `ground`.
+/// Returns the index of a named body; `None` for `ground`.
 pub(crate) fn body_or_ground(name: &At<String>, instrument: &Instrument) -> Result<Option<usize>, Fault> {
     if name.as_str() == GROUND {
         return Ok(None);
@@ -251,15 +252,15 @@ pub(crate) fn body_or_ground(name: &At<String>, instrument: &Instrument) -> Resu
     })
 }
 
-/// What the world is called in a file.
+/// Name of the world in a file.
 pub(crate) const GROUND: &str = "ground";
 
-/// A limit as a person writes it.
+/// Formats a limit as a person writes it.
 fn round(limit: f64) -> String {
     if (1e-3..1e6).contains(&limit.abs()) { format!("{limit}") } else { format!("{limit:e}") }
 }
 
-/// `one of `a`, `b``, or `otherwise` when there is none.
+/// Returns the names as "one of `a`, `b`", or `otherwise` when there are none.
 fn one_of<'n>(names: impl Iterator<Item = &'n str>, otherwise: &str) -> String {
     let names: Vec<String> = names.take(40).map(|name| format!("`{name}`")).collect();
     match names.as_slice() {

@@ -1,34 +1,36 @@
-//! An instrument file with its screws turned: the same text, comments and layout, but for the settings.
+//! Writes changed numbers, such as the settings of screws, to the text of an instrument file. All other text, comments
+//! and layout stay.
 
 use toml_edit::DocumentMut;
 
 use super::edit::{cite, find, numbers, set, source_name};
 use super::{Instrument, ScrewAction};
 
-/// Who the source of the new settings is, in the file's own list of sources.
+/// Author of the new settings in the file's own list of sources.
 const AUTHOR: &str = "erard regulate";
-/// The source's name, unless it is taken.
+/// Name of the source of the new settings, unless it is taken.
 const SOURCE: &str = "regulated";
 
-/// Why a file cannot be rewritten. The text was read successfully before, so none of these is the user's mistake.
+/// Reason why a file cannot be rewritten. The text was read successfully before, so none of these is the user's
+/// mistake.
 #[derive(Debug, thiserror::Error)]
 pub enum RewriteError {
-    /// The text is no TOML.
+    /// The text is not TOML.
     #[error("the instrument file cannot be rewritten: {0}")]
     Toml(#[from] toml_edit::TomlError),
-    /// A screw is not where it should be.
+    /// The text has no setting of this screw.
     #[error("the instrument file cannot be rewritten: it has no setting of screw `{0}`")]
     NoSetting(String),
-    /// A number is not where it should be.
+    /// The text has no number at this path.
     #[error("the instrument file cannot be rewritten: it has no number `{0}`")]
     NoNumber(String),
 }
 
 impl Instrument {
-    /// `text`, the file that this instrument was read from, with the settings that its screws have now. Only settings
-    /// that differ are touched: each becomes a cited number with `note`, under a source of its own titled `title`.
+    /// Returns `text`, the file that this instrument was read from, with the present settings of the screws. Only
+    /// settings that differ are changed: each becomes a cited number with `note`, and their common source gets `title`.
     ///
-    /// Settings are written to 0.1 um, a ten-thousandth of a degree, and 1 uN m.
+    /// Settings are rounded to 0.1 um, 0.0001 degrees or 1 uN m.
     ///
     /// # Errors
     /// See [`RewriteError`].
@@ -60,9 +62,9 @@ impl Instrument {
     }
 }
 
-/// The text of an instrument file with other numbers: of each its path (as [`super::numbers_at`] takes it, of a single
-/// number), its value in the file's own unit, and a note. Each becomes a cited number under a source of its own;
-/// comments and layout stay.
+/// Returns the text of an instrument file with some numbers changed. Each change is the path of a single number (see
+/// [`super::numbers_at`]), its new value in the file's own unit, and a note. Each becomes a cited number; their common
+/// source is named after `stem` and has `author` and `title`. Comments and layout stay.
 ///
 /// # Errors
 /// See [`RewriteError`].
@@ -87,11 +89,11 @@ pub fn cited(
     Ok(form.dressed(&document.to_string()))
 }
 
-/// What a text has that the editor of documents drops.
+/// Features of a text that `toml_edit` drops.
 #[derive(Debug, Clone, Copy)]
 struct Form {
     byte_order_mark: bool,
-    /// Lines end with carriage return and line feed: those of most lines, where they differ.
+    /// Whether most lines end with carriage return and line feed.
     crlf: bool,
 }
 
@@ -111,7 +113,7 @@ impl Form {
     }
 }
 
-/// Rounded to a multiple of 1/`per`.
+/// Rounds to a multiple of 1/`per`.
 fn to_digits(x: f64, per: f64) -> f64 {
     (x * per).round() / per
 }
@@ -130,7 +132,7 @@ mod tests {
         (instrument, text)
     }
 
-    /// Lines of `b` that `a` does not have at the same place, when no more than `lines` were added.
+    /// Lines of `a` that `b` does not have, and lines of `b` that `a` does not have.
     fn changed(a: &str, b: &str) -> (Vec<String>, Vec<String>) {
         let (a, b): (Vec<&str>, Vec<&str>) = (a.lines().collect(), b.lines().collect());
         let gone = a.iter().filter(|line| !b.contains(line)).map(|l| (*l).to_owned()).collect();
@@ -169,7 +171,7 @@ mod tests {
         assert_eq!(again, new, "nothing to change, nothing changed");
     }
 
-    /// Numbers by their paths: each is cited, all else stays; what is not there is an error.
+    /// Numbers changed by their paths are cited and all other text stays. A path that does not exist is an error.
     #[test]
     fn numbers_become_cited_ones() {
         let text = Instrument::builtin_text("concert-grand-rigid").unwrap();
@@ -193,7 +195,7 @@ mod tests {
         }
     }
 
-    /// Line ends and byte order mark of another system stay.
+    /// Line ends and byte order marks of other systems stay.
     #[test]
     fn written_elsewhere() {
         let unix = Instrument::builtin_text("concert-grand-rigid").unwrap();

@@ -6,22 +6,22 @@ use serde_json::Value;
 
 use super::format::InstrumentToml;
 
-/// The JSON Schema of instrument files, pretty-printed, with a final newline: what `instruments/instrument.schema.json`
-/// holds. Draft 7, because TOML editors know that one.
+/// Returns the JSON Schema of instrument files, pretty-printed, with a final newline: the content of
+/// `instruments/instrument.schema.json`. It is draft 7, the one that TOML editors know.
 pub fn json_schema() -> String {
     schema_of::<InstrumentToml>()
 }
 
-/// The schema of a file format.
+/// Returns the JSON Schema of a file format.
 pub fn schema_of<T: JsonSchema>() -> String {
     let schema = SchemaSettings::draft07().into_generator().into_root_schema_for::<T>();
     let mut schema = schema.to_value();
     drop_null(&mut schema);
-    // A `Value` always prints: its keys are strings.
+    // Printing a `Value` cannot fail: its keys are strings.
     serde_json::to_string_pretty(&schema).unwrap_or_default() + "\n"
 }
 
-/// Removes `null` everywhere: schemars allows it for whatever may be absent, and TOML has none.
+/// Removes `null` everywhere: schemars allows it for every optional value, but TOML has no null.
 fn drop_null(schema: &mut Value) {
     match schema {
         Value::Object(object) => {

@@ -1,19 +1,19 @@
-//! Turning the regulating screws of an instrument that is already in SI units.
+//! Turns the regulating screws of an instrument in SI units.
 
 use super::placement::turned_by;
 use super::{Curve, Instrument, ScrewAction};
 
 impl Instrument {
-    /// Index of the screw called `name`.
+    /// Returns the index of the screw called `name`.
     pub fn screw(&self, name: &str) -> Option<usize> {
         self.screws.iter().position(|screw| screw.name == name)
     }
 
-    /// Turns screw number `screw` to `setting`, counted from the drawn geometry: metres, radians for a
-    /// curve that turns, newton metres for a spring.
+    /// Turns screw number `screw` to `setting`, counted from the drawn geometry: in metres, in radians for a screw that
+    /// turns a curve, in newton metres for a spring.
     ///
-    /// Returns whether it could be done. It cannot when there is no such screw, when `setting` is not finite, or when
-    /// it would turn a spring's torque around; the instrument is then unchanged.
+    /// Returns `false` and leaves the instrument unchanged if there is no such screw, if `setting` is not finite, or if
+    /// it would cancel or reverse a spring's torque.
     #[must_use]
     pub fn turn(&mut self, screw: usize, setting: f64) -> bool {
         let Some(turned) = self.screws.get(screw) else {
@@ -27,8 +27,8 @@ impl Instrument {
         true
     }
 
-    /// Moves what a screw moves by `by` (m, rad or N m); `false`, and nothing moved, when a spring would change its
-    /// side.
+    /// Changes the zone or spring on which a screw acts by `by` (m, rad or N m). Returns `false` and changes nothing if
+    /// a spring's torque would be cancelled or reversed.
     pub(crate) fn shift(&mut self, action: &ScrewAction, by: f64) -> bool {
         let moved = |point: &mut [f64; 2], direction: [f64; 2]| {
             point[0] += by * direction[0];
@@ -44,7 +44,7 @@ impl Instrument {
                 }
                 Curve::Disc { center_m, .. } => moved(center_m, direction),
             },
-            // About a point of the curve itself, so that moving and turning the same curve can be done in any order.
+            // The curve turns about a point of its own, so moving and turning it can be done in any order.
             ScrewAction::Turn { zone } => match &mut self.zones[zone].curve {
                 Curve::Line { normal, .. } => *normal = turned_by(*normal, by),
                 Curve::Segment { from_m, to_m, .. } => {

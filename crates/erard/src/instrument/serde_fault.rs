@@ -1,9 +1,9 @@
-//! Mistakes that serde and the TOML parser notice, in the words of an instrument file.
+//! Converts errors of serde and of the TOML parser to faults in the words of an instrument file.
 
 use super::error::Fault;
 use super::from_toml::TomlError;
 
-/// Makes a fault of a message of serde or the TOML parser. These distinguish mistakes only by their wording, so this
+/// Converts a message of serde or the TOML parser to a fault. These distinguish mistakes only by their wording, so this
 /// function reads the wording and quotes messages that it does not recognise.
 pub fn serde_fault(error: &TomlError, text: &str) -> Fault {
     let span = error.span.clone().unwrap_or(0..0);
@@ -12,7 +12,7 @@ pub fn serde_fault(error: &TomlError, text: &str) -> Fault {
     let wrong_kind =
         |expected: &str| Fault::at(span.clone(), "wrong kind of value", expected.replace("f64", "a number"));
 
-    // The parser hands dates over as a table with one odd key.
+    // The parser passes a date on as a table with one special key.
     if message.contains("$__toml_private") {
         return wrong_kind("a number");
     }
@@ -56,18 +56,18 @@ pub fn serde_fault(error: &TomlError, text: &str) -> Fault {
     Fault::at(span, message.replace('\n', "; "), "")
 }
 
-/// What follows `, expected ` in serde's list of what it knows.
+/// Returns the text after `, expected ` in a message of serde: the list of names that it knows.
 fn after_expected(rest: &str) -> String {
     rest.trim_start_matches(", ").trim_start_matches("expected ").to_owned()
 }
 
-/// Characters of a key that are compared.
+/// Largest number of characters of a key that are compared.
 const LONGEST_KEY: usize = 64;
 
-/// The known key that `key` most likely means: the one that adds a unit to it, one that shares its
-/// beginning, or one within two slips.
+/// Returns the known key that `key` most likely means: one that adds a unit to it, one with the same first word, or one
+/// that differs by two characters (three if the first three agree).
 fn nearest<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
-    // Nobody means a key that is longer than any there is, and comparing costs as much as it is long.
+    // The key is cut: no known key is longer than this, and the cost of a comparison grows with the length.
     let lower = key.chars().take(LONGEST_KEY).collect::<String>().to_lowercase();
     let stem = |name: &str| name.split('_').next().unwrap_or_default().to_owned();
     known

@@ -12,7 +12,7 @@ use super::{BridgeMode, DamperFelt, Instrument, MAX_BRIDGE_MODES, MAX_STRINGS, P
 /// Cents in an octave.
 const OCTAVE_CENTS: f64 = 1200.0;
 
-/// Reads the strings; roles and zones have been read.
+/// Reads the strings. Zones and roles must have been read before.
 pub(super) fn read_strings(
     tables: &[At<StringToml>],
     pedal: Option<&At<String>>,
@@ -32,7 +32,7 @@ pub(super) fn read_strings(
         check_zone(zone, table.span())?;
         if let Some(name) = instrument.zones.iter().map(|zone| &zone.name).find(|name| *name == "bridge") {
             let message =
-                format!("the column `{name}_N` of a run with strings is the bridge's, and a zone has this name");
+                format!("a zone is named `{name}`, but a run with strings has a column `{name}_N` for the bridge");
             return Err(Fault::at(table.span(), message, "another name for that zone"));
         }
         let mut string = read_string(table, reader, &instrument.strings)?;
@@ -44,8 +44,8 @@ pub(super) fn read_strings(
         if instrument.roles.string == Some(zone) {
             return Err(Fault::at(
                 name.span(),
-                "this zone is the hammer's",
-                "the zone of the damper's lever and its rail",
+                "the pedal's zone cannot be the hammer's",
+                "the zone between the damper's lever and the pedal's rail",
             ));
         }
         if !instrument.strings.is_empty() {
@@ -101,15 +101,15 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
         return Err(Fault::at(span, "the tension of this string is below 1 N", expected)
             .found(format!("a tension of {base_n:.3} N")));
     }
-    // Frequencies go with the root of the tension; what bending adds to the first partial is the same in cents to a
-    // thousandth.
+    // Frequencies vary with the square root of the tension. The part of bending in the first partial stays constant, in
+    // cents, to a thousandth.
     let tension_n = base_n * libm::exp2(2.0 * cents / OCTAVE_CENTS);
     let square = std::f64::consts::PI * std::f64::consts::PI;
     let bending_n_m2 = inharmonicity.map_or(bending, |b| b * tension_n * length_m * length_m / square);
     let strike_m = reader.scalar(&table.strike_mm, Limits::between(0.1, 1e4, "mm"))? / MM_PER_M;
     if strike_m >= length_m {
         let expected = format!("a place on the string, less than {} mm", length_m * MM_PER_M);
-        return Err(Fault::at(table.strike_mm.value_span(), "the hammer strikes beside the string", expected));
+        return Err(Fault::at(table.strike_mm.value_span(), "the striking point is beyond the string", expected));
     }
     Ok(PianoString {
         name,
@@ -124,7 +124,7 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
     })
 }
 
-/// The damper's felt on a string, where there is one.
+/// Reads the damper's felt on a string.
 fn read_damper(
     table: &At<DamperToml>,
     string: &PianoString,
@@ -135,14 +135,14 @@ fn read_damper(
     let span = table.zone.span();
     let used = instrument.strings.iter().any(|other| other.damper.is_some_and(|damper| damper.zone == zone));
     if used || instrument.roles.string == Some(zone) || instrument.roles.pedal == Some(zone) {
-        return Err(Fault::at(span, "this zone touches something else already", "a zone for every damped string"));
+        return Err(Fault::at(span, "this zone already touches something else", "a zone for each damped string"));
     }
     check_zone(&instrument.zones[zone], span)?;
     let middle_m = reader.scalar(&table.middle_mm, Limits::between(0.1, 1e4, "mm"))? / MM_PER_M;
     let length_m = reader.scalar(&table.length_mm, Limits::between(0.1, 1e4, "mm"))? / MM_PER_M;
     if middle_m - 0.5 * length_m < 0.0 || middle_m + 0.5 * length_m > string.length_m {
-        let expected = format!("a felt that ends before {} mm", string.length_m * MM_PER_M);
-        return Err(Fault::at(table.middle_mm.value_span(), "the damper lies beside the string", expected));
+        let expected = format!("a felt between 0 and {} mm", string.length_m * MM_PER_M);
+        return Err(Fault::at(table.middle_mm.value_span(), "the damper extends beyond the string", expected));
     }
     Ok(DamperFelt { zone, middle_m, length_m })
 }
@@ -161,7 +161,7 @@ pub(super) fn read_bridge(
     }
     for table in tables {
         if instrument.strings.is_empty() {
-            return Err(Fault::at(table.span(), "a bridge that no string ends on", "a [[string]]"));
+            return Err(Fault::at(table.span(), "a bridge mode needs strings", "a [[string]]"));
         }
         let others = instrument.bridge_modes.iter().map(|mode| mode.name.as_str());
         let name = new_name(&table.name, "bridge mode", others)?;
@@ -175,14 +175,14 @@ pub(super) fn read_bridge(
     Ok(())
 }
 
-/// Refuses a felt that cannot press on a compliant external subsystem.
+/// Refuses a zone that cannot press on modal strings: its loss is set-valued, or its side B is on a body.
 fn check_zone(zone: &Zone, span: Range<usize>) -> Result<(), Fault> {
     if matches!(zone.felt.loss, moreau::Loss::SetValued(_)) {
         let message = format!("the felt of `{}` has a set-valued loss, which modal strings do not support", zone.name);
         return Err(Fault::at(span, message, "`dry_slip` beside its `dry_loss`, or another loss"));
     }
     if zone.curve_body.is_some() {
-        let message = format!("the string of `{}` belongs to a body", zone.name);
+        let message = format!("side B of the zone `{}` is on a body", zone.name);
         return Err(Fault::at(span, message, "a zone whose side B is on the ground"));
     }
     Ok(())

@@ -1,17 +1,17 @@
-//! Frequencies, losses and compliances of a string, from its numbers.
+//! Frequencies, losses and compliances of a string, from its parameters.
 
 use core::f64::consts::PI;
 
 use super::PianoString;
 
-/// Steel wire, kg/m3.
+/// Density of steel wire, kg/m3.
 pub(crate) const STEEL_DENSITY_KG_M3: f64 = 7850.0;
-/// Steel wire, Pa.
+/// Young's modulus of steel wire, Pa.
 pub(crate) const STEEL_YOUNG_PA: f64 = 2.02e11;
-/// Frequency above which partials are not part of the force on the bridge, Hz: they are inaudible.
+/// Frequency above which partials are left out of the force on the bridge, Hz: they are inaudible.
 pub(crate) const REACH_HZ: f64 = 20e3;
-/// So many partials are stepped at least. A treble string has few below 20 kHz, and what the others yield would follow
-/// the felt's force half a step late.
+/// Smallest number of partials that are stepped. A treble string has few below 20 kHz, and the static displacement by
+/// the others would follow the felt's force half a step late.
 const LEAST_MODES: u32 = 32;
 /// Number of partials in a static compliance: the higher ones add less than a thousandth to it.
 const STATIC_PARTIALS: u32 = 4000;
@@ -22,8 +22,8 @@ pub(crate) fn bending_stiffness(diameter_m: f64) -> f64 {
     STEEL_YOUNG_PA * PI * square * square / 64.0
 }
 
-/// The tension, N, with which the first partial of a string has a frequency, Hz; not positive where bending alone makes
-/// it higher.
+/// Returns the tension, N, that gives the first partial of a string a frequency, Hz. It is not positive if the bending
+/// stiffness alone makes the frequency higher.
 pub(crate) fn tension_for(frequency_hz: f64, length_m: f64, mass_kg_m: f64, bending_n_m2: f64) -> f64 {
     let square = length_m * length_m;
     // f^2 = f0^2 (1 + B) = (T + pi^2 EI / L^2) / (4 mu L^2).
@@ -31,13 +31,13 @@ pub(crate) fn tension_for(frequency_hz: f64, length_m: f64, mass_kg_m: f64, bend
 }
 
 impl PianoString {
-    /// f0 = sqrt(T/mu)/(2 L), Hz: what the first partial would be without stiffness.
+    /// Frequency f0 = sqrt(T/mu)/(2 L), Hz, of the first partial without bending stiffness.
     #[must_use]
     pub fn ideal_hz(&self) -> f64 {
         (self.tension_n / self.mass_kg_m).sqrt() / (2.0 * self.length_m)
     }
 
-    /// B of f_n = n f0 sqrt(1 + B n^2).
+    /// Inharmonicity B of f_n = n f0 sqrt(1 + B n^2).
     #[must_use]
     pub fn inharmonicity(&self) -> f64 {
         PI * PI * self.bending_n_m2 / (self.tension_n * self.length_m * self.length_m)
@@ -50,7 +50,7 @@ impl PianoString {
         n * self.ideal_hz() * (1.0 + self.inharmonicity() * n * n).sqrt()
     }
 
-    /// Decay of a partial's amplitude, 1/s.
+    /// Decay rate of a partial's amplitude, 1/s.
     #[must_use]
     pub fn decay_per_s(&self, n: u32) -> f64 {
         let omega = 2.0 * PI * self.partial_hz(n);
@@ -75,7 +75,7 @@ impl PianoString {
         self.partials_below(REACH_HZ).max(LEAST_MODES)
     }
 
-    /// A mode's displacement at a place, m from the end that the strike is counted from.
+    /// Shape of mode `n` (amplitude 1) at a place, m from the end opposite the bridge.
     #[must_use]
     pub(crate) fn shape(n: u32, place_m: f64, length_m: f64) -> f64 {
         libm::sin(f64::from(n) * PI * place_m / length_m)
@@ -87,11 +87,11 @@ impl PianoString {
             let (shape, omega) = (Self::shape(n, self.strike_m, self.length_m), 2.0 * PI * self.partial_hz(n));
             shape * shape / (self.modal_mass_kg() * omega * omega)
         };
-        // The small ones first.
+        // The small terms first, for less rounding.
         (n + 1..=STATIC_PARTIALS.max(n + 1)).rev().map(of).sum()
     }
 
-    /// The force on the far support per metre of a mode's displacement, N/m: -(T u' - EI u''') there.
+    /// Force on the bridge per metre of a mode's displacement, N/m: -(T u' - EI u''') at the string's end.
     pub(crate) fn bridge_n_m(&self, n: u32) -> f64 {
         let (wave, square) = (f64::from(n) * PI / self.length_m, f64::from(n) * f64::from(n));
         let slope = if n.is_multiple_of(2) { wave } else { -wave };

@@ -1,4 +1,4 @@
-//! The keyboard file as it is written: TOML, units in the keys' names.
+//! The TOML format of keyboard files. Units are at the end of the keys' names.
 
 use std::collections::BTreeMap;
 
@@ -8,13 +8,14 @@ use serde::Deserialize;
 use crate::instrument::quantity::{At, Num, Pair, Positive, Real};
 use crate::instrument::{Certainty, Source};
 
-/// What the key `format` must say.
+/// Required value of the key `format`.
 pub(crate) const FORMAT: &str = "erard-keyboard/1";
 
-/// A keyboard: one instrument file, and what differs from it from key to key.
+/// A keyboard: the instrument of one key, and how the other keys differ from it.
 ///
-/// Every quantity over the keyboard is a list of points `{ key = 1, value = ..., source = "...", certainty = "..." }`,
-/// joined by straight lines and level beyond the first and the last. Keys count from 1 in the bass.
+/// A quantity over the keyboard is a list of points `{ key = 1, value = ..., source = "...", certainty = "..." }` with
+/// ascending keys, counted from 1 in the bass. Between two points a quantity is linear in the key, a factor linear in
+/// its logarithm; before the first and after the last point it is constant.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Erard keyboard file")]
@@ -26,9 +27,10 @@ pub(crate) struct KeyboardToml {
     pub name: At<String>,
     /// Description of the keyboard, for people.
     pub description: Option<String>,
-    /// The instrument of one of its keys: a built-in one, or a file beside this one.
+    /// Base instrument: the name of a built-in one, or a file, relative to the folder of this file.
     pub instrument: At<String>,
-    /// Key number of the base instrument: there every added mass and shift is 0 and every factor 1.
+    /// Key that the base instrument belongs to, from 1 to 88. There every added mass and shift must be 0 and every
+    /// factor 1.
     pub instrument_key: At<i64>,
     /// The sources that points cite, by name.
     #[serde(default)]
@@ -47,31 +49,33 @@ pub(crate) struct KeyboardToml {
     pub absent: Vec<At<AbsentToml>>,
 }
 
-/// A point mass added to a body (taken away where negative): changes its mass, centre of mass and inertia together.
+/// A point mass that is added to a body, or removed if negative. It changes the body's mass, centre of mass and inertia
+/// together.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "AddedMass")]
 pub(crate) struct AddedMassToml {
-    /// Name of the grading, for people: `hammer head`.
+    /// Name of the grading, for people, e.g. `hammer head`.
     pub name: At<String>,
-    /// The body.
+    /// Name of the body in the instrument file.
     pub body: At<String>,
     /// Position of the added mass, in the body's own frame, mm.
     pub at_mm: Num<Pair>,
-    /// Mass over the keyboard, g.
+    /// Added mass over the keyboard, g; negative removes mass.
     pub mass_g: At<Vec<PointToml<Real>>>,
 }
 
-/// Numbers of the instrument that are multiplied by a factor; between the points along straight lines of its logarithm.
+/// Numbers of the instrument that are multiplied by a factor. Between two points the factor's logarithm is linear in
+/// the key.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Factor")]
 pub(crate) struct FactorToml {
-    /// Name of the graded quantity, for people: `stiffness of the string's felt`.
+    /// Name of the grading, for people, e.g. `stiffness of the string's felt`.
     pub name: At<String>,
-    /// The numbers, each by its dotted path in the instrument file: `zone.string.felt.stiffness_N_per_m_r`.
+    /// The numbers, each by its dotted path in the instrument file, e.g. `zone.string.felt.stiffness_N_per_m_r`.
     pub numbers: Vec<At<String>>,
-    /// The factor over the keyboard.
+    /// Factor over the keyboard, greater than 0.
     pub factor: At<Vec<PointToml<Positive>>>,
 }
 
@@ -80,13 +84,13 @@ pub(crate) struct FactorToml {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Shift")]
 pub(crate) struct ShiftToml {
-    /// Name of the graded quantity, for people: `height of the string`.
+    /// Name of the grading, for people, e.g. `height of the string`.
     pub name: At<String>,
-    /// The points, each by its dotted path in the instrument file: `zone.string.line.point_mm`.
+    /// The points, each by its dotted path in the instrument file, e.g. `zone.string.line.point_mm`.
     pub points: Vec<At<String>>,
-    /// Direction, of any length but zero, in the frame of the body that carries the point.
+    /// Direction of a positive shift in the frame of the body that carries the point, of any length but zero.
     pub direction: Num<Pair>,
-    /// Place over the keyboard, mm.
+    /// Shift along `direction` over the keyboard, mm.
     pub by_mm: At<Vec<PointToml<Real>>>,
 }
 
@@ -97,7 +101,7 @@ pub(crate) struct ShiftToml {
 pub(crate) struct PointToml<T> {
     /// Number of the key, 1 to 88.
     pub key: At<i64>,
-    /// The quantity there.
+    /// Value of the quantity at this key.
     pub value: At<T>,
     /// Source: a name in `[sources]`.
     pub source: Option<At<String>>,
@@ -107,16 +111,16 @@ pub(crate) struct PointToml<T> {
     pub note: Option<String>,
 }
 
-/// Tables of the instrument that some keys do not have: the third string of a note in the bass, say.
+/// Tables of the instrument that some keys do not have, such as the third string in the bass.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Absent")]
 pub(crate) struct AbsentToml {
-    /// Name, for people: `third string`.
+    /// Name, for people, e.g. `third string`.
     pub name: At<String>,
-    /// The tables, each by its list and name in the instrument file: `string.right`; one within it:
+    /// The tables, each by its list and name in the instrument file, e.g. `string.right`, or a table within one, e.g.
     /// `string.right.damper`.
     pub tables: Vec<At<String>>,
-    /// The first and the last key without them.
+    /// First and last key without these tables, `[first, last]`, from 1 to 88.
     pub keys: At<[i64; 2]>,
 }

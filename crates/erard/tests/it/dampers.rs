@@ -489,7 +489,7 @@ fn wrong_dampers_are_told() {
     for (from, to, says) in [
         ("zone = \"damper_left\"", "zone = \"string\"", "touches something else"),
         ("zone = \"damper_left\"", "zone = \"damper_up\"", "no such zone"),
-        ("middle_mm = { value = 100", "middle_mm = { value = 610", "beside the string"),
+        ("middle_mm = { value = 100", "middle_mm = { value = 610", "beyond the string"),
         ("pedal = \"damper_tray\"", "pedal = \"string\"", "the hammer's"),
         ("loss_factor = { value = 0.02", "loss_factor = { value = 1.5", "loss_factor"),
         ("name = \"b\"\nmass_g", "name = \"a\"\nmass_g", "there are two"),

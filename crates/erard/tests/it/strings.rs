@@ -541,7 +541,7 @@ fn wrong_strings_are_told() {
         (error.key.clone(), error.line, error.to_string(), text)
     };
     for (from, to, key, says) in [
-        ("strike_mm = { value = 74.4", "strike_mm = { value = 620.5", "string.left.strike_mm", "beside the string"),
+        ("strike_mm = { value = 74.4", "strike_mm = { value = 620.5", "string.left.strike_mm", "beyond the string"),
         ("length_mm = { value = 620", "length_mm = { value = -1", "string.left.length_mm", "must not be negative"),
         ("frequency_Hz", "tension_N = 670\nfrequency_Hz", "string.left.tension_N", "tuned once"),
         ("name = \"middle\"", "name = \"left\"", "string.left.name", "two strings of this name"),

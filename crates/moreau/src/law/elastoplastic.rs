@@ -36,8 +36,9 @@ impl<T: Real> Law<T> for Elastoplastic<T> {
         DAMPING,
         ETA,
         LawNumber::needed("slip", "dry_slip", "1", Range::InnerPart).means(
-            "With `dry_loss`: how far the felt gives elastically before its dry loss slips, as a part of g^((r+1)/2), above 0 and below 1. A felt that is \
-             held then goes on vibrating a little.",
+            "Elastic part s of the dry loss, above 0 and below 1 (in files from 0.001 to 0.99): the felt yields \
+             elastically by the part s of g^((r+1)/2) before the loss slips, so a held felt can still vibrate a \
+             little. Requires `dry_loss`.",
         ),
     ];
     const REMEMBERS: usize = 1;

@@ -27,12 +27,13 @@ pub struct Hereditary<T> {
 impl<T: Real> Law<T> for Hereditary<T> {
     const NUMBERS: &'static [LawNumber] = &[
         LawNumber::needed("relaxed", "relaxed", "1", Range::Part).loss().means(
-            "eps of Stulov's hereditary felt, from 0 to below 1: the part of the quick force that relaxes. k is the stiffness of a slow compression; a \
-             quick one meets k / (1 - eps).",
+            "Relaxing part eps of Stulov's hereditary felt, from 0 to below 1 (in files at most 0.99): the part of the \
+             force of a quick compression that relaxes. k is the stiffness of a slow compression, k / (1 - eps) that \
+             of a quick one. Requires `relaxation_ms`.",
         ),
         LawNumber::needed("time", "relaxation_ms", "ms", Range::Between(1e-9, 1e3))
             .units_per_si(1e3)
-            .means("With `relaxed`: tau, the time in which the felt forgets, ms."),
+            .means("Time constant tau of the relaxation, ms. Requires `relaxed`."),
     ];
     const REMEMBERS: usize = 1;
 

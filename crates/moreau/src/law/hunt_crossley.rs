@@ -17,7 +17,7 @@ impl<T: Real> Law<T> for HuntCrossley<T> {
     const NUMBERS: &'static [LawNumber] =
         &[LawNumber::needed("hunt_crossley", "hunt_crossley_s_per_m", "s/m", Range::UpTo(1e6))
             .loss()
-            .means("a of Hunt and Crossley's law, F = k g^r (1 + a dg/dt), s/m; in place of `damping_N_s_per_m3`.")];
+            .means("Loss a of Hunt and Crossley: F = k g^r (1 + a dg/dt), s/m. It replaces `damping_N_s_per_m3`.")];
 
     fn numbers(&self) -> [T; LAW_NUMBERS] {
         [self.rate, T::ZERO, T::ZERO]

@@ -46,12 +46,15 @@ impl<T: Real> Law<T> for Iwan<T> {
     const NUMBERS: &'static [LawNumber] = &[
         DAMPING,
         LawNumber::needed("eta", "iwan_loss", "1", Range::Part).loss().means(
-            "eta of sliders in parallel (Iwan's model), from 0 to below 1: the part of the force by which loading and unloading differ from k g^r, however \
-             slowly the felt moves. An impact loses 2 eta / (1 + eta) of its energy, times the mean of (1 - s_i)/(1 + s_i).",
+            "Loss eta of four sliders in parallel (Iwan's model), from 0 to below 1 (in files at most 0.99): the part \
+             of k g^r by which the forces of loading and unloading differ from it, however slowly the felt moves. An \
+             impact loses 2 eta / (1 + eta) of its energy, times the mean of (1 - s_i)/(1 + s_i) over the sliders' \
+             slips s_i. Requires `iwan_slip`.",
         ),
         LawNumber::needed("slip", "iwan_slip", "1", Range::InnerPart).means(
-            "With `iwan_loss`: the stretch at which the last of the four sliders gives, as a part of g^((r+1)/2), above 0 and below 1; the others give at a \
-             quarter, a half and three quarters of it.",
+            "Slip s of the last of the four sliders: the part of g^((r+1)/2) by which it yields before it slips, \
+             above 0 and below 1 (in files from 0.001 to 0.99). The others slip at a quarter, a half and three \
+             quarters of it. Requires `iwan_loss`.",
         ),
     ];
     const REMEMBERS: usize = MEMORY;

@@ -82,4 +82,4 @@ impl LawNumber {
 pub(crate) const DAMPING: LawNumber = LawNumber::needed("damping", "damping_N_s_per_m3", "N s/m3", Range::UpTo(1e18))
     .loss()
     .optional()
-    .means("b of F = k g^r + b g^2 dg/dt, N s/m3; 0 when absent.");
+    .means("Damping b of F = k g^r + b g^2 dg/dt, N s/m3; 0 when absent.");

@@ -17,9 +17,10 @@ pub struct SetValued<T> {
 
 /// eta, for this law and for those that soften it.
 pub(crate) const ETA: LawNumber = LawNumber::needed("eta", "dry_loss", "1", Range::Part).loss().means(
-    "eta of F = k g^r (1 + eta Sign(dg/dt)), from 0 to below 1: the part of the force that resists whichever way the felt moves, however slowly. A felt loses 2 eta / (1 + eta) of the \
-     energy that pressed it, and with `dry_slip` (1 - s) / (1 + s) of that. Without `dry_slip` the loss is set-valued: a felt that is held does not \
-     give at all to small changes of its load.",
+    "Dry loss eta of F = k g^r (1 + eta Sign(dg/dt)), from 0 to below 1 (in files at most 0.99): the part of k g^r \
+     that opposes the motion, however slow. A felt loses 2 eta / (1 + eta) of the work of its compression, and with \
+     `dry_slip` (s) only (1 - s) / (1 + s) of that. Without `dry_slip` the loss is set-valued: a felt that \
+     is held does not yield at all to small changes of its load.",
 );
 
 impl<T: Real> Law<T> for SetValued<T> {
