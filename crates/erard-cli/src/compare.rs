@@ -45,7 +45,7 @@ fn findings(c: &Comparison) -> Vec<Finding<'_>> {
 /// The errors as a table, then by frequency.
 pub(crate) fn print_table(comparison: &Comparison) {
     let findings = findings(comparison);
-    let heads = ["drive", "model", "of", "rms", "of range", "largest", "explained", "delay, ms", ""];
+    let heads = ["drive", "model", "quantity", "rms", "of range", "largest", "explained", "delay, ms", ""];
     let rows = findings.iter().map(|Finding { trial, quantity, shown: (factor, unit), measured, errors, .. }| {
         let numbers = match errors {
             Some(e) => [
@@ -79,7 +79,7 @@ pub(crate) fn print_table(comparison: &Comparison) {
         say!("  error by frequency band in Hz (rms; in brackets, share of the signal there)");
         let Some(edges) = findings.iter().find_map(|finding| Some(&finding.errors?.bands)) else { return };
         let bands: Vec<String> = edges.iter().map(|band| format!("{:.0}-{:.0}", band.from_hz, band.to_hz)).collect();
-        let heads = ["drive", "model", "of"].into_iter().chain(bands.iter().map(String::as_str));
+        let heads = ["drive", "model", "quantity"].into_iter().chain(bands.iter().map(String::as_str));
         let rows = findings.iter().filter_map(|finding| {
             let Finding { trial, quantity, shown: (factor, unit), told_to_hz, errors, .. } = finding;
             let names = [trial.driven.name().to_owned(), trial.which.name().to_owned(), format!("{quantity}, {unit}")];

@@ -196,11 +196,8 @@ fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
         if action.is_none() && one_dof.is_none() {
             continue;
         }
-        let (quantity, unit) = match driven {
-            Prescribed::Force => ("position, force driven", "mm"),
-            Prescribed::Motion => ("force, motion driven", "N"),
-            Prescribed::Rigid => ("force, rigidly driven", "N"),
-        };
+        let (quantity, unit) = if driven == Prescribed::Force { ("position", "mm") } else { ("force", "N") };
+        let quantity = format!("{quantity}, {}", driven.driven());
         let shown = |y: &'a [f64]| if driven == Prescribed::Force { in_mm(y) } else { Cow::Borrowed(y) };
         let measured = c.measured(driven).map(|y| shown(y));
         let measured = measured.map(|measured| curve("measured", measured, 6, Dash::Dotted));
@@ -214,8 +211,12 @@ fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
     if let Some(measured) = &c.measured_hammer_m {
         let mut curves = Vec::new();
         for (n, trial) in c.trials.iter().filter(|t| !t.hammer_m.is_empty()).enumerate() {
-            let how = if trial.driven == Prescribed::Rigid { "rigidly" } else { trial.driven.name() };
-            curves.push(curve(&format!("action, {how} driven"), in_mm(&trial.hammer_m), 1 + n, Dash::Solid));
+            curves.push(curve(
+                &format!("action, {}", trial.driven.driven()),
+                in_mm(&trial.hammer_m),
+                1 + n,
+                Dash::Solid,
+            ));
         }
         curves.push(curve("measured", in_mm(measured), 6, Dash::Dotted));
         panels.push(Panel::new("hammer", "mm", 260.0, curves));

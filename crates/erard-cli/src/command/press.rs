@@ -140,8 +140,8 @@ impl Press {
         };
         let run = play_observed(instrument, &stroke, &setup, &mut inside)?;
         let elapsed_s = started.elapsed().as_secs_f64();
-        let drive = stroke.drive_name();
-        let names = [self.instrument.model.name(), drive, self.step.solver_name()];
+        let driven = stroke.driven();
+        let names = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
         let mut summary = Summary::new(&run, &setup, names, elapsed_s);
         add_worth(&mut summary, &run, instrument, &stroke, &setup, noise.as_ref())?;
 
@@ -183,7 +183,7 @@ impl Press {
         };
         let written = output.commit()?;
 
-        say!("{} - {} ({drive} driven)", run.instrument, stroke.title);
+        say!("{} - {} ({driven})", run.instrument, stroke.title);
         if let Some(hand) = described(&stroke) {
             say!("hand: {hand}");
         }

@@ -159,7 +159,7 @@ impl Study {
         };
         let table = table_of(&columns);
         output.table("study.csv", &table)?;
-        let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive_name());
+        let title = format!("{} - {} ({})", instrument.name, stroke.title, stroke.driven());
         if let Some(chart) = chart(&title, &axes, &rows) {
             let svg = chart_svg(&chart, "study");
             output.figure("study", &svg)?;
@@ -266,7 +266,7 @@ impl Study {
         let inputs = || stroke.inputs(&finger).unwrap_or_else(|_| Box::new(|_| Input::Free));
         let rest = if self.rest == RestAsked::Held { Rest::Held } else { Rest::Moves };
         let found = sensitive::find(&instrument, by, of, &inputs, &setup, rest)?;
-        let title = format!("{} - {} ({} driven)", instrument.name, stroke.title, stroke.drive_name());
+        let title = format!("{} - {} ({})", instrument.name, stroke.title, stroke.driven());
         output.table("sensitivities.csv", &Table::of_records(&sensitive::rows(&found))?)?;
         output.json("sensitivities.json", &sensitive::report(&found, &instrument.name, &stroke.title))?;
         output.figure("sensitivities", &sensitive::figure(&found, &title))?;

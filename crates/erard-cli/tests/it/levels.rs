@@ -34,7 +34,10 @@ fn a_level_is_a_hammer_speed() {
     let [slow, fast] = ["0.3", "0.6"].map(|arrives| speed(&summary(&folder, &["--hand-speed", arrives])));
     assert!(slow > 0.9 && fast > 1.5 * slow, "{slow} {fast}");
     let said = folder.good(&["press", "--duration", "0.1", "--out", "out"]);
-    assert!(said.contains("mf, pressed (hand driven)") && said.contains("hand: 200 g on the key, muscle 5."), "{said}");
+    assert!(
+        said.contains("mf, pressed (driven by a hand)") && said.contains("hand: 200 g on the key, muscle 5."),
+        "{said}"
+    );
 }
 
 /// Two instruments are compared under one hand, unless each is to have its own; keys always have.

@@ -79,7 +79,7 @@ fn rows() {
     let told = folder.good(&["check", "long.csv"]);
     assert!(told.contains("`--duration 250`"), "{told}");
     let told = folder.good(&["compare", "long.csv", "--duration", "0.1"]);
-    assert!(told.contains("force driven"), "{told}");
+    assert!(told.contains("driven by force"), "{told}");
 }
 
 /// Control characters from files and arguments reach neither stream as they are.

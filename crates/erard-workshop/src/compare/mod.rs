@@ -278,14 +278,14 @@ pub fn compare_chosen(
     let (mut fingertip, key) = (position(PositionOf::Fingertip)?, position(PositionOf::Key)?);
     if fingertip.is_none() && key.is_some() {
         notes.push(
-            "motion driven: without a recorded force the fingertip's position is unknown. The key's position is used instead; it lags by F/k"
+            "driven by fingertip motion: without a recorded force the fingertip's position is unknown. The key's position is used instead; it lags by F/k"
                 .into(),
         );
         fingertip = key.clone();
     }
     if key.is_none() && fingertip.is_some() {
         notes.push(
-            "rigidly driven: without a recorded force the key's position cannot be computed from the fingertip's"
+            "driven by key motion: without a recorded force the key's position cannot be computed from the fingertip's"
                 .into(),
         );
     }
@@ -441,8 +441,8 @@ impl Comparison {
                 .collect();
             (!rests.is_empty()).then(|| {
                 format!(
-                    "{} driven: without the rest before the touch ({} of the variance) the action explains {}",
-                    trial.driven.name(),
+                    "{}: without the rest before the touch ({} of the variance) the action explains {}",
+                    trial.driven.driven(),
                     parts.join(" and "),
                     explained.join(", ")
                 )
@@ -463,17 +463,16 @@ impl Comparison {
         for driven in DRIVES {
             let what = outcome(driven);
             let missing = if driven == Prescribed::Force { "position_m" } else { "force_N" };
-            let name = driven.name();
+            let name = driven.driven();
             let trials: Vec<&Trial> = MODELS.iter().filter_map(|which| self.trial(driven, *which)).collect();
             let Some(first) = trials.first() else { continue };
             let told: Vec<(&Trial, &Errors)> =
                 trials.iter().filter_map(|trial| Some((*trial, trial.errors.as_ref()?))).collect();
             if self.measured(driven).is_none() {
-                verdicts.push(format!(
-                    "{name} driven: the file has no column `{missing}` to compare the simulated {what} with"
-                ));
+                verdicts
+                    .push(format!("{name}: the file has no column `{missing}` to compare the simulated {what} with"));
             } else if told.is_empty() {
-                verdicts.push(format!("{name} driven: nothing can be concluded on the {what}: above {LOWEST_LIMIT_HZ} Hz the recording holds only noise or nothing"));
+                verdicts.push(format!("{name}: nothing can be concluded on the {what}: above {LOWEST_LIMIT_HZ} Hz the recording holds only noise or nothing"));
             } else {
                 let shares: Vec<String> = told
                     .iter()
@@ -498,12 +497,12 @@ impl Comparison {
                     "one degree of freedom",
                     usize::from(told.len() > 1),
                 );
-                verdicts.push(format!("{name} driven{}: {shares}{nearer}", up_to(first.told_to_hz)));
+                verdicts.push(format!("{name}{}: {shares}{nearer}", up_to(first.told_to_hz)));
             }
             if let Some((trial, hammer)) = trials.iter().find_map(|trial| Some((*trial, trial.hammer_errors.as_ref()?)))
             {
                 verdicts.push(format!(
-                    "{name} driven{}: the action explains {} of the hammer's variance",
+                    "{name}{}: the action explains {} of the hammer's variance",
                     up_to(trial.hammer_told_to_hz),
                     share(hammer.explained, 1)
                 ));

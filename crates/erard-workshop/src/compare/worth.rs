@@ -132,7 +132,7 @@ impl Worth {
     #[must_use]
     pub fn told(&self, driven: Prescribed) -> String {
         let Worth { rms_n, within_n, noise_m } = self;
-        let begin = format!("{} driven: the position's noise, {:.2} um rms,", driven.name(), 1e6 * noise_m);
+        let begin = format!("{}: the position's noise, {:.2} um rms,", driven.driven(), 1e6 * noise_m);
         if !rms_n.is_finite() {
             return format!("{begin} makes the motion unplayable: the simulated force cannot be used");
         }

@@ -202,7 +202,7 @@ fn the_force_under_a_recorded_key_is_worth_what_is_said() {
             assert!((worth.noise_m / sigma_m - 1.0).abs() < 0.3, "{worth:?}");
             assert!((0.5..2.0).contains(&(error_n / worth.rms_n)), "{error_n} N for {worth:?}");
             said.push(worth.rms_n);
-            assert!(noisy.worths()[0].contains("rigid driven: the position's noise"), "{:?}", noisy.worths());
+            assert!(noisy.worths()[0].contains("driven by key motion: the position's noise"), "{:?}", noisy.worths());
         }
     }
     // In proportion, as far as felts let it be.

@@ -34,6 +34,15 @@ impl Prescribed {
         }
     }
 
+    /// The drive in words, after what is driven.
+    pub const fn driven(self) -> &'static str {
+        match self {
+            Prescribed::Force => "driven by force",
+            Prescribed::Motion => "driven by fingertip motion",
+            Prescribed::Rigid => "driven by key motion",
+        }
+    }
+
     /// The column of a recording that it needs.
     pub fn column(self) -> &'static str {
         match self {
@@ -154,6 +163,11 @@ impl Stroke {
     /// Name of the drive: `hand`, or the prescribed quantity.
     pub fn drive_name(&self) -> &'static str {
         if self.hand.is_some() { "hand" } else { self.drive.name() }
+    }
+
+    /// The drive in words, after what is driven.
+    pub fn driven(&self) -> &'static str {
+        if self.hand.is_some() { "driven by a hand" } else { self.drive.driven() }
     }
 
     /// A built-in force curve (`strokes/*.csv`), which drives by its force by default; `None` for an unknown name
