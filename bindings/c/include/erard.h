@@ -410,11 +410,11 @@ uint8_t *erard_memory_new(size_t bytes);
 void erard_memory_free(uint8_t *memory, size_t bytes);
 
 /**
- * An action at rest, nothing touching its key, from the text of an instrument file (UTF-8, `length` bytes, no zero
- * needed at its end); NULL and 0: the built-in concert grand. `step_s` is the length of a step, s: 50e-6 unless you
- * know better (1/24000 where strings sound; any step is halved as often as needed while the hammer is near them). NULL
- * where it cannot be had; why is written to `status` (which may be NULL), and erard_last_error says it in words. Real
- * time: no (it reads, allocates, and simulates until the action rests).
+ * Makes an action at rest, with nothing touching its key, from the text of an instrument file (UTF-8, `length` bytes;
+ * no terminating zero is needed). NULL and 0 give the built-in concert grand. `step_s` is the length of a step, s:
+ * usually 50e-6, or 1/24000 with modal strings, near which every step is halved as often as needed. Returns NULL on
+ * failure: `status` (which may be NULL) receives the reason, and erard_last_error describes it. Real time: no (it
+ * reads, allocates, and simulates until the action rests).
  */
 struct ErardAction *erard_action_new(const char *text, size_t length, double step_s, ErardStatus *status);
 
@@ -576,10 +576,10 @@ ErardStatus erard_velocities(const struct ErardAction *action, double *velocitie
 ErardStatus erard_contact_forces(const struct ErardAction *action, double *forces_n, size_t count);
 
 /**
- * 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is a built-in one;
- * NULL and 0: the built-in concert grand. Each key has an input that holds until it is changed; at first ERARD_FREE.
- * NULL where it cannot be had; `status` (which may be NULL) and erard_last_error say why. Real time: no (it takes
- * about half a second).
+ * Makes 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is built in.
+ * NULL and 0 give the built-in concert grand. Each key has an input that holds until it is changed; at first
+ * ERARD_FREE. Returns NULL on failure: `status` (which may be NULL) receives the reason, and erard_last_error describes
+ * it. Real time: no (it takes about half a second).
  */
 struct ErardKeyboard *erard_keyboard_new(const char *text, size_t length, double step_s, ErardStatus *status);
 

@@ -41,11 +41,11 @@ impl ErardAction {
     }
 }
 
-/// An action at rest, nothing touching its key, from the text of an instrument file (UTF-8, `length` bytes, no zero
-/// needed at its end); NULL and 0: the built-in concert grand. `step_s` is the length of a step, s: 50e-6 unless you
-/// know better (1/24000 where strings sound; any step is halved as often as needed while the hammer is near them). NULL
-/// where it cannot be had; why is written to `status` (which may be NULL), and erard_last_error says it in words. Real
-/// time: no (it reads, allocates, and simulates until the action rests).
+/// Makes an action at rest, with nothing touching its key, from the text of an instrument file (UTF-8, `length` bytes;
+/// no terminating zero is needed). NULL and 0 give the built-in concert grand. `step_s` is the length of a step, s:
+/// usually 50e-6, or 1/24000 with modal strings, near which every step is halved as often as needed. Returns NULL on
+/// failure: `status` (which may be NULL) receives the reason, and erard_last_error describes it. Real time: no (it
+/// reads, allocates, and simulates until the action rests).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_new(
     text: *const c_char,

@@ -34,10 +34,10 @@ pub const ERARD_MOST_STEPS: u32 = 1000000;
 
 pub(crate) const MARK: [u8; 8] = *b"erardkbd";
 
-/// 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is a built-in one;
-/// NULL and 0: the built-in concert grand. Each key has an input that holds until it is changed; at first ERARD_FREE.
-/// NULL where it cannot be had; `status` (which may be NULL) and erard_last_error say why. Real time: no (it takes
-/// about half a second).
+/// Makes 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is built in.
+/// NULL and 0 give the built-in concert grand. Each key has an input that holds until it is changed; at first
+/// ERARD_FREE. Returns NULL on failure: `status` (which may be NULL) receives the reason, and erard_last_error
+/// describes it. Real time: no (it takes about half a second).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_new(
     text: *const c_char,

@@ -1,4 +1,4 @@
-//! The energy ledger: what went in, what is stored, what was lost, and the residual that should be zero.
+//! The energy balance: what went in, what is stored, what was lost, and the residual that should be zero.
 //!
 //! Separate from the step, so that a step that nobody audits does not pay for it.
 

@@ -50,7 +50,7 @@ export class Player {
 
   constructor(private library: Library) {}
 
-  /** Other instruments, at rest; those that were stay where one of them cannot be had. */
+  /** Replaces the instruments, at rest. If one of them cannot be made, the old ones stay. */
   load(texts: string[], firmness_n_m: number): Scene[] {
     const loaded: Played[] = [];
     texts.forEach((text, which) => {

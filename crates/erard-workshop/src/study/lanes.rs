@@ -290,7 +290,7 @@ impl<'a> Lane<'a> {
         }
     }
 
-    /// Begins where the mechanism is in its group, with the energy ledger open if it is to be kept.
+    /// Begins where the mechanism is in its group, with the energy balance open if it is to be kept.
     fn begin(&mut self, group: &dyn SideBySide, index: usize, keeps_ledger: bool) {
         self.observer.begin(group, index);
         self.ledger = keeps_ledger.then(|| Ledger::open_at(self.observer.energies(), 0.0, 0.0));

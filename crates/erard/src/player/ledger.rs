@@ -4,7 +4,7 @@ use moreau::Ledger;
 
 use crate::mechanism::{Mechanism, open_ledger, take_stock};
 
-/// An observer that keeps the energy ledger of an action: opened where it is, updated after every step, closed at the
+/// An observer that keeps the energy balance of an action: opened where it is, updated after every step, closed at the
 /// end.
 #[derive(Debug, Clone)]
 pub struct LedgerBook {

@@ -48,7 +48,7 @@ pub struct Run {
     pub peak_force_n: f64,
     /// Dry friction torque of every pivot at the end, N m.
     pub final_pivot_friction_n_m: Vec<f64>,
-    /// The energy ledger at the end, where it was kept.
+    /// The energy balance at the end, where it was kept.
     pub ledger: Option<Ledger>,
     /// Steps and iterations.
     pub work: Work,

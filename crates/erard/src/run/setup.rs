@@ -36,7 +36,7 @@ pub struct Setup {
     pub tolerance: Option<f64>,
     /// Number of halvings of a step while the hammer is near modal strings. Rows stay on the settings' grid.
     pub halving: Halving,
-    /// Whether the energy ledger is kept.
+    /// Whether the energy balance is kept.
     pub ledger: bool,
     /// Motion of the sustain pedal, on the stroke's own clock.
     pub pedal: Pedal,

@@ -57,7 +57,7 @@ pub const LEAST_TURNOVER_J: f64 = 1e-6;
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Kind {
-    /// The energy ledger does not close.
+    /// The energy balance does not close.
     EnergyResidual,
     /// Steps reached an iteration limit.
     UnconvergedSteps,

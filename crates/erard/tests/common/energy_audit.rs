@@ -1,4 +1,4 @@
-//! An energy ledger kept from outside: from nothing but the angles and velocities at the ends of steps, the friction
+//! An energy balance kept from outside: from nothing but the angles and velocities at the ends of steps, the friction
 //! that acted, and the instrument's own numbers. It uses none of the engine's arithmetic; tests compare it with
 //! [`moreau::Ledger`].
 

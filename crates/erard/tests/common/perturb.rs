@@ -112,8 +112,8 @@ pub struct Fate {
     pub newton: u64,
     /// Simulated time that it took to come to rest before the stroke, s.
     pub settling_s: f64,
-    /// Largest |residual| of the energy ledger at any time, over the energy that had been turned over by then (work put
-    /// in, stored at the start, lost).
+    /// Largest |residual| of the energy balance at any time, over the energy that had been turned over by then (work
+    /// put in, stored at the start, lost).
     pub residual: f64,
     /// Largest gain: stored + lost - start - work, where positive, over the same.
     pub gain: f64,

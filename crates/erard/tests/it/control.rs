@@ -70,7 +70,7 @@ fn work_grows_with_the_cube_root() {
     }
 }
 
-/// The energy ledger, booked half by half: what it does not explain follows the tolerance too, and no loss is negative
+/// The energy balance, half by half: what it does not explain follows the tolerance too, and no loss is negative
 /// in any half.
 #[test]
 fn the_balance_closes() {

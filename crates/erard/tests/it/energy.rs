@@ -1,4 +1,4 @@
-//! The energy ledger closes, and friction never gives energy.
+//! The energy balance closes, and friction never gives energy.
 
 use std::sync::LazyLock;
 

@@ -199,7 +199,7 @@ fn nothing_allocates() {
     assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{counted:?}");
 }
 
-/// Seven, eight and nine bodies play: the hammer strikes, every step converges, the energy ledger closes.
+/// Seven, eight and nine bodies play: the hammer strikes, every step converges, the energy balance closes.
 #[test]
 fn larger_sizes_play() {
     for bodies in [7, 8, 9] {

@@ -1,4 +1,4 @@
-//! The energy ledger of whole notes.
+//! The energy balance of whole notes.
 
 use moreau::Settings;
 

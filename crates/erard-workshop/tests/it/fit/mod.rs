@@ -322,7 +322,7 @@ fn delays_are_estimated() {
     assert!((found.x[0] - 1.05).abs() < 5.0 * found.std[0]);
 }
 
-/// The key's own motion drives, and its force is fitted; its derivatives are not to be had.
+/// The key's own motion drives, and its force is fitted; it has no derivatives.
 #[test]
 fn a_motion_drives_and_the_force_is_fitted() {
     let mut run = recorded(&varied(&[("body.key.friction", 0.7)]), "p", 0, [0.0; 3], 0.0);
@@ -402,8 +402,8 @@ fn same_on_cores(restarts: usize) {
 mod nightly {
     use super::*;
 
-    /// With a load cell's noise on what drives, the truth is where the errors say, over several drawings: their mean square
-    /// deviation is about one error.
+    /// With a load cell's noise on what drives, the truth is where the errors say, over several drawings: their mean
+    /// square deviation is about one error.
     #[test]
     #[ignore = "nightly: four fits to recordings with noise on the force"]
     fn errors_are_true_with_a_noisy_drive() {
