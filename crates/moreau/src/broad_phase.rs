@@ -1,9 +1,9 @@
-//! The broad phase: which zones can be touched at all while the mechanism stays near a pose. A step leaves the others
-//! out.
+//! The broad phase: finds the zones that can be touched while the mechanism stays near a pose. A step skips all other
+//! zones.
 //!
 //! A zone's compression changes by at most lever times angle for every supporting joint. So a zone with a clearance c
 //! at the pose of the broad phase cannot be reached before the joints have turned by dq with sum lever |dq| >= c. This
-//! is a bound and no estimate: with or without a broad phase, a step gives the same bits.
+//! is a strict bound: with or without a broad phase, a step gives the same bits.
 
 use crate::felt::ONSET;
 use crate::model::Model;
@@ -66,8 +66,8 @@ impl<T: Real, const B: usize, const Z: usize> BroadPhase<T, B, Z> {
         &self.sliding[..self.sliding_count]
     }
 
-    /// BroadPhases again if the zones left out could now be closer than `reach` (m), and says whether it did; `joint`:
-    /// the joints' angles.
+    /// Runs the broad phase again if the zones left out could now be closer than `reach` (m); returns whether it did.
+    /// `joint`: the joints' angles.
     #[inline(always)]
     pub(crate) fn renew(
         &mut self,

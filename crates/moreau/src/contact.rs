@@ -14,23 +14,23 @@ use crate::vector::{Vector, scale, sub};
 /// N; a remainder that is not known, for no force comes near it.
 const FAR_OFF: f64 = 1e30;
 
-/// A zone as it acted during one step, for whoever reads it.
+/// Contact of one zone during one step.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<T> {
-    /// Compression g of the felt at the theta point, m; negative apart.
+    /// Compression g of the felt at the theta point, m; negative when the zone is open.
     pub compression: T,
-    /// dg/dt, m/s.
+    /// Compression rate dg/dt, m/s.
     pub rate: T,
-    /// Unit normal out of the curve, toward the disc, in the world.
+    /// Outward unit normal of the curve, toward the disc, in the world.
     pub normal: Vector<T>,
-    /// Point of the curve under the disc's centre, in the world.
+    /// Contact point on the curve, m, in the world.
     pub point: Vector<T>,
     /// Normal force F, N, never negative; pushes the disc along `normal`.
     pub force: T,
-    /// The part of `force` due to the felt's loss (or what the clamp left of it), N.
+    /// Dissipative part of `force`, N (after `force` is limited to at least 0).
     pub damping_force: T,
-    /// By how much the energy that the felt's memory holds has grown in the step, J; 0 for a felt without memory. What
-    /// `damping_force` did beyond that is lost.
+    /// Increase of the energy stored in the felt's internal state over the step, J; 0 for a felt without internal
+    /// state. The loss is the work of `damping_force` less this.
     pub gained: T,
 }
 

@@ -1,4 +1,5 @@
-//! The mechanism as its caller describes it. [`Description::compile`] checks it and makes the [`Model`](crate::Model) that steps.
+//! Unchecked description of a mechanism, as the caller writes it. [`Description::compile`] checks it and builds the
+//! [`Model`](crate::Model).
 
 use core::fmt;
 
@@ -7,7 +8,7 @@ use crate::felt::Felt;
 use crate::real::{Real, Scalar};
 use crate::vector::Vector;
 
-/// The index that represents the ground.
+/// Body index of the ground.
 pub const GROUND: usize = usize::MAX;
 
 /// One hinged rigid body. Its frame has the origin at its pivot.
@@ -30,7 +31,7 @@ pub struct Body<T> {
 }
 
 impl<T: Real> Body<T> {
-    /// A body of unit inertia that nothing touches: fills unused places of a model of fixed size.
+    /// Returns a body of unit inertia with no mass and no friction. It fills unused places of a model of fixed size.
     pub fn inert() -> Self {
         let o = [T::ZERO; 2];
         let zero = T::ZERO;
@@ -51,7 +52,7 @@ pub struct Spring<T> {
     pub reference: T,
 }
 
-/// The curve that a zone's disc presses on, in its carrier's frame.
+/// Surface that a zone's disc presses on, in the frame of the body that carries the curve.
 #[derive(Debug, Clone, Copy)]
 pub enum Curve<T> {
     /// A straight line through `point` with outward unit `normal`.
@@ -61,11 +62,11 @@ pub enum Curve<T> {
         /// Outward unit normal.
         normal: Vector<T>,
     },
-    /// A rounded segment: all points within `rounding` of the segment. It ends, so that a disc can slip off.
+    /// Rounded segment: all points within `rounding` of a straight core of finite length. A disc can slip off its ends.
     Segment {
-        /// One end of the core.
+        /// Start of the core, m.
         from: Vector<T>,
-        /// Unit vector from there to the other end.
+        /// Unit vector from the start of the core to its end.
         direction: Vector<T>,
         /// Length of the core, m.
         length: T,
@@ -74,14 +75,14 @@ pub enum Curve<T> {
     },
     /// A disc.
     Disc {
-        /// Centre.
+        /// Centre, m.
         center: Vector<T>,
         /// Radius, m.
         radius: T,
     },
 }
 
-/// A contact zone: a disc (radius 0: a point) on one body against a curve on another, felt between them.
+/// Contact zone: a disc (radius 0: a point) on one body against a curve on another, with felt between them.
 #[derive(Debug, Clone, Copy)]
 pub struct Zone<T> {
     /// Carrier of the disc, or [`GROUND`].
@@ -92,11 +93,11 @@ pub struct Zone<T> {
     pub radius: T,
     /// Carrier of the curve, or [`GROUND`].
     pub curve_body: usize,
-    /// The curve.
+    /// Surface that the disc presses on.
     pub curve: Curve<T>,
-    /// The felt.
+    /// Felt: stiffness and energy loss of the contact.
     pub felt: Felt<T>,
-    /// Coulomb friction coefficient, where there is any.
+    /// Coulomb friction coefficient; `None` without friction.
     pub friction: Option<T>,
 }
 
@@ -121,72 +122,74 @@ impl<T: Real> Zone<T> {
     }
 }
 
-/// Driven point of the mechanism: a point of a body, a world direction, and the elasticity between driver and body.
+/// Point where the mechanism is driven: a point of a body, a world direction, and the spring and damper between driver
+/// and body.
 #[derive(Debug, Clone, Copy)]
 pub struct Site<T> {
     /// Driven body.
     pub body: usize,
-    /// Driven point in its frame, m.
+    /// Driven point in the body's frame, m.
     pub point: Vector<T>,
     /// Unit direction of a positive push, in the world.
     pub direction: Vector<T>,
     /// Stiffness of the spring between driver and body, N/m.
     pub stiffness: T,
-    /// Damping in parallel with it, N s/m.
+    /// Damping in parallel with the spring, N s/m.
     pub damping: T,
 }
 
-/// Dry friction that grows while it sticks: a pivot's or a zone's. What the body or the zone says is the kinetic
-/// friction; at rest it grows to `ratio` of that, as 1 - exp(-t/`time`), and it is lost when it slips.
+/// Ageing of dry friction: the friction of a pivot or a zone grows while it sticks. The coefficient given for the body
+/// or zone is the kinetic one. While it sticks, friction grows from this toward `ratio` times it, as 1 -
+/// exp(-t/`time`). When it slips, friction falls back to the kinetic value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dwell<T> {
-    /// A body, whose pivot has dry friction, or a zone with Coulomb friction.
+    /// The body whose pivot has dry friction, or the zone with Coulomb friction.
     pub part: Part,
     /// Static over kinetic friction, at least 1.
     pub ratio: T,
-    /// tau, s.
+    /// Time constant tau of the growth, s.
     pub time: T,
 }
 
-/// A zone whose curve belongs to a compliant external subsystem. What it does is said before every step
-/// ([`Workspace::set_surface`](crate::Workspace::set_surface)); until then it stands still.
+/// Zone whose curve is the surface of a compliant external subsystem, e.g. a string. Call
+/// [`Workspace::set_surface`](crate::Workspace::set_surface) before every step to set the surface's motion; until the
+/// first call the surface does not move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Yields<T> {
-    /// The zone. Its felt has no set-valued loss.
+    /// Index of the zone. Its felt must not have a set-valued loss.
     pub zone: usize,
-    /// Largest displacement of the curve from its drawn place toward the disc, m. A zone that is farther open is not
-    /// looked at.
+    /// Largest displacement of the curve toward the disc from its described place, m. A zone that is open by more than
+    /// this is treated as out of contact.
     pub excursion: T,
 }
 
-/// A mechanism as described: borrowed lists, not yet checked. [`Description::compile`] makes the model that steps.
+/// Lists of a mechanism's parts, borrowed and not yet checked. [`Description::compile`] builds the model from it.
 #[derive(Debug, Clone, Copy)]
 pub struct Description<'a, T> {
-    /// The bodies, parents before those that are hinged on them.
+    /// Bodies. A parent precedes its children.
     pub bodies: &'a [Body<T>],
     /// Torsion springs at pivots.
     pub springs: &'a [Spring<T>],
     /// Contact zones.
     pub zones: &'a [Zone<T>],
-    /// Dry friction that grows while it sticks.
+    /// Pivots and zones whose dry friction grows while it sticks.
     pub dwells: &'a [Dwell<T>],
-    /// Zones whose curves yield.
+    /// Zones whose curves belong to compliant subsystems.
     pub yields: &'a [Yields<T>],
-    /// Driven point.
+    /// Driven point; `None` if nothing drives the mechanism.
     pub site: Option<Site<T>>,
     /// Gravity, m/s2, pointing toward -y.
     pub gravity: T,
 }
 
-/// Nothing, without gravity: for a description of which only some lists are filled, `Description { bodies,
-/// ..Description::default() }`.
+/// Empty description without gravity. Fill only some lists with `Description { bodies, ..Description::default() }`.
 impl<T: Real> Default for Description<'_, T> {
     fn default() -> Self {
         Description { bodies: &[], springs: &[], zones: &[], dwells: &[], yields: &[], site: None, gravity: T::ZERO }
     }
 }
 
-/// Why a description cannot be compiled.
+/// Error of a description that cannot be compiled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ModelError {
@@ -194,40 +197,40 @@ pub enum ModelError {
     TooManyBodies {
         /// Bodies in the description.
         found: usize,
-        /// B.
+        /// Largest number of bodies, B.
         room: usize,
     },
     /// More zones than the model has room for.
     TooManyZones {
         /// Zones in the description.
         found: usize,
-        /// Z.
+        /// Largest number of zones, Z.
         room: usize,
     },
     /// More set-valued laws than the workspace has room for.
     TooManyLaws {
-        /// Laws that can be in force at once: [`Description::laws`].
+        /// Number of laws that can act in one step: [`Description::laws`].
         found: usize,
-        /// N.
+        /// Largest number of laws, N.
         room: usize,
     },
     /// A body's parent does not precede it.
     ParentOrder {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// Its parent.
+        /// Index of its parent.
         parent: usize,
     },
-    /// A body is named that is not there.
+    /// A part refers to a body index that does not exist.
     UnknownBody {
-        /// Who names it.
+        /// Part that contains the index.
         part: Part,
-        /// The body.
+        /// The index.
         body: usize,
     },
-    /// A number that cannot be.
+    /// A number is out of its range.
     BadNumber {
-        /// Whose.
+        /// Part that contains the number.
         part: Part,
         /// Name, value and expected range.
         fault: Fault,
@@ -285,18 +288,19 @@ impl fmt::Display for ModelError {
 impl core::error::Error for ModelError {}
 
 impl<T: Scalar> Description<'_, T> {
-    /// Largest number of set-valued laws in one step: one for each pivot with dry friction, one for each
-    /// zone with Coulomb friction, one for a rigid drive where there is a site.
+    /// Returns the largest number of set-valued laws in one step: one for each pivot with dry friction, one for each
+    /// zone with Coulomb friction, one for each felt with a set-valued loss, and one for an imposed motion if there is
+    /// a site.
     pub fn laws(&self) -> usize {
         let pivots = self.bodies.iter().filter(|body| body.dry > T::ZERO).count();
         let zones: usize = self.zones.iter().map(Zone::laws).sum();
         pivots + zones + usize::from(self.site.is_some())
     }
 
-    /// Checks everything but the sizes.
+    /// Checks every part of the description, but not whether a model of given size has room for it.
     ///
     /// # Errors
-    /// The first fault: which part, and what is wrong with it.
+    /// Returns the first fault: the part, the number, and the expected range.
     pub fn check(&self) -> Result<(), ModelError> {
         for (i, body) in self.bodies.iter().enumerate() {
             if body.parent != GROUND && body.parent >= i {

@@ -1,8 +1,8 @@
-//! Numbers that carry derivatives: forward mode, several directions in one pass.
+//! Dual numbers: a value with its derivatives (forward mode), several directions in one pass.
 //!
-//! `Dual<D>` is a value and its derivatives in D directions. The kernel runs on it unchanged. What it compares, it
-//! compares by value, so that every choice is that of the plain number: a derivative is taken on the piece of the
-//! solution on which the run is. What happens where one piece ends and another begins is `tangent/`.
+//! `Dual<D>` is a value and its derivatives in D directions. The kernel runs on it unchanged. Comparisons use the value
+//! only, so that every branch is that of the plain number, and the derivative belongs to this branch of the solution.
+//! `tangent/` treats the switches between branches.
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -15,17 +15,17 @@ const SETTLED: f64 = 1e-10;
 /// Derivatives below this, in the units of the caller, are rounding.
 const NOTHING: f64 = 1e-200;
 
-/// A number and its derivatives in D directions.
+/// A number with its derivatives in D directions.
 #[derive(Debug, Clone, Copy)]
 pub struct Dual<const D: usize> {
-    /// The number.
+    /// Value of the number.
     pub value: f64,
-    /// Its derivatives.
+    /// Derivative in each direction.
     pub slope: [f64; D],
 }
 
 impl<const D: usize> Dual<D> {
-    /// A number that depends on nothing.
+    /// Returns a number whose derivatives are all zero.
     pub const fn constant(value: f64) -> Self {
         Dual { value, slope: [0.0; D] }
     }
@@ -51,7 +51,7 @@ impl<const D: usize> Dual<D> {
         Dual { value, slope }
     }
 
-    /// Whether value and derivatives are finite.
+    /// Returns whether value and derivatives are all finite.
     pub fn is_finite(&self) -> bool {
         self.value.is_finite() && self.slope.iter().all(|x| x.is_finite())
     }

@@ -1,18 +1,18 @@
-//! Faults of a number in a description.
+//! Faults of numbers in a description.
 
 use core::fmt;
 
 use crate::real::Scalar;
 use crate::vector::{Vector, dot};
 
-/// A number that cannot be: which one, its value, and what it should be.
+/// A number out of its range: its name, its value, and the expected range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fault {
-    /// The number's name in the description, e.g. `mass`.
+    /// Name of the number in the description, e.g. `mass`.
     pub field: &'static str,
-    /// Its value.
+    /// Value of the number.
     pub found: f64,
-    /// The expected value.
+    /// Expected range, in words.
     pub expected: &'static str,
 }
 

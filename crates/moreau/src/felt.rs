@@ -18,18 +18,18 @@ use crate::timing::Timing;
 
 pub(crate) use crate::law::{Curvature, FAR, ONSET, TINY};
 
-/// A felt: F(g, dg/dt) for the compression g, clamped at zero, for it never pulls.
+/// Felt with force F(g, dg/dt) at the compression g. It never pulls: F is limited to at least 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Felt<T> {
-    /// k, N/m^r.
+    /// Stiffness k, N/m^r.
     pub stiffness: T,
-    /// r.
+    /// Exponent r.
     pub exponent: Exponent<T>,
-    /// Law of its energy loss.
+    /// Law of the energy loss.
     pub loss: Loss<T>,
 }
 
-/// Properties that felts must share to be pressed side by side in lanes: all but their numbers.
+/// Kind of a felt: everything but its numbers. Felts in the lanes of one model must be of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FeltKind {
     exponent: u8,
@@ -42,7 +42,7 @@ impl<T: Real> Felt<T> {
         Felt { stiffness: T::ZERO, exponent: Exponent::Two, loss: Loss::none() }
     }
 
-    /// Properties that lanes must share.
+    /// Returns the kind, which all lanes of a model must share.
     pub fn kind(&self) -> FeltKind {
         let exponent = match self.exponent {
             Exponent::Two => 0,

@@ -1,4 +1,4 @@
-//! A hand that presses: a mass that muscle moves, behind the site's spring and damper, which are its fingertip.
+//! A hand that presses: a mass moved by muscle. The site's spring and damper are its fingertip.
 //!
 //! ```text
 //! m dv/dt = K (x_t - x) + C (v_t - v) + F_m - F        muscle: toward a target, or with a force
@@ -14,27 +14,27 @@
 //! F = max(0, s k (x_f - y) + s d (v_f - u)),            s = 1 / (1 + theta (theta h k + d) / M)
 //! ```
 //!
-//! So the driven point feels a softer fingertip, by s, that follows the hand as it would fly free (x_f, v_f). The step
-//! solves hand and mechanism at once; the hand adds no unknown to it.
+//! So the driven point feels a fingertip that is softer by the factor s and follows the free motion of the hand (x_f,
+//! v_f). The step solves hand and mechanism at once; the hand adds no unknown.
 
 use crate::real::Real;
 use crate::timing::Timing;
 
-/// A hand and what its muscle does during one step. Numbers along the site's direction; those of the muscle at t0 +
-/// theta h.
+/// A hand and the action of its muscle during one step. Positions, velocities and forces are along the site's
+/// direction; those of the muscle hold at t0 + theta h.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand<T> {
-    /// Mass at the fingertip, kg; above zero.
+    /// Effective mass at the fingertip, kg; above zero.
     pub mass: T,
     /// Force of the muscle, N.
     pub force: T,
-    /// Stiffness with which muscle holds the hand at `position`, N/m; zero where it does not.
+    /// Stiffness with which the muscle holds the hand at `position`, N/m; zero if it does not.
     pub stiffness: T,
     /// Damping of the muscle toward `velocity`, N s/m.
     pub damping: T,
-    /// Position at which the muscle holds the hand, m in the world.
+    /// Target position of the muscle, m, world coordinate.
     pub position: T,
-    /// The velocity that the muscle holds it at, m/s.
+    /// Target velocity of the muscle, m/s.
     pub velocity: T,
 }
 

@@ -1,4 +1,4 @@
-//! The energy of a hand: what muscle does, and where it goes.
+//! Energy balance of a hand: work of the muscle, and where it goes.
 
 use crate::hand::Hand;
 use crate::model::Model;
@@ -7,30 +7,33 @@ use crate::settings::Settings;
 use crate::state::State;
 use crate::workspace::Workspace;
 
-/// Running totals of one run, J: `muscle_work` is what the hand gains, what its fingertip stores and loses, and the
-/// work that the fingertip does on the mechanism ([`crate::Ledger::drive_work`]).
+/// Energy balance of a hand over one run: running totals, J. `muscle_work` equals the hand's kinetic energy gained,
+/// plus the energy that its fingertip stores and loses, plus the work of the fingertip on the mechanism
+/// ([`crate::Ledger::drive_work`]).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct HandEnergy {
     /// Work of the muscle on the hand, signed.
     pub muscle_work: f64,
-    /// Kinetic energy of the hand now, less that with which it began.
+    /// Present kinetic energy of the hand minus that at the start.
     pub kinetic_gain: f64,
-    /// In the fingertip's spring now, while it pushes.
+    /// Energy stored in the fingertip's spring now; zero unless it pushes.
     pub fingertip_stored: f64,
-    /// Lost in the fingertip's damper, less what its law creates where it begins to push before it touches.
+    /// Energy lost in the fingertip's damper, less the energy that its law creates when it begins to push before it
+    /// touches.
     pub fingertip_loss: f64,
-    /// Work of the fingertip on the mechanism, in the steps that a hand drove.
+    /// Work of the fingertip on the mechanism in the steps driven by a hand.
     pub work: f64,
 }
 
 impl HandEnergy {
-    /// Work of the muscle that nothing accounts for, J; falls with the step.
+    /// Returns the work of the muscle that the other terms do not account for, J. It falls with the step.
     pub fn residual(&self) -> f64 {
         self.muscle_work - self.kinetic_gain - self.fingertip_stored - self.fingertip_loss - self.work
     }
 
-    /// Books one step that a hand drove: the hand's place and velocity and the bodies' velocities before it, the state
-    /// after it, and the workspace that it left.
+    /// Records one step driven by a hand. `hand_before`: the hand's position, m, and velocity, m/s, before the step;
+    /// `velocity_before`: the absolute angular velocities before it, rad/s; `after` and `workspace`: state and
+    /// workspace after it.
     #[allow(clippy::too_many_arguments)]
     pub fn record<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         &mut self,

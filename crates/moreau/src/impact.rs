@@ -1,20 +1,19 @@
-//! Instant and speed at which a point that is followed meets a zone (a hammer its string), predicted from its flight
-//! before. The flight's time is counted from one step to the next, so that single precision tells it as well after an
-//! hour as at first.
+//! Instant and speed at which a tracked point hits a zone (a hammer its string), extrapolated from its motion just
+//! before. Times are counted from step to step, so that single precision is as accurate after an hour as at the start.
 
 use crate::model::Model;
 use crate::pose::Pose;
 use crate::real::{Real, Scalar};
 use crate::tracking::{Clearance, TrackedPoint};
 
-/// A point meets a zone.
+/// Impact of a tracked point on a zone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointImpact<T> {
-    /// Instant at which the zone begins to be pressed, s.
+    /// Instant at which the compression becomes positive, s.
     pub time_s: f64,
     /// Total speed of the point along its path at that instant, m/s.
     pub speed: T,
-    /// Its part along the zone's normal, toward the zone, m/s.
+    /// Normal part of this speed, toward the zone, m/s.
     pub normal_speed: T,
 }
 
@@ -52,7 +51,7 @@ pub struct ImpactPredictor<T, const B: usize> {
 }
 
 impl<T: Scalar, const B: usize> ImpactPredictor<T, B> {
-    /// Of a point and a zone; without a zone there is no impact.
+    /// Returns a predictor for a point and a zone; without a zone there is never an impact.
     pub fn new(point: TrackedPoint<T, B>, zone: Option<usize>) -> Self {
         ImpactPredictor {
             point,
@@ -66,30 +65,31 @@ impl<T: Scalar, const B: usize> ImpactPredictor<T, B> {
         }
     }
 
-    /// The impact in the last step, if there was one.
+    /// Returns the impact in the last step, if there was one.
     #[inline(always)]
     pub fn impact(&self) -> Option<PointImpact<T>> {
         self.impact
     }
 
-    /// The point.
+    /// Returns the tracked point.
     #[inline(always)]
     pub fn point(&self) -> &TrackedPoint<T, B> {
         &self.point
     }
 
-    /// Whether the zone was out of reach at the last update.
+    /// Returns whether the zone was out of reach at the last update.
     pub fn is_far(&self) -> bool {
         self.open.is_some() && self.skipped.iter().any(Option::is_some)
     }
 
-    /// Nothing is known any more: the mechanism was put somewhere else.
+    /// Discards all samples. Call it after the mechanism was moved to another state.
     pub fn forget(&mut self) {
         (self.open, self.skipped, self.next) = (None, [None; 2], 0);
         (self.before, self.older, self.impact) = (None, None, None);
     }
 
-    /// Updates at the start, and after every step.
+    /// Adds the motion at an instant: time, s; absolute angles, rad; angular velocities, rad/s. Call it at the start
+    /// and after every step.
     #[inline(always)]
     pub fn update<const Z: usize>(&mut self, model: &Model<T, B, Z>, time_s: f64, angle: &[T; B], velocity: &[T; B]) {
         let Some(zone) = self.zone else { return };
@@ -135,8 +135,8 @@ impl<T: Scalar, const B: usize> ImpactPredictor<T, B> {
         impact
     }
 
-    /// The mechanism has stood still without updates until this instant, in steps of h (s): as if it had been updated
-    /// after every one of them.
+    /// Replaces the updates of a mechanism that stood still until `until_s` (s) in steps of `h` (s). The result is the
+    /// same as after an update in each of these steps.
     pub fn stood(&mut self, until_s: f64, h: f64) {
         self.impact = None;
         let newest = [self.next ^ 1, self.next].into_iter().find_map(|k| self.skipped[k]);
@@ -149,7 +149,7 @@ impl<T: Scalar, const B: usize> ImpactPredictor<T, B> {
         }
     }
 
-    /// The last two samples and moments in plain numbers (see [`ImpactPredictor::resume`]).
+    /// Returns the last two samples: instant, s; compression, m; speed, m/s (see [`ImpactPredictor::resume`]).
     pub fn samples<const Z: usize>(&self, model: &Model<T, B, Z>) -> [Option<[f64; 3]>; 2] {
         let Some(zone) = self.zone else { return [None; 2] };
         let mut now = self.clone();
@@ -161,7 +161,7 @@ impl<T: Scalar, const B: usize> ImpactPredictor<T, B> {
         [now.older, now.before].map(|s| s.map(|s| [s.time_s, s.compression_m.to_f64(), s.speed_m_per_s.to_f64()]))
     }
 
-    /// Goes on from what [`ImpactPredictor::samples`] gave.
+    /// Continues from the samples that [`ImpactPredictor::samples`] returned.
     pub fn resume(&mut self, samples: [Option<[f64; 3]>; 2]) {
         self.forget();
         [self.older, self.before] = samples.map(|s| {
@@ -174,15 +174,15 @@ impl<T: Scalar, const B: usize> ImpactPredictor<T, B> {
     }
 }
 
-/// Instant (s) and speed (m/s) of the impact that follows if a point flies on as it did between two samples (instant,
-/// s; the zone's compression, m; speed, m/s), its acceleration unchanged, at the latest at `now_s`:
+/// Returns instant (s) and speed (m/s) of the impact of a point that moves with constant acceleration, extrapolated
+/// from two samples (instant, s; the zone's compression, m; speed, m/s), at the latest at `now_s`:
 ///
 /// a = dv/dt, d = -g / (dg/dx), v^2 = v_b^2 + 2 a d, t = t_b + 2 d / (v_b + v)
 ///
-/// with both slopes taken over the step before, g the zone's compression and x the point's path. The end of the step in
-/// which the zone is met plays no part: there it has pushed already, which at 200 us would make a piano hammer's impact
-/// a hundredth slower. `None` where there is no such flight: at the second look, and where the zone was touched a step
-/// before.
+/// with both slopes taken over the interval between the samples, g the zone's compression and x the point's path. The
+/// state at the end of the impact's step is not used: the zone has pushed by then, which with steps of 200 us would
+/// make a piano hammer's impact speed one percent too small. Returns `None` if the zone was touched at the older
+/// sample, if the point did not approach, or if it would stop before the zone.
 pub fn impact_in_flight<T: Scalar>([older, before]: [[T; 3]; 2], now_s: T) -> Option<[T; 2]> {
     let ([older_s, older_m, v0], [before_s, before_m, v1]) = (older, before);
     let last_s = before_s - older_s;

@@ -3,32 +3,33 @@
 use crate::hand::Hand;
 use crate::real::{Real, Scalar, join_all, same_bits};
 
-/// Share of the site's lag behind an imposed motion ([`Input::Rigid`]) that callers add, over a step, to the velocity
-/// of the next one, so that rounding and unconverged steps do not add up.
+/// Correction gain for imposed motions ([`Input::Rigid`]), per step. A caller adds this share of the site's position
+/// error, divided by the step, to the velocity of the next step. Errors of rounding and of unconverged steps then do
+/// not accumulate.
 pub const RIGID_CORRECTION: f64 = 0.1;
 
 /// Input of the mechanism at the model's [`Site`](crate::Site) during one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Input<T> {
-    /// Nothing.
+    /// No drive.
     Free,
     /// A force, N, along the site's direction, at time t0 + theta h.
     Force(T),
     /// The driver's position (m, world coordinate along the site's direction) and velocity at t0 + theta h; the force
     /// comes from the site's spring and damper, which only push.
     Motion {
-        /// m.
+        /// Position, m.
         position: T,
-        /// m/s.
+        /// Velocity, m/s.
         velocity: T,
     },
-    /// Velocity of the site along its direction at the step's end, m/s, imposed.
+    /// Imposed velocity of the site along its direction at the step's end.
     Rigid {
-        /// m/s.
+        /// Velocity, m/s.
         velocity: T,
     },
-    /// A hand whose place and velocity are part of the state; the force comes from the site's spring and damper, its
-    /// fingertip.
+    /// A hand: a mass moved by muscle. Its position and velocity are part of the state. The site's spring and damper
+    /// act as its fingertip and give the force.
     Hand(Hand<T>),
 }
 
@@ -45,7 +46,7 @@ impl<T: Real> Input<T> {
         }
     }
 
-    /// Whether two inputs are the same to the bit. What is not a number is identical to itself.
+    /// Returns whether two inputs are identical to the bit. A NaN is identical to itself.
     pub fn identical(&self, other: &Self) -> bool {
         let (a, b) = (self.taken_apart(), other.taken_apart());
         a.0 == b.0 && a.1.iter().zip(&b.1).all(|(a, b)| same_bits(*a, *b))
@@ -62,7 +63,8 @@ impl<T: Real> Input<T> {
         }
     }
 
-    /// One input per lane; `None` where they are not of one kind.
+    /// Joins one input per lane; `None` if the inputs are of different kinds or their number is not the number of
+    /// lanes.
     #[inline(always)]
     pub fn of_lanes<S: Scalar>(inputs: &[Input<S>]) -> Option<Self> {
         match inputs.first()? {

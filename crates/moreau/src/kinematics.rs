@@ -1,4 +1,4 @@
-//! Kinematics of a model at a given pose: compressions, rows, the driven point.
+//! Kinematics of a model at a given pose: compressions, Jacobian rows, the driven point.
 
 use crate::description::GROUND;
 use crate::model::Model;
@@ -8,15 +8,15 @@ use crate::support::Support;
 use crate::vector::{Vector, dot};
 
 impl<T: Scalar, const B: usize> Pose<T, B> {
-    /// The pose of a model at given absolute angles, rad.
+    /// Returns the pose of a model at given absolute angles, rad.
     pub fn of<const Z: usize>(model: &Model<T, B, Z>, angle: &[T; B]) -> Self {
         let mut pose = Pose::new();
         pose.place(&model.tree, model.first_moments(), angle);
         pose
     }
 
-    /// The row that maps absolute angular velocities to `n . velocity` of a point given in a body's frame, m. On the
-    /// ground, or a body that is not there, all zero.
+    /// Returns the Jacobian row, m, that maps absolute angular velocities to `n . velocity` of a point. The point is
+    /// given in a body's frame, m. The row is zero for the ground or an index without a body.
     pub fn velocity_row<const Z: usize>(
         &self,
         model: &Model<T, B, Z>,
@@ -33,20 +33,21 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
         dense
     }
 
-    /// Compression of a zone at this pose, m; negative apart.
+    /// Returns the compression of a zone at this pose, m; negative when it is open.
     pub fn compression<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> T {
         model.compiled[zone].compression(self)
     }
 
-    /// The row G of a zone at this pose for absolute angular velocities, m: dg/dt = G v, whether the zone touches or
-    /// not.
+    /// Returns the Jacobian row G of a zone's compression for absolute angular velocities, m: dg/dt = G v. The row is
+    /// valid whether or not the zone touches.
     pub fn compression_row<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> [T; B] {
         let mut row = model.compiled[zone].compression_row(&model.supports[zone], self);
         model.tree.row_to_angles(&mut row);
         row
     }
 
-    /// Point where a zone's disc touches its curve, or would touch, m: the point of the curve, in the world.
+    /// Returns the contact point of a zone on its curve, m, in the world; if the zone is open, the point where it would
+    /// touch.
     pub fn contact_point<const Z: usize>(&self, model: &Model<T, B, Z>, zone: usize) -> Vector<T> {
         let zone = &model.compiled[zone];
         let (compression, normal) = zone.compression_and_normal(self, zone.center(self));
@@ -55,7 +56,7 @@ impl<T: Scalar, const B: usize> Pose<T, B> {
 }
 
 impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
-    /// World coordinate of the driven point along the site's direction, m; zero without a site.
+    /// Returns the world coordinate of the driven point along the site's direction, m; zero without a site.
     pub fn site_position(&self, angle: &[T; B]) -> T {
         self.site.as_ref().map_or(T::ZERO, |s| dot(s.direction, Pose::of(self, angle).point(s.body, s.point)))
     }

@@ -1,5 +1,5 @@
-//! Several mechanisms in the lanes of one model. The lanes may be of another precision than the mechanisms: S is
-//! theirs.
+//! Several mechanisms in the lanes of one model. The lanes may have another precision than the mechanisms, whose number
+//! type is S.
 
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Curvatures;
@@ -14,9 +14,8 @@ use crate::tree::Tree;
 use crate::vector::Vector;
 
 impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
-    /// As many models as there are lanes (`T::LANES`), side by side; `None` if their number is another, or if they
-    /// differ in more than their numbers: in what is hinged on what, in the zones' bodies, kinds of curve and felt, or
-    /// in where there is friction.
+    /// Joins one model per lane (`T::LANES` of them). Returns `None` if their number differs from that, or if they
+    /// differ in anything but numbers: parents, bodies of zones, kinds of curve and felt, or which parts have friction.
     pub fn of_lanes<S: Scalar>(models: &[&Model<S, B, Z>]) -> Option<Self> {
         let first = models.first()?;
         if models.len() != T::LANES || !models.iter().all(|m| alike(first, m)) {
@@ -124,10 +123,10 @@ fn zone_of_lanes<'a, S: Scalar + 'a, T: Real>(zone: impl Fn(usize) -> &'a Zone<S
 }
 
 impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
-    /// As many states as there are lanes, side by side.
+    /// Joins one state per lane.
     ///
     /// # Panics
-    /// If there are fewer.
+    /// Panics if there are fewer states than lanes.
     pub fn of_lanes<S: Scalar>(states: &[&State<S, B, Z>]) -> Self {
         let mut joined = State::at_rest([T::ZERO; B]);
         for lane in 0..T::LANES {
@@ -141,12 +140,12 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         *self = State::from(self.numbers.zip(&one.numbers, |all, x| all.with_lane(lane, cast(x))));
     }
 
-    /// One lane's state.
+    /// Returns the state of one lane.
     pub fn lane<S: Scalar>(&self, lane: usize) -> State<S, B, Z> {
         State::from(self.numbers.map(|x| cast(x.lane(lane))))
     }
 
-    /// The numbers of one lane, into a state that is there.
+    /// Copies the numbers of one lane into an existing state.
     #[inline(always)]
     pub fn copy_lane<S: Scalar>(&self, lane: usize, one: &mut State<S, B, Z>) {
         one.numbers = self.numbers.map(|x| cast(x.lane(lane)));
@@ -154,7 +153,8 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
 }
 
 impl<T: Real> Settings<T> {
-    /// Copies one lane's settings to all lanes; in single precision, no tolerance is tighter than its rounding allows.
+    /// Copies one mechanism's settings to all lanes. In single precision no tolerance is smaller than its rounding
+    /// allows.
     pub fn in_lanes(one: &Settings<f64>) -> Self {
         use FrictionLaw::{Regularised, SetValued};
         let c = T::from_f64;

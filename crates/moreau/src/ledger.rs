@@ -1,6 +1,6 @@
-//! The energy balance: what went in, what is stored, what was lost, and the residual that should be zero.
+//! The energy balance: work done, energy stored, energy lost, and the residual, which should be zero.
 //!
-//! Separate from the step, so that a step that nobody audits does not pay for it.
+//! It is separate from the step, so that a step without an audit does not pay for it.
 
 use crate::contact::Contact;
 use crate::hand_energy::HandEnergy;
@@ -16,31 +16,31 @@ use crate::workspace::Workspace;
 /// Stored energies of a state, J.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Energies {
-    /// 1/2 v . M(q) v.
+    /// Kinetic energy, 1/2 v . M(q) v.
     pub kinetic: f64,
-    /// Weight times height; zero at the world's origin.
+    /// Gravitational energy, weight times height; zero at the world's origin.
     pub gravity: f64,
-    /// Torsion springs, relative to their reference angles (a constant torque's potential included).
+    /// Energy of torsion springs, relative to their reference angles (including the potential of a constant torque).
     pub spring: f64,
-    /// Compressed felts.
+    /// Energy of compressed felts.
     pub felt: f64,
-    /// Energy in compliant surfaces, as reported by their owners; zero without such surfaces.
+    /// Energy of compliant surfaces, as reported by the external subsystem; zero without such surfaces.
     pub surface: f64,
 }
 
 impl Energies {
-    /// Their sum.
+    /// Returns the sum of all stored energies, J.
     pub fn total(&self) -> f64 {
         self.kinetic + self.gravity + self.spring + self.felt + self.surface
     }
 
-    /// Energies of a state, all curves as drawn.
+    /// Returns the energies of a state with all curves at their described places.
     pub fn of<T: Scalar, const B: usize, const Z: usize>(model: &Model<T, B, Z>, state: &State<T, B, Z>) -> Self {
         Energies::displaced(model, state, |_| T::ZERO)
     }
 
-    /// Energies of a state in which compliant surfaces are displaced, m away from their discs. What is in those
-    /// surfaces is not among them.
+    /// Returns the energies of a state in which compliant surfaces are displaced away from their discs, m. The energy
+    /// of the surfaces themselves is not included.
     pub fn displaced<T: Scalar, const B: usize, const Z: usize>(
         model: &Model<T, B, Z>,
         state: &State<T, B, Z>,
@@ -72,7 +72,7 @@ impl Energies {
     }
 }
 
-/// Place of a loss in a step: the pivot of a body or a contact zone, by index.
+/// Place where energy is lost in a step: the pivot of a body or a contact zone, by index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LossIn {
     /// Dry friction of a pivot.
@@ -85,35 +85,36 @@ pub enum LossIn {
     Sliding(usize),
 }
 
-/// Running totals of one run, J. Every dissipation is counted with the sign that a loss is positive.
+/// Energy balance of one run: running totals, J. Losses are positive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ledger {
     /// Stored energy at the start.
     pub start: Energies,
-    /// Stored energy when stock was last taken.
+    /// Stored energy at the last call of [`Ledger::take_stock`].
     pub now: Energies,
     /// Work of the drive, signed.
     pub drive_work: f64,
-    /// Work of the drive where it was positive: the scale that the residual is compared with.
+    /// Sum of the positive contributions to the work of the drive: the scale of the relative residual.
     pub drive_work_in: f64,
-    /// Lost in dry pivots.
+    /// Energy lost in dry pivots.
     pub pivot_dry: f64,
-    /// Lost in viscous pivots.
+    /// Energy lost in viscous pivots.
     pub pivot_viscous: f64,
-    /// Lost in felts.
+    /// Energy lost in felts.
     pub felt_damping: f64,
-    /// Lost in Coulomb friction.
+    /// Energy lost in Coulomb friction.
     pub coulomb: f64,
-    /// Lost in surfaces that yield, as their owners say.
+    /// Energy lost in compliant surfaces, as reported by the external subsystem.
     pub surface: f64,
-    /// Loss of the surfaces before the ledger was opened, J.
+    /// Energy that the surfaces had lost before the balance started, J.
     pub surface_lost_before: f64,
-    /// Work that had been done through surfaces from outside when it was last booked, J.
+    /// Work done from outside through the surfaces up to the last record, J.
     pub surface_given_before: f64,
-    /// The smallest single dissipation term of any step: friction never gives energy, so this is not negative.
+    /// The most negative loss of any step; zero if no loss was negative. Friction never gives energy, so its losses are
+    /// not negative.
     pub smallest_term: f64,
-    /// Energies of the driving hand; zero without a hand. Separate from the other accounts, which belong to the
-    /// mechanism.
+    /// Energies of the driving hand; zero without a hand. The other totals belong to the mechanism and do not include
+    /// it.
     pub hand: HandEnergy,
 }
 
@@ -123,8 +124,8 @@ impl Ledger {
         Ledger::open_at(Energies::of(model, state), 0.0, 0.0)
     }
 
-    /// Starts the energy balance at stored energies, where surfaces have lost so much before, J, and so much work has
-    /// been done through them from outside, J.
+    /// Starts the energy balance at given stored energies. `surface_lost_before`: energy that the surfaces have lost so
+    /// far, J. `surface_given_before`: work done through them from outside so far, J.
     pub fn open_at(start: Energies, surface_lost_before: f64, surface_given_before: f64) -> Self {
         Ledger {
             start,
@@ -143,7 +144,7 @@ impl Ledger {
         }
     }
 
-    /// Books one step: `before` and `after` it, and the workspace that it left.
+    /// Records one step: the states `before` and `after` it, and its workspace.
     pub fn record<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         &mut self,
         model: &Model<T, B, Z>,
@@ -156,8 +157,8 @@ impl Ledger {
         self.record_contacts(model, settings, &before.velocity, after, workspace, &contacts);
     }
 
-    /// [`Ledger::record`] for a caller that has the step's contacts at hand, zone by zone, and the absolute velocities
-    /// before it, rad/s.
+    /// Records one step, as [`Ledger::record`], for a caller that already has the step's contacts, by zone, and the
+    /// absolute velocities before it, rad/s.
     pub fn record_contacts<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         &mut self,
         model: &Model<T, B, Z>,
@@ -184,7 +185,8 @@ impl Ledger {
         });
     }
 
-    /// Books what surfaces have lost since they were made, J, and what work has been done through them from outside, J.
+    /// Records the totals of the compliant surfaces since their creation: energy `lost`, J, and work `given` from
+    /// outside through them, J.
     pub fn record_surfaces(&mut self, lost: f64, given: f64) {
         self.surface = lost - self.surface_lost_before;
         let work = given - core::mem::replace(&mut self.surface_given_before, given);
@@ -192,7 +194,7 @@ impl Ledger {
         self.drive_work_in += work.max(0.0);
     }
 
-    /// Takes stock of what is stored at a state; the residual refers to the last stock-taking.
+    /// Evaluates the stored energy of a state. The residual refers to the last call.
     pub fn take_stock<T: Scalar, const B: usize, const Z: usize>(
         &mut self,
         model: &Model<T, B, Z>,
@@ -201,28 +203,29 @@ impl Ledger {
         self.now = Energies::of(model, state);
     }
 
-    /// Everything lost.
+    /// Returns the sum of all losses, J.
     pub fn dissipated(&self) -> f64 {
         self.pivot_dry + self.pivot_viscous + self.felt_damping + self.coulomb + self.surface
     }
 
-    /// Stored minus start minus work plus lost, J: zero if the energy balance closes.
+    /// Returns stored energy minus start minus work plus losses, J: zero if the energy balance closes.
     pub fn residual(&self) -> f64 {
         self.now.total() - self.start.total() - self.drive_work + self.dissipated()
     }
 
-    /// |residual| over the work that the drive put in (over the energy lost and stored, where nothing was put in).
+    /// Returns |residual| over the work that the drive put in or over the losses, whichever is larger; if both are
+    /// zero, |residual| in J.
     pub fn residual_relative(&self) -> f64 {
         let scale = self.drive_work_in.max(self.dissipated());
         if scale > 0.0 { self.residual().abs() / scale } else { self.residual().abs() }
     }
 }
 
-/// Reports every loss of a step, J. The arguments are those of [`Ledger::record_contacts`].
+/// Reports every loss of a step to a callback, J. The arguments are those of [`Ledger::record_contacts`].
 ///
-/// Forces act at the theta point, so their work is force times velocity there. A dry law's loss is |force| times the
-/// path of its velocity, which runs linearly over the step from before to after: not negative by itself even where the
-/// velocity turns, and equal to the scheme's own work wherever it does not.
+/// Forces act at the theta point, so their work is force times velocity at that point. The loss of dry friction is
+/// |force| times the path of its velocity, which is taken as linear over the step. This is never negative, even where
+/// the velocity reverses, and equals the scheme's own work wherever it does not reverse.
 pub fn each_loss<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,

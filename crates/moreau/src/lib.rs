@@ -28,15 +28,15 @@
 //! # Ok::<(), ModelError>(())
 //! ```
 //!
-//! The inner step is [`step()`]; `step.rs` begins with its equations, symbols and references. The derivations are in
-//! this crate's `README.md`.
+//! The inner step is [`step()`]; the head of `step.rs` lists its equations, symbols and references. The derivations are
+//! in this crate's `README.md`.
 //!
-//! Four types, not one: the [`Description`] (what the mechanism is, as its caller writes it), the immutable [`Model`]
-//! (the same, checked and compiled), the mutable [`State`] (where it is now) and the [`Workspace`] (what a step needs
-//! and what it leaves to be read: forces, impulses, contact points).
+//! There are four types. The [`Description`] lists the parts of a mechanism, unchecked. The [`Model`] is compiled from
+//! it, checked and immutable. The [`State`] is the mechanism's motion at one instant. The [`Workspace`] is the scratch
+//! memory of a step; after the step it holds forces, impulses and contact points for the caller to read.
 //!
-//! No standard library, no heap, no unsafe code, no panic in a step: the crate can live in firmware. It is generic over
-//! the scalar ([`Real`]) and over its sizes: `B` bodies, `Z` zones, `N` set-valued laws.
+//! No standard library, no heap, no unsafe code, and a step never panics, so the crate can run in firmware. It is
+//! generic over the scalar ([`Real`]) and over its sizes: at most `B` bodies, `Z` zones and `N` set-valued laws.
 //!
 //! Units are the caller's, as long as they are consistent; the project uses SI. Angles are counter-clockwise.
 #![no_std]

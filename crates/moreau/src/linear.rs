@@ -1,4 +1,4 @@
-//! Symmetric positive definite systems of the size of the mechanism: A = L D L^T, without square roots.
+//! Symmetric positive definite systems of the mechanism's size, factorised as A = L D L^T without square roots.
 
 use crate::real::Real;
 
@@ -21,12 +21,12 @@ macro_rules! written_out {
     };
 }
 
-/// A symmetric matrix.
+/// Symmetric matrix.
 #[derive(Debug, Clone, Copy)]
 pub struct Symmetric<T, const B: usize> {
-    /// Apart, so that it is written and read in one piece.
+    /// Diagonal, stored separately so that it is written and read in one piece.
     pub diagonal: [T; B],
-    /// Below the diagonal; the other entries are not read.
+    /// Entries below the diagonal; the other entries are not read.
     pub below: [[T; B]; B],
 }
 
@@ -125,15 +125,17 @@ pub(crate) fn solve<T: Real, const B: usize>(l: &[[T; B]; B], inverse_d: &[T; B]
     y
 }
 
-/// Solves `matrix` x = `right` for all columns of `right`, in place, by Gauss and Jordan's elimination. Pivots are not
-/// sought: none may vanish, as with a positive definite matrix times a positive diagonal one.
+/// Solves `matrix` x = `right` for all columns of `right`, in place, by Gauss-Jordan elimination without pivoting. No
+/// pivot may vanish; none does if the matrix is positive definite, or a product of such a matrix and a positive
+/// diagonal one.
 pub fn gauss_jordan<T: Real, const K: usize, const C: usize>(matrix: &mut [[T; K]; K], right: &mut [[T; C]; K]) {
     for pivot in 0..K {
         eliminate(matrix, right, pivot);
     }
 }
 
-/// [`gauss_jordan`] with the largest pivot of each column; false, and no solution, if one is below `smallest`.
+/// Solves as [`gauss_jordan`] does, with the largest pivot of each column. Returns false if a pivot is below
+/// `smallest`; `right` then holds no solution.
 pub fn gauss_jordan_pivoting<const K: usize, const C: usize>(
     matrix: &mut [[f64; K]; K],
     right: &mut [[f64; C]; K],

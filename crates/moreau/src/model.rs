@@ -1,5 +1,4 @@
-//! The compiled model: a [`Description`] that has been checked, with everything that a step would otherwise work out
-//! again. Immutable.
+//! The compiled model: a checked [`Description`] with all quantities that do not change from step to step. Immutable.
 
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Curvatures;
@@ -30,7 +29,7 @@ impl<T: Real, const B: usize, const Z: usize> Dwelling<T, B, Z> {
     }
 }
 
-/// A mechanism of at most `B` bodies and `Z` zones, ready to be stepped. [`Description::compile`] makes one.
+/// Mechanism of at most `B` bodies and `Z` zones, checked and ready for stepping. Built by [`Description::compile`].
 #[derive(Debug, Clone)]
 pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) tree: Tree<T, B>,
@@ -92,11 +91,11 @@ pub struct Model<T, const B: usize, const Z: usize> {
 }
 
 impl<T: Scalar> Description<'_, T> {
-    /// Checks the description and compiles it for `B` bodies and `Z` zones. Unused places are filled with
-    /// [`Body::inert`].
+    /// Checks the description and compiles it for `B` bodies and `Z` zones. [`Body::inert`] fills unused places.
     ///
     /// # Errors
-    /// The first fault ([`Description::check`]), or that the size has too little room.
+    /// Returns the first fault ([`Description::check`]), or [`ModelError::TooManyBodies`] or
+    /// [`ModelError::TooManyZones`] if the model has too little room.
     pub fn compile<const B: usize, const Z: usize>(&self) -> Result<Model<T, B, Z>, ModelError> {
         let Description { bodies, zones, .. } = *self;
         if bodies.len() > B {
@@ -230,30 +229,30 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
         }
     }
 
-    /// Number of zones in use.
+    /// Returns the number of zones in use.
     pub fn zone_count(&self) -> usize {
         self.zone_count
     }
 
-    /// The zones in use.
+    /// Returns the zones in use.
     pub fn zones(&self) -> &[Zone<T>] {
         &self.zones[..self.zone_count]
     }
 
-    /// The parent of a body, or [`GROUND`].
+    /// Returns the parent of a body, or [`GROUND`].
     pub fn parent(&self, body: usize) -> usize {
         self.tree.parent[body]
     }
 
-    /// Driven point.
+    /// Returns the driven point; `None` if there is none.
     pub fn site(&self) -> Option<&Site<T>> {
         self.site.as_ref()
     }
 }
 
 impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
-    /// Largest number of set-valued laws in one step: [`Description::laws`]. A workspace must have room for
-    /// them.
+    /// Returns the largest number of set-valued laws in one step ([`Description::laws`]). A workspace must have room
+    /// for at least as many.
     pub fn laws(&self) -> usize {
         self.laws
     }
@@ -268,7 +267,8 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
         zone < self.zone_count && self.compiled[zone].felt.yields()
     }
 
-    /// Largest displacement of a zone's curve from its drawn place toward the disc, m; zero where it does not yield.
+    /// Returns the largest displacement of a zone's curve toward the disc from its described place, m; zero if the
+    /// curve belongs to no compliant subsystem.
     pub fn excursion(&self, zone: usize) -> T {
         self.excursions[zone]
     }

@@ -1,4 +1,4 @@
-//! Where every body is: the kinematic tree, evaluated once per Newton iteration.
+//! Pose of all bodies: the kinematic tree, evaluated once per Newton iteration.
 
 use crate::real::{Real, opaque, sin_cos};
 use crate::support::Support;
@@ -95,7 +95,7 @@ impl<T: Real, const B: usize> Pose<T, B> {
         }
     }
 
-    /// A point of a body's frame (or of the ground), in the world.
+    /// Returns a point of a body's frame (or of the ground) in the world, m.
     #[inline(always)]
     pub fn point(&self, body: usize, a: Vector<T>) -> Vector<T> {
         if body < B { add(self.pivot(body), self.rotate(body, a)) } else { a }

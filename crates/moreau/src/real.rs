@@ -1,17 +1,17 @@
-//! The scalar that the kernel computes with.
+//! Scalar type of the kernel.
 //!
-//! The kernel compares through masks and chooses through [`Real::select`], so that the same source serves one number
-//! (mask = `bool`), several SIMD lanes, or dual numbers. Bits are the same on every target: only `+ - * /`, square root
-//! and the `libm` crate are used.
+//! The kernel compares through masks and chooses through [`Real::select`], so that one source serves a single number
+//! (mask = `bool`), several SIMD lanes, and dual numbers. Results are bit-identical on every target: the kernel uses
+//! only `+ - * /`, square root and the `libm` crate.
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// The outcome of a comparison, one truth value per lane.
+/// Result of a comparison: one truth value per lane.
 pub trait Mask: Copy + Debug {
-    /// True in at least one lane.
+    /// Returns whether any lane is true.
     fn any(self) -> bool;
-    /// True in every lane.
+    /// Returns whether every lane is true.
     fn all(self) -> bool;
     /// Lane-wise conjunction.
     fn and(self, other: Self) -> Self;
@@ -19,9 +19,9 @@ pub trait Mask: Copy + Debug {
     fn or(self, other: Self) -> Self;
     /// Lane-wise negation.
     fn not(self) -> Self;
-    /// The same in every lane.
+    /// Returns a mask with this truth value in every lane.
     fn splat(value: bool) -> Self;
-    /// One lane's truth value.
+    /// Returns the truth value of one lane.
     fn lane(self, lane: usize) -> bool;
 }
 
@@ -56,7 +56,7 @@ impl Mask for bool {
     }
 }
 
-/// A real number, or several of them in lanes.
+/// A real number, or one real number per lane.
 pub trait Real:
     Copy
     + 'static
@@ -69,79 +69,79 @@ pub trait Real:
     + AddAssign
     + SubAssign
 {
-    /// The type of a comparison.
+    /// Result type of a comparison.
     type Mask: Mask;
-    /// The type of one lane.
+    /// Number type of one lane.
     type Lane: Scalar;
     /// Number of lanes.
     const LANES: usize;
-    /// Whether a step's first Newton iteration is compiled apart from the further ones: faster, and twice as much to
-    /// compile.
+    /// Whether a step's first Newton iteration is compiled separately from the further ones. This is faster, but
+    /// doubles the code to compile.
     const FIRST_APART: bool = false;
-    /// 0.
+    /// Zero.
     const ZERO: Self;
-    /// 1.
+    /// One.
     const ONE: Self;
-    /// The distance from 1 to the next number.
+    /// Distance from 1 to the next larger number.
     const EPSILON: Self;
-    /// [`SINE`].
+    /// Coefficients of [`SINE`] in this type.
     const SINE: &'static [Self; 6];
-    /// [`COSINE`].
+    /// Coefficients of [`COSINE`] in this type.
     const COSINE: &'static [Self; 6];
-    /// Nearest representable number (in every lane).
+    /// Returns the nearest representable number (in every lane).
     fn from_f64(x: f64) -> Self;
-    /// A number per lane.
+    /// Returns one number per lane, from a function of the lane's index.
     fn join(x: impl Fn(usize) -> Self::Lane) -> Self;
-    /// One lane's number.
+    /// Returns the number of one lane.
     fn lane(self, lane: usize) -> Self::Lane;
-    /// The same with another number in one lane.
+    /// Returns these numbers with another one in one lane.
     fn with_lane(self, lane: usize, x: Self::Lane) -> Self;
-    /// self + a b. Lanes round the result once, with one fused instruction. A number alone rounds twice, product and
-    /// sum, so that its bits are the same on targets without that instruction.
+    /// Returns self + a b. Lanes round once, with one fused instruction. A single number rounds twice, product and sum,
+    /// so that its bits are the same on targets without that instruction.
     #[inline(always)]
     fn add_product(self, a: Self, b: Self) -> Self {
         self + a * b
     }
-    /// self - a b, rounded as [`Real::add_product`] rounds.
+    /// Returns self - a b, rounded as [`Real::add_product`] rounds.
     #[inline(always)]
     fn sub_product(self, a: Self, b: Self) -> Self {
         self - a * b
     }
-    /// Square root.
+    /// Returns the square root.
     fn sqrt(self) -> Self;
-    /// Absolute value.
+    /// Returns the absolute value.
     fn abs(self) -> Self;
-    /// The larger one.
+    /// Returns the larger of the two.
     fn max(self, other: Self) -> Self;
-    /// The smaller one.
+    /// Returns the smaller of the two.
     fn min(self, other: Self) -> Self;
-    /// self < other.
+    /// Returns self < other.
     fn lt(self, other: Self) -> Self::Mask;
-    /// self <= other.
+    /// Returns self <= other.
     fn le(self, other: Self) -> Self::Mask;
-    /// Neither infinite nor not-a-number.
+    /// Returns whether the number is neither infinite nor NaN.
     fn finite(self) -> Self::Mask;
-    /// `yes` where the mask is true, `no` elsewhere.
+    /// Returns `yes` where the mask is true, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// `x` where the mask is true, 0 elsewhere.
+    /// Returns `x` where the mask is true, 0 elsewhere.
     #[inline(always)]
     fn only(mask: Self::Mask, x: Self) -> Self {
         Self::select(mask, x, Self::ZERO)
     }
-    /// self^exponent, for self >= 0. Slow; the kernel avoids it for the usual felt exponents.
+    /// Returns self^exponent, for self >= 0. Slow; the kernel avoids it for the usual felt exponents.
     fn powf(self, exponent: Self) -> Self;
-    /// Hyperbolic tangent. Slow; used by regularised friction only.
+    /// Returns the hyperbolic tangent. Slow; only regularised friction uses it.
     fn tanh(self) -> Self;
-    /// Sine and cosine for any argument. Slow; the kernel calls it beyond a quarter of pi.
+    /// Returns sine and cosine of any angle, rad. Slow; the kernel uses it for angles beyond a quarter of pi.
     fn sin_cos_any(self) -> (Self, Self);
-    /// Does what a function out of line is asked to do. Lanes do it in one that is compiled for their instructions. See
+    /// Runs work that was moved out of line. Lanes run it in a function compiled for their instructions. See
     /// [`Aside::run`].
     #[inline(always)]
     fn aside<W: Aside>(work: W) -> W::Output {
         work.run()
     }
-    /// Whether the derivatives that these numbers carry have settled, after Newton's method has corrected them by
-    /// `corrections`: always, for numbers that carry none ([`Dual`](crate::Dual) does).
+    /// Returns whether Newton's method has converged for the derivatives that these numbers carry, given its last
+    /// `corrections`. Always true for numbers without derivatives ([`Dual`](crate::Dual) has them).
     #[inline(always)]
     fn derivatives_settled(corrections: &[Self], values: &[Self]) -> Self::Mask {
         let _ = (corrections, values);
@@ -149,14 +149,15 @@ pub trait Real:
     }
 }
 
-/// What few steps or few mechanisms need stands in a function out of line, so that the others pay nothing for it. In
-/// lanes such a function hands its work to [`Real::aside`]. No closure, because a closure cannot be
+/// Work that few steps or few mechanisms need. It is done in a function out of line, so that the others pay nothing for
+/// it. In lanes such a function passes its work to [`Real::aside`]. This is a trait because a closure cannot be
 /// `#[inline(always)]`.
 pub trait Aside {
-    /// What it gives.
+    /// Result of the work.
     type Output;
-    /// Does it. This and whatever it calls on numbers must be `#[inline(always)]`: into a function that is not compiled
-    /// for the lanes' instructions the compiler inlines none of their operations, and each becomes a call.
+    /// Does the work. This function and all functions on numbers that it calls must be `#[inline(always)]`: the
+    /// compiler does not inline lane operations into a function that is not compiled for the lanes' instructions, and
+    /// each of them would become a call.
     fn run(self) -> Self::Output;
 }
 
@@ -171,11 +172,11 @@ pub(crate) fn opaque<T: Real, R>(reference: R) -> R {
 
 /// A [`Real`] with one lane.
 pub trait Scalar: Real<Mask = bool, Lane = Self> + PartialOrd {
-    /// Widening or rounding conversion.
+    /// Converts to double precision, by widening or rounding.
     fn to_f64(self) -> f64;
 }
 
-/// The sine on [-pi/4, pi/4]: coefficients of x^13, x^11 ... x^3 (fdlibm's `__kernel_sin`).
+/// Coefficients of the sine on [-pi/4, pi/4], of x^13, x^11 ... x^3 (fdlibm's `__kernel_sin`).
 pub const SINE: [f64; 6] = [
     1.589_690_995_211_55e-10,
     -2.505_076_025_340_686_3e-8,
@@ -184,7 +185,7 @@ pub const SINE: [f64; 6] = [
     8.333_333_333_322_49e-3,
     -1.666_666_666_666_663_2e-1,
 ];
-/// The cosine there: coefficients of x^14, x^12 ... x^4 (`__kernel_cos`).
+/// Coefficients of the cosine on [-pi/4, pi/4], of x^14, x^12 ... x^4 (fdlibm's `__kernel_cos`).
 pub const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
     2.087_572_321_298_175e-9,

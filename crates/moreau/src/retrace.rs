@@ -1,4 +1,4 @@
-//! The forces of a step whose end is known because it was taken elsewhere, in a lane.
+//! Forces of a step that another program part, e.g. a lane, has computed.
 
 use crate::curvature::Margins;
 use crate::felt::ONSET;
@@ -13,10 +13,10 @@ use crate::timing::Timing;
 use crate::workspace::Workspace;
 
 impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z, N> {
-    /// Works out the forces of a step from the states before and after it and the input during it, all curves as drawn.
-    /// Afterwards they can be read as if the step had been taken with this workspace, to what its Newton iteration
-    /// left; an [`crate::Ledger`] books it alike. Nothing is solved, so that N may be 0. The workspace has taken no
-    /// step: it is new, or was given to this function only, and with this model.
+    /// Evaluates the forces of a step from the states before and after it and its input, with all curves at their
+    /// described places. Afterwards this workspace can be read as if it had taken the step, to the error of the step's
+    /// Newton iteration; a [`crate::Ledger`] records it likewise. Nothing is solved, so N may be 0. Use a new
+    /// workspace, or one that was only used for this function and this model.
     pub fn retrace(
         &mut self,
         model: &Model<T, B, Z>,

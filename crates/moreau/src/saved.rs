@@ -1,38 +1,35 @@
-//! A state's numbers: the one list of them, from which they are copied, compared, and put into lanes.
+//! Numbers of a state: the single list by which they are copied, compared, and put into lanes.
 
 use crate::law::MEMORY;
 use crate::real::Real;
 
-/// Everything that a step's result depends on. What a [`State`](crate::State) holds beside it only saves work.
+/// All numbers that a step's result depends on. The other contents of a [`State`](crate::State) only save work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SavedState<T, const B: usize, const Z: usize> {
     /// Absolute angles q, rad.
     pub angle: [T; B],
     /// Absolute angular velocities v, rad/s.
     pub velocity: [T; B],
-    /// Velocity increment: the change of the velocities over the last step, rad/s. The next step's iteration starts
-    /// from it.
+    /// Change of the velocities over the last step, rad/s. The next step's iteration starts from it.
     pub increment: [T; B],
     // The contact cache: what the set-valued laws did in the last step. It warm-starts the solver.
     /// Dry friction torque of each pivot over the last step, N m (counter-clockwise on the body).
     pub pivot_friction: [T; B],
     /// Coulomb force of each zone over the last step, N, on the disc along the tangent.
     pub tangential: [T; Z],
-    /// Force of a rigid drive over the last step, N.
+    /// Force of an imposed motion ([`Input::Rigid`](crate::Input::Rigid)) over the last step, N.
     pub rigid_force: T,
-    /// World coordinate of the hand along the site's direction, m, and its velocity, m/s ([`Hand`](crate::Hand)). It moves in steps that a hand
-    /// drives, and stands still in others.
+    /// World coordinate of the hand along the site's direction, m, and its velocity, m/s ([`Hand`](crate::Hand)). They
+    /// change only in steps driven by a hand.
     pub hand: [T; 2],
-    /// Internal states of the felts, as their laws define them ([`Loss`](crate::Loss)). Zeros if a law has fewer
-    /// numbers, or none.
+    /// Internal states of the felts, as their laws define them ([`Loss`](crate::Loss)). Unused places are zero.
     pub memory: [[T; MEMORY]; Z],
-    /// Growth of each pivot's dry friction and each zone's Coulomb friction while it stuck, from 0 (kinetic) to
-    /// 1 (static); zero where it does not grow ([`Dwell`](crate::Dwell)).
+    /// Growth of each pivot's dry friction while it stuck, from 0 (kinetic) to 1 (static); zero for friction that does
+    /// not grow ([`Dwell`](crate::Dwell)).
     pub pivot_rested: [T; B],
-    /// See `pivot_rested`.
+    /// Growth of each zone's Coulomb friction, as in `pivot_rested`.
     pub rested: [T; Z],
-    /// The sign with which each zone's Coulomb force was at its bound over the last step, or 0: the solver's first
-    /// guess.
+    /// Sign of each zone's Coulomb force if it was at its bound over the last step, else 0. The solver's first guess.
     pub side: [T; Z],
 }
 
@@ -105,7 +102,7 @@ each_field!(
 );
 
 impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
-    /// At rest at the given absolute angles.
+    /// Returns a state at rest at the given absolute angles, rad.
     pub fn at_rest(angle: [T; B]) -> Self {
         SavedState { angle, ..SavedState::zero() }
     }
@@ -116,12 +113,13 @@ impl<T: Real, const B: usize, const Z: usize> SavedState<T, B, Z> {
         self.zip(self, |x, _| f(x))
     }
 
-    /// This state in another size: cut off, or filled with zeros.
+    /// Returns this state in another size: cut off, or filled with zeros.
     pub fn sized<const C: usize, const Y: usize>(&self) -> SavedState<T, C, Y> {
         self.rearranged(|bodies| sized(bodies), |zones| sized(zones))
     }
 
-    /// This state with bodies and zones in another order: place i takes the content of place `bodies[i]`.
+    /// Returns this state with bodies and zones in another order: place i takes the content of place `bodies[i]`, or
+    /// `zones[i]`.
     pub fn reordered(&self, bodies: &[usize; B], zones: &[usize; Z]) -> Self {
         self.rearranged(|numbers| reordered(numbers, bodies), |numbers| reordered(numbers, zones))
     }

@@ -1,4 +1,4 @@
-//! Settings of a step. Every tunable says its unit, its usual value and what breaks when it changes.
+//! Settings of a step. Every setting states its unit, its usual value, and the effect of changing it.
 
 use crate::osnsp::Solver;
 use crate::real::{Real, Scalar};
@@ -6,11 +6,11 @@ use crate::real::{Real, Scalar};
 /// Model of dry friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrictionLaw<T> {
-    /// The set-valued law, |p| <= bound with true stick: the model.
+    /// Set-valued Coulomb friction: |p| <= bound, with true stick. Use this one.
     SetValued,
-    /// `tanh(u / width)`: kept for comparison only. It never sticks, so whatever it should hold creeps.
+    /// Regularised friction `tanh(u / width)`, for comparison only. It never sticks, so that held parts creep.
     Regularised {
-        /// Width for pivots, rad/s. Smaller is nearer to the true law and stiffer.
+        /// Width for pivots, rad/s. A smaller width is closer to the set-valued law, and stiffer.
         pivot_width: T,
         /// Width for sliding contacts, m/s.
         sliding_width: T,
@@ -27,29 +27,31 @@ impl<T> FrictionLaw<T> {
 /// Settings of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings<T> {
-    /// Step h, s. 50e-6 is usual for the piano; the error falls with its square on smooth motion at theta = 1/2.
+    /// Step h, s. 50e-6 is usual for the piano. On smooth motion at theta = 1/2 the error falls with the square of the
+    /// step.
     pub step: T,
-    /// theta of the theta-method, in [1/2, 1]. 1/2 is of second order and loses no energy of its own; 1 is of first
-    /// order and damps.
+    /// Parameter theta of the theta-method, in [1/2, 1]. 1/2 is of second order and adds no numerical damping; 1 is of
+    /// first order and adds damping.
     pub theta: T,
-    /// A step has converged when its last Newton correction, or what the linearisation left out, is at most this times
-    /// (1 rad/s + |velocity|), for every joint. Newton converges quadratically, so what remains is about the square of
-    /// it. 1e-5 is usual; looser loses the order.
+    /// Convergence tolerance of Newton's method. A step has converged when its last Newton correction, or the error of
+    /// the linearisation, is at most this times (1 rad/s + |velocity|) for every joint. Newton's method converges
+    /// quadratically, so the remaining error is about the square of the correction. 1e-5 is usual; a larger tolerance
+    /// loses second order.
     pub tolerance: T,
-    /// Largest number of Newton iterations. Usual steps take one; beyond eight the corrections are halved.
+    /// Largest number of Newton iterations. Usual steps take one. After eight iterations the corrections are halved.
     pub newton_limit: u32,
-    /// The one-step solver stops when no velocity of a law changes by more than this (rad/s or m/s).
+    /// Tolerance of the one-step solver: it stops when no law's velocity changes by more than this (rad/s or m/s).
     pub solver_tolerance: T,
     /// Largest number of sweeps (or active sets) in one one-step problem.
     pub solver_limit: u32,
     /// Solver of the one-step problem.
     pub solver: Solver,
-    /// Friction law.
+    /// Model of dry friction.
     pub friction: FrictionLaw<T>,
 }
 
 impl<T: Real> Settings<T> {
-    /// The usual settings at step `h`: theta = 1/2, set-valued friction, the active-set solver.
+    /// Returns the usual settings at step `h` (s): theta = 1/2, set-valued friction, the active-set solver.
     pub fn new(h: T) -> Self {
         Settings {
             step: h,

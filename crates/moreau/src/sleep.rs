@@ -1,9 +1,8 @@
-//! Sleeping: steps that would change nothing are not taken.
+//! Sleep: a step that would change nothing is skipped.
 //!
-//! A step is a function of state and input. If one leaves the state identical to the bit, then every further step with
-//! the identical input does the same: it leaves the state as it is, reports the same, and leaves the same in the
-//! workspace. So it need not be taken. There is no threshold and no drift: with sleep or without, the bits are the
-//! same. A mechanism comes to sleep only where dry friction truly sticks.
+//! A step is a function of state and input. If a step leaves every bit of the state unchanged, so would the next one
+//! with the same input: it would give the same report and the same workspace. Such steps are skipped. This is exact;
+//! there is no threshold and no drift. A mechanism falls asleep only if dry friction truly sticks.
 
 use crate::input::Input;
 use crate::model::Model;
@@ -13,41 +12,41 @@ use crate::state::State;
 use crate::step::{StepReport, step_out_of_line};
 use crate::workspace::Workspace;
 
-/// Whether a mechanism's last step changed nothing, and under which input.
+/// Record of whether a mechanism's last step changed nothing, and under which input.
 ///
-/// It belongs to one [`State`] and its [`Settings`]. Whoever changes either otherwise than by [`Sleep::step`] must call
-/// [`Sleep::wake`]; so must whoever wants to read the [`Workspace`] after another state has used it.
+/// It belongs to one [`State`] and its [`Settings`]. If you change either other than by [`Sleep::step`], call
+/// [`Sleep::wake`]. Also call it before you read the [`Workspace`] if another state has used it.
 #[derive(Debug, Clone, Copy)]
 pub struct Sleep<T> {
     under: Option<(Input<T>, StepReport)>,
 }
 
 impl<T> Sleep<T> {
-    /// Awake.
+    /// Returns a record that is awake.
     pub const fn awake() -> Self {
         Sleep { under: None }
     }
 
-    /// The next step is taken.
+    /// Wakes the mechanism: the next step is taken.
     pub fn wake(&mut self) {
         self.under = None;
     }
 
-    /// Whether the last step changed nothing.
+    /// Returns whether the last step changed nothing.
     pub fn is_asleep(&self) -> bool {
         self.under.is_some()
     }
 }
 
 impl<T: Scalar> Sleep<T> {
-    /// The report of a step with this input, if it is known to change nothing.
+    /// Returns the report of a step with this input if the step is known to change nothing.
     #[inline(always)]
     pub fn would_rest(&self, input: &Input<T>) -> Option<StepReport> {
         self.under.as_ref().and_then(|(last, report)| last.identical(input).then_some(*report))
     }
 
-    /// After a step with this input: whether it has changed nothing. `before` is the state before the step, needed of a
-    /// mechanism that stood still only.
+    /// Records, after a step with this input, whether the step changed nothing. `before`: the state before the step;
+    /// `None` if the mechanism moved, which keeps it awake.
     #[inline]
     pub fn compare<const B: usize, const Z: usize>(
         &mut self,
@@ -60,7 +59,7 @@ impl<T: Scalar> Sleep<T> {
         self.under = same.then_some((*input, report));
     }
 
-    /// [`step_out_of_line`], unless it would change nothing: then only its report is given.
+    /// Takes a step by [`step_out_of_line`], or only returns its report if the step would change nothing.
     pub fn step<const B: usize, const Z: usize, const N: usize>(
         &mut self,
         model: &Model<T, B, Z>,
@@ -81,14 +80,14 @@ impl<T: Scalar> Sleep<T> {
 }
 
 impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
-    /// Whether nothing moves, in any lane.
+    /// Returns whether all velocities are zero, in every lane.
     #[inline(always)]
     pub fn stands(&self) -> bool {
         self.velocity.iter().all(|v| (0..T::LANES).all(|lane| v.lane(lane).to_f64() == 0.0))
     }
 
-    /// Whether two states are the same to the bit, signs of zeros included, in everything that a step's result depends
-    /// on. That leaves out the broad phase: with any of them a step gives the same bits.
+    /// Returns whether two states are identical to the bit, signs of zeros included, in everything that a step's result
+    /// depends on. The broad phase is not compared: it does not change a step's result.
     pub fn identical(&self, other: &Self) -> bool {
         let mut same = true;
         self.numbers.zip(&other.numbers, |a, b| same = same && same_bits(a, b));

@@ -1,4 +1,4 @@
-//! Where a mechanism is now.
+//! State of a mechanism at one instant.
 
 use core::ops::{Deref, DerefMut};
 
@@ -7,8 +7,8 @@ use crate::model::Model;
 use crate::real::{Real, Scalar};
 use crate::saved::SavedState;
 
-/// State of a mechanism: the numbers that the next step depends on, which are its fields ([`SavedState`]), and numbers
-/// that save the step work.
+/// State of a mechanism. It dereferences to the numbers that determine the next step ([`SavedState`]). It also holds
+/// cached numbers that save work but do not change results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<T: Real, const B: usize, const Z: usize> {
     pub(crate) numbers: SavedState<T, B, Z>,
@@ -39,14 +39,14 @@ impl<T: Real, const B: usize, const Z: usize> From<SavedState<T, B, Z>> for Stat
 }
 
 impl<T: Scalar, const B: usize, const Z: usize> State<T, B, Z> {
-    /// The state in plain numbers.
+    /// Copies the numbers that determine the next step.
     pub fn save(&self) -> SavedState<T, B, Z> {
         self.numbers
     }
 }
 
 impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
-    /// At rest at the given absolute angles.
+    /// Returns a state at rest at the given absolute angles, rad.
     pub fn at_rest(angle: [T; B]) -> Self {
         State::from(SavedState::at_rest(angle))
     }

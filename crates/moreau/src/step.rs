@@ -19,8 +19,8 @@
 //! A = M + sum over zones of tangent G^T G + springs and dampers,         tangent = h theta (F_v + theta h F_g) >= 0
 //! ```
 //!
-//! Every iteration solves the one-step problem for (w1, p) exactly (`osnsp/`). It is accepted when the correction is
-//! small, or when what the linearisation left out is (`acceptance.rs`).
+//! Every iteration solves the one-step problem for (w1, p) exactly (`osnsp/`). An iteration is the last one when its
+//! correction is small, or when the error of the linearisation is (`acceptance.rs`).
 //!
 //! # Symbols
 //!
@@ -69,13 +69,13 @@ use crate::workspace::{Problem, Workspace};
 pub enum Outcome {
     /// The last Newton correction and the one-step problem met their tolerances.
     Converged,
-    /// The iteration limit was reached; the last (finite) iterate was taken.
+    /// The iteration limit was reached; the state is the last (finite) iterate.
     IterationLimit,
-    /// A number that is not finite arose (or came in with the input), or a velocity whose square is not; the state was
-    /// left as it was.
+    /// A number became infinite or NaN (or the input contained one), or the square of a velocity overflowed. The state
+    /// was not changed.
     NonFinite,
-    /// The model has more set-valued laws than the workspace has room for ([`Model::laws`], N): no step was taken.
-    /// [`Workspace::for_model`] finds that out beforehand.
+    /// The model has more set-valued laws ([`Model::laws`]) than the workspace has room for (N). The state was not
+    /// changed. [`Workspace::for_model`] detects this beforehand.
     TooManyLaws,
 }
 
@@ -86,7 +86,7 @@ pub struct StepReport {
     pub outcome: Outcome,
     /// Newton iterations.
     pub newton: u32,
-    /// Sweeps or active sets, summed over the Newton iterations.
+    /// Solver iterations (sweeps or active sets), summed over the Newton iterations.
     pub solver: u32,
 }
 
@@ -94,9 +94,9 @@ pub struct StepReport {
 /// onset.
 const DAMPED_AFTER: u32 = 8;
 
-/// Advances `state` by one step h. Never allocates, never panics, takes a bounded number of iterations.
+/// Advances `state` by one step h. Never allocates and never panics; the number of iterations is bounded.
 ///
-/// `input` holds during the step (see [`Input`] for the instants that its numbers belong to). `N` must be at least
+/// `input` acts during the step; [`Input`] states at which instant each of its numbers holds. `N` must be at least
 /// [`Model::laws`].
 // Inlined where it is called, it takes a tenth fewer instructions: the caller's arrays have known places. The compiler
 // would decide that by size, and the step is near its limit.
@@ -120,8 +120,8 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     StepReport { outcome, newton: ended.newton, solver: ended.solver }
 }
 
-/// [`step()`], compiled once for every size wherever it is called from: a few instructions more than one that is
-/// inlined into its loop, and a hundred kilobytes less at every further call.
+/// Calls [`step()`] out of line, compiled once for each size. A call costs a few more instructions than the inlined
+/// step, but each further call site saves a hundred kilobytes of code.
 #[inline(never)]
 pub fn step_out_of_line<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -140,17 +140,16 @@ pub struct LanesReport<M> {
     pub converged: M,
     /// Lanes without [`Outcome::NonFinite`].
     pub finite: M,
-    /// Newton iterations, until the last lane was done.
+    /// Newton iterations until the last lane ended.
     pub newton: u32,
-    /// Sweeps or active sets likewise.
+    /// Solver iterations (sweeps or active sets), summed over these Newton iterations.
     pub solver: u32,
 }
 
-/// [`step()`] for several mechanisms at once, one in each lane: the same kernel, and the same numbers in every lane as
-/// if it were alone, to rounding. The mechanisms must share their topology (what is hinged on what, which curves and
-/// felts), not their numbers.
+/// Advances several mechanisms by one step, one in each lane. Every lane gets the result of [`step()`] alone, to
+/// rounding. The mechanisms must have the same topology (parents, kinds of curves and felts); their numbers may differ.
 ///
-/// `N` must be at least [`Model::laws`]: otherwise nothing is done, and no lane is `converged` or `finite`.
+/// `N` must be at least [`Model::laws`]: otherwise no state changes, and no lane is `converged` or `finite`.
 #[inline(always)]
 pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,

@@ -1,9 +1,9 @@
-//! Contact surfaces of external subsystems (e.g. a string), coupled implicitly to the step: the curve of a zone yields
-//! under the felt.
+//! Contact surfaces of external subsystems (e.g. a string), coupled implicitly to the step: the curve of a zone moves
+//! under the felt's force.
 //!
-//! What yields is its owner's business. The step asks three numbers of it ([`Surface`]): where it is, where it would be
-//! at the step's end if nothing pressed it, and by how much a newton that lasts for the step displaces it by then. The
-//! felt's force is then one scalar unknown within the same implicit step ([`solve`]; README, "Compliant surfaces").
+//! The caller simulates the subsystem. Before each step it gives the step three numbers ([`Surface`]): the present
+//! displacement, the displacement at the step's end without contact force, and the compliance. The felt's force is then
+//! one scalar unknown within the same implicit step ([`solve`]; README, "Compliant surfaces").
 
 use crate::real::{Mask, Real};
 
@@ -12,18 +12,19 @@ use crate::real::{Mask, Real};
 const MOST: u32 = 64;
 const NEWTON: u32 = 10;
 
-/// Zones whose surfaces may feel each other within a step.
+/// Largest number of zones whose surfaces may be coupled within a step.
 pub const COUPLED: usize = 4;
 
-/// Predicted motion of a counter-surface in the next step, along the zone's normal; positive is away from the disc, the
-/// direction in which the felt pushes it.
+/// Predicted motion of a compliant surface in the next step, along the zone's normal. Positive is away from the disc,
+/// the direction in which the felt pushes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface<T> {
-    /// Its displacement at the step's start, m.
+    /// Displacement at the step's start, m.
     pub displacement: T,
-    /// Its displacement at the step's end if the felt does not press it, m.
+    /// Displacement at the step's end without contact force, m.
     pub free: T,
-    /// A: by how much more it is displaced then per newton that presses it throughout the step, m/N, never negative.
+    /// Compliance A, m/N: extra displacement at the step's end per newton that presses throughout the step; never
+    /// negative.
     pub compliance: T,
 }
 

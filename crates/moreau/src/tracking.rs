@@ -1,12 +1,12 @@
-//! Points and zones that a caller follows from step to step, without placing the whole mechanism every time.
+//! Points and zones that a caller follows from step to step without computing the pose of the whole mechanism.
 
 use crate::model::Model;
 use crate::pose::Pose;
 use crate::real::{Scalar, sin_cos};
 use crate::vector::Vector;
 
-/// A point of a body, placed through the bodies that carry it and no others. Gives the same bits as [`Pose::point`] for
-/// a body that is hinged on the ground.
+/// Point of a body whose position is computed from the bodies that carry it and no others. For a body hinged on the
+/// ground the result is bit-identical to [`Pose::point`].
 #[derive(Debug, Clone, Copy)]
 pub struct TrackedPoint<T, const B: usize> {
     /// From the body next to the ground to the one that has the point: each with the place of what follows in its
@@ -18,7 +18,7 @@ pub struct TrackedPoint<T, const B: usize> {
 }
 
 impl<T: Scalar, const B: usize> TrackedPoint<T, B> {
-    /// A point (m, in the body's frame) of a body; any index from `B` on is the ground.
+    /// Returns a tracked point of a body (m, in the body's frame). Any body index from `B` on is the ground.
     pub fn of<const Z: usize>(model: &Model<T, B, Z>, body: usize, point: Vector<T>) -> Self {
         let mut tracked = TrackedPoint { links: [(0, [T::ZERO; 2]); B], count: 0, root: point };
         let mut carrier = body;
@@ -34,8 +34,8 @@ impl<T: Scalar, const B: usize> TrackedPoint<T, B> {
         tracked
     }
 
-    /// Position of the point in the world, m, and its velocity, m/s; from absolute angles (rad) and angular velocities
-    /// (rad/s).
+    /// Returns the point's position, m, and velocity, m/s, in the world, given absolute angles, rad, and angular
+    /// velocities, rad/s.
     #[inline(always)]
     pub fn motion(&self, angle: &[T; B], velocity: &[T; B]) -> [Vector<T>; 2] {
         let mut moving = [self.root, [T::ZERO; 2]];
@@ -47,8 +47,8 @@ impl<T: Scalar, const B: usize> TrackedPoint<T, B> {
         moving
     }
 
-    /// [`TrackedPoint::motion`] of two points, the same bits: the sines and cosines of both are worked out side by
-    /// side.
+    /// Returns [`TrackedPoint::motion`] of two points, bit-identical; faster, because the sines and cosines of both are
+    /// computed side by side.
     #[inline(always)]
     pub fn motions(points: [&Self; 2], angle: &[T; B], velocity: &[T; B]) -> [[Vector<T>; 2]; 2] {
         let mut moving = points.map(|p| [p.root, [T::ZERO; 2]]);
@@ -77,10 +77,10 @@ fn carry<T: Scalar>([x, v]: &mut [Vector<T>; 2], arm: Vector<T>, s: T, c: T, rat
     v[1] += (x[0] - pivot[0]) * rate;
 }
 
-/// How far the joints may turn before an open zone can touch.
+/// Bound on how far the joints may turn before an open zone can touch.
 ///
 /// A zone's compression changes by at most its longest lever times the angle, for every joint that it depends on. So a
-/// zone that was open by c stays open while sum lever |dq| < c. This is a bound and no estimate.
+/// zone that is open by c stays open while sum lever |dq| < c. This is a strict bound, not an estimate.
 #[derive(Debug, Clone, Copy)]
 pub struct Clearance<T, const B: usize> {
     zone: usize,
@@ -91,13 +91,14 @@ pub struct Clearance<T, const B: usize> {
 }
 
 impl<T: Scalar, const B: usize> Clearance<T, B> {
-    /// Contact point of a zone at absolute angles, and its compression there (m); `None` without contact.
+    /// Returns the clearance of a zone at absolute angles, rad, and its compression, m. The clearance is `None` if the
+    /// zone touches.
     pub fn of<const Z: usize>(model: &Model<T, B, Z>, zone: usize, angle: &[T; B]) -> (Option<Self>, T) {
         let compression = Pose::of(model, angle).compression(model, zone);
         ((compression < T::ZERO).then_some(Clearance { zone, angle: *angle, open: -compression }), compression)
     }
 
-    /// Whether the zone is still open, for certain.
+    /// Returns whether the zone is certainly still open at absolute angles, rad.
     #[inline(always)]
     pub fn holds<const Z: usize>(&self, model: &Model<T, B, Z>, angle: &[T; B]) -> bool {
         let support = &model.supports[self.zone];

@@ -13,9 +13,9 @@ use crate::settings::Settings;
 use crate::surface::{COUPLED, Coupled, Surface, Yielding};
 use crate::timing::Timing;
 
-/// Working memory of a step. After a step it holds what acted during it, at the time t0 + theta h.
+/// Working memory of a step. After the step it holds the forces and contacts at the time t0 + theta h.
 ///
-/// A step's result does not depend on what it held before, so that several mechanisms may share one.
+/// A step's result does not depend on previous contents, so several mechanisms may share one workspace.
 #[derive(Debug, Clone)]
 pub struct Workspace<T: Real, const B: usize, const Z: usize, const N: usize> {
     pub(crate) kinematics: Kinematics<T, B>,
@@ -196,7 +196,7 @@ pub(crate) struct Forces<T, const B: usize, const Z: usize> {
 }
 
 impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z, N> {
-    /// Fresh working memory. Where its room is not known to be enough, [`Workspace::for_model`] checks it.
+    /// Returns new working memory. [`Workspace::for_model`] also checks that it has room for a model's laws.
     pub fn new() -> Self {
         let z = T::ZERO;
         let no = T::Mask::splat(false);
@@ -237,7 +237,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         }
     }
 
-    /// Fresh working memory that has room for a model's laws.
+    /// Returns new working memory with room for a model's laws.
     ///
     /// # Errors
     /// [`ModelError::TooManyLaws`] if the model has more than N.
@@ -248,17 +248,19 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         Ok(Workspace::new())
     }
 
-    /// Says what a zone's curve, which yields ([`Description::yields`](crate::Description)), does in the next step of these settings: before every step, for the
-    /// workspace knows what was said last.
+    /// Sets the motion of a zone's compliant surface ([`Description::yields`](crate::Description)) in the next step of
+    /// these settings. Call it before every step: the workspace keeps the last motion set.
     pub fn set_surface(&mut self, settings: &Settings<T>, zone: usize, surface: &Surface<T>) {
         let h = settings.step;
         self.contacts.surfaces[zone] = Yielding::of(surface, h, settings.theta * h);
     }
 
-    /// Says which zones' surfaces belong to one thing, after [`Workspace::set_surface`] was told of each of them as if
-    /// nothing pressed the others: `compliance[i][j]`, m/N, is by how much a newton on the one that throughout the step
-    /// displaces the other at its end, the same both ways (the diagonal is not read); `guess`: about what presses them,
-    /// N. Before every step; fewer than two zones, or more than [`COUPLED`], feel nothing of each other.
+    /// Couples the surfaces of one external subsystem by its compliance matrix. Call it before every step, after
+    /// [`Workspace::set_surface`] has set the motion of each surface without contact forces.
+    ///
+    /// `compliance[i][j]`, m/N, is the displacement of surface i at the step's end per newton that acts on surface j
+    /// throughout the step. The matrix is symmetric; its diagonal is not read. `guess`: estimated contact forces, N.
+    /// With fewer than two zones, or more than [`COUPLED`], no surfaces are coupled.
     pub fn set_coupled_surfaces(
         &mut self,
         settings: &Settings<T>,
@@ -282,8 +284,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         }
     }
 
-    /// After a step and before its forces are read: what presses surfaces that belong to one thing, at the velocities
-    /// that the step ended with. What was said of them is forgotten.
+    /// Solves for the forces on coupled surfaces at the velocities at the step's end, and removes the coupling. Call it
+    /// after a step, before you read its forces.
     pub fn settle_surfaces(&mut self, model: &Model<T, B, Z>, settings: &Settings<T>) {
         if self.contacts.coupled.count > 1 {
             crate::coupled::settle(model, settings, self);
@@ -291,12 +293,12 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         }
     }
 
-    /// The pose at which the last Newton iteration evaluated the forces.
+    /// Returns the pose at which the last Newton iteration evaluated the forces.
     pub fn pose(&self) -> &Pose<T, B> {
         &self.kinematics.pose
     }
 
-    /// Force of the drive on the mechanism during the last step, N, along the site's direction.
+    /// Returns the force of the drive on the mechanism during the last step, N, along the site's direction.
     pub fn drive_force(&self) -> T {
         self.drive.force
     }
@@ -310,7 +312,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         settings.at_theta(joints.each_ref().map(|w| model.site_support.product(&self.drive.site_row, w).to_f64()))
     }
 
-    /// Normal force of a zone during the last step, N; zero if it was not touched.
+    /// Returns the normal force of a zone during the last step, N; zero if it was not touched.
     #[inline]
     pub fn normal_force(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> T {
         if self.touched_zones().contains(&zone) { self.pressed(model, settings, zone) } else { T::ZERO }
@@ -322,7 +324,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         self.contact(model, settings, zone).map_or(T::ZERO, |contact| contact.force)
     }
 
-    /// A zone as it acted during the last step; `None` if it was not touched.
+    /// Returns a zone's contact during the last step; `None` if it was not touched.
     pub fn contact(&self, model: &Model<T, B, Z>, settings: &Settings<T>, zone: usize) -> Option<Contact<T>> {
         let touched = self.touched_in(zone);
         if !touched.any() {
@@ -348,7 +350,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         Some(Contact { force, damping_force, ..contact })
     }
 
-    /// The zones that were touched during the last step (in any lane), ascending.
+    /// Returns the zones that were touched during the last step (in any lane), ascending.
     pub fn touched_zones(&self) -> &[usize] {
         &self.contacts.touched[..self.contacts.touched_count]
     }

@@ -1,7 +1,7 @@
-//! Steps whose error is controlled: each is taken once whole and once in two halves, and is as long as their difference
-//! allows.
+//! Adaptive steps with error control. Each step is computed once whole and once in two halves; their difference
+//! estimates the error and sets the length.
 //!
-//! A driver around the inner [`step()`](crate::step()); its equations stand in this crate's README, "Error control".
+//! A driver around the inner [`step()`](crate::step()). The equations are in this crate's README, "Error control".
 
 mod changes;
 
@@ -31,26 +31,26 @@ const AIMED: u32 = 8;
 /// Tolerance and bounds of adaptive steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy<T> {
-    /// Error allowed in a step: in each body's velocity as a part of `velocity` + |its velocity|, in its angle as a
-    /// part of what `velocity` turns it by in the largest step.
+    /// Relative error allowed in a step. The error of a body's velocity may be this times (`velocity` + |its
+    /// velocity|); the error of its angle may be this times `velocity` times `largest`.
     pub tolerance: T,
-    /// The speed that counts, rad/s: the error of what is slower is measured by it. 1 is usual, as for Newton's
-    /// tolerance.
+    /// Reference speed, rad/s. The errors of slower bodies are judged by it. 1 is usual, as for Newton's tolerance.
     pub velocity: T,
-    /// Smallest step, s; it is taken whatever its error, and reported.
+    /// Smallest step, s. It is accepted whatever its error, which the report states.
     pub smallest: T,
     /// Largest step, s.
     pub largest: T,
 }
 
 impl<T: Real> Accuracy<T> {
-    /// A tolerance, where 1 rad/s is the speed that counts.
+    /// Returns an accuracy with a reference speed of 1 rad/s; steps in s.
     pub fn new(tolerance: T, smallest: T, largest: T) -> Self {
         Accuracy { tolerance, velocity: T::ONE, smallest, largest }
     }
 }
 
-/// Memory of the step control from step to step. It belongs to one [`State`], and starts new with the state.
+/// Step-size controller. It keeps its data from step to step, belongs to one [`State`], and must be new for a new
+/// state.
 #[derive(Debug, Clone, Copy)]
 pub struct Controller<T, const Z: usize> {
     /// The length to try next, s.
@@ -65,27 +65,27 @@ pub struct Controller<T, const Z: usize> {
 }
 
 impl<T: Real, const Z: usize> Controller<T, Z> {
-    /// Begins with an attempt of a length, s.
+    /// Returns a controller that tries a step of length `first` (s) first.
     pub fn new(first: T) -> Self {
         Controller { next: first, last: T::ZERO, error: T::ONE, slip: [T::ZERO; Z], slip_rate: [T::ZERO; Z] }
     }
 }
 
-/// Working memory, and what happened in the two halves of the step.
+/// Working memory of an adaptive step, and the results of its two halves.
 #[derive(Debug, Clone)]
 pub struct StepDoubling<T: Real, const B: usize, const Z: usize, const N: usize> {
-    /// Settings of the halves.
+    /// Settings of each half.
     pub settings: Settings<T>,
-    /// The state between them.
+    /// State between the halves.
     pub middle: State<T, B, Z>,
-    /// The forces of each half step.
+    /// Workspace of each half, with its forces.
     pub workspace: [Workspace<T, B, Z, N>; 2],
     end: State<T, B, Z>,
     whole: State<T, B, Z>,
 }
 
 impl<T: Real, const B: usize, const Z: usize, const N: usize> StepDoubling<T, B, Z, N> {
-    /// Fresh working memory; results do not depend on what it held before.
+    /// Returns new working memory. Results do not depend on previous contents.
     pub fn new(settings: &Settings<T>) -> Self {
         let state = || State::at_rest([T::ZERO; B]);
         let workspace = [Workspace::new(), Workspace::new()];
@@ -99,36 +99,36 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> StepDoubling<T, B,
     }
 }
 
-/// Report of a step.
+/// Report of an adaptive step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlledStep<T> {
-    /// How it ended; [`Outcome::NonFinite`] and [`Outcome::TooManyLaws`] leave the state as it was.
+    /// Outcome of the step; [`Outcome::NonFinite`] and [`Outcome::TooManyLaws`] leave the state unchanged.
     pub outcome: Outcome,
-    /// Its length, s.
+    /// Length, s.
     pub step: T,
-    /// Its error as a part of what is allowed; above one only at the smallest step.
+    /// Estimated error over the error allowed; above one only at the smallest step.
     pub error: T,
-    /// Whether whole and halves were combined to the higher order.
+    /// Whether Richardson extrapolation combined whole and halves to a higher order.
     pub extrapolated: bool,
-    /// Attempts that were rejected.
+    /// Rejected attempts.
     pub rejected: u32,
     /// Inner steps of all attempts.
     pub inner: u32,
-    /// Their Newton iterations.
+    /// Newton iterations of all inner steps.
     pub newton: u32,
-    /// Their sweeps or active sets.
+    /// Solver iterations (sweeps or active sets) of all inner steps.
     pub solver: u32,
 }
 
-/// Advances `state` by one step, as long as its error allows, and at most `limit` s. Never allocates, never panics,
-/// takes a bounded number of inner steps.
+/// Advances `state` by one step whose length is set by the error allowed, and is at most `limit` (s). Never allocates
+/// and never panics; the number of inner steps is bounded.
 ///
-/// `input(from, h, state)` says what drives an inner step that begins `from` s after this step's start at `state` and
-/// lasts `h` s (see [`Input`] for the instants that its numbers belong to). The controller knows nothing of the drive
-/// between these instants, so a step should end where the drive jumps.
+/// `input(from, h, state)` returns the input of an inner step of length `h` (s) that starts `from` (s) after this
+/// step's start, at `state` ([`Input`] states at which instant each of its numbers holds). The controller does not see
+/// how the drive changes between these instants, so end a step where the drive jumps.
 ///
-/// Of the settings, `step` is not used, and the Newton tolerance is lowered to a hundredth of the accuracy's where that
-/// is less. Use theta = 1/2: at a larger one the scheme is of first order, and steps are shorter.
+/// `settings.step` is not used. The Newton tolerance is at most a hundredth of the accuracy's tolerance. Use theta =
+/// 1/2: with a larger theta the scheme is of first order, and steps are shorter.
 #[allow(clippy::too_many_arguments)]
 pub fn controlled_step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,

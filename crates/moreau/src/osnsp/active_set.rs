@@ -1,6 +1,6 @@
-//! Active set on the velocities: guess which laws stick, hold the velocities that stick, solve the system, correct
-//! the guess, until it is right. The warm start is right in most steps, and then one factorisation is all; the Delassus
-//! matrix is never formed.
+//! Active set on the velocities: guesses which laws stick, fixes these velocities, solves the system, and corrects the
+//! guess until it is right. The warm start is right in most steps; one factorisation then suffices. The Delassus matrix
+//! is never formed.
 //!
 //! Sticking pivots stay in the system with a huge inertia. The others then move as if those were not in it. The solver
 //! sets the velocities of sticking pivots to zero exactly, so that a held note does not drift by rounding. Sliding

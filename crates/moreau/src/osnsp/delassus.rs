@@ -1,4 +1,4 @@
-//! The dense form of the one-step problem: all laws alike, coupled by the Delassus matrix.
+//! Dense form of the one-step problem: all laws in one list, coupled by the Delassus matrix.
 //!
 //! Find p with u = u_free + W p and, for every law i, |p_i| <= bound_i, p_i = -bound_i sign(u_i) where u_i is not zero.
 //! The bound of a sliding contact follows the felt's force, so it is affine in p:
@@ -8,25 +8,25 @@ use super::system::{Impulses, System};
 use crate::linear;
 use crate::real::{Real, Scalar};
 
-/// One linearised step, `count` laws in use.
+/// One-step problem in dense form, with `count` laws in use.
 #[derive(Debug, Clone)]
 pub struct OneStepProblem<T, const N: usize> {
     /// Number of laws in use.
     pub count: usize,
     /// Delassus matrix W = D^T A^-1 D, symmetric positive semidefinite.
     pub delassus: [[T; N]; N],
-    /// u_free, the laws' velocities without impulses.
+    /// Velocities u_free of the laws without impulses.
     pub free: [T; N],
     /// Constant part of the bounds, impulse units.
     pub bound: [T; N],
-    /// Dependence of the bounds on the impulses.
+    /// Gradient of each bound in the impulses.
     pub slope: [[T; N]; N],
-    /// Whether a row of `slope` is in use; the others are not read.
+    /// Whether each row of `slope` is in use; the others are not read.
     pub sloped: [bool; N],
 }
 
 impl<T: Real, const N: usize> OneStepProblem<T, N> {
-    /// An empty problem.
+    /// Returns an empty problem.
     pub fn new() -> Self {
         let z = T::ZERO;
         OneStepProblem {
@@ -51,7 +51,7 @@ impl<T: Real, const N: usize> OneStepProblem<T, N> {
         b.max(T::ZERO)
     }
 
-    /// The velocity of law i at impulses p.
+    /// Returns the velocity of law i at impulses p.
     #[inline(always)]
     pub fn velocity_at(&self, i: usize, p: &[T; N]) -> T {
         let mut u = self.free[i];

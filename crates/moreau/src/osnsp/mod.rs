@@ -5,8 +5,8 @@
 //! |p_i| <= bound_i, and sliding laws u_k = row_k . w, |p_k| <= bound_k + slope_k . w (the bound follows the felt's force),
 //! every impulse opposing its own velocity: p = proj_[-bound, bound](p - rho u) for any rho > 0 [T12 eqs 2-4].
 //!
-//! `system.rs` holds the data. Rival solvers are sibling files with one signature; `delassus.rs` is the dense form u =
-//! u_free + W p that some of them use.
+//! `system.rs` holds the data. Alternative solvers are sibling files with one signature; some of them use the dense
+//! form u = u_free + W p of `delassus.rs`.
 
 pub mod active_set;
 pub mod delassus;
@@ -20,10 +20,10 @@ pub use system::{Guess, Impulses, SlidingLaw, SolveReport, System};
 /// Solver of the one-step problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
-    /// Active set on the velocities, with an exact fallback: the default.
+    /// Active set on the velocities, with an exact fallback. The default.
     #[default]
     ActiveSet,
-    /// The papers' projected Gauss-Seidel on the augmented Lagrangian: the reference.
+    /// Projected Gauss-Seidel on the augmented Lagrangian, as in the papers. For reference.
     ProjectedGaussSeidel,
 }
 

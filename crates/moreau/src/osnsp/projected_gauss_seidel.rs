@@ -1,4 +1,4 @@
-//! The papers' solver: p <- proj_[-bound, bound](p - rho u), law after law, until nothing moves.
+//! The papers' solver: p <- proj_[-bound, bound](p - rho u), law by law, until no velocity changes.
 //!
 //! With rho_i = 1/W_ii each update solves its own law exactly, given the others.
 
@@ -18,7 +18,7 @@ pub(crate) fn solve<T: Scalar, const B: usize, const N: usize>(
     (dense.finish(impulses), report)
 }
 
-/// Sweeps until no law's velocity changes by more than `tolerance`, at most `limit` times.
+/// Sweeps over the laws until no velocity changes by more than `tolerance`, at most `limit` times.
 pub fn solve_dense<T: Real, const N: usize>(
     problem: &OneStepProblem<T, N>,
     p: &mut [T; N],

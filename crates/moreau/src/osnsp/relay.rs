@@ -1,9 +1,9 @@
-//! The exact solver of the dense problem: guess which laws stick, solve the linear system that the guess leaves,
-//! correct the guess, until it is right.
+//! Exact solver of the dense problem. It guesses which laws stick, solves the linear system of the guess, and corrects
+//! the guess until it is right.
 //!
-//! Where the guesses cycle (badly conditioned or rank-deficient problems), a primal active-set method for the convex
-//! quadratic programme min 1/2 p.W p + u_free.p over the box takes over: it goes downhill at every step and ends
-//! (Nocedal & Wright, Numerical Optimization, section 16.5).
+//! If the guesses cycle (badly conditioned or rank-deficient problems), a primal active-set method takes over. It
+//! solves the convex quadratic programme min 1/2 p.W p + u_free.p over the box, decreases the objective at every step,
+//! and terminates (Nocedal & Wright, Numerical Optimization, section 16.5).
 
 use super::delassus::OneStepProblem;
 use super::system::SolveReport;
@@ -27,7 +27,7 @@ enum Side {
     Upper,
 }
 
-/// Solves to `tolerance` on the laws' velocities; `limit` bounds the fallback's steps per pass.
+/// Solves the problem to `tolerance` on the laws' velocities. `limit` bounds the fallback's steps per pass.
 #[inline]
 pub fn solve_dense<T: Scalar, const N: usize>(
     problem: &OneStepProblem<T, N>,

@@ -1,44 +1,44 @@
-//! The one-step problem as data: the linearised step, its set-valued laws, and the guess of where they stand.
+//! Data of the one-step problem: the linearised step, its set-valued laws, and the guess of each law's side.
 
 use crate::linear::{Symmetric, product};
 use crate::real::{Mask, Real, Scalar};
 
-/// One linearised step, in relative velocities.
+/// One linearised step in relative velocities.
 #[derive(Debug, Clone)]
 pub struct System<T, const B: usize, const N: usize> {
-    /// A, symmetric positive definite.
+    /// Matrix A, symmetric positive definite.
     pub a: Symmetric<T, B>,
-    /// b: the impulse that would bring about the step without set-valued laws, plus A w for the iterate w.
+    /// Right-hand side b: the impulse of the step without set-valued laws, plus A w for the iterate w.
     pub b: [T; B],
-    /// h c_d of every pivot; 0 is no friction.
+    /// Impulse bound h c_d of each pivot; 0 without friction.
     pub pivot_bound: [T; B],
-    /// Sliding contacts and a rigid drive.
+    /// Laws of sliding contacts, dry felts and an imposed motion.
     pub sliding: [SlidingLaw<T, B>; N],
     /// Number of laws in use.
     pub count: usize,
 }
 
-/// A sliding contact, or a velocity that is imposed.
+/// Law of a sliding contact or a dry felt, or an imposed velocity.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingLaw<T, const B: usize> {
-    /// u = row . w - target.
+    /// Jacobian row of the velocity u = row . w - target.
     pub row: [T; B],
-    /// The velocity to be reached; zero for friction.
+    /// Imposed velocity; zero for friction.
     pub target: T,
     /// Bound of the impulse at w = 0.
     pub bound: T,
-    /// Its gradient in w.
+    /// Gradient of the bound in w.
     pub slope: [T; B],
-    /// No bound at all: u = 0.
+    /// Whether the impulse has no bound, so that u = 0.
     pub rigid: bool,
 }
 
-/// The impulses of a system: a warm start before, the solution after.
+/// Impulses of a system: the warm start before a solve, the solution after it.
 #[derive(Debug, Clone, Copy)]
 pub struct Impulses<T, const B: usize, const N: usize> {
-    /// Bound of each pivot.
+    /// Impulse of each pivot.
     pub pivot: [T; B],
-    /// Bound of each sliding law.
+    /// Impulse of each sliding law.
     pub sliding: [T; N],
 }
 
@@ -100,21 +100,21 @@ impl<T: Real, const B: usize, const N: usize> Impulses<T, B, N> {
     }
 }
 
-/// How a solve ended.
+/// Outcome of a solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SolveReport {
-    /// The tolerance was met.
+    /// Whether the tolerance was met.
     pub converged: bool,
     /// Sweeps or active sets tried.
     pub iterations: u32,
 }
 
-/// Side of each law: 0 sticks, +1 and -1 slide with p = +bound and -bound.
+/// Side of each law: 0 if it sticks, +1 or -1 if it slides with p = +bound or -bound.
 #[derive(Debug, Clone)]
 pub struct Guess<T: Real, const B: usize, const N: usize> {
-    /// Pivots; those without dry friction never stick.
+    /// Side of each pivot; a pivot without dry friction never sticks.
     pub pivot: [T; B],
-    /// Sliding laws.
+    /// Side of each sliding law.
     pub sliding: [T; N],
     /// Sliding laws whose bound falls to zero within the step, because the felt is left: p = 0, whatever the velocity.
     pub(crate) open: [T::Mask; N],

@@ -1,8 +1,8 @@
-//! Derivatives of a motion with switching laws, by forward mode: the equations stand in this crate's README,
+//! Derivatives of a motion with switching laws, by forward mode. The equations are in this crate's README,
 //! "Derivatives".
 //!
-//! Steps are taken in [`Dual`] numbers, and end where a law that slips comes to stick or turns round. There the
-//! derivatives jump by the saltation matrix.
+//! Steps are taken in [`Dual`] numbers and end where a slipping law begins to stick or reverses. There the saltation
+//! matrix gives the jump of the derivatives.
 
 mod crossing;
 mod switch;
@@ -39,19 +39,19 @@ const CLOSER: [f64; 2] = [0.02, 4.0 * RESOLUTION];
 /// leaves out.
 const ITERATIONS: u32 = 16;
 
-/// The drive of an inner step that begins so many s after the outer step's start and lasts so long, s; the last
-/// argument is where the driven point is then.
+/// Callback that returns the input of an inner step. Arguments: time from the outer step's start to the inner step's
+/// start, s; length of the inner step, s; position of the driven point at that start, m.
 pub type Driven<'a, const D: usize> = dyn FnMut(f64, f64, Dual<D>) -> Input<Dual<D>> + 'a;
 
-/// Hears of every switch.
+/// Callback that receives every [`Switch`].
 pub type Switched<'a> = dyn FnMut(Switch) + 'a;
 
-/// A switch of friction on the way.
+/// Switch of a friction law within a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Switch {
-    /// Time after the start of the step, s.
+    /// Time from the step's start, s.
     pub after_s: f64,
-    /// Law that switches; `None` if it could not be identified.
+    /// Law that switched; `None` if it could not be identified.
     pub law: Option<SwitchingLaw>,
     /// Kind of the switch.
     pub kind: SwitchKind,
@@ -60,30 +60,30 @@ pub struct Switch {
 /// Kind of a switch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SwitchKind {
-    /// It comes to stick.
+    /// The law begins to stick.
     Sticks,
-    /// It slips the other way.
+    /// The slip reverses.
     Reverses,
-    /// It could not be distinguished from another switch.
+    /// The switch could not be separated from another one.
     Unresolved,
 }
 
-/// Report of a step.
+/// Report of a step with derivatives.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct TangentReport {
     /// Switches at which the derivatives jumped.
     pub switches: u32,
-    /// Switches that could not be distinguished from the one before: there the derivatives are those of the step
-    /// across.
+    /// Switches that could not be separated from the previous one. Across these the derivatives are those of one step
+    /// over both.
     pub unresolved: u32,
     /// Inner steps whose derivatives or velocities did not converge.
     pub unconverged: u32,
-    /// Whether a number that is not finite arose: nothing that follows is of use.
+    /// Whether a number became infinite or NaN. If so, all further results are invalid.
     pub failed: bool,
 }
 
 impl TangentReport {
-    /// The report of two stretches together.
+    /// Returns the combined report of two consecutive parts of a motion.
     pub fn and(self, other: TangentReport) -> Self {
         TangentReport {
             switches: self.switches + other.switches,
@@ -94,43 +94,46 @@ impl TangentReport {
     }
 }
 
-/// A mechanism and its motion's derivatives in D directions.
+/// A mechanism with the derivatives of its motion in D directions.
 #[derive(Debug, Clone)]
 pub struct Tangent<const B: usize, const Z: usize, const N: usize, const D: usize> {
-    /// The numbers of the mechanism, and how they depend on the directions.
+    /// Model, with the derivatives of its numbers in the directions.
     pub model: Model<Dual<D>, B, Z>,
     plain: Model<f64, B, Z>,
-    /// State, and its dependence on the directions.
+    /// State, with its derivatives in the directions.
     pub state: State<Dual<D>, B, Z>,
     workspace: Workspace<Dual<D>, B, Z, N>,
     probe: Workspace<f64, B, Z, N>,
-    /// What the derivatives do across a switch that cannot be distinguished from another: where this is set they go on
-    /// as they were, else they are those of a step across it. How far the two are apart is what such switches make
-    /// uncertain.
+    /// Treatment of a switch that cannot be separated from another one. If true, the derivatives continue unchanged
+    /// across it; if false, they are those of a step across it. The difference between both is the uncertainty due to
+    /// such switches.
     pub passes_unresolved: bool,
     /// Length of the last inner step, s; 0 before the first.
     last: f64,
 }
 
-/// Why there are no derivatives.
+/// Error: the model has no derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum TangentError {
-    /// The model.
+    /// The model has more set-valued laws than N.
     Model(ModelError),
-    /// Friction that grows at rest: its bound jumps where it lets go, which is not derived here.
+    /// Friction that grows at rest is not supported: its bound jumps when it begins to slip.
     Dwell,
-    /// A felt with a set-valued loss ([`Loss::SetValued`](crate::Loss)): its reversals are not derived here.
+    /// A felt with a set-valued loss ([`Loss::SetValued`](crate::Loss)) is not supported: its reversals are not derived
+    /// here.
     SetValuedFelt,
-    /// A zone whose curve yields ([`Yields`](crate::Yields)): the subsystem behind it has no derivatives here.
+    /// A zone with a compliant surface ([`Yields`](crate::Yields)) is not supported: the external subsystem has no
+    /// derivatives here.
     Yielding,
 }
 
 impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, Z, N, D> {
-    /// A tangent of a model in dual numbers and of the same model in plain ones, from a pose at rest.
+    /// Builds the tangent of a model in dual numbers, at rest at absolute angles, rad. `plain` is the same model in
+    /// plain numbers.
     ///
     /// # Errors
-    /// What is not derived here, and a model with more laws than N.
+    /// Returns [`TangentError`] if the model has a part without derivatives here, or more laws than N.
     pub fn new(
         model: Model<Dual<D>, B, Z>,
         plain: Model<f64, B, Z>,
@@ -150,8 +153,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         Ok(Tangent { model, plain, state, workspace, probe, passes_unresolved: false, last: 0.0 })
     }
 
-    /// Advances by h = `settings.step`, in as many inner steps as there are switches, and one more. `switched` hears of
-    /// every switch.
+    /// Advances by h = `settings.step`, in inner steps that end where a law changes. `switched` receives every switch.
     pub fn step(
         &mut self,
         settings: &Settings<f64>,
@@ -181,18 +183,18 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         all.and(TangentReport { unresolved: 1, ..self.go(settings, left, &drive) })
     }
 
-    /// Normal force of a zone during the last inner step, N.
+    /// Returns the normal force of a zone during the last inner step, N.
     pub fn normal_force(&self, settings: &Settings<f64>, zone: usize) -> Dual<D> {
         let settings = dual_settings(&Settings { step: self.last, ..*settings });
         self.workspace.normal_force(&self.model, &settings, zone)
     }
 
-    /// Length of the last inner step, s; 0 before the first.
+    /// Returns the length of the last inner step, s; 0 before the first.
     pub fn last_step_s(&self) -> f64 {
         self.last
     }
 
-    /// Position of the driven point along the drive's direction, m.
+    /// Returns the world coordinate of the driven point along the site's direction, m.
     pub fn site(&self) -> Dual<D> {
         self.model.site_position(&self.state.angle)
     }

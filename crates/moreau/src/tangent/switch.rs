@@ -1,8 +1,8 @@
-//! Which laws switch: what slips comes to stick, or turns round.
+//! Switches of friction laws: a slipping contact begins to stick, or reverses.
 //!
-//! The derivatives of a motion jump there, for its acceleration does. They do not where a law lets go (its force has
-//! just reached its bound), where a felt begins to push or leaves (so does its force, from zero), or at the clamp of a
-//! felt.
+//! The derivatives of a motion jump there, because its acceleration does. They do not jump where a sticking law begins
+//! to slip (its force has just reached its bound), where a felt begins or ceases to push (its force is continuous,
+//! too), or where the force of a felt reaches the limit zero.
 
 use crate::dual::Dual;
 use crate::model::Model;
