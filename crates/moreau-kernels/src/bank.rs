@@ -1,11 +1,11 @@
-//! Many mechanisms, stepped one after the other; those that nothing changes sleep.
+//! A bank of mechanisms, stepped one after the other. A mechanism sleeps while its steps would change nothing.
 //!
-//! A step is a function of state and input. Where it left a state identical to the bit, every further step with the
-//! identical input would do so too: the mechanism sleeps, and is not stepped until its input changes. That is exact,
-//! not a threshold, and it happens, because dry friction as a set-valued law truly sticks: what rests comes to
-//! velocities of exactly zero in finite time. Under a regularised friction law it does not, and nothing ever sleeps.
-//! Nor does a mechanism that friction holds exactly at its limit, where rounding lets it slip and stick in turn
-//! (velocities of 1e-17 rad/s that move no angle): rare, and then merely not for free.
+//! A step is a function of state and input. If a step leaves every bit of a mechanism's state unchanged, so would the
+//! next one with the same input. Such a mechanism sleeps: it is skipped until its input changes. This is exact; there
+//! is no threshold. It works because set-valued dry friction brings velocities to exactly zero in finite time.
+//! Regularised friction does not, so that under it no mechanism ever sleeps. A mechanism that friction holds exactly at
+//! its limit may not sleep either: rounding lets it slip and stick in turn (velocities of 1e-17 rad/s that change no
+//! angle). This is rare, and costs only time.
 
 use moreau::{Input, ModelError, Outcome, Settings, Workspace};
 
@@ -18,61 +18,62 @@ use crate::{Impact, OwnedDescription, Probes, Size};
 /// Report of one step of a bank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Tick {
-    /// Mechanisms that were stepped; the others slept.
+    /// Number of mechanisms that were stepped; the others slept.
     pub stepped: u32,
-    /// Number of these whose step reached an iteration limit.
+    /// Number of stepped mechanisms whose step reached an iteration limit.
     pub unconverged: u32,
-    /// Number of these that stayed where they were, because a number was not finite.
+    /// Number of stepped mechanisms whose state did not change because a number became infinite or NaN.
     pub non_finite: u32,
 }
 
-/// Many mechanisms of one size, each with an input that holds until it is changed. Indices count from 0. Only [`bank`]
-/// allocates, and what says so.
+/// Many mechanisms of one size, each with an input that acts until it is changed. Indices count from 0. Only [`bank`]
+/// allocates, and the functions that say so.
 pub trait Bank: Send {
-    /// Number of mechanisms.
+    /// Returns the number of mechanisms.
     fn count(&self) -> usize;
-    /// The settings that all are stepped with.
+    /// Returns the settings of all steps.
     fn settings(&self) -> &Settings<f64>;
-    /// The present instant, s.
+    /// Returns the present instant, s.
     fn now_s(&self) -> f64;
-    /// The mechanisms that are awake: the next step steps these.
+    /// Returns the mechanisms that are awake. The next step advances these.
     fn awake(&self) -> &[usize];
-    /// Whether one is awake.
+    /// Returns whether a mechanism is awake.
     fn is_awake(&self, index: usize) -> bool;
-    /// What drives one from the next step on. Wakes it if that is anything new.
+    /// Sets the input of a mechanism from the next step on. Wakes it if the input changes.
     fn drive(&mut self, index: usize, input: &Input<f64>);
-    /// Places one's hand: world coordinate along the drive's direction, m, and velocity, m/s. Wakes it.
+    /// Sets the hand of a mechanism: world coordinate along the drive's direction, m, and velocity, m/s. Wakes it.
     fn place_hand(&mut self, index: usize, hand: [f64; 2]);
-    /// Whether what nothing changes sleeps, as at first. Otherwise all are stepped in every step, with the same
+    /// Sets whether mechanisms may sleep; true at first. If false, every step advances all of them, with the same
     /// results.
     fn let_sleep(&mut self, sleep: bool);
-    /// Sets the number of halvings of a step while something is near a compliant surface, from the next step on; as the
-    /// surfaces ask, at first. Wakes all. May allocate.
+    /// Sets how steps are halved near a compliant surface, from the next step on; at first, as the surfaces request.
+    /// Wakes all mechanisms if this changes. May allocate.
     fn halve(&mut self, halving: Halving);
-    /// Steps all that are awake; `impact` is called with every one whose marked point has met its zone.
+    /// Advances all mechanisms that are awake by one step. Calls `impact` for each one whose probe point has hit its
+    /// zone.
     fn step(&mut self, impact: &mut dyn FnMut(usize, Impact)) -> Tick;
-    /// Output of one's last step.
+    /// Returns the output of a mechanism's last step.
     fn output(&self, index: usize) -> StepOutput;
-    /// Absolute angles of one, rad.
+    /// Returns the absolute angles of a mechanism's bodies, rad.
     fn angles(&self, index: usize) -> &[f64];
-    /// Absolute angular velocities of one, rad/s.
+    /// Returns the absolute angular velocities of a mechanism's bodies, rad/s.
     fn velocities(&self, index: usize) -> &[f64];
-    /// All that the following steps of one depend on.
+    /// Returns everything that the following steps of a mechanism depend on, except for its surfaces.
     fn save(&self, index: usize) -> Saved;
-    /// One goes on from there, to the bit, and is awake.
+    /// Restores a saved mechanism, to the bit, at the bank's present instant. Wakes it.
     fn restore(&mut self, index: usize, saved: &Saved);
-    /// The compliant subsystem under one's zones, where there is one.
+    /// Returns the compliant external subsystem under a mechanism's zones; `None` if there is none.
     fn surfaces(&self, index: usize) -> Option<&dyn Surfaces>;
-    /// The same, to be changed; wakes it.
+    /// Returns the subsystem under a mechanism's zones for changes. Wakes the mechanism.
     fn surfaces_mut(&mut self, index: usize) -> Option<&mut (dyn Surfaces + 'static)>;
-    /// From now on one's zones press on these; wakes it.
+    /// Places a subsystem under a mechanism's zones. Wakes the mechanism.
     fn set_surfaces(&mut self, index: usize, surfaces: Box<dyn Surfaces>);
 }
 
-/// Assembles mechanisms, each awake and undriven; all in the size of the largest.
+/// Assembles a bank of mechanisms, all in the size that holds the largest. Each is awake and has no drive.
 ///
 /// # Errors
-/// The index of one that no size holds, or that is not sound, and what is wrong.
+/// Returns the index of a mechanism that is too large for every size or is unsound, with its [`ModelError`].
 pub fn bank(
     descriptions: &[OwnedDescription],
     probes: &[Probes],

@@ -1,12 +1,13 @@
-//! Adaptive steps of an engine: what is kept while the error is controlled.
+//! Adaptive steps of an engine.
 
 use moreau::{
     Accuracy, ControlledStep, Controller, Hand, Input, Model, Outcome, Settings, State, StepDoubling, Workspace,
     controlled_step,
 };
 
-/// The drive of an inner step that begins so many s after the adaptive step and lasts so long, s; the last argument
-/// says where the driven point is then, as [`crate::Observation::site_position`] does.
+/// Callback that returns the input of an inner step. Arguments: time from the start of the adaptive step, s; length of
+/// the inner step, s; a function that returns the position of the driven point at that instant, m
+/// ([`crate::Observation::site_position`]).
 pub type InputDuring<'a> = dyn FnMut(f64, f64, &dyn Fn() -> f64) -> Input<f64> + 'a;
 
 pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {

@@ -1,52 +1,52 @@
-//! The description of a mechanism, in lists of any length.
+//! Owned description of a mechanism, in lists of any length.
 
 use moreau::{Body, Curve, Description, Dwell, Felt, Model, ModelError, Scalar, Site, Spring, Yields, Zone};
 
-/// A mechanism before it is compiled into a model of fixed size. Indices count from 0; the ground is
+/// Parts of a mechanism, before compilation into a model of fixed size. Indices count from 0; the ground is
 /// [`moreau::GROUND`].
 #[derive(Debug, Clone)]
 pub struct OwnedDescription<T = f64> {
-    /// Bodies, parents first.
+    /// Bodies. A parent precedes its children.
     pub bodies: Vec<Body<T>>,
-    /// Torsion springs at their pivots.
+    /// Torsion springs at pivots.
     pub springs: Vec<Spring<T>>,
     /// Contact zones.
     pub zones: Vec<Zone<T>>,
-    /// Dry friction that grows while it sticks.
+    /// Pivots and zones whose dry friction grows while it sticks.
     pub dwells: Vec<Dwell<T>>,
-    /// Zones whose curves yield.
+    /// Zones whose curves belong to compliant subsystems.
     pub yields: Vec<Yields<T>>,
-    /// Driven point.
+    /// Driven point; `None` if nothing drives the mechanism.
     pub site: Option<Site<T>>,
     /// Acceleration of gravity, m/s2, downward.
     pub gravity: T,
-    /// Absolute angles from which it is let go, rad, one per body.
+    /// Absolute angles at the start, rad, one per body.
     pub angles: Vec<T>,
 }
 
 impl<T: Scalar> OwnedDescription<T> {
-    /// Borrows it as the engine's description.
+    /// Borrows this description as the engine's [`Description`].
     pub fn borrowed(&self) -> Description<'_, T> {
         let OwnedDescription { bodies, springs, zones, dwells, yields, site, gravity, .. } = self;
         Description { bodies, springs, zones, dwells, yields, site: *site, gravity: *gravity }
     }
 
-    /// The model in a given size.
+    /// Compiles the model in a given size.
     ///
     /// # Errors
-    /// [`ModelError`]: it does not fit, or a number is not sound.
+    /// Returns [`ModelError`] if the mechanism does not fit or a number is out of its range.
     pub fn model<const B: usize, const Z: usize>(&self) -> Result<Model<T, B, Z>, ModelError> {
         self.borrowed().compile()
     }
 
-    /// The first angles in a given size; unused places are zero.
+    /// Returns the absolute angles at the start in a given size, rad; zero for unused places.
     pub fn first_angles<const B: usize>(&self) -> [T; B] {
         core::array::from_fn(|i| self.angles.get(i).copied().unwrap_or(T::ZERO))
     }
 }
 
 impl OwnedDescription<f64> {
-    /// All its numbers, in a fixed order.
+    /// Returns all numbers of the description, in a fixed order.
     pub fn numbers(&self) -> Vec<f64> {
         let mut numbers = Vec::new();
         self.map(&mut |x| {
@@ -119,11 +119,12 @@ fn felt<T: Scalar>(felt: &Felt<f64>, f: &mut dyn FnMut(f64) -> T) -> Felt<T> {
     Felt { stiffness: f(felt.stiffness), exponent: felt.exponent.map(&mut *f), loss: felt.loss.map(f) }
 }
 
-/// Points observed after every step, besides the driven point.
+/// Point and zone observed after every step, besides the driven point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Probes {
-    /// A point of a body, m in the body's frame.
+    /// Probe point: a body and a point, m, in the body's frame (an action's hammer).
     pub point: Option<(usize, [f64; 2])>,
-    /// The zone that the point meets: instant and speed are predicted from its flight before ([`crate::Impact`]).
+    /// Zone that the probe point hits (an action's string). Instant and speed are extrapolated from the motion before
+    /// ([`crate::Impact`]).
     pub zone: Option<usize>,
 }

@@ -1,21 +1,21 @@
-//! Instant and speed of an impact: the marked point (an action's hammer) meets the marked zone (its string). Both are
-//! predicted from the flight before ([`moreau::ImpactPredictor`]).
+//! Impact of the probe point (an action's hammer) on its zone (the string). Instant and speed are extrapolated from the
+//! motion just before ([`moreau::ImpactPredictor`]).
 
 use moreau::{ImpactPredictor, Model, PointImpact, TrackedPoint};
 
 use crate::Probes;
 
-/// An impact of the hammer on the string: of the marked point on the marked zone ([`Probes`]).
+/// Impact of the hammer on the string: of the probe point on its zone ([`Probes`]).
 ///
-/// This is the one type that carries these numbers from the step that finds them to the report.
+/// This type carries these numbers from the step that finds them to the report.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impact {
-    /// Instant at which the zone begins to be pressed, s.
+    /// Instant at which the compression becomes positive, s.
     pub time_s: f64,
     /// Total speed of the point along its path at that instant, m/s.
     pub hammer_speed_m_per_s: f64,
-    /// Its part along the zone's normal, toward the zone, m/s: how fast the compression begins to grow where what is
-    /// pressed stands still.
+    /// Normal part of this speed, toward the zone, m/s. This is the initial rate of compression if the surface does not
+    /// move.
     pub hammer_speed_normal_m_per_s: f64,
 }
 

@@ -1,15 +1,16 @@
-//! The engine, compiled: mechanisms of any size behind one dynamic call per step.
+//! The engine in compiled form: mechanisms of any size behind one dynamic call per step.
 //!
-//! `moreau` is generic over its sizes, so that its loops are unrolled. This crate is the only one that instantiates its
-//! step for piano-sized mechanisms: whoever depends on it compiles no kernel. A [`OwnedDescription`] says what the
-//! mechanism is; it runs in the smallest size that holds it ([`Size`]), as
+//! `moreau` is generic over its sizes, so that its loops are unrolled. Only this crate compiles its step for
+//! piano-sized mechanisms; crates that depend on this one compile no kernel. An [`OwnedDescription`] lists the parts of
+//! a mechanism. The mechanism runs in the smallest size that holds it ([`Size`]), as one of these:
 //!
-//! - [`Mechanism`]: one, with its own working memory;
-//! - [`Bank`]: many that are stepped one after the other and sleep while nothing changes;
-//! - [`SideBySide`]: several of one topology in the processor's vector lanes (on [`Group`], which has a fixed size);
-//! - [`Tangents`]: one, with the derivatives of its motion.
+//! - [`Mechanism`]: one mechanism with its own working memory;
+//! - [`Bank`]: many mechanisms, stepped one after the other, that sleep while nothing changes;
+//! - [`SideBySide`]: several mechanisms of one topology in the processor's vector lanes (on [`Group`], which has a
+//!   fixed size);
+//! - [`Tangents`]: one mechanism with the derivatives of its motion.
 //!
-//! The first three observe through the same code ([`Probes`], [`StepOutput`], [`Impact`]).
+//! The first three share the code of their outputs ([`Probes`], [`StepOutput`], [`Impact`]).
 
 mod bank;
 mod controlled;

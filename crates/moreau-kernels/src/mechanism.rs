@@ -1,4 +1,4 @@
-//! One mechanism of any size.
+//! A single mechanism of any size.
 
 use moreau::{
     Accuracy, Contact, ControlledStep, Energies, Input, Ledger, LossIn, ModelError, SavedState, Settings, StepReport,
@@ -11,65 +11,65 @@ use crate::size::with_size;
 use crate::surfaces::{Halving, Surfaces};
 use crate::{Impact, OwnedDescription, Probes, Size};
 
-/// Output of a step. Places and speeds are those at the step's end; forces acted in the step, at its theta point.
+/// Output of a step. Positions and speeds are those at the step's end; forces are those at its theta point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepOutput {
     /// World coordinate of the driven point along the drive's direction, m.
     pub site_m: f64,
-    /// Its speed in that direction, m/s.
+    /// Velocity of the driven point in that direction, m/s.
     pub site_m_per_s: f64,
     /// Force of the drive on the mechanism, N.
     pub drive_n: f64,
     /// World coordinate of the hand along the drive's direction, m, and its velocity, m/s.
     pub hand: [f64; 2],
-    /// The marked point in the world, m.
+    /// Position of the probe point in the world, m.
     pub point_m: [f64; 2],
-    /// Its velocity, m/s.
+    /// Velocity of the probe point in the world, m/s.
     pub point_m_per_s: [f64; 2],
-    /// Normal force of the marked zone, N.
+    /// Normal force of the probe zone, N.
     pub zone_n: f64,
-    /// The impact of the marked point on the marked zone in the step, if there was one.
+    /// Impact of the probe point on the probe zone in the step; `None` without one.
     pub impact: Option<Impact>,
-    /// Outcome and work of the step; a skipped step has the report of the step that it repeats.
+    /// Outcome and work of the step. A skipped step has the report of the step that it repeats.
     pub report: StepReport,
 }
 
-/// Settings of the steps, and the outputs that are kept.
+/// Settings of the steps, and which outputs are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stepping {
-    /// The engine's settings.
+    /// Settings of the engine.
     pub settings: Settings<f64>,
-    /// Number of halvings of a step while something is near the first surface; at first, as the surfaces require.
+    /// Halving of a step while the mechanism is near the first surface; at first, as the surfaces request.
     pub halving: Halving,
-    /// Whether steps that are known to change nothing are left out, as at first. The results are the same bits.
+    /// Whether steps that would change nothing are skipped; true at first. Results are bit-identical either way.
     pub may_rest: bool,
-    /// Whether [`Readout::contacts`] is kept after every step, as a ledger needs it; not at first.
+    /// Whether [`Readout::contacts`] is kept after every step, as a ledger needs; false at first.
     pub keeps_contacts: bool,
 }
 
-/// A part of a mechanism's state, to be set from outside.
+/// Part of a mechanism's state that can be set from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Part {
-    /// The present instant, s; the flight of the marked point so far is forgotten.
+    /// Present instant, s. The samples for predicting an impact are discarded.
     Instant(f64),
-    /// All velocities of bodies, to zero.
+    /// Sets the velocities of all bodies to zero.
     Standstill,
-    /// The hand: world coordinate along the drive's direction, m, and velocity, m/s.
+    /// Hand: world coordinate along the drive's direction, m, and velocity, m/s.
     Hand([f64; 2]),
 }
 
-/// The present state of a mechanism and what acted in its last step, whatever its size. Slices follow the description's
-/// bodies and zones.
+/// Present state of a mechanism of any size, and the forces in its last step. Slices have the order of the
+/// description's bodies and zones.
 #[derive(Clone, Copy)]
 pub struct Readout<'a> {
-    /// The present instant, s.
+    /// Present instant, s.
     pub now_s: f64,
-    /// Length of the last step, or part of one, or half of an adaptive one, s.
+    /// Length of the last step, s; of its last part, if it was taken in parts; of its second half, if it was adaptive.
     pub last_step_s: f64,
-    /// Whether the last step changed nothing: with the same input the next one does not either.
+    /// Whether the last step changed nothing. If so, the next one with the same input changes nothing either.
     pub rests: bool,
-    /// Whether the last step left the bodies out, as it would have changed nothing of them: with the same input only
-    /// what is under the zones goes on, which cannot reach them.
+    /// Whether the last step skipped the bodies because it would not have changed them. If so, the next one with the
+    /// same input advances only the subsystem under the zones, which cannot reach them.
     pub bodies_rest: bool,
     /// Output of the last step.
     pub output: &'a StepOutput,
@@ -79,45 +79,47 @@ pub struct Readout<'a> {
     pub velocities: &'a [f64],
     /// Dry friction torques of the pivots in the last step, N m.
     pub pivot_friction: &'a [f64],
-    /// The zones as they acted in the last step, where [`Stepping::keeps_contacts`], else none; those that were not
-    /// touched are `None`. There may be more places than zones.
+    /// Contacts of the zones in the last step if [`Stepping::keeps_contacts`] is set, else empty; `None` for a zone
+    /// that was not touched. The slice may be longer than the list of zones.
     pub contacts: &'a [Option<Contact<f64>>],
-    /// Coulomb forces of the zones in the last step, N. There may be more places than zones.
+    /// Coulomb forces of the zones in the last step, N. The slice may be longer than the list of zones.
     pub tangential_forces: &'a [f64],
     /// Settings of the steps.
     pub stepping: &'a Stepping,
-    /// The compliant external subsystem under the zones, where there is one.
+    /// Compliant external subsystem under the zones; `None` if there is none.
     pub surfaces: Option<&'a dyn Surfaces>,
 }
 
-/// All that the following steps depend on, in plain numbers of any size: bodies and zones beyond the mechanism's are
-/// zero.
+/// Everything that the following steps depend on, in numbers of the largest size: bodies and zones that the mechanism
+/// does not have are zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Saved {
-    /// The engine's state, in the largest size.
+    /// State of the engine, in the largest size.
     pub state: SavedState<f64, 12, 32>,
-    /// Instant, s: steps since an origin, and the origin.
+    /// Origin of the grid of fixed steps, s: the instant is this plus `steps` steps.
     pub origin_s: f64,
-    /// See `origin_s`.
+    /// Number of steps since `origin_s`.
     pub steps: u64,
     /// The present instant, s.
     pub now_s: f64,
-    /// The last two samples of the marked zone: instant, s; compression, m; speed of the point, m/s.
+    /// Last two samples for predicting an impact: instant, s; compression of the probe zone, m; speed of the probe
+    /// point, m/s.
     pub flight: [Option<[f64; 3]>; 2],
 }
 
-/// An assembled mechanism, whatever its size: this trait erases the sizes that the engine is compiled for. Indices
-/// follow the description's bodies and zones. No function but those that say so allocates.
+/// A mechanism of any size: this trait hides the sizes that the engine is compiled for. Indices have the order of the
+/// description's bodies and zones. Only functions that say so allocate.
 pub trait Mechanism: Observation + Send {
-    /// Advances by one step of the current settings. Where it is taken in parts ([`Surfaces::parts`]) forces are held
-    /// for all of them and places go on at their velocities; the output's forces are those of the last part.
+    /// Advances by one step of the current settings. If the step is taken in parts ([`Surfaces::parts`]), a force is
+    /// constant over all parts, and a position advances at its velocity; the output's forces are those of the last
+    /// part.
     fn step(&mut self, input: &Input<f64>) -> &StepOutput;
-    /// The same, with an input for each part and `observe` called after each; true after the last one. Where a number
-    /// is not finite the parts before stay taken.
+    /// Advances by one step with an input for each part. Calls `observe` after each part; its flag is true after the
+    /// last one. If a number becomes infinite or NaN, the parts before stay taken.
     fn step_in_parts(&mut self, input: &mut InputDuring, observe: &mut dyn FnMut(&dyn Mechanism, bool)) -> StepReport;
-    /// Advances by one step that is as long as its error allows, and at most `limit` s. `ends` gives the instant of so
-    /// many s after the step's start; `observe` is called after each of its two halves. Allocates when the first step
-    /// is taken.
+    /// Advances by one step whose length is set by the error allowed, and is at most `limit` (s). `ends` returns the
+    /// instant of a given time, s, after the step's start; `observe` is called after each of its two halves. The first
+    /// such step allocates.
     fn controlled_step(
         &mut self,
         accuracy: &Accuracy<f64>,
@@ -126,33 +128,33 @@ pub trait Mechanism: Observation + Send {
         input: &mut InputDuring,
         observe: &mut dyn FnMut(&dyn Mechanism),
     ) -> ControlledStep<f64>;
-    /// The present state, and what acted in the last step.
+    /// Returns the present state and the forces in the last step.
     fn readout(&self) -> Readout<'_>;
-    /// Changes how steps are taken, from the next one on. Allocates when contacts begin to be kept.
+    /// Changes the settings of steps from the next one on. Allocates when it begins to keep contacts.
     fn configure(&mut self, stepping: Stepping);
-    /// Sets a part of the state from outside, for the next step on.
+    /// Sets a part of the state from outside, before the next step.
     fn set(&mut self, part: Part);
-    /// Stored energies if the mechanism moved at the given velocities from where it is, J.
+    /// Returns the stored energies, J, of the present pose with the given absolute angular velocities, rad/s.
     fn energies_at(&self, velocities: &[f64]) -> Energies;
-    /// Books the last step in a ledger ([`open_ledger`]); of one taken in parts, the last part. Whoever keeps a ledger
-    /// books each part ([`Mechanism::step_in_parts`]).
+    /// Records the last step in a ledger ([`open_ledger`]). Of a step taken in parts only the last part is recorded:
+    /// record after each part ([`Mechanism::step_in_parts`]).
     fn book(&self, ledger: &mut Ledger);
-    /// Reports what each pivot and each zone has lost in the last step, J, where [`Stepping::keeps_contacts`]: what a
-    /// ledger books.
+    /// Reports the loss of each pivot and each zone in the last step, J, as a ledger records them. Requires
+    /// [`Stepping::keeps_contacts`].
     fn each_loss(&self, lose: &mut dyn FnMut(LossIn, f64));
-    /// All that the following steps depend on, but for [`Readout::surfaces`].
+    /// Returns everything that the following steps depend on, except for [`Readout::surfaces`].
     fn save(&self) -> Saved;
-    /// Goes on from there, to the bit.
+    /// Restores a saved state, to the bit.
     fn restore(&mut self, saved: &Saved);
-    /// The subsystem under the zones, to be changed; the mechanism then takes its next step.
+    /// Returns the subsystem under the zones for changes. The next step is then not skipped.
     fn surfaces_mut(&mut self) -> Option<&mut (dyn Surfaces + 'static)>;
 }
 
-/// Assembles a mechanism into the smallest size that holds it. Its zones press on `surfaces` if there are any; the
-/// description says which ones then yield. Such a mechanism takes fixed steps only, and parts of them.
+/// Assembles a mechanism in the smallest size that holds it. `surfaces`: the compliant subsystem under its zones; the
+/// description lists these zones as yielding. A mechanism with surfaces takes fixed steps only, whole or in parts.
 ///
 /// # Errors
-/// [`ModelError`] if no size holds it, or a number is not sound.
+/// Returns [`ModelError`] if no size holds the mechanism, or a number is out of its range.
 pub fn mechanism(
     description: &OwnedDescription,
     probes: &Probes,
@@ -171,8 +173,8 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
     Ok(Box::new(Engine::<B, Z, N>::new(description, probes, settings, surfaces)?))
 }
 
-/// A ledger that is opened where a mechanism is; from now on the mechanism keeps its contacts. Allocates the first
-/// time.
+/// Starts an energy balance at a mechanism's present state, and makes the mechanism keep its contacts. Allocates the
+/// first time.
 pub fn open_ledger(mechanism: &mut dyn Mechanism) -> Ledger {
     // This also wakes it, so that what rests is booked at least once.
     mechanism.configure(Stepping { keeps_contacts: true, ..*mechanism.readout().stepping });
@@ -181,7 +183,7 @@ pub fn open_ledger(mechanism: &mut dyn Mechanism) -> Ledger {
     Ledger::open_at(mechanism.energies_at(now.velocities), lost, given)
 }
 
-/// Records a mechanism's stored energy, to which the ledger's residual refers.
+/// Evaluates a mechanism's stored energy. The ledger's residual refers to the last call.
 pub fn take_stock(mechanism: &dyn Mechanism, ledger: &mut Ledger) {
     ledger.now = mechanism.energies_at(mechanism.readout().velocities);
 }

@@ -1,4 +1,4 @@
-//! Readings of a mechanism's present pose, and the observer of a mechanism that is stepped in lanes.
+//! Observation of a mechanism's present pose, and observers of mechanisms that are stepped in lanes.
 
 use core::cell::OnceCell;
 
@@ -8,49 +8,52 @@ use crate::impact::predictor;
 use crate::size::with_size;
 use crate::{EveryBody, Impact, OwnedDescription, Probes, SideBySide, Size};
 
-/// The present pose of a mechanism, whatever its size. Indices follow the description's bodies and zones.
+/// Present pose of a mechanism of any size. Indices have the order of the description's bodies and zones.
 pub trait Observation {
-    /// World coordinate of the driven point along the drive's direction, m; zero where nothing is driven.
+    /// Returns the world coordinate of the driven point along the drive's direction, m; zero if there is no drive.
     fn site_position(&self) -> f64;
-    /// Compression of a zone, m; negative where it is open.
+    /// Returns the compression of a zone, m; negative when it is open.
     fn compression(&self, zone: usize) -> f64;
-    /// Normal force of a zone in the last step, N; 0 before the first. In lanes: in the step that was retraced last.
+    /// Returns the normal force of a zone in the last step, N; 0 before the first. In lanes: in the step retraced last.
     fn normal_force(&self, zone: usize) -> f64;
-    /// A point of a body (`None`: of the ground) in the world, m.
+    /// Returns a point of a body (`None`: of the ground) in the world, m. `point` is in the body's frame, m.
     fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2];
-    /// Rate of a zone's compression per unit angular velocity of every body, m. Allocates.
+    /// Returns the Jacobian row of a zone's compression, m: its rate per unit absolute angular velocity of each body.
+    /// Allocates.
     fn compression_row(&self, zone: usize) -> Vec<f64>;
-    /// Where a zone's disc touches its curve, or would: the point of the curve in the world, m.
+    /// Returns the contact point of a zone on its curve, m, in the world; if the zone is open, the point where it would
+    /// touch.
     fn contact_point(&self, zone: usize) -> [f64; 2];
-    /// Velocity of a point along `n` per unit angular velocity of every body, m. Allocates.
+    /// Returns the Jacobian row of a point's velocity along `n`, m: per unit absolute angular velocity of each body.
+    /// Allocates.
     fn velocity_row(&self, body: usize, point: [f64; 2], n: [f64; 2]) -> Vec<f64>;
 }
 
-/// An observer of one mechanism that is stepped in lanes, whatever its size: it is given the angles and velocities
-/// after every step.
+/// Observer of one mechanism that is stepped in lanes, of any size. The caller passes it angles and velocities after
+/// every step.
 pub trait LaneObserver: Observation + Send {
-    /// Takes note of an instant; the pose is computed only when it is asked for. Bodies beyond the model's are left
-    /// out.
+    /// Sets the observed motion: instant, s; absolute angles, rad; angular velocities, rad/s. The pose is computed only
+    /// when it is needed. Bodies that the model does not have are ignored.
     fn update(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody);
-    /// Whether the marked zone was out of reach at the last update.
+    /// Returns whether the probe zone was out of reach at the last update.
     fn is_far(&self) -> bool;
-    /// The impact of the marked point on the marked zone in the last step.
+    /// Returns the impact of the probe point on the probe zone in the last step; `None` without one.
     fn impact(&self) -> Option<Impact>;
-    /// Takes the state from which the next step is retraced: that of a mechanism of the group in which it is stepped.
+    /// Copies the state of a mechanism of the group, `index`, as the start of the next step to be retraced.
     fn begin(&mut self, group: &dyn SideBySide, index: usize);
-    /// Works out the forces of a step that ended where the mechanism is now ([`Workspace::retrace`]), and returns true;
-    /// or false where it changed nothing.
+    /// Evaluates the forces of the step that ended in the group's present state ([`Workspace::retrace`]) and returns
+    /// true. Returns false if that step changed nothing.
     fn retrace(&mut self, settings: &Settings<f64>, input: &Input<f64>, group: &dyn SideBySide, index: usize) -> bool;
-    /// Books the step that was retraced last in a ledger.
+    /// Records the step retraced last in a ledger.
     fn book(&self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>);
-    /// Stored energies where the last step that was retraced ended, J.
+    /// Returns the stored energies at the end of the step retraced last, J.
     fn energies(&self) -> Energies;
 }
 
-/// An observer of a mechanism that is stepped in lanes.
+/// Returns an observer of a mechanism that is stepped in lanes.
 ///
 /// # Errors
-/// [`ModelError`] if no size holds it.
+/// Returns [`ModelError`] if no size holds the mechanism, or a number is out of its range.
 pub fn lane_observer(description: &OwnedDescription, probes: &Probes) -> Result<Box<dyn LaneObserver>, ModelError> {
     with_size!(Size::of(description), boxed, description, probes)
 }

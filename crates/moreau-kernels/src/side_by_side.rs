@@ -1,4 +1,4 @@
-//! Several mechanisms of one topology, stepped at once in the processor's vector lanes.
+//! Several mechanisms of one topology, stepped in parallel in the processor's vector lanes.
 
 use core::any::Any;
 
@@ -7,40 +7,41 @@ use moreau::{Input, Model, ModelError, Outcome, SavedState, Settings, State};
 use crate::size::with_size;
 use crate::{EveryBody, Group, Lanes, OwnedDescription, Size};
 
-/// Mechanisms that are stepped together, as many as there are lanes. Indices count from 0. Only [`side_by_side`]
-/// allocates.
+/// Mechanisms that are stepped together. Indices count from 0. Only [`side_by_side`] allocates.
 pub trait SideBySide: Send {
-    /// Settings of the steps.
+    /// Returns the lanes in which the mechanisms are stepped.
     fn lanes(&self) -> Lanes;
-    /// One step of all, with an input for each; writes how each ended. Inputs of different kinds are taken one by one.
+    /// Advances all mechanisms by one step, with an input for each, and writes their outcomes. If the inputs are of
+    /// different kinds, the mechanisms are stepped one by one.
     ///
     /// # Panics
-    /// If there are fewer inputs or outcomes than mechanisms.
+    /// Panics if there are fewer inputs or outcomes than mechanisms.
     fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
-    /// The same, but steps that would change nothing are left out: the same bits either way.
+    /// Advances all mechanisms as [`SideBySide::step`] does, but skips steps that would change nothing. Results are
+    /// bit-identical.
     ///
     /// # Panics
     /// As [`SideBySide::step`].
     fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
-    /// Copies one mechanism's absolute angles, rad, and angular velocities, rad/s; places beyond its size are left as
-    /// they are.
+    /// Copies one mechanism's absolute angles, rad, and angular velocities, rad/s. Places beyond the mechanism's size
+    /// keep their values.
     fn motion(&self, index: usize, angles: &mut EveryBody, velocities: &mut EveryBody);
-    /// One mechanism's state.
+    /// Returns one mechanism's state, in the largest size.
     fn state(&self, index: usize) -> SavedState<f64, 12, 32>;
-    /// The same into a `State<f64, B, Z>` of the size in which they are stepped; returns false, and does nothing, where
-    /// it is given anything else.
+    /// Copies one mechanism's state into a `State<f64, B, Z>` of the size in which it is stepped. Returns false, and
+    /// copies nothing, if `state` is of another type.
     fn copy_state(&self, index: usize, state: &mut dyn Any) -> bool;
 }
 
-/// Mechanisms in given states. Where there are as many of them as the processor has `lanes` for, and they differ in
-/// their numbers only, they are stepped at once, or in several parts where lanes that wide are not compiled for their
-/// size ([`Size::lanes`]); otherwise one by one.
+/// Assembles mechanisms in given states. If they fill the `lanes` and differ in their numbers only, they are stepped in
+/// parallel, or in several groups if lanes that wide are not compiled for their size ([`Size::lanes`]). Otherwise they
+/// are stepped one by one.
 ///
 /// # Errors
-/// [`ModelError`] if no size holds one of them.
+/// Returns [`ModelError`] if no size holds one of them, or a number is out of its range.
 ///
 /// # Panics
-/// If there are not as many states as descriptions.
+/// Panics if the numbers of states and descriptions differ.
 pub fn side_by_side(
     descriptions: &[&OwnedDescription],
     states: &[SavedState<f64, 12, 32>],

@@ -1,12 +1,13 @@
-//! Steps of six bodies in types of fixed size, with nothing around them: what benchmarks time and count.
+//! Steps of six bodies in types of fixed size, with nothing around them, for benchmarks.
 
 use moreau::{Input, Model, Outcome, Settings, State, Workspace, step};
 
-/// The workspace of six bodies, fourteen zones and ten set-valued laws ([`crate::Size::Six`]).
+/// Workspace of six bodies, fourteen zones and ten set-valued laws ([`crate::Size::Six`]).
 pub type WorkspaceOfSix = Workspace<f64, 6, 14, 10>;
 
-/// Calls [`moreau::step()`] once for every input, for [`crate::Size::Six`], and returns whether all numbers stayed
-/// finite; it stops where one did not. The step is compiled into the loop here, so that a benchmark compiles none.
+/// Calls [`moreau::step()`] once per input, for [`crate::Size::Six`]. Returns true if all numbers stayed finite, and
+/// stops with false at the first step where one did not. The step is compiled into this loop, so that a benchmark
+/// compiles none.
 #[inline(never)]
 pub fn steps_of_six(
     model: &Model<f64, 6, 14>,

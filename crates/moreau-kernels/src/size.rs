@@ -1,11 +1,11 @@
-//! The sizes that the engine is compiled for.
+//! Sizes that the engine is compiled for.
 
 use crate::{Lanes, OwnedDescription};
 
-/// A size: so many bodies B, zones Z and set-valued laws N at most.
+/// Size of the engine: the largest numbers of bodies B, zones Z and set-valued laws N.
 ///
-/// A law is needed for every pivot, every zone with Coulomb friction and the drive; from eight bodies on there is room
-/// for one more in every zone.
+/// A mechanism needs a law for every pivot with dry friction, every zone with Coulomb friction, every felt with a
+/// set-valued loss, and the driven point. From eight bodies on, a size has room for two laws in every zone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Size {
     /// One body, four zones.
@@ -16,7 +16,7 @@ pub enum Size {
     Eight,
     /// Nine bodies, twenty zones.
     Nine,
-    /// Twelve bodies, thirty-two zones: the most there is.
+    /// Twelve bodies, thirty-two zones: the largest size.
     Most,
 }
 
@@ -35,14 +35,14 @@ macro_rules! with_size {
 }
 pub(crate) use with_size;
 
-/// A number for every body of the largest size.
+/// One number for every body of the largest size.
 pub type EveryBody = [f64; Size::Most.holds()[0]];
 
 impl Size {
     /// All of them, the small ones first.
     pub(crate) const ALL: [Size; 5] = [Size::One, Size::Six, Size::Eight, Size::Nine, Size::Most];
 
-    /// Bodies, zones and set-valued laws that it holds.
+    /// Returns the largest numbers of bodies, zones and set-valued laws.
     pub const fn holds(self) -> [usize; 3] {
         match self {
             Size::One => [1, 4, 6],
@@ -53,17 +53,18 @@ impl Size {
         }
     }
 
-    /// The smallest that holds a mechanism; [`Size::Most`] for one that is too large, which its model then says.
+    /// Returns the smallest size that holds a mechanism. Returns [`Size::Most`] if none does; compiling the model then
+    /// fails.
     pub fn of(description: &OwnedDescription) -> Self {
         let needed = [description.bodies.len(), description.zones.len(), description.borrowed().laws()];
         let fits = |size: &Size| needed.iter().zip(size.holds()).all(|(&needed, room)| needed <= room);
         Size::ALL.into_iter().find(fits).unwrap_or(Size::Most)
     }
 
-    /// The widest lanes up to these that are compiled for this size. Each kind of lanes takes as long to compile as a
-    /// whole library: eight bodies, those of a grand that bends, have four and eight doubles and eight numbers of
-    /// single precision; six have four doubles and eight of single precision; nine have four doubles; other sizes have
-    /// none.
+    /// Returns the widest lanes, `wanted` at most, that are compiled for this size. Each kind of lanes takes as long to
+    /// compile as a whole library, so few are: eight bodies (a grand action that bends) have four and eight doubles and
+    /// eight single-precision numbers; six bodies have four doubles and eight single-precision numbers; nine have four
+    /// doubles; other sizes have none.
     pub fn lanes(self, wanted: Lanes) -> Lanes {
         match (self, wanted) {
             (_, Lanes::One) | (Size::One | Size::Most, _) => Lanes::One,
@@ -73,7 +74,7 @@ impl Size {
         }
     }
 
-    /// Whether there are lanes of this size.
+    /// Returns whether lanes are compiled for this size.
     pub fn has_lanes(self) -> bool {
         self.lanes(Lanes::Four) != Lanes::One
     }

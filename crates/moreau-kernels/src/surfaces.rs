@@ -1,99 +1,98 @@
-//! Compliant external subsystems under zones of a mechanism: strings, say. The engine asks for their surfaces before
-//! every step, and reports the contact forces to them afterwards.
+//! Compliant external subsystems under zones of a mechanism, e.g. strings. The engine asks for the motion of their
+//! surfaces before every step, and passes them the contact forces after it.
 
 use std::any::Any;
 
 use moreau::{COUPLED, Input, Model, Pose, Settings, Sleep, State, Surface, Workspace};
 
-/// A compliant external subsystem under zones ([`moreau::Yields`]). The trait inverts a dependency: the subsystem is
-/// the caller's. Indices count the zones in the order of [`Surfaces::zones`]. Displacements are along the zone's
-/// normal, positive away from the disc.
+/// A compliant external subsystem under zones ([`moreau::Yields`]), implemented by the caller. An index is a zone's
+/// place in [`Surfaces::zones`]. Displacements are along the zone's normal, positive away from the disc.
 ///
 /// The surfaces may be coupled: a force on one then displaces the others within the same step ([`Surfaces::coupled`]).
 pub trait Surfaces: Send {
-    /// The mechanism's zones.
+    /// Returns the zones of the mechanism that press on this subsystem.
     fn zones(&self) -> &[usize];
-    /// Into how many parts a step of a length, s, is to be taken.
+    /// Returns the number of parts in which a step of this length, s, should be taken.
     fn parts(&self, step_s: f64) -> Parts {
         let _ = step_s;
         Parts::WHOLE
     }
-    /// The length of the steps that follow, s, and their parts: whatever depends on the length of a part is prepared
-    /// for both lengths. May allocate. Parts are then those apart, until [`Surfaces::take`].
+    /// Sets the length of the following steps, s, and their parts. Prepares everything that depends on the length of a
+    /// part, for both lengths. May allocate. The parts are then [`Parts::apart`] until [`Surfaces::take`] is called.
     fn set_step(&mut self, step_s: f64, parts: &Parts);
-    /// Whether the steps that follow are taken in the parts of [`Parts::near`]. Changes neither where anything is nor
-    /// what energy it has; does not allocate.
+    /// Sets whether the following steps are taken in [`Parts::near`] parts. Changes neither positions nor energy; does
+    /// not allocate.
     fn take(&mut self, near: bool);
-    /// While a mechanism is brought to rest: the surfaces follow their forces as if they had no inertia, so that they
-    /// ring no longer than it moves.
+    /// Sets whether the surfaces follow their forces without inertia. Used while a mechanism is brought to rest, so
+    /// that the surfaces do not ring longer than it moves.
     fn follow(&mut self, statically: bool);
-    /// What a surface would do in the next step.
+    /// Returns the predicted motion of a surface in the next step.
     fn surface(&self, index: usize) -> Surface<f64>;
-    /// How many surfaces, from the first one on, are coupled; writes their compliance matrix (the displacement of one
+    /// Returns how many surfaces, from the first on, are coupled. Writes their compliance matrix (displacement of one
     /// at the next step's end per newton on another, m/N, symmetric) and the forces of the last step, N.
-    /// [`Surfaces::surface`] then says what each does if nothing presses any of them.
+    /// [`Surfaces::surface`] then returns the motion of each without force on any of them.
     fn coupled(&self, compliance: &mut [[f64; COUPLED]; COUPLED], forces: &mut [f64; COUPLED]) -> usize {
         let _ = (compliance, forces);
         0
     }
-    /// Takes the step, under forces, N, that lasted for all of it.
+    /// Advances by one step under contact forces, N, that are constant over the step.
     fn advance(&mut self, forces: &[f64]);
-    /// Whether the last step changed nothing, so that the next one does not either if the same forces press.
+    /// Returns whether the last step changed nothing. If so, the next one under the same forces changes nothing either.
     fn rests(&self) -> bool;
-    /// The farthest that a surface may come out of where it is drawn, toward the mechanism, while this stands still and
-    /// nothing presses on it anew, m: infinite where that is not known, for it counts up to the excursion of the
-    /// mechanism's description; minus infinity if it touches nothing that it does not touch now. It decides which steps
-    /// are left out because they change nothing, so that a larger one costs time and no bit.
+    /// Returns the largest possible displacement of a surface from its described place toward the mechanism, m, while
+    /// the mechanism stands still and no new contact begins. Infinite if unknown: the excursion of the mechanism's
+    /// description then limits it. Minus infinity if the surface can touch nothing new. It decides which steps are
+    /// skipped because they change nothing: a larger value costs time, but changes no result.
     fn reach(&self, index: usize) -> f64 {
         let _ = index;
         f64::INFINITY
     }
-    /// Energy that is in them, J.
+    /// Returns the stored energy of the subsystem, J.
     fn energy(&self) -> f64;
-    /// Energy that they have lost since they were made, J.
+    /// Returns the energy lost since the subsystem was created, J.
     fn lost(&self) -> f64;
-    /// Work that whatever moves them from outside has done on the mechanism since they were made, J.
+    /// Returns the work done on the mechanism from outside through the surfaces since they were created, J.
     fn given(&self) -> f64 {
         0.0
     }
-    /// All that the following steps depend on, in lists of numbers: to each its name, of at most 24 bytes, and its
-    /// numbers.
+    /// Saves everything that the following steps depend on, as lists of numbers. `put` receives each list's name, of at
+    /// most 24 bytes, and its numbers.
     fn save(&self, put: &mut dyn FnMut(&'static str, &mut dyn Iterator<Item = f64>));
-    /// Goes on from there; from nothing (no list has any numbers) at rest. `each` tells the numbers of a list, with
-    /// their indices, and returns how many there are.
+    /// Restores saved lists; if all lists are empty, resets to rest. `each` passes the numbers of a list, with their
+    /// indices, to a callback, and returns how many there are.
     fn restore(&mut self, each: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize);
-    /// The subsystem itself, for callers that know its type.
+    /// Returns the subsystem itself, for callers that know its type.
     fn as_any(&self) -> &dyn Any;
-    /// The same, to be changed.
+    /// Returns the subsystem itself for changes, for callers that know its type.
     fn as_any_mut(&mut self) -> &mut dyn Any;
 }
 
-/// Into how many equal parts a step is taken: few while nothing is near the first surface, more while something presses
-/// it or may do so before the step ends.
+/// Number of equal parts of a step: few while the mechanism is far from the first surface, more while it presses the
+/// surface or may do so before the step ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parts {
-    /// While nothing is near; a power of two.
+    /// Number of parts while the mechanism is far; a power of two.
     pub apart: u32,
-    /// While something is; a power of two, and no fewer.
+    /// Number of parts while it is near; a power of two, not below `apart`.
     pub near: u32,
-    /// Distance of the first zone's disc from its surface at which halving begins, m.
+    /// Distance of the first zone's disc from its surface at which the mechanism counts as near, m.
     pub reach_m: f64,
 }
 
 impl Parts {
-    /// Every step is taken whole.
+    /// One part in every step.
     pub const WHOLE: Self = Parts { apart: 1, near: 1, reach_m: 0.0 };
 }
 
-/// How often steps are halved where something is near.
+/// Halving of steps near a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Halving {
-    /// The order that the surfaces request.
+    /// The number of parts that the surfaces request.
     #[default]
     AsAsked,
-    /// So many times more: what is left of the error is seen from it.
+    /// This many more halvings than requested, to estimate the remaining error.
     Further(u32),
-    /// Never: all steps are whole.
+    /// No halving: all steps are whole.
     Never,
 }
 
@@ -108,7 +107,7 @@ impl Halving {
     }
 }
 
-/// Told the numbers of a list one by one, each with its index.
+/// Callback that receives the numbers of a list one by one, each with its index.
 pub type TellNumbers<'a> = dyn FnMut(usize, f64) + 'a;
 
 /// Zones that may yield at once.

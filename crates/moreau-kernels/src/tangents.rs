@@ -1,4 +1,4 @@
-//! One mechanism and the derivatives of its motion.
+//! One mechanism with the derivatives of its motion.
 
 use moreau::{
     Driven, Dual, Model, Pose, Real, SavedState, Settings, State, Switched, Tangent, TangentError, TangentReport,
@@ -7,49 +7,48 @@ use moreau::{
 
 use crate::{OwnedDescription, Size};
 
-/// Directions of one pass.
+/// Number of directions in one pass.
 pub const DIRECTIONS: usize = 8;
-/// A number with its derivatives in the directions of a pass.
+/// A number with its derivatives in the directions of one pass.
 pub type Number = Dual<DIRECTIONS>;
 
-/// A mechanism and the derivatives of its motion. Indices follow the description's bodies and zones.
+/// A mechanism with the derivatives of its motion. Indices have the order of the description's bodies and zones.
 pub trait Tangents: Send {
-    /// Advances by `settings.step`; `switched` hears of every switch of friction on the way.
+    /// Advances by `settings.step`. `switched` receives every switch of friction within the step.
     fn step(
         &mut self,
         settings: &Settings<f64>,
         input: &mut Driven<'_, DIRECTIONS>,
         switched: &mut Switched<'_>,
     ) -> TangentReport;
-    /// Goes on from another state.
+    /// Continues from another state.
     fn begin(&mut self, state: &SavedState<Number, 12, 32>);
-    /// From now on derivatives go on as they were across switches that cannot be distinguished
-    /// ([`Tangent::passes_unresolved`]).
+    /// Makes derivatives continue unchanged across switches that cannot be separated ([`Tangent::passes_unresolved`]).
     fn pass_unresolved(&mut self);
-    /// Where the hand is (world coordinate along the drive's direction, m), and how fast, m/s.
+    /// Returns the hand's world coordinate along the drive's direction, m, and its velocity, m/s.
     fn hand(&self) -> [Number; 2];
-    /// World coordinate of the driven point along the drive's direction, m.
+    /// Returns the world coordinate of the driven point along the drive's direction, m.
     fn site_position(&self) -> Number;
-    /// Force of an elastic drive whose driver is at this position (m, as [`Self::site_position`]) and has this
-    /// velocity, m/s; N, and 0 where it does not touch.
+    /// Returns the force of the site's spring and damper, N, for a driver at this position (m, as
+    /// [`Self::site_position`]) with this velocity, m/s; 0 if the driver does not touch.
     fn push(&self, position: Number, velocity: Number) -> Number;
-    /// Compression of a zone, m; negative apart.
+    /// Returns the compression of a zone, m; negative when it is open.
     fn compression(&self, zone: usize) -> Number;
-    /// Normal force of a zone during the last inner step, N, and that step's length, s.
+    /// Returns the normal force of a zone during the last inner step, N, and the length of that step, s.
     fn normal_force(&self, settings: &Settings<f64>, zone: usize) -> (Number, f64);
-    /// A point of a body, m, in the world, and its velocity, m/s.
+    /// Returns position, m, and velocity, m/s, in the world of a point of a body. `point` is in the body's frame, m.
     fn motion(&self, body: usize, point: [Number; 2]) -> [[Number; 2]; 2];
-    /// Absolute angles, rad.
+    /// Returns the absolute angles, rad.
     fn angles(&self) -> &[Number];
-    /// Absolute angular velocities, rad/s.
+    /// Returns the absolute angular velocities, rad/s.
     fn velocities(&self) -> &[Number];
 }
 
-/// A mechanism at the angles as drawn, at rest. `slopes`: the derivative of every number of the description
-/// ([`OwnedDescription::numbers`]) in every direction.
+/// Builds the tangents of a mechanism at rest at its described angles. `slopes`: the derivative of every number of the
+/// description ([`OwnedDescription::numbers`]) in every direction.
 ///
 /// # Errors
-/// See [`TangentError`].
+/// Returns [`TangentError`] if the mechanism has a part without derivatives or is too large.
 pub fn tangents(
     description: &OwnedDescription,
     slopes: &[[f64; DIRECTIONS]],

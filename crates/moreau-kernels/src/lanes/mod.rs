@@ -1,10 +1,10 @@
-//! Several mechanisms at once in the lanes of the processor's vectors.
+//! Several mechanisms in parallel in the processor's vector lanes.
 //!
-//! The physics is `moreau`'s one generic kernel ([`moreau::step_lanes`]); this module gives it numbers that are four
-//! (AVX2) or eight (AVX-512) wide, compiled for those instructions and chosen when the program runs. Elsewhere the same
-//! mechanisms are stepped one after the other. Either way every mechanism gets the numbers that [`moreau::step()`]
-//! gives it alone, to rounding. Eight fit in AVX2 in single precision, for those who can do with it: models and states
-//! go in and out in doubles all the same.
+//! The physics is `moreau`'s one generic kernel ([`moreau::step_lanes`]). This module supplies numbers that are four
+//! (AVX2) or eight (AVX-512) doubles wide, compiled for those instructions and selected at run time. On other
+//! processors the mechanisms are stepped one after the other. Either way every mechanism gets the result of
+//! [`moreau::step()`] alone, to rounding. AVX2 holds eight numbers in single precision; models and states are passed in
+//! doubles even then.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -19,27 +19,27 @@ mod number;
 
 use moreau::{Input, Model, Outcome, Settings, Sleep, State, Workspace, step_out_of_line};
 
-/// Number of mechanisms that are stepped at once, and their precision.
+/// Number of mechanisms stepped in parallel, and their precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lanes {
-    /// One after the other, in doubles.
+    /// One mechanism after the other, in doubles.
     One,
     /// Four doubles in a register: AVX2.
     Four,
-    /// Eight: AVX-512.
+    /// Eight doubles in a register: AVX-512.
     Eight,
     /// Eight numbers of single precision in a register: AVX2.
     EightSingle,
 }
 
 impl Lanes {
-    /// All that this processor has instructions for, the narrow ones first.
+    /// Returns all lanes that this processor supports, narrow ones first.
     pub fn here() -> impl Iterator<Item = Self> {
         let all = [Lanes::One, Lanes::Four, Lanes::Eight, Lanes::EightSingle];
         all.into_iter().filter(|lanes| lanes.is_here())
     }
 
-    /// The most doubles that this processor has instructions for.
+    /// Returns the widest lanes of doubles that this processor supports.
     pub fn most() -> Self {
         [Lanes::Eight, Lanes::Four].into_iter().find(|lanes| lanes.is_here()).unwrap_or(Lanes::One)
     }
@@ -49,7 +49,7 @@ impl Lanes {
         if Lanes::EightSingle.is_here() { Lanes::EightSingle } else { Lanes::One }
     }
 
-    /// Whether this processor has the instructions.
+    /// Returns whether this processor supports these lanes.
     pub fn is_here(self) -> bool {
         match self {
             Lanes::One => true,
@@ -62,7 +62,7 @@ impl Lanes {
         }
     }
 
-    /// Mechanisms at once.
+    /// Returns the number of mechanisms stepped in parallel.
     pub fn count(self) -> usize {
         match self {
             Lanes::One => 1,
@@ -71,12 +71,12 @@ impl Lanes {
         }
     }
 
-    /// Whether numbers are of single precision.
+    /// Returns whether the numbers have single precision.
     pub fn is_single(self) -> bool {
         self == Lanes::EightSingle
     }
 
-    /// The doubles that the same registers hold.
+    /// Returns the lanes of doubles in the same registers.
     pub fn in_doubles(self) -> Self {
         match self {
             Lanes::EightSingle => Lanes::Four,
@@ -85,7 +85,7 @@ impl Lanes {
     }
 }
 
-/// Mechanisms of one topology, stepped together: as many as there are lanes.
+/// Mechanisms of one topology, stepped together.
 pub struct Group<const B: usize, const Z: usize, const N: usize> {
     kind: Kind<B, Z, N>,
 }
@@ -128,11 +128,11 @@ impl<const B: usize, const Z: usize, const N: usize> OneByOne<B, Z, N> {
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
-    /// Mechanisms where they are now. Where there are as many of them as the processor has `lanes` for, and they differ
-    /// in their numbers only, they are stepped at once; otherwise one by one.
+    /// Groups mechanisms in given states. If they are as many as the processor has `lanes` for, and differ in their
+    /// numbers only, they are stepped in parallel; otherwise one by one.
     ///
     /// # Panics
-    /// If there are not as many states as models, or a model has more than N set-valued laws ([`Model::laws`]).
+    /// Panics if the numbers of states and models differ, or a model has more than N set-valued laws ([`Model::laws`]).
     pub fn new(
         models: &[Model<f64, B, Z>],
         states: &[State<f64, B, Z>],
@@ -228,7 +228,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         Group { kind: Kind::OneByOne(Box::new(one_by_one)) }
     }
 
-    /// Number of mechanisms that are stepped at once.
+    /// Returns the lanes in which the mechanisms are stepped.
     pub fn lanes(&self) -> Lanes {
         match self.kind {
             #[cfg(target_arch = "x86_64")]
@@ -241,10 +241,11 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         }
     }
 
-    /// One step of all, with an input for each; writes how each ended. Inputs of different kinds are taken one by one.
+    /// Advances all mechanisms by one step, with an input for each, and writes their outcomes. If the inputs are of
+    /// different kinds, the mechanisms are stepped one by one.
     ///
     /// # Panics
-    /// If there are fewer inputs or outcomes than mechanisms.
+    /// Panics if there are fewer inputs or outcomes than mechanisms.
     pub fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         match &mut self.kind {
             #[cfg(target_arch = "x86_64")]
@@ -257,8 +258,8 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         }
     }
 
-    /// As `step`, without the steps that would change nothing: of lanes, where none of them would change. The same
-    /// bits either way.
+    /// Advances all mechanisms as [`Group::step`] does, but skips steps that would change nothing; lanes are skipped
+    /// only if no lane would change. Results are bit-identical.
     ///
     /// # Panics
     /// As [`Group::step`].
@@ -274,7 +275,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         }
     }
 
-    /// Whether the last step, if it was one of [`Group::step_or_rest`], changed nothing.
+    /// Returns whether the last call of [`Group::step_or_rest`] changed nothing.
     pub fn is_at_rest(&self) -> bool {
         match &self.kind {
             #[cfg(target_arch = "x86_64")]
@@ -287,7 +288,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         }
     }
 
-    /// One mechanism's absolute angles, rad, and angular velocities, rad/s: what is looked at after every step.
+    /// Returns one mechanism's absolute angles, rad, and angular velocities, rad/s.
     #[inline]
     pub fn motion(&self, index: usize) -> ([f64; B], [f64; B]) {
         match &self.kind {
@@ -328,7 +329,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         }
     }
 
-    /// One mechanism's state.
+    /// Returns one mechanism's state.
     pub fn state(&self, index: usize) -> State<f64, B, Z> {
         match &self.kind {
             #[cfg(target_arch = "x86_64")]
