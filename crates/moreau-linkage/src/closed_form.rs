@@ -1,4 +1,4 @@
-//! Angles in closed form: first guesses for Newton-Raphson.
+//! Closed-form angles: first guesses for Newton-Raphson.
 
 use std::f64::consts::PI;
 
@@ -19,7 +19,7 @@ pub(crate) fn cosine_equation(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
     Some([middle - half, middle + half])
 }
 
-/// The angle equal to `x` up to whole turns, in (-π, π].
+/// Returns the angle equal to `x` (rad) up to whole turns, in (-π, π].
 #[must_use]
 pub fn wrap(x: f64) -> f64 {
     let y = x.rem_euclid(2.0 * PI);

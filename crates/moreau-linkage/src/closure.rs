@@ -1,12 +1,12 @@
-//! From circuits to vector closure equations, as symbols.
+//! Vector closure equations in symbols, from the circuits of the graph.
 //!
 //! Every vector of a circuit is a magnitude (a constant length, or a sliding
 //! coordinate) along a direction fixed on some body:
 //!
 //! `c · m · (cos(θ + φ), sin(θ + φ))`, `c` an integer, `θ` the body's angle, `φ` constant.
 //!
-//! A closure equation is a sum of such terms that must vanish. Residual, Jacobian,
-//! second derivatives and the printed text are all read off the same terms.
+//! A closure equation states that a sum of such terms vanishes. Residual, Jacobian, second derivatives and printed text
+//! all derive from the same terms.
 
 use std::collections::BTreeMap;
 
@@ -14,12 +14,12 @@ use crate::direction::Direction;
 use crate::graph::{EdgeKind, LinearGraph, Traversal};
 use crate::linkage::{BodyId, JointId, JointKind, Length, LengthId, Linkage, PointId};
 
-/// How long a term is.
+/// Magnitude of a term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Magnitude {
-    /// A constant length.
+    /// Constant length.
     Length(LengthId),
-    /// The sliding coordinate of a prismatic joint.
+    /// Sliding coordinate of a prismatic joint.
     Sliding(JointId),
 }
 
@@ -27,13 +27,13 @@ pub enum Magnitude {
 /// in the frame of `frame`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Term {
-    /// A small integer, nearly always ±1.
+    /// Small integer, nearly always ±1.
     pub coefficient: i32,
     /// Length or sliding coordinate.
     pub magnitude: Magnitude,
-    /// The body whose angle turns the term; the ground for fixed directions.
+    /// Body with whose angle the term rotates; the ground for fixed directions.
     pub frame: BodyId,
-    /// Constant direction in that frame; its quarter turns are 0 or 1 (x or y).
+    /// Constant direction in that frame; its number of quarter turns is 0 or 1 (x or y).
     pub direction: Direction,
 }
 
@@ -50,14 +50,14 @@ impl Term {
     }
 }
 
-/// The vector closure equation of one independent loop: its terms sum to zero.
+/// Vector closure equation of one independent loop: the sum of its terms is zero.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Closure {
-    /// The joint whose chord closes the loop.
+    /// Joint that closes the loop (the chord).
     pub chord: JointId,
-    /// The bodies the loop passes, in order, without repetition.
+    /// Bodies that the loop passes, in order, without repetition.
     pub bodies: Vec<BodyId>,
-    /// The terms in the order of print; the first is positive.
+    /// Terms in printing order; the first is positive.
     pub terms: Vec<Term>,
 }
 

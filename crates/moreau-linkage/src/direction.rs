@@ -1,14 +1,14 @@
-//! Constant directions: quarter turns, which stay exact, and named angles.
+//! Constant directions: exact quarter turns, plus named angles.
 
 use std::ops::{Add, Neg};
 
 use crate::linkage::{AngleId, Constant};
 
-/// A constant direction in a body's frame, as an angle counter-clockwise from its
-/// x axis: a number of quarter turns plus a sum of named constant angles.
+/// Constant direction in a body's frame, as an angle counter-clockwise from its x axis: a number of quarter turns plus
+/// a sum of named constant angles.
 ///
-/// Quarter turns are kept apart because they decide whether an equation shows a
-/// sine or a cosine, and because cos 90° must be 0, not 6e-17.
+/// Quarter turns are stored separately because they decide whether an equation shows a sine or a cosine, and because
+/// cos 90° must be exactly 0, not 6e-17.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Direction {
     pub(crate) quarters: u8,
@@ -17,13 +17,13 @@ pub struct Direction {
 }
 
 impl Direction {
-    /// Along the x axis.
+    /// Direction along the x axis.
     pub const X: Direction = Direction::quarter(0);
-    /// Along the y axis.
+    /// Direction along the y axis.
     pub const Y: Direction = Direction::quarter(1);
     /// Against the x axis.
     pub(crate) const MINUS_X: Direction = Direction::quarter(2);
-    /// Against the y axis.
+    /// Direction against the y axis.
     pub const MINUS_Y: Direction = Direction::quarter(3);
 
     /// `n` quarter turns counter-clockwise from the x axis.

@@ -1,4 +1,4 @@
-//! Closure equations in print: plain text and LaTeX, with the user's own names.
+//! Printed closure equations: plain text and LaTeX, with the user's names.
 
 use std::fmt;
 
@@ -9,44 +9,44 @@ use crate::linkage::{BodyId, JointKind, Linkage};
 /// Component of a vector closure equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
-    /// The world's x.
+    /// World x.
     X,
-    /// The world's y.
+    /// World y.
     Y,
 }
 
 /// Sine or cosine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trig {
-    /// cos
+    /// Cosine.
     Cos,
-    /// sin
+    /// Sine.
     Sin,
 }
 
-/// One printed term: `coefficient · magnitude · trig(argument)`.
+/// Printed term: `coefficient · magnitude · trig(argument)`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EquationTerm {
     /// Signed integer, nearly always ±1.
     pub coefficient: i32,
     /// The user's symbol, or the value of a constant without a name.
     pub magnitude: String,
-    /// Sine, cosine, or nothing for a constant along one of the ground's axes.
+    /// Sine or cosine; `None` for a constant along an axis of the ground.
     pub trig: Option<Trig>,
-    /// The angle: symbols with integer factors, summed. Empty without `trig`.
+    /// Angle as a sum of symbols with integer factors. Empty without `trig`.
     pub argument: Vec<(i32, String)>,
 }
 
-/// One scalar closure equation, `terms = 0`. `Display` prints plain text.
+/// Scalar closure equation, `terms = 0`. `Display` prints plain text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Equation {
-    /// Counted from 1: loop 1 has equations 1 (x) and 2 (y), and so on.
+    /// Number, from 1: loop 1 has equations 1 (x) and 2 (y), and so on.
     pub number: usize,
-    /// The loop, counted from 1.
+    /// Number of the loop, from 1.
     pub circuit: usize,
     /// Component of the loop's vector equation.
     pub axis: Axis,
-    /// The terms in the order of print.
+    /// Terms in printing order.
     pub terms: Vec<EquationTerm>,
 }
 
@@ -187,8 +187,7 @@ impl Equation {
         out
     }
 
-    /// The equation in LaTeX (mathematics mode, without delimiters):
-    /// `L_{2} \cos k - L_{3} \cos w - ... = 0`.
+    /// Returns the equation in LaTeX (mathematics mode, without delimiters): `L_{2} \cos k - L_{3} \cos w - ... = 0`.
     #[must_use]
     pub fn latex(&self) -> String {
         self.render(&LATEX)
@@ -201,7 +200,7 @@ impl fmt::Display for Equation {
     }
 }
 
-/// All equations as one LaTeX `align` environment, numbered by LaTeX.
+/// Returns all equations as one LaTeX `align` environment, numbered by LaTeX.
 #[must_use]
 pub fn latex_align(equations: &[Equation]) -> String {
     let lines: Vec<String> =

@@ -1,12 +1,12 @@
-//! The linear graph of a linkage, a spanning tree and its fundamental circuits.
+//! Linear graph of a linkage, a spanning tree and its fundamental circuits.
 //!
 //! After Andrews and Kesavan's vector-network model in the form of Shi and
 //! McPhee: a node is a frame (a body's origin or a point fixed on it), an edge is
 //! a vector between two frames: a rigid arm on a body, or a joint.
 //!
 //! # Which tree
-//! Any spanning tree gives the same loops' worth of equations; a good one gives
-//! short equations. Edges enter the tree in this order:
+//! Any spanning tree gives the same number of equations; a good one gives short equations. Edges enter the tree in this
+//! order:
 //!
 //! 1. rigid arms: their vectors are known up to the body's angle;
 //! 2. revolute joints: their vector is zero;
@@ -21,11 +21,11 @@ use crate::linkage::{JointId, JointKind, Linkage, PointId};
 /// Meaning of an edge of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeKind {
-    /// The rigid-arm vector from a point's base to the point.
+    /// Vector of a rigid arm from a point's base to the point.
     Arm,
-    /// A revolute joint: the zero vector.
+    /// Zero vector of a revolute joint.
     Revolute(JointId),
-    /// A prismatic joint: `s u`.
+    /// Vector `s u` of a prismatic joint.
     Prismatic(JointId),
 }
 
@@ -48,36 +48,36 @@ impl EdgeKind {
     }
 }
 
-/// A directed edge: the vector from one node to another.
+/// Directed edge: the vector from one node to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// Tail.
+    /// Node at which the edge starts.
     pub from: PointId,
-    /// Head.
+    /// Node at which the edge ends.
     pub to: PointId,
-    /// Meaning.
+    /// Meaning of the vector.
     pub kind: EdgeKind,
 }
 
-/// An edge as met on a walk: along its arrow or against it.
+/// Edge on a walk through the graph, with the direction of the walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Traversal {
     /// Index into [`LinearGraph::edges`].
     pub edge: usize,
-    /// +1 along the arrow, -1 against it.
+    /// Direction: +1 along the edge, -1 against it.
     pub sense: i32,
 }
 
-/// A fundamental circuit: one chord and the tree path that closes it.
+/// Fundamental circuit: one chord and the tree path that closes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Circuit {
-    /// The joint that is the chord; messages name the loop after it.
+    /// Joint that is the chord; messages name the loop after it.
     pub chord: JointId,
-    /// The edges in the order of the walk, in the sense of the chord.
+    /// Edges in the order of the walk, in the direction of the chord.
     pub path: Vec<Traversal>,
 }
 
-/// The graph with its spanning tree. Nodes are the linkage's points.
+/// Graph of a linkage with its spanning tree. Nodes are the linkage's points.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinearGraph {
     edges: Vec<Edge>,
@@ -131,13 +131,13 @@ impl LinearGraph {
         }
     }
 
-    /// All edges: the arms, then the joints, each in the order of declaration.
+    /// Returns all edges: the arms, then the joints, each in the order of declaration.
     #[must_use]
     pub fn edges(&self) -> &[Edge] {
         &self.edges
     }
 
-    /// The edges that are not in the spanning tree, one per independent loop.
+    /// Returns the indices of the edges outside the spanning tree, one per independent loop.
     pub fn chords(&self) -> impl Iterator<Item = usize> {
         (0..self.edges.len()).filter(|&i| !self.in_tree[i])
     }

@@ -1,4 +1,4 @@
-//! A planar linkage as data: what a user states, before any mathematics.
+//! Data of a planar linkage, as the user states it.
 
 use std::ops::Neg;
 
@@ -22,31 +22,31 @@ macro_rules! ids {
 }
 
 ids! {
-    /// A body of a [`Linkage`]. Body 0 is the ground.
+    /// Identifier of a body of a [`Linkage`]. Body 0 is the ground.
     BodyId in "[`Linkage::bodies`]";
-    /// A point fixed on a body.
+    /// Identifier of a point fixed on a body.
     PointId in "[`Linkage::points`]";
-    /// A joint between two points.
+    /// Identifier of a joint between two points.
     JointId in "[`Linkage::joints`]";
-    /// A constant length, in the order of declaration.
+    /// Identifier of a constant length.
     LengthId in "[`Linkage::lengths`]";
-    /// A constant angle of a linkage, in the order of declaration.
+    /// Identifier of a constant angle.
     AngleId in "[`Linkage::angles`]";
-    /// A coordinate of a [`Mechanism`](crate::Mechanism): an index into its poses.
+    /// Identifier of a coordinate of a [`Mechanism`](crate::Mechanism).
     CoordinateId in "[`Mechanism::coordinates`](crate::Mechanism::coordinates), in a pose's values and in rates";
 }
 
-/// A signed coordinate of a point: nothing, a constant length, or minus one.
+/// Signed coordinate of a point: zero, or plus or minus a constant length.
 ///
-/// Lengths are signed quantities (the piano's `L3` is negative); the sign here
-/// is the one the printed equations show.
+/// The constant itself may be negative (as `L3` of the piano is). The sign given here is the one that printed equations
+/// show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
-    /// Identically zero: leaves no trace in the equations.
+    /// Identically zero; does not appear in the equations.
     Zero,
-    /// The constant as it stands.
+    /// Plus the constant.
     Plus(LengthId),
-    /// Its opposite.
+    /// Minus the constant.
     Minus(LengthId),
 }
 
@@ -62,80 +62,79 @@ impl Neg for Length {
     }
 }
 
-/// A constant with the user's name for it, or without one (then its value is printed).
+/// Constant with the user's name. The equations show the value of a constant without a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constant {
     /// The user's name, such as `L7`.
     pub name: Option<String>,
-    /// Metres for a length, radians for an angle.
+    /// Value: metres for a length, radians for an angle.
     pub value: f64,
 }
 
-/// A rigid body: a frame whose orientation is one absolute angle.
+/// Rigid body: a frame whose orientation is one absolute angle.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Body {
-    /// Name in messages.
+    /// Name for messages.
     pub name: String,
-    /// The symbol of its angle in the equations; `None` for the ground and for
-    /// massless sliders, which turn with the body that carries them.
+    /// Symbol of its angle in the equations; `None` for the ground and for massless sliders, which have the angle of
+    /// the body that carries them.
     pub symbol: Option<String>,
     pub(crate) origin: PointId,
 }
 
-/// A point fixed on a body, reached from another point of that body by a
-/// rigid-arm vector `(x, y)` in the body's frame. The body's origin has no base.
+/// Point fixed on a body. It is placed by a vector `(x, y)`, in the body's frame, from another point of that body.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Point {
-    /// Name in messages.
+    /// Name for messages.
     pub name: String,
-    /// The body it is fixed on.
+    /// Body that carries the point.
     pub body: BodyId,
-    /// The point the arm starts from.
+    /// Point from which `(x, y)` is measured; `None` for the body's origin.
     pub base: Option<PointId>,
-    /// Along the body's x axis.
+    /// Coordinate along the body's x axis.
     pub x: Length,
-    /// Along the body's y axis.
+    /// Coordinate along the body's y axis.
     pub y: Length,
 }
 
-/// Freedom of a joint.
+/// Kind of a joint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum JointKind {
-    /// The two points coincide; the bodies turn freely.
+    /// The two points coincide; the bodies rotate freely.
     Revolute,
-    /// Point `b` lies at `a + s u`, where `u` is a direction fixed on the body of
-    /// `a`, and the body of `b` is turned by a constant against that of `a`.
+    /// Point `b` lies at `a + s u`, with `u` a direction fixed on the body of `a`. The angle between the two bodies is
+    /// constant.
     Prismatic {
-        /// The symbol of the sliding coordinate `s`, such as `S1` (metres).
+        /// Symbol of the sliding coordinate `s` (metres), such as `S1`.
         symbol: String,
-        /// The direction `u`, in the frame of the body of `a`.
+        /// Direction `u`, in the frame of the body of `a`.
         along: Direction,
         /// Angle of `b`'s body minus angle of `a`'s body.
         turned: Direction,
     },
 }
 
-/// A joint between point `a` of one body and point `b` of another.
+/// Joint between point `a` of one body and point `b` of another.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Joint {
-    /// Name in messages.
+    /// Name for messages.
     pub name: String,
-    /// The carrier's point.
+    /// Point on the carrier.
     pub a: PointId,
-    /// The carried point.
+    /// Point on the carried body.
     pub b: PointId,
-    /// Revolute or prismatic.
+    /// Kind: revolute or prismatic.
     pub kind: JointKind,
 }
 
-/// The joints that [`Linkage::contact`] adds: a sliding contact.
+/// Body and joints that [`Linkage::contact`] adds for a sliding contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contact {
-    /// The massless body between the two joints.
+    /// Massless body between the two joints.
     pub slider: BodyId,
-    /// The slider on its carrier: holds the sliding coordinate.
+    /// Joint between carrier and slider, with the sliding coordinate.
     pub prismatic: JointId,
-    /// The pin between slider and the other body.
+    /// Joint between slider and the other body.
     pub revolute: JointId,
 }
 
@@ -145,17 +144,16 @@ pub(crate) enum Prescribed {
     Sliding(JointId),
 }
 
-/// Bodies with points, joints between the points, and the prescribed coordinates.
+/// A planar linkage: bodies with points, joints between the points, and the prescribed coordinates.
 ///
 /// Units: metres and radians; x to the right (on a piano: away from the
 /// player), y up, angles counter-clockwise.
 ///
-/// The methods only record. [`Linkage::assemble`] checks everything and says
-/// what is wrong.
+/// Its methods only record. [`Linkage::assemble`] checks everything and returns the first fault.
 ///
 /// # Panics
-/// Ids belong to the linkage that made them; an id of another linkage panics
-/// like an index out of range, or names another part.
+/// Identifiers belong to the linkage that returned them. An identifier of another linkage may panic like an index out
+/// of range, or refer to another part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linkage {
     pub(crate) bodies: Vec<Body>,
@@ -173,7 +171,7 @@ impl Default for Linkage {
 }
 
 impl Linkage {
-    /// A linkage of nothing but the ground.
+    /// Returns a linkage that contains only the ground.
     #[must_use]
     pub fn new() -> Self {
         let mut linkage = Linkage {
@@ -188,13 +186,13 @@ impl Linkage {
         linkage
     }
 
-    /// The one body that does not move; its frame is the world's.
+    /// Returns the ground, the body that does not move. Its frame is the world's.
     #[must_use]
     pub fn ground(&self) -> BodyId {
         BodyId(0)
     }
 
-    /// The origin of the frame of `body`.
+    /// Returns the origin of the frame of `body`.
     #[must_use]
     pub fn origin(&self, body: BodyId) -> PointId {
         self.bodies[body.0].origin
@@ -205,8 +203,8 @@ impl Linkage {
         self.add_body(name, Some(symbol.to_owned()))
     }
 
-    /// Adds a body without an angle of its own: one that a prismatic joint holds
-    /// to a carrier (a slider block), so that its angle is the carrier's.
+    /// Adds a body without an angle of its own (a slider block). A prismatic joint fixes its angle to that of its
+    /// carrier.
     pub fn slider(&mut self, name: &str) -> BodyId {
         self.add_body(name, None)
     }
@@ -225,12 +223,12 @@ impl Linkage {
         id
     }
 
-    /// A constant length of `metres` under the user's own `name`.
+    /// Adds a constant length of `metres` with a name for the equations.
     pub fn length(&mut self, name: &str, metres: f64) -> Length {
         self.add_length(Some(name.to_owned()), metres)
     }
 
-    /// A constant length without a name: the equations show its value.
+    /// Adds a constant length without a name; the equations show its value, in metres.
     pub fn number(&mut self, metres: f64) -> Length {
         self.add_length(None, metres)
     }
@@ -241,41 +239,41 @@ impl Linkage {
         Length::Plus(id)
     }
 
-    /// A constant angle of `radians` under the user's own `name`, as a direction.
+    /// Adds a constant angle of `radians` with a name for the equations, and returns it as a direction.
     pub fn angle(&mut self, name: &str, radians: f64) -> Direction {
         let id = AngleId(self.angles.len());
         self.angles.push(Constant { name: Some(name.to_owned()), value: radians });
         Direction::at(id)
     }
 
-    /// A point of `body` at `(x, y)` in its frame.
+    /// Adds a point of `body` at `(x, y)` in its frame.
     pub fn point(&mut self, body: BodyId, name: &str, x: Length, y: Length) -> PointId {
         self.point_from(self.origin(body), name, x, y)
     }
 
-    /// A point at `(x, y)` from another point of the same body, in its frame.
+    /// Adds a point at `(x, y)` from another point of the same body, in its frame.
     ///
-    /// Chains of points keep the equations short: the ground's `C` measured from
-    /// `B` brings only that vector into a loop through `B` and `C`.
+    /// Chains of points keep the equations short: if the ground's point `C` is measured from `B`, a loop through `B`
+    /// and `C` contains only the vector between them.
     pub fn point_from(&mut self, base: PointId, name: &str, x: Length, y: Length) -> PointId {
         let id = PointId(self.points.len());
         self.points.push(Point { name: name.to_owned(), body: self.points[base.0].body, base: Some(base), x, y });
         id
     }
 
-    /// A pin: points `a` and `b` coincide.
+    /// Adds a revolute joint: points `a` and `b` coincide.
     pub fn revolute(&mut self, name: &str, a: PointId, b: PointId) -> JointId {
         self.add_joint(name, a, b, JointKind::Revolute)
     }
 
-    /// A slide: `b = a + s u` with `u` the direction `along` on the body of `a`,
-    /// and the body of `b` parallel to that of `a`. `symbol` names `s` (metres).
+    /// Adds a prismatic joint: `b = a + s u`, with `u` the direction `along` on the body of `a`. The bodies of `a` and
+    /// `b` are parallel. `symbol` names `s` (metres).
     pub fn prismatic(&mut self, name: &str, symbol: &str, a: PointId, along: Direction, b: PointId) -> JointId {
         self.prismatic_turned(name, symbol, a, along, b, Direction::X)
     }
 
-    /// As [`Linkage::prismatic`], with the body of `b` turned by the constant
-    /// `turned` against the body of `a`.
+    /// Adds a prismatic joint as [`Linkage::prismatic`] does, with the body of `b` at the constant angle `turned` to
+    /// the body of `a`.
     pub fn prismatic_turned(
         &mut self,
         name: &str,
@@ -289,10 +287,9 @@ impl Linkage {
         self.add_joint(name, a, b, kind)
     }
 
-    /// A sliding contact: `point` of one body stays on the line through
-    /// `on` along `along` fixed on another. It is a prismatic and a revolute joint
-    /// in series, with a massless slider between them. `symbol` names the distance
-    /// from `on` to the contact (metres, along `along`).
+    /// Adds a sliding contact: `point` of one body stays on the line through `on` along `along`, which is fixed on
+    /// another body. The contact is a prismatic and a revolute joint in series, with a massless slider between them.
+    /// `symbol` names the distance from `on` to the contact (metres, along `along`).
     pub fn contact(&mut self, name: &str, symbol: &str, on: PointId, along: Direction, point: PointId) -> Contact {
         let slider = self.slider(&format!("{name} slider"));
         let origin = self.origin(slider);
@@ -307,41 +304,41 @@ impl Linkage {
         id
     }
 
-    /// Drives the angle of `body`: it is given, not solved for.
+    /// Prescribes the angle of `body`: the caller gives it, and it is not solved for.
     pub fn prescribe_angle(&mut self, body: BodyId) {
         self.prescribed.push(Prescribed::Angle(body));
     }
 
-    /// Drives the sliding coordinate of the prismatic `joint`.
+    /// Prescribes the sliding coordinate of the prismatic `joint`.
     pub fn prescribe_sliding(&mut self, joint: JointId) {
         self.prescribed.push(Prescribed::Sliding(joint));
     }
 
-    /// The bodies, ground first.
+    /// Returns the bodies, ground first.
     #[must_use]
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
     }
 
-    /// The points, in the order of declaration (every body brings its origin).
+    /// Returns the points in the order of declaration (every body adds its origin).
     #[must_use]
     pub fn points(&self) -> &[Point] {
         &self.points
     }
 
-    /// The joints, in the order of declaration.
+    /// Returns the joints in the order of declaration.
     #[must_use]
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
-    /// The constant lengths (metres), in the order of declaration.
+    /// Returns the constant lengths (metres) in the order of declaration.
     #[must_use]
     pub fn lengths(&self) -> &[Constant] {
         &self.lengths
     }
 
-    /// The constant angles (radians), in the order of declaration.
+    /// Returns the constant angles (radians) in the order of declaration.
     #[must_use]
     pub fn angles(&self) -> &[Constant] {
         &self.angles

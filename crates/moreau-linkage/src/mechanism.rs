@@ -1,4 +1,4 @@
-//! A checked linkage with its equations, ready to be solved.
+//! Checked linkage with its equations, ready for solving.
 
 use crate::closure::{Closure, Orientations, Term, closures, terms_along};
 use crate::equation::{Equation, Symbols, equations};
@@ -9,62 +9,61 @@ use crate::vectors::{Places, VectorSums};
 /// Quantity that a coordinate measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoordinateKind {
-    /// The absolute angle of a body (and of those held to it), radians.
+    /// Absolute angle of a body (and of the bodies fixed to it), radians.
     Angle(BodyId),
-    /// The sliding of a prismatic joint, metres.
+    /// Sliding coordinate of a prismatic joint, metres.
     Sliding(JointId),
 }
 
-/// A coordinate: its name in the equations and what it measures.
+/// Coordinate of a mechanism.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Coordinate {
-    /// The user's symbol.
+    /// Symbol in the equations.
     pub symbol: String,
-    /// Angle (radians) or sliding (metres).
+    /// Kind: angle (radians) or sliding (metres).
     pub kind: CoordinateKind,
-    /// Given by the user rather than solved for.
+    /// Whether the caller gives the coordinate; otherwise it is solved for.
     pub prescribed: bool,
 }
 
-/// The values of all coordinates of a mechanism: radians and metres, angles first.
+/// Values of all coordinates of a mechanism: first the angles (rad), then the slidings (m).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
     pub(crate) values: Vec<f64>,
 }
 
 impl Pose {
-    /// All values, in the order of [`Mechanism::coordinates`].
+    /// Returns all values, in the order of [`Mechanism::coordinates`].
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// One value: radians or metres.
+    /// Returns one value: radians or metres.
     #[must_use]
     pub fn value(&self, coordinate: CoordinateId) -> f64 {
         self.values[coordinate.0]
     }
 
-    /// Sets one value: radians or metres. For guesses; a solved pose that is
-    /// changed by hand is a guess again.
+    /// Sets one value: radians or metres. Use it to build guesses; a solved pose changed in this way is only a guess.
     pub fn set(&mut self, coordinate: CoordinateId, value: f64) {
         self.values[coordinate.0] = value;
     }
 }
 
-/// A fault in a [`Linkage`].
+/// Error: the first fault found in a [`Linkage`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AssembleError {
     /// Two coordinates, lengths or angles share a name.
     #[error("the symbol `{0}` is used twice; every length, angle and coordinate needs its own")]
     RepeatedSymbol(String),
-    /// An empty name, or one with spaces or brackets, cannot stand in an equation.
+    /// A name is empty or contains characters that are not allowed in an equation.
     #[error("`{0}` cannot be a symbol: letters, digits and _ only, starting with a letter")]
     BadSymbol(String),
     /// A constant is infinite or not a number.
     #[error("the constant {0} is not a finite number")]
     NotFinite(String),
-    /// A joint's two points sit on one body.
+    /// Both points of a joint are on one body.
     #[error("joint `{joint}` joins body `{body}` to itself")]
     JoinsItself {
         /// The joint's name.
@@ -72,13 +71,13 @@ pub enum AssembleError {
         /// The body's name.
         body: String,
     },
-    /// A body that no chain of joints connects to the ground.
+    /// No chain of joints connects a body to the ground.
     #[error("body `{0}` is not connected to the ground by any chain of joints")]
     Disconnected(String),
-    /// A body without an angle symbol that no prismatic joint holds to another.
+    /// A body has no angle symbol, and no prismatic joint fixes it to another body.
     #[error("body `{0}` has no angle of its own and no prismatic joint to take one from")]
     NoAngle(String),
-    /// Prismatic joints in a loop that demand different constant angles.
+    /// Prismatic joints in a loop require different constant angles.
     #[error("prismatic joint `{0}` demands a constant angle that contradicts the other prismatic joints")]
     ContradictoryAngles(String),
     /// The prescribed coordinate does not exist.
@@ -89,7 +88,7 @@ pub enum AssembleError {
     PrescribedTwice(String),
 }
 
-/// A linkage together with its graph, its coordinates and its closure equations.
+/// A linkage with its graph, its coordinates and its closure equations.
 #[derive(Clone, Debug)]
 pub struct Mechanism {
     linkage: Linkage,
@@ -110,8 +109,8 @@ impl Linkage {
     /// Checks the linkage, builds its graph and derives its closure equations.
     ///
     /// # Errors
-    /// The first fault found, named after the user's own names. Whether the
-    /// equations can be *solved* is not asked here; see [`Mechanism::mobility`].
+    /// Returns the first fault found, with the user's names. It does not check whether the equations can be *solved*;
+    /// see [`Mechanism::mobility`].
     pub fn assemble(self) -> Result<Mechanism, AssembleError> {
         Mechanism::new(self)
     }
@@ -198,37 +197,37 @@ impl Mechanism {
         })
     }
 
-    /// The linkage as it was stated.
+    /// Returns the linkage as the user stated it.
     #[must_use]
     pub fn linkage(&self) -> &Linkage {
         &self.linkage
     }
 
-    /// The linear graph with its spanning tree.
+    /// Returns the linear graph with its spanning tree.
     #[must_use]
     pub fn graph(&self) -> &LinearGraph {
         &self.graph
     }
 
-    /// The vector closure equations, one per independent loop.
+    /// Returns the vector closure equations, one per independent loop.
     #[must_use]
     pub fn closures(&self) -> &[Closure] {
         &self.closures
     }
 
-    /// The scalar closure equations, x and y of each loop in turn.
+    /// Returns the scalar closure equations: x and y of each loop in turn.
     #[must_use]
     pub fn equations(&self) -> &[Equation] {
         &self.equations
     }
 
-    /// The coordinates in the order of a pose's values: angles, then slidings.
+    /// Returns the coordinates in the order of a pose's values: angles, then slidings.
     #[must_use]
     pub fn coordinates(&self) -> &[Coordinate] {
         &self.coordinates
     }
 
-    /// The coordinate that `symbol` names in the equations.
+    /// Returns the coordinate with this symbol; `None` if there is none.
     #[must_use]
     pub fn coordinate(&self, symbol: &str) -> Option<CoordinateId> {
         (self.coordinates.iter()).position(|c| c.symbol == symbol).map(CoordinateId)
@@ -239,40 +238,40 @@ impl Mechanism {
         self.prescribed.iter().map(|&i| CoordinateId(i))
     }
 
-    /// The coordinates to be solved for.
+    /// Returns the coordinates that are solved for.
     pub fn unknown(&self) -> impl ExactSizeIterator<Item = CoordinateId> + '_ {
         self.unknown.iter().map(|&i| CoordinateId(i))
     }
 
-    /// The largest constant length (metres): residuals are relative to it.
+    /// Returns the largest constant length (metres), to which residuals are relative.
     #[must_use]
     pub fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// A pose of zeros, to be filled as a first guess.
+    /// Returns a pose of zeros, to be filled as a first guess.
     #[must_use]
     pub fn zero_pose(&self) -> Pose {
         Pose { values: vec![0.0; self.coordinates.len()] }
     }
 
-    /// The largest residual of the closure equations at `pose`, over
-    /// [`Mechanism::scale`]: a pure number.
+    /// Returns the largest residual of the closure equations at `pose`, over [`Mechanism::scale`]: a dimensionless
+    /// number.
     #[must_use]
     pub fn residual(&self, pose: &Pose) -> f64 {
         let (sums, _) = self.sums(&self.loops, self.closures.len(), pose);
         largest(&sums)
     }
 
-    /// Position of `point`, m, world frame.
+    /// Returns the position of `point` in the world, m.
     #[must_use]
     pub fn position(&self, pose: &Pose, point: PointId) -> [f64; 2] {
         let (sums, _) = self.sums(&self.points, self.linkage.points.len(), pose);
         [2 * point.0, 2 * point.0 + 1].map(|i| sums[i] * self.scale)
     }
 
-    /// The velocity of `point` (metres per unit time, world frame) when the
-    /// coordinates change at `rates` (rad and m per unit time, all coordinates).
+    /// Returns the velocity of `point` (m per unit time, world frame) when all coordinates change at `rates` (rad and m
+    /// per unit time).
     #[must_use]
     pub fn velocity(&self, pose: &Pose, rates: &[f64], point: PointId) -> [f64; 2] {
         let (_, jacobian) = self.sums(&self.points, self.linkage.points.len(), pose);
@@ -294,9 +293,8 @@ impl Mechanism {
         (sums, jacobian)
     }
 
-    /// The Jacobian of the closure equations at `pose`, row-major, one row per
-    /// equation and one column per coordinate; pure numbers (angles per radian,
-    /// slidings per [`Mechanism::scale`]).
+    /// Returns the Jacobian of the closure equations at `pose`, row-major, one row per equation and one column per
+    /// coordinate. It is dimensionless (angles per radian, slidings per [`Mechanism::scale`]).
     #[must_use]
     pub fn jacobian(&self, pose: &Pose) -> Vec<f64> {
         self.sums(&self.loops, self.closures.len(), pose).1

@@ -1,5 +1,5 @@
-//! Degrees of freedom, redundancy, and which coordinates are left free: counted
-//! from the rank of the Jacobian at a pose, and said in words.
+//! Degrees of freedom, redundant constraints and free coordinates, from the rank of the Jacobian at a pose, with an
+//! explanation in words.
 
 use std::fmt;
 
@@ -13,68 +13,68 @@ use crate::mechanism::{Mechanism, Pose};
 /// call poses singular that are only awkward.
 const DEPENDENT: f64 = 1e-8;
 
-/// A constraint that repeats what others already say.
+/// Constraint that follows from others.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Redundancy {
-    /// A closure equation whose gradient is a combination of earlier ones' here.
+    /// A closure equation whose gradient at this pose is a combination of those of earlier equations.
     Equation {
         /// Number of the equation, from 1.
         equation: usize,
-        /// Its loop, from 1.
+        /// Number of its loop, from 1.
         circuit: usize,
-        /// Its component.
+        /// Component of the loop's vector equation.
         axis: Axis,
         /// Name of the joint that closes the loop.
         chord: String,
-        /// The equations it follows from.
+        /// Numbers of the equations from which it follows.
         follows_from: Vec<usize>,
     },
-    /// A prismatic joint whose constant angle others enforce already.
+    /// A prismatic joint whose constant angle other joints already enforce.
     Angle {
-        /// The joint's name.
+        /// Name of the joint.
         joint: String,
     },
 }
 
-/// How the prescribed coordinates and the constraints fit together at a pose.
+/// Whether the prescribed coordinates and the constraints determine a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The prescribed coordinates determine all others.
     Determined,
-    /// Coordinates are left free: prescribe more.
+    /// Some coordinates are free: prescribe more.
     UnderConstrained,
-    /// More is prescribed than the linkage can follow: prescribe less.
+    /// More coordinates are prescribed than the linkage can follow: prescribe fewer.
     OverDriven,
-    /// Right in number, but at this pose the prescribed coordinates cannot be
-    /// moved freely while others are free: a dead centre.
+    /// The number of prescribed coordinates is right, but at this pose they cannot be moved independently, while others
+    /// are free: a dead centre.
     Singular,
 }
 
-/// The mobility of a mechanism at one pose. `Display` explains it in words.
+/// Mobility of a mechanism at one pose. `Display` explains it in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mobility {
-    /// Independent loops of the graph.
+    /// Number of independent loops of the graph.
     pub loops: usize,
-    /// All coordinates, prescribed ones included.
+    /// Number of all coordinates, prescribed ones included.
     pub coordinates: usize,
     /// Rank of the Jacobian with respect to all coordinates.
     pub rank: usize,
-    /// Grübler's count, 3 x moving bodies - 2 x joints: blind to special dimensions.
+    /// Grübler's count, 3 x moving bodies - 2 x joints. It does not notice special dimensions.
     pub grubler: isize,
-    /// Coordinates minus rank: what the linkage can really do, at first order.
+    /// Number of coordinates minus rank: the true first-order mobility.
     pub degrees_of_freedom: usize,
-    /// Constraints that repeat others (an over-constrained linkage has some).
+    /// Constraints that follow from others (an over-constrained linkage has some).
     pub redundant: Vec<Redundancy>,
     /// Symbols of unknown coordinates that the prescribed ones leave free.
     pub free: Vec<String>,
-    /// Symbols of prescribed coordinates that cannot be chosen beside the others.
+    /// Symbols of prescribed coordinates that cannot be chosen independently of the others.
     pub excess: Vec<String>,
     /// Symbols of the prescribed coordinates.
     pub prescribed: Vec<String>,
 }
 
 impl Mobility {
-    /// The four cases, distinguished.
+    /// Returns which of the four cases applies.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         match (self.free.is_empty(), self.excess.is_empty()) {
@@ -85,7 +85,7 @@ impl Mobility {
         }
     }
 
-    /// Whether constraints repeat each other here.
+    /// Returns whether some constraints follow from others at this pose.
     #[must_use]
     pub fn over_constrained(&self) -> bool {
         !self.redundant.is_empty()
@@ -125,9 +125,8 @@ fn dependence(vectors: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
 }
 
 impl Mechanism {
-    /// Degrees of freedom, redundant equations, free and excess coordinates at
-    /// `pose`, which should be a solved one. Away from a solved pose equations
-    /// that are redundant look independent.
+    /// Returns degrees of freedom, redundant equations, free and excess coordinates at `pose`. The pose should be a
+    /// solved one: elsewhere redundant equations look independent.
     #[must_use]
     pub fn mobility(&self, pose: &Pose) -> Mobility {
         let n = self.coordinates().len();

@@ -3,18 +3,17 @@
 use crate::elimination::Elimination;
 use crate::mechanism::{Mechanism, Pose, largest};
 
-/// Residual (over the largest length) at which a pose counts as solved.
+/// Residual (over the largest length) below which a pose counts as solved.
 ///
-/// Rounding of half a dozen terms of order 1 leaves about 3e-16; quadratic
-/// convergence jumps from 1e-8 below it. Looser than 1e-12 breaks the promise
-/// made for every pose; tighter than 1e-15 may never be met.
+/// Rounding of half a dozen terms of order 1 leaves about 3e-16, and quadratic convergence goes from 1e-8 to below
+/// this value in one step. Every solved pose is guaranteed to 1e-12; a tolerance below 1e-15 may never be reached.
 pub const TOLERANCE: f64 = 1e-14;
 
 /// What is accepted when steps have become nothing: the promise itself.
 const PROMISE: f64 = 1e-12;
 
-/// Newton steps at most. From a fair guess 4 to 6 are needed; near a dead centre,
-/// where convergence is linear (a bit per step), up to 25.
+/// Largest number of Newton steps. From a fair guess 4 to 6 are needed; near a dead centre, where convergence is linear
+/// (one bit per step), up to 25.
 pub const MOST_ITERATIONS: usize = 40;
 
 /// Pivots below this count as zero (the Jacobian is of order one). Near a dead centre
@@ -24,19 +23,19 @@ const SINGULAR: f64 = 1e-12;
 /// Outcome of an attempt to solve the closure equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// The residual is below [`TOLERANCE`] (or below 1e-12 and no longer falling).
+    /// The residual is below [`TOLERANCE`] (or below 1e-12 and no longer decreasing).
     Converged,
     /// [`MOST_ITERATIONS`] steps were not enough.
     IterationLimit,
-    /// The steps became nothing but the equations still contradict each other.
+    /// The steps became negligible, but the equations still contradict each other.
     Inconsistent,
     /// The guess was too far away for a continuation step.
     TooFar,
-    /// A value was infinite or not a number; it was not passed on.
+    /// A value became infinite or NaN; it was not used.
     NotFinite,
 }
 
-/// The work one solution took.
+/// Report of one solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonReport {
     /// Outcome of the attempt.

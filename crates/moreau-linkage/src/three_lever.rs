@@ -1,9 +1,8 @@
 //! The piano's three levers (key, whippen with jack, hammer) as one linkage.
 //!
-//! After the kinematic model of a piano action of Hirschkorn, Birkett and McPhee:
-//! two contacts, capstan and knuckle, each a prismatic and a revolute joint in
-//! series. With A, B and C the pivots of key, whippen and hammer, x away from the
-//! player, y up and angles counter-clockwise:
+//! The kinematic model of a piano action by Hirschkorn, Birkett and McPhee, with two contacts, capstan and knuckle,
+//! each a prismatic and a revolute joint in series. A, B and C are the pivots of key, whippen and hammer; x points away
+//! from the player, y up; angles are counter-clockwise:
 //!
 //! - `B - A = (L1, L5)` and `B - C = (L6, -L10)`;
 //! - the capstan's contact is the point `(L3, -L4)` of the whippen; it slides on the
@@ -34,33 +33,33 @@ use crate::linkage::{BodyId, Length, Linkage};
 use crate::mechanism::AssembleError;
 use crate::walk::{StartError, Stop};
 
-/// The lengths L1 to L10 (metres, signed), as in the module's figure in words.
+/// Lengths L1 to L10 (metres, signed), as defined at the head of this module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lengths {
-    /// x from the key's pivot A to the whippen's pivot B.
+    /// Distance along x from the key's pivot A to the whippen's pivot B.
     pub l1: f64,
     /// Height of the capstan's contact line along the key surface's normal.
     pub l2: f64,
-    /// x of the heel's contact in the whippen's frame (negative: in front of B).
+    /// Position along x of the heel's contact in the whippen's frame (negative: in front of B).
     pub l3: f64,
     /// Depth of the heel's contact below B in the whippen's frame.
     pub l4: f64,
-    /// y from A to B.
+    /// Height of B over A, along y.
     pub l5: f64,
-    /// x from the hammer's pivot C to B.
+    /// Distance along x from the hammer's pivot C to B.
     pub l6: f64,
-    /// Minus the height of the jack's top above B in the whippen's frame.
+    /// Height of the jack's top above B in the whippen's frame, with reversed sign.
     pub l7: f64,
-    /// Knuckle contact along the shank from C.
+    /// Position of the knuckle's contact along the shank, from C.
     pub l8: f64,
-    /// Knuckle contact below the shank's axis.
+    /// Depth of the knuckle's contact below the shank's axis.
     pub l9: f64,
-    /// y from B to C.
+    /// Height of C over B, along y.
     pub l10: f64,
 }
 
 impl Lengths {
-    /// L1 to L10 in order.
+    /// Returns L1 to L10 in order.
     #[must_use]
     pub fn to_array(self) -> [f64; 10] {
         [self.l1, self.l2, self.l3, self.l4, self.l5, self.l6, self.l7, self.l8, self.l9, self.l10]
@@ -73,14 +72,14 @@ impl From<[f64; 10]> for Lengths {
     }
 }
 
-/// Three levers of one note: what the kinematics needs to know of an instrument.
+/// The three levers of one note: all numbers that the kinematics needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreeLever {
-    /// L1 to L10 (m).
+    /// Lengths L1 to L10 (m).
     pub lengths: Lengths,
-    /// Radius from the key's pivot to where the finger presses (m, positive).
+    /// Distance from the key's pivot to the point where the finger presses (m, positive).
     pub key_front: f64,
-    /// `k` at rest (rad): direction of the key surface's normal, π/2 for a level key.
+    /// Key angle `k` at rest (rad): direction of the key surface's normal, π/2 for a level key.
     pub key_rest: f64,
     /// Strike point of the hammer head: along the shank from C, and above it (m).
     pub head: [f64; 2],
@@ -89,56 +88,56 @@ pub struct ThreeLever {
 /// Lever whose angle is prescribed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Drive {
-    /// The key, as a finger does.
+    /// The key, as pressed by a finger.
     #[default]
     Key,
-    /// The hammer: which key position belongs to a hammer position?
+    /// The hammer. Use it to find the key position for a given hammer position.
     Hammer,
 }
 
-/// Why three levers cannot be put together.
+/// Error: three levers cannot be put together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ThreeLeverError {
     /// A dimension is infinite or not a number.
     #[error("{0} is not a finite number")]
     NotFinite(&'static str),
-    /// The key has no front.
+    /// The key's front arm is not positive (m).
     #[error("the key's front arm must be positive, not {0} m")]
     NoKeyFront(f64),
-    /// At the given position a contact cannot be made.
+    /// The levers do not reach each other at a contact, at the given angle.
     #[error("the {contact} contact cannot be made at {lever} = {at:.6} rad: the levers do not reach")]
     OutOfReach {
         /// `capstan` or `knuckle`.
         contact: &'static str,
-        /// Symbol of the angle that was given.
+        /// Symbol of the given angle.
         lever: &'static str,
-        /// Its value (rad).
+        /// Value of the given angle (rad).
         at: f64,
     },
-    /// The hammer head cannot rise so far on its arc.
+    /// The hammer head cannot rise by the given height (m) on its arc.
     #[error("the hammer head cannot rise by {0} m: its arc ends below")]
     NoSuchRise(f64),
     /// The linkage could not be built.
     #[error(transparent)]
     Assemble(#[from] AssembleError),
-    /// No rest pose.
+    /// No rest pose was found.
     #[error(transparent)]
     Start(#[from] StartError),
-    /// The hammer could not be moved as far as asked.
+    /// The hammer could not move as far as requested.
     #[error(transparent)]
     Stop(#[from] Stop),
 }
 
 impl ThreeLever {
-    /// Lever arms of a Yamaha C7F with stack heights of a Steinway: a mixed
-    /// instrument whose lengths were estimated from published arms and
-    /// regulation (spread 112.5 mm, blow 46 mm). Not the action paper's table.
+    /// Returns levers with the arms of a Yamaha C7F and the stack heights of a Steinway. No such instrument exists: its
+    /// lengths were estimated from published arms and regulation (spread 112.5 mm, blow 46 mm). They are not the table
+    /// of the action paper.
     #[must_use]
     pub fn c7f_like() -> Self {
         Self::estimated([205.23, 28.32, -63.00, 16.18, 44.50, 92.80, -48.37, 18.0, 9.8, 63.60], 265.0)
     }
 
-    /// Lever arms of a Steinway O of 1906, otherwise as [`ThreeLever::c7f_like`].
+    /// Returns levers with the arms of a Steinway O of 1906, otherwise as [`ThreeLever::c7f_like`].
     #[must_use]
     pub fn steinway_o_like() -> Self {
         Self::estimated([186.77, 26.62, -64.62, 17.88, 44.50, 92.80, -48.37, 18.0, 9.8, 63.60], 233.0)
@@ -153,9 +152,8 @@ impl ThreeLever {
         }
     }
 
-    /// The levers as a linkage, in the papers' symbols: bodies `k`, `w`, `h`,
-    /// slidings `S1`, `S2`, lengths `L1` to `L10`. The equations are not stated
-    /// here; they follow from the graph.
+    /// Returns the levers as a linkage with the papers' symbols: bodies `k`, `w`, `h`, slidings `S1`, `S2`, lengths
+    /// `L1` to `L10`. Its equations are derived from the graph.
     #[must_use]
     pub fn linkage(&self, drive: Drive) -> Linkage {
         let mut m = Linkage::new();
@@ -176,10 +174,11 @@ impl ThreeLever {
         m
     }
 
-    /// Puts the levers together at rest (`k = key_rest`).
+    /// Assembles the levers at rest (`k = key_rest`).
     ///
     /// # Errors
-    /// A dimension that is no number, or levers that do not reach each other.
+    /// Returns an error if a dimension is infinite or NaN, the key's front arm is not positive, or the levers do not
+    /// reach each other.
     pub fn assemble(&self) -> Result<LeverTrain, ThreeLeverError> {
         LeverTrain::new(Levers::Lengths(*self), Drive::Key)
     }

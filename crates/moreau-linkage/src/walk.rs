@@ -1,4 +1,4 @@
-//! From pose to pose: continuation with step halving, and an honest stop.
+//! Motion of a mechanism from pose to pose: continuation with step halving, which stops where no pose exists.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ const SMALLEST_PART: f64 = 1e-14;
 /// obstacle: pivots have shrunk to 1e-7 at a dead centre, and below at a crossing.
 const NEARLY_SINGULAR: f64 = 1e-4;
 
-/// Why a walk cannot begin.
+/// Error: a walk cannot begin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StartError {
     /// Newton-Raphson found no pose from the guess.
@@ -31,27 +31,26 @@ pub enum StartError {
     NotDetermined(Box<Mobility>),
 }
 
-/// Why a walk stopped short.
+/// Reason why a walk stopped early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopKind {
-    /// No pose exists beyond: a dead centre or the end of reach. The other
-    /// coordinates move infinitely fast there, and then back.
+    /// No pose exists beyond this point: a dead centre or the end of reach. The other coordinates have infinite rates
+    /// there, and would then return.
     Unreachable,
-    /// A pose exists, but two families of poses cross there: the prescribed
-    /// coordinates no longer say which way the linkage goes.
+    /// A pose exists, but two families of poses cross there: the prescribed coordinates no longer determine the motion.
     Singular,
-    /// Neither is recognised; Newton-Raphson would not converge.
+    /// Newton-Raphson did not converge, and the reason is unknown.
     NoConvergence,
 }
 
-/// Place and reason at which a walk stopped. The walk stays at the last good pose.
+/// Position and reason of a stop. The walk stays at the last solved pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stop {
-    /// Why.
+    /// Reason.
     pub kind: StopKind,
-    /// Symbol and value (rad or m) of each prescribed coordinate where it stopped.
+    /// Symbol and value (rad or m) of each prescribed coordinate at the stop.
     pub at: Vec<(String, f64)>,
-    /// The part of the way from the last pose to the target that was possible, 0 to 1.
+    /// Share of the way from the last pose to the target that was reached, 0 to 1.
     pub fraction: f64,
 }
 
@@ -69,8 +68,8 @@ impl fmt::Display for Stop {
 
 impl std::error::Error for Stop {}
 
-/// A mechanism being moved. It always stands at a solved pose, with the Jacobian
-/// factorised there; nothing is allocated between poses.
+/// A mechanism in motion. It is always at a solved pose, with the Jacobian factorised there. Moving it does not
+/// allocate.
 #[derive(Clone, Debug)]
 pub struct Walk<'m> {
     mechanism: &'m Mechanism,
@@ -86,8 +85,8 @@ pub struct Walk<'m> {
 }
 
 impl Mechanism {
-    /// Solves the closure equations from `guess`, whose prescribed values are held,
-    /// and stands ready to move on from there.
+    /// Solves the closure equations from `guess` with its prescribed values, and returns a walk that starts at this
+    /// pose.
     ///
     /// # Errors
     /// [`StartError::NoPose`] if Newton-Raphson finds none from this guess;
@@ -125,7 +124,7 @@ impl Mechanism {
 }
 
 impl<'m> Walk<'m> {
-    /// The solved pose.
+    /// Returns the solved pose.
     #[must_use]
     pub fn pose(&self) -> &Pose {
         &self.pose
@@ -136,56 +135,54 @@ impl<'m> Walk<'m> {
         self.scratch.cos_sin(angle.0)
     }
 
-    /// Residual of the pose and iterations of its last solution.
+    /// Returns residual and iterations of the last solution.
     #[must_use]
     pub fn report(&self) -> NewtonReport {
         self.report
     }
 
-    /// The residuals of that solution, before the first Newton step and after each
-    /// (over the largest length): each about the square of the one before.
+    /// Returns the residuals of the last solution (over the largest length), before the first Newton step and after
+    /// each. Each is about the square of the one before.
     #[must_use]
     pub fn residual_history(&self) -> &[f64] {
         &self.history
     }
 
-    /// Rates of all coordinates (rad and m per unit time) when the prescribed ones
-    /// move at `input`, in their order. With `input = [1.0]` these are the
-    /// first-order kinematic coefficients dq/dp. From the Jacobian, not from differences.
+    /// Returns the rates of all coordinates (rad and m per unit time) when the prescribed ones move at the rates
+    /// `input`, in their order. With `input = [1.0]` these are the first-order kinematic coefficients dq/dp. They
+    /// follow from the Jacobian, not from differences.
     ///
     /// # Panics
-    /// If `input` does not have one value per prescribed coordinate.
+    /// Panics if `input` does not have one value per prescribed coordinate.
     pub fn rates(&mut self, input: &[f64]) -> &[f64] {
         assert_eq!(input.len(), self.way.len(), "one rate per prescribed coordinate");
         self.scratch.rates(self.mechanism, input, &mut self.rates);
         &self.rates
     }
 
-    /// Rates as [`Walk::rates`], and the second derivatives of all coordinates while
-    /// the prescribed ones keep these rates: with `[1.0]`, dq/dp and d²q/dp².
+    /// Returns the rates as [`Walk::rates`] does, and the second derivatives of all coordinates while the prescribed
+    /// ones keep these rates: with `[1.0]`, dq/dp and d²q/dp².
     ///
     /// # Panics
-    /// If `input` does not have one value per prescribed coordinate.
+    /// Panics if `input` does not have one value per prescribed coordinate.
     pub fn rates_and_accelerations(&mut self, input: &[f64]) -> (&[f64], &[f64]) {
         self.rates(input);
         self.scratch.accelerations(self.mechanism, &self.pose, &self.rates, &mut self.accelerations);
         (&self.rates, &self.accelerations)
     }
 
-    /// Moves the prescribed coordinates to `targets` along a straight line,
-    /// following the branch of poses: predicted along the tangent, corrected by
-    /// Newton-Raphson. Where a step fails it is halved.
+    /// Moves the prescribed coordinates to `targets` (rad or m) along a straight line and follows the branch of poses:
+    /// it predicts along the tangent and corrects by Newton-Raphson. A step that fails is halved.
     ///
-    /// A step fails if Newton-Raphson does not converge, has to correct far, or if
-    /// the determinant changes its sign: then a singular pose lies in between, and
-    /// the pose found may belong to another branch. (A redundant linkage has no
-    /// determinant; there only the first two are watched.)
+    /// A step fails if Newton-Raphson does not converge, if its correction is large, or if the determinant changes its
+    /// sign. In the last case a singular pose lies in between, and the new pose may belong to another branch. (A
+    /// redundant linkage has no determinant; only the first two are checked.)
     ///
     /// # Errors
-    /// [`Stop`] says where and why; the walk then stands at the last good pose.
+    /// Returns [`Stop`] with position and reason; the walk then is at the last solved pose.
     ///
     /// # Panics
-    /// If `targets` does not have one value per prescribed coordinate.
+    /// Panics if `targets` does not have one value per prescribed coordinate.
     pub fn advance(&mut self, targets: &[f64]) -> Result<NewtonReport, Stop> {
         let inputs = self.mechanism.prescribed_places();
         assert_eq!(targets.len(), inputs.len(), "one target per prescribed coordinate");
@@ -276,31 +273,31 @@ impl<'m> Walk<'m> {
     }
 }
 
-/// One pose of a [`Sweep`].
+/// Pose of a [`Sweep`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweptPose {
-    /// All coordinates.
+    /// Values of all coordinates.
     pub pose: Pose,
-    /// Their derivatives with respect to the prescribed coordinate.
+    /// Derivatives of all coordinates by the prescribed one.
     pub rates: Vec<f64>,
-    /// Residual and iterations of the pose.
+    /// Residual and iterations of the solution.
     pub report: NewtonReport,
 }
 
-/// The poses for a series of values of the one prescribed coordinate.
+/// Poses for a series of values of the only prescribed coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// The poses reached, in order.
+    /// Poses reached, in order.
     pub poses: Vec<SweptPose>,
-    /// Place and reason at which the series had to stop, if it had to; the poses up to there are kept.
+    /// Position and reason of an early stop; `None` if all poses were reached.
     pub stop: Option<Stop>,
 }
 
 impl Walk<'_> {
-    /// Visits `values` (rad or m) of the one prescribed coordinate in order.
+    /// Moves the only prescribed coordinate through `values` (rad or m), in order, and returns the poses.
     ///
     /// # Panics
-    /// If the mechanism does not have exactly one prescribed coordinate.
+    /// Panics if the mechanism does not have exactly one prescribed coordinate.
     pub fn sweep(&mut self, values: impl IntoIterator<Item = f64>) -> Sweep {
         let mut poses = Vec::new();
         for value in values {

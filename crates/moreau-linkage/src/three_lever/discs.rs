@@ -1,13 +1,12 @@
-//! Three levers as an instrument has them: discs that slide and roll on straight lines.
+//! Three levers as in an instrument: discs that slide and roll on straight lines.
 //!
-//! The papers fix the capstan's contact on the whippen and the knuckle's on the hammer. In
-//! an instrument the capstan is a dome on the *key* that slides along the whippen's heel,
-//! and the knuckle is a roller: where it touches moves around it as the hammer turns. A
-//! disc on a line is a point, its centre, on a parallel line: so this is still a prismatic
-//! and a revolute joint in series, exactly, only between other points.
+//! The papers fix the capstan's contact on the whippen and the knuckle's contact on the hammer. In an instrument the
+//! capstan is a dome on the *key* that slides along the whippen's heel, and the knuckle is a roller whose contact point
+//! moves around it as the hammer turns. The centre of a disc on a line moves on a parallel line. So each contact is
+//! still exactly a prismatic and a revolute joint in series, between other points.
 //!
-//! Frames: the key's x axis is its surface's normal and its y axis points to the player, as
-//! `k` demands; whippen and hammer have any frame whose angle is `w` or `h`.
+//! Frames: the key's x axis is the normal of its surface, and its y axis points to the player, by the definition of
+//! `k`. The frames of whippen and hammer are arbitrary; their angles are `w` and `h`.
 
 use super::exact::{Exact, nearest, rotate};
 use super::{Drive, LeverArms, LeverTrain, Levers, Move, Regulation, StrokePose, ThreeLeverError, checked, on_pivots};
@@ -23,45 +22,45 @@ const NOTHING: f64 = 1e-15;
 /// A directed straight line of a lever, in the lever's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// A point of it (m).
+    /// A point of the line (m).
     pub point: [f64; 2],
-    /// Its direction, counter-clockwise from the frame's x axis (rad). Slidings grow along it.
+    /// Direction, counter-clockwise from the frame's x axis (rad). Sliding coordinates increase along it.
     pub angle: f64,
 }
 
-/// A disc of one lever that touches a line of another; one of the two is the whippen.
+/// Contact of a disc on one lever with a line on another. One of the two is the whippen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// Whether the whippen carries the disc (then the other lever carries the line).
+    /// Whether the whippen carries the disc and the other lever the line.
     pub disc_on_whippen: bool,
     /// The disc's centre in its lever's frame (m).
     pub center: [f64; 2],
-    /// Distance of the centre from the line (m), positive to the left of the line's
-    /// direction: the radius, less what the felt gives.
+    /// Distance of the centre from the line (m), positive to the left of the line's direction: the radius less the
+    /// felt's compression.
     pub offset: f64,
-    /// The line.
+    /// Line that the disc touches.
     pub line: Line,
 }
 
-/// Three levers whose contacts are discs on lines. A, the key's pivot, is the origin.
+/// Three levers whose contacts are discs on lines. The key's pivot A is the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscLevers {
-    /// The whippen's pivot B, seen from A (m).
+    /// Position of the whippen's pivot B relative to A (m).
     pub whippen_pivot: [f64; 2],
-    /// The hammer's pivot C, seen from A (m).
+    /// Position of the hammer's pivot C relative to A (m).
     pub hammer_pivot: [f64; 2],
-    /// Key and whippen.
+    /// Contact between key and whippen.
     pub capstan: Touch,
-    /// Hammer and whippen (with the jack locked to it).
+    /// Contact between hammer and whippen (with the jack locked to it).
     pub knuckle: Touch,
-    /// Radius from the key's pivot to where the finger presses (m, positive).
+    /// Distance from the key's pivot to the point where the finger presses (m, positive).
     pub key_front: f64,
-    /// `k` at rest (rad).
+    /// Key angle `k` at rest (rad).
     pub key_rest: f64,
     /// Strike point in the hammer's frame (m).
     pub head: [f64; 2],
-    /// About where whippen and hammer rest, `[w, h]` (rad): tells the pose that is meant
-    /// from its mirror images.
+    /// Approximate rest angles of whippen and hammer, `[w, h]` (rad). They select the intended pose among its mirror
+    /// images.
     pub near: [f64; 2],
 }
 
@@ -141,11 +140,10 @@ impl Touch {
 }
 
 impl DiscLevers {
-    /// The levers as a linkage: bodies `k`, `w`, `h`, slidings `S1`, `S2`. The pivots have the
-    /// papers' names `L1`, `L5`, `L6`, `L10`, and so has the knuckle, `L8`, `L9`; `C1`, `C2` is the
-    /// capstan on the key, `E1`, `E2` the heel and `J1`, `J2` the jack's top on the whippen. A line
-    /// is named by the point nearest to its lever's pivot, and where it is askew by a small
-    /// angle: `c`, `e`, `j` or `n`. What is zero is left out.
+    /// Returns the levers as a linkage: bodies `k`, `w`, `h`, slidings `S1`, `S2`. The pivots have the papers' names
+    /// `L1`, `L5`, `L6`, `L10`, and so has the knuckle, `L8`, `L9`. `C1`, `C2` is the capstan on the key, `E1`, `E2`
+    /// the heel and `J1`, `J2` the jack's top on the whippen. A line is named by its point nearest to its lever's pivot
+    /// and, if it is oblique, by a small angle: `c`, `e`, `j` or `n`. Zero quantities are left out.
     #[must_use]
     pub fn linkage(&self, drive: Drive) -> Linkage {
         let mut m = Linkage::new();
@@ -159,18 +157,19 @@ impl DiscLevers {
         m
     }
 
-    /// Puts the levers together at rest.
+    /// Assembles the levers at rest.
     ///
     /// # Errors
-    /// A dimension that is no number, or levers that do not reach each other.
+    /// Returns an error if a dimension is infinite or NaN, the key's front arm is not positive, or the levers do not
+    /// reach each other.
     pub fn assemble(&self) -> Result<LeverTrain, ThreeLeverError> {
         Levers::Discs(*self).assemble()
     }
 
-    /// These levers with `moves` made, regulated once after all of them.
+    /// Returns these levers after `moves`, regulated once at the end.
     ///
     /// # Errors
-    /// If the levers do not reach each other, before the moves or after.
+    /// Returns an error if the levers do not reach each other before or after the moves.
     pub fn moved(&self, moves: &[Move], regulation: Regulation) -> Result<DiscLevers, ThreeLeverError> {
         self.check()?;
         let rest = self.exact(self.key_rest)?;
@@ -250,15 +249,16 @@ impl DiscLevers {
         Ok(Exact { w, h, s1, s2 })
     }
 
-    /// The key's angle at which the capstan holds the whippen at `w` (rad), nearest to rest.
+    /// Returns the key angle (rad) at which the capstan holds the whippen at `w` (rad), the one nearest to rest; `None`
+    /// if there is none.
     #[must_use]
     pub fn key_under(&self, w: f64) -> Option<f64> {
         let solutions = self.capstan.turned(false, [0.0; 2], (self.whippen_pivot, w))?;
         Some(nearest(solutions, self.key_rest))
     }
 
-    /// Travel of the key's front (m) from the pose `rest` until the whippen, or what is locked
-    /// to it, meets a stop on the ground (in the frame of A, not turned). `None` if it never does.
+    /// Returns the travel of the key's front (m) from the pose `rest` until the whippen, or a part locked to it,
+    /// touches a stop on the ground. The stop is given in world axes with origin A. `None` if it never does.
     #[must_use]
     pub fn key_travel_to_stop(&self, rest: &StrokePose, stop: &Touch) -> Option<f64> {
         let sense = rest.whippen_ratio.signum();
@@ -271,7 +271,7 @@ impl DiscLevers {
         Some((k - self.key_rest) * self.key_front)
     }
 
-    /// Contact points of capstan and heel, and of knuckle and jack, at a pose, m from A.
+    /// Returns the contact points of capstan and heel, and of knuckle and jack, at a pose (m, relative to A).
     #[must_use]
     pub fn contact_points(&self, pose: &StrokePose) -> [[f64; 2]; 2] {
         let whippen = (self.whippen_pivot, pose.w);

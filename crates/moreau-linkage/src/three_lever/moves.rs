@@ -1,46 +1,46 @@
-//! Moves of parts, as a designer or a technician makes them.
+//! Moves of parts that a designer or technician can make.
 
 use super::{ThreeLever, ThreeLeverError};
 
-/// A part moved (metres). Positive is away from the player and up, unless said otherwise.
+/// Move of a part (metres). Positive is away from the player and up, unless stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Move {
-    /// The capstan along the heel's underside, negative toward the player:
-    /// the contact's place on the whippen, `L3`, moves; its depth `L4` stays. The key's
-    /// arm shrinks and the whippen's heel arm grows when it goes toward the player.
+    /// Moves the capstan along the heel's underside, negative toward the player. The contact's place on the whippen,
+    /// `L3`, changes; its depth `L4` stays. Toward the player, the key's arm becomes shorter and the whippen's heel arm
+    /// longer.
     Capstan(f64),
-    /// The knuckle along the shank, negative toward the hammer's pivot: `L8`.
+    /// Moves the knuckle along the shank, negative toward the hammer's pivot: `L8`.
     Knuckle(f64),
-    /// The capstan screwed up: `L2`. Undone by regulation.
+    /// Raises the capstan: `L2`. Regulation undoes this move.
     CapstanHeight(f64),
-    /// A thicker heel cushion: `L4`.
+    /// Thickens the heel cushion: `L4`.
     HeelDepth(f64),
-    /// A thicker knuckle: its contact farther below the shank: `L9`.
+    /// Thickens the knuckle, so that its contact is farther below the shank: `L9`.
     KnuckleDepth(f64),
-    /// A longer jack: its top higher over the whippen's pivot: `-L7`.
+    /// Lengthens the jack, so that its top is higher above the whippen's pivot: `-L7`.
     JackHeight(f64),
-    /// The whippen's pivot B, by (x, y): `L1`, `L5`, `L6`, `L10`.
+    /// Moves the whippen's pivot B by (x, y): `L1`, `L5`, `L6`, `L10`.
     WhippenPivot(f64, f64),
-    /// The hammer's pivot C, by (x, y): `L6`, `L10`.
+    /// Moves the hammer's pivot C by (x, y): `L6`, `L10`.
     HammerPivot(f64, f64),
 }
 
-/// Height of the capstan after a move.
+/// Treatment of the capstan's height after a move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Regulation {
-    /// A technician screws the capstan until the hammer rests at the angle it had:
-    /// `L2` is found anew. So moved and unmoved are compared at the same blow.
+    /// The capstan is screwed until the hammer rests at its previous angle: `L2` is computed anew. Moved and unmoved
+    /// levers are then compared at the same blow.
     #[default]
     Regulated,
-    /// Everything else stays, and the hammer rests where it will.
+    /// All other lengths stay, and the hammer may rest at another angle.
     AsMoved,
 }
 
 impl ThreeLever {
-    /// These levers with `moves` made, regulated once after all of them.
+    /// Returns these levers after `moves`, regulated once at the end.
     ///
     /// # Errors
-    /// If the levers do not reach each other, before the moves or after.
+    /// Returns an error if the levers do not reach each other before or after the moves.
     pub fn moved(&self, moves: &[Move], regulation: Regulation) -> Result<ThreeLever, ThreeLeverError> {
         self.check()?;
         let mut moved = *self;

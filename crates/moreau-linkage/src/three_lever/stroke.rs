@@ -1,4 +1,4 @@
-//! The stroke of a key: sliding, leverage and lever arms from pose to pose.
+//! Stroke of a key: sliding, leverage and lever arms, pose by pose.
 
 use super::{Drive, LeverArms, LeverTrain, Levers, StrokePose, ThreeLever, ThreeLeverError};
 use crate::closed_form::{cosine_equation, wrap};
@@ -6,28 +6,28 @@ use crate::mechanism::Pose;
 use crate::newton::NewtonReport;
 use crate::walk::{Stop, Walk};
 
-/// Place and reason at which a stroke had to stop.
+/// Position and reason of an early stop of a stroke.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrokeStop {
-    /// Travel of the key's front there (m).
+    /// Travel of the key's front at the stop (m).
     pub key: f64,
-    /// Why, in the linkage's own terms.
+    /// Reason, as the linkage reports it.
     pub stop: Stop,
 }
 
-/// The poses of a stroke, as far as it went.
+/// Poses of a stroke, as far as they were reached.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stroke {
-    /// The levers at rest: where slidings and rises are counted from.
+    /// Pose at rest, from which slidings and rises are measured.
     pub rest: StrokePose,
     /// One pose per key position, in order.
     pub poses: Vec<StrokePose>,
-    /// Place and reason of an early stop, if there was one.
+    /// Position and reason of an early stop; `None` if the stroke is complete.
     pub stop: Option<StrokeStop>,
 }
 
 impl ThreeLever {
-    /// The six lever arms at a pose.
+    /// Returns the six lever arms at a pose.
     #[must_use]
     pub fn lever_arms(&self, pose: &StrokePose) -> LeverArms {
         let l = &self.lengths;
@@ -43,16 +43,15 @@ impl ThreeLever {
 }
 
 impl LeverTrain {
-    /// The levers at rest: key travel, slidings and rise are zero.
+    /// Returns the pose at rest: key travel, slidings and rise are zero.
     #[must_use]
     pub fn rest(&self) -> StrokePose {
         let mut walk = self.start();
         self.read(&mut walk)
     }
 
-    /// Presses the key's front from travel `from` to `to` (m, along its arc) in
-    /// `steps` equal steps: `steps + 1` poses, the first at `from`, or as many as
-    /// can be reached. Zero steps give the one pose at `from`.
+    /// Presses the key's front from travel `from` to `to` (m, along its arc) in `steps` equal steps. Returns `steps +
+    /// 1` poses, the first at `from`, or as many as can be reached. With zero steps it returns the one pose at `from`.
     #[must_use]
     pub fn stroke(&self, from: f64, to: f64, steps: usize) -> Stroke {
         let mut poses = Vec::with_capacity(steps + 1);
@@ -60,8 +59,8 @@ impl LeverTrain {
         Stroke { rest: self.rest(), poses, stop }
     }
 
-    /// As [`LeverTrain::stroke`], into a vector that is emptied first and whose
-    /// memory is used again.
+    /// Computes a stroke as [`LeverTrain::stroke`] does, into a vector that is cleared first and whose memory is
+    /// reused. Returns the early stop, if there was one.
     pub fn stroke_into(&self, from: f64, to: f64, steps: usize, poses: &mut Vec<StrokePose>) -> Option<StrokeStop> {
         poses.clear();
         let mut walk = self.start();
@@ -77,12 +76,11 @@ impl LeverTrain {
         None
     }
 
-    /// Travel of the key's front (m) at which the strike point has risen by `rise`
-    /// (m) since rest, taking the hammer as the driver: let-off, for example, is
-    /// the blow distance minus the let-off distance.
+    /// Returns the travel of the key's front (m) at which the strike point has risen by `rise` (m) from rest. The
+    /// hammer is taken as the driver. For let-off, for example, `rise` is the blow distance minus the let-off distance.
     ///
     /// # Errors
-    /// If the head cannot rise so far, or not while the contacts hold.
+    /// Returns an error if the head cannot rise so far, or the contacts open before.
     pub fn key_travel_at_rise(&self, rise: f64) -> Result<f64, ThreeLeverError> {
         let rest = self.rest.value(self.places.h);
         let [along, above] = self.levers.head();

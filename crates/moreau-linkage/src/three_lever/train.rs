@@ -1,14 +1,14 @@
-//! Three levers put together, whichever way their contacts are described.
+//! Assembled levers, described by lengths or by discs.
 
 use super::exact::Exact;
 use super::{DiscLevers, Drive, LeverArms, Move, Regulation, StrokePose, ThreeLever, ThreeLeverError};
 use crate::linkage::{CoordinateId, Linkage};
 use crate::mechanism::{Mechanism, Pose};
 
-/// Three levers: by the papers' lengths, or by the discs and lines of an instrument.
+/// Three levers, described by the papers' lengths or by the discs and lines of an instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Levers {
-    /// L1 to L10.
+    /// Lengths L1 to L10.
     Lengths(ThreeLever),
     /// Discs on straight lines.
     Discs(DiscLevers),
@@ -37,24 +37,25 @@ macro_rules! either {
 }
 
 impl Levers {
-    /// The levers as a linkage; its equations follow from the graph.
+    /// Returns the levers as a linkage. Its equations are derived from the graph.
     #[must_use]
     pub fn linkage(&self, drive: Drive) -> Linkage {
         either!(self, levers => levers.linkage(drive))
     }
 
-    /// Puts the levers together at rest.
+    /// Assembles the levers at rest.
     ///
     /// # Errors
-    /// A dimension that is no number, or levers that do not reach each other.
+    /// Returns an error if a dimension is infinite or NaN, the key's front arm is not positive, or the levers do not
+    /// reach each other.
     pub fn assemble(&self) -> Result<LeverTrain, ThreeLeverError> {
         LeverTrain::new(*self, Drive::Key)
     }
 
-    /// These levers with `moves` made, regulated once after all of them.
+    /// Returns these levers after `moves`, regulated once at the end.
     ///
     /// # Errors
-    /// If the levers do not reach each other, before the moves or after.
+    /// Returns an error if the levers do not reach each other before or after the moves.
     pub fn moved(&self, moves: &[Move], regulation: Regulation) -> Result<Levers, ThreeLeverError> {
         Ok(either!(self, levers => levers.moved(moves, regulation)?.into()))
     }
@@ -77,7 +78,7 @@ impl Levers {
         either!(self, levers => levers.head)
     }
 
-    /// The hammer's pivot C, seen from the key's pivot A (m).
+    /// Returns the position of the hammer's pivot C relative to the key's pivot A (m).
     #[must_use]
     pub fn hammer_pivot(&self) -> [f64; 2] {
         match self {
@@ -86,7 +87,7 @@ impl Levers {
         }
     }
 
-    /// The six lever arms at a pose.
+    /// Returns the six lever arms at a pose.
     #[must_use]
     pub fn lever_arms(&self, pose: &StrokePose) -> LeverArms {
         either!(self, levers => levers.lever_arms(pose))
@@ -111,7 +112,7 @@ pub(super) struct Places {
     pub s2: CoordinateId,
 }
 
-/// Three levers put together: the mechanism and its rest pose.
+/// Three assembled levers: the mechanism and its rest pose.
 #[derive(Clone, Debug)]
 pub struct LeverTrain {
     pub(super) levers: Levers,
@@ -141,13 +142,13 @@ impl LeverTrain {
         Ok(LeverTrain { levers, mechanism, places, rest_height: along * s + above * c, rest })
     }
 
-    /// The levers as given.
+    /// Returns the levers from which this was assembled.
     #[must_use]
     pub fn levers(&self) -> &Levers {
         &self.levers
     }
 
-    /// Height of the strike point at rest over the key's pivot A (m).
+    /// Returns the height of the strike point at rest over the key's pivot A (m).
     #[must_use]
     pub fn rest_head_height(&self) -> f64 {
         self.levers.hammer_pivot()[1] + self.rest_height
