@@ -1,13 +1,13 @@
-//! Contacts: discs against lines, discs, plates and polygons, and polygons against each other.
+//! Rigid contacts: discs against lines, discs, plates and polygons, and polygons against each other.
 
 use super::model::{finite, unit};
 use moreau::Scalar;
 use moreau::vector::{Vector, cross, dot, sub};
 
-/// The surface that a contact's disc meets, in its carrier's frame.
+/// Surface that a contact's disc touches, in the frame of the body that carries it.
 #[derive(Debug, Clone, Copy)]
 pub enum Surface<'m, T> {
-    /// The half-plane behind a line, which has no ends: whatever is beside a body that carries one rests on it too.
+    /// Half-plane behind an infinite line. A disc touches it even beside the body that carries the line.
     Line {
         /// A point of the line, m.
         point: Vector<T>,
@@ -21,23 +21,24 @@ pub enum Surface<'m, T> {
         /// Radius, m.
         radius: T,
     },
-    /// A plate that ends: beyond its ends a disc meets the end's point, a point meets nothing.
+    /// Plate of finite length. Beyond its ends a disc touches the end point; a point touches nothing.
     Segment {
-        /// Where it begins, m.
+        /// Start of the plate, m.
         from: Vector<T>,
-        /// Where it ends, m. Outward is on the right of the way from `from` to `to`, as for the edges of a polygon.
+        /// End of the plate, m. The outward side is on the right of the way from `from` to `to`, as for the edges of a
+        /// polygon.
         to: Vector<T>,
-        /// Thickness, m: what is deeper behind the line is past the plate and not touched.
+        /// Thickness, m. A disc deeper than this behind the line is beyond the plate and not in contact.
         depth: T,
     },
-    /// A convex polygon.
+    /// Convex polygon.
     Polygon {
-        /// Its corners, m, counter-clockwise, three at least.
+        /// Corners, m, counter-clockwise, at least three.
         corners: &'m [Vector<T>],
     },
 }
 
-/// A rigid unilateral contact: a disc (radius 0: a point) of one body against a surface of another.
+/// Rigid unilateral contact: a disc (radius 0: a point) of one body against a surface of another.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<'m, T> {
     /// Carrier of the disc, or [`GROUND`](moreau::GROUND).
@@ -48,35 +49,36 @@ pub struct Contact<'m, T> {
     pub radius: T,
     /// Carrier of the surface, or [`GROUND`](moreau::GROUND).
     pub surface_body: usize,
-    /// The surface.
+    /// Surface that the disc touches.
     pub surface: Surface<'m, T>,
-    /// Coefficient of restitution, 0 to 1, of the law that [`super::ImpactLaw`] names.
+    /// Coefficient of restitution, 0 to 1; [`super::ImpactLaw`] defines its meaning.
     pub restitution: T,
     /// Coulomb friction coefficient while slipping.
     pub kinetic: T,
-    /// Friction coefficient up to which it sticks; at least the kinetic one.
+    /// Static friction coefficient, up to which the contact sticks; at least the kinetic one.
     pub limit: T,
-    /// Speed of the surface in its own frame (a belt), m/s, along t = (n_y, -n_x) with n the surface's outward normal.
+    /// Speed of the surface in its own frame (a belt), m/s, positive along t = (n_y, -n_x), where n is the surface's
+    /// outward normal.
     pub belt: T,
 }
 
-/// A rigid unilateral contact of two convex polygons. It closes at up to two points, each a corner of one against an
-/// edge of the other.
+/// Rigid unilateral contact of two convex polygons. It has up to two contact points, each a corner of one polygon
+/// against an edge of the other.
 #[derive(Debug, Clone, Copy)]
 pub struct PolygonContact<'m, T> {
     /// Carrier of the first polygon, or [`GROUND`](moreau::GROUND).
     pub first: usize,
-    /// Its corners in its carrier's frame, m, counter-clockwise, three at least.
+    /// Corners of the first polygon in its carrier's frame, m, counter-clockwise, at least three.
     pub first_corners: &'m [Vector<T>],
     /// Carrier of the second polygon, or [`GROUND`](moreau::GROUND).
     pub second: usize,
-    /// Its corners, likewise.
+    /// Corners of the second polygon in its carrier's frame, m, counter-clockwise, at least three.
     pub second_corners: &'m [Vector<T>],
-    /// Coefficient of restitution, 0 to 1, of the law that [`super::ImpactLaw`] names.
+    /// Coefficient of restitution, 0 to 1; [`super::ImpactLaw`] defines its meaning.
     pub restitution: T,
     /// Coulomb friction coefficient while slipping.
     pub kinetic: T,
-    /// Friction coefficient up to which it sticks; at least the kinetic one.
+    /// Static friction coefficient, up to which the contact sticks; at least the kinetic one.
     pub limit: T,
 }
 

@@ -1,4 +1,4 @@
-//! Regular forces: gravity, loads, springs, viscous friction of joints. And the energies that they store.
+//! Regular forces: gravity, loads, springs, and viscous friction of joints; and stored energies.
 
 use super::model::{Model, Spring, Torsion};
 use super::placement::{Placement, Twist, placed};
@@ -77,19 +77,19 @@ fn twist<T: Scalar>(torsion: &Torsion<T>, q: &[Placement<T>]) -> T {
     placed(q, torsion.second).angle - placed(q, torsion.first).angle - torsion.angle
 }
 
-/// Energies that a mechanism stores, J.
+/// Stored energies of a mechanism, J.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Energies<T> {
-    /// 1/2 v.Mv.
+    /// Kinetic energy 1/2 v.Mv.
     pub kinetic: T,
-    /// In gravity, zero at the world's origin.
+    /// Gravitational energy, zero at the world's origin.
     pub gravity: T,
-    /// In the springs and torsion springs.
+    /// Energy of springs and torsion springs.
     pub springs: T,
 }
 
 impl<T: Scalar> Energies<T> {
-    /// Of a state; bodies that the state has no place for are left out, with their springs.
+    /// Returns the energies of a state. Bodies for which the state has no room are left out, with their springs.
     pub fn of<const B: usize, const N: usize>(model: &Model<'_, T>, state: &State<T, B, N>) -> Self {
         let half = T::from_f64(0.5);
         let mut e = Energies { kinetic: T::ZERO, gravity: T::ZERO, springs: T::ZERO };
@@ -113,7 +113,7 @@ impl<T: Scalar> Energies<T> {
         e
     }
 
-    /// All of it.
+    /// Returns the sum of all energies, J.
     pub fn total(&self) -> T {
         self.kinetic + self.gravity + self.springs
     }

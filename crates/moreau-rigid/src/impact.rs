@@ -1,11 +1,11 @@
-//! Stronge's law: an impact followed through in the space of impulses.
+//! Stronge's impact law, integrated in the space of impulses.
 //!
-//! Every contact that closes is a spring whose impulse grows while it is compressed; it takes the work of the normal
-//! impulse, and while it parts it gives back e squared of it. Friction is Coulomb's at every instant of the impact,
-//! joints stay closed. Between two events (a slip stops or begins, a contact begins to part, has given all back, or
-//! begins to close) the velocities are linear in the impulses, so that the work is known exactly: no impact gives
-//! energy. One contact alone needs no spring's stiffness: its events are found exactly. Several at once share their
-//! impulses as springs of one stiffness would, in short increments.
+//! Each closing contact is a spring. Its impulse grows during compression, and the work of the normal impulse is
+//! stored; during restitution it returns e squared of this work. Coulomb friction acts at every instant of the impact,
+//! and joints stay closed. Between events (slip stops or begins; a contact begins restitution, ends it, or begins to
+//! close) the velocities are linear in the impulses. The work is therefore exact, and no impact creates energy. A
+//! single contact needs no spring stiffness: its events are found exactly. Several simultaneous contacts share their
+//! impulses as springs of equal stiffness would, in short increments.
 
 use super::mixed::{Law, Limits, Mode, Problem};
 use super::model::Model;

@@ -1,11 +1,11 @@
-//! Rigid bodies in the plane with hinges, slides, slots, closed loops, springs, rigid unilateral contacts of discs,
-//! lines, plates and convex polygons, impacts and moving surfaces: what the papers' inclusion M dv + F dt = di also
-//! admits and the piano action does not need.
+//! Rigid bodies in the plane with hinges, slides, slots, closed loops, springs, impacts, moving surfaces, and rigid
+//! unilateral contacts of discs, lines, plates and convex polygons. The papers' inclusion M dv + F dt = di covers all
+//! of these; the piano action does not need them.
 //!
-//! Where the action's step has one angle per body and a tree, a body here has three coordinates (its centre of mass and
-//! its angle) and every joint is a pair of equalities. The mass matrix is then constant and diagonal, there are no
-//! centrifugal terms, and closing a loop is one more joint. The price is size; these mechanisms are small and their
-//! step is not the action's.
+//! The step of the action has one angle per body, in a tree. Here a body has three coordinates (its centre of mass and
+//! its angle), and every joint is a pair of equalities. The mass matrix is then constant and diagonal, there are no
+//! centrifugal terms, and a closed loop needs only one more joint. The price is a larger problem, which does not
+//! matter: these mechanisms are small, and the action is not computed with this step.
 //!
 //! [`step()`] is the Moreau-Jean theta step; the equations are in this crate's `README.md`. [`problems`] holds textbook
 //! problems with known answers.

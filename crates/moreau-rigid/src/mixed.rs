@@ -3,13 +3,13 @@
 //! - equality: u = 0, any p;
 //! - unilateral: 0 <= u, 0 <= p, u p = 0;
 //! - relay: |p| <= bound, p = -bound sign(u) where u is not zero;
-//! - Coulomb: the same with bound = mu p_n, p_n the impulse of a unilateral law of the same step.
+//! - Coulomb: as the relay, with bound = mu p_n, p_n the impulse of a unilateral law of the same step.
 //!
-//! Because the bound follows the normal impulse the problem is not a convex one: it may have several solutions or none
-//! (Painleve). It is solved exactly, by guessing what every law does, solving the linear system that the guess leaves
-//! and correcting the guess. Where guesses cycle, sweeps (`sweeps.rs`) lead to a better one; where they do not either
-//! and there are few enough, all are tried in order. All of it is bounded, and what is given back is admissible: no
-//! contact pulls, no friction is beyond its cone.
+//! Because the bound follows the normal impulse, the problem is not convex: it may have several solutions or none
+//! (Painleve). The solver guesses the mode of every law, solves the linear system of the guess, and corrects the guess;
+//! the result is exact. If guesses cycle, sweeps (`sweeps.rs`) supply a better one. If they fail too, and there are few
+//! enough guesses, all are tried in order. The work is bounded, and every result is admissible: no contact pulls, and
+//! no friction exceeds its cone.
 
 use super::eliminate::eliminate;
 use super::sweeps::Reduced;
@@ -35,16 +35,16 @@ pub(super) enum Law<T> {
     Coulomb(usize, T),
 }
 
-/// State of a law.
+/// Mode of a law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// Its velocity is zero: a joint, a closed contact, friction that sticks.
+    /// The velocity is zero: a joint, a closed contact, or friction that sticks.
     Hold,
-    /// No impulse: an open contact.
+    /// The impulse is zero: an open contact.
     Open,
-    /// Slips, with the largest impulse.
+    /// Friction slips with its largest impulse.
     Upper,
-    /// Slips, with the smallest one.
+    /// Friction slips with its smallest (most negative) impulse.
     Lower,
 }
 
@@ -59,16 +59,16 @@ pub(super) enum Solved {
     Nearly,
 }
 
-/// Solver that gave the impulses of a step.
+/// Solver that found the impulses of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SolvedBy {
-    /// Corrected guesses, from what the laws did in the step before: exact.
+    /// Guesses of the modes, corrected from those of the previous step. Exact.
     Guesses,
-    /// Projected Gauss-Seidel sweeps, after which a guess met every law: exact.
+    /// Projected Gauss-Seidel sweeps, then a guess that satisfied every law. Exact.
     SweptGuess,
-    /// All guesses in order: exact, or none there is.
+    /// Enumeration of all guesses. Exact, or proof that there is no solution.
     Enumeration,
-    /// Projected Gauss-Seidel sweeps alone: as near as the residual says.
+    /// Projected Gauss-Seidel sweeps only. Accurate to the residual.
     Sweeps,
 }
 

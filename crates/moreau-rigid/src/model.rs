@@ -1,4 +1,4 @@
-//! The model of a mechanism of rigid bodies: bodies, joints, springs, contacts. Immutable once made.
+//! Model of a mechanism of rigid bodies: bodies, joints, springs, contacts. Immutable.
 
 use core::fmt;
 
@@ -6,7 +6,7 @@ use super::contact::{Contact, Matter, PolygonContact};
 use moreau::vector::{Vector, dot};
 use moreau::{GROUND, Scalar};
 
-/// A rigid body. Its frame has the origin at its centre of mass; without a joint it is planar-free.
+/// Rigid body. The origin of its frame is its centre of mass; without a joint it moves freely in the plane.
 #[derive(Debug, Clone, Copy)]
 pub struct Body<T> {
     /// Mass, kg.
@@ -15,87 +15,88 @@ pub struct Body<T> {
     pub inertia: T,
 }
 
-/// Freedom of a joint.
+/// Kind of a joint.
 #[derive(Debug, Clone, Copy)]
 pub enum JointKind<T> {
-    /// The two points coincide; the second body turns about them.
+    /// The two points coincide; the bodies rotate freely about them.
     Hinge,
-    /// The second body's point slides on the line through the first body's point; neither turns against the other.
+    /// The second body's point slides on a line through the first body's point; the angle between the bodies is
+    /// constant.
     Slide {
         /// Unit direction of the line, in the first body's frame.
         axis: Vector<T>,
         /// Angle of the second body minus that of the first, rad.
         angle: T,
     },
-    /// A pin in a straight slot: the second body's point stays on the line through the first body's point; both turn
-    /// freely. Friction and motor act on the pin's way along the slot. Where the slot ends, a contact of the pin with a
-    /// line on the first body is the stop.
+    /// A pin in a straight slot: the second body's point stays on a line through the first body's point; both bodies
+    /// rotate freely. Friction and motor act on the pin's motion along the slot. To end the slot, add a contact of the
+    /// pin with a line on the first body.
     Slot {
         /// Unit direction of the slot, in the first body's frame.
         axis: Vector<T>,
     },
 }
 
-/// A joint between two bodies, or of a body with the ground. A tree's joint and the closure of a loop are the same
-/// thing.
+/// Joint between two bodies, or between a body and the ground. A joint that closes a loop is defined like any other.
 #[derive(Debug, Clone, Copy)]
 pub struct Joint<T> {
-    /// Hinge, slide or slot.
+    /// Kind: hinge, slide or slot.
     pub kind: JointKind<T>,
     /// The first body, or [`GROUND`].
     pub first: usize,
-    /// The point in the first body's frame (the world's for the ground), m.
+    /// Point in the first body's frame (the world's for the ground), m.
     pub at_first: Vector<T>,
     /// The second body, or [`GROUND`].
     pub second: usize,
-    /// The point in the second body's frame, m.
+    /// Point in the second body's frame (the world's for the ground), m.
     pub at_second: Vector<T>,
     /// Dry friction: torque (hinge, N m) or force (slide and slot, N).
     pub dry: T,
-    /// Viscous friction, N m s or N s/m.
+    /// Viscous friction coefficient: N m s (hinge) or N s/m (slide and slot).
     pub viscous: T,
-    /// A motor: the rate of the coordinate that the joint leaves, at the end of every step, rad/s or m/s. A body on a
-    /// driven joint is moving ground. For a rate that varies, make the model anew: it borrows its parts and costs next
-    /// to nothing.
+    /// Velocity of a motor: the rate of the joint's free coordinate at the end of every step, rad/s or m/s; `None`
+    /// without a motor. A body on a driven joint is moving ground. For a variable rate, build a new model for each
+    /// step: it borrows its parts and costs almost nothing.
     pub rate: Option<T>,
 }
 
-/// A straight spring between two points, with a damper in parallel: it pulls with `stiffness (distance - length)`.
+/// Straight spring between two points, with a damper in parallel. It pulls with the force `stiffness (distance -
+/// length)`.
 #[derive(Debug, Clone, Copy)]
 pub struct Spring<T> {
     /// The first body, or [`GROUND`].
     pub first: usize,
-    /// Its point, m.
+    /// Point in the first body's frame, m.
     pub at_first: Vector<T>,
     /// The second body, or [`GROUND`].
     pub second: usize,
-    /// Its point, m.
+    /// Point in the second body's frame, m.
     pub at_second: Vector<T>,
-    /// N/m.
+    /// Stiffness, N/m.
     pub stiffness: T,
-    /// N s/m.
+    /// Damping, N s/m.
     pub damping: T,
-    /// Distance without force, m.
+    /// Length without force, m.
     pub length: T,
 }
 
-/// A spring that resists turning, with a damper in parallel: the moment `stiffness (phi_2 - phi_1 - angle) + damping
-/// (rate)` on the first body, its opposite on the second.
+/// Torsion spring with a damper in parallel. The moment on the first body is `stiffness (phi_2 - phi_1 - angle) +
+/// damping (rate)`; the opposite moment acts on the second.
 #[derive(Debug, Clone, Copy)]
 pub struct Torsion<T> {
     /// The first body, or [`GROUND`].
     pub first: usize,
     /// The second body, or [`GROUND`].
     pub second: usize,
-    /// N m/rad.
+    /// Stiffness, N m/rad.
     pub stiffness: T,
-    /// N m s/rad.
+    /// Damping, N m s/rad.
     pub damping: T,
-    /// Angle of the second body minus that of the first without moment, rad.
+    /// Angle of the second body minus that of the first at which the moment is zero, rad.
     pub angle: T,
 }
 
-/// A mechanism. It borrows its parts, so that it needs neither heap nor sizes of its own.
+/// Model of a mechanism. It borrows its parts, so that it needs neither heap nor size parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Model<'m, T> {
     pub(super) bodies: &'m [Body<T>],
@@ -107,18 +108,18 @@ pub struct Model<'m, T> {
     pub(super) gravity: Vector<T>,
 }
 
-/// Why a model could not be made.
+/// Error: a model could not be built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelError {
-    /// A joint, spring or contact names a body that is not there, or one body twice.
+    /// A joint, spring or contact refers to a body that does not exist, or to the same body twice.
     UnknownBody,
     /// A number of this body is not finite, or its mass or inertia is not positive.
     BadBody(usize),
-    /// A number of this joint is not finite, its axis is not a unit vector, or its friction is negative.
+    /// A number of this joint is not finite, its axis is not a unit vector, or its dry or viscous friction is negative.
     BadJoint(usize),
-    /// A number of this spring is not finite.
+    /// A number of this spring is not finite, or its stiffness, damping or length is negative.
     BadSpring(usize),
-    /// A number of this torsion spring is not finite or negative.
+    /// A number of this torsion spring is not finite, or its stiffness or damping is negative.
     BadTorsion(usize),
     /// A number of this contact is not finite or out of its range.
     BadContact(usize),
@@ -157,10 +158,10 @@ impl core::error::Error for ModelError {}
 const UNIT: f64 = 1e-6;
 
 impl<'m, T: Scalar> Model<'m, T> {
-    /// Checks the parts of a mechanism. `gravity` is the acceleration, m/s2, in the world.
+    /// Checks the parts of a mechanism and builds a model. `gravity` is the acceleration in the world, m/s2.
     ///
     /// # Errors
-    /// See [`ModelError`]; nothing that is not finite enters a model.
+    /// Returns the first fault ([`ModelError`]); numbers that are not finite are rejected.
     pub fn new(
         bodies: &'m [Body<T>],
         joints: &'m [Joint<T>],
@@ -214,10 +215,10 @@ impl<'m, T: Scalar> Model<'m, T> {
         Ok(Model { bodies, joints, springs, torsions: &[], contacts, polygons: &[], gravity })
     }
 
-    /// This model with other torsion springs.
+    /// Returns this model with other torsion springs.
     ///
     /// # Errors
-    /// See [`ModelError`].
+    /// Returns the first fault ([`ModelError`]).
     pub fn with_torsions(self, torsions: &'m [Torsion<T>]) -> Result<Self, ModelError> {
         for (i, torsion) in torsions.iter().enumerate() {
             if !known(self.bodies.len(), torsion.first, torsion.second) {
@@ -231,10 +232,10 @@ impl<'m, T: Scalar> Model<'m, T> {
         Ok(Model { torsions, ..self })
     }
 
-    /// This model with other polygon contacts.
+    /// Returns this model with other polygon contacts.
     ///
     /// # Errors
-    /// See [`ModelError`].
+    /// Returns the first fault ([`ModelError`]).
     pub fn with_polygons(self, polygons: &'m [PolygonContact<'m, T>]) -> Result<Self, ModelError> {
         for (i, pair) in polygons.iter().enumerate() {
             if !known(self.bodies.len(), pair.first, pair.second) {
@@ -266,14 +267,14 @@ impl<'m, T: Scalar> Model<'m, T> {
         }
     }
 
-    /// The law slots of a contact: its normal one, its tangential one.
+    /// Returns the law indices of a contact: the normal law and the tangential law.
     pub fn contact_laws(&self, contact: usize) -> [usize; 2] {
         let first = 3 * self.joints.len() + 2 * contact;
         [first, first + 1]
     }
 
-    /// The law slots of a point, 0 or 1, of a contact of polygons: its normal one, its tangential one. The points are
-    /// in the order in which they lie along t = (n_y, -n_x), n the outward normal of the second polygon.
+    /// Returns the law indices of a point, 0 or 1, of a polygon contact: the normal law and the tangential law. The
+    /// points are ordered along t = (n_y, -n_x), where n is the outward normal of the second polygon.
     pub fn polygon_laws(&self, contact: usize, point: usize) -> [usize; 2] {
         self.contact_laws(self.contacts.len() + 2 * contact + point)
     }

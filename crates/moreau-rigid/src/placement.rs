@@ -1,4 +1,4 @@
-//! Where one body is and how fast it moves.
+//! Position and velocity of one body.
 
 use moreau::vector::{Vector, add, sub};
 use moreau::{GROUND, Scalar};

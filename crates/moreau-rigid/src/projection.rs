@@ -1,6 +1,5 @@
-//! Joints are closed in position, not in velocity only: after a step the placements move, by as little as possible in
-//! the metric of the mass matrix, to where every joint is closed (Newton's method). What a motor drives stays where the
-//! motor has brought it.
+//! Position correction of joints. After a step the placements move to where every joint is closed, by as little as
+//! possible in the metric of the mass matrix (Newton's method). Coordinates that a motor drives keep their values.
 
 use super::eliminate::eliminate;
 use super::model::Model;
@@ -72,8 +71,8 @@ fn largest_opening<T: Scalar>(model: &Model<'_, T>, q: &[Placement<T>]) -> T {
 }
 
 impl<T: Scalar, const B: usize, const N: usize> State<T, B, N> {
-    /// The largest amount, m or rad, by which a joint of the model is open: the constraint drift. Infinite if the state
-    /// has no room for the model's bodies.
+    /// Returns the constraint drift: the largest opening of a joint of the model, m or rad. Infinite if the state has
+    /// no room for the model's bodies.
     pub fn drift(&self, model: &Model<'_, T>) -> T {
         if model.bodies.len() > B {
             return T::ONE / T::ZERO;
@@ -81,8 +80,8 @@ impl<T: Scalar, const B: usize, const N: usize> State<T, B, N> {
         largest_opening(model, &self.placement)
     }
 
-    /// Closes all joints from placements that are nearly right, and takes out of the velocities what the joints do not
-    /// admit. False if they do not close; the state is then left as it was.
+    /// Closes all joints from approximate placements, to `tolerance` (m, rad), and removes the velocities that violate
+    /// the joints. Returns false, and leaves the state unchanged, if they do not close.
     pub fn assemble(&mut self, model: &Model<'_, T>, tolerance: T) -> bool {
         let mut q = self.placement;
         if model.bodies.len() > B || !close_joints(model, &mut q, tolerance, false) {

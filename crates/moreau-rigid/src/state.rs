@@ -1,24 +1,25 @@
-//! Where the bodies are, and how a step is to be taken.
+//! State of the bodies, and settings of a step.
 
 use super::mixed::Mode;
 use super::placement::{Placement, Twist};
 use moreau::Scalar;
 
-/// State of a mechanism: everything that the next step depends on. `B` bodies at most, `N` laws.
+/// State of a mechanism of at most `B` bodies and `N` laws: everything that the next step depends on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<T, const B: usize, const N: usize> {
     /// Placement of each body.
     pub placement: [Placement<T>; B],
     /// Velocity of each body.
     pub velocity: [Twist<T>; B],
-    /// Impulses of the laws over the last step, N s or N m s; warm-start the next one.
+    /// Impulses of the laws over the last step, N s or N m s; they warm-start the next one.
     pub impulse: [T; N],
     /// Mode of each law in the last step.
     pub mode: [Mode; N],
 }
 
 impl<T: Scalar, const B: usize, const N: usize> State<T, B, N> {
-    /// At given placements and velocities; bodies without one are at the origin, at rest.
+    /// Returns a state with given placements and velocities. Bodies that `bodies` does not list are at rest at the
+    /// origin.
     pub fn new(bodies: &[(Placement<T>, Twist<T>)]) -> Self {
         let mut state = State {
             placement: [Placement::origin(); B],
@@ -34,50 +35,50 @@ impl<T: Scalar, const B: usize, const N: usize> State<T, B, N> {
     }
 }
 
-/// Meaning of the coefficient of restitution e of a contact.
+/// Impact law: the meaning of a contact's coefficient of restitution e.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImpactLaw {
-    /// Newton's: a contact parts with e times the speed with which it closed. Simple, solved with the other laws of the
-    /// step at once; with friction or several contacts an impact may give energy (Kane's paradox), which
-    /// [`super::StepReport::impact_energy`] tells.
+    /// Newton's law: a contact separates with e times the speed at which it closed. It is solved together with the
+    /// other laws of the step. With friction or several contacts an impact may create energy (Kane's paradox), which
+    /// [`super::StepReport::impact_energy`] reports.
     Newton,
-    /// Stronge's: a contact's normal impulse gives back e squared of the work that it took. The impact is followed
-    /// through in the space of impulses before the rest of the step, friction with it, and takes energy whatever the
-    /// contacts are.
+    /// Stronge's law: the normal impulse of a contact returns e squared of the work that it took. The impact, including
+    /// friction, is integrated in the space of impulses before the rest of the step. It never creates energy.
     Stronge,
 }
 
 /// Settings of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings<T> {
-    /// Step h, s. Errors fall with its square on smooth motion at theta = 1/2, with itself across impacts and
-    /// reversals.
+    /// Step h, s. On smooth motion at theta = 1/2 errors fall with the square of the step; across impacts and reversals
+    /// they fall linearly.
     pub step: T,
-    /// theta of the theta-method, in [1/2, 1].
+    /// Parameter theta of the theta-method, in [1/2, 1].
     pub theta: T,
-    /// The iteration on forces and rows ends when no velocity changes by more than this times (1 + |velocity|). 1e-11
-    /// is usual: each iteration gains two or three digits, so that what is left is far less.
+    /// Tolerance of the iteration on forces and rows: it ends when no velocity changes by more than this times (1 +
+    /// |velocity|). 1e-11 is usual. Each iteration gains two or three digits, so that the remaining error is far
+    /// smaller.
     pub tolerance: T,
-    /// Largest number of those iterations; three to six are usual.
+    /// Largest number of iterations on forces and rows; three to six are usual.
     pub iteration_limit: u32,
     /// Tolerance of a law's velocity, times (1 + |largest velocity|). 1e-12 is usual.
     pub solver_tolerance: T,
-    /// Most guesses that are tried in order in one one-step problem. Four for every contact and three for every dry
-    /// joint, multiplied, are all that there are; where that is more than this limit none are tried in order, and what
-    /// the sweeps found is taken.
+    /// Largest number of guesses that are enumerated in one one-step problem. Their number is a product with a factor
+    /// of four per contact and three per dry joint. If it exceeds this limit, none are enumerated, and the result of
+    /// the sweeps is used.
     pub solver_limit: u32,
-    /// Most sweeps of projected Gauss-Seidel in one one-step problem.
+    /// Largest number of projected Gauss-Seidel sweeps in one one-step problem.
     pub sweep_limit: u32,
-    /// Law of colliding contacts.
+    /// Impact law of contacts.
     pub impact_law: ImpactLaw,
-    /// Largest opening of a joint after a step, m or rad, before its position is corrected again. 1e-12 is usual.
+    /// Largest opening of a joint after a step, m or rad; a larger one is corrected. 1e-12 is usual.
     pub position_tolerance: T,
-    /// A contact is closed from this distance on, m: more than rounding, less than matters. 1e-10 is usual.
+    /// Distance at which a contact counts as closed, m. It must be larger than rounding but negligible. 1e-10 is usual.
     pub contact_tolerance: T,
 }
 
 impl<T: Scalar> Settings<T> {
-    /// The usual settings at step `h`: theta = 1/2.
+    /// Returns the usual settings at step `h` (s): theta = 1/2.
     pub fn new(h: T) -> Self {
         let at_least = |x: f64, ulps: f64| T::from_f64(x).max(T::from_f64(ulps) * T::EPSILON);
         Settings {

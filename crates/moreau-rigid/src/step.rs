@@ -1,4 +1,4 @@
-//! One Moreau-Jean theta step of rigid bodies. The equations stand in this crate's README, "Rigid contacts and joints".
+//! One Moreau-Jean theta step of rigid bodies. The equations are in this crate's README, "Rigid contacts and joints".
 
 use super::forces::regular_impulse;
 use super::impact::collide;
@@ -21,20 +21,20 @@ const NEARLY: u32 = 4;
 pub enum Outcome {
     /// Velocities, laws and joints met their tolerances.
     Converged,
-    /// As `Converged`, but a contact that slipped at the start of the step, and did not close then, stayed closed
-    /// although Coulomb's law lets no finite force keep it so (Painleve): an impulse that does not shrink with h did.
-    /// Other solutions may exist.
+    /// As `Converged`, but Coulomb's law admits no finite force that keeps a slipping contact closed (Painleve). The
+    /// contact slipped at the step's start, had not just closed, and was kept closed by an impulse that does not shrink
+    /// with h. Other solutions may exist.
     Painleve,
-    /// Impulses that every law admits (no contact pulls, no friction is beyond its cone), but some velocity misses its
-    /// law by the report's residual: the sweeps ended before they met the tolerance.
+    /// The sweeps ended before they met the tolerance. The impulses are admissible (no contact pulls, no friction
+    /// exceeds its cone), but some velocity violates its law by the report's residual.
     Approximate,
-    /// An iteration limit was reached; the last (finite) iterate was taken.
+    /// An iteration limit was reached; the state is the last (finite) iterate.
     IterationLimit,
-    /// The one-step problem has no solution: all guesses were tried. The state was left as it was.
+    /// The one-step problem has no solution: all guesses were tried. The state was not changed.
     NoSolution,
-    /// A number that is not finite arose; the state was left as it was.
+    /// A number became infinite or NaN. The state was not changed.
     NonFinite,
-    /// The state has no room for the model's bodies or laws; it was left as it was.
+    /// The state has too little room for the model's bodies or laws. It was not changed.
     NoRoom,
 }
 
@@ -43,7 +43,7 @@ pub enum Outcome {
 pub struct StepReport<T> {
     /// Outcome of the step.
     pub outcome: Outcome,
-    /// Iterations on forces and rows.
+    /// Number of iterations on forces and rows.
     pub iterations: u32,
     /// Guesses in the one-step problems, summed.
     pub guesses: u32,
@@ -51,21 +51,20 @@ pub struct StepReport<T> {
     pub sweeps: u32,
     /// Solver of the last one-step problem.
     pub solver: SolvedBy,
-    /// The largest amount, m/s or rad/s, by which its impulses miss a law.
+    /// Largest violation of a law by the impulses, m/s or rad/s.
     pub residual: T,
-    /// Work of the contacts' impulses in a step in which a contact closed, against the velocities of the surfaces, J;
-    /// else zero. Negative: the impact took energy. Positive: it gave energy, which Newton's law does not exclude.
+    /// Work of the contact impulses in a step in which a contact closed, J, relative to the velocities of the surfaces;
+    /// else zero. Negative: the impact lost energy. Positive: it created energy, which Newton's law does not exclude.
     pub impact_energy: T,
-    /// Increments in which Stronge's law followed an impact.
+    /// Number of increments in which Stronge's law integrated an impact.
     pub impact_increments: u32,
-    /// Whether Stronge's law followed the impact to its end; else what was left of it was ended without restitution.
+    /// Whether Stronge's law completed the impact; if not, the rest was solved without restitution.
     pub impact_ended: bool,
 }
 
-/// Advances `state` by one step h. Never allocates, never panics, takes a bounded number of iterations.
+/// Advances `state` by one step h. Never allocates and never panics; the number of iterations is bounded.
 ///
-/// `loads` are forces (N) and moments about the centre of mass (N m) on the bodies at t0 + theta h; missing ones are
-/// zero.
+/// `loads`: forces (N) and moments about the centre of mass (N m) on the bodies at t0 + theta h. Missing ones are zero.
 pub fn step<T: Scalar, const B: usize, const N: usize>(
     model: &Model<'_, T>,
     settings: &Settings<T>,

@@ -1,4 +1,4 @@
-//! Projected Gauss-Seidel on the friction cone: contact by contact, each solved exactly while the others keep their
+//! Projected Gauss-Seidel on the friction cone: each contact in turn is solved exactly while the others keep their
 //! impulses.
 //!
 //! Joints are eliminated first, so that sweeps pass over contacts and dry joints only. Every iterate is admissible,

@@ -1,4 +1,4 @@
-//! Where surfaces touch: which corner, edge or disc meets which, and the rows of that pair.
+//! Contact detection: finds the corner, edge or disc in contact, and its Jacobian rows.
 //!
 //! The pair is chosen once per step, at the predicted pose, and kept for the step: its rows are then smooth functions
 //! of the pose.
@@ -253,15 +253,15 @@ pub(super) fn polygon_touch<T: Scalar>(
     if turned { [near, far] } else { [far, near] }
 }
 
-/// Point where two surfaces touch, or would touch.
+/// Point at which two surfaces touch, or would touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactPoint<T> {
-    /// The point, in the world, m.
+    /// Position in the world, m.
     pub at: Vector<T>,
-    /// Outward unit normal of the surface that is touched, in the world: of the line, disc, plate or polygon; of two
-    /// polygons, of the one whose edge it is.
+    /// Outward unit normal in the world: of the line, disc, plate or polygon that is touched; for two polygons, of the
+    /// one whose edge is touched.
     pub normal: Vector<T>,
-    /// Distance, m, positive apart.
+    /// Distance, m; positive when the surfaces are separate.
     pub distance: T,
 }
 

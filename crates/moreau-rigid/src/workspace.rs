@@ -24,7 +24,7 @@ pub struct Workspace<T, const B: usize, const N: usize> {
 }
 
 impl<T: Scalar, const B: usize, const N: usize> Workspace<T, B, N> {
-    /// Fresh working memory; results do not depend on what it held before.
+    /// Returns new working memory. Results do not depend on previous contents.
     pub fn new() -> Self {
         Workspace {
             rows: [Row::none(); N],

@@ -1,4 +1,4 @@
-//! Problem 12: a ball dropped from 0.9 m with restitution 0.9. Infinitely many impacts in finite time.
+//! Problem 12: a ball dropped from 0.9 m with restitution 0.9, which makes infinitely many impacts in finite time.
 
 use crate::{Body, Contact, Energies, Mode, Model, Surface};
 use moreau::GROUND;

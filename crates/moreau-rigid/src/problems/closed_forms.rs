@@ -1,35 +1,33 @@
-//! Linkages with textbook solutions, independent of graph, equations and step. The tests of `moreau-linkage` hold its
-//! solver against them, too.
+//! Linkages with textbook solutions, independent of graph, equations and step. The tests of `moreau-linkage` also
+//! compare its solver with them.
 
-/// A four-bar linkage: crank `a` from the origin, coupler `b`, rocker `c` from
-/// `(d, 0)`. Lengths in metres, angles absolute:
-/// `a u(t2) + b u(t3) - c u(t4) - (d, 0) = 0`, with `u` the unit vector.
+/// Four-bar linkage: crank `a` from the origin, coupler `b`, rocker `c` from `(d, 0)`. Lengths in metres, angles
+/// absolute: `a u(t2) + b u(t3) - c u(t4) - (d, 0) = 0`, with `u` the unit vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FourBar {
-    /// Crank.
+    /// Length of the crank, m.
     pub a: f64,
-    /// Coupler.
+    /// Length of the coupler, m.
     pub b: f64,
-    /// Rocker.
+    /// Length of the rocker, m.
     pub c: f64,
-    /// Ground, from the crank's pivot to the rocker's.
+    /// Distance from the crank's pivot to the rocker's, m.
     pub d: f64,
 }
 
 /// Angles of coupler and rocker (rad).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FourBarPose {
-    /// Coupler.
+    /// Angle of the coupler, rad.
     pub t3: f64,
-    /// Rocker.
+    /// Angle of the rocker, rad.
     pub t4: f64,
 }
 
 impl FourBar {
-    /// Intersects the circles about the crank's end (radius `b`) and about the
-    /// rocker's pivot (radius `c`). `side` +1 puts the joint to the left of the
-    /// way from the crank's end to the rocker's pivot, -1 to the right. `None` if
-    /// the circles do not meet.
+    /// Returns the pose at crank angle `t2` (rad): the intersection of the circles about the crank's end (radius `b`)
+    /// and the rocker's pivot (radius `c`). `side` +1 places the joint to the left of the way from the crank's end to
+    /// the rocker's pivot, -1 to the right. `None` if the circles do not meet.
     #[must_use]
     pub fn pose(&self, t2: f64, side: f64) -> Option<FourBarPose> {
         let (s, c) = t2.sin_cos();
@@ -48,16 +46,16 @@ impl FourBar {
         Some(FourBarPose { t3: (joint.1 - py).atan2(joint.0 - px), t4: joint.1.atan2(joint.0 - self.d) })
     }
 
-    /// `(dt3/dt2, dt4/dt2)` at a pose: the textbook's velocity ratios. Infinite or
-    /// NaN where coupler and rocker are in line.
+    /// Returns the textbook's velocity ratios `(dt3/dt2, dt4/dt2)` at a pose. Infinite or NaN where coupler and rocker
+    /// are in line.
     #[must_use]
     pub fn rates(&self, t2: f64, pose: FourBarPose) -> (f64, f64) {
         let between = (pose.t4 - pose.t3).sin();
         (self.a * (t2 - pose.t4).sin() / (self.b * between), self.a * (t2 - pose.t3).sin() / (self.c * between))
     }
 
-    /// The crank angles (rad, 0 to π) beyond which a crank that cannot turn fully
-    /// stops: coupler and rocker in line, `a² + d² - 2ad cos t2 = (b ± c)²`.
+    /// Returns the limits of the crank angle (rad, 0 to π) of a crank that cannot turn fully: coupler and rocker in
+    /// line, `a² + d² - 2ad cos t2 = (b ± c)²`.
     #[must_use]
     pub fn dead_centres(&self) -> [Option<f64>; 2] {
         [self.b + self.c, self.b - self.c].map(|reach| {
@@ -67,21 +65,20 @@ impl FourBar {
     }
 }
 
-/// A slider-crank: crank `r` from the origin, rod `l`, slider on the line `y = e`,
-/// at `x > 0` (on the far side of the crank): `r u(t) + l u(p) = (x, e)`. Metres, radians.
+/// Slider-crank: crank `r` from the origin, rod `l`, slider on the line `y = e` at `x > 0` (on the far side of the
+/// crank): `r u(t) + l u(p) = (x, e)`. Metres, radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SliderCrank {
-    /// Crank.
+    /// Length of the crank, m.
     pub r: f64,
-    /// Connecting rod.
+    /// Length of the connecting rod, m.
     pub l: f64,
-    /// Offset of the slider's line above the crank's pivot.
+    /// Height of the slider's line above the crank's pivot, m.
     pub e: f64,
 }
 
 impl SliderCrank {
-    /// Rod angle (rad) and slider position (m) at crank angle `t`; `None` if the
-    /// rod is too short.
+    /// Returns rod angle (rad) and slider position (m) at crank angle `t` (rad); `None` if the rod is too short.
     #[must_use]
     pub fn pose(&self, t: f64) -> Option<(f64, f64)> {
         let (s, c) = t.sin_cos();
@@ -92,7 +89,8 @@ impl SliderCrank {
         })
     }
 
-    /// Slider position over crank angle: `dx/dt` in metres per radian.
+    /// Returns the derivative `dx/dt` of slider position by crank angle, in metres per radian; `None` if the rod is too
+    /// short.
     #[must_use]
     pub fn slider_rate(&self, t: f64) -> Option<f64> {
         let (p, _) = self.pose(t)?;

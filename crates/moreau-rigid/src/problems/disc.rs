@@ -1,4 +1,4 @@
-//! Problem 11: a disc set down sliding, which friction turns until it rolls.
+//! Problem 11: a disc placed on the floor while sliding; friction spins it until it rolls.
 
 use crate::{Body, Contact, Energies, Mode, Model, Surface};
 use moreau::GROUND;

@@ -1,5 +1,5 @@
-//! Problem 19: surfaces end. A block aside of a small one falls, one that overhangs tips if its middle does, a bead
-//! leaves its plate.
+//! Problem 19: surfaces of finite length. A block beside a pedestal falls, an overhanging block tips if its middle
+//! overhangs, and a bead leaves its plate.
 
 use crate::{Body, Contact, Model, PolygonContact, Surface};
 use moreau::GROUND;

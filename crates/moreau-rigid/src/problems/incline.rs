@@ -1,4 +1,4 @@
-//! Problem 10: a block on two corners, planar-free, on an incline of 20 degrees.
+//! Problem 10: a block on two corners, free in the plane, on an incline of 20 degrees.
 
 use crate::{Body, Contact, Model, Surface};
 use moreau::GROUND;

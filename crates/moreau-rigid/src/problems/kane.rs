@@ -1,9 +1,9 @@
 //! Problem 18: Kane's paradox. The tip of a double pendulum of two uniform rods meets a rough floor; restitution and
 //! friction 0.5.
 //!
-//! By Newton's law the impact gives energy, with one contact. By Stronge's it takes energy: the slip stops while the
-//! contact is still compressed, and turns round. Both are worked out by hand in the two angles; nothing is shared with
-//! the engine, which has two bodies of three coordinates and two hinges.
+//! By Newton's law the impact creates energy, with a single contact. By Stronge's law it loses energy: the slip stops
+//! while the contact is still being compressed, and reverses. Both references are derived by hand in the two angles and
+//! share nothing with the engine, which has two bodies of three coordinates and two hinges.
 
 use crate::{Body, Contact, Energies, ImpactLaw, Joint, JointKind, Model, StepReport, Surface};
 use moreau::GROUND;

@@ -1,5 +1,5 @@
-//! Problem 14: a four-bar and a slider-crank, every joint a pair of equalities, turning for 100 s without friction or
-//! weight.
+//! Problem 14: a four-bar and a slider-crank that turn for 100 s without friction or gravity. Every joint is a pair of
+//! equalities.
 
 use crate::{Body, Energies, Joint, JointKind, Model};
 use moreau::GROUND;

@@ -1,7 +1,7 @@
 //! Textbook problems of rigid bodies, with known answers.
 //!
-//! Every reference is a closed form (or a quadrature) that shares no code with the step. It is given with the problem,
-//! with the reason for its tolerance.
+//! Every reference is a closed form or a quadrature that shares no code with the step. Each problem states it, with the
+//! reason for its tolerance.
 
 mod ball;
 mod belt;
@@ -22,18 +22,18 @@ mod stack;
 pub use row::{Expected, Order, Row};
 pub use run::{Run, at};
 
-/// A problem: its number and name, and how its rows are computed.
+/// Textbook problem: number, name, and the function that computes its rows.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem {
-    /// Its place in the list of all problems. Number 8, the held note, belongs to the piano layer.
+    /// Number in the list of all problems. Number 8, the held note, belongs to the piano layer.
     pub number: u32,
     /// Name.
     pub name: &'static str,
-    /// Solves it. Takes from milliseconds to some seconds.
+    /// Function that solves the problem. It takes from milliseconds to a few seconds.
     pub rows: fn() -> Vec<Row>,
 }
 
-/// The problems of rigid bodies, in order.
+/// Returns the problems of rigid bodies, in order.
 #[must_use]
 pub fn problems() -> Vec<Problem> {
     let problem = |number, name, rows| Problem { number, name, rows };

@@ -1,8 +1,8 @@
-//! Problem 17: Housner's rocking block. A slender block rocks on its corners on a floor that is too rough to slip on.
+//! Problem 17: Housner's rocking block. A slender block rocks on its corners, on a floor too rough for slip.
 //!
-//! About a corner I0 theta'' = -m g R sin(alpha - theta) while theta > 0, with R the half diagonal, alpha its angle to
-//! the upright and I0 = 4/3 m R2. When the other corner lands, angular momentum about it is kept: the rate falls by 1 -
-//! 3/2 sin2 alpha (Housner 1963).
+//! About a corner I0 theta'' = -m g R sin(alpha - theta) while theta > 0, where R is the half diagonal, alpha its angle
+//! to the vertical and I0 = 4/3 m R2. When the other corner lands, angular momentum about it is conserved: the rate is
+//! multiplied by 1 - 3/2 sin2 alpha (Housner 1963).
 
 use crate::{Body, Model, Outcome, PolygonContact};
 use moreau::GROUND;

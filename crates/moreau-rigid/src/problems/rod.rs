@@ -1,4 +1,4 @@
-//! Problem 13: Painleve's rod. A uniform rod, 45 degrees to the floor, slides on its lower end, its upper end trailing.
+//! Problem 13: Painleve's rod. A uniform rod at 45 degrees slides on its lower end, with its upper end trailing.
 
 use crate::{Body, Contact, Model, Outcome, StepReport, Surface};
 use moreau::GROUND;

@@ -1,13 +1,13 @@
-//! A row: a quantity of a problem, what it should be, what it is.
+//! Row of results: a quantity of a problem, its known value, and the engine's value.
 
 /// Known answer for a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Expected {
-    /// Its value, and how far ours may be from it.
+    /// A known value with a tolerance.
     Near {
         /// The known value.
         value: f64,
-        /// Largest error.
+        /// Largest error accepted.
         tolerance: f64,
     },
     /// An upper bound.
@@ -16,23 +16,23 @@ pub enum Expected {
     AtLeast(f64),
 }
 
-/// A quantity, what is known about it, and ours.
+/// Quantity of a problem, with its known answer and the engine's result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Name of the quantity, with the settings that matter.
+    /// Name of the quantity, with the relevant settings.
     pub quantity: String,
-    /// Unit; empty for pure numbers.
+    /// Unit; empty for dimensionless numbers.
     pub unit: &'static str,
     /// Known answer.
     pub expected: Expected,
-    /// Result of the engine; not a number if a step failed.
+    /// Result of the engine; NaN if a step failed.
     pub ours: f64,
-    /// Why the tolerance or the bound is what it is.
+    /// Reason for the tolerance or bound.
     pub because: &'static str,
 }
 
 impl Row {
-    /// A row with a known value.
+    /// Returns a row with a known value.
     pub fn new(
         quantity: impl Into<String>,
         unit: &'static str,
@@ -44,12 +44,12 @@ impl Row {
         Row { quantity: quantity.into(), unit, expected: Expected::Near { value, tolerance }, ours, because }
     }
 
-    /// A row with a bound: work that must not grow, or that must be needed.
+    /// Returns a row with a bound, e.g. on work that must not grow or that must occur.
     pub fn bounded(quantity: &str, expected: Expected, ours: f64, because: &'static str) -> Self {
         Row { quantity: quantity.into(), unit: "", expected, ours, because }
     }
 
-    /// Whether ours is what it should be; false for what is not a number.
+    /// Returns whether the result agrees with the known answer; false for NaN.
     #[must_use]
     pub fn holds(&self) -> bool {
         match self.expected {
@@ -60,17 +60,17 @@ impl Row {
     }
 }
 
-/// Errors at falling steps.
+/// Errors at decreasing steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Order {
-    /// The steps, s, each a constant part of the one before.
+    /// Steps, s; each is the previous one times a constant factor.
     pub steps: Vec<f64>,
-    /// The errors.
+    /// Error at each step.
     pub errors: Vec<f64>,
 }
 
 impl Order {
-    /// Errors at `count` steps from `first` on, each half of the one before.
+    /// Computes errors at `count` steps from `first` (s) on, each half of the previous one.
     pub fn halving(first: f64, count: i32, error: impl Fn(f64) -> f64) -> Self {
         Self::of(first, (0..count).map(|k| error(first * 0.5_f64.powi(k))).collect())
     }
@@ -81,7 +81,7 @@ impl Order {
         Order { steps, errors }
     }
 
-    /// Observed order: the mean slope of log(error) over log(step).
+    /// Returns the observed order: the mean slope of log(error) over log(step).
     #[must_use]
     pub fn observed(&self) -> f64 {
         let n = self.steps.len() - 1;

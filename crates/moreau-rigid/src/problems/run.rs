@@ -1,23 +1,23 @@
-//! Running a mechanism of rigid bodies.
+//! Simulation of a mechanism of rigid bodies.
 
 use crate::{Model, Outcome, Placement, Settings, State, StepReport, Twist, Workspace, step};
 
-/// A mechanism with its state and time.
+/// A mechanism with its state and its time.
 pub struct Run<'m, const B: usize, const N: usize> {
-    /// The mechanism.
+    /// Model of the mechanism.
     pub model: Model<'m, f64>,
-    /// How it is stepped.
+    /// Settings of the steps.
     pub settings: Settings<f64>,
     /// Present state.
     pub state: State<f64, B, N>,
     workspace: Workspace<f64, B, N>,
     steps: u32,
-    /// No step has failed so far.
+    /// Whether all steps so far converged.
     pub sound: bool,
 }
 
 impl<'m, const B: usize, const N: usize> Run<'m, B, N> {
-    /// A mechanism whose bodies are placed and move so, stepped by h (s).
+    /// Returns a run of a mechanism with given placements and velocities and the step h (s).
     pub fn new(model: Model<'m, f64>, h: f64, bodies: &[(Placement<f64>, Twist<f64>)]) -> Self {
         Run {
             model,
@@ -42,7 +42,7 @@ impl<'m, const B: usize, const N: usize> Run<'m, B, N> {
         report
     }
 
-    /// Steps until an instant, s, or until a step fails.
+    /// Advances until an instant, s, or until a step fails.
     pub fn until(&mut self, time: f64) {
         let last = (time / self.settings.step).round() as u32;
         while self.steps < last && self.sound {
@@ -50,13 +50,13 @@ impl<'m, const B: usize, const N: usize> Run<'m, B, N> {
         }
     }
 
-    /// A number of this run, or not a number if a step failed.
+    /// Returns a result of this run, or NaN if a step failed.
     pub fn value(&self, x: f64) -> f64 {
         if self.sound { x } else { f64::NAN }
     }
 }
 
-/// A placement.
+/// Returns a placement; x and y in m, angle in rad.
 pub fn at(x: f64, y: f64, angle: f64) -> Placement<f64> {
     Placement { at: [x, y], angle }
 }

@@ -1,4 +1,4 @@
-//! Problem 20: a Scotch yoke. The pin of a crank runs in the upright slot of a yoke that slides; x = r cos(omega t).
+//! Problem 20: a Scotch yoke. The pin of a crank runs in the vertical slot of a sliding yoke; x = r cos(omega t).
 
 use crate::{Body, Energies, Joint, JointKind, Model};
 use moreau::GROUND;

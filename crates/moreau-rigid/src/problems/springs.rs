@@ -1,5 +1,5 @@
-//! Problem 21: torsion springs and stiff springs. The midpoint rule turns an oscillator by 2 atan(omega h / 2) a step,
-//! exactly; Newton's method finds that step however stiff the spring is.
+//! Problem 21: torsion springs and stiff springs. The midpoint rule rotates the phase of an oscillator by exactly 2
+//! atan(omega h / 2) per step; Newton's method finds that step for any stiffness.
 
 use crate::{Body, Joint, JointKind, Model, Spring, Torsion};
 use moreau::GROUND;

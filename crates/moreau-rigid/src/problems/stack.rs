@@ -1,6 +1,6 @@
-//! Problem 16: blocks, each tilted by 0.01 rad against the one below and 2 mm above it, fall, rebound and come to rest
-//! as a stack. More contacts than their motion can tell apart: seven and more closed at once were too many for guesses
-//! in order.
+//! Problem 16: blocks, each tilted by 0.01 rad to the one below and 2 mm above it, fall, rebound and come to rest as a
+//! stack. There are more contacts than their motion determines: with seven or more closed at once, there are too many
+//! guesses to enumerate.
 
 use crate::{Body, Energies, ImpactLaw, Model, PolygonContact};
 use moreau::GROUND;
