@@ -1,4 +1,4 @@
-//! A design, the cases made of it by moving parts, and what there is to say about each.
+//! A design, the cases made from it by moving parts, and the summary of each.
 
 use moreau_linkage::three_lever::{
     LeverArms, LeverTrain, Levers, Move, Regulation, Stroke, StrokePose, ThreeLeverError,
@@ -7,42 +7,41 @@ use moreau_linkage::three_lever::{
 /// Poses of the stroke that slidings are measured on: differences between neighbours are below a micrometre.
 const DIGEST_STEPS: usize = 400;
 
-/// Let-off. It stays at this height whatever is moved: let-off is regulated against the string.
+/// Let-off. Moves do not change its height, because let-off is regulated relative to the string.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LetOff {
-    /// Height of the strike point over the key's pivot, m.
+    /// Height of the strike point above the key's pivot, m.
     pub head_height_m: f64,
-    /// Name in figures: `let-off`, or `toe contact`, where the jack begins to escape.
+    /// Name in figures: `let-off`, or `toe contact` for the point where the jack begins to escape.
     pub name: &'static str,
-    /// Description for people.
+    /// Description for readers.
     pub what: String,
 }
 
-/// Three levers and where they let the hammer off.
+/// Three levers and their let-off.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    /// Name.
+    /// Name of the design.
     pub name: String,
-    /// The levers, as they are.
+    /// Levers, without moves.
     pub levers: Levers,
-    /// Let-off; `None` where nothing says it.
+    /// Let-off; `None` if it is not defined.
     pub let_off: Option<LetOff>,
 }
 
-/// A design with some parts moved, put together.
+/// Design with some parts moved, assembled.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// The levers, moved and put together.
+    /// Assembled levers, after the moves.
     pub train: LeverTrain,
-    /// Travel of the key's front at let-off, m; `None` where it cannot be reached, or where nothing says what let-off
-    /// is.
+    /// Travel of the key's front at let-off, m; `None` if let-off cannot be reached or is not defined.
     pub let_off_key_m: Option<f64>,
 }
 
 /// Key position and leverage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
-    /// Travel of the key's front since rest along its arc, m, down positive.
+    /// Travel of the key's front from rest along its arc, m, positive down.
     pub key_m: f64,
     /// Upward speed of the strike point over the speed of the key's front.
     pub leverage: f64,
@@ -51,29 +50,29 @@ pub struct Spot {
 /// Summary of a case for a designer, from rest to let-off.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Digest {
-    /// At rest.
+    /// Key position and leverage at rest.
     pub start: Spot,
-    /// Half-way down to let-off.
+    /// Key position and leverage half-way to let-off; `None` without let-off.
     pub middle: Option<Spot>,
-    /// At let-off.
+    /// Key position and leverage at let-off; `None` without let-off.
     pub let_off: Option<Spot>,
-    /// Largest sliding of capstan and heel away from where they touch at rest, m; without let-off, 0.
+    /// Largest sliding of capstan and heel from their contact at rest, m; 0 without let-off.
     pub capstan_sliding_m: f64,
-    /// Their whole way to and fro, m.
+    /// Total path of this sliding, forward and backward, m.
     pub capstan_way_m: f64,
-    /// Largest sliding of knuckle and jack away from where they touch at rest, m.
+    /// Largest sliding of knuckle and jack from their contact at rest, m; 0 without let-off.
     pub knuckle_sliding_m: f64,
-    /// Their whole way to and fro, m.
+    /// Total path of this sliding, forward and backward, m.
     pub knuckle_way_m: f64,
     /// The six classical lever arms at rest.
     pub arms: LeverArms,
 }
 
 impl Design {
-    /// The design with `moves` made; none of them is the design as it is.
+    /// Returns the design after `moves`; without moves, the design itself.
     ///
     /// # Errors
-    /// When the levers do not reach each other at rest.
+    /// Returns an error if the levers do not reach each other at rest, before the moves or after.
     pub fn case(&self, moves: &[Move], regulation: Regulation) -> Result<Case, ThreeLeverError> {
         let levers = if moves.is_empty() { self.levers } else { self.levers.moved(moves, regulation)? };
         let train = levers.assemble()?;
@@ -87,7 +86,7 @@ impl Design {
 }
 
 impl Case {
-    /// The poses from key travel `from_m` to `to_m`, as far as they can be reached.
+    /// Returns the poses from key travel `from_m` to `to_m` (m) in `steps` equal steps, as far as they can be reached.
     #[must_use]
     pub fn stroke(&self, from_m: f64, to_m: f64, steps: usize) -> Stroke {
         self.train.stroke(from_m, to_m, steps)
@@ -100,7 +99,7 @@ impl Case {
         Some(Spot { key_m, leverage: pose.leverage })
     }
 
-    /// Summary of the case.
+    /// Returns the summary of the case.
     #[must_use]
     pub fn digest(&self) -> Digest {
         let rest = self.train.rest();

@@ -1,9 +1,9 @@
-//! Three levers from an instrument file: the same one that a key press is simulated with.
+//! Derives three levers from an instrument file, the file from which a key press is simulated.
 //!
-//! The levers stand as the instrument rests, friction and felts included. Whippen, jack and repetition lever turn as
-//! one body, as they do until the jack's toe meets its button. A felt that is compressed at rest stays as thick as it
-//! is there; a contact that is open at rest (a jack just below the knuckle, which the repetition lever carries) is
-//! closed first, because the levers work only once that play is taken up.
+//! The levers are placed as the instrument rests, friction and felts included. Whippen, jack and repetition lever turn
+//! as one body, as they do until the jack's toe touches its button. A felt that is compressed at rest keeps its
+//! thickness. A contact that is open at rest (a jack just below a knuckle carried by the repetition lever) is closed
+//! first, because the levers work only after that play is taken up.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -21,13 +21,13 @@ use moreau::vector::{add, dot, scale, sub};
 /// Play at rest that is worth telling, m.
 const NOTABLE_PLAY_M: f64 = 1e-5;
 
-/// Why no three levers can be found in an instrument.
+/// Error: three levers cannot be derived from an instrument.
 #[derive(Debug, thiserror::Error)]
 pub enum DeriveError {
-    /// A part is not there, or not as three levers need it.
+    /// A part is missing or is not as three levers require.
     #[error("the instrument has no three levers: {0}")]
     NotThreeLevers(#[from] NotThreeLevers),
-    /// Not assembled, or no rest.
+    /// The action could not be assembled, or found no rest.
     #[error(transparent)]
     Action(#[from] ActionError),
     /// The levers do not reach each other.
@@ -39,61 +39,62 @@ pub enum DeriveError {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotThreeLevers {
-    /// A role that nothing has.
+    /// No body or zone has a required role.
     #[error("`roles` names no {role}")]
     NoRole {
-        /// Its key in the instrument file.
+        /// Key of the role in the instrument file.
         role: &'static str,
     },
     /// The key front lies behind the balance pin.
     #[error("the finger presses the key behind its pivot; expected a point in front of it")]
     FingerBehindPivot,
-    /// A lever that rides on another.
+    /// A lever is hinged on another body instead of the ground.
     #[error("`{body}` is not hinged on the ground")]
     NotOnTheGround {
-        /// Its name.
+        /// Name of the lever.
         body: String,
     },
     /// No zone of `roles.knuckle` is between a body and the hammer.
     #[error("`roles.knuckle` names no zone in which a body pushes the hammer")]
     NobodyPushesTheHammer,
-    /// The part that pushes the knuckle is not carried by a whippen.
+    /// No whippen carries the part that pushes the knuckle.
     #[error("`{body}` pushes the knuckle without a whippen")]
     NoWhippen {
-        /// Pushing body.
+        /// Name of the pushing body.
         body: String,
     },
-    /// Key and whippen do not touch.
+    /// No zone connects key and whippen.
     #[error("no zone between `{key}` and `{whippen}`")]
     NoCapstan {
-        /// The key's name.
+        /// Name of the key.
         key: String,
-        /// The whippen's name.
+        /// Name of the whippen.
         whippen: String,
     },
-    /// A contact of two discs has no straight line to slide on.
+    /// A contact is a disc on a disc, so that there is no straight line to slide on.
     #[error("zone `{zone}` is a disc on a disc, and a straight line is needed")]
     DiscOnDisc {
-        /// Its name.
+        /// Name of the zone.
         zone: String,
     },
 }
 
-/// The three levers of an instrument.
+/// Three levers derived from an instrument.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Derived {
-    /// The levers with their discs, and where the hammer is let off.
+    /// Design: the levers with their discs, and let-off.
     pub design: Design,
-    /// Levers as in [`Design::levers`].
+    /// Levers of the design ([`Design::levers`]).
     pub levers: DiscLevers,
-    /// The nearest levers of lengths L1 to L10: knuckle and jack exactly (the knuckle's centre on a line that far above
-    /// the jack's top), the capstan as the point of the heel that it touches at rest, sliding on a straight key.
+    /// Closest levers with lengths L1 to L10. Knuckle and jack are exact (the knuckle's centre slides on a line
+    /// parallel to the jack's top). The capstan is replaced by the point of the heel that it touches at rest, sliding
+    /// on a straight key.
     pub lengths: ThreeLever,
     /// Name of the zone between key and whippen.
     pub capstan_zone: String,
     /// Name of the zone between jack and hammer.
     pub knuckle_zone: String,
-    /// Remarks about the instrument's rest, a sentence each.
+    /// Remarks about the instrument at rest, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -103,14 +104,14 @@ struct AtRest<'i> {
     mechanism: &'i dyn Mechanism,
 }
 
-/// Finds the three levers of an instrument, which are rigid: bends are locked.
+/// Derives the three levers of an instrument as rigid bodies: bends are locked.
 ///
-/// They are: the key of `roles`; the hammer of `roles`; and the whippen, the body on the ground that carries (or is)
-/// what pushes the knuckle. That is the zone of `roles.knuckle` whose pusher meets the let-off button, or the first
-/// one. The capstan's zone is the one between key and whippen, the most compressed of them if there are several.
+/// Key and hammer are those of `roles`. The whippen is the body on the ground that carries (or is) the pusher of the
+/// knuckle. The knuckle's zone is the zone of `roles.knuckle` whose pusher touches the let-off button, or the first
+/// one. The capstan's zone is the zone between key and whippen; if there are several, the most compressed one.
 ///
 /// # Errors
-/// When a part is missing, the instrument finds no rest, or a contact is one of two discs.
+/// Returns an error if a part is missing, the instrument finds no rest, or a contact is a disc on a disc.
 pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
     let instrument = &instrument.locked();
     let roles = &instrument.roles;

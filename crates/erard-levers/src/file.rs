@@ -27,16 +27,16 @@ const BUILTIN: [(&str, &str); 2] = [
     ("steinway-o-like", include_str!("../linkages/steinway-o-like.toml")),
 ];
 
-/// A linkage file, read and checked.
+/// Contents of a checked linkage file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkageFile {
-    /// Name shown in summaries; the file's own name where it gives none.
+    /// Name shown in summaries; the file's own name if the file states none.
     pub name: String,
-    /// The levers, in SI units.
+    /// Levers, in SI units.
     pub levers: ThreeLever,
-    /// From the hammer's rest to the string, m.
+    /// Blow distance, from the hammer's rest to the string, m.
     pub blow_m: f64,
-    /// From the string down to where the hammer is let off, m.
+    /// Let-off distance, from the string down to the hammer at let-off, m.
     pub let_off_m: f64,
 }
 
@@ -52,10 +52,11 @@ impl LinkageFile {
         convert(&file, file_name).map_err(|fault| dress(file_name, text, fault))
     }
 
-    /// Reads the bytes of a linkage file, which must be UTF-8 (a byte order mark is allowed).
+    /// Reads the bytes of a linkage file, which must be UTF-8 (a byte order mark is allowed). `file_name` appears in
+    /// errors, and as the name if the file states none.
     ///
     /// # Errors
-    /// As `LinkageFile::parse`, and where the bytes are not UTF-8.
+    /// Returns the first fault with line, key, what was found and what is expected; also if the bytes are not UTF-8.
     pub fn parse_bytes(bytes: &[u8], file_name: &str) -> Result<Self, Box<FileError>> {
         Self::parse(utf8(bytes, file_name)?, file_name)
     }
@@ -63,33 +64,33 @@ impl LinkageFile {
     /// Reads a linkage file from disk.
     ///
     /// # Errors
-    /// As [`LinkageFile::parse_bytes`], and where the file cannot be read.
+    /// Returns the errors of [`LinkageFile::parse_bytes`], or an error if the file cannot be read.
     pub fn load(path: &Path) -> Result<Self, Box<FileError>> {
         let (name, bytes) = read_bytes(path)?;
         Self::parse_bytes(&bytes, &name)
     }
 
-    /// A built-in linkage, e.g. `c7f-like`, or `None` when there is none of that name.
+    /// Returns a built-in linkage, e.g. `c7f-like`; `None` if there is none of that name.
     pub fn builtin(name: &str) -> Option<Self> {
         let (name, text) = BUILTIN.iter().find(|(known, _)| *known == name)?;
         // A test reads every one of them.
         Self::parse(text, name).ok()
     }
 
-    /// The names that [`LinkageFile::builtin`] knows.
+    /// Returns the names of the built-in linkages.
     pub fn builtin_names() -> impl Iterator<Item = &'static str> {
         BUILTIN.iter().map(|(name, _)| *name)
     }
 
-    /// The TOML text of a built-in linkage.
+    /// Returns the TOML text of a built-in linkage; `None` if there is none of that name.
     pub fn builtin_text(name: &str) -> Option<&'static str> {
         BUILTIN.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
     }
 
-    /// The levers and where the hammer is let off.
+    /// Returns the design: the levers and their let-off.
     ///
     /// # Errors
-    /// When the levers do not reach each other at rest.
+    /// Returns an error if the levers do not reach each other at rest.
     pub fn design(&self) -> Result<Design, moreau_linkage::three_lever::ThreeLeverError> {
         let rest = self.levers.assemble()?.rest_head_height();
         let below = format!("hammer head {:.1} mm below the string", self.let_off_m * MM_PER_M);
@@ -101,7 +102,7 @@ impl LinkageFile {
     }
 }
 
-/// The JSON Schema of linkage files: what `linkages/linkage.schema.json` holds.
+/// Returns the JSON Schema of linkage files, the content of `linkages/linkage.schema.json`.
 pub fn json_schema() -> String {
     schema_of::<LinkageToml>()
 }

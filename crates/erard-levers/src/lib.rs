@@ -1,13 +1,13 @@
-//! Leverage and sliding from the geometry alone: touch in a second, without dynamics.
+//! Leverage and sliding of the three levers from geometry alone: touch in a second, without dynamics.
 //!
-//! A [`Design`] is three levers (key, whippen with its jack, hammer) and the height at which the hammer is let off. It
-//! comes from a linkage file with the papers' lengths L1 to L10 ([`LinkageFile`]) or from an instrument file
-//! ([`derive()`]), where the contacts stay what they are: a dome that slides along the heel, a roller on the jack.
-//! [`Design::case`] moves parts and regulates again; [`slow_press`] lets the dynamic model say how well the geometry
-//! alone predicts it.
+//! A [`Design`] is three levers (key, whippen with its jack, hammer) and the height of the hammer at let-off. It comes
+//! from a linkage file with the papers' lengths L1 to L10 ([`LinkageFile`]) or from an instrument file ([`derive()`]).
+//! In the second case the contacts keep their shapes: a dome that slides along the heel, a roller on the jack.
+//! [`Design::case`] moves parts and regulates again. [`slow_press`] runs the dynamic model to show how accurate the
+//! geometry alone is.
 //!
-//! Metres and radians; `k`, `w`, `h` are the absolute angles of the equations, and `k` (the direction of the key
-//! surface's normal) grows as the key goes down.
+//! Metres and radians. `k`, `w`, `h` are the absolute angles in the equations; `k` (the direction of the key surface's
+//! normal) increases as the key goes down.
 
 mod case;
 mod derive;

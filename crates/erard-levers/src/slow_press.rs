@@ -1,7 +1,7 @@
-//! The dynamic model pressed so slowly that only geometry is left: a check of the kinematics.
+//! A press of the dynamic model, slow enough that only geometry matters: a check of the kinematics.
 //!
-//! The difference that remains: the play and the felts that the first tenths of a millimetre take up, and the felts'
-//! breathing as the forces change on the way.
+//! The remaining difference is due to the play and the felts, which take up the first tenths of a millimetre, and to
+//! the change of the felts' compression as the forces vary.
 
 use moreau::Settings;
 use moreau_linkage::three_lever::{DiscLevers, LeverTrain};
@@ -27,33 +27,33 @@ const HALF_WINDOW_M: f64 = 1e-4;
 /// The parts are in touch once the head has risen by so much, m: a fiftieth of the blow.
 const TAKEN_UP_RISE_M: f64 = 1e-3;
 
-/// A slow press.
+/// Result of a slow press.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SlowPress {
-    /// Travel of the key's front along its arc, m, every row of the run; increasing but for rounding.
+    /// Travel of the key's front along its arc, m, per row of the run; increasing except for rounding.
     pub key_m: Vec<f64>,
-    /// Rise of the strike point, m.
+    /// Rise of the strike point, m, per row of the run.
     pub head_rise_m: Vec<f64>,
-    /// Key travel at which the jack's toe met the let-off button, m.
+    /// Key travel at which the jack's toe touched the let-off button, m; `None` if it did not.
     pub toe_contact_key_m: Option<f64>,
 }
 
-/// Agreement of kinematics and slow press, between the taking up of play and let-off.
+/// Agreement of kinematics and slow press, from where play is taken up to let-off.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Agreement {
     /// Key travel of each comparison, m.
     pub key_m: Vec<f64>,
-    /// Leverage of the dynamic model over that of the geometry at the same key travel, minus 1.
+    /// Leverage of the dynamic model over that of the geometry at the same key travel, minus 1, per comparison.
     pub deviation: Vec<f64>,
-    /// Largest deviation, absolute.
+    /// Largest absolute deviation.
     pub worst: f64,
 }
 
-/// Presses an instrument slowly and a little beyond key travel `to_m`. The finger is soft and only pushes: leverage is
-/// read from what the key itself does.
+/// Presses an instrument slowly, to slightly beyond key travel `to_m` (m). The finger is soft and only pushes, so that
+/// the leverage is computed from the motion of the key itself.
 ///
 /// # Errors
-/// Of the simulation.
+/// Returns the error of the simulation.
 pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Result<SlowPress, SimulationError> {
     let depth = to_m + BEYOND_M;
     let finger = |t: f64| {
@@ -80,8 +80,8 @@ pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Re
 }
 
 impl SlowPress {
-    /// Leverage at key travel `key_m`: rise of the head over travel of the key in a window around it. `None` where the
-    /// key did not pass through the whole window.
+    /// Returns the leverage at key travel `key_m` (m): rise of the head over travel of the key, in a window around it.
+    /// `None` if the key did not pass through the whole window.
     #[must_use]
     pub fn leverage(&self, key_m: f64) -> Option<f64> {
         let rise = |travel: f64| {
@@ -93,15 +93,16 @@ impl SlowPress {
         Some((rise(key_m + HALF_WINDOW_M)? - rise(key_m - HALF_WINDOW_M)?) / (2.0 * HALF_WINDOW_M))
     }
 
-    /// Key travel at which play and felts are taken up and the head is on its way.
+    /// Returns the key travel at which play and felts are taken up and the head is rising, m; `None` if the head did
+    /// not rise so far.
     #[must_use]
     pub fn taken_up_key_m(&self) -> Option<f64> {
         let row = self.head_rise_m.iter().position(|&rise| rise > TAKEN_UP_RISE_M)?;
         self.key_m.get(row).copied()
     }
 
-    /// Compares leverages every twentieth of a millimetre from where play is taken up to let-off: until the toe
-    /// touches, or `let_off_m` where there is no toe. `None` where no range is left.
+    /// Compares leverages at least every twentieth of a millimetre, from where play is taken up to where the toe
+    /// touches, or to `let_off_m` (m) if that is earlier or there is no toe. `None` if no range remains.
     #[must_use]
     pub fn agreement(&self, train: &LeverTrain, let_off_m: f64) -> Option<Agreement> {
         const EVERY_M: f64 = 5e-5;
