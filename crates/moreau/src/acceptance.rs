@@ -1,4 +1,5 @@
-//! Whether a Newton iteration was the last: whether what its linearisation left out is below the tolerance.
+//! Convergence test of Newton's method: a step has converged when the error of its linearisation is below the
+//! tolerance.
 
 use crate::model::Model;
 use crate::real::{Mask, Real};
@@ -6,11 +7,12 @@ use crate::settings::Settings;
 use crate::timing::Timing;
 use crate::workspace::Workspace;
 
-/// Whether the linearisation holds where the last correction has taken the velocities, to `next`. It does if for every
-/// joint the impulse that it leaves out (by the felts' curvature, weight and centrifugal force) would change the
-/// velocity by less than the tolerance.
+/// Returns whether the linearisation holds at the velocities `next` after the last correction. It does if, for every
+/// joint, the neglected impulse (from the felts' curvature, weight and centrifugal force) would change the velocity by
+/// less than the tolerance.
 ///
-/// A quick bound ([`Margins::bound`](crate::curvature::Margins::bound)) settles most steps. The others are looked at zone by zone.
+/// A quick bound ([`Margins::bound`](crate::curvature::Margins::bound)) decides most steps. The others are tested zone
+/// by zone.
 #[inline(always)]
 pub(crate) fn linearisation_holds<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -44,7 +46,8 @@ pub(crate) fn linearisation_holds<T: Real, const B: usize, const Z: usize, const
     holds
 }
 
-/// Carries an elastic drive's force along with the correction. Says where the driver has neither come nor gone.
+/// Extrapolates an elastic drive's force with the correction. Returns the lanes in which the driver has neither begun
+/// nor ceased to touch.
 #[inline(always)]
 fn carry_drive_along<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -59,8 +62,8 @@ fn carry_drive_along<T: Real, const B: usize, const Z: usize, const N: usize>(
     pushed.and(pushes).or(pushed.or(pushes).not())
 }
 
-/// The impulse on joint i, N m s, that weight and centrifugal force may add: the linearisation leaves out their
-/// gradients.
+/// Returns the impulse on joint i, N m s, by which weight and centrifugal force may change. The linearisation neglects
+/// their gradients.
 #[inline(always)]
 fn by_inertia<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
@@ -72,7 +75,7 @@ fn by_inertia<T: Real, const B: usize, const Z: usize, const N: usize>(
     timing.h_theta * spin.add_product(timing.step, model.weight[i]) * workspace.correction[i].abs()
 }
 
-/// The impulse on joint i, N m s, that changes its velocity by the tolerance.
+/// Returns the impulse on joint i, N m s, that changes its velocity by the tolerance.
 #[inline(always)]
 fn allowed<T: Real, const B: usize, const Z: usize, const N: usize>(
     settings: &Settings<T>,
@@ -83,7 +86,7 @@ fn allowed<T: Real, const B: usize, const Z: usize, const N: usize>(
     settings.tolerance * workspace.problem.system.a.diagonal[i] * (T::ONE + next[i].abs())
 }
 
-/// The exact test: every zone's own remainder.
+/// Exact test: the remainder of every zone.
 #[inline(always)]
 fn zone_by_zone<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,

@@ -1,5 +1,5 @@
-//! A contact zone as the step reads it. What does not change is worked out once, and what is read together lies
-//! together.
+//! A contact zone in the form that the step reads: constants are precomputed, and numbers that are read together are
+//! stored together.
 
 use crate::description::{Curve, Zone};
 use crate::felt::FeltLaw;
@@ -8,7 +8,7 @@ use crate::real::Real;
 use crate::support::Support;
 use crate::vector::{Vector, add, dot, scale, sub};
 
-/// What distances are measured from.
+/// Shape from which distances are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Core {
     /// A line; `axis` is its outward unit normal.
@@ -28,11 +28,11 @@ pub(crate) struct CompiledZone<T> {
     core: Core,
     /// Whether there is Coulomb friction.
     pub slides: bool,
-    /// Its coefficient, or 0.
+    /// Coefficient of Coulomb friction, or 0.
     pub friction: T,
     /// Whether its felt has a set-valued loss.
     pub dry: bool,
-    /// Its eta, or 0.
+    /// Loss factor eta of this felt, or 0.
     pub eta: T,
     center: Vector<T>,
     axis: Vector<T>,
@@ -40,7 +40,7 @@ pub(crate) struct CompiledZone<T> {
     pub felt: FeltLaw<T>,
     from: Vector<T>,
     length: T,
-    /// The disc's radius: from its centre to the contact point, apart from the compression.
+    /// Radius of the disc, from its centre to the contact point of the uncompressed felt.
     radius: T,
 }
 
@@ -70,7 +70,7 @@ impl<T: Real> CompiledZone<T> {
         }
     }
 
-    /// Its curve yields.
+    /// Sets the zone's curve to be compliant.
     pub(crate) fn set_yielding(&mut self) {
         self.felt.set_yielding();
     }

@@ -1,4 +1,4 @@
-//! One contact zone in one step: how near it is, its row, its felt's force, and what its linearisation leaves out.
+//! One contact zone in one step: its distance, Jacobian row, felt force, and the error of its linearisation.
 
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Margins;
@@ -37,7 +37,7 @@ pub struct Contact<T> {
 /// What the step keeps of a zone that it has looked at. The rest is worked out again for whoever asks.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactState<T: Real, const B: usize> {
-    /// Near enough to be touched during the step.
+    /// Whether the zone is near enough to be touched during the step.
     pub in_reach: T::Mask,
     /// Normal force F, N, never negative.
     pub force: T,
@@ -136,8 +136,8 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         self.tangent = pressed.tangent;
     }
 
-    /// The same on a curve that yields. What is pressed is written here, and handed to nobody, so that the fast path
-    /// keeps its own in registers.
+    /// Evaluates the felt's force on a compliant surface. It writes the result here and returns nothing, so that the
+    /// fast path keeps its own in registers.
     #[cold]
     #[inline(never)]
     fn press_on(

@@ -1,10 +1,10 @@
-//! Felts that press one and the same thing within a step, a hammer's and a damper's on a string: their forces are found
-//! together.
+//! Felts that press the same external subsystem within a step, e.g. a hammer's and a damper's on one string. Their
+//! forces are solved for together.
 //!
-//! With r_i the rate at which felt i would be pressed if nothing displaced its surface, F_i = P_i(r_i - sum_j a_ij
-//! F_j), where a = A/h between the zones is symmetric and positive definite, and the laws P rise. So the forces are
-//! where a convex function is least, sum P*_i(F_i) + F a F / 2 - r F, and going from felt to felt, each time solving
-//! the scalar equation of [`crate::surface::solve`], falls to it from anywhere (README, "Compliant surfaces").
+//! Let r_i be the compression rate of felt i without displacement of its surface. Then F_i = P_i(r_i - sum_j a_ij F_j),
+//! where a = A/h between the zones is symmetric and positive definite, and the laws P increase. So the forces minimise
+//! a convex function, sum P*_i(F_i) + F a F / 2 - r F. Iterating over the felts, each time solving the scalar equation
+//! of [`crate::surface::solve`], converges to the minimum from any start (README, "Compliant surfaces").
 
 use crate::linear::gauss_jordan;
 use crate::model::Model;
@@ -15,18 +15,18 @@ use crate::surface::COUPLED;
 use crate::timing::Timing;
 use crate::workspace::{Contacts, Workspace};
 
-/// Most rounds from felt to felt. A hammer and a damper beside it take ten or so.
+/// Largest number of sweeps over the felts. A hammer and a damper take about ten.
 const ROUNDS: u32 = 256;
 
-/// The felts' forces, N, and -dF/d(rate) of each alone, N s/m.
+/// Forces of the felts, N, and -dF/d(rate) of each one alone, N s/m.
 struct Found<T> {
     forces: [T; COUPLED],
     slopes: [T; COUPLED],
 }
 
-/// Finds the forces of the zones that take part, at rates that are so much greater than those of the last evaluation,
-/// m/s. What they displace each other by stands with their surfaces afterwards. `None`: nothing displaces anything, and
-/// all is as it was.
+/// Solves for the forces of the coupled zones, at rates that differ from those of the last evaluation by the given
+/// amounts, m/s. Afterwards each surface holds the velocity that the other zones' forces add to it. Returns `None`, and
+/// changes nothing, if there is nothing to couple.
 fn solve<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
@@ -86,8 +86,7 @@ fn solve<T: Real, const B: usize, const Z: usize>(
     Some(Found { forces, slopes })
 }
 
-/// Puts the forces that are found together in the place of those that each felt has found for itself, in the linearised
-/// step, too.
+/// Replaces the forces that each felt has found alone by the coupled forces, also in the linearised step.
 ///
 /// With s_i = -dF_i/dr_i of each alone, dF = (diag(1/s) + a)^-1 dr: a row of one zone then acts on another's force.
 #[cold]
@@ -138,8 +137,8 @@ pub(crate) fn press_coupled<T: Real, const B: usize, const Z: usize, const N: us
     }
 }
 
-/// What the force of one zone owes to another's rate, and the other way round, in the linearised step: A += t (x^T y +
-/// y^T x), b += t (x^T y + y^T x) w.
+/// Adds to the linearised step the coupling between the force of one zone and the rate of another: A += t (x^T y + y^T
+/// x), b += t (x^T y + y^T x) w.
 fn add_pair<T: Real, const B: usize, const N: usize>(
     [x, y]: [&[T; B]; 2],
     tangent: T,
@@ -160,7 +159,7 @@ fn add_pair<T: Real, const B: usize, const N: usize>(
     }
 }
 
-/// (diag(1/s) + a)^-1, N s/m, with nothing where s is zero: positive semidefinite.
+/// Returns (diag(1/s) + a)^-1, N s/m, with zero rows where s is zero. The matrix is positive semidefinite.
 fn tangents<T: Real>(give: &[[T; COUPLED]; COUPLED], slopes: &[T; COUPLED]) -> [[T; COUPLED]; COUPLED] {
     let (zero, mut inverse) = (T::ZERO, [[T::ZERO; COUPLED]; COUPLED]);
     // (1 + s a) x = s; s a has a zero diagonal, and the matrix is that of a positive definite one times s.
@@ -176,7 +175,7 @@ fn tangents<T: Real>(give: &[[T; COUPLED]; COUPLED], slopes: &[T; COUPLED]) -> [
     inverse
 }
 
-/// The forces at the velocities that a step has ended with: the same equations, for the zones that were touched.
+/// Solves for the forces at the velocities at the step's end, with the same equations, for the touched zones.
 #[cold]
 #[inline(never)]
 pub(crate) fn settle<T: Real, const B: usize, const Z: usize, const N: usize>(

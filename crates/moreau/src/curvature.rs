@@ -1,10 +1,10 @@
-//! The quick test of a step's linearisation: a bound of what it leaves out, at a few operations per zone. It settles
-//! most steps.
+//! Quick test of a step's linearisation: a bound on its error, at a few operations per zone. It decides most steps.
 //!
-//! A felt's force F(g, dg/dt) leaves its tangent for two reasons. It bends, by an amount of second order in the change
-//! of the velocities; or it meets a kink, the onset of touch or the clamp at zero. The bend is bounded with the longest
-//! levers that the rows can have and with the felts' own bounds ([`Felt::curvature_bound`](crate::Felt)); both are
-//! numbers of the model ([`Curvatures`]). The distance of the kinks is gathered zone by zone ([`Margins`]).
+//! A felt's force F(g, dg/dt) deviates from its tangent for two reasons: it is curved (an effect of second order in the
+//! change of the velocities), or it reaches a kink (the onset of touch, or the limit at zero force). The curvature is
+//! bounded by the longest possible levers of the rows and by the felts' own bounds
+//! ([`Felt::curvature_bound`](crate::Felt)); both are numbers of the model ([`Curvatures`]). The distances to the kinks
+//! are collected zone by zone ([`Margins`]).
 
 use crate::description::Zone;
 use crate::felt::FAR;
@@ -12,7 +12,7 @@ use crate::real::{Mask, Real, Scalar, join, join_all};
 use crate::support::Support;
 use crate::timing::Timing;
 
-/// How strongly all felts of a model together can bend the force on each joint.
+/// Bound on how strongly all felts of a model together can curve the force on each joint.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Curvatures<T, const B: usize> {
     /// The largest |dg/dt| of any zone for joint velocities of at most 1, m.

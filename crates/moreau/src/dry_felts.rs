@@ -1,9 +1,9 @@
 //! Felts with a set-valued loss, F = k g^r (1 + eta Sign(dg/dt)): their laws in the one-step problem.
 //!
-//! A cold path: a mechanism without such felts pays nothing for it. The law stands along the zone's row G: u = G w, |p|
-//! <= h eta k g^r, p against u at the step's end. Where dg/dt reverses within a step, such a law would do work p (u0 +
-//! u1)/2 of either sign. There the sign is replaced by its mean over a step in which u runs linearly, (u0 + u1)/(|u0| +
-//! |u1|), so that the work is never a gain (README, "Dry felts").
+//! A mechanism without such felts pays nothing for it. The law acts along the zone's row G: u = G w, |p| <= h eta k
+//! g^r, with p opposing u at the step's end. If dg/dt reverses within a step, such a law would do the work p (u0 +
+//! u1)/2, of either sign. There the sign is replaced by its mean over a step with linear u, (u0 + u1)/(|u0| + |u1|), so
+//! that the work is never a gain (README, "Dry felts").
 
 use crate::felt::TINY;
 use crate::model::Model;
@@ -12,7 +12,7 @@ use crate::settings::Settings;
 use crate::state::State;
 use crate::workspace::{Contacts, DryFelts, LawSource, Problem, Workspace};
 
-/// Before a step's first iteration.
+/// Prepares a step before its first iteration.
 #[cold]
 #[inline(never)]
 pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
@@ -29,8 +29,8 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
     }
 }
 
-/// Completes the linearised step with the felts' laws; Coulomb's laws are there already, and get their share of the
-/// felts' dry forces.
+/// Adds the felts' laws to the linearised step. Coulomb's laws are already there, and get their share of the felts' dry
+/// forces.
 #[cold]
 #[inline(never)]
 pub(crate) fn assemble<T: Real, const B: usize, const Z: usize, const N: usize>(
@@ -105,8 +105,8 @@ fn mean_sign<T: Real>(u0: T, u1: T, theta: T) -> (T, T) {
     (sign, T::only(turned, two * theta * before.abs() / (size * size)))
 }
 
-/// After the solver: which felts reverse within the step, and in which lanes what the iteration left out is not yet
-/// small.
+/// Finds, after the solver, the felts that reverse within the step. Returns the lanes in which the error of the
+/// iteration is not yet small.
 #[cold]
 #[inline(never)]
 pub(crate) fn unsettled<T: Real, const B: usize, const Z: usize, const N: usize>(

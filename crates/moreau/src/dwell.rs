@@ -1,9 +1,8 @@
-//! Friction that grows while it sticks: dwell.
+//! Friction that grows while it sticks.
 //!
-//! A cold path: a mechanism without dwell pays nothing for it. A law's bound is its kinetic one times 1 + (ratio - 1)
-//! m. While the law sticks, m grows as dm/dt = (1 - m)/tau; when it slips, m = 0. What sticks, sticks exactly: nothing
-//! creeps. A step is solved with the bound of a rest first, and once more with the kinetic bound of those laws that
-//! slipped.
+//! A mechanism without such friction pays nothing for it. A law's bound is its kinetic bound times 1 + (ratio - 1) m.
+//! While the law sticks, m grows as dm/dt = (1 - m)/tau; when it slips, m = 0. Sticking is exact: nothing creeps. A
+//! step is first solved with the grown bounds, and again with the kinetic bounds of those laws that slipped.
 
 use crate::model::Model;
 use crate::real::{Mask, Real, Scalar, cast};
@@ -11,7 +10,7 @@ use crate::settings::Settings;
 use crate::state::State;
 use crate::workspace::{LawSource, Workspace};
 
-/// Before a step's first iteration: nothing has slipped.
+/// Prepares a step before its first iteration: no law has slipped.
 #[cold]
 #[inline(never)]
 pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
@@ -22,7 +21,7 @@ pub(crate) fn begin<T: Real, const B: usize, const Z: usize, const N: usize>(
     workspace.dwell.zone = state.rested;
 }
 
-/// Raises the bounds of the laws that have rested.
+/// Raises the bounds of laws that stuck before the step.
 #[cold]
 #[inline(never)]
 pub(crate) fn raise_bounds<T: Real, const B: usize, const Z: usize, const N: usize>(
@@ -44,8 +43,8 @@ pub(crate) fn raise_bounds<T: Real, const B: usize, const Z: usize, const N: usi
     }
 }
 
-/// After the solver, which gave the velocities `next`: the laws that slip have lost what they had gained. Says in which
-/// lanes one has, so that the step must be solved again.
+/// Resets the growth of the laws that slip at the velocities `next` of the solver. Returns the lanes with such a law,
+/// in which the step must be solved again.
 #[cold]
 #[inline(never)]
 pub(crate) fn slipped<T: Real, const B: usize, const Z: usize, const N: usize>(
@@ -72,13 +71,14 @@ pub(crate) fn slipped<T: Real, const B: usize, const Z: usize, const N: usize>(
     again
 }
 
-/// The solvers' velocities of what sticks are zero to their tolerance.
+/// Returns whether a law slips. The solvers' velocities of sticking laws are zero to their tolerance.
 #[inline(always)]
 fn slips<T: Real>(u: T, settings: &Settings<T>) -> T::Mask {
     (T::from_f64(4.0) * settings.solver_tolerance).lt(u.abs())
 }
 
-/// At a step's end, with the velocities `w`, in the lanes in which it ends: what sticks has rested a step longer.
+/// Lets the friction of sticking laws grow by one step, at the step's end with the velocities `w`, in the lanes in
+/// which it ends.
 #[cold]
 #[inline(never)]
 pub(crate) fn keep<T: Real, const B: usize, const Z: usize, const N: usize>(

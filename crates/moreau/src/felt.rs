@@ -1,4 +1,5 @@
-//! A felt: a spring k g^r with a contact law ([`Loss`], `law/`), as a description gives it and as the step reads it.
+//! Felts: a spring k g^r with a contact law ([`Loss`], `law/`), in the form of a description and in the form that the
+//! step reads.
 //!
 //! | who asks | what |
 //! |---|---|
@@ -106,23 +107,23 @@ impl<T: Scalar> Felt<T> {
     }
 }
 
-/// A felt as the step reads it: what does not change is worked out once.
+/// Felt in the form that the step reads, with precomputed constants.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FeltLaw<T> {
-    /// What depends on compression and rate now.
+    /// Part of the force that depends only on the present compression and rate.
     rate_part: RatePart<T>,
-    /// The rate part is all, and its mean over a step has a closed form.
+    /// Whether the rate part is the whole force, and its mean over a step has a closed form.
     square: bool,
-    /// Whether what it presses on yields.
+    /// Whether the surface is compliant.
     yields: bool,
-    /// A law with memory represents all of the force.
+    /// Whether a law with internal state gives the whole force.
     remembers: bool,
-    /// The largest force over the rate part's.
+    /// Largest ratio of the force to that of the rate part.
     largest: T,
     loss: Loss<T>,
 }
 
-/// Force of a law with memory.
+/// Force of a law with internal state.
 struct Press<'a, T: Real>(&'a FeltLaw<T>, Pressing<'a, T>, &'a Memory<T>);
 
 impl<T: Real> Aside for Press<'_, T> {
@@ -134,7 +135,7 @@ impl<T: Real> Aside for Press<'_, T> {
     }
 }
 
-/// How that force bends.
+/// Curvature of the force of a law with internal state.
 struct Bend<'a, T: Real>(&'a FeltLaw<T>, Pressing<'a, T>, &'a Memory<T>);
 
 impl<T: Real> Aside for Bend<'_, T> {
@@ -146,10 +147,10 @@ impl<T: Real> Aside for Bend<'_, T> {
     }
 }
 
-/// What a felt finds when a step begins.
+/// State of a felt at the start of a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Carried<'a, T> {
-    /// Its memory, where it has one.
+    /// Internal state, if the law has one.
     pub memory: &'a Memory<T>,
     /// Surface that it presses on, if the surface is compliant.
     pub surface: &'a Yielding<T>,
@@ -170,7 +171,7 @@ impl<T: Real> FeltLaw<T> {
         }
     }
 
-    /// What it presses on yields.
+    /// Sets the surface to be compliant.
     pub(crate) fn set_yielding(&mut self) {
         self.yields = true;
     }

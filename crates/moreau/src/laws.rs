@@ -1,4 +1,4 @@
-//! The set-valued part of a step: which laws are in force, and what became of them.
+//! Set-valued part of a step: the active laws, and their forces and sides afterwards.
 
 use crate::input::Input;
 use crate::law::MEMORY;

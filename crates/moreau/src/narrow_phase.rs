@@ -1,4 +1,4 @@
-//! The narrow phase: which of the zones near contact are touched during the step, and what their felts do.
+//! The narrow phase: finds the zones that are touched during the step, and evaluates their felts.
 
 use crate::contact::ContactState;
 use crate::coupled::press_coupled;

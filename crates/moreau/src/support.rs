@@ -1,4 +1,4 @@
-//! The supporting joints of a relative motion: those that it depends on.
+//! Supporting joints: the joints on which a relative motion depends.
 
 use crate::description::Zone;
 use crate::linear::Symmetric;
@@ -12,7 +12,7 @@ use crate::vector::{Vector, dot, sub};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Support<T, const B: usize> {
     count: usize,
-    /// Ascending.
+    /// Supporting joints, ascending.
     joint: [usize; B],
     /// +1 for joints that carry the curve, -1 for the disc.
     sign: [T; B],

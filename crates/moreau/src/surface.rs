@@ -28,26 +28,27 @@ pub struct Surface<T> {
     pub compliance: T,
 }
 
-/// A surface as the step reads it. All zero: it stands still.
+/// Surface in the form that the step reads. All zero: it does not move.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Yielding<T> {
-    /// Its free displacement at the theta point, m.
+    /// Displacement without contact force at the theta point, m.
     pub offset: T,
-    /// Its mean free velocity, m/s.
+    /// Mean velocity without contact force, m/s.
     pub drift: T,
-    /// A/h: what a newton adds to that, m/s per N.
+    /// Compliance over step A/h: velocity that a newton adds, m/s per N.
     pub give: T,
-    /// Others press the same thing: how far the force is from its linearisation is then not known.
+    /// Whether other zones press the same subsystem. If so, the error of the force's linearisation is unknown.
     pub shared: bool,
 }
 
-/// Zones whose surfaces belong to one thing: a force on one displaces the others within the same step.
+/// Zones whose surfaces belong to one subsystem: a force on one displaces the others within the same step.
 #[derive(Debug, Clone)]
 pub(crate) struct Coupled<T> {
     /// Number of coupled surfaces; 0 or at least two.
     pub count: usize,
     pub zone: [usize; COUPLED],
-    /// A/h between them, m/s per N, symmetric; each one's own stands with its surface, and here is zero.
+    /// Coupling A/h between surfaces, m/s per N, symmetric, with a zero diagonal (each surface's own A/h is in
+    /// [`Yielding`]).
     pub give: [[T; COUPLED]; COUPLED],
     /// Contribution of the other surfaces' forces to the drift of each, m/s.
     pub told: [T; COUPLED],
@@ -59,7 +60,7 @@ impl<T: Real> Coupled<T> {
         Coupled { count: 0, zone: [0; COUPLED], give: [[zero; COUPLED]; COUPLED], told: [zero; COUPLED] }
     }
 
-    /// What forces on the others add to the drift of one, m/s.
+    /// Returns the velocity that forces on the other surfaces add to one surface, m/s.
     pub(crate) fn others(&self, one: usize, forces: &[T; COUPLED]) -> T {
         let mut sum = T::ZERO;
         for other in 0..self.count {
@@ -80,11 +81,11 @@ impl<T: Real> Yielding<T> {
     }
 }
 
-/// Solves F = P(F), where P falls: the felt's force, given the force that presses the surface. `press` tells P and
-/// -dP/dF, both at least 0.
+/// Solves F = P(F) for the felt's force F, where P, which decreases, is the felt's force if F displaces the surface.
+/// `press` returns P and -dP/dF, both at least 0.
 ///
-/// F - P(F) rises, so that there is one solution, between 0 and P(0). P is convex (a felt's law is), so that Newton's
-/// method rises to the solution from 0. Where P has a kink, bisection takes over.
+/// F - P(F) increases, so that there is one solution, between 0 and P(0). P is convex (a felt's law is), so that
+/// Newton's method approaches the solution from 0 monotonically. If P has a kink, bisection takes over.
 #[inline(always)]
 pub(crate) fn solve<T: Real>(touched: T::Mask, press: impl Fn(T) -> [T; 2]) -> T {
     let (zero, half) = (T::ZERO, T::from_f64(0.5));

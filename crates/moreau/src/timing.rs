@@ -1,4 +1,4 @@
-//! The lengths of time that a step needs.
+//! Time intervals of a step.
 
 use crate::real::Real;
 

@@ -1,8 +1,8 @@
-//! The state changes of the set-valued laws during a step in two halves, and the error that they cause.
+//! Changes of the set-valued laws within the two halves of an adaptive step, and the error that they cause.
 //!
-//! Within one inner step a law has one side: that of its velocity at the end. Where it changes within the step, whole
-//! and halves may err alike, so that their difference does not show it. What they hide is computed here from the
-//! velocities' slopes and the laws' forces.
+//! Within one inner step a law has one side: that of its velocity at the end. If it changes within the step, whole and
+//! halves may have the same error, so that their difference does not show it. This hidden error is computed here from
+//! the slopes of the velocities and the forces of the laws.
 
 use super::{Controller, StepDoubling};
 use crate::model::Model;
