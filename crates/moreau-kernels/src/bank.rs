@@ -106,14 +106,14 @@ struct Member<const B: usize, const Z: usize> {
     probes: Probes,
     input: Input<f64>,
     awake: bool,
-    /// Forces in the last step, N: of the drive, of the marked zone.
+    /// Forces in the last step, N: of the drive, of the probe zone.
     drive_n: f64,
     zone_n: f64,
 }
 
 struct Members<const B: usize, const Z: usize, const N: usize> {
     members: Vec<Member<B, Z>>,
-    /// Those that are awake, in no order: none feels another.
+    /// Mechanisms that are awake, in no order: none depends on another.
     awake: Vec<usize>,
     sleep: bool,
     settings: Settings<f64>,

@@ -13,9 +13,9 @@ pub type InputDuring<'a> = dyn FnMut(f64, f64, &dyn Fn() -> f64) -> Input<f64> +
 pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
     controller: Controller<f64, Z>,
     halves: StepDoubling<f64, B, Z, N>,
-    /// The half that was last.
+    /// Index of the half taken last.
     half: usize,
-    /// The hands that drove the last step's halves, and their places and velocities before them.
+    /// Hands that drove the halves of the last step, with position and velocity before each.
     pub hands: [Option<(Hand<f64>, [f64; 2])>; 2],
 }
 

@@ -1,4 +1,4 @@
-//! The engine of one size: a mechanism that takes steps, and how it is read. Every step outside the lanes goes through
+//! Engine of one size: a mechanism that takes steps, and its outputs. Every step outside the lanes goes through
 //! [`Stepped::step`].
 
 use core::cell::OnceCell;
@@ -17,31 +17,31 @@ use crate::observation::{Observation, site_position};
 use crate::surfaces::{Halving, Over, Surfaces, Under};
 use crate::{Impact, OwnedDescription, Probes};
 
-/// A mechanism without its working memory, which several may share.
+/// Mechanism without its working memory, which several mechanisms may share.
 pub(crate) struct Stepped<const B: usize, const Z: usize> {
     pub model: Model<f64, B, Z>,
     pub state: State<f64, B, Z>,
     pub sleep: Sleep<f64>,
     pub predictor: ImpactPredictor<f64, B>,
-    /// The compliant external subsystem under its zones, where there is one.
+    /// Compliant external subsystem under its zones; `None` if there is none.
     pub under: Option<Under>,
-    /// The driven point and the drive's direction, which is zero where nothing is driven.
+    /// Driven point and direction of the drive; the direction is zero without a drive.
     pub site: (TrackedPoint<f64, B>, [f64; 2]),
     pub bodies: usize,
     /// Absolute angular velocities before the last step, rad/s.
     pub velocity_before: [f64; B],
-    /// The hand that drove the last step, and its place and velocity before it.
+    /// Hand that drove the last step, with its position, m, and velocity, m/s, before it.
     pub hand: Option<(Hand<f64>, [f64; 2])>,
-    /// Whether steps that change nothing may be left out.
+    /// Whether steps that change nothing may be skipped.
     pub may_rest: bool,
     /// Report of the last step.
     pub report: StepReport,
-    /// Whether the last step was left out.
+    /// Whether the last step was skipped.
     skipped: bool,
     clock: Clock,
 }
 
-/// Counts steps, so that the instants of fixed steps are rounded once.
+/// Counter of steps. It rounds the instants of fixed steps only once.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Clock {
     pub origin_s: f64,
@@ -62,7 +62,7 @@ impl Clock {
         self.now_s = self.origin_s + self.steps as f64 * step_s;
     }
 
-    /// A part of a step has passed, which begins so many parts after the step.
+    /// Advances the clock by one part of a step.
     #[inline(always)]
     fn pass(&mut self, step_s: f64, part: Share) {
         if part.is_last() {
@@ -73,7 +73,7 @@ impl Clock {
         }
     }
 
-    /// The last part of a step did not happen. The grid of steps begins anew where its beginning does not lie on it.
+    /// Takes back the last part of a step. The grid of steps restarts at the part's beginning if this is not on the grid.
     #[cold]
     fn take_back(&mut self, part: Share) {
         if part.at > 0 {
@@ -88,17 +88,17 @@ impl Clock {
 /// One of the equal parts of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Share {
-    /// Counts from 0.
+    /// Index of this part, from 0.
     pub at: u32,
-    /// Of so many.
+    /// Number of parts.
     pub of: u32,
 }
 
 impl Share {
-    /// The whole.
+    /// A step in one part.
     pub(crate) const WHOLE: Self = Share { at: 0, of: 1 };
 
-    /// All parts of a step.
+    /// Returns all parts of a step.
     pub(crate) fn all(of: u32) -> impl Iterator<Item = Self> {
         (0..of).map(move |at| Share { at, of })
     }
@@ -107,23 +107,24 @@ impl Share {
         self.at + 1 == self.of
     }
 
-    /// How much of the step is over at its beginning.
+    /// Returns the share of the step that is over when this part begins.
     pub(crate) fn begins(self) -> f64 {
         f64::from(self.at) / f64::from(self.of)
     }
 
-    /// And at its end.
+    /// Returns the share of the step that is over when this part ends.
     fn ends(self) -> f64 {
         f64::from(self.at + 1) / f64::from(self.of)
     }
 
-    /// The settings of a part of their step.
+    /// Returns the settings of this part, from those of the step.
     #[inline(always)]
     pub(crate) fn settings(self, whole: &Settings<f64>) -> Settings<f64> {
         if self.of == 1 { *whole } else { Settings { step: whole.step / f64::from(self.of), ..*whole } }
     }
 
-    /// What drives a part of a step that is driven so: forces are held, and places go on at their velocities.
+    /// Returns the input of this part, from that of the step: a force stays constant, a position advances at its
+    /// velocity.
     #[inline(always)]
     pub(crate) fn input(self, whole: &Settings<f64>, input: &Input<f64>) -> Input<f64> {
         if self.of == 1 {
@@ -139,7 +140,7 @@ impl Share {
     }
 }
 
-/// What several parts of a step report together: the worst outcome, and all their work.
+/// Returns the common report of several parts of a step: the worst outcome, and the sum of the work.
 pub(crate) fn together(a: StepReport, b: StepReport) -> StepReport {
     let rank = |outcome: Outcome| match outcome {
         Outcome::Converged => 0,
@@ -185,7 +186,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         self.clock = clock;
     }
 
-    /// The mechanism was put where it is at an instant, s: the flight of the marked point begins here.
+    /// Starts the prediction of impacts at an instant, s, after the mechanism was moved to another state.
     pub(crate) fn begin_at(&mut self, now_s: f64) {
         self.clock = Clock::at(now_s);
         self.sleep.wake();
@@ -194,23 +195,23 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         self.predictor.update(&self.model, now_s, &self.state.angle, &self.state.velocity);
     }
 
-    /// It was left out of the steps until this instant, as nothing changed.
+    /// Sets the clock after a sleep, in which nothing changed.
     pub(crate) fn sleep_ended(&mut self, clock: Clock) {
         self.skipped |= clock.steps != self.clock.steps;
         self.clock = clock;
     }
 
-    /// Whether the last step changed nothing, so that its neighbours with the same input need not be taken.
+    /// Returns whether the last step changed nothing, so that following steps with the same input need not be taken.
     pub(crate) fn rests(&self) -> bool {
         self.sleep.is_asleep() && self.under.as_ref().is_none_or(|under| under.surfaces.rests())
     }
 
-    /// Whether the last step was left out.
+    /// Returns whether the last step was skipped.
     pub(crate) fn was_left_out(&self) -> bool {
         self.skipped
     }
 
-    /// Into how many parts the next step is taken under an input.
+    /// Returns the number of parts of the next step under an input.
     #[inline(always)]
     pub(crate) fn choose(&mut self, input: &Input<f64>) -> u32 {
         match &mut self.under {
@@ -219,8 +220,8 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         }
     }
 
-    /// One step, or a part of one of this length, s, with its own settings and input. It is left out where it is known
-    /// to change nothing ([`Sleep`]).
+    /// Takes a step, or a part of one, of this length, s, with its settings and input. Skips it if it is known to
+    /// change nothing ([`Sleep`]).
     #[inline(always)]
     pub(crate) fn step<const N: usize>(
         &mut self,
@@ -264,7 +265,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         report
     }
 
-    /// After a step that was taken.
+    /// Updates the prediction of an impact after a step that was taken.
     #[inline(always)]
     fn predict_impact(&mut self, before_s: f64, step_s: f64) {
         if self.skipped {
@@ -282,14 +283,14 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         if self.skipped { None } else { self.predictor.impact().map(Impact::from) }
     }
 
-    /// Energies of the mechanism as it is, at given velocities, and of what it presses on.
+    /// Returns the energies of the mechanism and its surfaces, J, in a state.
     pub(crate) fn energies(&self, state: &State<f64, B, Z>) -> Energies {
         let Some(under) = &self.under else { return Energies::of(&self.model, state) };
         let mechanism = Energies::displaced(&self.model, state, |zone| under.displacement(zone));
         Energies { surface: under.surfaces.energy(), ..mechanism }
     }
 
-    /// Output now; with the forces of drive and marked zone in the last step, N.
+    /// Returns the present output, given the forces of drive and probe zone in the last step, N.
     #[inline(always)]
     pub(crate) fn output(&self, drive_n: f64, zone_n: f64, report: StepReport) -> StepOutput {
         let SavedState { angle, velocity, hand, .. } = &*self.state;
@@ -300,12 +301,12 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
         StepOutput { site_m, site_m_per_s, drive_n, hand, point_m, point_m_per_s, zone_n, impact, report }
     }
 
-    /// All that the steps from the present instant on depend on.
+    /// Returns everything that the steps from the present instant on depend on.
     pub(crate) fn save(&self) -> Saved {
         self.save_at(&self.clock)
     }
 
-    /// All that the steps from an instant on depend on, until which nothing has changed since the last step.
+    /// Returns everything that the steps from a later instant on depend on, if nothing has changed since the last step.
     pub(crate) fn save_at(&self, clock: &Clock) -> Saved {
         let mut predictor = self.predictor.clone();
         if self.skipped || clock.steps != self.clock.steps {
@@ -334,21 +335,21 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     }
 }
 
-/// A mechanism with its own working memory.
+/// Mechanism with its own working memory.
 pub(crate) struct Engine<const B: usize, const Z: usize, const N: usize> {
     core: Stepped<B, Z>,
     probes: Probes,
     stepping: Stepping,
-    /// Those of the last step, or part of one.
+    /// Settings of the last step, or of its last part.
     taken: Settings<f64>,
     workspace: Workspace<f64, B, Z, N>,
-    /// While steps are adaptive.
+    /// Data of adaptive steps, while these are taken.
     control: Option<Box<Control<B, Z, N>>>,
-    /// The pose now, computed when it is asked for.
+    /// Present pose, computed when it is needed.
     pose: OnceCell<Pose<f64, B>>,
-    /// The zones as they acted in the last step, where they are kept.
+    /// Contacts of the zones in the last step, if they are kept.
     contacts: Option<Box<[Option<Contact<f64>>; Z]>>,
-    /// Of the last step, referred to where the mechanism is now.
+    /// Output of the last step, at the present state of the mechanism.
     output: StepOutput,
 }
 
@@ -375,7 +376,7 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
         })
     }
 
-    /// What acted in the last step, and how it was taken: of an adaptive step its last half, else the step itself.
+    /// Returns settings and workspace of the last step; of an adaptive step, those of its second half.
     fn last(&self) -> (&Settings<f64>, &Workspace<f64, B, Z, N>) {
         match self.control.as_deref() {
             Some(control) => control.last(),
@@ -433,7 +434,7 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
         self.update_output(report);
     }
 
-    /// A half of an adaptive step has ended.
+    /// Ends one half of an adaptive step.
     fn arrive(&mut self, velocity_before: [f64; B], now_s: f64) {
         self.forget_pose();
         self.update_contacts();

@@ -110,26 +110,26 @@ impl Halving {
 /// Callback that receives the numbers of a list one by one, each with its index.
 pub type TellNumbers<'a> = dyn FnMut(usize, f64) + 'a;
 
-/// Zones that may yield at once.
+/// Largest number of zones with compliant surfaces.
 pub(crate) const MOST: usize = 8;
 
-/// What is far is looked at again after so many steps.
+/// Largest number of steps after which a distant zone is checked again.
 const FARTHEST: f64 = 256.0;
 
-/// What a step presses on.
+/// Contact conditions of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Over {
-    /// Nothing compliant.
+    /// No compliant surface.
     Nothing,
-    /// Surfaces that are still, and the mechanism sleeps.
+    /// The surfaces are still, and the mechanism sleeps.
     Still,
-    /// Surfaces that ring while it sleeps.
+    /// The surfaces ring while the mechanism sleeps.
     Ringing,
-    /// Surfaces, and it moves.
+    /// The mechanism moves on its surfaces.
     Awake,
 }
 
-/// Surfaces with what the engine keeps for them.
+/// Surfaces, with the engine's data about them.
 pub(crate) struct Under {
     pub surfaces: Box<dyn Surfaces>,
     /// Forces of the last step, N.
@@ -137,7 +137,7 @@ pub(crate) struct Under {
     parts: Parts,
     /// Whether the last step's parts were those of [`Parts::near`].
     near: bool,
-    /// For so many steps nothing can come near, wherever it goes.
+    /// Number of steps in which nothing can come near the first surface, however it moves.
     far: u32,
 }
 
