@@ -73,7 +73,8 @@ impl Clock {
         }
     }
 
-    /// Takes back the last part of a step. The grid of steps restarts at the part's beginning if this is not on the grid.
+    /// Takes back the last part of a step. The grid of steps restarts at the part's beginning if this is not on the
+    /// grid.
     #[cold]
     fn take_back(&mut self, part: Share) {
         if part.at > 0 {
