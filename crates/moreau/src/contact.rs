@@ -27,7 +27,7 @@ pub struct Contact<T> {
     pub point: Vector<T>,
     /// Normal force F, N, never negative; pushes the disc along `normal`.
     pub force: T,
-    /// Dissipative part of `force`, N (after `force` is limited to at least 0).
+    /// Part of `force` due to the felt's loss law, N: what remains of it when `force` is limited to at least 0.
     pub damping_force: T,
     /// Increase of the energy stored in the felt's internal state over the step, J; 0 for a felt without internal
     /// state. The loss is the work of `damping_force` less this.

@@ -3,9 +3,9 @@
 use crate::hand::Hand;
 use crate::real::{Real, Scalar, join_all, same_bits};
 
-/// Correction gain for imposed motions ([`Input::Rigid`]), per step. A caller adds this share of the site's position
-/// error, divided by the step, to the velocity of the next step. Errors of rounding and of unconverged steps then do
-/// not accumulate.
+/// Correction gain for imposed motions ([`Input::Rigid`]), per step. A caller adds this share of the site's lag
+/// behind the imposed position, divided by the step, to the velocity of the next step. Errors of rounding and of
+/// unconverged steps then do not accumulate.
 pub const RIGID_CORRECTION: f64 = 0.1;
 
 /// Input of the mechanism at the model's [`Site`](crate::Site) during one step.

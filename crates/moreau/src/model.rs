@@ -55,11 +55,11 @@ pub struct Model<T, const B: usize, const Z: usize> {
     pub(crate) weight: [T; B],
     pub(crate) centrifugal: [T; B],
     // The zones.
-    /// As described, the rest of the places vacant.
+    /// Zones of the description; unused places are vacant.
     pub(crate) zones: [Zone<T>; Z],
-    /// As the step reads them.
+    /// Zones in the form that the step reads.
     pub(crate) compiled: [CompiledZone<T>; Z],
-    /// Their supporting joints.
+    /// Supporting joints of each zone.
     pub(crate) supports: [Support<T, B>; Z],
     /// Largest displacement of each curve toward its disc, m; zero where it does not yield.
     pub(crate) excursions: [T; Z],
@@ -69,19 +69,19 @@ pub struct Model<T, const B: usize, const Z: usize> {
     /// The zones with Coulomb friction.
     pub(crate) sliding_zones: [usize; Z],
     pub(crate) sliding_count: usize,
-    /// The zones whose felts carry numbers from step to step.
+    /// Zones whose felts have an internal state.
     pub(crate) remembering: [usize; Z],
     pub(crate) remembering_count: usize,
-    /// Those of them whose loss is set-valued.
+    /// Zones whose felts have a set-valued loss.
     pub(crate) dry_felts: [usize; Z],
     pub(crate) dry_count: usize,
     /// Dry friction that grows while it sticks.
     pub(crate) dwelling: Dwelling<T, B, Z>,
-    /// Whether anything is carried from step to step beside motion and contact cache: by felts, or by friction at rest.
+    /// Whether a felt has an internal state or friction grows at rest: numbers kept besides motion and contact cache.
     pub(crate) remembers: bool,
-    /// What all felts together can leave out of a step's linearisation.
+    /// Bound on the error of a step's linearisation due to all felts.
     pub(crate) curvatures: Curvatures<T, B>,
-    /// The set-valued laws that can be in force at once: [`Description::laws`].
+    /// Largest number of set-valued laws in one step: [`Description::laws`].
     pub(crate) laws: usize,
     // The drive.
     pub(crate) site: Option<Site<T>>,
@@ -257,7 +257,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
         self.laws
     }
 
-    /// The zones whose felts carry numbers from step to step: [`State::memory`](crate::SavedState::memory).
+    /// Zones whose felts have an internal state: [`State::memory`](crate::SavedState::memory).
     pub(crate) fn remembering_zones(&self) -> &[usize] {
         &self.remembering[..self.remembering_count]
     }
@@ -273,7 +273,7 @@ impl<T: Real, const B: usize, const Z: usize> Model<T, B, Z> {
         self.excursions[zone]
     }
 
-    /// Those of them whose loss is set-valued.
+    /// Zones whose felts have a set-valued loss.
     pub(crate) fn dry_zones(&self) -> &[usize] {
         &self.dry_felts[..self.dry_count]
     }

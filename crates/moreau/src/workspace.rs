@@ -40,7 +40,7 @@ pub(crate) struct Kinematics<T, const B: usize> {
     pub pose: Pose<T, B>,
     /// Absolute angular velocities, before the iteration's correction.
     pub velocity: [T; B],
-    /// Relative ones.
+    /// Relative angular velocities, before the iteration's correction.
     pub joint_velocity: [T; B],
 }
 
@@ -51,20 +51,19 @@ pub(crate) struct Kinematics<T, const B: usize> {
 #[derive(Debug, Clone)]
 pub(crate) struct Contacts<T: Real, const B: usize, const Z: usize> {
     pub states: [ContactState<T, B>; Z],
-    /// The lanes in which a zone is touched, for the zones that were looked at; for others it says nothing (see
-    /// `touched_in`).
+    /// Lanes in which a zone is touched. Valid only for zones that the narrow phase tested (see `touched_in`).
     pub active: [T::Mask; Z],
     /// The zones that are touched in any lane, in the order in which they come.
     pub touched: [usize; Z],
     pub touched_count: usize,
-    /// How far the felts are from their kinks.
+    /// Distances of the felts from their kinks.
     pub margins: Margins<T>,
     /// Rows of the slip velocity, of zones with friction: written when such a zone first touches in a step, and kept.
     pub slip_row: [[T; B]; Z],
     pub has_slip_row: [T::Mask; Z],
-    /// Motion of the compliant curves, as reported by their owners.
+    /// Motion of the compliant curves, as the caller has set it.
     pub surfaces: [Yielding<T>; Z],
-    /// Those of them that belong to one thing.
+    /// Compliant curves that are coupled, because they belong to one subsystem.
     pub coupled: Coupled<T>,
 }
 

@@ -21,12 +21,12 @@ const EARLY: f64 = 0.05;
 
 /// Changes of the laws' sides: of a pivot's rotation or a contact's slip, which goes one way, the other, or sticks.
 pub(super) struct Changes<T, const B: usize> {
-    /// Whether there are any, contacts with friction that were touched or left included.
+    /// Whether there are changes, including contacts with friction that began or ended.
     pub any: bool,
-    /// Error of the velocities that whole and halves may have in common, rad/s.
+    /// Error of the velocities that whole and halves may share, so that their difference hides it, rad/s.
     pub hidden: [T; B],
-    /// When the first law changes, s after the start, where that can be told: a step that ends before has every law as
-    /// it is all along.
+    /// Instant of the first change, s after the step's start; `None` if unknown. In a step that ends before it, no law
+    /// changes.
     pub instant: Option<T>,
 }
 
