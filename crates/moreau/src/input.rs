@@ -3,8 +3,8 @@
 use crate::hand::Hand;
 use crate::real::{Real, Scalar, join_all, same_bits};
 
-/// Correction gain for imposed motions ([`Input::Rigid`]), per step. A caller adds this share of the site's lag
-/// behind the imposed position, divided by the step, to the velocity of the next step. Errors of rounding and of
+/// Correction gain for prescribed motions ([`Input::Rigid`]), per step. A caller adds this share of the site's lag
+/// behind the prescribed position, divided by the step, to the velocity of the next step. Errors of rounding and of
 /// unconverged steps then do not accumulate.
 pub const RIGID_CORRECTION: f64 = 0.1;
 

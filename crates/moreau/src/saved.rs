@@ -17,7 +17,7 @@ pub struct SavedState<T, const B: usize, const Z: usize> {
     pub pivot_friction: [T; B],
     /// Coulomb force of each zone over the last step, N, on the disc along the tangent.
     pub tangential: [T; Z],
-    /// Force of an imposed motion ([`Input::Rigid`](crate::Input::Rigid)) over the last step, N.
+    /// Force of a prescribed motion ([`Input::Rigid`](crate::Input::Rigid)) over the last step, N.
     pub rigid_force: T,
     /// World coordinate of the hand along the site's direction, m, and its velocity, m/s ([`Hand`](crate::Hand)). They
     /// change only in steps driven by a hand.

@@ -401,7 +401,7 @@ fn correct<T: Real, const B: usize, const N: usize>(
     moved
 }
 
-/// The sticking laws do not admit an imposed velocity: the one that blocks it most is released, and slides against the
+/// The sticking laws do not admit a prescribed velocity: the one that blocks it most is released, and slides against the
 /// motion.
 #[cold]
 #[inline(never)]
@@ -412,7 +412,7 @@ fn release_blocking_law<T: Scalar, const B: usize, const N: usize>(
     u: T,
 ) {
     let row = &system.sliding[rigid].row;
-    // How much of the imposed motion a law sees, against its own mobility; A's diagonal is enough to choose by.
+    // How much of the prescribed motion a law sees, against its own mobility; A's diagonal is enough to choose by.
     let (mut most, mut holder, mut side) = (T::ZERO, None, T::ZERO);
     let mut compare = |index: usize, coupling: T, mobility: T| {
         let share = coupling * coupling / mobility;

@@ -12,13 +12,13 @@ pub struct System<T, const B: usize, const N: usize> {
     pub b: [T; B],
     /// Impulse bound h c_d of each pivot; 0 without friction.
     pub pivot_bound: [T; B],
-    /// Laws of sliding contacts, dry felts and an imposed motion.
+    /// Laws of sliding contacts, dry felts and a prescribed motion.
     pub sliding: [SlidingLaw<T, B>; N],
     /// Number of laws in use.
     pub count: usize,
 }
 
-/// Law of a sliding contact or a dry felt, or an imposed velocity.
+/// Law of a sliding contact or a dry felt, or a prescribed velocity.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingLaw<T, const B: usize> {
     /// Jacobian row of the velocity u = row . w - target.
