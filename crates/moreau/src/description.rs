@@ -289,8 +289,8 @@ impl core::error::Error for ModelError {}
 
 impl<T: Scalar> Description<'_, T> {
     /// Returns the largest number of set-valued laws in one step: one for each pivot with dry friction, one for each
-    /// zone with Coulomb friction, one for each felt with a set-valued loss, and one for a prescribed motion if there is
-    /// a site.
+    /// zone with Coulomb friction, one for each felt with a set-valued loss, and one for a prescribed motion if there
+    /// is a site.
     pub fn laws(&self) -> usize {
         let pivots = self.bodies.iter().filter(|body| body.dry > T::ZERO).count();
         let zones: usize = self.zones.iter().map(Zone::laws).sum();

@@ -401,8 +401,8 @@ fn correct<T: Real, const B: usize, const N: usize>(
     moved
 }
 
-/// The sticking laws do not admit a prescribed velocity: the one that blocks it most is released, and slides against the
-/// motion.
+/// The sticking laws do not admit a prescribed velocity: the one that blocks it most is released, and slides against
+/// the motion.
 #[cold]
 #[inline(never)]
 fn release_blocking_law<T: Scalar, const B: usize, const N: usize>(
