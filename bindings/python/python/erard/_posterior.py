@@ -1,4 +1,4 @@
-"""Samples of what the parameters of a fit may be."""
+"""Posterior samples of fitted parameters."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 
 
 class Posterior:
-    """Samples of what the parameters may be, given the recordings.
+    """Posterior samples of the parameters, given the recordings.
 
     Attributes
     ----------
     samples : ndarray of shape (S, P)
-        As `Instrument.vary` takes them, in the order of `names`.
+        Sampled values as `Instrument.vary` takes them; columns in the order of `names`.
     names : list of str
     acceptance : float
-        Share of the proposals that were accepted; 0.2 to 0.5 is well.
+        Share of accepted proposals; 0.2 to 0.5 is good.
     """
 
     def __init__(self, names: list[str], samples: Array, acceptance: float) -> None:
@@ -44,12 +44,12 @@ class Posterior:
         return dict(zip(self.names, map(float, self.samples.std(axis=0)), strict=True))
 
     def interval(self, share: float = 0.95) -> dict[str, tuple[float, float]]:
-        """The middle interval of every parameter that holds a share of the samples.
+        """Returns the central interval of every parameter that contains a share of the samples.
 
         Parameters
         ----------
         share : float
-            From 0 to 1.
+            Share of the samples, 0 to 1.
 
         Returns
         -------
