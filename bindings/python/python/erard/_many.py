@@ -63,9 +63,8 @@ class Rollout(Table):
     """Results of N strokes of T samples.
 
     Columns of shape (N,) hold the results of every stroke, by the names of a study's columns: times such as
-    `let_off_s`, s, nan for events that did not
-    happen; `hammer_speed_m_per_s`; `impact_count`; `failed`; `trusted`. Columns of
-    shape (N, T) hold the samples at `time_s`.
+    `let_off_s`, s, nan for events that did not happen; `hammer_speed_m_per_s`; `impact_count`; `failed`; `trusted`.
+    Columns of shape (N, T) hold the samples at `time_s`.
 
     Attributes
     ----------
