@@ -16,9 +16,9 @@ pub struct Checked {
     pub key: usize,
     /// The remedy.
     pub remedy: Remedy,
-    /// By the equation of balance with the model's own ratio, g.
+    /// Effect by the equation of balance with the model's own ratio, g.
     pub by_equation_g: f64,
-    /// In the model, by a slow loop before and after, g; `None` where no weight moves the key.
+    /// Effect in the model, from slow loops before and after, g; `None` if no weight moves the key.
     pub in_model_g: Option<f64>,
 }
 

@@ -12,7 +12,7 @@ pub struct Lead {
 }
 
 impl Lead {
-    /// How a lead is written.
+    /// Notation of a lead, for error messages.
     pub const EXPECTED: &str =
         "grams (0.5 to 60), @ and millimetres in front of the balance pin (behind it negative), e.g. 14@165";
 
@@ -68,8 +68,8 @@ pub struct LeadWork {
 }
 
 impl LeadWork {
-    /// What is done, lead by lead: moves (from, to), what comes out for good, what is new. A lead is moved where one of
-    /// its mass comes out and goes in.
+    /// Sorts the work lead by lead: moves (from, to), leads removed for good, and new leads. A lead is moved if one of
+    /// its mass is taken out and put in.
     #[must_use]
     pub fn moved(&self) -> (Vec<[Lead; 2]>, Vec<Lead>, Vec<Lead>) {
         let (mut moves, mut out, mut new) = (Vec::new(), self.out.clone(), Vec::new());
@@ -87,8 +87,8 @@ impl LeadWork {
 /// grand's two leads stand at 0.62 and 0.55 of it).
 pub(super) const LEADS_AT: f64 = 0.6;
 
-/// What a lead that nobody has named adds to the inertia at the key's front when it moves so far to the front, g: an
-/// estimate.
+/// Returns the change of inertia at the key's front, g, when a lead at an unknown place moves toward the front by
+/// `by_mm`. The place is an estimate.
 #[must_use]
 pub fn moved_inertia_g(mass_g: f64, by_mm: f64, key_front_mm: f64) -> f64 {
     let from = Lead { mass_g, at_mm: LEADS_AT * key_front_mm };
@@ -101,7 +101,7 @@ pub fn moved_inertia_g(mass_g: f64, by_mm: f64, key_front_mm: f64) -> f64 {
 pub struct LeadChoice {
     /// The choice: what is there is moved or taken out before any is added.
     pub work: LeadWork,
-    /// Where that takes leads out or moves them: leads that would be added instead, with nothing taken out.
+    /// Alternative if the choice takes out or moves leads: leads that would be added with nothing taken out.
     pub adding: Option<LeadWork>,
 }
 

@@ -6,7 +6,7 @@ use super::rows::{MeasuredError, number, rows_of_keys};
 /// A key as weighed on the bench; `None` was not.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeasuredKey {
-    /// Its number, from 1.
+    /// Number of the key, from 1.
     pub key: usize,
     /// SW, g.
     pub strike_weight_g: Option<f64>,

@@ -43,7 +43,7 @@ pub struct Curves {
     pub target_front_weight_g: Option<[f64; KEYS]>,
 }
 
-/// One thing that brings a key to the target balance weight by itself.
+/// Single change that brings a key to the target balance weight.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Remedy {
     /// Leads.
@@ -59,9 +59,9 @@ pub enum Remedy {
 pub struct BalancedKey {
     /// Measured weights.
     pub measured: MeasuredKey,
-    /// Its note.
+    /// Note of the key.
     pub note: String,
-    /// Its model.
+    /// Model of the key.
     pub model: KeyModel,
     /// KR and WW that were used: weighed, or the model's.
     pub key_ratio: f64,
@@ -79,11 +79,11 @@ pub struct BalancedKey {
     pub inertia_kg: Option<f64>,
     /// Whether any of these come from a curve and not from this key.
     pub from_curves: bool,
-    /// Its target strike weight, g.
+    /// Target strike weight of the key, g.
     pub target_strike_weight_g: Option<f64>,
     /// The front weight that reaches the target balance weight, the hammer as it is or changed first, g.
     pub target_front_weight_g: Option<f64>,
-    /// Where it differs from its neighbours by more than readings are off by and the rest scatters.
+    /// Quantities that differ from the neighbours by more than the error of readings and the scatter of the other keys.
     pub apart: Vec<Apart>,
     /// Change of strike weight before the leads, g, positive for a heavier hammer; 0 if the hammer stays.
     pub hammer_change_g: f64,
@@ -103,7 +103,7 @@ pub struct BalancedKey {
     pub after_inertia_kg: Option<f64>,
 }
 
-/// All keys, the curves, and the balance weight that is aimed at.
+/// Plan for a keyboard: keys, curves, and target balance weight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// The keys that were weighed, ascending.

@@ -27,7 +27,7 @@ pub struct Errors {
     pub delay_s: f64,
     /// Contribution of the rest before the touch, which any model explains; `None` without a rest.
     pub rest: Option<Rest>,
-    /// By frequency.
+    /// Errors by frequency band.
     pub bands: Vec<Band>,
 }
 
@@ -40,7 +40,7 @@ pub struct Rest {
     pub explained_without: f64,
 }
 
-/// One frequency band.
+/// Errors in one frequency band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Lower edge, Hz.

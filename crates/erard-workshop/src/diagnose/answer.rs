@@ -21,7 +21,7 @@ pub fn joined(causes: &[&Cause]) -> String {
     }
 }
 
-/// How a feature of [`Ranked::explains`] is named at the bench: its label, its unit, and the decimals that are shown.
+/// Returns the label, unit and decimals with which a feature of [`Ranked::explains`] is shown.
 #[must_use]
 pub fn explained_as(name: &'static str) -> (&'static str, &'static str, usize) {
     match name {
@@ -48,8 +48,8 @@ impl Diagnosis {
         )
     }
 
-    /// What to do, in its order: readings that are in doubt, the measurement that tells most, friction, the other
-    /// causes, and all readings again.
+    /// Returns the work in order: doubtful readings, the most informative measurement, friction, the other causes, and
+    /// all readings again.
     #[must_use]
     pub fn to_do(&self) -> Vec<String> {
         if !self.is_work() {
@@ -182,8 +182,9 @@ fn rounded(x: f64) -> f64 {
     (x * 1e3).round() / 1e3
 }
 
-/// What can be measured, for a form: each entry with its label, its unit, what is possible, its usual range at a key
-/// (null where open, where nothing is usual, or where the range is not this key's), and how it is taken.
+/// Returns the entries that can be measured, for a form: each with its label, its unit, its possible range, its usual
+/// range at a key (null where open, without a usual range, or where the range does not apply to this key), and how to
+/// measure it.
 #[must_use]
 pub fn form(key: usize) -> Value {
     let of = |entry: &Entry| {

@@ -8,9 +8,9 @@ use serde::Deserialize;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cause {
-    /// Its name in JSON.
+    /// Name in JSON.
     pub key: String,
-    /// In the words of the bench.
+    /// Name at the bench.
     pub name: String,
     /// Prior odds: how common it is, an estimate.
     pub common: f64,
@@ -22,7 +22,7 @@ pub struct Cause {
     pub test: String,
     /// The cure.
     pub cure: String,
-    /// Where it was read.
+    /// Source in the literature.
     pub source: String,
 }
 
@@ -39,7 +39,7 @@ static CAUSES: LazyLock<Vec<Cause>> = LazyLock::new(|| {
     table.cause
 });
 
-/// All causes.
+/// Returns all causes.
 #[must_use]
 pub fn causes() -> &'static [Cause] {
     &CAUSES

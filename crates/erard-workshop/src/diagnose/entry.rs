@@ -12,12 +12,12 @@ use crate::worklist::{Quantity, Readings};
 /// Number of entries.
 pub(super) const ENTRIES: usize = 21;
 
-/// One thing that can be measured.
+/// Quantity that can be measured on a real key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Entry {
-    /// Its name in tables and JSON, with the unit at its end; as an option without it and with hyphens.
+    /// Name in tables and JSON, with the unit at its end. Its command option has no unit, and hyphens.
     pub name: &'static str,
-    /// Its name at the bench.
+    /// Name at the bench.
     pub label: &'static str,
     /// The unit; empty for a ratio or a count.
     pub unit: &'static str,
@@ -296,7 +296,7 @@ impl Entry {
         name == self.name || self.also.contains(&name.as_str())
     }
 
-    /// Its usual range at a key, ends that are open as infinite; `None` where nothing is usual.
+    /// Returns the usual range at a key, with infinite values for open ends; `None` if there is no usual range.
     #[must_use]
     pub fn range(&self, key: usize) -> Option<[f64; 2]> {
         let line = match self.name {
@@ -350,7 +350,7 @@ pub struct Impossible {
 }
 
 impl Known {
-    /// One of the values, by the entry's name.
+    /// Returns a value, by the entry's name.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<f64> {
         TABLE.iter().position(|entry| entry.name == name).and_then(|at| self.values[at])

@@ -18,11 +18,11 @@ const USUAL_TURN: f64 = 0.02;
 /// bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Free {
-    /// Its name ([`Parameter::all`]).
+    /// Name of the parameter ([`Parameter::all`]).
     pub name: String,
     /// The parameter.
     pub parameter: Parameter,
-    /// Its value where the fit starts from the instrument as it is, in `unit`.
+    /// Value in the instrument at the start of the fit, in `unit`.
     pub value: f64,
     /// SI; empty for a coefficient.
     pub unit: &'static str,
@@ -67,7 +67,7 @@ impl Free {
         [self.inner(self.low), self.inner(self.high)]
     }
 
-    /// In SI units, what a value outside comes to.
+    /// Converts an outside value to SI units.
     pub fn si(&self, x: f64) -> f64 {
         if self.parameter.is_factor() { self.value * x } else { self.value + x }
     }

@@ -17,11 +17,11 @@ pub struct Meaning {
     pub explanation: &'static str,
     /// The quantity that is read on the bench.
     pub quantity: &'static str,
-    /// Its unit.
+    /// Unit of the quantity.
     pub unit: &'static str,
-    /// With the instrument as it was before the fit.
+    /// Value with the instrument before the fit.
     pub before: f64,
-    /// With the fitted instrument.
+    /// Value with the fitted instrument.
     pub value: f64,
     /// Standard deviation of `value`, as the parameter's own makes it.
     pub std: f64,
@@ -41,9 +41,9 @@ pub struct FitResult {
     pub message: String,
     /// The parameters as `vary` takes them: turns in m, rad or N m, factors of the rest.
     pub x: Vec<f64>,
-    /// Their standard deviations.
+    /// Standard deviations of `x`.
     pub std: Vec<f64>,
-    /// Their covariance.
+    /// Covariance of `x`.
     pub cov: Rows,
     /// Fitted less measured, over the noise.
     pub residuals: Vec<f64>,
@@ -54,8 +54,8 @@ pub struct FitResult {
     /// Expected value if the model is true: 1 for the sensors' noise, and the contribution of the drive's noise, which
     /// moves the model itself.
     pub chi2_expected: f64,
-    /// Of the Jacobian, every parameter counted in halves of what its bounds allow: below 1 a direction is known no
-    /// better from the data than from its bounds.
+    /// Singular values of the Jacobian, with each parameter scaled by half the width of its bounds. Below 1, the data
+    /// determine a direction no better than its bounds do.
     pub singular_values: Vec<f64>,
     /// The directions that belong to them, delays included.
     pub directions: Rows,

@@ -13,9 +13,9 @@ use crate::study::Parameter;
 pub struct Unit {
     /// Name of the instrument or keyboard.
     pub name: String,
-    /// Its description; may be empty.
+    /// Description of the unit; may be empty.
     pub description: String,
-    /// In the order of the description.
+    /// Variables in the order of the description.
     pub variables: Vec<Variable>,
     /// The instrument, or the base instrument of the keyboard.
     file: InstrumentFile,

@@ -16,22 +16,22 @@ pub const MIDDLE_C: usize = 40;
 /// Text that is read once and stays as long as the program.
 pub(crate) type Kept = &'static str;
 
-/// One line of the sheet.
+/// Line of the sheet.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
     /// The key in `measure.json`.
     #[serde(deserialize_with = "kept")]
     pub key: Kept,
-    /// For people.
+    /// Label of the line.
     #[serde(deserialize_with = "kept")]
     pub label: Kept,
-    /// Its unit; empty for a ratio.
+    /// Unit; empty for a ratio.
     #[serde(default, deserialize_with = "kept")]
     pub unit: Kept,
     /// Decimals that mean something.
     pub decimals: usize,
-    /// Its value.
+    /// Function that returns the line's value from a sheet.
     #[serde(skip, default = "no_value")]
     pub value: fn(&Sheet) -> Option<f64>,
 }
@@ -57,10 +57,10 @@ pub struct Flag {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Group {
-    /// Its heading.
+    /// Heading of the group.
     #[serde(deserialize_with = "kept")]
     pub heading: Kept,
-    /// Its lines.
+    /// Lines of the group.
     #[serde(rename = "line")]
     pub lines: Vec<Line>,
 }
@@ -133,7 +133,7 @@ pub static GROUPS: LazyLock<Vec<Group>> = LazyLock::new(|| {
     groups
 });
 
-/// All lines.
+/// Iterates over all lines.
 pub fn lines() -> impl Iterator<Item = &'static Line> {
     GROUPS.iter().flat_map(|group| &group.lines)
 }
@@ -148,7 +148,7 @@ impl Line {
         }
     }
 
-    /// Its usual range, if it has one.
+    /// Returns the usual range of the line, if it has one.
     #[must_use]
     pub fn norm(&self) -> Option<&'static UsualRange> {
         usual(self.key)

@@ -44,12 +44,11 @@ const PATIENCE_S: f64 = 1.0;
 pub struct Repetition {
     /// Strokes per second.
     pub rate_hz: f64,
-    /// How long the finger stays on the bottom, s, and how long it waits above: together the shortest with which every
-    /// stroke sounds.
+    /// Time that the finger stays on the bottom, s. With `wait_s`, the shortest times with which every stroke sounds.
     pub stay_s: f64,
-    /// See there.
+    /// Time that the finger waits above, s.
     pub wait_s: f64,
-    /// From bottom until the key is up, s.
+    /// Time from the bottom until the key is up, s.
     pub return_s: f64,
     /// The softest of the impacts, m/s.
     pub softest_m_per_s: f64,

@@ -219,7 +219,7 @@ pub struct InertiaNumbers {
     pub dampers_down_kg: Vec<f64>,
 }
 
-/// One row of the timing sheet. Milliseconds since key start; `None` is what did not happen.
+/// Row of the timing sheet. Times are ms after key start; `None` if the event did not happen.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)]
 pub struct TimingRow {
@@ -237,7 +237,7 @@ pub struct TimingRow {
     pub hammer_contact_ms: Option<f64>,
     /// The key meets its punching.
     pub key_bottom_ms: Option<f64>,
-    /// From the last push on the knuckle to the string, ms.
+    /// Time from the last push on the knuckle to the impact on the string, ms.
     pub free_flight_ms: Option<f64>,
     /// The hammer's flight, from the last push and from its largest speed.
     pub flights: Option<Flights>,

@@ -56,9 +56,9 @@ impl Touch {
 /// Weights on the key front, of an action whose damper lies on the string or hangs on the pedal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyWeights {
-    /// By trial with weights.
+    /// Touch weights by trial with weights.
     pub by_weights: Touch,
-    /// From the slow loop.
+    /// Touch weights from the slow loop.
     pub by_loop: Touch,
     /// Key travel at which the loop's way down is hardest, and its way up weakest, m: the places that decide D and U.
     pub decided_m: [f64; 2],
@@ -102,18 +102,18 @@ pub struct StrikeRatio {
     pub at_let_off: f64,
 }
 
-/// All the weights of an action.
+/// All weights of an action.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
     /// The way that they are found on.
     pub free_way: FreeWay,
-    /// With the pedal down, as the trade measures: the damper is out of the key's reach.
+    /// Weights with the pedal down, as the trade measures: the damper is out of the key's reach.
     pub pedal_down: KeyWeights,
-    /// With the damper on the string; `None` where the key lifts none.
+    /// Weights with the damper on the string; `None` if the key lifts no damper.
     pub dampers_down: Option<KeyWeights>,
     /// On the scale.
     pub parts: PartWeights,
-    /// By the geometry.
+    /// Strike ratio by the geometry.
     pub strike_ratio: StrikeRatio,
 }
 

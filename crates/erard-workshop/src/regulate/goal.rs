@@ -78,7 +78,7 @@ const KNOWN: [Known; 10] = [
 pub type Specification = Vec<(Goal, f64)>;
 
 impl Goal {
-    /// All of them, in the order of work.
+    /// All goals, in the order of work.
     pub const ALL: [Goal; 10] = [
         Goal::JackPosition,
         Goal::LeverHeight,

@@ -24,7 +24,7 @@ const ONE_SLOPE: f64 = 0.5;
 /// A slope over a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Differences {
-    /// By differences to both sides, extrapolated from two windows.
+    /// Derivative from differences to both sides, extrapolated from two windows.
     pub slope: f64,
     /// Difference between the two windows' results.
     pub error: f64,

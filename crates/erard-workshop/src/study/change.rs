@@ -67,11 +67,11 @@ impl std::fmt::Display for Change {
 /// A number that can be varied, and what its file says of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantity {
-    /// Its name ([`Parameter::all`]).
+    /// Name of the parameter ([`Parameter::all`]).
     pub name: String,
     /// The parameter.
     pub parameter: Parameter,
-    /// Its value, in `unit`.
+    /// Value of the parameter, in `unit`.
     pub value: f64,
     /// SI; empty for a coefficient.
     pub unit: &'static str,
@@ -80,7 +80,7 @@ pub struct Quantity {
     pub spread: Option<[f64; 2]>,
     /// Certainty that the file gives; `None` for a bare number.
     pub certainty: Option<Certainty>,
-    /// Its path in the file.
+    /// Path in the file.
     pub path: String,
 }
 

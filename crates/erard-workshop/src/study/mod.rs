@@ -40,7 +40,7 @@ use topology::{Topology, groups};
 /// The drive of the key in a job: as [`erard::Drive`], but owned, so that another thread can take it.
 pub type Stroke<'a> = Box<dyn Fn(f64) -> Input + Send + 'a>;
 
-/// One stroke on one instrument.
+/// Stroke on an instrument.
 pub struct Job<'a> {
     /// Index of the instrument.
     pub instrument: usize,
@@ -59,17 +59,17 @@ pub struct Workers {
 }
 
 impl Workers {
-    /// All that the processor has.
+    /// Returns workers on all of the processor's threads.
     pub fn all() -> Self {
         Workers { threads: cores::count(), lanes: Lanes::most() }
     }
 
-    /// One thread, for callers that have other work for the others.
+    /// Returns one worker, for callers that use the other threads themselves.
     pub fn one() -> Self {
         Workers { threads: 1, ..Workers::all() }
     }
 
-    /// All strokes in single precision.
+    /// Returns workers on all threads, in single precision.
     pub fn all_single() -> Self {
         Workers { lanes: Lanes::most_single(), ..Workers::all() }
     }

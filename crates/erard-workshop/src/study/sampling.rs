@@ -12,7 +12,7 @@ pub struct Sampling {
     columns: Vec<(String, Column)>,
 }
 
-/// No such column.
+/// Error for an unknown column.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("there is no column `{name}`; expected {}", .known.join(", "))]
 pub struct SamplingError {

@@ -55,7 +55,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All of them, in the order of the sheet's columns.
+    /// All quantities, in the order of the sheet's columns.
     pub const ALL: [Quantity; 17] = [
         DownWeight,
         UpWeight,
@@ -102,7 +102,7 @@ impl Quantity {
         }
     }
 
-    /// Its key in `measure.json`.
+    /// Returns the key in `measure.json`.
     #[must_use]
     pub fn key(self) -> &'static str {
         self.known().0
@@ -128,7 +128,7 @@ impl Quantity {
         }
     }
 
-    /// Its line of the sheet.
+    /// Returns the line of the sheet.
     ///
     /// # Panics
     /// Never: a test looks for each.
@@ -240,7 +240,7 @@ impl Readings {
         readings
     }
 
-    /// One of them.
+    /// Returns the reading of a quantity.
     #[must_use]
     pub fn get(&self, quantity: Quantity) -> Option<f64> {
         let own = |quantity: Quantity| self.values[quantity as usize];
@@ -268,7 +268,8 @@ impl Readings {
         quantity.line().is_out_at(self.get(quantity), key)
     }
 
-    /// How far one is out of its range, in the line's unit: 0 inside, infinite where it is missing and should not be.
+    /// Returns how far a reading is out of its range, in the line's unit: 0 inside, infinite if it is missing and
+    /// should not be.
     #[must_use]
     pub fn beyond(&self, quantity: Quantity, key: usize) -> f64 {
         let [low, high] = quantity.range(key);
