@@ -22,10 +22,10 @@ pub struct Checked {
     pub in_model_g: Option<f64>,
 }
 
-/// Makes each key's remedies (leads, strike weight, capstan) in its model, brought to the weights that were measured,
-/// one by one, and weighs it before and after in a slow loop with the damper lifted. The equation uses the model's own
-/// ratio, for what is checked is the equation, not whether the model's levers are the piano's. `progress` receives the
-/// share that is done, and ends the work by returning false.
+/// Makes each key's remedies (leads, strike weight, capstan) one by one in its model, which is first adjusted to the
+/// measured weights, and weighs the key before and after in a slow loop with the damper lifted. The equation uses the
+/// model's own ratio, because the equation is checked, not whether the model's levers match the piano's. `progress`
+/// receives the share that is done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].

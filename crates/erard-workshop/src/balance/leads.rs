@@ -16,7 +16,7 @@ impl Lead {
     pub const EXPECTED: &str =
         "grams (0.5 to 60), @ and millimetres in front of the balance pin (behind it negative), e.g. 14@165";
 
-    /// Reads `14@165`, with or without the unit mm; `None` where it is no lead, or none that a key can hold.
+    /// Reads `14@165`, with or without the unit mm; `None` if the text is not a lead, or a key cannot hold the lead.
     #[must_use]
     pub fn read(text: &str) -> Option<Self> {
         let (mass, at) = text.trim().split_once('@')?;
@@ -37,9 +37,8 @@ impl Lead {
     }
 }
 
-/// Masses that leads are taken to have unless one says which are in the drawer, g: cylinders of lead (11.34 g/cm3)
-/// through a key 12 mm wide, of 1/2, 7/16, 3/8 and 1/4 inch (12.7, 11.1, 9.5 and 6.4 mm) weigh 17.2, 13.2, 9.7 and 4.3
-/// g; sold leads are shorter. An estimate.
+/// Default masses of available leads, g. An estimate: cylinders of lead (11.34 g/cm3) through a key 12 mm wide, of 1/2,
+/// 7/16, 3/8 and 1/4 inch (12.7, 11.1, 9.5 and 6.4 mm) weigh 17.2, 13.2, 9.7 and 4.3 g; sold leads are shorter.
 pub const LEADS_G: [f64; 4] = [14.0, 10.0, 7.0, 4.0];
 /// Most leads that are added to a key.
 pub(crate) const MOST_LEADS: usize = 3;
@@ -99,7 +98,7 @@ pub fn moved_inertia_g(mass_g: f64, by_mm: f64, key_front_mm: f64) -> f64 {
 /// Leads for a change of front weight, and what else would do it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeadChoice {
-    /// The choice: what is there is moved or taken out before any is added.
+    /// Preferred work: present leads are moved or taken out before any is added.
     pub work: LeadWork,
     /// Alternative if the choice takes out or moves leads: leads that would be added with nothing taken out.
     pub adding: Option<LeadWork>,

@@ -20,7 +20,7 @@ pub struct MeasuredKey {
     pub whippen_weight_g: Option<f64>,
     /// KR.
     pub key_ratio: Option<f64>,
-    /// The leads that are in it; empty where nobody said.
+    /// Leads in the key; empty if not given.
     pub leads: Vec<Lead>,
 }
 

@@ -63,9 +63,9 @@ pub struct BalancedKey {
     pub note: String,
     /// Model of the key.
     pub model: KeyModel,
-    /// KR and WW that were used: weighed, or the model's.
+    /// KR that was used: weighed, or the model's.
     pub key_ratio: f64,
-    /// See there, g.
+    /// WW that was used: weighed, or the model's, g.
     pub whippen_weight_g: f64,
     /// SW that was used: weighed, or from the smooth curve, g.
     pub strike_weight_g: Option<f64>,
@@ -91,15 +91,16 @@ pub struct BalancedKey {
     pub front_change_g: Option<f64>,
     /// Whether the leads could add more, but for the ceiling of the front weight.
     pub is_at_ceiling: bool,
-    /// Leads that do it; `None` where nobody said which are there and some must go, or no leads reach it.
+    /// Leads that reach the target. `None` if leads must go but the present ones are not known, or if no leads reach
+    /// it.
     pub leads: Option<LeadChoice>,
     /// The change of strike weight that would do it alone, g.
     pub strike_change_g: Option<f64>,
     /// The move of the capstan toward the player that would do it alone, mm.
     pub capstan_move_mm: Option<f64>,
-    /// Balance weight and inertia after the leads (and the hammer, where it comes first).
+    /// Balance weight after the leads (and the hammer, if it is changed first), g.
     pub after_balance_weight_g: Option<f64>,
-    /// See there, kg.
+    /// Inertia after the leads (and the hammer, if it is changed first), kg.
     pub after_inertia_kg: Option<f64>,
 }
 

@@ -6,7 +6,7 @@ use erard::keyboard::{KEYS, key_named};
 
 use super::leads::Lead;
 
-/// The one thing that is wrong with the table: where it stands, what was found, what was expected.
+/// First error in a table: its place, what was found and what is expected.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeasuredError {
     /// The file's name as the caller gave it.

@@ -54,8 +54,7 @@ pub struct Band {
 }
 
 impl Errors {
-    /// Compares two series of equal length, sampled at [`RATE_HZ`], of which the first `resting` samples are before the
-    /// touch.
+    /// Compares two series of equal length, sampled at [`RATE_HZ`]; the first `resting` samples are before the touch.
     pub fn new(measured: &[f64], simulated: &[f64], resting: usize) -> Self {
         let difference: Vec<f64> = simulated.iter().zip(measured).map(|(s, m)| s - m).collect();
         let range = measured.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));

@@ -25,7 +25,7 @@ use erard::recording::{Butterworth, Report, interpolated};
 use erard::run::{MOST_ROWS_ASKED, Setup, SimulationError, simulate};
 use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Prescribed, Role, SampleError, Series};
 
-/// Rate of the common time axis, Hz: twice what the highest band needs.
+/// Rate of the common time axis, Hz: twice the minimum for the highest band.
 pub const RATE_HZ: f64 = 4000.0;
 
 /// Drives in the order in which they are tried and shown.
@@ -78,10 +78,9 @@ pub struct Choice {
     pub models: Vec<Which>,
     /// Part whose position was recorded.
     pub position_of: PositionOf,
-    /// Up to which frequency force, position and hammer show a stroke rather than noise, Hz; infinite where nothing
-    /// limits them.
+    /// Frequency up to which force, position and hammer contain signal above noise, Hz; infinite without a limit.
     pub tells_to_hz: [f64; 3],
-    /// Until when all is at rest, s: minus infinity where nothing tells.
+    /// End of the rest, s; minus infinity if there is no known rest.
     pub rest_until_s: f64,
     /// The noise of the recorded position, and what became of it; `None` where the position shows none.
     pub path_noise: Option<PathNoise>,
@@ -134,7 +133,7 @@ pub struct Trial {
     pub key_m: Vec<f64>,
     /// Finger force, N.
     pub force_n: Vec<f64>,
-    /// Errors are reported up to here, Hz; infinite where nothing limits them.
+    /// Highest frequency for which errors are reported, Hz; infinite without a limit.
     pub told_to_hz: f64,
     /// Differences between model and measurement (position in m, force in N), as far as it is reported; `None` where
     /// the file holds no such series, or nothing but noise.
@@ -159,7 +158,7 @@ impl Trial {
     }
 }
 
-/// A measured stroke and the runs beside it.
+/// Measured stroke with its simulated runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// Common time axis, s.
@@ -554,7 +553,7 @@ impl Comparison {
     }
 }
 
-/// A share of the variance in words, with so many decimals: far below zero its number says nothing.
+/// Formats a share of the variance in percent with `decimals` decimals; below -1000 %, as "less than -1000 %".
 #[must_use]
 pub fn share(explained: f64, decimals: usize) -> String {
     if explained < -10.0 { "less than -1000 %".into() } else { format!("{:.decimals$} %", 100.0 * explained) }

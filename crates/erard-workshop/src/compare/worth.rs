@@ -58,8 +58,8 @@ impl PathNoise {
 /// Uncertainty of a force that was computed under a recorded motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Worth {
-    /// Root mean square of what the recording's noise makes of the force after the rest, N; infinite where the motion
-    /// with its noise cannot be played.
+    /// Root mean square error of the force after the rest that is due to the recording's noise, N; infinite if the
+    /// motion with its noise cannot be played.
     pub rms_n: f64,
     /// Ninety-five in a hundred samples are not farther off than this, N.
     pub within_n: f64,

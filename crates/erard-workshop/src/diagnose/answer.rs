@@ -91,8 +91,8 @@ impl Diagnosis {
     }
 }
 
-/// The answers as programs and pages take them: `diagnosis.json`. `readings_from` is the file of the readings;
-/// `is_key_assumed` says that nobody named the key, so that another's usual ranges stand in.
+/// Returns the answers as JSON for programs and pages: `diagnosis.json`. `readings_from` is the file of the readings;
+/// `is_key_assumed` states that no key was given, so that the usual ranges of an assumed key are used.
 #[must_use]
 pub fn answer(found: &[Diagnosis], readings_from: Option<&str>, is_key_assumed: bool) -> Value {
     json!({
@@ -204,8 +204,8 @@ pub fn form(key: usize) -> Value {
     entries().iter().map(of).collect()
 }
 
-/// Faults of typed readings, for a form: each with the `name` of its entry (`key`, `leads`; empty where it belongs to
-/// none), what was `found` and what is `expected`.
+/// Returns the errors of typed readings, for a form: each with the `name` of its entry (`key`, `leads`; empty if it
+/// belongs to none), what was `found` and what is `expected`.
 #[must_use]
 pub fn faults(all: &[Impossible]) -> Value {
     all.iter().map(|one| json!({"name": one.entry, "found": one.what, "expected": one.expected})).collect()

@@ -27,7 +27,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// The dry torques of an instrument's pins over the arms.
+    /// Computes the dry torques of an instrument's pins over the arms.
     ///
     /// # Errors
     /// Where it is no grand action.

@@ -18,7 +18,7 @@ pub struct Cause {
     pub(super) plant: String,
     /// Size of the change in a light, a plain and a heavy case.
     pub(super) amounts: [f64; 3],
-    /// The quick test that tells it from the others.
+    /// Quick test that distinguishes it from the other causes.
     pub test: String,
     /// The cure.
     pub cure: String,

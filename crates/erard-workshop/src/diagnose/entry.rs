@@ -25,7 +25,7 @@ pub struct Entry {
     pub also: &'static [&'static str],
     /// The least and the most that is possible.
     pub limits: [f64; 2],
-    /// A reading is within so much of the truth: an estimate of what scale, rule and eye can do.
+    /// Largest error of a reading: an estimate for scale, rule and eye.
     pub precision: f64,
     /// Decimals that are shown.
     pub decimals: usize,
@@ -289,7 +289,7 @@ pub fn entries() -> &'static [Entry] {
 }
 
 impl Entry {
-    /// Whether a name, in whatever spelling of case, spaces and hyphens, is this entry's.
+    /// Whether a name belongs to this entry, in any spelling of case, spaces and hyphens.
     #[must_use]
     pub fn is_called(&self, name: &str) -> bool {
         let name = ours(&name.trim().to_lowercase().replace([' ', '-'], "_"));
@@ -333,7 +333,7 @@ pub struct Known {
     values: [Option<f64>; ENTRIES],
     /// A medium blow is not caught by the back check.
     pub is_not_caught: bool,
-    /// The leads that are in it; empty where nobody said.
+    /// Leads in the key; empty if not given.
     pub leads: Vec<Lead>,
 }
 
@@ -404,7 +404,8 @@ impl Known {
         Ok(Self::of(&Readings::of(instrument, progress)?, &Bench::of(instrument)?))
     }
 
-    /// The first reading that cannot be: beyond what is possible, or at odds with another one.
+    /// Checks the readings and reports the first impossible one: out of the possible range, or in conflict with another
+    /// one.
     ///
     /// # Errors
     /// Which, why, and what would be right.

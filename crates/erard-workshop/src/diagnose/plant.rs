@@ -17,7 +17,7 @@ pub fn plant_amount(cause: &Cause, case: f64) -> f64 {
     if case <= 2.0 { light + (plain - light) * (case - 1.0) } else { plain + (heavy - plain) * (case - 2.0) }
 }
 
-/// An action with so much of a cause put in; with `undo`, taken out.
+/// Returns an action with this amount of a cause added or, with `undo`, removed.
 ///
 /// # Errors
 /// Where it is no grand action.

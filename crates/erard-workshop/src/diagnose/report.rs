@@ -90,11 +90,11 @@ pub struct Diagnosis {
     pub key: usize,
     /// The readings, in the order of the sheet, with balance weight, friction weight and leverage as they follow.
     pub lines: Vec<Judged>,
-    /// The causes, the likeliest first; empty where nothing is out of its range by more than its reading may be off.
+    /// Causes, the likeliest first; empty if no reading is out of its range by more than its error.
     pub causes: Vec<Ranked>,
     /// That none of the table's causes fits.
     pub something_else: f64,
-    /// The reading to take next; `None` where nothing would tell much.
+    /// Reading to take next; `None` if no reading would be informative.
     pub next: Option<Suggestion>,
     /// Leverage and inertia.
     pub geometry: Geometry,
@@ -108,7 +108,7 @@ impl Diagnosis {
     }
 }
 
-/// Works out what is wrong with a key.
+/// Diagnoses a key from its readings.
 #[must_use]
 pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
     let geometry = Geometry::of(known, key);

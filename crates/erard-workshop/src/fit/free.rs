@@ -26,9 +26,9 @@ pub struct Free {
     pub value: f64,
     /// SI; empty for a coefficient.
     pub unit: &'static str,
-    /// Least value, outside.
+    /// Lower bound, outside.
     pub low: f64,
-    /// Largest.
+    /// Upper bound, outside.
     pub high: f64,
 }
 
@@ -82,7 +82,7 @@ impl Free {
         if self.parameter.is_factor() { 1.0 } else { 0.0 }
     }
 
-    /// Whether a value stands at one of its bounds.
+    /// Whether a value is at one of its bounds.
     pub fn is_at_a_bound(&self, x: f64) -> bool {
         (x - self.low).abs().min((x - self.high).abs()) < 1e-3 * (self.high - self.low)
     }
@@ -91,8 +91,8 @@ impl Free {
 /// Values by name.
 pub type Asked<T> = Vec<(String, T)>;
 
-/// The free parameters by their names, with bounds: those asked for, else as far as the file says that the number may
-/// be off, else usual ones.
+/// Returns the free parameters by their names, with bounds: the given ones, else the uncertainty that the file states,
+/// else usual ones.
 ///
 /// # Errors
 /// A name that is none, is there twice, or bounds that are none.

@@ -88,9 +88,10 @@ pub struct FitResult {
 pub struct FittedChannel {
     /// Title: the column, and the recording if there are several.
     pub title: String,
-    /// Root mean square of its noise, N or m: as given, as read from the recording, or what is left over.
+    /// Root mean square noise of the channel, N, m or m/s: as given, as measured on the recording, or estimated from
+    /// the residuals.
     pub noise: f64,
-    /// Whether the noise was given or read from the recording, so that misfit can be told from it.
+    /// Whether the noise was given or measured on the recording, so that misfit can be distinguished from it.
     pub noise_is_known: bool,
     /// Root mean square of fitted less measured where the fit began, N or m.
     pub rms_at_start: f64,
@@ -192,8 +193,8 @@ impl FitResult {
         }
     }
 
-    /// Reduced chi2, and what it should be if the model were true. `None` where the noise of a channel was estimated
-    /// from its residuals: chi2 is 1 then, whatever the fit is worth.
+    /// Returns the reduced chi2 and its expected value for a true model. `None` if a channel's noise was estimated from
+    /// its residuals, because chi2 is then 1 for any fit.
     pub fn chi2(&self) -> Option<(f64, f64)> {
         let is_known = self.channels.iter().all(|channel| channel.noise_is_known);
         is_known.then_some((self.chi2_reduced, self.chi2_expected))
@@ -223,7 +224,7 @@ impl FitResult {
         pairs
     }
 
-    /// Directions that the data tell no better than the bounds, in words.
+    /// Returns the directions that the data determine no better than the bounds do, in words.
     pub fn unseen(&self) -> Vec<String> {
         let delays = self.channels.iter().filter(|channel| channel.delay_s.is_some());
         let names: Vec<String> = self

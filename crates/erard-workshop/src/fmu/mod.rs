@@ -95,7 +95,7 @@ pub struct Variable {
     pub start: Option<f64>,
     /// Unit; empty if the last part of the name has none.
     pub unit: &'static str,
-    /// A line for people.
+    /// Description in one line.
     pub description: String,
 }
 

@@ -10,7 +10,7 @@ use super::usual::{UsualRange, usual};
 use crate::digits::plain;
 use erard::keyboard::note_name;
 
-/// The key whose norms hold where nobody says which it is: middle C.
+/// Default key of the norms: middle C.
 pub const MIDDLE_C: usize = 40;
 
 /// Text that is read once and stays as long as the program.
@@ -49,7 +49,7 @@ fn no_value() -> fn(&Sheet) -> Option<f64> {
 pub struct Flag {
     /// The line's key.
     pub key: &'static str,
-    /// The fault, a line for people.
+    /// Message that describes the fault.
     pub message: String,
 }
 
@@ -123,7 +123,7 @@ struct Norms {
     group: Vec<Group>,
 }
 
-/// The sheet's lines, in the order in which they are printed: `norms.toml` beside this file.
+/// Lines of the sheet by group, in the order in which they are printed, from `norms.toml`.
 pub static GROUPS: LazyLock<Vec<Group>> = LazyLock::new(|| {
     let text = include_str!("norms.toml");
     let mut groups = toml::from_str::<Norms>(text).expect("the built-in lines read").group;
@@ -139,7 +139,7 @@ pub fn lines() -> impl Iterator<Item = &'static Line> {
 }
 
 impl Line {
-    /// A value with its decimals and its unit; a dash where there is none.
+    /// Formats a value with its decimals and its unit; a dash for `None`.
     #[must_use]
     pub fn text(&self, value: Option<f64>) -> String {
         match value {
@@ -160,7 +160,7 @@ impl Line {
         self.norm().map_or([None; 2], |norm| norm.at(key))
     }
 
-    /// The usual range at a key, e.g. `45.0-55.0`; empty where nothing is.
+    /// Formats the usual range at a key, e.g. `45.0-55.0`; empty without one.
     #[must_use]
     pub fn usual(&self, key: usize) -> String {
         let number = |x: f64| format!("{x:.*}", self.decimals);
@@ -172,7 +172,7 @@ impl Line {
         }
     }
 
-    /// Whether a sheet's value is out of the norm. A value that is missing is: what did not happen should have.
+    /// Whether a sheet's value is outside its norm. A missing value is: the event should have happened.
     #[must_use]
     pub fn is_out(&self, sheet: &Sheet) -> bool {
         self.is_out_at((self.value)(sheet), sheet.norms_for_key)

@@ -54,8 +54,8 @@ pub struct Repetition {
     pub softest_m_per_s: f64,
 }
 
-/// The fastest rate at which every stroke sounds; `None` where none does. `up_m`: the finger presses again when the key
-/// has come up to this travel below its rest.
+/// Finds the fastest rate at which every stroke sounds; `None` if none does. `up_m`: the finger presses again when the
+/// key has come up to this travel below its rest.
 ///
 /// # Errors
 /// See [`MeasureError`].

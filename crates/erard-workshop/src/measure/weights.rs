@@ -111,7 +111,7 @@ pub struct Weights {
     pub pedal_down: KeyWeights,
     /// Weights with the damper on the string; `None` if the key lifts no damper.
     pub dampers_down: Option<KeyWeights>,
-    /// On the scale.
+    /// Weights of the parts on the scale.
     pub parts: PartWeights,
     /// Strike ratio by the geometry.
     pub strike_ratio: StrikeRatio,
@@ -160,7 +160,7 @@ pub struct FreeWay {
     pub let_off: bool,
 }
 
-/// Presses the key slowly until jack or lever meets its stop; in an action that is out of order, until the hammer
+/// Presses the key slowly until jack or lever reaches its stop; in an action that is out of order, until the hammer
 /// blocks against the string or the key is down.
 ///
 /// # Errors
@@ -215,7 +215,7 @@ pub(crate) fn by_loop(
     Ok(LoopWeights { touch, decided_m, slow })
 }
 
-/// Down-weight and up-weight of an action as it stands, its damper as it hangs.
+/// Finds down-weight and up-weight of an action as it is, with its damper as it hangs.
 ///
 /// # Errors
 /// Where there is no gravity, and those of the runs.
@@ -236,8 +236,8 @@ pub fn on_the_key(
     Ok(KeyWeights { by_weights, by_loop, decided_m, slow })
 }
 
-/// Weighs the parts as they come off the action, unbent, from masses, centres of mass and where they touch at rest; and
-/// finds the strike-weight ratio by the geometry, `decided_m` being the key travels at which down-weight and up-weight
+/// Weighs the parts as they come off the action, without bending, from masses, centres of mass and contacts at rest.
+/// Finds the strike-weight ratio by the geometry; `decided_m` are the key travels at which down-weight and up-weight
 /// were decided.
 ///
 /// # Errors

@@ -28,7 +28,7 @@ pub(super) struct Differences {
     pub slope: f64,
     /// Difference between the two windows' results.
     pub error: f64,
-    /// To below and to above.
+    /// Differences to below and to above.
     pub sides: [f64; 2],
     /// Residual of the five values about their parabola.
     left: f64,

@@ -17,7 +17,7 @@ pub(super) const NEGLIGIBLE: f64 = 1e-5;
 /// Derivatives in steps of different lengths that differ by more than this share of the larger one do not converge.
 const CONVERGED: f64 = 0.1;
 
-/// A press, and what it depends on.
+/// Press with its derivatives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gradient {
     /// Variables of the derivatives.
@@ -27,9 +27,9 @@ pub struct Gradient {
     pub of: Vec<(&'static str, Option<ValueAndSlopes>)>,
     /// Samples.
     pub sampled: Vec<Sampled>,
-    /// Switches of friction at which derivatives jumped, and those that could not be told from others.
+    /// Number of friction switches at which derivatives jumped, and of those that could not be distinguished.
     pub switches: [u32; 2],
-    /// Derivatives that do not converge; they are no numbers in `of`.
+    /// Derivatives that do not converge; they are NaN in `of`.
     pub refused: Vec<Refusal>,
 }
 
@@ -65,7 +65,7 @@ pub const SHORTER: f64 = 0.8;
 pub struct Differentiation {
     /// Treatment of the rest.
     pub rest: Rest,
-    /// Steps between samples of the columns, where they are asked for.
+    /// Number of steps between samples of the columns, if they are sampled.
     pub sample_every: Option<u64>,
     /// Plays the press once more in shorter steps, compares the derivatives, and refuses those that do not converge.
     pub compares: bool,

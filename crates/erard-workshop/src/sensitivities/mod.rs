@@ -71,7 +71,7 @@ impl Method {
 pub const USUAL: [&str; 5] =
     ["hammer_speed_m_per_s", "let_off_s", "key_bottom_after_impact_s", "down_weight_g", "balance_weight_g"];
 
-/// Everything that can be asked for.
+/// Returns all quantities that can be differentiated.
 pub fn quantities() -> Vec<Quantity> {
     let told = [
         ("hammer_speed_m_per_s", "hammer speed", "m/s", false),
@@ -185,7 +185,7 @@ pub struct Sensitivities {
 /// Parts of the progress: gradients, strokes for differences, weights.
 const PARTS: [f64; 3] = [1.0, 1.0, 20.0];
 
-/// The derivatives of a stroke's outcome by an instrument's numbers.
+/// Computes the derivatives of a stroke's results by an instrument's parameters.
 ///
 /// `stroke` makes what drives the key. `progress` receives the share done and ends the work by returning false.
 ///

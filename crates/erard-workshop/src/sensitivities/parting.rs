@@ -18,7 +18,7 @@ pub struct Refusal {
     pub of: &'static str,
     /// Number.
     pub by: String,
-    /// The derivative in the steps that were asked for, and in the shorter ones, per bare number.
+    /// Derivative with the given steps, and with shorter ones, per bare number.
     pub slopes: [f64; 2],
     /// The switch of friction from which on the two differ; `None` where it is the rest that does not move by one slope
     /// to both sides.

@@ -80,7 +80,7 @@ impl Workers {
 pub struct Played {
     /// Instants and speeds.
     pub events: Events,
-    /// Greatest rise of the hammer's strike point from rest, m; 0 where there is no hammer.
+    /// Greatest rise of the hammer's strike point from rest, m; 0 without a hammer.
     pub highest_m: f64,
     /// Steps that reached an iteration limit.
     pub unconverged_steps: u64,
@@ -167,7 +167,7 @@ pub fn play_each(
     cores::map(instruments, cores::count(), progress, play)
 }
 
-/// [`play_all`], and samples of every stroke along its way where they are asked for ([`Played::samples`]).
+/// Plays all jobs as [`play_all`] does, and samples every stroke if requested ([`Played::samples`]).
 ///
 /// # Errors
 /// As [`play_all`].

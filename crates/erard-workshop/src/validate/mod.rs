@@ -92,7 +92,7 @@ impl Verdict {
     }
 }
 
-/// An instrument beside the published measurements.
+/// Comparison of an instrument with published measurements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
     /// Instrument name.

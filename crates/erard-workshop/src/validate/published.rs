@@ -56,7 +56,7 @@ impl Kind {
 pub struct Row {
     /// Identifier, unique.
     pub name: String,
-    /// Name of the quantity, for people.
+    /// Name of the quantity, for display.
     pub quantity: String,
     /// Name of its group.
     pub group: String,

@@ -108,14 +108,14 @@ impl Quantity {
         self.known().0
     }
 
-    /// A reading is within so much of the truth, in the line's unit.
+    /// Largest error of a reading, in the line's unit.
     #[must_use]
     pub fn precision(self) -> f64 {
         self.known().1
     }
 
-    /// The least change that a line of work is asked for, in the line's unit: what a hand can do and a scale or a rule
-    /// can show. Nothing is asked for that is less.
+    /// Smallest change that a line of work requests, in the line's unit: the least that a hand can do and a scale or a
+    /// rule can show. Smaller changes are not requested.
     #[must_use]
     pub fn least_change(self) -> f64 {
         match self {
@@ -175,7 +175,7 @@ impl Quantity {
     }
 }
 
-/// Readings of one key. What is missing did not happen, or was not measured.
+/// Readings of one key; `None` if the event did not happen, or was not measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Readings {
     values: [Option<f64>; Quantity::ALL.len()],
@@ -191,7 +191,7 @@ impl Readings {
         Readings { values: [None; Quantity::ALL.len()], whippen_at_front_g }
     }
 
-    /// Reads an instrument as it stands: two trials with the key, one slow loop with the damper lifted, the scale.
+    /// Reads an instrument as it is: two trials with the key, one slow loop with the damper lifted, and the scale.
     ///
     /// # Errors
     /// See [`MeasureError`].
@@ -230,7 +230,7 @@ impl Readings {
         self
     }
 
-    /// The readings that stand on a sheet.
+    /// Returns the readings on a sheet.
     #[must_use]
     pub fn on(sheet: &Sheet) -> Self {
         let mut readings = Self::none(sheet.key_ratio * sheet.whippen_weight_g);
