@@ -1,6 +1,7 @@
-// The C interface with C++'s ownership and exceptions: a page over erard.h (C++17).
+// C++17 classes over the C interface in erard.h, with C++ ownership and exceptions. Units and signs are as in erard.h.
 //
-// Creation throws erard::Error. What may be called in real time returns the status and throws nothing: [[nodiscard]], look at it.
+// Constructors, `builtin`, `get`, `set`, `vary`, `toml` and `diagnose` throw erard::Error. The functions that return a
+// status, which are those for real time, throw nothing: check the status.
 #ifndef ERARD_HPP
 #define ERARD_HPP
 
@@ -68,7 +69,7 @@ class Instrument {
     const ErardInstrument *handle() const noexcept { return own.get(); }
 };
 
-// Causes from readings of a key of a real piano, JSON both ways: see erard_diagnose.
+// Diagnoses a key of a real piano: takes readings and returns causes, both as JSON. See erard_diagnose.
 inline std::string diagnose(const char *readings) {
     ErardStatus s;
     char *p = erard_diagnose(readings, nullptr, &s);

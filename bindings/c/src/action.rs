@@ -13,8 +13,8 @@ use crate::reading::{
 };
 use crate::status::{ErardStatus, Fault, quick, told};
 
-/// One action under the caller's control. It belongs to whoever made it, until erard_action_free. One thread at a time
-/// may use it; any thread may.
+/// One action under the caller's control. It belongs to the caller until erard_action_free. Any thread may use it, one
+/// at a time.
 pub struct ErardAction {
     pub(crate) play: Play,
     bodies: Vec<CString>,
@@ -42,8 +42,8 @@ impl ErardAction {
 }
 
 /// Makes an action at rest, with nothing touching its key, from the text of an instrument file (UTF-8, `length` bytes;
-/// no terminating zero is needed). NULL and 0 give the built-in concert grand. `step_s` is the length of a step, s:
-/// usually 50e-6, or 1/24000 with modal strings, near which every step is halved as often as needed. Returns NULL on
+/// no terminating zero is needed). NULL and 0 give the built-in concert grand. `step_s` is the step length, s, 1e-8 to
+/// 1e-3: usually 50e-6, or 1/24000 with modal strings, near which steps are halved as often as needed. Returns NULL on
 /// failure: `status` (which may be NULL) receives the reason, and erard_last_error describes it. Real time: no (it
 /// reads, allocates, and simulates until the action rests).
 #[unsafe(no_mangle)]
@@ -60,7 +60,8 @@ pub unsafe extern "C" fn erard_action_new(
     })
 }
 
-/// Makes an action of an instrument; the action does not need the instrument afterwards. Real time: no.
+/// Makes an action at rest from an instrument, which may be freed afterwards. `step_s` and failures are as for
+/// erard_action_new. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_of(
     instrument: *const ErardInstrument,
@@ -74,7 +75,7 @@ pub unsafe extern "C" fn erard_action_of(
     })
 }
 
-/// Ends an action. NULL does nothing. Real time: no.
+/// Frees an action. NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_free(action: *mut ErardAction) {
     if !action.is_null() {
@@ -113,8 +114,8 @@ pub(crate) fn moving(position_m: f64, velocity_m_per_s: f64) -> Result<[f64; 2],
     Ok([within(position_m, ERARD_LARGEST_POSITION_M)?, within(velocity_m_per_s, ERARD_LARGEST_SPEED_M_PER_S)?])
 }
 
-/// One step under a force on the key front, N, down positive (admittance: force in, position out). `reading` may be
-/// NULL. An error leaves the action as it was. Real time: yes.
+/// Takes one step under a force on the key front, N, down positive (admittance: force in, position out). `reading` may
+/// be NULL. An error leaves the action as it was. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_force(
     action: *mut ErardAction,
@@ -125,10 +126,10 @@ pub unsafe extern "C" fn erard_step_force(
     unsafe { step(action, within(force_n, ERARD_LARGEST_FORCE_N).map(Input::Force), reading) }
 }
 
-/// One step under a device that is at `position_m` below the key's rest and moves at `velocity_m_per_s`, down positive,
-/// in the middle of the step (impedance: position in, force out: finger_n of the reading). Between device and key is
-/// the fingertip of the instrument's file, a spring and a damper that only push: the virtual coupling. `reading` may be
-/// NULL. An error leaves the action as it was. Real time: yes.
+/// Takes one step under a device that is `position_m` below the key's rest and moves at `velocity_m_per_s`, down
+/// positive, both in the middle of the step (impedance: position in, force out, as finger_n of the reading). The
+/// fingertip of the instrument's file couples device and key: a spring and a damper that only push (virtual coupling).
+/// `reading` may be NULL. An error leaves the action as it was. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_motion(
     action: *mut ErardAction,
@@ -147,9 +148,9 @@ pub unsafe extern "C" fn erard_step_motion(
     }
 }
 
-/// One step with the key front imposed: where it is at the step's end, and how fast. For measured strokes, not for a
-/// loop with a device (README, "Closed loop"). `reading` may be NULL. An error leaves the action as it was. Real time:
-/// yes.
+/// Takes one step with prescribed motion of the key front: its position, m below rest, and velocity, m/s, down
+/// positive, at the end of the step. Use it for measured strokes, not in a loop with a device (README, "Closed loop").
+/// `reading` may be NULL. An error leaves the action as it was. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_rigid(
     action: *mut ErardAction,
@@ -164,14 +165,15 @@ pub unsafe extern "C" fn erard_step_rigid(
     }
 }
 
-/// One step with nothing touching the key. `reading` may be NULL. Real time: yes.
+/// Takes one step with nothing touching the key. `reading` may be NULL. An error leaves the action as it was. Real
+/// time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_free(action: *mut ErardAction, reading: *mut ErardReading) -> ErardStatus {
     // SAFETY: passed on.
     unsafe { step(action, Ok(Input::Free), reading) }
 }
 
-/// One step under an input of any kind (a hand among them). `reading` may be NULL. An error leaves the action as it
+/// Takes one step under an input of any kind, including a hand. `reading` may be NULL. An error leaves the action as it
 /// was. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_input(
@@ -185,8 +187,8 @@ pub unsafe extern "C" fn erard_step_input(
     unsafe { step(action, input.checked(), reading) }
 }
 
-/// Places the hand (ERARD_HAND), m below the key front's rest, with a velocity, m/s, down positive. A new action has it
-/// at the key front's rest; it moves in steps that a hand drives only. Real time: yes.
+/// Places the hand (ERARD_HAND): `position_m` is m below the key front's rest, `velocity_m_per_s` m/s, down positive.
+/// In a new action the hand is at the key front's rest. Only steps with ERARD_HAND move it. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_place_hand(
     action: *mut ErardAction,
@@ -205,11 +207,11 @@ pub unsafe extern "C" fn erard_place_hand(
     })
 }
 
-/// As many steps as `dt_s` has room for, for a device that is slower than the steps (0 to ERARD_LONGEST_ADVANCE_S);
-/// what is left over counts for the next call, so that times of any length do not drift. The input holds at the
-/// beginning of `dt_s`: a force is held, a position goes on at its velocity. The reading's finger_mean_n is what to
-/// render: the device that holds it gives back the same impulse. If a step fails none has been taken. Real time: yes,
-/// and its time is that of its steps.
+/// Takes as many steps as fit into `dt_s` (s, 0 to ERARD_LONGEST_ADVANCE_S), for a device that is slower than the
+/// steps. The remaining time is added to the next call, so periods of any length do not drift. The input is that at the
+/// beginning of `dt_s`: a force is held, a position continues at its velocity. Render finger_mean_n of the reading:
+/// held over `dt_s`, it has the same impulse as the steps. If a step fails, the action is left as it was before the
+/// call. Real time: yes; the call takes as long as its steps.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_advance(
     action: *mut ErardAction,
@@ -229,7 +231,8 @@ pub unsafe extern "C" fn erard_advance(
     })
 }
 
-/// Reads the action now: after a step, the reading that the step wrote. Real time: yes.
+/// Writes the present reading of the action to `reading`; after a step, it is the reading that the step wrote. Real
+/// time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_read(action: *const ErardAction, reading: *mut ErardReading) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action and a place for a reading.
@@ -238,7 +241,7 @@ pub unsafe extern "C" fn erard_read(action: *const ErardAction, reading: *mut Er
     ErardStatus::Ok
 }
 
-/// As it was when it was made: at rest, at 0 s, no impact so far. Real time: yes.
+/// Returns the action to its state when it was made: at rest, at 0 s, with no impact counted. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action.
@@ -246,12 +249,12 @@ pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
     quick(|| action.play.reset())
 }
 
-/// Writes all that the following steps depend on to `bytes`: what goes on from there gives the same bits. `size` says
-/// how many bytes there are, and receives how many it takes: some 2.8 kB, the same for every action of one library
-/// whose string is rigid; modal strings take 16 bytes more for each of their modes, and the size then belongs to the
-/// action. The state is lists of numbers with names: what a later library adds, an earlier one passes over, and the
-/// other way round it is absent. With `bytes` NULL it is only reported. The bytes are the same on every machine. Real
-/// time: yes.
+/// Writes the action's complete state to `bytes`. A restored action continues with the same bits. `size` holds the room
+/// in `bytes` and receives the number of bytes needed: about 2.8 kB, and 16 bytes more for each mode of modal strings.
+/// Actions with rigid strings all need the same size. If the room is too small, nothing is written and the call returns
+/// ERARD_STATUS_SIZE. If `bytes` is NULL, only the size is reported. The state is a set of named lists of numbers: an
+/// earlier library skips the lists that a later one adds, and a later one does without those that an earlier one lacks.
+/// The bytes are the same on every machine. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, size: *mut usize) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action and a place for a size.
@@ -273,8 +276,8 @@ pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, 
     })
 }
 
-/// Sends the rail that the sustain pedal lifts to a lift, m, from 0 to 0.010 (farther is as far as it goes; it moves at
-/// 0.5 m/s at most). Without modal strings, or without a rail, it does nothing. Real time: yes.
+/// Sets the target lift of the sustain pedal's rail, m, 0 to 0.010; values outside are clamped. The rail moves there at
+/// no more than 0.5 m/s. Without modal strings or without a rail, the call does nothing. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action.
@@ -288,9 +291,9 @@ pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) 
     })
 }
 
-/// Writes the force of the strings on the bridge now, N, to `force_n`, positive as the hammer pushes them; 0 for an
-/// action without modal strings. The sound that `erard press --wav` writes is this less its value at rest. Real time:
-/// yes.
+/// Writes the present force of the strings on the bridge, N, to `force_n`, positive in the direction in which the
+/// hammer pushes the strings; 0 without modal strings. `erard press --wav` writes this force less its value at rest as
+/// sound. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_bridge_force(action: *const ErardAction, force_n: *mut f64) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or what their types say.
@@ -303,9 +306,9 @@ pub unsafe extern "C" fn erard_bridge_force(action: *const ErardAction, force_n:
     })
 }
 
-/// The places at which erard_string_shape looks at the middle string, m from the striking point, away from its nearer
-/// end: as many as `count` has room for are written to `places_m` (which may be NULL). Returns how many there are; 0
-/// for an action without modal strings, and for NULL. Real time: yes.
+/// Writes the positions at which erard_string_shape samples the middle string to `places_m` (which may be NULL), at
+/// most `count` of them: m from the striking point, positive away from the string's nearer end. Returns the number of
+/// positions; 0 without modal strings and for NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_string_places(action: *const ErardAction, places_m: *mut f64, count: usize) -> usize {
     // SAFETY: the caller's promise: NULL, or an action.
@@ -318,8 +321,9 @@ pub unsafe extern "C" fn erard_string_places(action: *const ErardAction, places_
     places.len()
 }
 
-/// How far the middle string is from where it rests at each of its places, m, away from the hammer; `count` is the room
-/// in `shape_m`, at least erard_string_places. Without modal strings it does nothing. Real time: yes.
+/// Writes the displacement of the middle string from its rest at each position of erard_string_places, m, positive away
+/// from the hammer. `count` is the room in `shape_m`, at least the number of positions, else the call returns
+/// ERARD_STATUS_SIZE. Without modal strings, the call writes nothing. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_string_shape(
     action: *const ErardAction,
@@ -342,9 +346,10 @@ pub unsafe extern "C" fn erard_string_shape(
     })
 }
 
-/// Goes on from a saved state of the same instrument (its numbers count; its name, its notes and the order in its file
-/// do not) and the same length of step, to the bit; readings are those of then. What is no such state is refused, and
-/// the action stays as it was. Real time: yes.
+/// Restores a saved state. The instrument must have the same numbers (name, notes and order in the file may differ) and
+/// the action the same step length. The action then continues with the same bits, and its reading is the saved one. An
+/// error (ERARD_STATUS_SAVED, ERARD_STATUS_FOREIGN or ERARD_STATUS_NOT_FINITE) leaves the action as it was. Real time:
+/// yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_restore(action: *mut ErardAction, bytes: *const u8, size: usize) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action and so many bytes.
@@ -355,22 +360,22 @@ pub unsafe extern "C" fn erard_restore(action: *mut ErardAction, bytes: *const u
     quick(|| action.play.restore(unsafe { core::slice::from_raw_parts(bytes, size) }))
 }
 
-/// How many bodies it has; 0 for NULL. Real time: yes.
+/// Returns the number of bodies of an action; 0 for NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_body_count(action: *const ErardAction) -> usize {
     // SAFETY: the caller's promise: NULL, or an action.
     unsafe { action.as_ref() }.map_or(0, |action| action.bodies.len())
 }
 
-/// How many contact zones it has; 0 for NULL. Real time: yes.
+/// Returns the number of contact zones of an action; 0 for NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_zone_count(action: *const ErardAction) -> usize {
     // SAFETY: the caller's promise: NULL, or an action.
     unsafe { action.as_ref() }.map_or(0, |action| action.zones.len())
 }
 
-/// Name of a body, from 0, as its file gives it; NULL if there is no such body. It is the action's, and lasts as long.
-/// Real time: yes.
+/// Returns the name of a body as the instrument file gives it; `body` counts from 0. Returns NULL if there is no such
+/// body. The text belongs to the action and is valid as long as the action. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_body_name(action: *const ErardAction, body: usize) -> *const c_char {
     // SAFETY: the caller's promise: NULL, or an action.
@@ -378,7 +383,7 @@ pub unsafe extern "C" fn erard_body_name(action: *const ErardAction, body: usize
     action.and_then(|action| action.bodies.get(body)).map_or(core::ptr::null(), |name| name.as_ptr())
 }
 
-/// Name of a contact zone, from 0; as erard_body_name. Real time: yes.
+/// Returns the name of a contact zone; `zone` counts from 0. Otherwise as erard_body_name. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_zone_name(action: *const ErardAction, zone: usize) -> *const c_char {
     // SAFETY: the caller's promise: NULL, or an action.
@@ -407,8 +412,9 @@ unsafe fn fill(
     })
 }
 
-/// Absolute angles of all bodies, rad, counter-clockwise seen with the player to the left; `count` is the room in
-/// `angles_rad`, at least erard_body_count. Real time: yes.
+/// Writes the absolute angles of all bodies, rad, to `angles_rad`: positive counter-clockwise, seen with the player on
+/// the left. `count` is the room in `angles_rad`, at least erard_body_count, else the call returns ERARD_STATUS_SIZE.
+/// Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_angles(action: *const ErardAction, angles_rad: *mut f64, count: usize) -> ErardStatus {
     let write = |action: &ErardAction, out: &mut [f64]| {
@@ -418,7 +424,8 @@ pub unsafe extern "C" fn erard_angles(action: *const ErardAction, angles_rad: *m
     unsafe { fill(action, angles_rad, count, |action| action.bodies.len(), write) }
 }
 
-/// Absolute angular velocities of all bodies, rad/s; as erard_angles. Real time: yes.
+/// Writes the absolute angular velocities of all bodies, rad/s, to `velocities_rad_s`. Sign and `count` are as for
+/// erard_angles. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_velocities(
     action: *const ErardAction,
@@ -432,8 +439,9 @@ pub unsafe extern "C" fn erard_velocities(
     unsafe { fill(action, velocities_rad_s, count, |action| action.bodies.len(), write) }
 }
 
-/// Normal forces of all contact zones in the last step, N, never negative; `count` is the room in `forces_n`, at least
-/// erard_zone_count. After a restore or a reset they are 0 until the next step. Real time: yes.
+/// Writes the normal forces of all contact zones in the last step, N, never negative, to `forces_n`. `count` is the
+/// room in `forces_n`, at least erard_zone_count, else the call returns ERARD_STATUS_SIZE. After a restore or a reset
+/// the forces are 0 until the next step. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_contact_forces(
     action: *const ErardAction,

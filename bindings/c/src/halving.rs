@@ -6,11 +6,11 @@ use crate::action::ErardAction;
 use crate::keyboard::ErardKeyboard;
 use crate::status::{ErardStatus, Fault, tell};
 
-/// Steps are halved as often as the strings ask while a hammer is near them, as at first. Impacts are converged; the
-/// step in which ten of them happen at once in the top octave takes fifteen times as long.
+/// Steps are halved as often as the strings need while a hammer is near them; the default. Impacts are converged. The
+/// step in which ten impacts coincide in the top octave takes fifteen times as long.
 pub const ERARD_HALVE_AS_ASKED: u32 = 0;
-/// All steps are whole: every one takes about the same time. Impacts on strings are then as accurate as the step is
-/// short; at 1/24000 s the contact of the top octave lasts a sixth too long.
+/// Steps are never halved, so all take about the same time. The accuracy of impacts then depends on the step length: at
+/// 1/24000 s the contact of the top octave lasts a sixth too long.
 pub const ERARD_HALVE_NEVER: u32 = 1;
 
 fn halving(kind: u32) -> Result<Halving, Fault> {
@@ -26,9 +26,10 @@ fn halving(kind: u32) -> Result<Halving, Fault> {
     }
 }
 
-/// Whether an action's steps are halved while its hammer is near strings that sound (ERARD_HALVE_AS_ASKED, as at first,
-/// or ERARD_HALVE_NEVER), from the next step on. No saved state holds this: choose it again after making an action.
-/// Without strings that sound it changes nothing. Real time: no (it may allocate); choose before the loop.
+/// Chooses whether an action's steps are halved while its hammer is near modal strings, from the next step on:
+/// ERARD_HALVE_AS_ASKED (the default) or ERARD_HALVE_NEVER, else the call returns ERARD_STATUS_ARGUMENT. Saved states
+/// do not contain this choice: set it again after making an action. Without modal strings it changes nothing. Real
+/// time: no (it may allocate); call it before the loop.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_halve(action: *mut ErardAction, kind: u32) -> ErardStatus {
     tell(|| {
@@ -39,7 +40,7 @@ pub unsafe extern "C" fn erard_halve(action: *mut ErardAction, kind: u32) -> Era
     })
 }
 
-/// Chooses the halving of steps for all keys of a keyboard; wakes them. Real time: no.
+/// Chooses the halving of steps for all keys of a keyboard, as erard_halve does, and wakes all keys. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_halve(keyboard: *mut ErardKeyboard, kind: u32) -> ErardStatus {
     tell(|| {

@@ -11,9 +11,9 @@ use serde_json::{Value, json};
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 use crate::text::{bytes, give, name};
 
-/// An instrument that was read from its file's text, and that text. It belongs to whoever made it, until
-/// erard_instrument_free. It never changes but by erard_instrument_set and erard_instrument_vary; several threads may
-/// read it at once.
+/// An instrument, with the text of the file that it was read from. It belongs to the caller until
+/// erard_instrument_free. Only erard_instrument_set and erard_instrument_vary change it; several threads may read it at
+/// once.
 pub struct ErardInstrument {
     pub(crate) file: InstrumentFile,
     pub(crate) text: String,
@@ -67,9 +67,9 @@ pub(crate) fn boxed(file: InstrumentFile, text: String) -> *mut ErardInstrument 
     Box::into_raw(Box::new(ErardInstrument { file, text }))
 }
 
-/// Reads the text of an instrument file (UTF-8, `length` bytes); NULL and 0: the built-in concert grand. NULL where
-/// something is wrong with it: `status` (which may be NULL) and erard_last_error say what; erard_check says it for
-/// programs. Real time: no, as everything here.
+/// Reads an instrument from the text of its file (UTF-8, `length` bytes). NULL and 0 give the built-in concert grand.
+/// Returns NULL on failure: `status` (which may be NULL) receives the reason, and erard_last_error describes it;
+/// erard_check reports the error as JSON. Real time: no, like all functions of instruments.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_new(
     text: *const c_char,
@@ -83,7 +83,8 @@ pub unsafe extern "C" fn erard_instrument_new(
     })
 }
 
-/// A built-in instrument by its name, e.g. "heavy-touch". erard_builtin lists them.
+/// Reads a built-in instrument by its name, e.g. "heavy-touch"; erard_builtin lists the names. Returns NULL on failure,
+/// with ERARD_STATUS_NO_SUCH for an unknown name.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_builtin(
     called: *const c_char,
@@ -97,14 +98,16 @@ pub unsafe extern "C" fn erard_instrument_builtin(
     })
 }
 
-/// The instrument of a key, 1 to 88, of the built-in keyboard `concert-grand`.
+/// Reads the instrument of a key, 1 to 88, of the built-in keyboard `concert-grand`. Returns NULL on failure, with
+/// ERARD_STATUS_NO_SUCH if there is no such key.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_instrument_of_key(key: u32, status: *mut ErardStatus) -> *mut ErardInstrument {
     told(null_mut(), status, || of_key("concert-grand", key))
 }
 
-/// The instrument of a key, 1 to 88, of a built-in keyboard by its name, e.g. "concert-grand-strings". erard_builtin
-/// lists them.
+/// Reads the instrument of a key, 1 to 88, of a built-in keyboard by the keyboard's name, e.g. "concert-grand-strings";
+/// erard_builtin lists the names. Returns NULL on failure, with ERARD_STATUS_NO_SUCH if there is no such keyboard or
+/// key.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_of_keyboard(
     called: *const c_char,
@@ -130,7 +133,7 @@ pub(crate) fn builtin_keyboard(name: &str) -> Result<Keyboard, Fault> {
     Keyboard::builtin(name).map_err(|error| Fault::new(ErardStatus::NoSuch, error.to_string()))
 }
 
-/// Ends an instrument. NULL does nothing. Actions that were made of it go on.
+/// Frees an instrument. NULL does nothing. Actions that were made from it remain valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_free(instrument: *mut ErardInstrument) {
     // SAFETY: the caller's promise: NULL, or it comes from this library, and is used no more.
@@ -143,7 +146,8 @@ pub(crate) unsafe fn given<'a>(instrument: *const ErardInstrument) -> Result<&'a
     unsafe { instrument.as_ref() }.ok_or_else(|| Fault::null("the instrument"))
 }
 
-/// The text of its file, as it is now. Give it back with erard_text_free. `length` may be NULL.
+/// Returns the present text of the instrument's file. `length` (which may be NULL) receives its number of bytes.
+/// Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_text(
     instrument: *const ErardInstrument,
@@ -154,9 +158,9 @@ pub unsafe extern "C" fn erard_instrument_text(
     told(null_mut(), status, || give(unsafe { given(instrument) }?.text.clone(), length))
 }
 
-/// One number of the file, in the file's own unit, by its dotted path: "body.hammer.mass_g",
-/// "zone.string.felt.exponent", "screw.let_off.setting_mm"; entries of a list by their name. `which` is 0, or for a
-/// coordinate 0 or 1.
+/// Writes one parameter of the file to `value`, in the file's own unit. `path` is its dotted path, with entries of a
+/// list by their name: "body.hammer.mass_g", "zone.string.felt.exponent", "screw.let_off.setting_mm". `which` is 0, or
+/// 0 or 1 for a coordinate. Returns ERARD_STATUS_NO_SUCH if there is no such parameter.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_get(
     instrument: *const ErardInstrument,
@@ -179,8 +183,9 @@ fn no_number(path: &str, which: usize) -> Fault {
     Fault::new(ErardStatus::NoSuch, format!("the instrument has no number {which} at `{path}`"))
 }
 
-/// Changes one number of the file, in the file's own unit. The text is read anew: what the file may not be is refused,
-/// and the instrument stays as it was. Actions that were made of it before stay as they are.
+/// Changes one parameter of the file, in the file's own unit; `path` and `which` are as for erard_instrument_get. The
+/// changed text is read anew. An error, such as ERARD_STATUS_FILE for a value that the file may not have, leaves the
+/// instrument as it was. Actions made from it earlier do not change.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_set(
     instrument: *mut ErardInstrument,
@@ -203,8 +208,8 @@ pub unsafe extern "C" fn erard_instrument_set(
     })
 }
 
-/// The instrument as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its numbers with
-/// path, values, line and source. Give it back with erard_text_free.
+/// Returns the instrument as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its
+/// parameters with path, values, line and source. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_json(
     instrument: *const ErardInstrument,
@@ -249,10 +254,11 @@ fn described(file: &InstrumentFile) -> Value {
     })
 }
 
-/// Whether a text is a sound instrument or keyboard file, as JSON: {"kind", "sound", "name", "errors"}; each error with
-/// "line" and "column" (from 1), "key", "message", "found", "expected", the bytes from "begin" to "end", and "text",
-/// all of it in a line. A reader stops at the first error. `text` is UTF-8 of `length` bytes, or not: that is an error,
-/// too. Give the JSON back with erard_text_free.
+/// Checks the text of an instrument or keyboard file (`length` bytes) and returns the result as JSON: {"kind", "sound",
+/// "name", "errors"}. Each error has "line" and "column" (from 1), "key", "message", "found", "expected", its bytes
+/// from "begin" up to "end" (exclusive), and "text", which says all of it in one line. The reader stops at the first
+/// error. Text that is not UTF-8 is reported as an error, too. Returns NULL on failure, such as a NULL text. Free the
+/// JSON with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_check(
     text: *const c_char,
@@ -282,8 +288,8 @@ pub unsafe extern "C" fn erard_check(
     })
 }
 
-/// The built-in instruments and keyboards, as JSON: {"instruments": [...], "keyboards": [...]}. Give it back with
-/// erard_text_free.
+/// Returns the names of the built-in instruments and keyboards as JSON: {"instruments": [...], "keyboards": [...]}.
+/// Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_builtin(length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
     told(null_mut(), status, || {

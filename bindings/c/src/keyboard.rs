@@ -19,8 +19,8 @@ use crate::reading::{ErardImpact, ErardInput, ErardReading};
 use crate::status::{ErardStatus, Fault, quick, told};
 use crate::text::{bytes, name};
 
-/// A whole keyboard under the caller's control. It belongs to whoever made it, until erard_keyboard_free. One thread at
-/// a time may use it.
+/// A whole keyboard under the caller's control. It belongs to the caller until erard_keyboard_free. One thread at a
+/// time may use it.
 pub struct ErardKeyboard {
     pub(crate) keys: Keys,
     inputs: Vec<ErardInput>,
@@ -29,15 +29,15 @@ pub struct ErardKeyboard {
     offset_s: f64,
 }
 
-/// Most steps that erard_keyboard_step takes at once.
+/// Largest number of steps that one call of erard_keyboard_step accepts.
 pub const ERARD_MOST_STEPS: u32 = 1000000;
 
 pub(crate) const MARK: [u8; 8] = *b"erardkbd";
 
 /// Makes 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is built in.
-/// NULL and 0 give the built-in concert grand. Each key has an input that holds until it is changed; at first
-/// ERARD_FREE. Returns NULL on failure: `status` (which may be NULL) receives the reason, and erard_last_error
-/// describes it. Real time: no (it takes about half a second).
+/// NULL and 0 give the built-in concert grand. `step_s` is the step length, s, as for erard_action_new. Each key keeps
+/// its input until you change it; at first it is ERARD_FREE. Returns NULL on failure: `status` (which may be NULL)
+/// receives the reason, and erard_last_error describes it. Real time: no (it takes about half a second).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_new(
     text: *const c_char,
@@ -58,8 +58,9 @@ pub unsafe extern "C" fn erard_keyboard_new(
     })
 }
 
-/// A built-in keyboard by its name, as erard_keyboard_new makes one of a text: `concert-grand`, or
-/// `concert-grand-strings`, whose strings sound. NULL where there is none of that name, and as there. Real time: no.
+/// Makes 88 keys at rest from a built-in keyboard, by its name: `concert-grand`, or `concert-grand-strings` with modal
+/// strings. `step_s` is the step length, s. Returns NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown name;
+/// otherwise as erard_keyboard_new. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_builtin(
     called: *const c_char,
@@ -171,7 +172,7 @@ impl ErardKeyboard {
     }
 }
 
-/// Ends a keyboard. NULL does nothing. Real time: no.
+/// Frees a keyboard. NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_free(keyboard: *mut ErardKeyboard) {
     if !keyboard.is_null() {
@@ -183,22 +184,23 @@ pub unsafe extern "C" fn erard_keyboard_free(keyboard: *mut ErardKeyboard) {
     }
 }
 
-/// How many keys it has; 0 for NULL. They count from 1, the lowest A. Real time: yes.
+/// Returns the number of keys; 0 for NULL. Keys count from 1, the lowest A. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_keys(keyboard: *const ErardKeyboard) -> u32 {
     // SAFETY: the caller's promise: NULL, or a keyboard.
     unsafe { keyboard.as_ref() }.map_or(0, |keyboard| keyboard.keys.count() as u32)
 }
 
-/// How many keys are awake: those cost time. 0 for NULL. Real time: yes.
+/// Returns the number of keys that are awake, which are those that take computing time; 0 for NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_awake(keyboard: *const ErardKeyboard) -> u32 {
     // SAFETY: the caller's promise: NULL, or a keyboard.
     unsafe { keyboard.as_ref() }.map_or(0, |keyboard| keyboard.keys.awake() as u32)
 }
 
-/// Sets the input of a key, from 1, from the next step on. The position of ERARD_MOTION holds, whatever its velocity
-/// says: give a new one as often as it moves. Real time: yes.
+/// Sets the input of a key from the next step on; `key` counts from 1. The position of ERARD_MOTION stays constant,
+/// whatever its velocity: set the input again whenever the position changes. Returns ERARD_STATUS_NO_SUCH if there is
+/// no such key. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_drive(
     keyboard: *mut ErardKeyboard,
@@ -212,7 +214,7 @@ pub unsafe extern "C" fn erard_keyboard_drive(
     quick(|| keyboard.drive(key as usize, input))
 }
 
-/// Places the hand (ERARD_HAND) on a key, from 1, as erard_place_hand does. Real time: yes.
+/// Places the hand (ERARD_HAND) on a key, as erard_place_hand does; `key` counts from 1. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_place_hand(
     keyboard: *mut ErardKeyboard,
@@ -235,7 +237,8 @@ pub unsafe extern "C" fn erard_keyboard_place_hand(
     })
 }
 
-/// Sends the sustain pedal's rail to a lift, m, under all keys that have one, as erard_set_pedal does. Real time: yes.
+/// Sets the target lift of the sustain pedal's rail, m, under all keys that have one, as erard_set_pedal does. Real
+/// time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_set_pedal(keyboard: *mut ErardKeyboard, lift_m: f64) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or a keyboard.
@@ -249,7 +252,8 @@ pub unsafe extern "C" fn erard_keyboard_set_pedal(keyboard: *mut ErardKeyboard, 
     })
 }
 
-/// Writes the force of a key's strings on the bridge now, N, to `force_n`, as erard_bridge_force does. Real time: yes.
+/// Writes the present force of a key's strings on the bridge, N, to `force_n`, as erard_bridge_force does; `key` counts
+/// from 1. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_bridge_force(
     keyboard: *const ErardKeyboard,
@@ -269,8 +273,8 @@ pub unsafe extern "C" fn erard_keyboard_bridge_force(
     })
 }
 
-/// Writes the force of the strings of all keys on the bridge now, N, to `force_n`, with what the dampers at rest press;
-/// 0 where none sound. Real time: yes.
+/// Writes the present force of all keys' strings on the bridge, N, to `force_n`, including the load of the dampers at
+/// rest; 0 without modal strings. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_bridge_sum(keyboard: *const ErardKeyboard, force_n: *mut f64) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or what their types say.
@@ -283,10 +287,10 @@ pub unsafe extern "C" fn erard_keyboard_bridge_sum(keyboard: *const ErardKeyboar
     })
 }
 
-/// So many steps (1 to ERARD_MOST_STEPS) of all keys that are awake. The impacts in them are written to `impacts`, in
-/// their order, as many as `capacity` says; `count` (which may be NULL) receives how many there were: those beyond are
-/// lost. A key whose numbers became infinite stays where it was, and the status says so; the others have gone on. Real
-/// time: yes.
+/// Takes `steps` steps (1 to ERARD_MOST_STEPS) of all keys that are awake. Writes the impacts in the order of the steps
+/// to `impacts`, at most `capacity` of them. `count` (which may be NULL) receives the number of impacts; those beyond
+/// `capacity` are lost. If a key's numbers become infinite, that key stays as it was, the other keys continue, and the
+/// call returns ERARD_STATUS_NOT_FINITE. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_step(
     keyboard: *mut ErardKeyboard,
@@ -327,8 +331,8 @@ pub unsafe extern "C" fn erard_keyboard_step(
     })
 }
 
-/// Reads a key, from 1, after the last step. finger_mean_n is that of the last step; new_impact_count is 0. Real time:
-/// yes.
+/// Writes the reading of a key after the last step to `reading`; `key` counts from 1. finger_mean_n is the force of the
+/// last step; new_impact_count is 0. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_read(
     keyboard: *const ErardKeyboard,
@@ -348,8 +352,8 @@ pub unsafe extern "C" fn erard_keyboard_read(
     })
 }
 
-/// Writes the absolute angles of a key's bodies, rad, in the order of its instrument's, as erard_angles does for one
-/// action: `count` says for how many there is room. Real time: yes.
+/// Writes the absolute angles of a key's bodies, rad, to `angles_rad`, in the order of the bodies in its instrument, as
+/// erard_angles does for one action. `key` counts from 1; `count` is the room in `angles_rad`. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_angles(
     keyboard: *const ErardKeyboard,
@@ -375,8 +379,8 @@ pub unsafe extern "C" fn erard_keyboard_angles(
     })
 }
 
-/// Writes all that the following steps depend on, inputs and instant among it; as erard_save (about 220 kB). Real time:
-/// yes.
+/// Writes the keyboard's complete state, including inputs and time, to `bytes`, as erard_save does (about 220 kB). Real
+/// time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_save(
     keyboard: *const ErardKeyboard,
@@ -436,9 +440,8 @@ impl ErardKeyboard {
     }
 }
 
-/// Goes on from a saved state of the same keyboard and the same length of step: the same bits for every key, instants
-/// to a rounding. What is no such state is refused, and the keyboard stays as it was. Forces read 0 until the next
-/// step. Real time: yes.
+/// Restores a saved state of the same keyboard with the same step length. Every key then continues with the same bits;
+/// times agree to rounding. An error leaves the keyboard as it was. Forces read 0 until the next step. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_restore(
     keyboard: *mut ErardKeyboard,

@@ -5,37 +5,38 @@ use erard::player::{Hand, HandInput};
 
 use crate::status::ErardStatus;
 
-/// The version of this interface: the layout of structures and the meaning of functions. A library of another version
-/// cannot be used with this header; compare with erard_abi().
+/// Version of this interface: the layout of its structures and the meaning of its functions. A library with another
+/// version cannot be used with this header: check that erard_abi() returns this value.
 pub const ERARD_ABI: u32 = 1;
 
-/// Largest force that an action takes, N, up or down: a hundred times a fortissimo.
+/// Largest force that an action accepts, N, up or down: a hundred times a fortissimo.
 pub const ERARD_LARGEST_FORCE_N: f64 = 10000.0;
-/// Largest position that an action takes, m from rest, up or down: ten times a key's dip.
+/// Largest distance from rest that an action accepts, m, up or down: ten times a key's dip.
 pub const ERARD_LARGEST_POSITION_M: f64 = 0.1;
-/// Largest speed that an action takes, m/s, up or down.
+/// Largest speed that an action accepts, m/s, up or down.
 pub const ERARD_LARGEST_SPEED_M_PER_S: f64 = 100.0;
 // The ranges of every front.
 const _: () = assert!(ERARD_LARGEST_FORCE_N == erard::player::LARGEST_FORCE_N);
 const _: () = assert!(ERARD_LARGEST_POSITION_M == erard::player::LARGEST_POSITION_M);
 const _: () = assert!(ERARD_LARGEST_SPEED_M_PER_S == erard::player::LARGEST_SPEED_M_PER_S);
-/// Longest time that erard_advance takes at once, s.
+/// Longest time that one call of erard_advance accepts, s.
 pub const ERARD_LONGEST_ADVANCE_S: f64 = 1.0;
 
 /// ErardInput.kind: nothing touches the key.
 pub const ERARD_FREE: u32 = 0;
 /// ErardInput.kind: a force on the key front (admittance).
 pub const ERARD_FORCE: u32 = 1;
-/// ErardInput.kind: the driver's end of a soft fingertip is somewhere and moves (impedance). The fingertip only pushes.
+/// ErardInput.kind: prescribed position and velocity of the fingertip's driven end (impedance). The fingertip is soft
+/// and can only push.
 pub const ERARD_MOTION: u32 = 2;
-/// ErardInput.kind: the key front itself is somewhere and moves, imposed. Not for a loop with a device: see "Closed
-/// loop" in the README.
+/// ErardInput.kind: prescribed position and velocity of the key front itself. Do not use it in a loop with a device:
+/// see "Closed loop" in the README.
 pub const ERARD_RIGID: u32 = 3;
-/// ErardInput.kind: a hand, a mass that muscle moves, behind a soft fingertip. Its place and speed are part of the
-/// action's state; erard_place_hand sets them.
+/// ErardInput.kind: a hand, which is a mass moved by a muscle, behind a soft fingertip. The hand's position and
+/// velocity are part of the action's state; erard_place_hand sets them.
 pub const ERARD_HAND: u32 = 4;
 
-/// Input of a key. Fields that its kind does not use are ignored.
+/// Input of a key. Fields that the kind does not use are ignored.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ErardInput {
@@ -43,17 +44,17 @@ pub struct ErardInput {
     pub kind: u32,
     /// 0.
     pub reserved: u32,
-    /// N, down positive; of a hand, its muscle's force.
+    /// Force on the key front, N, down positive. With ERARD_HAND: force of the muscle on the hand.
     pub force_n: f64,
-    /// m below the key front's rest; of a hand, where its muscle holds it.
+    /// Position, m below the key front's rest. With ERARD_HAND: the position at which the muscle holds the hand.
     pub position_m: f64,
-    /// m/s, down positive; of a hand, the velocity toward which its muscle damps it.
+    /// Velocity, m/s, down positive. With ERARD_HAND: the velocity toward which the muscle damps the hand.
     pub velocity_m_per_s: f64,
-    /// Hand: effective mass at the fingertip, kg, 0.001 to 100.
+    /// Effective mass of the hand at the fingertip, kg, 0.001 to 100.
     pub hand_mass_kg: f64,
-    /// Hand: stiffness with which the muscle holds it at position_m, N/m, 0 to 1e7; 0 for none.
+    /// Stiffness with which the muscle holds the hand at position_m, N/m, 0 to 1e7; 0 for none.
     pub muscle_n_per_m: f64,
-    /// Hand: damping of the muscle, N s/m, 0 to 1e5.
+    /// Damping of the muscle, N s/m, 0 to 1e5.
     pub muscle_n_s_per_m: f64,
 }
 
@@ -111,24 +112,25 @@ pub(crate) fn within(number: f64, limit: f64) -> Result<f64, ErardStatus> {
     }
 }
 
-/// Reading after a step: positions and speeds at its end, from rest; forces as they acted in it.
+/// Reading after a step. Positions are relative to rest; positions and velocities are those at the end of the step,
+/// forces those that acted during it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ErardReading {
     /// The present instant, s from the action's creation or its last reset.
     pub time_s: f64,
-    /// Travel of the key front, m.
+    /// Travel of the key front, m, down positive.
     pub key_m: f64,
-    /// Its speed, m/s.
+    /// Velocity of the key front, m/s, down positive.
     pub key_m_per_s: f64,
-    /// Force of the finger on the key in the last step, N: what a haptic key has to give back.
+    /// Force of the finger on the key in the last step, N, down positive: the force that a haptic key renders.
     pub finger_n: f64,
     /// Mean finger force over all steps of the call that made this reading, N: for a device that is slower than the
     /// steps.
     pub finger_mean_n: f64,
-    /// Rise of the hammer's strike point, m.
+    /// Rise of the hammer's strike point, m, up positive.
     pub hammer_m: f64,
-    /// How fast it rises, m/s.
+    /// Upward velocity of the hammer's strike point, m/s.
     pub hammer_m_per_s: f64,
     /// Force between hammer and string, N, never negative.
     pub string_n: f64,
@@ -140,13 +142,13 @@ pub struct ErardReading {
     pub impact_count: u32,
     /// Number of impacts in the call that made this reading.
     pub new_impact_count: u32,
-    /// Place of the hand, m below the key front's rest; where none presses, where the last one was.
+    /// Position of the hand, m below the key front's rest. Without a hand, the last position of the last one.
     pub hand_m: f64,
-    /// Its speed, m/s.
+    /// Velocity of the hand, m/s, down positive.
     pub hand_m_per_s: f64,
 }
 
-/// An impact of a hammer on its string.
+/// Impact of a hammer on its string.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ErardImpact {

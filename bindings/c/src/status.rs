@@ -5,39 +5,40 @@ use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null_mut;
 
-/// How a call ended. Zero is success, above zero a success with a remark, below zero an error: nothing has changed
-/// then.
+/// Outcome of a call. Zero is success, above zero success with a remark, below zero an error. An error means that
+/// nothing has changed; the one exception is erard_keyboard_step.
 #[repr(i32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErardStatus {
     /// Done.
     Ok = 0,
-    /// Done; a step reached its iteration limit, and its error may be larger than the tolerance.
+    /// Done, but a step reached its iteration limit and its error may exceed the tolerance.
     IterationLimit = 1,
-    /// A pointer that must not be NULL is.
+    /// A pointer is NULL that must not be.
     Null = -1,
-    /// An argument is not one of those that are allowed: a kind of input, a name, a number of steps.
+    /// An argument is not allowed: an unknown kind of input, a name that is not UTF-8, a value or JSON that cannot be
+    /// read.
     Argument = -2,
-    /// A number is not finite, or became so in the step.
+    /// A number is not finite, or became so during the step.
     NotFinite = -3,
-    /// A number is beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_PER_S, or a step or
-    /// time beyond its range.
+    /// A number is out of range: a force, position or speed beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M or
+    /// ERARD_LARGEST_SPEED_M_PER_S, a step length, a time or a number of steps.
     Range = -4,
-    /// There is no such key, body, zone, screw or number.
+    /// No key, body, zone, screw, parameter or built-in has this name or number.
     NoSuch = -5,
-    /// The caller's memory is too small; the size that is needed has been written.
+    /// The caller's memory is too small. erard_save and erard_keyboard_save write the size that is needed.
     Size = -6,
-    /// The bytes are no saved state of this version, or damaged.
+    /// The bytes are damaged, or not a saved state of this version.
     Saved = -7,
-    /// The bytes are the state of another instrument, or of another length of step.
+    /// The saved state belongs to another instrument or to another step length.
     Foreign = -8,
-    /// The text of the file is wrong: erard_last_error says where.
+    /// The file's text is invalid: erard_last_error says where.
     File = -9,
-    /// The file reads, but what it describes cannot be assembled, finds no rest, or cannot be measured or regulated.
+    /// The file is valid, but its instrument cannot be assembled, finds no rest, or cannot be measured or regulated.
     Model = -10,
-    /// The caller's progress function ended the work.
+    /// The caller's progress function stopped the work.
     Interrupted = -11,
-    /// A fault of this library. The object may be freed and, if it is an action, reset or restored; nothing else.
+    /// An error inside this library. Only free the object or, if it is an action, reset or restore it.
     Internal = -12,
 }
 
@@ -149,16 +150,16 @@ pub(crate) fn quick(work: impl FnOnce() -> ErardStatus) -> ErardStatus {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or(ErardStatus::Internal)
 }
 
-/// The error of this thread's last failed call, the real-time functions excepted (they return a status and keep no
-/// text): a line in UTF-8, for a file with its line and key. Empty where nothing failed. It is the library's, and lasts
-/// until the next such call fails.
+/// Returns the message of this thread's last failed call: one line of UTF-8, with line and key for a file; empty if no
+/// call failed. Real-time functions return a status only and leave the message as it is. The text belongs to the
+/// library and is valid until the next such call fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_last_error() -> *const c_char {
     // Where a thread ends its own storage is gone: there is nothing to say then.
     LAST.try_with(|last| last.borrow().as_ref().map_or(c"".as_ptr(), |text| text.as_ptr())).unwrap_or(c"".as_ptr())
 }
 
-/// Meaning of a status, a line in English; never NULL. Real time: yes.
+/// Returns the meaning of a status as one line of English; never NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_status_text(status: i32) -> *const c_char {
     ErardStatus::text(status).as_ptr()

@@ -18,8 +18,8 @@ use crate::reading::{
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 use crate::text::{bytes, give, name};
 
-/// A stroke over time, ready to drive actions of one instrument, a step after the other. It belongs to whoever made it,
-/// until erard_stroke_free. One thread at a time may use it.
+/// A stroke over time, which drives actions of one instrument step by step. It belongs to the caller until
+/// erard_stroke_free. One thread at a time may use it.
 pub struct ErardStroke {
     drive: Box<dyn Fn(f64) -> Input + Send>,
     hand: Option<Hand>,
@@ -41,10 +41,11 @@ fn undriven(error: &DrivingError) -> Fault {
     Fault::new(ErardStatus::File, error.to_string())
 }
 
-/// A built-in touch on an instrument: "pp", "p", "mf", "f" or "ff" (hammer speeds at the string of 0.5, 0.79, 1.99,
-/// 3.15 and 5 m/s); `struck`: 0 for a pressed touch, 1 for a struck one. A hand of 200 g plays it; how strongly is
-/// found on this instrument. Played on another action, it is the same hand. ERARD_ARGUMENT: no such hand reaches the
-/// speed; erard_last_error says which it reaches. Real time: no.
+/// Makes a built-in touch for an instrument: `nuance` is "pp", "p", "mf", "f" or "ff" (hammer speeds at the string of
+/// 0.5, 0.79, 1.99, 3.15 and 5 m/s); `struck` is 0 for a pressed touch, 1 for a struck one. A hand of 200 g plays it,
+/// with a force that is adjusted to this instrument; another action is played by the same hand with the same force.
+/// Returns NULL on failure: ERARD_STATUS_NO_SUCH for an unknown nuance; ERARD_STATUS_ARGUMENT if no such hand reaches
+/// the hammer speed, and erard_last_error says which speed it reaches. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_builtin(
     instrument: *const ErardInstrument,
@@ -69,11 +70,11 @@ pub unsafe extern "C" fn erard_stroke_builtin(
     })
 }
 
-/// A recorded stroke for an instrument, from the text of a CSV file (UTF-8, `length` bytes) with a column for the time
-/// and one for force or position; it drives by its force where it has one, else by its position. It is prepared as
-/// `erard press` does without options: the zero is taken from the rest before the touch, and what noise a channel has
-/// is filtered; erard_stroke_told says so. What is wrong with it erard_last_error says with line and column. Real time:
-/// no.
+/// Makes a stroke for an instrument from a recording, the text of a CSV file (UTF-8, `length` bytes) with a column for
+/// the time and one for force or position. Its force drives the key if there is one, else its position. The recording
+/// is prepared as `erard press` does without options: the rest before the touch gives the zero, and each channel is
+/// filtered by its own noise; erard_stroke_told lists the changes. Returns NULL on failure; erard_last_error says what
+/// is wrong, with line and column. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_new(
     instrument: *const ErardInstrument,
@@ -97,8 +98,8 @@ pub unsafe extern "C" fn erard_stroke_new(
     })
 }
 
-/// Changes and remarks from the preparation of a recorded stroke, a line each; empty for one that is built in. Give the
-/// text back with erard_text_free.
+/// Returns the changes and remarks from preparing a recorded stroke, one in each line; empty for a built-in stroke.
+/// Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_told(
     stroke: *const ErardStroke,
@@ -112,9 +113,9 @@ pub unsafe extern "C" fn erard_stroke_told(
     })
 }
 
-/// Columns of a table that are read as a recording, as JSON: an array of "role" ("time", "force", "position",
-/// "hammer"), "index" (from 0) and "title", time first. `titles` is a JSON array of all titles. For callers that read
-/// tables that are not text, and pass their columns on as CSV. Give the text back with erard_text_free.
+/// Finds the columns of a recording by their titles and returns them as JSON: an array of "role" ("time", "force",
+/// "position", "hammer"), "index" (from 0) and "title", time first. `titles` is a JSON array of all titles. Use it to
+/// pass on columns of tables that are not text as CSV. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_recording_columns(
     titles: *const c_char,
@@ -136,21 +137,22 @@ pub unsafe extern "C" fn erard_recording_columns(
     })
 }
 
-/// Ends a stroke. NULL does nothing. Real time: no.
+/// Frees a stroke. NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_free(stroke: *mut ErardStroke) {
     // SAFETY: the caller's promise: NULL, or it comes from this library, and is used no more.
     unsafe { ended(stroke) }
 }
 
-/// How long it takes, with what `erard press` lets the action swing out after it, s; 0 for NULL. Real time: no.
+/// Returns the duration of a stroke, s, including the time in which `erard press` lets the action swing out after it; 0
+/// for NULL. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_duration(stroke: *const ErardStroke) -> f64 {
     // SAFETY: the caller's promise: NULL, or a stroke.
     unsafe { stroke.as_ref() }.map_or(0.0, |stroke| stroke.duration_s)
 }
 
-/// Begins it anew. Real time: no.
+/// Sets a stroke back to its beginning. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_rewind(stroke: *mut ErardStroke) -> ErardStatus {
     tell(|| {
@@ -160,8 +162,8 @@ pub unsafe extern "C" fn erard_stroke_rewind(stroke: *mut ErardStroke) -> ErardS
     })
 }
 
-/// One step of an action under the stroke's next input: from an action at rest the same bits as `erard press`. An error
-/// leaves both as they were. `reading` may be NULL. Real time: no.
+/// Takes one step of an action under the stroke's next input. From an action at rest, the results have the same bits as
+/// `erard press`. `reading` may be NULL. An error leaves action and stroke as they were. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_stroke(
     action: *mut ErardAction,

@@ -37,7 +37,7 @@ pub(crate) unsafe fn name<'a>(name: *const c_char, what: &str) -> Result<&'a str
     name.to_str().map_err(|_| Fault::new(ErardStatus::Argument, format!("{what} is not UTF-8")))
 }
 
-/// Gives back a text of the library. NULL does nothing. Real time: no.
+/// Frees a text that the library returned. NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_text_free(text: *mut c_char) {
     if !text.is_null() {
@@ -46,8 +46,8 @@ pub unsafe extern "C" fn erard_text_free(text: *mut c_char) {
     }
 }
 
-/// So many bytes of memory, set to zero, for callers that have none of their own to pass: a page. NULL for 0 bytes.
-/// Give it back with erard_memory_free. Real time: no.
+/// Allocates `bytes` bytes, set to zero, for callers that have no memory to pass, such as a web page. Returns NULL for
+/// 0 bytes and when memory is exhausted. Free it with erard_memory_free. Real time: no.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_memory_new(bytes: usize) -> *mut u8 {
     if bytes == 0 || bytes > isize::MAX as usize {
@@ -61,7 +61,7 @@ pub extern "C" fn erard_memory_new(bytes: usize) -> *mut u8 {
     Box::into_raw(memory.into_boxed_slice()).cast()
 }
 
-/// Gives back memory of erard_memory_new, with its size. NULL does nothing. Real time: no.
+/// Frees memory that erard_memory_new returned; `bytes` must be its size. NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_memory_free(memory: *mut u8, bytes: usize) {
     if !memory.is_null() {

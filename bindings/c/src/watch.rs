@@ -10,38 +10,40 @@ use crate::action::ErardAction;
 use crate::instrument::{ErardInstrument, given};
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 
-/// Looks at an action while it is pressed, and finds the instants of one press. It belongs to whoever made it, until
+/// Event detector: observes an action step by step and finds the events of one press. It belongs to the caller until
 /// erard_watch_free.
 pub struct ErardWatch {
     instrument: Instrument,
     watch: EventDetector,
 }
 
-/// The instants of one press, s on the action's clock, and what follows from them; NaN for what has not happened.
+/// Events of one press. Times are s on the action's clock; events that have not happened are NaN.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErardEvents {
-    /// The key front leaves its rest: a tenth of a millimetre.
+    /// The key front is a tenth of a millimetre below its rest.
     pub key_start_s: f64,
-    /// The jack's toe meets the let-off button.
+    /// The jack's toe touches the let-off button.
     pub toe_contact_s: f64,
-    /// The last push on the knuckle before the string ends.
+    /// The last push on the knuckle before the impact ends. Without an impact: the last push before the hammer's
+    /// highest point.
     pub let_off_s: f64,
     /// First impact of the hammer on the string.
     pub hammer_contact_s: f64,
     /// Total speed of the strike point at that impact, m/s.
     pub hammer_speed_m_per_s: f64,
-    /// The key meets its front punching.
+    /// The key touches its front punching.
     pub key_bottom_s: f64,
-    /// After the impact, the hammer's tail meets the back check.
+    /// The hammer's tail touches the back check, after the impact.
     pub check_s: f64,
-    /// From let-off to the impact, s.
+    /// Time from let-off to the impact, s.
     pub free_flight_s: f64,
-    /// From the impact to the key's bottom, s; negative where the key is down first.
+    /// Time from the impact to the key's bottom, s; negative if the key reaches the bottom first.
     pub key_bottom_after_impact_s: f64,
 }
 
-/// A watch for one press on an action of this instrument. NULL where there is no instrument. Real time: no.
+/// Makes an event detector for one press on an action of this instrument. Returns NULL if the instrument is NULL. Real
+/// time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_watch_new(
     instrument: *const ErardInstrument,
@@ -57,14 +59,14 @@ pub unsafe extern "C" fn erard_watch_new(
     })
 }
 
-/// Ends a watch. NULL does nothing. Real time: no.
+/// Frees an event detector. NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_watch_free(watch: *mut ErardWatch) {
     // SAFETY: the caller's promise: NULL, or it comes from this library, and is used no more.
     unsafe { ended(watch) }
 }
 
-/// Forgets what was seen: the next press is watched. Real time: no.
+/// Clears the events that were found, so that the next press can be observed. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_watch_again(watch: *mut ErardWatch) -> ErardStatus {
     tell(|| {
@@ -75,7 +77,8 @@ pub unsafe extern "C" fn erard_watch_again(watch: *mut ErardWatch) -> ErardStatu
     })
 }
 
-/// Looks once: before the first step of a press, and after every one. Real time: no.
+/// Observes the action once. Call it before the first step of a press and after every step. Returns
+/// ERARD_STATUS_FOREIGN if the action does not match the detector's instrument. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_watch_look(watch: *mut ErardWatch, action: *const ErardAction) -> ErardStatus {
     tell(|| {
@@ -92,7 +95,7 @@ pub unsafe extern "C" fn erard_watch_look(watch: *mut ErardWatch, action: *const
     })
 }
 
-/// Reads the watch's observations so far. Real time: no.
+/// Writes the events found so far to `events`. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut ErardEvents) -> ErardStatus {
     tell(|| {
@@ -117,8 +120,8 @@ pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut
     })
 }
 
-/// From now on an action keeps where its zones touch, for erard_contacts. It costs a few percent of a step and changes
-/// no bit. Real time: no.
+/// Makes an action record where its zones touch, from the next step on, for erard_contacts. Recording costs a few
+/// percent of a step and does not change the results by a bit. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keep_contacts(action: *mut ErardAction) -> ErardStatus {
     tell(|| {
@@ -130,9 +133,10 @@ pub unsafe extern "C" fn erard_keep_contacts(action: *mut ErardAction) -> ErardS
     })
 }
 
-/// How the contact zones acted in the last step, five numbers each: force, N; the point, m in the world, x to the back
-/// and y up; the unit normal along which its disc's side is pushed. Zeros where nothing touches, and before
-/// erard_keep_contacts. `count` is the room in `numbers`, at least five times erard_zone_count. Real time: no.
+/// Writes the state of the contact zones in the last step to `numbers`, five for each zone: force, N; the contact
+/// point, m in the world, x to the back and y up; the unit normal, in the direction in which the force pushes the disc.
+/// They are 0 for zones that do not touch, and before erard_keep_contacts. `count` is the room in `numbers`, at least
+/// five times erard_zone_count, else the call returns ERARD_STATUS_SIZE. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_contacts(action: *const ErardAction, numbers: *mut f64, count: usize) -> ErardStatus {
     tell(|| {
@@ -159,8 +163,8 @@ pub unsafe extern "C" fn erard_contacts(action: *const ErardAction, numbers: *mu
     })
 }
 
-/// Whether the last step changed nothing, so that under the same input no later one does either: 1, else 0. 0 for NULL.
-/// Real time: no.
+/// Returns 1 if the last step changed nothing, so that further steps under the same input change nothing either; else
+/// 0, also for NULL. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_rests(action: *const ErardAction) -> u32 {
     // SAFETY: the caller's promise: NULL, or an action.

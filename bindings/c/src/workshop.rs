@@ -23,16 +23,17 @@ use crate::instrument::{ErardInstrument, boxed, file_fault, given};
 use crate::status::{ErardStatus, Fault, tell, told};
 use crate::text::{give, name};
 
-/// Called now and then during long work with the share that is done, 0 to 1, and the caller's own pointer; 0 ends the
-/// work.
+/// Progress function, called repeatedly during long work with the share done, 0 to 1 (NaN where the share is not
+/// known), and the caller's own pointer. If it returns 0, the work stops with ERARD_STATUS_INTERRUPTED.
 pub type ErardProgress = Option<unsafe extern "C" fn(share: f64, user: *mut c_void) -> i32>;
 
-/// Changes what a person calls by one name, as the command's `--vary` does: `called` is "body.hammer.mass" (a body's
-/// mass and, in proportion, its inertia), "let_off", "zone.check.friction", or the path of a number; `change` is "8.7
-/// g", "+0.8 g", "-0.2 mm", "*1.5" or "= 0.2". The numbers are put into the file's text, to ten digits, and the text is
-/// read anew: what the file may not be is refused, and the instrument stays as it was. Actions that were made of it
-/// before stay as they are. ERARD_STATUS_NO_SUCH: no such name; ERARD_STATUS_ARGUMENT: a change that cannot be read;
-/// ERARD_STATUS_RANGE: too far; erard_last_error says what is expected.
+/// Changes one quantity by its common name, as the command's option `--vary` does. `called` is "body.hammer.mass" (a
+/// body's mass and, in proportion, its inertia), "let_off", "zone.check.friction", or the path of a parameter. `change`
+/// is "8.7 g", "+0.8 g", "-0.2 mm", "*1.5" or "= 0.2". The new values are written into the file's text, to ten digits,
+/// and the text is read anew. Errors: ERARD_STATUS_NO_SUCH (unknown name), ERARD_STATUS_ARGUMENT (the change cannot be
+/// read), ERARD_STATUS_RANGE (the change is too large) and ERARD_STATUS_FILE (the file may not have this value);
+/// erard_last_error says what is expected. An error leaves the instrument as it was. Actions made from it earlier do
+/// not change.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_vary(
     instrument: *mut ErardInstrument,
@@ -62,10 +63,10 @@ fn change_fault(error: &ChangeError) -> Fault {
     Fault::new(status, error.to_string())
 }
 
-/// A picture of the instrument in one pose, as SVG: the same drawing as the command's. `angles_rad` are absolute angles
-/// of its bodies, as erard_angles gives them; NULL and 0: as its file draws it. `size_px` is the larger side, px.
-/// `labels`: 1 names the parts. Elements of a moving part carry `data-body`, its number. Give the text back with
-/// erard_text_free.
+/// Returns a drawing of the instrument in one pose as SVG, as the command draws it. `angles_rad` holds `count` absolute
+/// angles of its bodies, rad, as erard_angles writes them; NULL and 0 draw the pose of its file. `size_px` is the
+/// longer side, 16 to 16384 px. `labels` is 1 to name the parts. Elements of a moving part have the attribute
+/// `data-body`, the body's number. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_draw(
     instrument: *const ErardInstrument,
@@ -99,10 +100,11 @@ pub unsafe extern "C" fn erard_draw(
     })
 }
 
-/// Measures an instrument as a technician does, as JSON. `wanted` NULL: the whole sheet, as `erard measure --json` has
-/// it for an instrument; else some of its lines, separated by commas ("down_weight_g,dip_mm"), as an object of their
-/// values, which costs only what they need. `progress` may be NULL. Takes from tenths of a second to seconds. Give the
-/// text back with erard_text_free.
+/// Measures an instrument as a technician does and returns JSON. If `wanted` is NULL, the JSON is the whole sheet, as
+/// `erard measure --json` writes it for an instrument. Otherwise `wanted` names lines of the sheet, separated by commas
+/// ("down_weight_g,dip_mm"); the JSON is an object of their values, and only these are measured. `progress` may be
+/// NULL; with `wanted` its share is NaN. Takes tenths of a second to seconds. Returns NULL on failure, with
+/// ERARD_STATUS_NO_SUCH for an unknown line. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_measure(
     instrument: *const ErardInstrument,
@@ -154,11 +156,12 @@ fn not_measured(error: &MeasureError) -> Fault {
     Fault::new(status, error.to_string())
 }
 
-/// Turns an instrument's screws until its action meets goals, as JSON: what became of every goal, the screws that were
-/// turned, all distances before and after (the fields of the report that `erard regulate` writes), and "file", the text
-/// of the instrument file with its new settings. The instrument itself stays as it is. `goals` NULL: the trade's norms;
-/// else a JSON object of goals by name with values in mm (the spring in mm/s, the damper in %) or texts with units:
-/// {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes seconds. Give the text back with erard_text_free.
+/// Turns an instrument's screws until its action meets goals and returns JSON: the outcome of every goal, the screws
+/// that were turned, all distances before and after (the fields of the report that `erard regulate` writes), and
+/// "file", the text of the instrument file with its new settings. The instrument itself does not change. If `goals` is
+/// NULL, the goals are the trade's norms. Otherwise it is a JSON object of goals by name, with values in mm (the spring
+/// in mm/s, the damper in %) or texts with units: {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes
+/// seconds. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_regulate(
     instrument: *const ErardInstrument,
@@ -211,11 +214,11 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
     each.collect()
 }
 
-/// Drawing of an instrument for a page that moves it, as JSON: "shapes" and "gradients" (SVG for a g and a defs
-/// element; what moves carries `data-body`, or with the pedal's rail, `data-rail`), "bodies" with their hinges, angles
-/// as drawn and masses, "zones" with the way their arrows point, "press", "pedal" (whether it has one), "string" (where
-/// it is struck and how high it lies, null where it is rigid), "labels", "views" and the law of arrows; mm of the
-/// picture. Give the text back with erard_text_free.
+/// Returns a drawing of an instrument as JSON, for a page that animates it. "shapes" and "gradients" are SVG for a g
+/// and a defs element; moving elements have the attribute `data-body`, those on the pedal's rail `data-rail`. "bodies"
+/// have their hinges, drawn angles and masses; "zones" the direction of their arrows. "press", "pedal" (whether there
+/// is one), "string" (its striking point and height; null for a rigid string), "labels", "views" and the scale of the
+/// arrows follow. Lengths are mm of the picture. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_scene(
     instrument: *const ErardInstrument,
@@ -229,9 +232,9 @@ pub unsafe extern "C" fn erard_scene(
     })
 }
 
-/// The lines of the protocol sheet, as JSON: groups of "heading" and "lines", each line with "key" (as erard_measure
-/// takes and gives it), "label", "unit", "decimals", and "usual" ([low, high], null where open) and "source" of its
-/// norm at a key, 1 to 88. Give the text back with erard_text_free.
+/// Returns the lines of the protocol sheet as JSON: groups of "heading" and "lines". Each line has "key" (its name in
+/// erard_measure), "label", "unit", "decimals", and its norm at a piano key, 1 to 88: "usual" ([low, high]; null where
+/// open) and "source". Returns NULL if there is no such piano key. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
     told(null_mut(), status, || {
@@ -253,11 +256,11 @@ pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardSt
     })
 }
 
-/// Diagnoses a key of a real piano from whatever was measured of it, as JSON: what `erard diagnose` writes to
-/// diagnosis.json, with readings, causes, what to do and what to measure next. `readings` is a JSON object: "key" (1 to
-/// 88, or a note; without it C4 is assumed, and "is_key_assumed" says so), "leads" ("14@165, 14@147") and readings by
-/// the names of erard_diagnosable, as numbers or as texts with units. Takes up to seconds. Give the text back with
-/// erard_text_free.
+/// Diagnoses a key of a real piano from its measured readings and returns JSON, as `erard diagnose` writes it to
+/// diagnosis.json: readings, causes, remedies and what to measure next. `readings` is a JSON object: "key" (1 to 88, or
+/// a note; without it C4 is assumed and "is_key_assumed" is true), "leads" ("14@165, 14@147"), and readings by the
+/// names of erard_diagnosable, as numbers or as texts with units. Takes up to seconds. Returns NULL on failure;
+/// erard_last_error lists all errors in the readings. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_diagnose(
     readings: *const c_char,
@@ -275,9 +278,9 @@ pub unsafe extern "C" fn erard_diagnose(
     })
 }
 
-/// Everything that is wrong with readings for erard_diagnose, as JSON: an array of "name" (the reading's, "key" or
-/// "leads"; empty where the fault belongs to none), "found" and "expected"; empty where they are sound. Give the text
-/// back with erard_text_free.
+/// Returns all errors in readings for erard_diagnose as JSON: an array of "name" (the reading's name, "key" or "leads";
+/// empty if the error belongs to none of them), "found" and "expected". The array is empty if the readings are valid.
+/// Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_diagnose_check(
     readings: *const c_char,
@@ -291,9 +294,10 @@ pub unsafe extern "C" fn erard_diagnose_check(
     })
 }
 
-/// What can be measured of a real piano's key, as JSON: an array of "name" (as erard_diagnose takes it), "label",
-/// "unit", "decimals", "limits", "precision", "usual" ([low, high] at that key, 1 to 88; null where open or not this
-/// key's) and "how" it is taken. Give the text back with erard_text_free.
+/// Returns the quantities that can be measured on a real piano's key as JSON: an array of "name" (for erard_diagnose),
+/// "label", "unit", "decimals", "limits", "precision", "usual" ([low, high] at that key, 1 to 88; null where open or
+/// not applicable to this key) and "how" to measure it. Returns NULL if there is no such key. Free the text with
+/// erard_text_free.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_diagnosable(key: u32, length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
     told(null_mut(), status, || give(diagnose::form(known_key(key)?).to_string(), length))
@@ -309,8 +313,9 @@ fn known_key(key: u32) -> Result<usize, Fault> {
     }
 }
 
-/// Screws and parameters of an instrument that can be changed, as JSON: dials, each with "name", "label", "note",
-/// "group", "unit", "decimals", "value", "from" and "to". Give the text back with erard_text_free.
+/// Returns the screws and parameters of an instrument that can be changed, called dials, as JSON: an array of "name",
+/// "label", "note", "group", "unit", "decimals", "value", "from" and "to". Returns NULL on failure. Free the text with
+/// erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_dials(
     instrument: *const ErardInstrument,
@@ -325,9 +330,10 @@ pub unsafe extern "C" fn erard_dials(
     })
 }
 
-/// The instrument with dials turned, as a new one: `turns` is a JSON object of dials' names and values, {"let_off":
-/// -0.5, "hammer": 9.5}. All count from this instrument, which stays as it is. What the file may not be is refused. It
-/// belongs to the caller, until erard_instrument_free.
+/// Returns a new instrument with dials set to new values. `turns` is a JSON object of dial names and values, e.g.
+/// {"let_off": -0.5, "hammer": 9.5}. All dials are set relative to this instrument, which does not change. Returns NULL
+/// on failure, such as a value out of range or one that the file may not have. The new instrument belongs to the caller
+/// until erard_instrument_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_turned(
     instrument: *const ErardInstrument,
@@ -353,9 +359,9 @@ pub unsafe extern "C" fn erard_turned(
     })
 }
 
-/// Presses an instrument once, mezzo forte, and says whether it plays, as JSON: "hammer_speed_m_per_s" (null where the
-/// hammer does not reach the string) and "warnings", sentences about what cannot be trusted or does not work. Takes a
-/// tenth of a second. Give the text back with erard_text_free.
+/// Presses an instrument once, mezzo forte, and reports as JSON whether it plays: "hammer_speed_m_per_s" (null if the
+/// hammer does not reach the string) and "warnings", sentences about results that cannot be trusted and parts that do
+/// not work. Takes a tenth of a second. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_try(
     instrument: *const ErardInstrument,

@@ -16,7 +16,7 @@ use crate::instrument::Instrument;
 use crate::press::array;
 use crate::setup::Steps;
 
-/// A grand action. Two threads may step it: one waits for the other.
+/// Grand action. Two threads may step it: one waits for the other.
 #[pyclass(frozen, module = "erard._erard")]
 pub(crate) struct Action {
     pub(crate) player: Mutex<Player>,
@@ -24,7 +24,7 @@ pub(crate) struct Action {
     pub(crate) hand: Option<Hand>,
 }
 
-/// What there is to be read after a step.
+/// Reading after a step, SI units; key and finger positive downward, the hammer upward.
 #[pyclass(frozen, module = "erard._erard", get_all, eq)]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Reading {
@@ -39,11 +39,11 @@ pub(crate) struct Reading {
     hand_m_per_s: f64,
     bridge_n: f64,
     converged: bool,
-    /// Instant (s) and hammer speed (m/s) of the impact in this step.
+    /// Time (s) and total hammer speed (m/s) of the impact in this step; `None` without an impact.
     impact: Option<(f64, f64)>,
 }
 
-/// What a reading is made of, in its order.
+/// Fields of a reading, in order.
 type Parts = (f64, f64, f64, f64, f64, f64, f64, f64, f64, f64, bool, Option<(f64, f64)>);
 
 #[pymethods]
@@ -80,7 +80,7 @@ impl Reading {
         }
     }
 
-    /// So that it pickles.
+    /// Arguments of the constructor, for pickling.
     fn __getnewargs__(&self) -> Parts {
         let Self { time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, .. } = *self;
         let Self { hand_m, hand_m_per_s, bridge_n, converged, impact, .. } = *self;
@@ -109,7 +109,7 @@ impl Reading {
 }
 
 impl Reading {
-    /// A reading at an instant, s, with the impact in its step and the force on the bridge, N.
+    /// Makes a reading at a time, s, with the impact in its step and the force on the bridge, N.
     pub(crate) fn of(time_s: f64, now: &player::Reading, impact: Option<(f64, f64)>, bridge_n: f64) -> Self {
         Reading {
             time_s,
@@ -133,7 +133,7 @@ fn reading(player: &Player) -> Reading {
     Reading::of(player.time_s(), &player.reading(), impact, player.strings().map_or(0.0, Strings::bridge_n))
 }
 
-/// A force, a fingertip's motion or the key's own (position and velocity), or none of them.
+/// Input from a force, a fingertip's motion or a prescribed key motion (position and velocity); free if none is given.
 pub(crate) fn input(force: Option<f64>, motion: Option<(f64, f64)>, rigid: Option<(f64, f64)>) -> PyResult<Input> {
     let (name, input) = match (force, motion, rigid) {
         (None, None, None) => return Ok(Input::Free),
@@ -148,7 +148,7 @@ pub(crate) fn input(force: Option<f64>, motion: Option<(f64, f64)>, rigid: Optio
     Ok(input)
 }
 
-/// The drive of the key: the input, or the hand that it moves.
+/// Drive of the key: the input itself, or the hand that it moves.
 pub(crate) fn driven(hand: Option<Hand>, input: Input) -> PyResult<Input> {
     hand.map_or(Ok(input), |hand| hand.input(&input).map_err(wrong))
 }
@@ -168,7 +168,7 @@ impl Action {
         Ok(Action { player: Mutex::new(player), instrument: inner, hand })
     }
 
-    /// Length of a step, s.
+    /// Returns the step length, s.
     fn step_s(&self) -> f64 {
         self.player.lock().unwrap_or_else(std::sync::PoisonError::into_inner).settings().step
     }
@@ -190,7 +190,7 @@ impl Action {
         Ok(reading(&player))
     }
 
-    /// Places the hand, m below the key front's rest, with a velocity, m/s.
+    /// Places the hand, m below the key front's rest, with a velocity, m/s, down positive.
     fn place_hand(&self, py: Python<'_>, position_m: f64, velocity_m_per_s: f64) -> PyResult<()> {
         if self.hand.is_none() {
             return Err(wrong("this action has no hand; expected one that was made with `hand=erard.Hand()`"));
@@ -199,12 +199,12 @@ impl Action {
         Ok(())
     }
 
-    /// Sends the sustain pedal's rail to a lift, m.
+    /// Sets the target lift of the sustain pedal's rail, m.
     fn set_pedal(&self, py: Python<'_>, lift_m: f64) {
         self.lock(py).set_pedal(lift_m);
     }
 
-    /// One step for each force, N.
+    /// Takes one step for each force, N.
     fn play<'py>(&self, py: Python<'py>, forces: PyReadonlyArray1<'py, f64>) -> PyResult<Bound<'py, PyDict>> {
         let forces = forces.as_slice().map_err(wrong)?;
         for (at, force) in forces.iter().enumerate() {
@@ -254,7 +254,7 @@ impl Action {
         forces.to_pyarray(py)
     }
 
-    /// All that the next steps depend on.
+    /// Returns the complete state as bytes.
     fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.lock(py).save().to_vec())
     }
@@ -266,7 +266,7 @@ impl Action {
 }
 
 impl Action {
-    /// Waits without Python's lock, so that who has the action can end.
+    /// Locks the action. Waits without Python's lock, so that the thread that holds the action can finish.
     fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Player> {
         self.player.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
     }

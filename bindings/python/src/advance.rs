@@ -15,8 +15,8 @@ use crate::action::{Action, driven, input};
 use crate::fault::{self, wrong, wrong_argument};
 use crate::watch::watched;
 
-/// What is reported of an action after some steps. `finger_mean_n` is the mean over them; `impact_time_s` and
-/// `hammer_speed_m_per_s` are the last impact's, nan where there was none.
+/// Columns of results after some steps. `finger_mean_n` is the mean over the steps; `impact_time_s` and
+/// `hammer_speed_m_per_s` belong to the last impact, nan without one.
 const COLUMNS: [&str; 15] = [
     "time_s",
     "key_m",
@@ -35,12 +35,12 @@ const COLUMNS: [&str; 15] = [
     "failed",
 ];
 
-/// As many steps as are worth a thread: starting one takes as long as some hundred.
+/// Number of steps that is worth a thread: starting a thread takes as long as some hundred steps.
 const STEPS_PER_THREAD: u64 = 4000;
 
-/// Takes `steps` steps of each action under its row of `values`: a force, N (one column), or a motion or the key's own,
-/// m and m/s (two), which goes on at its velocity. Columns of what came of it, a row for each action. An action whose
-/// numbers become infinite has failed: it is where it was before that step.
+/// Takes `steps` steps of each action under its row of `values`: a force, N (one column), or a fingertip or key motion,
+/// m and m/s (two columns), which continues at its velocity. Returns columns of results with one row for each action.
+/// An action whose numbers become infinite has failed and stays as it was before that step.
 #[pyfunction]
 pub(crate) fn advance<'py>(
     py: Python<'py>,
@@ -92,7 +92,7 @@ pub(crate) fn advance<'py>(
 }
 
 impl Action {
-    /// So many steps under one input, without Python's lock.
+    /// Takes steps under one input, without Python's lock.
     fn advance(&self, input: Input, steps: u64) -> [f64; COLUMNS.len()] {
         let mut player = self.player.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let h = player.settings().step;

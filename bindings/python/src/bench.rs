@@ -26,13 +26,13 @@ use crate::setup::Steps;
 use crate::stroke::Stroke;
 use crate::watch::watched;
 
-/// The lines of the technician's sheet: key, name, unit, decimals, the usual range.
+/// Returns the lines of the technician's sheet: key, name, unit, decimals, usual range.
 #[pyfunction]
 pub fn measure_lines() -> Vec<(&'static str, &'static str, &'static str, usize, String)> {
     lines().map(|line| (line.key, line.label, line.unit, line.decimals, line.usual(MIDDLE_C))).collect()
 }
 
-/// The sheet as JSON, or only some lines of it.
+/// Measures an instrument and returns the sheet, or only some of its lines, as JSON.
 #[pyfunction]
 #[pyo3(signature = (instrument, key, only, progress))]
 pub(crate) fn measure(
@@ -64,7 +64,7 @@ pub(crate) fn measure(
     serde_json::to_string(&object).map_err(failed)
 }
 
-/// Turns screws until goals are met: the new instrument, and what became of each goal and screw.
+/// Turns screws until goals are met. Returns the new instrument and the outcome of each goal and screw.
 #[pyfunction]
 #[pyo3(signature = (instrument, goals, norms, follow, progress))]
 pub(crate) fn regulate<'py>(
@@ -151,10 +151,10 @@ fn missed(miss: &Miss) -> String {
     }
 }
 
-/// Steps of a way that are taken before signals are looked for: some milliseconds.
+/// Number of steps of the key's travel between two checks for signals: some milliseconds.
 const PIECE: usize = 20_000;
 
-/// Leverage and sliding over the key's travel, of an instrument or of a linkage (a file or a built-in one).
+/// Computes leverage and sliding over the key's travel, for an instrument or for a linkage (a file or a built-in one).
 #[pyfunction]
 #[pyo3(signature = (instrument, linkage, from_m, to_m, steps))]
 pub(crate) fn kinematics<'py>(
@@ -237,7 +237,7 @@ fn linkage_design(asked: &str) -> PyResult<Design> {
     file.design().map_err(wrong)
 }
 
-/// The keys of a keyboard, weighed: columns.
+/// Weighs the keys of a keyboard and returns columns.
 #[pyfunction]
 #[pyo3(signature = (asked, keys, progress))]
 pub(crate) fn keyboard<'py>(
@@ -278,7 +278,7 @@ pub(crate) fn keyboard<'py>(
     Ok((keyboard.name.clone(), columns))
 }
 
-/// The action in one pose, SVG: at rest, or so many s after the start of a stroke.
+/// Draws the action in one pose as SVG: at rest, or a time, s, after the start of a stroke.
 #[pyfunction]
 #[pyo3(signature = (instrument, stroke, at_s, steps, labels, forces, caption))]
 #[allow(clippy::too_many_arguments)]

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::fault::{wrong, wrong_argument};
 
-/// The answer of `erard diagnose` to readings, JSON as it is.
+/// Diagnoses readings and returns the JSON of `erard diagnose`.
 #[pyfunction]
 pub(crate) fn diagnose(py: Python<'_>, readings: &str) -> PyResult<String> {
     let typed = Typed::read(readings).map_err(|faults| {

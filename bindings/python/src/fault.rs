@@ -16,7 +16,7 @@ mod python {
     pyo3::import_exception!(erard._errors, SimulationError);
 }
 
-/// Where something is wrong; what is empty or 0 is not known.
+/// Place of an error; empty or 0 means unknown.
 #[derive(Default)]
 struct Place<'a> {
     file: &'a str,
@@ -36,17 +36,17 @@ fn input(message: String, place: &Place<'_>) -> PyErr {
     python::InputError::new_err(arguments)
 }
 
-/// Something that the caller gave is wrong.
+/// Makes an `InputError` from a message.
 pub(crate) fn wrong(message: impl std::fmt::Display) -> PyErr {
     input(message.to_string(), &Place::default())
 }
 
-/// The same of an argument by its name.
+/// Makes an `InputError` for an argument, by its name.
 pub(crate) fn wrong_argument(key: &str, message: impl std::fmt::Display) -> PyErr {
     input(format!("{key}: {message}"), &Place { key, ..Place::default() })
 }
 
-/// Something came of it that is no result.
+/// Makes a `SimulationError` from a message.
 pub(crate) fn failed(message: impl std::fmt::Display) -> PyErr {
     python::SimulationError::new_err(message.to_string())
 }
@@ -92,7 +92,7 @@ pub(crate) fn change(error: &ChangeError) -> PyErr {
     }
 }
 
-/// Of a run: what the caller asked for names the argument.
+/// Converts the error of a run; invalid input names the argument.
 pub(crate) fn simulation(error: &SimulationError) -> PyErr {
     let key = match error {
         SimulationError::Step { .. } => "step",
@@ -107,7 +107,7 @@ pub(crate) fn simulation(error: &SimulationError) -> PyErr {
     wrong_argument(key, error)
 }
 
-/// Of an action that is made.
+/// Converts the error of making an action.
 pub(crate) fn action(error: &ActionError) -> PyErr {
     match error {
         ActionError::Step { .. } => wrong_argument("step", error),

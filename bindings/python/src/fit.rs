@@ -20,20 +20,20 @@ use crate::recording::Recording;
 use crate::setup::Steps;
 use crate::stroke::prescribed;
 
-/// How often Python is asked for signals: often enough that Control-C ends the work within 0.2 s.
+/// Time between checks for Python's signals, short enough that Control-C stops the work within 0.2 s.
 const EVERY: Duration = Duration::from_millis(50);
 
-/// Residuals of recordings over the parameters of an instrument. Points are inner ones: logarithms of factors, turns of
-/// screws over half their bounds, then delays in ms.
+/// Residuals of recordings over the parameters of an instrument. Points hold inner parameters: logarithms of factors,
+/// turns of screws over half their bounds, then delays in ms.
 #[pyclass(frozen, module = "erard._erard")]
 pub(crate) struct Problem {
     inner: Mutex<Inner>,
 }
 
-/// What was asked of the fit, besides the problem: where it begins, the loss, the Jacobian, restarts, most evaluations.
+/// Arguments of the fit, besides the problem: start, loss, Jacobian, restarts, largest number of evaluations.
 type Asked = (Vec<(String, f64)>, String, String, usize, usize);
 
-/// Title, recording, column, instants, measured, fitted, noise, delay.
+/// Title, index of the recording, column, times, measured values, fitted values, noise, delay.
 type Curve<'py> = (
     String,
     usize,
@@ -81,9 +81,9 @@ impl Problem {
         Ok(Problem { inner: Mutex::new(inner) })
     }
 
-    /// Fits, by the solver of this library or by one in Python. That is called with two functions (residuals,
-    /// Jacobian), the start, the lower and the upper bounds, the loss and the most evaluations, and returns a point,
-    /// its residuals and why it ended.
+    /// Fits with the solver of this library or with one in Python. A Python solver is called with two functions
+    /// (residuals, Jacobian), the start, the lower and upper bounds, the loss and the largest number of evaluations. It
+    /// returns a point, its residuals and the reason why it ended.
     fn fit<'py>(
         &self,
         py: Python<'py>,
@@ -100,7 +100,7 @@ impl Problem {
         result(py, &found)
     }
 
-    /// Every measured quantity beside what the model makes of it at a point.
+    /// Returns every measured quantity with the model's values at a point.
     fn curves<'py>(&self, py: Python<'py>, point: Vec<f64>) -> PyResult<Vec<Curve<'py>>> {
         let point = self.point(point)?;
         let curves = self.watched(py, None, |problem, _| problem.curves(&point))?;
@@ -112,7 +112,8 @@ impl Problem {
         Ok(curves.iter().map(of).collect())
     }
 
-    /// Residuals (fitted less measured, over the noise) of points, row by row; nan where one cannot be played.
+    /// Returns the residuals, (fitted - measured) / noise, one row for each point; nan for points that cannot be
+    /// played.
     #[pyo3(signature = (points, progress = None))]
     fn residuals<'py>(
         &self,
@@ -130,7 +131,8 @@ impl Problem {
         PyArray2::from_vec2(py, &left).map_err(failed)
     }
 
-    /// Derivatives of the residuals at a point, row by row, by differences or by the model's own derivatives.
+    /// Returns the derivatives of the residuals at a point, one row for each residual: differences, or the model's own
+    /// derivatives if `exact`.
     fn jacobian<'py>(&self, py: Python<'py>, point: Vec<f64>, exact: bool) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let point = self.point(point)?;
         let columns = self.watched(py, None, |problem, _| {
@@ -139,12 +141,12 @@ impl Problem {
         rows_of(py, &columns)
     }
 
-    /// Lower and upper bounds of inner parameters.
+    /// Returns the lower and upper bounds of the inner parameters.
     fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
         self.lock().bounds()
     }
 
-    /// Points as `vary` takes them, delays apart, row by row.
+    /// Converts inner points, row by row, to values as `vary` takes them, without delays.
     fn outer<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let points = self.points(&points)?;
         let problem = self.lock();
@@ -152,12 +154,12 @@ impl Problem {
         PyArray2::from_vec2(py, &outer).map_err(failed)
     }
 
-    /// The noise of every channel, N or m.
+    /// Returns the noise of every channel, N, m or m/s.
     fn sigma(&self) -> Vec<f64> {
         self.lock().sigma.clone()
     }
 
-    /// Takes the noise of every channel as another fit estimated it.
+    /// Sets the noise of every channel, as another fit estimated it.
     fn set_sigma(&self, sigma: Vec<f64>) -> PyResult<()> {
         let mut problem = self.lock();
         if sigma.len() != problem.sigma.len() || sigma.iter().any(|sigma| sigma.is_nan() || *sigma <= 0.0) {
@@ -186,8 +188,8 @@ impl Problem {
         points.as_array().rows().into_iter().map(|row| self.point(row.to_vec())).collect()
     }
 
-    /// Works on the problem without Python's lock. Signals are looked for, and `progress` is called with how many more
-    /// strokes were played, every 50 ms; what is raised there ends the work.
+    /// Works on the problem without Python's lock. Every 50 ms it checks for signals and calls `progress` with the
+    /// number of newly played strokes; an exception raised there stops the work.
     fn watched<T: Send>(
         &self,
         py: Python<'_>,
@@ -230,7 +232,7 @@ impl Problem {
     }
 }
 
-/// What Python raised while a fit ran.
+/// Exception that Python raised while a fit ran.
 #[derive(Clone, Default)]
 struct Raised(Arc<Mutex<Option<PyErr>>>);
 
@@ -248,21 +250,21 @@ impl Raised {
     }
 }
 
-/// A solver in Python. It runs in a thread of its own and asks for residuals and Jacobians.
+/// Solver in Python. It runs in its own thread and asks for residuals and Jacobians.
 struct Foreign {
     call: Py<PyAny>,
     raised: Raised,
 }
 
-/// What the solver's thread asks for.
+/// Request of the solver's thread.
 enum Question {
     Residuals(Vec<f64>, mpsc::Sender<Vec<f64>>),
     Jacobian(Vec<f64>, mpsc::Sender<Vec<Vec<f64>>>),
-    /// It has ended: a point, its residuals, and why.
+    /// The solver has ended: its point, residuals, and reason.
     Ended(PyResult<(Vec<f64>, Vec<f64>, String)>),
 }
 
-/// What the solver in Python calls.
+/// Functions that the solver in Python calls.
 #[pyclass(frozen)]
 struct Questions(Mutex<mpsc::Sender<Question>>);
 
@@ -329,7 +331,7 @@ impl Solver for Foreign {
     }
 }
 
-/// Answers the solver until it has ended, or until the problem has.
+/// Answers the solver until it ends, or until the problem fails.
 #[allow(clippy::type_complexity)]
 fn answer(
     problem: &mut dyn LeastSquares<Error = FitError>,
@@ -369,14 +371,14 @@ fn jacobian_of(name: &str) -> PyResult<Jacobian> {
     }
 }
 
-/// A matrix that is given by its columns.
+/// Makes a matrix from its columns.
 fn rows_of<'py>(py: Python<'py>, columns: &[Vec<f64>]) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let count = columns.first().map_or(0, Vec::len);
     let rows: Vec<Vec<f64>> = (0..count).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
     PyArray2::from_vec2(py, &rows).map_err(failed)
 }
 
-/// What was found, by the names of `Fit`'s attributes.
+/// Converts the result of a fit to a dictionary, by the names of `Fit`'s attributes.
 fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);
     let matrix = |rows: &Vec<Vec<f64>>| PyArray2::from_vec2(py, rows).map_err(failed);

@@ -15,18 +15,17 @@ use crate::setup::Steps;
 use crate::stroke::Stroke;
 use crate::watch::watched;
 
-/// What lies on both sides of a number that has no other name than its path: two instruments, and how far apart they
-/// are.
+/// Two instruments, one on each side of a number that has a path but no name, and the difference of the number.
 type Sides<'py> = (Bound<'py, Instrument>, Bound<'py, Instrument>, f64);
 
-/// Whether the rest is held, whether steps of two lengths are compared, whether what does not converge is an error, and
-/// the quantities for which that counts: all of them if there are none.
+/// Whether the rest is held, whether two step lengths are compared, whether a derivative that does not converge is an
+/// error, and the quantities for which this matters (all if empty).
 type How = (bool, bool, bool, Vec<String>);
 
-/// A press and its derivatives, per bare number, by parameters, by `force`, and by what lies between two instruments:
-/// `values` and `slopes` of every quantity (`in_shorter_steps` and `unresolved`, too, if they are compared), `columns`
-/// and `column_slopes` (one row for each variable) where `every` says after how many steps they are sampled,
-/// `switches`, `refused` (quantity, variable, why).
+/// Plays a press with its derivatives, per bare number, with respect to parameters, `force`, and pairs of instruments.
+/// Returns `values` and `slopes` of every quantity (and `in_shorter_steps` and `unresolved` if compared), `columns` and
+/// `column_slopes` (one row for each variable) sampled every `every` steps if given, `switches`, and `refused`
+/// (quantity, variable, reason).
 #[pyfunction]
 #[pyo3(signature = (instrument, by, stroke, duration, steps, every, how, threads, progress))]
 #[allow(clippy::too_many_arguments)]

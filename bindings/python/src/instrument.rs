@@ -13,7 +13,7 @@ use pyo3::types::PyDict;
 
 use crate::fault;
 
-/// A change of a number: a name, and a number or a text.
+/// Value of a change: a number or a text.
 #[derive(FromPyObject, IntoPyObject, Clone)]
 pub(crate) enum Value {
     Number(f64),
@@ -29,13 +29,12 @@ impl From<Value> for Change {
     }
 }
 
-/// An instrument. It is what its file's text says, with the changes done to it one after the other: that is how it is
-/// pickled.
+/// Instrument, given by its file's text and the changes that are applied one after the other; so it is pickled.
 #[pyclass(frozen, module = "erard._erard")]
 pub(crate) struct Instrument {
     text: Arc<str>,
     file_name: Arc<str>,
-    /// The text as it was read, without the changes.
+    /// File as it was read, without the changes.
     read: Arc<InstrumentFile>,
     changes: Vec<(String, Value)>,
     provenance: Provenance,
@@ -49,7 +48,7 @@ impl Instrument {
         Self::made(text.into(), file_name.into(), None, changes)
     }
 
-    /// A built-in one, a file, or a key of a keyboard.
+    /// Loads a built-in instrument, a file, or a key of a keyboard.
     #[staticmethod]
     fn load(asked: &str) -> PyResult<Self> {
         let (text, file_name) =
@@ -97,13 +96,13 @@ impl Instrument {
         self.inner.zones.iter().map(|zone| zone.name.as_str()).collect()
     }
 
-    /// Name and what a positive setting does.
+    /// Screws: name, and effect of a positive setting.
     #[getter]
     fn screws(&self) -> Vec<(&str, &str)> {
         self.inner.screws.iter().map(|screw| (screw.name.as_str(), screw.label.as_str())).collect()
     }
 
-    /// Everything that has a name of its own to be varied by.
+    /// Returns all named parameters.
     fn quantities<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         quantities(&self.file())
             .into_iter()
@@ -122,14 +121,14 @@ impl Instrument {
             .collect()
     }
 
-    /// The same instrument with further changes.
+    /// Returns the instrument with further changes.
     fn varied(&self, changes: Vec<(String, Value)>) -> PyResult<Self> {
         let all = self.changes.iter().cloned().chain(changes).collect();
         Self::made(self.text.clone(), self.file_name.clone(), Some(self.read.clone()), all)
     }
 
-    /// A number of the file by its path (`zone.string.disc.center_mm.x`), in the file's own unit: as it was last set,
-    /// or as it stands in the text. None where there is no such number, or where it was changed by a text.
+    /// Returns a number of the file by its path (`zone.string.disc.center_mm.x`), in the file's own unit: the value set
+    /// last, or the one in the text. `None` if there is no such number, or if a text changed it.
     fn number_at(&self, path: &str) -> Option<f64> {
         match self.changes.iter().rev().find(|(name, _)| name == path) {
             Some((_, Value::Number(number))) => return Some(*number),
@@ -151,7 +150,7 @@ impl Instrument {
 }
 
 impl Instrument {
-    /// The instrument with the sources of its numbers.
+    /// Returns the instrument with the sources of its parameters.
     pub(crate) fn file(&self) -> InstrumentFile {
         InstrumentFile {
             instrument: (*self.inner).clone(),
@@ -160,7 +159,7 @@ impl Instrument {
         }
     }
 
-    /// Of a text that has been `read` already, or has not.
+    /// Makes an instrument from a text, which may have been `read` already.
     fn made(
         text: Arc<str>,
         file_name: Arc<str>,
@@ -177,7 +176,7 @@ impl Instrument {
         Ok(Instrument { text, file_name, read, changes, provenance: file.provenance, inner: Arc::new(file.instrument) })
     }
 
-    /// The instrument with its screws turned as in another, which was made of it by turning screws.
+    /// Returns the instrument with its screws set as in `regulated`, which was made from it by turning screws.
     pub(crate) fn turned(&self, regulated: &Inner, title: &str, note: &str) -> PyResult<Self> {
         let text = regulated.rewrite(&self.text, title, note).map_err(fault::failed)?;
         let is_screw = |name: &String| self.inner.screws.iter().any(|screw| screw.name == *name);
@@ -195,7 +194,7 @@ pub fn certainty(certainty: Certainty) -> &'static str {
     }
 }
 
-/// Names of the built-in instruments, keyboards, linkages and strokes.
+/// Returns the names of the built-in instruments, keyboards, linkages and strokes.
 #[pyfunction]
 pub fn builtin() -> (Vec<&'static str>, Vec<&'static str>, Vec<&'static str>, Vec<&'static str>) {
     (

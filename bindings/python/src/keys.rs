@@ -14,15 +14,15 @@ use crate::action::{Reading, driven, input};
 use crate::fault::{self, failed, wrong, wrong_argument};
 use crate::setup::Steps;
 
-/// Steps between two looks for signals.
+/// Number of steps between two checks for signals.
 const PORTION: usize = 1000;
 
-/// The keys of a keyboard. Two threads may step it: one waits for the other.
+/// Keys of a keyboard. Two threads may step them: one waits for the other.
 #[pyclass(frozen, module = "erard._erard")]
 pub(crate) struct Keys {
     player: Mutex<Player>,
     hand: Option<Hand>,
-    /// The clock of the keys when they were made, s: they have come to rest by then.
+    /// Time on the keys' clock when they were made and at rest, s.
     began_s: f64,
 }
 
@@ -105,7 +105,7 @@ impl Keys {
         self.lock(py).set_pedal(lift_m);
     }
 
-    /// So many steps; the impacts in them: key, instant, speed.
+    /// Takes steps and returns the impacts in them: key, time (s), total hammer speed (m/s).
     fn step(&self, py: Python<'_>, steps: usize) -> PyResult<Vec<(usize, f64, f64)>> {
         let (mut impacts, mut left) = (Vec::new(), steps);
         while left > 0 {
@@ -147,7 +147,7 @@ impl Keys {
         self.lock(py).bridge_n()
     }
 
-    /// All that a key's next steps depend on, as an action's.
+    /// Returns the complete state of a key as bytes, in the format of an action's.
     fn save<'py>(&self, py: Python<'py>, key: usize) -> PyResult<Bound<'py, PyBytes>> {
         let player = self.lock(py);
         let key = Self::has(&player, key)?;

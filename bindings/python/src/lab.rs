@@ -14,7 +14,8 @@ use crate::recording::Recording;
 use crate::setup::Steps;
 use crate::watch::watched;
 
-/// Holds a recording against the models: columns, a row of errors for each trial, and what is to be said of it.
+/// Compares a recording with the models. Returns columns, a row of errors for each drive and model, and verdicts in
+/// words.
 #[pyfunction]
 #[pyo3(signature = (instrument, recording, drives, models, duration, steps, progress))]
 #[allow(clippy::too_many_arguments, clippy::type_complexity)]
@@ -110,7 +111,7 @@ fn which(name: &str) -> PyResult<Which> {
     one.ok_or_else(|| wrong_argument("models", format!("found `{name}`, expected action or one-dof")))
 }
 
-/// Holds an instrument against what has been measured on real pianos: a row for each published number.
+/// Compares an instrument with measurements on real pianos. Returns one row for each published number.
 #[pyfunction]
 #[pyo3(signature = (instrument, progress))]
 pub(crate) fn validate<'py>(

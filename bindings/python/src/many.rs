@@ -21,7 +21,7 @@ use crate::setup::Steps;
 use crate::stroke::{Stroke, prescribed, sampled};
 use crate::watch::watched;
 
-/// Who does the work, and what is kept.
+/// Settings of the work, and columns to record.
 #[derive(FromPyObject)]
 pub(crate) struct Work {
     #[pyo3(item)]
@@ -55,14 +55,14 @@ impl Work {
     }
 }
 
-/// What is played: instruments, and for each job which of them, or why there is none, and which stroke.
+/// Jobs to play: instruments, and for each job its instrument (or the reason why there is none) and its stroke.
 struct Plan {
     instruments: Vec<Inner>,
     jobs: Vec<(Result<usize, String>, usize)>,
     strokes: Vec<Arc<InnerStroke>>,
 }
 
-/// How a job of a plan ended.
+/// Result of a job of a plan.
 type Outcome = Result<JobResult, String>;
 
 impl Plan {
@@ -93,9 +93,9 @@ impl Plan {
     }
 }
 
-/// Arrays of what came of every job: those of a study's columns, `impacts` (instant and speed of each), `failed`,
-/// `trusted`, `energy_residual_relative`, `errors` by the job's place, `doubts` as sentences, and what was sampled, a
-/// row for each job.
+/// Returns arrays of the results of every job: a study's columns, `impacts` (time and speed of each), `failed`,
+/// `trusted`, `energy_residual_relative`, `errors` by the job's index, `doubts` as sentences, and the samples, one row
+/// for each job.
 fn arrays<'py>(
     py: Python<'py>,
     outcomes: Vec<Outcome>,
@@ -176,15 +176,16 @@ fn run<'py>(
     arrays(py, outcomes, &work.columns, rows)
 }
 
-/// Instruments for playing: outlines are for drawings.
+/// Returns the instrument without outlines, which only drawings need.
 fn plain(instrument: &Inner) -> Inner {
     Inner { parts: Vec::new(), ..instrument.clone() }
 }
 
-/// Strokes and variants that are prepared before signals are looked for.
+/// Number of strokes and variants that are prepared between two checks for signals.
 const BETWEEN_SIGNALS: usize = 256;
 
-/// One stroke for each row of `values` (N x T samples every `dt` s), on one instrument or on as many as there are rows.
+/// Plays one stroke for each row of `values` (N x T samples, one every `dt` s), on one instrument or on one for each
+/// row.
 #[pyfunction]
 #[pyo3(signature = (instruments, kind, values, dt, steps, work, progress))]
 #[allow(clippy::too_many_arguments)]
@@ -226,7 +227,7 @@ pub(crate) fn rollout<'py>(
     run(py, Plan { instruments, jobs, strokes }, setup, &work, progress)
 }
 
-/// Strokes on instruments: of each job, which stroke on which instrument.
+/// Plays strokes on instruments; each job names its instrument and its stroke.
 #[pyfunction]
 #[pyo3(signature = (instruments, strokes, jobs, duration, steps, work, progress))]
 #[allow(clippy::too_many_arguments)]
@@ -260,8 +261,8 @@ pub(crate) fn play_all<'py>(
     run(py, Plan { instruments, jobs, strokes }, setup, &work, progress)
 }
 
-/// A stroke, or constant forces, on variants of an instrument: row by row the values of parameters (turns in m, rad, N
-/// m, or factors).
+/// Plays a stroke, or constant forces, on variants of an instrument, given row by row as values of parameters (turns in
+/// m, rad, N m, or factors).
 #[pyfunction]
 #[pyo3(signature = (instrument, names, values, stroke, forces, duration, steps, work, progress))]
 #[allow(clippy::too_many_arguments)]

@@ -19,21 +19,21 @@ use crate::setup::Steps;
 use crate::stroke::Stroke;
 use crate::watch::watched;
 
-/// An array that holds Rust's own memory, read-only.
+/// Makes a read-only array that owns Rust's memory, without a copy.
 pub(crate) fn array(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
     let array = values.into_pyarray(py);
     array.readwrite().make_nonwriteable();
     array
 }
 
-/// The unit that a column's name ends with; `1` for a number without.
+/// Returns the unit that a column's name ends with; `1` for a number without unit.
 #[pyfunction]
 pub fn unit(name: &str) -> &'static str {
     column_unit(name)
 }
 
-/// Plays a stroke on the action or on its one-degree-of-freedom model: columns by name in their order, those of the
-/// pins last, and what else there is to know.
+/// Plays a stroke on the action or on its one-degree-of-freedom model. Returns columns by name in order, those of the
+/// pins last, and all other results.
 #[pyfunction]
 #[pyo3(signature = (instrument, stroke, steps, model, duration, record_every, tolerance, reactions, losses, progress))]
 #[allow(clippy::too_many_arguments)]
@@ -146,7 +146,7 @@ fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<
     Ok((columns, about))
 }
 
-/// Instants and speeds, `None` for what did not happen.
+/// Returns times and speeds of events, `None` for those that did not happen.
 fn events<'py>(py: Python<'py>, events: &Events) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);
     all.set_item("key_start", events.key_start_s)?;
@@ -172,7 +172,7 @@ fn energy<'py>(py: Python<'py>, run: &Run) -> PyResult<Option<Bound<'py, PyDict>
     Ok(Some(energy))
 }
 
-/// The figure of a run, SVG: as `erard press` draws it.
+/// Returns the figure of a run as SVG, as `erard press` draws it.
 #[pyfunction]
 pub(crate) fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, title: &str) -> PyResult<String> {
     let column = |name: &str| -> PyResult<Vec<f64>> {

@@ -10,24 +10,24 @@ use pyo3::types::PyDict;
 
 use crate::fault::{self, wrong, wrong_argument};
 
-/// A prepared recording.
+/// Prepared recording.
 #[pyclass(frozen, module = "erard._erard")]
 pub(crate) struct Recording {
     name: String,
     pub inner: Inner,
-    /// How it was prepared.
+    /// Preparation of the recording.
     pub preparation: Preparation,
     pub prepared: Prepared,
     pub position_of: PositionOf,
 }
 
-/// Arguments: whose position it is, whether the zero is taken from the rest, the low-pass in Hz, whether each channel's
-/// own noise sets it, columns that are turned, how much later columns were written down, s, and columns' stated zeros.
+/// Arguments of the preparation: part whose position it is, whether the zero is taken from the rest, low-pass in Hz,
+/// whether each channel's own noise sets it, inverted columns, delays of columns, s, and stated zeros of columns.
 type Ready = (Option<String>, bool, Option<f64>, bool, Vec<String>, Vec<(String, f64)>, Vec<(String, f64)>);
 
 #[pymethods]
 impl Recording {
-    /// From a text file.
+    /// Reads a recording from a text file.
     #[staticmethod]
     fn load(path: &str, columns: Option<&str>, ready: Ready) -> PyResult<Self> {
         let columns = asked(columns)?;
@@ -38,7 +38,7 @@ impl Recording {
         Self::made(name, inner, ready)
     }
 
-    /// From columns with titles.
+    /// Makes a recording from columns with titles.
     #[staticmethod]
     fn table(
         name: &str,
@@ -62,7 +62,7 @@ impl Recording {
         &self.name
     }
 
-    /// The samples as they stand in the file, in SI units, by the columns' names.
+    /// Returns the samples of the file, unprepared but in SI units, by the columns' names.
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let columns = PyDict::new(py);
         columns.set_item("time_s", self.inner.time_s.to_pyarray(py))?;
@@ -72,7 +72,7 @@ impl Recording {
         Ok(columns)
     }
 
-    /// Prepared, at these instants; `None` for what was not recorded.
+    /// Returns a prepared channel at these times, s; `None` if it was not recorded.
     fn at<'py>(
         &self,
         py: Python<'py>,
@@ -94,18 +94,18 @@ impl Recording {
         Ok(values.map(|values| values.to_pyarray(py)))
     }
 
-    /// Root mean square of a channel's noise, where it could be told; N or m.
+    /// Returns the root mean square noise of a channel, N, m or m/s; `None` if it could not be measured.
     fn noise(&self, name: &str) -> Option<f64> {
         self.prepared.report.channel(role(name).ok()?)?.noise.map(|noise| noise.rms)
     }
 
-    /// Whose position it is.
+    /// Part whose position was recorded: `key` or `fingertip`.
     #[getter]
     fn position_of(&self) -> &'static str {
         self.position_of.name()
     }
 
-    /// What was done and noticed.
+    /// Changes and observations of the preparation.
     #[getter]
     fn notes(&self) -> Vec<String> {
         let report = &self.prepared.report;
@@ -116,13 +116,13 @@ impl Recording {
     }
 }
 
-/// Which columns were asked for.
+/// Parses the requested columns.
 fn asked(columns: Option<&str>) -> PyResult<Columns> {
     columns
         .map_or_else(|| Ok(Columns::default()), |text| text.parse().map_err(|error| wrong_argument("columns", error)))
 }
 
-/// The name of a role's column in a run.
+/// Returns the name of a role's column in a run.
 fn column(role: Role) -> &'static str {
     match role {
         Role::Time => "time_s",
@@ -133,7 +133,7 @@ fn column(role: Role) -> &'static str {
     }
 }
 
-/// The role of a column that is compared, by its name.
+/// Returns the role of a compared column, by its name.
 fn role(name: &str) -> PyResult<Role> {
     let known = [Role::Force, Role::Position, Role::HammerHead, Role::HammerSpeed];
     known
@@ -168,7 +168,7 @@ impl Recording {
         Ok(Recording { name, inner, preparation, prepared, position_of })
     }
 
-    /// What can drive a key.
+    /// Returns the data that can drive a key: name, series, and part whose position it is.
     pub(crate) fn series(&self) -> PyResult<(String, Series, PositionOf)> {
         Ok((self.name.clone(), self.prepared.series.clone(), self.position_of))
     }

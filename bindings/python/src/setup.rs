@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 
 use crate::fault::wrong_argument;
 
-/// The arguments that every simulation shares.
+/// Arguments that all simulations share.
 #[derive(FromPyObject)]
 pub(crate) struct Steps {
     #[pyo3(item)]
@@ -22,13 +22,13 @@ pub(crate) struct Steps {
     friction: String,
     #[pyo3(item)]
     friction_width: f64,
-    /// Mass, kg; stiffness, N/m, and damping, N s/m, of the muscle; where it is at first, m, and how fast, m/s.
+    /// Hand: mass, kg; stiffness, N/m, and damping, N s/m, of its muscle; position, m, and velocity, m/s, at the start.
     #[pyo3(item)]
     hand: Option<(f64, f64, f64, f64, f64)>,
 }
 
 impl Steps {
-    /// The engine's settings for an instrument.
+    /// Returns the engine's settings for an instrument.
     pub(crate) fn settings(&self, instrument: &Instrument) -> PyResult<Settings<f64>> {
         let width = self.friction_width;
         if !(width.is_finite() && width > 0.0) {
@@ -56,7 +56,7 @@ impl Steps {
         Ok(Settings { theta: self.theta, solver, friction, ..Settings::new(step_s) })
     }
 
-    /// The hand between stroke and key.
+    /// Returns the hand between stroke and key.
     pub(crate) fn hand(&self) -> PyResult<Option<Hand>> {
         let Some((mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_per_s)) = self.hand else {
             return Ok(None);
@@ -66,7 +66,7 @@ impl Steps {
         Ok(Some(hand))
     }
 
-    /// Whether derivatives are supported.
+    /// Raises an error if these settings do not support derivatives.
     pub(crate) fn for_derivatives(&self) -> PyResult<()> {
         if self.friction == "set-valued" {
             return Ok(());
@@ -78,12 +78,12 @@ impl Steps {
         ))
     }
 
-    /// A run of an instrument from an instant on.
+    /// Sets up a run of an instrument from a time on, s.
     pub(crate) fn setup(&self, instrument: &Instrument, start_s: f64, duration_s: f64) -> PyResult<Setup> {
         Ok(Setup { settings: self.settings(instrument)?, start_s, hand: self.hand()?, ..Setup::new(duration_s) })
     }
 
-    /// The same for a stroke: a touch brings its own hand.
+    /// Sets up a run for a stroke; a touch has its own hand.
     pub(crate) fn setup_of(
         &self,
         instrument: &Instrument,

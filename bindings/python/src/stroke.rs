@@ -15,16 +15,16 @@ use crate::instrument::Instrument;
 use crate::recording::Recording;
 use crate::watch::watched;
 
-/// A stroke, ready to drive.
+/// Stroke that can drive a key.
 #[pyclass(frozen, module = "erard._erard")]
 pub(crate) struct Stroke {
     pub inner: Arc<Inner>,
-    /// What is to be known of it.
+    /// Remark on how the stroke drives the key; `None` without one.
     #[pyo3(get)]
     note: Option<String>,
 }
 
-/// What is prescribed, by its name.
+/// Returns the prescribed quantity, by its name.
 pub(crate) fn prescribed(name: &str) -> PyResult<Prescribed> {
     match name {
         "force" => Ok(Prescribed::Force),
@@ -34,7 +34,7 @@ pub(crate) fn prescribed(name: &str) -> PyResult<Prescribed> {
     }
 }
 
-/// A touch, by its name.
+/// Returns a touch, by its name.
 fn touched(name: &str) -> PyResult<Touch> {
     match name {
         "pressed" => Ok(Touch::Pressed),
@@ -43,7 +43,7 @@ fn touched(name: &str) -> PyResult<Touch> {
     }
 }
 
-/// A series of samples from the instant 0 on, one every `dt` s, that prescribes a force or a position.
+/// Makes a series of samples from time 0 on, one every `dt` s, which prescribes a force, N, or a position, m.
 pub(crate) fn sampled(kind: Prescribed, values: &[f64], dt: f64, name: &str) -> PyResult<Series> {
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(wrong_argument("dt", format!("found {dt}, expected a positive number of seconds")));
@@ -68,7 +68,7 @@ fn series(kind: Prescribed, times: Vec<f64>, values: Vec<f64>) -> Result<Series,
 
 #[pymethods]
 impl Stroke {
-    /// A constant force from the start on, N.
+    /// Makes a stroke of a constant force from the start on, N.
     #[staticmethod]
     fn constant(force_n: f64) -> PyResult<Self> {
         if let Some(fault) = constant_force_fault(force_n) {
@@ -77,7 +77,7 @@ impl Stroke {
         Ok(Self::of(Inner::constant(format!("{force_n} N"), force_n)))
     }
 
-    /// One sample every `dt` s: `kind` is `force`, `motion` or `rigid`.
+    /// Makes a stroke from samples, one every `dt` s; `kind` is `force`, `motion` or `rigid`.
     #[staticmethod]
     fn samples(kind: &str, values: PyReadonlyArray1<'_, f64>, dt: f64) -> PyResult<Self> {
         let drive = prescribed(kind)?;
@@ -89,8 +89,8 @@ impl Stroke {
         Ok(Self::of(inner))
     }
 
-    /// The built-in touch whose hammer has this speed at the string of an instrument, m/s, played by a hand of so many
-    /// kg.
+    /// Makes the built-in touch that reaches this total hammer speed at the string of an instrument, m/s, played by a
+    /// hand of `mass_kg`.
     #[staticmethod]
     fn level(
         py: Python<'_>,
@@ -110,7 +110,7 @@ impl Stroke {
         Ok(Self::of(Inner::by_hand(format!("{name}, {touch}"), found.whole(), DURATION_S)))
     }
 
-    /// A built-in force curve.
+    /// Makes a stroke from a built-in force curve.
     #[staticmethod]
     fn curve(nuance: &str, touch: &str, drive: Option<&str>) -> PyResult<Self> {
         let touch = touched(touch)?;
@@ -126,7 +126,7 @@ impl Stroke {
         }
     }
 
-    /// A recording that drives.
+    /// Makes a stroke from a recording.
     #[staticmethod]
     fn recorded(recording: &Recording, drive: Option<&str>) -> PyResult<Self> {
         let drive = drive.map(prescribed).transpose()?;

@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 
-/// How often Python is asked: often enough that Control-C ends the work within 0.2 s.
+/// Time between checks for Python's signals, short enough that Control-C stops the work within 0.2 s.
 const EVERY: Duration = Duration::from_millis(50);
 
-/// Does the work without the lock. `progress` is called with the share done; what it raises, or a signal's handler,
-/// ends the work and is raised.
+/// Does the work without Python's lock and calls `progress` with the share done. An exception from `progress` or from a
+/// signal handler stops the work and is raised.
 pub(crate) fn watched<T: Send, E: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,

@@ -187,6 +187,7 @@ def test_the_posterior_agrees(rigid: erard.Instrument) -> None:
     assert np.array_equal(drawn.samples, erard.sample(fitted, walkers=8, length=40, burn=20, seed=3).samples)
 
 
+@pytest.mark.nightly
 def test_two_samplers_agree(rigid: erard.Instrument) -> None:
     """Walkers without derivatives, and Hamiltonian steps with them."""
     pytest.importorskip("emcee")

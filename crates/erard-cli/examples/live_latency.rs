@@ -70,6 +70,7 @@ fn main() {
                     sensor_at_m: None,
                     travel_m: None,
                     ahead: false,
+                    moved: None,
                     threads: 2,
                 };
                 let mut live = Live::new(&instruments, None, options, &mut |_| true).expect("they can be played");

@@ -1,5 +1,7 @@
 //! The keys of a piano, played by a stream.
 
+use std::collections::BTreeSet;
+
 use erard::Progress;
 use erard::damper::{USUAL_HEIGHT_M, damper_height_m};
 use erard::instrument::Instrument;
@@ -32,6 +34,9 @@ pub struct Options {
     pub travel_m: Option<f64>,
     /// Whether impacts are announced in advance.
     pub ahead: bool,
+    /// Keys that the stream moves, from 1, where that is known in advance; all keys if `None`. Samples of other keys are
+    /// ignored and counted as uncalibrated.
+    pub moved: Option<BTreeSet<usize>>,
     /// Number of threads that prepare the keys.
     pub threads: usize,
 }
@@ -74,7 +79,8 @@ pub enum Event {
 
 /// The keys of a piano, played by a stream: samples in, notes out.
 pub struct Live {
-    keys: Vec<Key>,
+    /// From the lowest; `None` for a key that the stream does not move.
+    keys: Vec<Option<Key>>,
     converters: Vec<Option<Converter<f64, Vec<[f64; 2]>>>>,
     /// Ratio of each key: travel of its front per travel of the sensed place.
     front_per_sensed: Vec<f64>,
@@ -88,8 +94,9 @@ pub struct Live {
 }
 
 impl Live {
-    /// Prepares the keys of a keyboard, from the lowest. With a profile readings are converted by it. `progress`
-    /// receives the share of keys that are done, and ends the work by returning false.
+    /// Prepares the keys of a keyboard that the stream moves; `instruments` are all its keys from the lowest. With a
+    /// profile readings are converted by it. `progress` receives the share of keys that are done, and ends the work by
+    /// returning false.
     ///
     /// # Errors
     /// [`LiveError`].
@@ -103,19 +110,17 @@ impl Live {
             return Err(LiveError::Count { found: instruments.len() });
         }
         let silent: Vec<Instrument> = instruments.iter().map(Instrument::with_rigid_string).collect();
-        let numbered: Vec<(usize, &Instrument)> = silent.iter().enumerate().map(|(i, one)| (i + 1, one)).collect();
-        let found = cores::map(&numbered, options.threads, progress, |&(key, instrument), _| {
-            let limits = Limits::find(instrument, options.sensor).map_err(|error| LiveError::Action { key, error })?;
-            let damper = damper_height_m(instrument).map_err(|error| LiveError::Damper { key, error })?;
-            Ok::<_, LiveError>((limits.ok_or(LiveError::Silent { key })?, damper))
+        let moved: Vec<usize> =
+            (1..=silent.len()).filter(|key| options.moved.as_ref().is_none_or(|moved| moved.contains(key))).collect();
+        let found = cores::map(&moved, options.threads, progress, |&key, _| {
+            let limits =
+                Limits::find(&silent[key - 1], options.sensor).map_err(|error| LiveError::Action { key, error })?;
+            Ok::<_, LiveError>((limits.ok_or(LiveError::Silent { key })?, damper_below_m(&silent[..key])?))
         })?;
-        let (mut keys, mut damper_m) = (Vec::new(), None);
-        for ((key, instrument), (limits, own_m)) in numbered.iter().zip(found) {
-            // A key without a damper takes the height of the next one below that has one.
-            damper_m = own_m.or(damper_m);
-            let at_m = damper_m.unwrap_or(USUAL_HEIGHT_M);
-            let one = Key::new(instrument, limits, at_m, options.sensor, options.ahead);
-            keys.push(one.map_err(|error| LiveError::Action { key: *key, error })?);
+        let mut keys: Vec<Option<Key>> = silent.iter().map(|_| None).collect();
+        for (key, (limits, damper_m)) in moved.into_iter().zip(found) {
+            let one = Key::new(&silent[key - 1], limits, damper_m, options.sensor, options.ahead);
+            keys[key - 1] = Some(one.map_err(|error| LiveError::Action { key, error })?);
         }
         let converters = (1..=keys.len()).map(|key| profile.and_then(|profile| profile.converter(key))).collect();
         let front = |one: &Instrument| options.sensor_at_m.map_or(1.0, |at_m| (one.roles.key_front_m[0] / at_m).abs());
@@ -138,7 +143,7 @@ impl Live {
     /// Largest inputs of a key, from 1.
     #[must_use]
     pub fn limits(&self, key: usize) -> Option<Limits> {
-        self.keys.get(key.checked_sub(1)?).map(|key| *key.limits())
+        self.keys.get(key.checked_sub(1)?)?.as_ref().map(|key| *key.limits())
     }
 
     /// Beginning of the stream, s on its own clock.
@@ -150,7 +155,7 @@ impl Live {
     /// Whether no key is pressed, so that the stream may pause.
     #[must_use]
     pub fn are_up(&self) -> bool {
-        self.keys.iter().all(Key::is_up)
+        self.keys.iter().flatten().all(Key::is_up)
     }
 
     /// Takes a sample and returns the resulting events.
@@ -181,7 +186,7 @@ impl Live {
             return;
         };
         let Live { keys, leads, report, seen, begins_s, .. } = self;
-        let key = &mut keys[number - 1];
+        let Some(key) = keys[number - 1].as_mut() else { return };
         let (before, begins_s) = (key.value(), begins_s.unwrap_or(0.0));
         if !key.take([time_s, value], &mut teller(number, begins_s, begins_s + time_s, leads, report, give)) {
             report.out_of_order += 1;
@@ -195,7 +200,7 @@ impl Live {
 
     /// A value as travel of the key's front, m, or force, N; `None` where there is no calibration for it.
     fn sensed(&mut self, number: usize, time_s: f64, value: f64) -> Option<f64> {
-        let key = self.keys.get(number - 1)?;
+        let key = self.keys.get(number - 1)?.as_ref()?;
         let travel_m = match self.options.quantity {
             Quantity::Newtons => return Some(value),
             Quantity::Millimetres => 1e-3 * value,
@@ -216,6 +221,7 @@ impl Live {
         let Live { keys, leads, report, begins_s, now_s, .. } = self;
         let begins_s = begins_s.unwrap_or(0.0);
         for (index, key) in keys.iter_mut().enumerate() {
+            let Some(key) = key else { continue };
             key.let_go(*now_s, &mut teller(index + 1, begins_s, begins_s + *now_s, leads, report, give));
         }
         for (controller, pedal) in &mut self.pedals {
@@ -234,13 +240,14 @@ impl Live {
     /// Counts of the stream so far.
     #[must_use]
     pub fn report(&self) -> Report {
-        let counts = || self.keys.iter().map(|key| key.counts());
+        let keys = || self.keys.iter().enumerate().filter_map(|(i, key)| Some((i + 1, key.as_ref()?)));
+        let counts = || keys().map(|(_, key)| key.counts());
         let sum = |of: &dyn Fn(&crate::sensed::Counts) -> u64| counts().map(|c| of(&c)).sum::<u64>();
         let which = |is: &dyn Fn(&crate::sensed::Counts) -> bool| -> Vec<usize> {
-            counts().enumerate().filter(|(_, c)| is(c)).map(|(i, _)| i + 1).collect()
+            keys().filter(|(_, key)| is(&key.counts())).map(|(number, _)| number).collect()
         };
         let converters = || self.converters.iter().flatten();
-        let dip_m = self.keys.first().map_or(0.0, |key| key.limits().dip_m);
+        let dip_m = keys().next().map_or(0.0, |(_, key)| key.limits().dip_m);
         let rate_hz = self.seen.rate_hz();
         let bits = self.seen.bits(dip_m).filter(|_| self.options.quantity != Quantity::Newtons);
         Report {
@@ -262,6 +269,18 @@ impl Live {
             ..self.report.clone()
         }
     }
+}
+
+/// Travel at which the last of these keys sets its damper down, m. A key without a damper takes the height of the next
+/// one below that has one.
+fn damper_below_m(instruments: &[Instrument]) -> Result<f64, LiveError> {
+    for (index, instrument) in instruments.iter().enumerate().rev() {
+        let own_m = damper_height_m(instrument).map_err(|error| LiveError::Damper { key: index + 1, error })?;
+        if let Some(own_m) = own_m {
+            return Ok(own_m);
+        }
+    }
+    Ok(USUAL_HEIGHT_M)
 }
 
 /// Receives the events of a key, counts them and passes them on.

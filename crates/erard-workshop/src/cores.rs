@@ -92,9 +92,8 @@ pub(crate) fn do_all<E: Ending>(jobs: Vec<Job<'_, E>>, threads: usize, progress:
     failures.into_iter().next().map_or(Ok(()), |(_, error)| Err(error))
 }
 
-/// Does the same work for each of many, on so many threads, and returns what came of them in their order, which does
-/// not depend on the number of threads. `progress` receives the share that is done and ends the work by returning
-/// false.
+/// Does the work for each item on several threads and returns the results in the order of the items, which does not
+/// depend on the number of threads. `progress` receives the share that is done and ends the work by returning false.
 ///
 /// # Errors
 /// The first failure in the order of the items; [`SimulationError::Interrupted`].

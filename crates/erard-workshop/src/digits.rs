@@ -1,13 +1,13 @@
 //! Numbers as people read them: what rounds to nothing has no sign.
 
-/// A number with so many decimals.
+/// Formats a number with `decimals` decimals.
 #[must_use]
 pub fn plain(x: f64, decimals: usize) -> String {
     let text = format!("{x:.decimals$}");
     if is_nothing(&text) { text.trim_start_matches('-').to_owned() } else { text }
 }
 
-/// A difference with so many decimals and its sign.
+/// Formats a difference with its sign and `decimals` decimals.
 #[must_use]
 pub fn signed(x: f64, decimals: usize) -> String {
     let text = format!("{x:+.decimals$}");

@@ -23,9 +23,10 @@ const CLOSE: f64 = 5e-3;
 pub struct FirstImpact {
     /// Speed of the hammer when it meets the string, m/s.
     pub speed_m_per_s: f64,
-    /// From its first touch to its last within 10 ms, waves that come back and part them for a moment among it, s.
+    /// Duration of contact, s: from the first touch to the last one within 10 ms, including short separations by
+    /// returning waves.
     pub contact_s: f64,
-    /// In how many pulses.
+    /// Number of contact pulses.
     pub pulses: u32,
     /// The largest force, N.
     pub peak_n: f64,

@@ -21,11 +21,10 @@ pub struct Tried {
     pub warnings: Vec<Warning>,
 }
 
-/// Presses an instrument with a mezzo forte, pressed. Without a key to press there is nothing to be tried, and nothing
-/// speaks against it.
+/// Presses an instrument once with a pressed mezzo forte. Without a key there is nothing to try, and no warning.
 ///
 /// # Errors
-/// An interruption, or what is no fault of a run ([`SimulationError::warning`]).
+/// An interruption, or an error not caused by this instrument ([`SimulationError::warning`]).
 pub fn try_once(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Tried, SimulationError> {
     let silent = Tried { hammer_speed_m_per_s: None, warnings: Vec::new() };
     // It is there: a test of strokes reads them all.

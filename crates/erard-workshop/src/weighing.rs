@@ -12,9 +12,9 @@ use erard::keyboard::note_name;
 /// A key as weighed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeighedKey {
-    /// Its number, from 1.
+    /// Number of the key, from 1.
     pub key: usize,
-    /// Its note, e.g. `C4`.
+    /// Note of the key, e.g. `C4`.
     pub note: String,
     /// Mass of the hammer with its shank, g.
     pub hammer_mass_g: f64,

@@ -19,19 +19,22 @@ const SOURCES: [&str; 11] = [
 const FIRST: &str = "\
 /* liberard: the grand piano action, stepped from outside. Made from bindings/c/src by cbindgen: do not edit.
  *
- * Units are SI; key and finger are positive downward (pushing), the hammer upward.
+ * Units are SI. Key and finger are positive downward (pushing), the hammer upward.
  *
- * Who owns what: an object belongs to whoever made it, until its free function; a char* that is not const belongs to the caller, until erard_text_free; a
- * const char* is the library's. Every pointer may be NULL: where it must not be, the call says ERARD_STATUS_NULL and does nothing.
+ * Ownership: an object belongs to the caller until its free function is called. A char* that is not const belongs to
+ * the caller until erard_text_free. A const char* belongs to the library. Any pointer may be NULL: a call that needs it
+ * then reports ERARD_STATUS_NULL and does nothing.
  *
- * Real time: functions marked \"Real time: yes\" never allocate, lock, or call the system, and do a bounded amount of work. All others may.
+ * Real time: functions marked \"Real time: yes\" never allocate, lock, or call the system, and do a bounded amount of
+ * work. All others may.
  *
- * Threads: objects are independent. One object may be used by one thread at a time, by any; nothing is locked for you.
+ * Threads: objects are independent. Any thread may use an object, but only one at a time; the library does not lock it.
  *
- * Errors: a status below 0 means that nothing has changed. Functions that are not for real time say more in erard_last_error.
+ * Errors: a status below 0 means that nothing has changed (for the one exception see erard_keyboard_step).
+ * erard_last_error describes errors of functions that are not for real time.
  *
- * The floating-point environment must be the usual one (round to nearest). Denormal numbers: the library neither sets nor clears the
- * processor's flush-to-zero mode; either mode is fine, and the README says what it costs. */
+ * The floating-point environment must be the default one (round to nearest). Denormal numbers: the library neither sets
+ * nor clears the processor's flush-to-zero mode. Either mode works; the README gives the cost of each. */
 ";
 
 fn generated() -> String {

@@ -1,4 +1,4 @@
-"""The grand piano action, simulated.
+"""Simulation of the grand piano action.
 
 >>> import erard
 >>> grand = erard.load("concert-grand")
@@ -6,9 +6,10 @@
 >>> run.hammer_speed > 1.0, "let_off" in run.events
 (True, True)
 
-SI units everywhere: s, N, m, rad; forces and positions of key and finger are positive downward (pushing), the hammer's upward. A column's name ends
-with its unit. Figures need what `pip install erard[plot]` brings along, `erard.sample` `erard[bayes]`, `erard.distributed` `erard[distributed]`,
-`erard.environments` (Gymnasium) `erard[gymnasium]`.
+All units are SI: s, N, m, rad. Forces and positions of key and finger are positive downward (pushing), those of the
+hammer upward. A column's name ends with its unit. Some parts need extras: figures need `pip install erard[plot]`,
+`erard.sample` needs `erard[bayes]`, `erard.distributed` needs `erard[distributed]` and `erard.environments` (Gymnasium)
+needs `erard[gymnasium]`.
 """
 
 from __future__ import annotations
@@ -99,7 +100,7 @@ __all__ = [
     "vary",
 ]
 
-#: What is imported when it is asked for first.
+#: Names that are imported on first use.
 _LATER = {"fit": "_fit", "Fit": "_fit", "Doubt": "_fit", "sample": "_posterior", "Posterior": "_posterior"}
 
 
@@ -118,7 +119,7 @@ def __dir__() -> list[str]:
 
 
 def vary(instrument: Instrument, changes: Any = None, /, **more: float | str) -> Instrument:
-    """`Instrument.vary` as a function.
+    """Calls `Instrument.vary`.
 
     Parameters
     ----------
@@ -134,7 +135,7 @@ def vary(instrument: Instrument, changes: Any = None, /, **more: float | str) ->
 
 
 def press(instrument: Instrument, force: Any = None, /, **options: Any) -> Run:
-    """`Instrument.press` as a function.
+    """Calls `Instrument.press`.
 
     Parameters
     ----------
@@ -150,7 +151,7 @@ def press(instrument: Instrument, force: Any = None, /, **options: Any) -> Run:
 
 
 def measure(instrument: Instrument, **options: Any) -> Sheet:
-    """`Instrument.measure` as a function.
+    """Calls `Instrument.measure`.
 
     Parameters
     ----------
@@ -166,7 +167,7 @@ def measure(instrument: Instrument, **options: Any) -> Sheet:
 
 
 def regulate(instrument: Instrument, **goals: Any) -> Instrument:
-    """`Instrument.regulate` as a function.
+    """Calls `Instrument.regulate`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""An action that is stepped from outside."""
+"""Actions that the caller steps."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ if TYPE_CHECKING:
 
 
 class Action:
-    """A grand action at rest, stepped one step at a time: a force or a position goes in, what the mechanism does comes out.
+    """Grand action, starting at rest, that you step: each step takes a force or a position and returns a reading.
 
-    Two threads may step one action: one waits for the other. It pickles with its state, and goes on to the bit.
+    Two threads may step one action: one waits for the other. Pickling keeps the state; an unpickled action continues
+    with the same bits.
 
     Parameters
     ----------
     instrument : Instrument
     **how
-        How to step: `step` (s, default 50e-6, and 1/24000 where strings sound), `theta`, `solver`, `friction`, `friction_width`; and `hand`, a `Hand`: force and motion are
-        then what its muscle does.
+        Settings of the steps: `step` (s, default 50e-6, or 1/24000 with modal strings), `theta`, `solver`, `friction`,
+        `friction_width`; and `hand`, a `Hand`, whose muscle force and motion then drives.
 
     Examples
     --------
@@ -46,7 +47,7 @@ class Action:
 
     @property
     def instrument(self) -> Instrument:
-        """The instrument that is played."""
+        """Instrument of the action."""
         return self._instrument
 
     @property
@@ -61,59 +62,62 @@ class Action:
         motion: tuple[float, float] | None = None,
         rigid: tuple[float, float] | None = None,
     ) -> Reading:
-        """Takes a step.
+        """Takes one step. Without any of the three arguments, nothing touches the key.
 
         Parameters
         ----------
         force : float, optional
-            Of the finger, N, pushing positive.
+            Force of the finger, N, pushing positive.
         motion : (float, float), optional
-            Where a soft fingertip is, m down from the key's rest, and its velocity, m/s.
+            Position of a soft fingertip, m down from the key's rest, and its velocity, m/s, in the middle of the step.
         rigid : (float, float), optional
-            The same of the key's front itself, imposed. Without any of the three nothing touches the key.
+            Prescribed position of the key front itself, m down from rest, and its velocity, m/s, at the end of the
+            step.
 
         Returns
         -------
         Reading
-            `time_s`, `key_m`, `key_m_per_s`, `finger_n` (force of the finger on the key), `hammer_m`, `hammer_m_per_s` (up positive), `string_n`,
-            `hand_m` and `hand_m_per_s` (the hand, where there is one), `bridge_n` (force of the strings on the bridge, where they sound), `converged`, and `impact`: instant (s) and hammer speed (m/s) of the impact in this step, else `None`.
+            `time_s`, `key_m`, `key_m_per_s`, `finger_n` (force of the finger on the key), `hammer_m`, `hammer_m_per_s`
+            (up positive), `string_n`, `hand_m` and `hand_m_per_s` (with a hand), `bridge_n` (force of modal strings on
+            the bridge), `converged`, and `impact`: time (s) and hammer speed (m/s, total) of the impact in this step,
+            or `None`.
         """
         return self._inner.step(None if force is None else number("force", force), pair("motion", motion), pair("rigid", rigid))
 
     def place_hand(self, position_m: float, velocity_m_per_s: float = 0.0) -> None:
-        """Places the hand of an action that was made with one.
+        """Places the hand of an action that has a `hand`.
 
         Parameters
         ----------
         position_m : float
-            m below the key front's rest; negative in the air.
+            Position, m below the key front's rest; negative above the key.
         velocity_m_per_s : float
-            m/s, down positive.
+            Velocity, m/s, down positive.
 
         Raises
         ------
         InputError
-            Where the action has no hand, or a number is not finite.
+            If the action has no hand, or a number is not finite.
         """
         self._inner.place_hand(number("position_m", position_m), number("velocity_m_per_s", velocity_m_per_s))
 
     def set_pedal(self, lift_m: float) -> None:
-        """Sends the rail that the sustain pedal lifts to a lift. Without modal strings it does nothing.
+        """Sets the target lift of the sustain pedal's rail. Without modal strings it has no effect.
 
         Parameters
         ----------
         lift_m : float
-            m, from 0 to 0.010; the rail moves at 0.5 m/s at most.
+            Lift, m, 0 to 0.010; values outside are clamped. The rail moves at no more than 0.5 m/s.
         """
         self._inner.set_pedal(number("lift_m", lift_m))
 
     def play(self, force: ArrayLike) -> Table:
-        """Takes a step for each force.
+        """Takes one step for each force.
 
         Parameters
         ----------
         force : array_like of shape (T,)
-            N, one for each step.
+            Force of the finger in each step, N, pushing positive.
 
         Returns
         -------
@@ -124,33 +128,34 @@ class Action:
 
     @property
     def reading(self) -> Reading:
-        """The present reading."""
+        """Reading of the present state."""
         return self._inner.reading()
 
     @property
     def time_s(self) -> float:
-        """The present instant, s; a new action is at 0."""
+        """Present time, s; a new action starts at 0."""
         return self._inner.reading().time_s
 
     @property
     def angles(self) -> dict[str, float]:
-        """Absolute angles of the bodies, rad, counter-clockwise."""
+        """Absolute angles of the bodies, rad, counter-clockwise positive."""
         return dict(zip(self._instrument.bodies, map(float, self._inner.angles()), strict=True))
 
     @property
     def velocities(self) -> dict[str, float]:
-        """Absolute angular velocities of the bodies, rad/s."""
+        """Absolute angular velocities of the bodies, rad/s, counter-clockwise positive."""
         return dict(zip(self._instrument.bodies, map(float, self._inner.velocities()), strict=True))
 
     @property
     def contact_forces(self) -> dict[str, float]:
-        """Normal forces of the contacts in the last step, N."""
+        """Normal forces of the contact zones in the last step, N, never negative."""
         return dict(zip(self._instrument.zones, map(float, self._inner.contact_forces()), strict=True))
 
     def save(self) -> bytes:
-        """All that the next steps depend on: the same bytes on every machine.
+        """Returns the complete state as bytes, which are the same on every machine.
 
-        They belong to the instrument's numbers that change a step. Its name, its notes and the order in its file do not count.
+        The state fits every instrument whose parameters that affect a step are the same; name, notes and order in the
+        file may differ.
 
         Returns
         -------
@@ -159,22 +164,22 @@ class Action:
         return self._inner.save()
 
     def restore(self, saved: bytes) -> None:
-        """Goes on from a saved state of the same instrument, to the bit.
+        """Restores a saved state of the same instrument; the action then continues with the same bits.
 
         Parameters
         ----------
         saved : bytes
-            What `save` gave.
+            Bytes that `save` returned.
 
         Raises
         ------
         InputError
-            Where the bytes are of another instrument, or are no state; nothing has changed then.
+            If the bytes belong to another instrument or are not a saved state; the action is then unchanged.
         """
         self._inner.restore(saved)
 
     def __eq__(self, other: object) -> bool:
-        """Whether all that the next steps depend on is the same."""
+        """Whether instrument, settings and state are equal."""
         if not isinstance(other, Action):
             return NotImplemented
         return self._instrument == other._instrument and self._steps == other._steps and self.save() == other.save()

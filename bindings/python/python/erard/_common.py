@@ -1,4 +1,4 @@
-"""Helpers that the modules share: arguments made into arrays, progress bars, the settings of the steps."""
+"""Shared functions: conversion of arguments, progress bars, settings of the steps."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Values(Mapping[str, Any]):
-    """A mapping of an answer's keys, `self._values`, which is not changed."""
+    """Read-only mapping of a result's keys, stored in `self._values`."""
 
     _values: dict[str, Any]
 
@@ -34,18 +34,19 @@ class Values(Mapping[str, Any]):
 
 
 class Hand(NamedTuple):
-    """A hand between stroke and key: a mass that muscle moves, behind the instrument's soft fingertip.
+    """Hand between stroke and key: a mass moved by a muscle, behind the instrument's soft fingertip.
 
-    The stroke's force is then the muscle's, or the muscle follows the stroke's motion. All numbers are estimates.
+    The stroke's force then acts as the muscle's force, or the muscle follows the stroke's motion. All default values
+    are estimates.
 
     Parameters
     ----------
     mass_kg : float
         Effective mass at the fingertip, kg.
     stiffness_n_per_m, damping_n_s_per_m : float
-        With which muscle follows a motion, N/m and N s/m. Without effect under a force.
+        Stiffness and damping with which the muscle follows a motion, N/m and N s/m. They have no effect under a force.
     start_m, start_m_per_s : float
-        Where the hand is at first, m below the key front's rest, and how fast, m/s, down positive.
+        Position and velocity of the hand at the start, m below the key front's rest and m/s, down positive.
     """
 
     mass_kg: float = 0.2
@@ -56,13 +57,13 @@ class Hand(NamedTuple):
 
 
 class Stepping(TypedDict, total=False):
-    """How to step: keyword arguments that every simulation takes.
+    """Settings of the steps: keyword arguments that every simulation takes.
 
     step : float
-        Length of a step, s (default 50e-6, and 1/24000 where strings sound). It is halved as often as needed while the hammer is near strings that
-        sound.
+        Length of a step, s (default 50e-6, or 1/24000 with modal strings). While the hammer is near modal strings,
+        steps are halved as often as needed.
     theta : float
-        Of the time-stepping scheme, 0.5 (second order) to 1 (damped); default 0.5.
+        Parameter theta of the time-stepping scheme, 0.5 (second order) to 1 (damped); default 0.5.
     solver : str
         "active-set" (default) or "projected-gauss-seidel".
     friction : str
@@ -70,7 +71,7 @@ class Stepping(TypedDict, total=False):
     friction_width : float
         Width of the regularised law, rad/s (default 0.1).
     hand : Hand
-        The hand between stroke and key; default none: the stroke drives the key.
+        Hand between stroke and key; by default there is none and the stroke drives the key.
     """
 
     step: float | None
@@ -82,7 +83,7 @@ class Stepping(TypedDict, total=False):
 
 
 def steps(given: Mapping[str, Any]) -> Steps:
-    """The settings as the extension takes them; what is unknown is named."""
+    """Returns the settings as the extension takes them; raises a TypeError that names an unknown setting."""
     own: dict[str, Any] = {
         "step": None,
         "theta": 0.5,
@@ -106,13 +107,13 @@ def steps(given: Mapping[str, Any]) -> Steps:
 
 
 def step_of(own: Steps, *usual_s: float) -> float:
-    """Length of a step, s: the one that is asked for, else the shortest of the instruments' usual ones."""
+    """Returns the step length, s: the given one, or the shortest default of the instruments."""
     step = own["step"]
     return min(usual_s) if step is None else step
 
 
 def number(key: str, value: Any) -> float:
-    """A finite number, or an error that names the argument."""
+    """Returns a finite number, or raises an error that names the argument."""
     try:
         found = float(value)
     except (TypeError, ValueError, OverflowError):
@@ -122,12 +123,12 @@ def number(key: str, value: Any) -> float:
     return found
 
 
-#: What the extension counts with.
+#: Largest integer of the extension.
 _LARGEST = 2**63 - 1
 
 
 def whole(key: str, value: Any, least: int = 1) -> int:
-    """A whole number from `least` on, or an error that names the argument."""
+    """Returns a whole number, `least` or more, or raises an error that names the argument."""
     try:
         found = operator.index(value)
     except TypeError:
@@ -138,7 +139,7 @@ def whole(key: str, value: Any, least: int = 1) -> int:
 
 
 def names_of(key: str, values: Iterable[str] | None) -> list[str]:
-    """A list of names; one alone is no list of its letters."""
+    """Returns a list of names; raises an error for a single text, which is not a list of its letters."""
     if isinstance(values, str):
         raise InputError(f"{key}: found {values!r}, expected a list of names, as in [{values!r}]", key=key, found=values)
     if values is None:
@@ -149,7 +150,7 @@ def names_of(key: str, values: Iterable[str] | None) -> list[str]:
 
 
 def mapping(key: str, value: Any) -> Mapping[Any, Any]:
-    """A mapping of names, or an error that names the argument; `None` is an empty one."""
+    """Returns a mapping of names, empty for `None`, or raises an error that names the argument."""
     if value is None:
         return {}
     if not isinstance(value, Mapping):
@@ -158,7 +159,7 @@ def mapping(key: str, value: Any) -> Mapping[Any, Any]:
 
 
 def pair(key: str, value: Any) -> tuple[float, float] | None:
-    """Position and velocity, or an error that names the argument; `None` is nothing."""
+    """Returns position and velocity, `None` for `None`, or raises an error that names the argument."""
     if value is None:
         return None
     if isinstance(value, (str, bytes)) or np.shape(value) != (2,):
@@ -168,14 +169,14 @@ def pair(key: str, value: Any) -> tuple[float, float] | None:
 
 
 def _told(progress: Any) -> bool | None:
-    """Whether progress is shown, or an error: an array is neither."""
+    """Returns whether to show progress; raises an error for anything but a bool or `None`."""
     if progress is None or isinstance(progress, (bool, np.bool_)):
         return None if progress is None else bool(progress)
     raise InputError(f"progress: found {progress!r}, expected True, False or None", key="progress", found=repr(progress))
 
 
 def unmasked(key: str, values: Any) -> Any:
-    """The values; masked ones are an error, for nothing else says what stands in their place."""
+    """Returns the values; raises an error if any is masked, because nothing says what replaces it."""
     if np.ma.is_masked(values):
         count = int(np.count_nonzero(values.mask))
         hidden = f"{count} masked value{'s' if count > 1 else ''}"
@@ -188,7 +189,7 @@ def unmasked(key: str, values: Any) -> Any:
 
 
 def real(values: Any) -> NDArray[np.float64]:
-    """An array of doubles, contiguous. What is complex or no number is a TypeError or a ValueError."""
+    """Returns a contiguous array of doubles; raises a TypeError or ValueError for complex or non-numeric values."""
     array = np.asarray(values)
     if array.dtype.kind == "c":
         raise TypeError("complex numbers")
@@ -196,7 +197,7 @@ def real(values: Any) -> NDArray[np.float64]:
 
 
 def floats(key: str, values: ArrayLike, dimensions: int) -> Floats:
-    """An array of doubles of so many dimensions, contiguous and finite."""
+    """Returns a contiguous, finite array of doubles with this number of dimensions, or raises an error."""
     values = unmasked(key, values)
     try:
         array = real(values)
@@ -217,13 +218,14 @@ def floats(key: str, values: ArrayLike, dimensions: int) -> Floats:
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
-    """The array, read-only."""
+    """Makes the array read-only and returns it."""
     array.flags.writeable = False
     return array
 
 
 def _tqdm() -> Any:
-    """tqdm's own choice of a bar. In a notebook without widgets it takes the plain one, and need not say so."""
+    """Returns tqdm's automatic bar. Without notebook widgets it is the plain bar; the warning about that is
+    silenced."""
     import warnings
 
     with warnings.catch_warnings():
@@ -234,7 +236,8 @@ def _tqdm() -> Any:
 
 @contextmanager
 def bar(progress: bool | None, what: str) -> Iterator[Progress]:
-    """A function that takes the share done. `None`: a bar on a terminal or in a notebook, if it takes more than a second."""
+    """Yields a function that takes the share done. With `None`, a bar appears on a terminal or in a notebook after a
+    second."""
     progress = _told(progress)
     if progress is False:
         yield None
@@ -259,7 +262,7 @@ def bar(progress: bool | None, what: str) -> Iterator[Progress]:
 
 @contextmanager
 def counter(progress: bool | None, what: str, unit: str) -> Iterator[Callable[[int], None] | None]:
-    """A function that takes how many more are done; for work whose total is unknown. `None` as in `bar`."""
+    """Yields a function that takes the number of items newly done, for work of unknown total. `None` is as in `bar`."""
     progress = _told(progress)
     if progress is False:
         yield None
@@ -276,22 +279,22 @@ def counter(progress: bool | None, what: str, unit: str) -> Iterator[Callable[[i
 
 
 def quantity(value: float | None, unit: str, digits: int = 4) -> str:
-    """A number with its unit, for people; a dash where there is none."""
+    """Returns a number with its unit as text; a dash for `None`."""
     return "-" if value is None else f"{value:.{digits}g} {unit}".rstrip()
 
 
 def unit_of(column: str) -> str:
-    """The unit of a column, by the ending of its name.
+    """Returns the unit of a column, from the ending of its name.
 
     Parameters
     ----------
     column : str
-        Its name, such as "key_m".
+        Name of the column, such as "key_m".
 
     Returns
     -------
     str
-        "1" for a number without.
+        Unit; "1" for a number without unit.
 
     Examples
     --------

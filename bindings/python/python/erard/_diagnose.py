@@ -1,4 +1,4 @@
-"""Causes from one's own readings of a key."""
+"""Diagnosis of a key from readings on a real piano."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ Reading = Union[float, str, None]
 
 
 class Diagnosis(Values):
-    """What may be wrong with a key: a mapping of the keys of diagnosis.json for it, and a text when it is shown.
+    """Diagnosis of a key: a mapping with the keys of diagnosis.json, shown as text.
 
-    `self["causes"]` is a list, the likeliest first, each with "name", "probability", "test" and "cure"; `self["to_do"]` says what to do in which
-    order, `self["measure_next"]` what measurement would tell most, `self["readings"]` how each reading lies in its usual range.
+    `self["causes"]` is a list, the likeliest first, each with "name", "probability", "test" and "cure"; `self["to_do"]`
+    lists the work in order, `self["measure_next"]` names the most informative next measurement, `self["readings"]`
+    compares each reading with its usual range.
 
     Attributes
     ----------
     rests_on : str
-        What the probabilities rest on.
+        Basis of the probabilities.
     is_key_assumed : bool
-        Whether no key was named, so that usual ranges are those of C4.
+        Whether no key was given; the usual ranges are then those of C4.
     """
 
     def __init__(self, answer: dict[str, Any]) -> None:
@@ -46,17 +47,17 @@ class Diagnosis(Values):
 
 
 def diagnose(*, key: int | str | None = None, leads: str | None = None, **readings: Reading) -> Diagnosis:
-    """Ranks what may be wrong with a key of a real piano from whatever was measured of it, as `erard diagnose` does.
+    """Ranks the possible faults of a real piano's key from its measured readings, as `erard diagnose` does.
 
     Parameters
     ----------
     key : int or str
-        The key, 1 to 88, or its note; without it C4 is assumed.
+        Key, 1 to 88, or its note; by default C4 is assumed.
     leads : str
         Leads in the key, grams at millimetres in front of the balance pin: "14@165, 14@147".
     **readings : float or str
-        By the names of the command's options: `down_weight_g=58`, `up_weight_g=18`, `let_off="3.5 mm"`. A number is in the unit at the end of the
-        name; `None` was not measured.
+        Readings by the names of the command's options: `down_weight_g=58`, `up_weight_g=18`, `let_off="3.5 mm"`. A
+        number is in the unit at the end of the name; `None` means not measured.
 
     Returns
     -------
@@ -65,7 +66,8 @@ def diagnose(*, key: int | str | None = None, leads: str | None = None, **readin
     Raises
     ------
     InputError
-        Where a reading has no such name or cannot be, or none was given: all of them at once.
+        If a reading has an unknown name or an impossible value, or if there are no readings; the message lists all
+        errors.
 
     Examples
     --------

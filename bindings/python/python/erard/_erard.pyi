@@ -1,4 +1,4 @@
-"""The extension in Rust: conversion, and nothing else. Use `erard` itself."""
+"""Extension in Rust, which only converts arguments and results. Use the package `erard` instead."""
 
 from collections.abc import Callable
 from typing import Any, final

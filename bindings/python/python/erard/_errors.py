@@ -1,21 +1,21 @@
-"""The errors that this package raises, and where each comes from."""
+"""Errors and warnings of this package."""
 
 from __future__ import annotations
 
 
-#: Of a longer text only the beginning and the end are shown, so many characters of each.
+#: Number of characters shown of the beginning and of the end of a longer text.
 _SHOWN = 400
 
 
 def shortened(text: str) -> str:
-    """The text, or its beginning and its end where it is long: nobody reads a million digits."""
+    """Returns the text, shortened to its beginning and its end if it is long."""
     if len(text) <= 2 * _SHOWN:
         return text
     return f"{text[:_SHOWN]} ... ({len(text) - 2 * _SHOWN} characters left out) ... {text[-_SHOWN:]}"
 
 
 class Extra:
-    """A block of imports that an extra of the package brings along: where one is missing, the error says how to install it."""
+    """Context for imports from an extra of the package: if one is missing, the error says how to install it."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -30,20 +30,20 @@ class Extra:
 
 
 class InputError(ValueError):
-    """Something that was given is wrong: a name, a number, an array, a file.
+    """Invalid input: a name, a number, an array or a file.
 
     Attributes
     ----------
     file : str or None
-        The file in which it stands.
+        File that holds the error.
     line : int or None
-        The line of it, from 1 (of a table without lines: the row).
+        Line in the file, from 1 (in a table without lines: the row).
     key : str or None
-        The key, column or argument that is meant.
+        Key, column or argument that is wrong.
     found : str or None
-        What stands there.
+        Value that was found.
     expected : str or None
-        What should stand there.
+        Value that is expected.
 
     Examples
     --------
@@ -80,15 +80,15 @@ class InputError(ValueError):
 
 
 class DoubtfulFitWarning(UserWarning):
-    """A fit has doubts (`Fit.doubts`): do not use its numbers before you have read them."""
+    """Doubtful fit: read `Fit.doubts` before you use its results."""
 
 
 class MissingFileError(InputError, FileNotFoundError):
-    """A file that is not there, or cannot be read. It is a `FileNotFoundError`, too."""
+    """Missing or unreadable file; also a `FileNotFoundError`."""
 
     def __str__(self) -> str:
         return str(self.args[0])
 
 
 class SimulationError(RuntimeError):
-    """A simulation came to no result: a number became infinite, or there is no rest to start from."""
+    """Simulation without a result: a number became infinite, or the action has no rest to start from."""

@@ -1,6 +1,7 @@
-"""Parameters of an instrument fitted to recordings: least squares, and what the data do and do not tell.
+"""Least-squares fits of instrument parameters to recordings, with their uncertainties.
 
-The fit is the extension's, and so that of the command `erard fit`. Here its results become arrays, figures and pickles, and SciPy's solver can be asked for.
+The extension fits, as the command `erard fit` does. This module turns the results into arrays, figures and pickles, and
+offers SciPy's solver.
 """
 
 from __future__ import annotations
@@ -28,13 +29,13 @@ if TYPE_CHECKING:
 
     Array: TypeAlias = NDArray[np.float64]
 
-#: Who minimises.
+#: Names of the minimizers.
 MINIMIZERS = ("erard", "scipy")
 
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One measured quantity of one recording beside what was fitted to it; arrays of shape (T,), SI units."""
+    """One measured quantity of one recording with its fitted values; arrays of shape (T,), SI units."""
 
     title: str
     column: str
@@ -51,18 +52,19 @@ class Channel:
 
 
 class Doubt(NamedTuple):
-    """A reason to doubt a fit.
+    """Reason to doubt a fit.
 
     Attributes
     ----------
     kind : str
-        "no_impact": the recording's hammer reaches the string, the fitted model's does not. "misfit": more is left over than noise explains, or noise
-        was estimated from residuals that follow each other, as noise does not.
-        "bound": a parameter ended at a bound. "restarts": attempts from several starts ended at different places. "beyond_impact": data go on
-        beyond the first impact. "derivatives": they depend on the step of their differences. "noise_unknown": a column's noise is not known;
-        a drive's then counts as zero, a compared column's is estimated from the residuals. "recording": a recording does not look as it should.
+        "no_impact": the hammer reaches the string in the recording, but not in the fitted model. "misfit": the
+        residuals exceed the noise, or the noise was estimated from correlated residuals. "bound": a parameter ended at
+        a bound. "restarts": fits from several starts ended at different points. "beyond_impact": the data continue
+        after the first impact. "derivatives": the derivatives depend on the step of their differences. "noise_unknown":
+        the noise of a column is unknown; it is taken as zero for a drive and estimated from the residuals for a
+        compared column. "recording": a recording does not look as it should.
     text : str
-        What was found, and what it means.
+        Finding and its meaning.
     """
 
     kind: str
@@ -70,7 +72,7 @@ class Doubt(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """The parts of a problem."""
+    """Arguments of a problem."""
 
     instrument: Instrument
     vary: list[str]
@@ -85,7 +87,8 @@ class Asked(NamedTuple):
 
 
 class Problem:
-    """Residuals and their Jacobian over the inner parameters: those of the instrument, then the delays in ms. It is pickled as what it is made of."""
+    """Residuals and their Jacobian over the inner parameters: those of the instrument, then the delays in ms. Pickling
+    keeps the arguments and the noise."""
 
     def __init__(self, asked: Asked, sigma: list[float] | None = None) -> None:
         self.asked = asked
@@ -100,24 +103,25 @@ class Problem:
         return Problem, (self.asked, self._inner.sigma())
 
     def bounds(self) -> tuple[Array, Array]:
-        """Lower and upper bounds of the inner parameters."""
+        """Returns lower and upper bounds of the inner parameters, each of shape (P,)."""
         low, high = self._inner.bounds()
         return np.array(low), np.array(high)
 
     def outer(self, points: Array) -> Array:
-        """Points, row by row, as `vary` takes them."""
+        """Converts inner points, row by row, to values as `vary` takes them."""
         return self._inner.outer(np.ascontiguousarray(points))
 
     def residuals(self, points: Array, tell: Callable[[int], None] | None = None) -> Array:
-        """Fitted less measured, over the noise, of points row by row, played side by side; nan where one cannot be played."""
+        """Returns the residuals, (fitted - measured) / noise, one row for each point; nan for points that cannot be
+        played."""
         return self._inner.residuals(np.ascontiguousarray(points), tell)
 
     def jacobian(self, point: Array, exact: bool = False) -> Array:
-        """Derivatives of the residuals at a point, by differences or by those of the model itself: (M, P)."""
+        """Returns the derivatives of the residuals at a point, (M, P): differences, or the model's own if `exact`."""
         return self._inner.jacobian(list(point), exact)
 
     def channels(self, point: Array) -> list[Channel]:
-        """Every measured quantity beside what the model makes of it at a point."""
+        """Returns every measured quantity with the model's values at a point."""
         return [
             Channel(title, column, times, measured, fitted, sigma, delay_s)
             for title, _, column, times, measured, fitted, sigma, delay_s in self._inner.curves(list(point))
@@ -125,44 +129,45 @@ class Problem:
 
 
 class Fit:
-    """The result of a fit.
+    """Result of a fit.
 
     Attributes
     ----------
     x : dict of str to float
-        What was fitted, as `Instrument.vary` takes it: turns of screws (m, rad, N m), factors of other parameters. `instrument` is the
-        instrument with it.
+        Fitted values, as `Instrument.vary` takes them: turns of screws (m, rad, N m), factors of other parameters.
+        `instrument` is the instrument with these values.
     std : dict of str to float
         Standard deviations of `x`, from the covariance.
     values, errors : dict of str to float
-        The same in SI units: masses, stiffnesses, settings.
+        Fitted parameters and their standard deviations in SI units: masses, stiffnesses, settings.
     cov : ndarray of shape (P, P)
-        Covariance of `x`, in its order.
+        Covariance of `x`, in the order of its names.
     correlation : ndarray of shape (P, P)
     delays : dict of str to float
-        How much later than the drive each channel was written down, s; empty where that was not estimated.
+        Delay of each channel behind the drive, s; empty if delays were not estimated.
     noise : dict of str to float
-        Root mean square of each channel's noise, N or m: as given, as read from the recording, or else estimated from the residuals.
+        Root mean square noise of each channel, N, m or m/s: as given, as measured on the recording, or estimated from
+        the residuals.
     rms_at_start, rms : dict of str to float
-        Root mean square of fitted less measured of each channel where the fit began, and of the result, N or m.
+        Root mean square of (fitted - measured) of each channel at the start of the fit and at its end, N, m or m/s.
     residuals : ndarray of shape (M,)
-        Fitted less measured, over the noise.
+        Residuals, (fitted - measured) / noise.
     chi2_reduced : float or None
-        Sum of their squares over the degrees of freedom; None where the noise of a channel was estimated from its residuals, which makes it 1
-        whatever the fit is worth.
+        Sum of the squared residuals over the degrees of freedom. `None` if a channel's noise was estimated from its
+        residuals, because the value is then 1 for any fit.
     chi2_expected : float or None
-        What it should be if the model were true: 1 for the sensors' noise, and what the drive's noise adds, which moves the model itself.
+        Expected `chi2_reduced` of a true model: 1 from the sensors' noise, plus the contribution of the drive's noise.
     doubts : list of Doubt
-        What makes the answer doubtful; empty where nothing does. `erard.fit` warns of them by a `DoubtfulFitWarning`.
+        Reasons to doubt the result; empty if there are none. `erard.fit` reports them in a `DoubtfulFitWarning`.
     singular_values : ndarray of shape (P,)
-        Of the Jacobian, every parameter counted in halves of what its bounds allow: below 1 a direction is known no better from the data than
-        from its bounds.
+        Singular values of the Jacobian, with each parameter scaled by half the width of its bounds. Below 1, the data
+        determine a direction no better than its bounds do.
     unseen : list of str
-        Such directions in words.
+        Directions with a singular value below 1, in words.
     jacobian_agreement : float
-        How far the Jacobian by differences depends on their step: the largest relative change of a column from one step to one sixteen times
-        as long; with `jacobian="gradient"` from the derivatives to differences in the longer step. Where it is large, the recordings jump with the
-        parameters, and the errors are to be doubted.
+        Sensitivity of the Jacobian to the step of the differences: the largest relative change of a column between one
+        step and a step sixteen times as long; with `jacobian="gradient"`, between the derivatives and differences with
+        the longer step. If it is large, the model jumps with the parameters, and the errors are not reliable.
     """
 
     def __init__(self, problem: Problem, found: Fitted) -> None:
@@ -189,16 +194,16 @@ class Fit:
 
     @property
     def instrument(self) -> Instrument:
-        """The instrument with what was fitted."""
+        """Instrument with the fitted values."""
         return self._problem.asked.instrument.vary(self.x)
 
     @property
     def channels(self) -> list[Channel]:
-        """Every measured quantity beside what was fitted to it."""
+        """Every measured quantity with its fitted values."""
         return self._problem.channels(self._point)
 
     def plot(self) -> matplotlib.figure.Figure:
-        """Draws measured and fitted, and what is left over in units of the noise, channel by channel.
+        """Draws measured and fitted values, and the residuals in units of the noise, channel by channel.
 
         Returns
         -------
@@ -209,7 +214,7 @@ class Fit:
         return fit_figure(self)
 
     def rows(self) -> list[tuple[str, str, str, str]]:
-        """The rows of the report.
+        """Returns the rows of the report.
 
         Returns
         -------
@@ -250,7 +255,7 @@ class Fit:
         return "\n".join(lines)
 
     def __eq__(self, other: object) -> bool:
-        """Whether the same was fitted to the same data, and the same found."""
+        """Whether instrument, noise, fitted values, covariance and residuals are equal."""
         if not isinstance(other, Fit):
             return NotImplemented
         same = self.x == other.x and self.noise == other.noise and self._problem.asked.instrument == other._problem.asked.instrument
@@ -288,70 +293,75 @@ def fit(
 ) -> Fit:
     """Fits parameters of an instrument to recordings, by least squares.
 
-    Each recording drives the model, by its force where it has one, and what else was recorded is compared. The fit is that of the command
-    `erard fit`, to the bit: a trust region within the bounds moves the parameters; the derivatives are central differences, all variants
-    played side by side in vector lanes. What drives is prepared as the `Recording` was; what is compared is not filtered, for a filter makes
-    noise look smaller than it is.
+    Each recording drives the model, by its force if there is one, and its other columns are compared with the model.
+    The results are those of the command `erard fit`, to the bit. A trust-region method moves the parameters within
+    their bounds; the derivatives are central differences, with all variants played side by side in vector lanes. The
+    driving column is prepared as the `Recording` was; compared columns are not filtered, because a filter makes the
+    noise look too small.
 
     Parameters
     ----------
     instrument : Instrument
-        Where the fit starts, and what is held fixed.
+        Start of the fit; it holds all parameters that are not fitted.
     recordings : recording or list of recordings
-        A run, a mapping of arrays with `time_s`, a data frame, a file, or a `Recording`; several are fitted at once.
+        A run, a mapping of arrays with `time_s`, a data frame, a file, or a `Recording`; several are fitted together.
     vary : sequence of str
-        What is fitted: screws and parameters by their names (`Instrument.parameters`).
+        Names of the screws and parameters to fit (`Instrument.parameters`).
     drive : {"force", "motion", "rigid"}, optional
-        What of the recordings drives the model.
+        Quantity of the recordings that drives the model.
     columns : sequence of str, optional
-        What is compared, of "force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"; by default all but what drives.
+        Compared columns, of "force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"; by default all but the driving
+        one.
     sigma : mapping of str to float, optional
-        The noise of a column, root mean square, N or m; that of the drive, too, whose effect on the parameters is part of their errors. By default it
-        is read from the rest before the touch or the spectrum; where neither tells it, from what is left over. Where nothing tells that of the
-        drive it counts as none. Both are doubts: a load cell's 20 mN can make errors ten times larger.
+        Root mean square noise of columns, N, m or m/s. The errors of the parameters include the noise of the drive. By
+        default the noise is measured in the rest before the touch or in the spectrum. If neither shows it, it is
+        estimated from the residuals for a compared column and taken as zero for the drive; each of these is a doubt.
+        The 20 mN of a load cell can make errors ten times larger.
     delay : bool
-        Estimate for every column how much later it was written down than what drives.
+        Whether to estimate the delay of every column behind the drive.
     bounds : mapping of str to (float, float), optional
-        Of a parameter, as `vary` takes it. By default as far as the instrument's file says that its number may be off; where it does not say, a factor
-        from 0.2 to 5, or a fiftieth of what a screw can do.
+        Bounds of parameters, as `vary` takes them. By default they are the uncertainty that the instrument's file
+        states; without one, a factor of 0.2 to 5, or for a screw a fiftieth of its range.
     start : mapping of str to float, optional
-        Where to begin, as `vary` takes it.
+        Start values, as `vary` takes them.
     loss : {"linear", "soft_l1", "huber", "cauchy"}
         "linear" is plain least squares; the others give outliers less weight. The covariance is that of plain least squares.
     jacobian : {"differences", "gradient"}
-        Where the derivatives of the last steps and of the covariance come from: central differences, or the model's own (`gradient`), which need no
-        step but cost more. The first steps, which are to look past what jumps, are differences in any case.
-        Both find the same; a Jacobian of the model's own derivatives takes about six times as long, for differences are played side by side in lanes.
+        Derivatives of the last steps and of the covariance: central differences, or the model's own derivatives
+        ("gradient"), which depend on no step. The first steps always use differences, which smooth over jumps. Both
+        give the same result. A Jacobian of the model's own derivatives takes about six times as long, because
+        differences are played side by side in lanes.
     minimizer : {"erard", "scipy"}
-        Who minimises: the library itself, or `scipy.optimize.least_squares` on the same residuals, through the same stages.
+        Minimizer: the library's own, or `scipy.optimize.least_squares` on the same residuals and through the same
+        stages.
     restarts : int
-        How often the fit may begin again elsewhere, until two have ended alike with no more left over than noise: where friction sticks and felts
-        open, sums of squares have more than one minimum.
+        Largest number of restarts from other points. Restarts end when two fits agree and their residuals are no larger
+        than the noise. With sticking friction and opening felts, the sum of squares has more than one minimum.
     most : int
-        Most steps of the solver.
+        Largest number of solver steps.
     threads : int, optional
-        By default as many as there are cores.
+        Number of threads; by default the number of cores.
     progress : bool, optional
-        Count the strokes that are played; by default on a terminal or in a notebook, if it takes more than a second.
+        Whether to count the strokes that are played; by default on a terminal or in a notebook, after one second.
     **how
-        How to step, as in `Instrument.press`.
+        Settings of the steps, as in `Instrument.press`.
 
     Returns
     -------
     Fit
-        `x`, `std`, `cov`, `doubts`, `residuals`, `plot()`, `instrument`, `unseen`; printed it is a report.
+        The result; printing it gives a report.
 
     Warns
     -----
     DoubtfulFitWarning
-        Where `Fit.doubts` is not empty.
+        If `Fit.doubts` is not empty.
 
     Raises
     ------
     InputError
-        Where a name, a bound or a recording is wrong.
+        If a name, a bound or a recording is wrong.
     SimulationError
-        Where the model cannot be played where the fit starts.
+        If the model cannot be played at the start of the fit.
 
     Examples
     --------
@@ -403,7 +413,7 @@ def _bounds(name: str, limits: Any) -> tuple[float, float]:
 def _by_scipy(
     residuals: Callable[[Array], Array], jacobian: Callable[[Array], Array], start: Array, low: Array, high: Array, loss: str, most: int
 ) -> tuple[list[float], list[float], str]:
-    """`scipy.optimize.least_squares` over the extension's residuals."""
+    """Minimizes the extension's residuals with `scipy.optimize.least_squares`."""
     with Extra("scipy"):
         from scipy.optimize import least_squares
 

@@ -1,4 +1,4 @@
-"""One press and its derivatives: what its speeds, instants and columns change by with the numbers of the instrument."""
+"""Derivatives of a press: speeds, times and columns with respect to parameters of the instrument."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ._instrument import Force
     from ._recording import RecordingLike
 
-#: What is differentiated, by the names that a study's columns have.
+#: Quantities with derivatives, by the names of a study's columns.
 QUANTITIES = (
     "hammer_speed_m_per_s",
     "let_off_s",
@@ -32,43 +32,47 @@ QUANTITIES = (
     "toe_contact_s",
     "key_start_to_hammer_s",
 )
-#: Columns that have derivatives.
+#: Columns with derivatives.
 COLUMNS = ("key_m", "hammer_head_m", "force_N")
-#: What happens to the rest while a number changes.
+#: Options for the rest while a parameter changes.
 RESTS = ("moves", "held")
-#: Half the way over which the map from a number of the file to the mechanism's numbers is differenced, as a share of
-#: it, and at least.
+#: Half width of the differences from a number of the file to the mechanism's parameters: share of the number, and least
+#: value.
 HALF, LEAST = 1e-4, 1e-9
 
 
 class Gradient(Mapping[str, Mapping[str, float]]):
-    """What a press changes by with the numbers of its instrument, to first order: a mapping of quantities, each a mapping of numbers.
+    """First derivatives of a press with respect to parameters: a mapping of quantities, each a mapping of parameters.
 
     Attributes
     ----------
     of, by : list of str
-        Quantities, and what they are differentiated by.
+        Quantities, and the parameters that they are differentiated by.
     value : dict of str to float
-        The quantities' own values; nan for what did not happen.
+        Values of the quantities; nan for events that did not happen.
     jacobian : ndarray of shape (Q, P)
-        Derivatives of the quantities (rows) by the numbers (columns), in SI units per bare number as `Instrument.vary` takes it: per metre of a screw's
-        turn, per factor of a parameter (the derivative for one percent is a hundredth of it), per unit of the file of a number of the file, per N.
+        Derivatives of the quantities (rows) by the parameters (columns), in SI units per bare number of
+        `Instrument.vary`: per metre of a screw's turn, per factor of a parameter (for one percent, take a hundredth),
+        per file unit of a number of the file, per N of the force.
     in_shorter_steps : ndarray of shape (Q, P) or None
-        The derivatives in steps that are a fifth shorter; `None` where they were not asked for. How far the two are apart is no error bar: what all
-        lengths of step have wrong alike is not in it.
+        The same derivatives with steps a fifth shorter; `None` without `compare`. The difference is not an error bar:
+        it misses errors that do not depend on the step length.
     unresolved_effect : ndarray of shape (Q, P) or None
-        How far a derivative changes with the treatment of switches of friction that could not be told from another one; zero where there are none.
+        Change of each derivative with the treatment of unresolved friction switches; zero if there are none, `None`
+        without `compare`.
     refused : dict of (str, str) to str
-        Quantity and number of each derivative that does not converge, which is nan in `jacobian`, and why: the switch from which on steps of two lengths
-        disagree, and differences to both sides. Empty where such a derivative raises.
+        Derivatives that do not converge and are nan in `jacobian`: quantity and parameter, with the reason, which names
+        the friction switch from which on two step lengths disagree, and differences to both sides. Empty if such a
+        derivative raises an error.
     time_s : ndarray of shape (T,)
-        Instants of the columns' samples; empty without columns.
+        Times of the columns' samples, s; empty without columns.
     columns : dict of str to ndarray of shape (T,)
-        What was sampled.
+        Sampled columns.
     column_jacobian : dict of str to ndarray of shape (T, P)
         Derivatives of the samples.
     switches, unresolved : int
-        At how many switches of friction derivatives jumped, and how many could not be told from another one.
+        Number of friction switches at which derivatives jumped, and number of those that could not be separated from
+        another one.
 
     Examples
     --------
@@ -114,7 +118,7 @@ class Gradient(Mapping[str, Mapping[str, float]]):
         return len(self.of)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The derivatives as a table, a row for each quantity.
+        """Returns the derivatives as a table, one row for each quantity.
 
         Returns
         -------
@@ -161,7 +165,8 @@ class Gradient(Mapping[str, Mapping[str, float]]):
 
 
 def variables(instrument: Instrument, by: Sequence[str]) -> list[tuple[str, tuple[_erard.Instrument, _erard.Instrument, float] | None]]:
-    """What the extension differentiates by: names that it knows, and instruments on both sides of any other number of the file."""
+    """Returns the variables of the extension: names that it knows, and for any other number of the file two
+    instruments, one on each side."""
     known = instrument.parameters
     found: list[tuple[str, tuple[_erard.Instrument, _erard.Instrument, float] | None]] = []
     for name in by:
@@ -200,44 +205,47 @@ def gradient(
     progress: bool | None = None,
     **how: Unpack[Stepping],
 ) -> Gradient:
-    """Presses the key once and says what its speeds, instants and columns change by with the numbers of the instrument.
+    """Presses the key once and computes the derivatives of speeds, times and columns with respect to parameters.
 
-    The press is played in numbers that carry their derivatives, eight at a time. What is differentiated is the motion with friction that truly sticks, from
-    the rest at which `Instrument.press` starts; where sliding comes to rest or turns round derivatives jump, and the steps end there (the book,
+    The press is played with forward derivatives, eight at a time. It starts at the rest of `Instrument.press`, with
+    friction that truly sticks. Where sliding stops or reverses, derivatives jump, and steps end there (the book,
     "Derivatives").
 
-    For many numbers `study` is cheaper: differences of presses side by side cost less than derivatives. Derivatives serve where the step of a difference
-    is in doubt, for one number or few, and sample by sample.
+    For many parameters, `study` is cheaper: differences between presses that are played side by side cost less than
+    derivatives. Use derivatives for one or a few parameters, sample by sample, or where the step of a difference is in
+    doubt.
 
     Parameters
     ----------
     instrument : Instrument
     by : sequence of str, optional
-        Screws and parameters by their names, any number of the file by its path, and "force" of a constant force; by default all of
-        `Instrument.parameters`.
+        Screws and parameters by name, any number of the file by its path, and "force" for a constant force; by default
+        all of `Instrument.parameters`.
     of : sequence of str, optional
-        Quantities, by the names of a study's columns, such as "hammer_speed_m_per_s", "let_off_s", "key_start_to_hammer_s"; by default all that happen.
+        Quantities, by the names of a study's columns, such as "hammer_speed_m_per_s", "let_off_s",
+        "key_start_to_hammer_s"; by default all those that happen.
     columns : sequence of str
-        Columns that are differentiated sample by sample: "key_m", "hammer_head_m", "force_N" (not of a rigid drive).
+        Columns to differentiate sample by sample: "key_m", "hammer_head_m", "force_N" (not with `rigid`).
     record_every : int
-        Steps between two samples of the columns.
+        Number of steps between two samples of the columns.
     force, dt, stroke, touch, motion, rigid, drive, duration
-        What the player does, as in `Instrument.press`.
+        Stroke, as in `Instrument.press`.
     rest : {"moves", "held"}
-        What happens to the rest while a number changes. With dry friction an action can rest in a range of poses. "moves": it comes to rest anew, from the
-        pose as drawn, as each `press` does. "held": its friction holds the pose that it has.
+        Rest while a parameter changes; with dry friction an action can rest in a range of poses. "moves": the action
+        settles anew from the drawn pose, as in each `press`. "held": friction holds the pose that the action has.
     compare : bool
-        Play it again in steps that are a fifth shorter, and compare. A derivative that differs by more than a tenth, and by something that matters to its
-        quantity, does not converge.
+        Whether to repeat the press with steps a fifth shorter and compare. A derivative does not converge if it differs
+        by more than a tenth and by an amount that matters for its quantity.
     unconverged : {"raise", "nan"}, optional
-        What becomes of a derivative that does not converge: the call raises, and names the switch of friction from which on it does not; or it is nan, and
-        `Gradient.refused` says why. By default the call raises where `of` asks for quantities by name.
+        Treatment of a derivative that does not converge. "raise": the call raises an error that names the friction
+        switch from which on it does not converge. "nan": the derivative is nan, and `Gradient.refused` gives the
+        reason. The default is "raise" if `of` is given, else "nan".
     threads : int, optional
-        By default as many as there are cores.
+        Number of threads; by default the number of cores.
     progress : bool, optional
-        A progress bar.
+        Whether to show a progress bar.
     **how
-        How to step: `step` (s; 25e-6 unless told otherwise), `theta`, `solver`.
+        Settings of the steps: `step` (s, default 25e-6), `theta`, `solver`.
 
     Returns
     -------
@@ -246,10 +254,10 @@ def gradient(
     Raises
     ------
     InputError
-        Where a name is wrong, and where something of the instrument has no derivatives: friction that grows at rest, felts with a set-valued loss,
-        modal strings, friction="tanh".
+        If a name is wrong, or if the model has no derivatives: friction that grows at rest, felts with a set-valued
+        loss, modal strings, friction="tanh".
     SimulationError
-        Where a derivative does not converge.
+        If a derivative does not converge and `unconverged` is "raise".
 
     Examples
     --------

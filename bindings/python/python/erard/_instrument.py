@@ -1,4 +1,4 @@
-"""Instruments: loaded, varied, pressed, measured, regulated, drawn."""
+"""Instruments: load, vary, press, measure, regulate and draw them."""
 
 from __future__ import annotations
 
@@ -31,27 +31,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of an instrument that has a name of its own to be varied by.
+    """A named parameter of an instrument, which can be varied by its name.
 
     Attributes
     ----------
     name : str
-        A screw's own, or `body.NAME.mass`, `body.NAME.friction`, `spring.NAME.torque`, `zone.NAME.stiffness`, `zone.NAME.damping`,
+        Name of a screw, or
+        `body.NAME.mass`, `body.NAME.friction`, `spring.NAME.torque`, `zone.NAME.stiffness`, `zone.NAME.damping`,
         `zone.NAME.friction`.
     value : float
-        In `unit` (SI).
+        Value in `unit` (SI).
     unit : str
         SI unit; empty for a coefficient.
     is_factor : bool
-        Whether a bare number multiplies it; a screw is turned by it instead (m, rad or N m).
+        Whether a bare number is a factor; for a screw it is a turn instead (m, rad or N m).
     range : (float, float)
-        What a bare number may be.
+        Allowed range of a bare number.
     spread : (float, float) or None
-        How far the file says that it may be off, as bare numbers say it.
+        Uncertainty that the file states, as a range of bare numbers.
     certainty : str or None
-        "measured", "read", "second-hand" or "estimate"; `None` for a number without a source.
+        "measured", "read", "second-hand" or "estimate"; `None` for a parameter without a source.
     path : str
-        Its key in the file.
+        Path of the parameter in the file.
     """
 
     name: str
@@ -65,7 +66,7 @@ class Parameter:
 
 
 def instrument_of(value: Any, key: str = "instrument") -> Instrument:
-    """An instrument, or an error that says how to have one."""
+    """Returns the instrument, or raises an error that says how to get one."""
     if not isinstance(value, Instrument):
         kind = repr(value) if isinstance(value, str) else type(value).__name__
         raise InputError(f"{key}: found {kind}, expected an Instrument, as erard.load gives it", key=key, found=kind)
@@ -75,17 +76,17 @@ def instrument_of(value: Any, key: str = "instrument") -> Instrument:
 class Instrument:
     """A piano action: bodies, felts, springs and screws. Make one with `erard.load`.
 
-    It does not change: `vary` and `regulate` give new ones. Two are equal if all their numbers are; it pickles as its file's text and its
-    changes.
+    An instrument never changes: `vary` and `regulate` return new ones. Two instruments are equal if all their
+    parameters are. Pickling keeps the file's text and the changes.
 
     Parameters
     ----------
     text : str
         The text of an instrument file (TOML).
     name : str
-        What the file is called in messages.
+        Name of the file in messages.
     changes : sequence of (str, str or float)
-        What is changed of it, one after the other, as `vary` takes it.
+        Changes, applied one after the other, as `vary` takes them.
 
     Examples
     --------
@@ -98,7 +99,7 @@ class Instrument:
 
     __slots__ = ("_inner", "regulation")
 
-    #: What became of each goal and screw, where the instrument came from `regulate`.
+    #: Outcome of each goal and screw if `regulate` made the instrument, else `None`.
     regulation: Mapping[str, Any] | None
 
     def __init__(self, text: str, *, name: str = "text", changes: Sequence[Change] = ()) -> None:
@@ -113,22 +114,22 @@ class Instrument:
 
     @property
     def name(self) -> str:
-        """Its name, e.g. "Concert grand, C4"."""
+        """Name of the instrument, e.g. "Concert grand, C4"."""
         return self._inner.name
 
     @property
     def description(self) -> str:
-        """The file's own description."""
+        """Description of the instrument from its file."""
         return self._inner.description
 
     @property
     def text(self) -> str:
-        """The text of the file that it was read from, without the changes."""
+        """Text of the file that the instrument was read from, without the changes."""
         return self._inner.text
 
     @property
     def changes(self) -> list[Change]:
-        """The changes, in order."""
+        """Changes to the file, in the order in which they were made."""
         return self._inner.changes
 
     @property
@@ -138,34 +139,34 @@ class Instrument:
 
     @property
     def zones(self) -> list[str]:
-        """Names of the contacts."""
+        """Names of the contact zones."""
         return self._inner.zones
 
     @property
     def screws(self) -> dict[str, str]:
-        """The effect of a positive turn of each screw."""
+        """Screws by name, with the effect of a positive turn."""
         return dict(self._inner.screws)
 
     @property
     def parameters(self) -> dict[str, Parameter]:
-        """Everything that has a name of its own to be varied by, by that name."""
+        """All named parameters, by their names."""
         rows = (Parameter(**_tuples(row)) for row in self._inner.quantities())
         return {row.name: row for row in rows}
 
     def vary(self, changes: Mapping[str, float | str] | None = None, /, **more: float | str) -> Instrument:
-        """A copy of the instrument with some numbers changed.
+        """Returns a copy of the instrument with some parameters changed.
 
         Parameters
         ----------
         changes, **more : mapping of str to str or float
-            What is changed: a screw or a parameter by its name (see `parameters`), or any number of the file by its path, as in
+            Changes by name: a screw or a parameter (see `parameters`), or any number of the file by its path, as in
             "body.hammer.mass_g" or "zone.string.disc.center_mm.x".
 
-            A text says what shall be, with a unit ("8.7 g"), what is added, with its sign ("+0.8 g", "-0.2 mm"), or a factor ("*1.5"). What shall
-            be and has a sign, or no unit, stands behind an equals sign ("= -0.2 mm", "= 0.15").
+            A text is a new value with its unit ("8.7 g"), an amount to add with its sign ("+0.8 g", "-0.2 mm"), or a
+            factor ("*1.5"). A new value that has a sign or no unit needs an equals sign ("= -0.2 mm", "= 0.15").
 
-            A bare number means what it means to `erard study --vary` in SI units: a screw is turned by it (m; rad for an angle, N m for a
-            spring), another parameter is multiplied by it, and a number of the file takes its place.
+            A bare number means the same as in `erard study --vary`, in SI units: for a screw a turn (m; rad for an
+            angle, N m for a spring), for another parameter a factor, for a number of the file its new value.
 
         Returns
         -------
@@ -174,7 +175,7 @@ class Instrument:
         Raises
         ------
         InputError
-            With the key, what was found and what was expected.
+            If a name or a value is wrong; the error holds the key, what was found and what is expected.
 
         Examples
         --------
@@ -218,37 +219,41 @@ class Instrument:
         Parameters
         ----------
         force : float or array_like of shape (T,), optional
-            Of the finger, N, pushing positive: constant, or one sample every `dt` s.
+            Force of the finger, N, pushing positive: constant, or one sample every `dt` s.
         dt : float, optional
-            From sample to sample of `force`, `motion` or `rigid`, s.
+            Time between samples of `force`, `motion` or `rigid`, s.
         stroke : {"pp", "p", "mf", "f", "ff"}, path or recording, optional
-            A built-in touch (the default: "mf"), played by the hand that reaches the level on this action, or a recording: a run, a mapping of arrays with `time_s`, a data frame, or a file.
+            A built-in touch (default "mf"), played by a hand whose force is adjusted so that this action reaches the
+            level; or a recording: a run, a mapping of arrays with `time_s`, a data frame, or a file.
         touch : {"pressed", "struck"}
-            How the hand meets the key in a built-in touch.
+            Touch of a built-in stroke: the finger starts on the key, or strikes it.
         hammer_speed : float, optional
-            The level of a built-in touch as the hammer's speed at the string, m/s. "pp" to "ff" are 0.5, 0.79, 1.99, 3.15 and 5.
+            Level of a built-in touch: total hammer speed at the string, m/s. "pp" to "ff" are 0.5, 0.79, 1.99, 3.15 and
+            5.
         motion : array_like of shape (T,), optional
-            Where the fingertip is, m down from the key's rest: the finger is soft and can only push.
+            Position of the fingertip, m down from the key's rest. The finger is soft and can only push.
         rigid : array_like of shape (T,), optional
-            Where the key's front itself is, m down from rest.
+            Prescribed position of the key front itself, m down from rest.
         drive : {"force", "motion", "rigid"}, optional
-            What a recording prescribes; by default its force where it has one. With "pp" to "ff" it plays the force curve of that name. Under "motion" a fingertip moves as key and force tell; one that begins
-            with a force is in touch already, and has pressed the key down before the run starts, which `Run.notes` says then.
+            Quantity of a recording that drives the key; by default its force if there is one. With "pp" to "ff",
+            `drive` plays the force curve of that name. With "motion", the fingertip's motion is computed from key and
+            force. If the recording begins with a force, the fingertip has already pressed the key down before the run
+            starts; `Run.notes` then says so.
         model : {"action", "one-dof"}
             The whole action, or its model with one degree of freedom.
         duration : float, optional
-            Simulated time, s; by default the stroke's and a little more.
+            Simulated time, s; by default a little longer than the stroke.
         record_every : int, optional
-            Keep a row every so many steps.
+            Number of steps from one recorded row to the next.
         tolerance : float, optional
-            Error that a step may have, 1e-9 to 0.1: steps are then as long as that allows.
+            Tolerance for adaptive steps, 1e-9 to 0.1: each step is as long as its error allows.
         reactions : bool
-            Also record what the pins carry and how the parts accelerate: columns `NAME_rad_per_s2`, `NAME_pin_x_N` (force of the pin on the body
-            toward the back of the piano) and `NAME_pin_y_N` (upward).
+            Also record accelerations and pin forces: columns `NAME_rad_per_s2`, `NAME_pin_x_N` (force of the pin on the
+            body toward the back of the piano) and `NAME_pin_y_N` (upward).
         losses : bool
-            Also book where the energy goes, by pin and by contact: `Run.losses`.
+            Also record the energy losses by pin and by contact: `Run.losses`.
         progress : bool, optional
-            A progress bar; by default on a terminal or in a notebook, if it takes more than a second.
+            Whether to show a progress bar; by default on a terminal or in a notebook, after one second.
         **how
             How to step: `step` (s), `theta`, `solver`, `friction`, `friction_width`.
 
@@ -285,16 +290,17 @@ class Instrument:
         Parameters
         ----------
         key : int
-            The key whose norms it is held against, 1 to 88; 40 is middle C.
+            Key, 1 to 88, whose norms the values are compared with; 40 is middle C.
         only : sequence of str, optional
-            Only these lines, such as "down_weight_g", "effective_inertia_kg", "let_off_mm".
+            Names of the lines to measure, such as "down_weight_g", "effective_inertia_kg", "let_off_mm"; by default
+            all.
         progress : bool, optional
             A progress bar.
 
         Returns
         -------
         Sheet
-            A mapping: the keys of `erard measure`'s measure.json.
+            Mapping with the keys of measure.json, which `erard measure` writes.
 
         Examples
         --------
@@ -315,14 +321,14 @@ class Instrument:
         progress: bool | None = None,
         **goals: float | str,
     ) -> Instrument:
-        """Turns the screws until goals are met, as on the bench.
+        """Turns the screws until the goals are met, as a technician does, and returns the regulated instrument.
 
         Parameters
         ----------
         norms : bool
-            Ask for the trade's norms, too, where a goal is not given. Without any goal they are asked for anyway.
+            Use the trade's norms for goals that are not given. Without any goal they are always used.
         follow : bool
-            Let other screws follow where the goals disturb what they set.
+            Also turn other screws to restore the distances that the goals disturb.
         progress : bool, optional
             A progress bar.
         **goals
@@ -332,7 +338,8 @@ class Instrument:
         Returns
         -------
         Instrument
-            Its `regulation` holds `goals`, `screws` and `all_met`; a goal that cannot be met is as near as can be.
+            The regulated instrument. Its `regulation` holds `goals`, `screws` and `all_met`; a goal that cannot be met
+            is approached as closely as possible.
 
         Examples
         --------
@@ -351,14 +358,14 @@ class Instrument:
         return made
 
     def kinematics(self, *, start: float = 0.0, end: float | None = None, steps: int = 200) -> Kinematics:
-        """Leverage and sliding over the key's travel, from the geometry alone; see `erard.kinematics`.
+        """Computes leverage and sliding over the key's travel, from the geometry alone; see `erard.kinematics`.
 
         Parameters
         ----------
         start, end : float
-            Key travel to begin and to end at, m; by default from rest to let-off.
+            Key travel at the beginning and at the end, m; by default from rest to let-off.
         steps : int
-            Steps between the two.
+            Number of steps between the two.
 
         Returns
         -------
@@ -367,12 +374,12 @@ class Instrument:
         return kinematics(self, start=start, end=end, steps=steps)
 
     def compare(self, recording: RecordingLike, **options: Any) -> Comparison:
-        """Holds a recording against this instrument; see `erard.compare`.
+        """Compares a recording with this instrument; see `erard.compare`.
 
         Parameters
         ----------
         recording : run, mapping, data frame, path or Recording
-            What was measured.
+            The recording.
         **options
             As in `erard.compare`.
 
@@ -383,7 +390,7 @@ class Instrument:
         return compare(self, recording, **options)
 
     def validate(self, *, progress: bool | None = None) -> list[dict[str, Any]]:
-        """Holds it against what has been measured on real pianos; see `erard.validate`.
+        """Compares the instrument with measurements on real pianos; see `erard.validate`.
 
         Parameters
         ----------
@@ -413,19 +420,19 @@ class Instrument:
         Parameters
         ----------
         at : float or str
-            s after the stroke's start, where 0 is rest; or an event: "key_start", "toe_contact", "let_off", "hammer_contact", "key_bottom",
-            "check".
+            Time after the stroke's start, s, 0 to 600 (0 is rest); or an event: "key_start", "toe_contact", "let_off",
+            "hammer_contact", "key_bottom", "check".
         force, dt, stroke, touch, **how
             As in `press`.
         labels : bool
-            Name the main parts.
+            Whether to name the main parts.
         forces : bool
-            Show contact forces as arrows.
+            Whether to show contact forces as arrows.
 
         Returns
         -------
         Drawing
-            A notebook shows it; `save` writes the SVG.
+            The drawing; a notebook shows it, `save` writes the SVG.
 
         Examples
         --------
@@ -490,8 +497,8 @@ def load(asked: str | os.PathLike[str]) -> Instrument:
     Parameters
     ----------
     asked : str or path
-        A built-in one by its name ("concert-grand"; see `erard.builtin`), a TOML file, or a key of a keyboard ("concert-grand:key=40",
-        "mine.toml:key=1").
+        Name of a built-in instrument ("concert-grand"; see `erard.builtin`), a TOML file, or a key of a keyboard
+        ("concert-grand:key=40", "mine.toml:key=1").
 
     Returns
     -------
@@ -500,7 +507,8 @@ def load(asked: str | os.PathLike[str]) -> Instrument:
     Raises
     ------
     InputError
-        With file, line and key of what is wrong; `MissingFileError`, a `FileNotFoundError`, where there is no such file.
+        If the file is wrong; the error holds file, line and key. If there is no such file, `MissingFileError`, which is
+        also a `FileNotFoundError`.
 
     Examples
     --------
@@ -527,7 +535,7 @@ def stroke_of(
     hammer_speed: float | None = None,
     hand: Hand | None = None,
 ) -> _erard.Stroke:
-    """The one stroke that the arguments of `press` say; a touch's level is found on an instrument."""
+    """Returns the stroke that the arguments of `press` describe; a touch is adjusted to the instrument."""
     given = {"force": force, "motion": motion, "rigid": rigid, "stroke": stroke, "hammer_speed": hammer_speed}
     named = [name for name, value in given.items() if value is not None]
     if len(named) > 1:
@@ -561,36 +569,36 @@ def stroke_of(
     return _erard.Stroke.samples(name, values, number("dt", dt))
 
 
-#: The built-in strokes.
+#: Names of the built-in strokes.
 NUANCES = ("pp", "p", "mf", "f", "ff")
 
 
 def _only_of(key: str, found: Any, usual: str | None, what: str) -> None:
-    """Says it where an argument would do nothing."""
+    """Raises an error if an argument would have no effect."""
     if found != usual:
         raise InputError(f"{key}: {found!r} goes with {what} only", key=key, found=found)
 
 
 def as_recording_to_play(source: Any) -> Recording:
-    """A file as the command plays it, its zero taken and its noise filtered; a table as it is."""
+    """Returns a recording: a file zeroed and filtered as the command does, a table unchanged."""
     if isinstance(source, (str, os.PathLike)):
         return Recording(source)
     return as_recording(source)
 
 
 class Sheet(Values):
-    """Measures of an action: a mapping of the keys of measure.json, and the technician's table when it is shown."""
+    """Measured values of an action: a mapping with the keys of measure.json, shown as the technician's table."""
 
     def __init__(self, instrument: str, values: dict[str, Any]) -> None:
         self.instrument, self._values = instrument, values
 
     def lines(self) -> list[tuple[str, str, str]]:
-        """The lines of the table.
+        """Returns the lines of the table.
 
         Returns
         -------
         list of (str, str, str)
-            Quantity, value with its unit, usual range at middle C.
+            Quantity, value with its unit, and usual range at middle C.
         """
         found = []
         for key, label, unit, decimals, usual in _erard.measure_lines():
@@ -614,7 +622,7 @@ class Sheet(Values):
 
 
 class Drawing:
-    """A picture as SVG; a notebook shows it."""
+    """Drawing as SVG text in `svg`; a notebook shows it."""
 
     def __init__(self, svg: str) -> None:
         self.svg = svg
@@ -642,8 +650,9 @@ class Drawing:
 
 
 class Kinematics(Table):
-    """Leverage and sliding over the key's travel: columns `key_m`, `leverage`, `capstan_m`, `knuckle_m` (where along its lever each contact is),
-    and in `summary` leverages at rest, half-way and at let-off, and how far the contacts slide."""
+    """Leverage and sliding over the key's travel. Columns: `key_m`, `leverage`, and `capstan_m` and `knuckle_m`, the
+    position of each contact along its lever. `summary` holds the leverage at rest, half-way and at let-off, and the
+    distances that the contacts slide."""
 
     def __init__(self, columns: dict[str, Any], summary: dict[str, Any]) -> None:
         super().__init__(columns)
@@ -657,16 +666,17 @@ class Kinematics(Table):
 def kinematics(
     design: Instrument | str, *, start: float = 0.0, end: float | None = None, steps: int = 200
 ) -> Kinematics:
-    """Leverage and sliding over the key's travel, from the geometry alone.
+    """Computes leverage and sliding over the key's travel, from the geometry alone.
 
     Parameters
     ----------
     design : Instrument or str
-        An instrument, or three levers by their lengths: a TOML file of kind `three-lever` or a built-in linkage ("c7f-like").
+        An instrument, or a linkage of three levers given by their lengths: a TOML file of kind `three-lever` or a
+        built-in linkage ("c7f-like").
     start, end : float
-        Key travel to begin and to end at, m; by default from rest to let-off.
+        Key travel at the beginning and at the end, m; by default from rest to let-off.
     steps : int
-        Steps between the two.
+        Number of steps between the two.
 
     Returns
     -------
@@ -687,7 +697,8 @@ def kinematics(
 
 
 class Comparison(Table):
-    """A recording beside the models: columns, `errors` (a row for each trial), `verdicts` in words."""
+    """Comparison of a recording with the models: columns, `errors` (one row for each drive and model), and `verdicts`
+    in words."""
 
     def __init__(self, columns: dict[str, Any], errors: list[dict[str, Any]], verdicts: list[str]) -> None:
         super().__init__(columns)
@@ -707,19 +718,19 @@ def compare(
     progress: bool | None = None,
     **how: Unpack[Stepping],
 ) -> Comparison:
-    """Holds a recording against the models: what drives it, what comes out, what is missed.
+    """Plays a recording on the models and compares the results with the recorded columns.
 
     Parameters
     ----------
     instrument : Instrument
     recording : run, mapping, data frame, path or Recording
-        What was measured.
+        The recording.
     drives : sequence of {"force", "motion", "rigid"}, optional
-        Drives to try; by default all that the recording has.
+        Drives to try; by default all those that the recording allows.
     models : sequence of {"action", "one-dof"}, optional
-        Models to run; by default both.
+        Models to play; by default both.
     duration : float, optional
-        How much of it is compared, s.
+        Compared duration, s; by default the whole recording.
     progress, **how
         As in `Instrument.press`.
 
@@ -751,7 +762,7 @@ def compare(
 
 
 def validate(instrument: Instrument, *, progress: bool | None = None) -> list[dict[str, Any]]:
-    """Holds an instrument against what has been measured on real pianos.
+    """Compares an instrument with measurements on real pianos.
 
     Parameters
     ----------
@@ -770,7 +781,7 @@ def validate(instrument: Instrument, *, progress: bool | None = None) -> list[di
 
 
 class Keyboard(Table):
-    """The keys of a keyboard on the technician's bench, a row for each."""
+    """Weights of the keys of a keyboard, one row for each key."""
 
     def __init__(self, name: str, columns: dict[str, Any]) -> None:
         super().__init__(columns)
@@ -791,16 +802,18 @@ def keyboard(
     Parameters
     ----------
     asked : str or path
-        A keyboard: a TOML file or a built-in one. One of its keys is an instrument: `erard.load("concert-grand:key=40")`.
+        The keyboard: a TOML file or a built-in keyboard. A single key is an instrument:
+        `erard.load("concert-grand:key=40")`.
     keys : sequence of int, optional
-        From 1 (A0) to 88 (C8); by default every third and the last.
+        Keys to weigh, 1 (A0) to 88 (C8); by default every third and the last.
     progress : bool, optional
         A progress bar.
 
     Returns
     -------
     Keyboard
-        Columns `key`, `note`, hammer mass, strike, front, down-, up-, balance and friction weight in g, the hammer's speed of a mezzo forte.
+        Columns `key`, `note`, hammer mass, strike, front, down-, up-, balance and friction weight in g, and the hammer
+        speed of a mezzo forte, m/s.
 
     Examples
     --------
@@ -816,7 +829,7 @@ def keyboard(
 
 
 def builtin() -> dict[str, list[str]]:
-    """Names of what is built in.
+    """Returns the names of everything built in.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The keys of a keyboard, played together."""
+"""The keys of a keyboard, stepped together."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ if TYPE_CHECKING:
 
 
 class Keys:
-    """The 88 keys of a keyboard at rest, stepped together. A key that is at rest costs nothing until something moves it.
+    """The 88 keys of a keyboard, starting at rest and stepped together. A key at rest takes no computing time.
 
-    Keys count from 1, the lowest A. A key's drive holds until it is given another. Two threads may step one keyboard: one waits for the other.
+    Keys count from 1, the lowest A. Each key keeps its drive until you set another. Two threads may step one keyboard:
+    one waits for the other.
 
     Parameters
     ----------
     keyboard : str or path-like
-        A built-in keyboard ("concert-grand", or "concert-grand-strings", whose strings sound) or a TOML file.
+        A built-in keyboard ("concert-grand", or "concert-grand-strings" with modal strings) or a TOML file.
     **how
-        How to step, as `Action` takes it. With `hand`, a `Hand`, each key has a hand of its own.
+        Settings of the steps, as for `Action`. With `hand`, a `Hand`, each key has its own hand.
 
     Examples
     --------
@@ -45,7 +46,7 @@ class Keys:
 
     @property
     def awake(self) -> int:
-        """Number of keys that are awake: only those cost time."""
+        """Number of keys that are awake, which are those that take computing time."""
         return self._inner.awake()
 
     @property
@@ -55,7 +56,7 @@ class Keys:
 
     @property
     def time_s(self) -> float:
-        """The present instant, s; new keys are at 0."""
+        """Present time, s; new keys start at 0."""
         return self._inner.time_s()
 
     def drive(
@@ -66,14 +67,14 @@ class Keys:
         motion: tuple[float, float] | None = None,
         rigid: tuple[float, float] | None = None,
     ) -> None:
-        """Drives a key from the next step on, until it is driven otherwise.
+        """Sets the drive of a key from the next step on, until you set another.
 
         Parameters
         ----------
         key : int
-            From 1.
+            Key, from 1.
         force, motion, rigid
-            As in `Action.step`; without any of them nothing touches the key.
+            As in `Action.step`; without any of them, nothing touches the key.
         """
         self._inner.drive(key, None if force is None else number("force", force), pair("motion", motion), pair("rigid", rigid))
 
@@ -83,71 +84,74 @@ class Keys:
         Parameters
         ----------
         key : int
-            From 1.
+            Key, from 1.
         position_m : float
-            m below the key front's rest; negative in the air.
+            Position, m below the key front's rest; negative above the key.
         velocity_m_per_s : float
-            m/s, down positive.
+            Velocity, m/s, down positive.
 
         Raises
         ------
         InputError
-            Where the keys have no hands, or there is no such key.
+            If the keys have no hands, or there is no such key.
         """
         self._inner.place_hand(key, number("position_m", position_m), number("velocity_m_per_s", velocity_m_per_s))
 
     def set_pedal(self, lift_m: float) -> None:
-        """Sends the sustain pedal's rail to a lift, under all keys. Without modal strings it does nothing.
+        """Sets the target lift of the sustain pedal's rail, under all keys. Without modal strings it has no effect.
 
         Parameters
         ----------
         lift_m : float
-            m, from 0 to 0.010; the rail moves at 0.5 m/s at most.
+            Lift, m, 0 to 0.010; values outside are clamped. The rail moves at no more than 0.5 m/s.
         """
         self._inner.set_pedal(number("lift_m", lift_m))
 
     def step(self, steps: int = 1) -> list[tuple[int, float, float]]:
-        """Takes steps.
+        """Takes steps of all keys that are awake.
 
         Parameters
         ----------
         steps : int
-            How many.
+            Number of steps.
 
         Returns
         -------
         list of (int, float, float)
-            The impacts in these steps, in their order: key, instant, s, and speed of the hammer at the string, m/s.
+            Impacts in these steps, in the order of the steps: key, time (s) and hammer speed at the string (m/s,
+            total).
         """
         return self._inner.step(steps)
 
     def reading(self, key: int) -> Reading:
-        """The reading of a key after the last step.
+        """Returns the reading of a key after the last step.
 
         Parameters
         ----------
         key : int
-            From 1.
+            Key, from 1.
 
         Returns
         -------
         Reading
-            As `Action.step` gives it; where the key rests, that of its last step.
+            Reading as from `Action.step`; for a key at rest, that of its last step.
         """
         return self._inner.reading(key)
 
     @property
     def bridge_n(self) -> float:
-        """Force of the strings of all keys on the bridge now, N, with what the dampers at rest press; 0 where none sound."""
+        """Present force of all keys' strings on the bridge, N, including the load of the dampers at rest; 0 without
+        modal strings."""
         return self._inner.bridge_n()
 
     def save(self, key: int) -> bytes:
-        """All that a key's next steps depend on, but for its drive. An `Action` of the key's instrument goes on from there, too, and the other way round.
+        """Returns the complete state of a key, without its drive. `Action` and `Keys` can restore each other's states
+        of the same instrument.
 
         Parameters
         ----------
         key : int
-            From 1.
+            Key, from 1.
 
         Returns
         -------
@@ -156,19 +160,19 @@ class Keys:
         return self._inner.save(key)
 
     def restore(self, key: int, saved: bytes) -> None:
-        """A key goes on from a saved state of the same instrument, to the bit; its drive stays.
+        """Restores a saved state of a key; its drive stays. The key then continues with the same bits.
 
         Parameters
         ----------
         key : int
-            From 1.
+            Key, from 1.
         saved : bytes
-            What `save` gave, here or of an `Action`.
+            Bytes that `save` returned, here or of an `Action`.
 
         Raises
         ------
         InputError
-            Where the bytes are of another instrument, or are no state; nothing has changed then.
+            If the bytes belong to another instrument or are not a saved state; the key is then unchanged.
         """
         self._inner.restore(key, saved)
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     Axis = Union[float, Sequence[float], NDArray[Any]]
 
-#: What came of every stroke, besides what was sampled.
+#: Columns of results that every stroke has, besides its samples.
 OUTCOMES = (
     "key_start_s",
     "toe_contact_s",
@@ -44,13 +44,13 @@ OUTCOMES = (
 
 
 def work(threads: int | None, single: bool, ledger: bool, columns: Sequence[str] = (), every: int = 1) -> Work:
-    """Who does the work and what is kept, as the extension takes it."""
+    """Returns the settings of the work and of the recorded columns as the extension takes them."""
     threads = None if threads is None else whole("threads", threads)
     return {"threads": threads, "single": single, "ledger": ledger, "columns": names_of("columns", columns), "every": every}
 
 
 def outcomes(found: dict[str, Any]) -> dict[str, NDArray[Any]]:
-    """The columns of what came of every stroke, read-only."""
+    """Returns the columns of results of every stroke, read-only."""
     columns = {name: found[name] for name in OUTCOMES}
     columns["impact_count"] = np.nan_to_num(columns["impact_count"]).astype(np.int64)
     columns["unconverged_steps"] = np.nan_to_num(columns["unconverged_steps"]).astype(np.int64)
@@ -60,21 +60,22 @@ def outcomes(found: dict[str, Any]) -> dict[str, NDArray[Any]]:
 
 
 class Rollout(Table):
-    """The results of N strokes of T samples.
+    """Results of N strokes of T samples.
 
-    Columns of shape (N,) tell what came of every stroke, by the names of a study's columns: instants in s (`let_off_s`, ...), nan where it did not
-    happen; `hammer_speed_m_per_s`; `impact_count`; `failed`; `trusted`. Columns of shape (N, T) are what was sampled, a sample at each of `time_s`.
+    Columns of shape (N,) hold the results of every stroke, by the names of a study's columns: times such as
+    `let_off_s`, s, nan for events that did not happen; `hammer_speed_m_per_s`; `impact_count`; `failed`; `trusted`.
+    Columns of shape (N, T) hold the samples at `time_s`.
 
     Attributes
     ----------
     time_s : ndarray of shape (T,)
-        Instants of the samples, s.
+        Times of the samples, s.
     errors : dict of int to str
-        Why strokes failed, by their row; their numbers are nan.
+        Reasons of failed strokes, by row; their results are nan.
     doubts : list of str
-        Why strokes cannot be trusted: of every kind how many, and the worst.
+        Reasons not to trust strokes: for each kind, the number of strokes and the worst of them.
     impacts : list of list of (float, float)
-        Of every stroke: instant (s) and speed (m/s) of each impact on the string.
+        Impacts of each stroke on the string: time (s) and total hammer speed (m/s).
     """
 
     def __init__(
@@ -90,7 +91,7 @@ class Rollout(Table):
         self.time_s, self.errors, self.doubts, self.impacts = time_s, errors, doubts, impacts
 
     def to_xarray(self) -> xarray.Dataset:
-        """A labelled data set: dimensions `stroke` and `time_s`, units as attributes.
+        """Returns a labelled data set with the dimensions `stroke` and `time_s`, and units as attributes.
 
         Returns
         -------
@@ -128,7 +129,8 @@ class Rollout(Table):
 
 
 def divided(dt: float, own: Steps, instruments: Sequence[Instrument]) -> tuple[Steps, int]:
-    """Steps that divide the time from sample to sample evenly, at most as long as asked for; and how many there are."""
+    """Returns settings whose step divides the time between samples evenly and is not longer than given, and the number
+    of these steps."""
     every = max(1, math.ceil(dt / step_of(own, *(one._inner.usual_step_s for one in instruments)) - 1e-9))
     even: Steps = {**own, "step": dt / every}
     return even, every
@@ -148,44 +150,45 @@ def rollout(
     progress: bool | None = None,
     **how: Unpack[Stepping],
 ) -> Rollout:
-    """Plays many strokes, in the lanes of the processor's vectors and on all its cores, without Python's lock.
+    """Plays many strokes at once, on all cores and in their vector lanes, without Python's lock.
 
-    Every stroke comes out as `Instrument.press` computes it, to rounding, and with the same bits however many threads there are.
+    Each stroke has the same results as with `Instrument.press`, to rounding. The bits do not depend on the number of
+    threads.
 
     Parameters
     ----------
     instruments : Instrument or sequence of Instrument
-        One for all strokes, or one for each. Those that differ in numbers only share lanes.
+        One instrument for all strokes, or one for each. Instruments that differ only in parameters share lanes.
     force : array_like of shape (N, T)
-        N strokes of T samples of the finger's force, N, pushing positive.
+        Force of the finger, N, pushing positive: N strokes of T samples.
     motion, rigid : array_like of shape (N, T)
-        In its place: where the fingertip is, or the key's front itself, m down from rest.
+        Instead of `force`: prescribed position of the fingertip, or of the key front itself, m down from rest.
     dt : float
-        From sample to sample, s. The run lasts (T - 1) dt; its steps divide dt evenly.
+        Time between samples, s. The run lasts (T - 1) dt; its steps divide dt evenly.
     columns : sequence of str
-        What is sampled at the same instants: names of a run's columns. The contacts' forces (`string_N`), and the finger's under a motion, are not
-        seen in lanes: strokes are then played one by one on all cores.
+        Columns of a run to sample at the same times. Vector lanes do not record contact forces (`string_N`), nor the
+        finger's force under a motion: with these columns, strokes are played one by one on all cores.
     threads : int, optional
-        By default as many as there are cores.
+        Number of threads; by default the number of cores.
     single : bool
-        Compute in single precision: twice as many strokes side by side, hammer speeds right to some 1e-4.
+        Compute in single precision: twice as many strokes side by side; hammer speeds are accurate to about 1e-4.
     ledger : bool
-        Keep the energy's books, which `trusted` looks at: without them a rollout takes a third of the time (`ledger=False`), and `trusted` asks for
-        all but the energy.
+        Compute the energy balance, which `trusted` checks. With `ledger=False` a rollout takes a third of the time, and
+        `trusted` checks everything but the energy.
     progress : bool, optional
-        A progress bar.
+        Whether to show a progress bar.
     **how
-        How to step: `step` (s, at most), `theta`, `solver`, `friction`, `friction_width`.
+        Settings of the steps: `step` (largest step, s), `theta`, `solver`, `friction`, `friction_width`.
 
     Returns
     -------
     Rollout
-        Arrays of shape (N,) and (N, T). A stroke that fails fails alone: its row is nan.
+        Arrays of shape (N,) and (N, T). If a stroke fails, only its row is nan.
 
     Raises
     ------
     InputError
-        Where an argument is wrong: its shape, a number that is not finite.
+        If an argument is wrong, such as its shape or a number that is not finite.
 
     Examples
     --------
@@ -225,18 +228,19 @@ def rollout(
 
 
 class Study(Table):
-    """A stroke on many variants of an instrument: a row for every combination of what was varied, the last one fastest.
+    """Results of a stroke on many variants of an instrument: one row for each combination of varied values; the last
+    name varies fastest.
 
-    Columns are what was varied, by its name, then what came of it by the names of a study's columns, then what was measured.
+    Columns are the varied values by name, then the results by the names of a study's columns, then the measured lines.
 
     Attributes
     ----------
     axes : dict of str to ndarray
-        What was varied, and its values.
+        Varied names and their values.
     errors : dict of int to str
-        Why strokes failed, by their row.
+        Reasons of failed strokes, by row.
     doubts : list of str
-        Why strokes cannot be trusted.
+        Reasons not to trust strokes.
     """
 
     def __init__(
@@ -253,11 +257,11 @@ class Study(Table):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """How many values each axis has."""
+        """Number of values of each axis."""
         return tuple(len(values) for values in self.axes.values())
 
     def to_xarray(self) -> xarray.Dataset:
-        """A labelled data set whose dimensions are what was varied, units as attributes.
+        """Returns a labelled data set with the varied names as dimensions, and units as attributes.
 
         Returns
         -------
@@ -277,7 +281,7 @@ class Study(Table):
         return xr.Dataset(variables, coords=coordinates)
 
     def plot(self, column: str = "hammer_speed_m_per_s", *, over: str | None = None) -> matplotlib.figure.Figure:
-        """Draws a column over one axis, a curve for every combination of the others.
+        """Draws a column over one axis, with one curve for each combination of the others.
 
         Parameters
         ----------
@@ -332,26 +336,27 @@ def study(
     hand: Hand | None = None,
     **more: Axis,
 ) -> Study:
-    """Plays a stroke on many variants of an instrument: every combination of what is varied.
+    """Plays a stroke on many variants of an instrument: all combinations of the varied values.
 
     Parameters
     ----------
     instrument : Instrument
     vary, **more : mapping of str to array_like
-        What is varied and its values, as bare numbers mean it in `Instrument.vary`: turns of a screw in m (rad, N m), factors of other
-        parameters, and the values themselves of a number of the file. Texts ("-0.2 mm", "8.7 g") are made into such numbers.
+        Names and their values, as bare numbers of `Instrument.vary`: for a screw turns in m (rad, N m), for other
+        parameters factors, for numbers of the file new values. Texts ("-0.2 mm", "8.7 g") are converted to such
+        numbers.
     force : float or array_like, optional
-        A constant force from the start on, N; several are varied, too.
+        Constant force from the start on, N; several forces are one more axis.
     stroke, touch, drive, duration
         As in `Instrument.press`; by default the built-in mf.
     measure : sequence of str
-        Lines of the technician's sheet that are measured of every variant, such as "down_weight_g".
+        Lines of the technician's sheet to measure on every variant, such as "down_weight_g".
     threads, single, progress
         As in `rollout`.
     step, theta : float
-        How to step.
+        Step length, s, and parameter theta of the time-stepping scheme.
     hand : Hand, optional
-        The hand between stroke and key.
+        Hand between stroke and key.
 
     Returns
     -------
@@ -409,7 +414,7 @@ def study(
 
 
 def axis(instrument: Instrument, name: str, values: Any) -> NDArray[np.float64]:
-    """The values of what is varied as bare numbers mean it; texts are made into such."""
+    """Returns the values of a varied name as bare numbers; converts texts to such numbers."""
     given = np.atleast_1d(unmasked(name, values))
     if given.dtype.kind not in "USO" or not any(isinstance(value, str) for value in given.ravel()):
         return floats(name, given, 1)
@@ -437,7 +442,7 @@ def _by_file(
     keep: Work,
     tell: Any,
 ) -> dict[str, Any]:
-    """A study of numbers that have no other name than their path: every variant is read anew."""
+    """Plays a study of numbers that have a path but no name: every variant is read anew."""
     unique, place = np.unique(table, axis=0, return_inverse=True)
     variants = [instrument.vary(dict(zip(varied, map(float, row), strict=True)))._inner for row in unique]
     if forces is None:
@@ -453,7 +458,7 @@ def _by_file(
 def _measured(
     instrument: Instrument, varied: list[str], table: NDArray[np.float64], keys: list[str], threads: int | None
 ) -> dict[str, NDArray[Any]]:
-    """Lines of the sheet of every variant, measured side by side: the work itself runs without Python's lock."""
+    """Measures lines of the sheet on every variant, in threads; the work itself runs without Python's lock."""
     import json
     import os
     import threading
@@ -463,7 +468,8 @@ def _measured(
     over = threading.Event()
 
     class Over(Exception):
-        """Nobody waits for it any more. Signals reach the main thread only: it tells the others."""
+        """Ends a thread whose result is no longer needed. Only the main thread receives signals and stops the
+        others."""
 
     def tell(_: float) -> None:
         if over.is_set():

@@ -1,4 +1,4 @@
-"""Results in parts: files that appear whole or not at all, made once, and taken up again where the work was interrupted."""
+"""Results in parts: files that appear complete or not at all, so that interrupted work can continue."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 
 def digest(about: dict[str, Any]) -> str:
-    """The identity of a piece of work: its description, keys in order."""
+    """Returns the identity of a piece of work: a hash of its description with sorted keys."""
     return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()[:16]
 
 
 class Folder:
-    """A folder of parts that belong to one piece of work, which its `manifest.json` describes."""
+    """Folder of parts of one piece of work, described by its `manifest.json`."""
 
     def __init__(self, path: str | os.PathLike[str], about: dict[str, Any], count: int) -> None:
         self.path, self.count = Path(path), count
@@ -43,17 +43,17 @@ class Folder:
             write_whole(manifest, lambda to: to.write_text(json.dumps(described, indent=1), encoding="utf-8"))
 
     def part(self, index: int) -> Path:
-        """The file of a part."""
+        """Returns the file of a part, from 0."""
         return self.path / f"part-{index:06d}.parquet"
 
     @property
     def missing(self) -> list[int]:
-        """Parts that are not there yet."""
+        """Indices of the parts that are missing."""
         return [index for index in range(self.count) if not self.part(index).exists()]
 
 
 def write_whole(path: Path, write: Callable[[Path], Any]) -> None:
-    """Writes a file beside its place and moves it there: whoever looks sees it whole or not at all."""
+    """Writes a temporary file and renames it, so that the file appears complete or not at all."""
     beside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         write(beside)
@@ -63,14 +63,14 @@ def write_whole(path: Path, write: Callable[[Path], Any]) -> None:
 
 
 def write_parquet(path: Path, table: pyarrow.Table) -> None:
-    """A table as one Parquet file, whole or not at all."""
+    """Writes a table as one Parquet file, complete or not at all."""
     import pyarrow.parquet as pq
 
     write_whole(path, lambda to: pq.write_table(table, to, compression="zstd"))
 
 
 def in_order(indices: Iterable[int], work: Callable[[int], Any]) -> Iterator[int]:
-    """Does the work here, one part after the other."""
+    """Does the work in this process, one part after the other."""
     for index in indices:
         work(index)
         yield index

@@ -13,9 +13,9 @@ from ._errors import Extra, InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: What is drawn unless something else is asked for.
+#: Columns drawn by default.
 USUAL = ("force_N", "key_m", "hammer_head_m", "string_N")
-#: Colours that the colour-blind tell apart (Okabe and Ito).
+#: Colours that colour-blind people can distinguish (Okabe and Ito).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 
 
@@ -58,7 +58,7 @@ def _scaled(column: str, values: Any) -> tuple[Any, str]:
 
 
 def _once(figure: Figure) -> Figure:
-    """The figure for a cell to show: a notebook shows what a cell returns, and would show once more what is left open."""
+    """Closes the figure in a notebook, which would otherwise show it twice, and returns it."""
     with Extra("plot"):
         import matplotlib
         import matplotlib.pyplot as plt
@@ -69,7 +69,7 @@ def _once(figure: Figure) -> Figure:
 
 
 def run_figure(run: DrawnRun, columns: Sequence[str], ax: Any) -> Figure:
-    """Columns of a run over the time, one panel below the other; events as lines."""
+    """Draws columns of a run over time, one panel below the other, with events as lines."""
     with Extra("plot"):
         import matplotlib.pyplot as plt
 
@@ -112,7 +112,7 @@ def run_figure(run: DrawnRun, columns: Sequence[str], ax: Any) -> Figure:
 
 
 def study_figure(study: DrawnStudy, column: str, over: str) -> Figure:
-    """A column over an axis, a curve for every combination of the others (at most ten have colours of their own)."""
+    """Draws a column over an axis, with one curve for each combination of the others (a legend for at most ten)."""
     with Extra("plot"):
         import matplotlib.pyplot as plt
 
@@ -136,7 +136,7 @@ def study_figure(study: DrawnStudy, column: str, over: str) -> Figure:
 
 
 def fit_figure(fit: DrawnFit) -> Figure:
-    """Measured and fitted above, what is left over in units of its noise below: a column for each channel."""
+    """Draws measured and fitted values above and residuals in units of the noise below, one column for each channel."""
     with Extra("plot"):
         import matplotlib.pyplot as plt
 

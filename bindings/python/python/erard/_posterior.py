@@ -1,4 +1,4 @@
-"""Samples of what the parameters of a fit may be."""
+"""Posterior samples of fitted parameters."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 
 
 class Posterior:
-    """Samples of what the parameters may be, given the recordings.
+    """Posterior samples of the parameters, given the recordings.
 
     Attributes
     ----------
     samples : ndarray of shape (S, P)
-        As `Instrument.vary` takes them, in the order of `names`.
+        Sampled values as `Instrument.vary` takes them; columns in the order of `names`.
     names : list of str
     acceptance : float
-        Share of the proposals that were accepted; 0.2 to 0.5 is well.
+        Share of accepted proposals; 0.2 to 0.5 is good.
     """
 
     def __init__(self, names: list[str], samples: Array, acceptance: float) -> None:
@@ -44,12 +44,12 @@ class Posterior:
         return dict(zip(self.names, map(float, self.samples.std(axis=0)), strict=True))
 
     def interval(self, share: float = 0.95) -> dict[str, tuple[float, float]]:
-        """The middle interval of every parameter that holds a share of the samples.
+        """Returns the central interval of every parameter that contains a share of the samples.
 
         Parameters
         ----------
         share : float
-            From 0 to 1.
+            Share of the samples, 0 to 1.
 
         Returns
         -------
@@ -81,7 +81,8 @@ def sample(
     seed: int = 0,
     progress: bool | None = None,
 ) -> Posterior:
-    """Samples the posterior of a fit: Gaussian noise as the fit found it, within its bounds all alike (logarithms of factors).
+    """Samples the posterior of a fit, with the fit's Gaussian noise and a uniform prior within its bounds (of factors:
+    their logarithms).
 
     Noise of what drives and misfit beyond all noise widen it as they widen the errors of the fit: the likelihood is that of the sensors' noise, its
     curvature at the best point adjusted (Chandler and Bate, Biometrika 94, 2007).
@@ -90,16 +91,17 @@ def sample(
     ----------
     found : Fit
     sampler : {"emcee", "nuts"}
-        emcee's walkers need no derivatives, and are played side by side in lanes. "nuts" is Hamiltonian sampling by nutpie (`pip install erard[nuts]`) with the
-        model's own derivatives; each of its steps costs some ten presses with derivatives, one after the other, so that it is slower but for many
-        parameters that depend on each other.
+        "emcee" needs no derivatives; its walkers are played side by side in lanes. "nuts" is Hamiltonian sampling by
+        nutpie (`pip install erard[nuts]`) with the model's own derivatives. Each of its steps takes about ten presses
+        with derivatives, one after the other, so it is faster only for many correlated parameters.
     walkers : int, optional
-        Of emcee at least twice as many as there are parameters (default 32), half of them side by side; of "nuts" chains, one after the other (default 2).
+        For "emcee", number of walkers, at least twice the number of parameters (default 32); half of them are played
+        side by side. For "nuts", number of chains, one after the other (default 2).
     length, burn : int
-        Steps of every walker that are kept, and that are thrown away before.
+        Number of steps of each walker to keep, and to discard before them.
     seed : int
     progress : bool, optional
-        Count the strokes that are played.
+        Whether to count the strokes that are played.
 
     Returns
     -------
@@ -160,7 +162,7 @@ def _by_emcee(
 def _by_nuts(
     found: Fit, first: Array, nearer: Array, low: Array, high: Array, length: int, burn: int, seed: int, tell: Tell
 ) -> tuple[Array, float]:
-    """The no-U-turn sampler over the logits of where the parameters stand between their bounds."""
+    """Samples with the no-U-turn sampler, over logits of the parameters' positions between their bounds."""
     with Extra("nuts"):
         import nutpie
         from nutpie.compiled_pyfunc import from_pyfunc

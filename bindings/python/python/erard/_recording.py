@@ -1,4 +1,4 @@
-"""Recordings: what was measured, from a file, a table or a run."""
+"""Recordings of strokes, from a file, a table or a run."""
 
 from __future__ import annotations
 
@@ -21,39 +21,41 @@ if TYPE_CHECKING:
     RecordingLike = Union["Recording", Table, Mapping[str, ArrayLike], str, "os.PathLike[str]", Any]
 
 
-#: The columns that a recording can have.
+#: Columns that a recording can have.
 _CHANNELS = ("force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s")
 
 
 class Recording(Table):
-    """A recording of a stroke, its columns and units understood, prepared to drive a key or to be compared.
+    """Recording of a stroke, with columns and units recognised, prepared to drive a key or to be compared.
 
     Parameters
     ----------
     source : run, mapping, data frame, path or Recording
-        Columns by their titles: one for the time and any of force, position (of the key's front or of the fingertip, down positive) and the
-        hammer's rise or speed. Titles say the unit: `time_s`, `force_N`, `key_m`, `hammer_head_m`, `hammer_head_m_per_s`, `Force (gf)`,
-        `Travel [mm]`. Anything that speaks
-        the Arrow PyCapsule protocol or is a mapping of arrays will do; a path is a CSV file or, ending in .parquet, a Parquet file. Where a
-        channel holds nan (an empty cell) it was not sampled: `notes` tells how long a gap is bridged.
+        Columns by title: one for the time and any of force, position (of the key front or of the fingertip, down
+        positive) and the hammer's rise or speed. Titles contain the unit: `time_s`, `force_N`, `key_m`,
+        `hammer_head_m`, `hammer_head_m_per_s`, `Force (gf)`, `Travel [mm]`. The source is a mapping of arrays or
+        supports the Arrow PyCapsule protocol. A path is a CSV file or, if it ends in .parquet, a Parquet file. Cells
+        that are nan or empty were not sampled; `notes` reports the length of bridged gaps.
     columns : str or mapping of str to str, optional
-        Which columns to read where their titles do not say it: "time=Time (s),position=Displacement (mm),force=F [gf]", or a mapping of the same.
+        Columns to read if the titles are not recognised: "time=Time (s),position=Displacement (mm),force=F [gf]", or a
+        mapping of roles to titles.
     position : {"key", "fingertip"}, optional
-        Whose position it is; by default what its title says, else the key's.
+        Part whose position was recorded; by default as the title says, else the key.
     zero : bool or mapping of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"} to float
-        Take the mean of the rest before the touch from every channel that has one. A mapping states what a channel reads at its zero, N, m or
-        m/s, in the file's own sign; the other channels' zeros are taken from the rest.
+        Whether to subtract from each channel its mean in the rest before the touch. A mapping gives the reading of a
+        channel at its zero, N, m or m/s, in the file's own sign; the zeros of other channels are taken from the rest.
     low_pass : float, "own" or None
-        A low-pass filter, forward and backward, Hz; "own" where each channel's own noise begins; `None`: nothing is filtered.
+        Cut-off of a low-pass filter, Hz, applied forward and backward; "own" sets it from each channel's own noise;
+        `None` filters nothing.
     invert : sequence of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"}
-        Channels whose sign is to be turned.
+        Channels whose sign is inverted.
     delay : mapping of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"} to float, optional
-        How much later than the others a channel was written down, s.
+        Delay of a channel behind the others, s.
 
     Raises
     ------
     InputError
-        With file, line (or row), column, what was found and what was expected.
+        If the source is wrong; the error holds file, line (or row), column, what was found and what is expected.
 
     Examples
     --------
@@ -109,21 +111,21 @@ class Recording(Table):
 
     @property
     def name(self) -> str:
-        """Its name in messages: its file, or "table"."""
+        """Name of the recording in messages: its file, or "table"."""
         return self._inner.name
 
     @property
     def position_of(self) -> str:
-        """Whose position was recorded: "key" or "fingertip"."""
+        """Part whose position was recorded: "key" or "fingertip"."""
         return self._inner.position_of
 
     @property
     def notes(self) -> list[str]:
-        """The report: what was done to it and noticed, a line each."""
+        """Report of the preparation: changes and observations, one in each line."""
         return self._inner.notes
 
     def noise(self, column: str) -> float | None:
-        """Root mean square of a channel's noise, as its rest or its spectrum tells it.
+        """Returns the root mean square noise of a channel, measured in its rest or its spectrum.
 
         Parameters
         ----------
@@ -132,20 +134,20 @@ class Recording(Table):
         Returns
         -------
         float or None
-            N, m or m/s; `None` where neither tells it.
+            Noise, N, m or m/s; `None` if neither shows it.
         """
         if not isinstance(column, str) or column not in _CHANNELS:
             raise InputError(f"column: found {column!r}, expected one of {', '.join(_CHANNELS)}", key="column", found=repr(column))
         return self._inner.noise(column)
 
     def at(self, column: str, time_s: ArrayLike) -> NDArray[np.float64]:
-        """A channel, prepared and interpolated.
+        """Returns a channel, prepared and interpolated.
 
         Parameters
         ----------
         column : {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"}
         time_s : array_like
-            Instants, s, of shape (T,).
+            Times, s, of shape (T,).
 
         Returns
         -------
@@ -158,7 +160,7 @@ class Recording(Table):
         return found
 
     def _again(self, columns: Mapping[str, NDArray[np.float64]]) -> Recording:
-        """Other samples of the same channels, prepared in the same way."""
+        """Returns a recording with other samples of the same channels, prepared in the same way."""
         return _unpickled(self.name, {name: np.ascontiguousarray(values) for name, values in columns.items()}, self._ready)
 
     def __repr__(self) -> str:
@@ -187,7 +189,7 @@ def _parquet(path: str) -> Mapping[str, Any]:
 
 
 def _arrays(source: Any) -> dict[str, NDArray[np.float64]]:
-    """The numeric columns of whatever has columns."""
+    """Returns the numeric columns of a source that has columns."""
     is_frame = type(source).__module__.partition(".")[0] in ("pandas", "polars")
     if not isinstance(source, Mapping) and hasattr(source, "__arrow_c_stream__") and not is_frame:
         import pyarrow as pa
@@ -219,5 +221,5 @@ def _arrays(source: Any) -> dict[str, NDArray[np.float64]]:
 
 
 def as_recording(source: RecordingLike) -> Recording:
-    """The recording itself, or one made of what is like one, nothing filtered and no zero taken."""
+    """Returns the recording itself, or converts the source to one without filter and zero."""
     return source if isinstance(source, Recording) else Recording(source, zero=False, low_pass=None)

@@ -1,4 +1,4 @@
-"""One press."""
+"""The result of one press."""
 
 from __future__ import annotations
 
@@ -19,23 +19,24 @@ if TYPE_CHECKING:
 
 
 class Run(Table):
-    """The result of one press: a mapping of columns, and the instants of its events.
+    """Result of one press: a mapping of columns, with events, impacts and energy losses.
 
-    Columns are read-only views of the memory in which they were computed: `time_s`, `force_N` (of the finger, pushing positive), `key_m` (of the
-    front, from rest, down positive), `hammer_head_m` (of the strike point, up positive), `hammer_head_m_per_s` (its speed), of every body
-    `NAME_rad` and `NAME_rad_per_s` (counter-clockwise), and of every contact `NAME_N` (normal) and, where it has friction, `NAME_tangential_N`.
+    Columns are read-only arrays, without a copy: `time_s`, `force_N` (force of the finger, pushing positive), `key_m`
+    (travel of the key front from rest, down positive), `hammer_head_m` (rise of the strike point, up positive),
+    `hammer_head_m_per_s` (its speed), for every body `NAME_rad` and `NAME_rad_per_s` (counter-clockwise positive), and
+    for every contact zone `NAME_N` (normal force) and, with friction, `NAME_tangential_N`.
 
     Attributes
     ----------
     events : mapping
-        Instants in s on the stroke's clock by their names (`key_start`, `toe_contact`, `let_off`, `hammer_contact`, `key_bottom`, `check`) and
-        `hammer_speed` in m/s (total); only what happened.
+        Times in s on the stroke's clock by event (`key_start`, `toe_contact`, `let_off`, `hammer_contact`,
+        `key_bottom`, `check`), and `hammer_speed` in m/s (total). Events that did not happen are left out.
     impacts : list of (float, float)
-        Instant (s) and total speed (m/s) of every impact on the string.
+        Time (s) and total hammer speed (m/s) of every impact on the string.
     warnings : list of str
-        Why the run cannot be trusted; empty if nothing speaks against it.
+        Reasons not to trust the run; empty if there are none.
     notes : list of str
-        Where the stroke does not drive quite as it says.
+        Remarks on how the stroke drives the key differently from its data.
 
     Examples
     --------
@@ -68,12 +69,13 @@ class Run(Table):
 
     @property
     def hammer_speed(self) -> float | None:
-        """Total speed of the strike point where it meets the string, m/s; `None` where it does not."""
+        """Total speed of the strike point at the first impact, m/s; `None` without an impact."""
         return self._about["events"]["hammer_speed"]  # type: ignore[no-any-return]
 
     @property
     def hammer_speed_normal(self) -> float | None:
-        """Its part along the string's normal, m/s, which presses the felt; `None` where the string is not met.
+        """Component of the hammer speed along the string's normal, m/s, which compresses the felt; `None` without an
+        impact.
 
         >>> import erard
         >>> run = erard.load("concert-grand").press(force=5.0)
@@ -84,7 +86,7 @@ class Run(Table):
 
     @property
     def free_flight_s(self) -> float | None:
-        """From the last push on the knuckle to the string, s."""
+        """Time from let-off to the impact, s; `None` if either is missing."""
         return self._about["free_flight_s"]  # type: ignore[no-any-return]
 
     @property
@@ -94,37 +96,41 @@ class Run(Table):
 
     @property
     def energy(self) -> Mapping[str, float] | None:
-        """The ledger at the end: work of the drive and where it was lost, J, and the share that is not explained."""
+        """Energy balance of the run: work of the drive and losses, J, and the unexplained share in `residual_relative`;
+        `None` if it was not computed."""
         own = self._about["energy"]
         return None if own is None else types.MappingProxyType(own)
 
     @property
     def losses(self) -> list[dict[str, Any]] | None:
-        """Where the energy went by pin and by contact, the largest loss first, if `press(losses=True)` asked for it; J.
+        """Energy losses by pin and by contact, J, the largest first; `None` without `press(losses=True)`.
 
-        The rows are those of the command's losses.json: `name` (the body of a pin, or the contact; of modal strings "strings", "bridge" or
-        "rocking", dampers' felts that are rocked), `kind` ("pin", "contact" or, of these three, "strings"), `label`, `dry_J` (dry friction, sliding), `viscous_or_felt_J`, `loss_J` (both) and `share` (of all).
+        The rows are those of the command's losses.json: `name` (a pin's body, or the contact; for modal strings
+        "strings", "bridge" or "rocking", the rocking of the dampers' felts), `kind` ("pin", "contact", or "strings" for
+        these three), `label`, `dry_J` (sliding friction), `viscous_or_felt_J`, `loss_J` (the sum) and `share` (of all
+        losses).
         """
         own: list[dict[str, Any]] | None = self._about.get("losses")
         return own
 
     @property
     def work(self) -> Mapping[str, int]:
-        """Steps taken, those that did not converge, and Newton iterations."""
+        """Numbers of steps, of unconverged steps and of Newton iterations."""
         return {name: self._about[name] for name in ("steps", "unconverged_steps", "newton_iterations")}
 
     @property
     def trusted(self) -> bool:
-        """Whether nothing speaks against the numbers."""
+        """Whether the run has no warnings."""
         return not self.warnings
 
     def summary(self) -> dict[str, float | None]:
-        """The numbers of the run in one row.
+        """Returns the key results of the run in one row.
 
         Returns
         -------
         dict of str to float or None
-            Every event (s; `None` where it did not happen), the hammer's speed, the free flight, the peak force.
+            Times of all events (s; `None` for those that did not happen), hammer speed (m/s), free flight (s) and peak
+            force (N).
         """
         row: dict[str, float | None] = {}
         for name, at in self._about["events"].items():
@@ -132,7 +138,7 @@ class Run(Table):
         return row | {"free_flight_s": self.free_flight_s, "peak_force_N": self.peak_force_N}
 
     def svg(self) -> str:
-        """The figure of the run, as `erard press` draws it.
+        """Returns the figure of the run, as `erard press` draws it.
 
         Returns
         -------
@@ -147,9 +153,9 @@ class Run(Table):
         Parameters
         ----------
         *columns : str
-            Names; by default the force, the key, the hammer and the string.
+            Names of columns; by default force, key, hammer and string.
         ax : matplotlib Axes, optional
-            Draws all of them there.
+            Axes to draw all columns on; by default a new figure.
 
         Returns
         -------
@@ -160,7 +166,7 @@ class Run(Table):
         return run_figure(self, columns, ax)
 
     def to_xarray(self) -> xarray.Dataset:
-        """A labelled data set over `time_s`, units as attributes.
+        """Returns a labelled data set over `time_s`, with units as attributes.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""Columns by name: what runs, rollouts and studies are made of."""
+"""Tables of named columns: the base of runs, rollouts and studies."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ if TYPE_CHECKING:
 
 
 class Table(Mapping[str, "NDArray[Any]"]):
-    """Columns of equal length by their names, as read-only views of the memory in which they were computed.
+    """Named columns of equal length, as read-only arrays.
 
-    It is a mapping, and speaks the Arrow PyCapsule protocol: `polars.DataFrame(table)`, `pyarrow.table(table)` and DuckDB read it
+    A table is a mapping and supports the Arrow PyCapsule
+    protocol: `polars.DataFrame(table)`, `pyarrow.table(table)` and DuckDB read it
     without a copy.
     """
 
     _columns: dict[str, NDArray[Any]]
-    #: Units of columns whose names do not say them.
+    #: Units of columns whose names do not end with a unit.
     _own_units: Mapping[str, str] = {}
 
     def __init__(self, columns: dict[str, NDArray[Any]]) -> None:
@@ -33,12 +34,12 @@ class Table(Mapping[str, "NDArray[Any]"]):
 
     @property
     def columns(self) -> list[str]:
-        """Names of the columns, in their order; a name ends with the unit."""
+        """Names of the columns, in order; a name ends with its unit."""
         return list(self._columns)
 
     @property
     def units(self) -> dict[str, str]:
-        """The unit of every column; "1" for a number without."""
+        """Unit of every column; "1" for a number without unit."""
         return {name: self._unit(name) for name in self._columns}
 
     def _unit(self, column: str) -> str:
@@ -65,7 +66,7 @@ class Table(Mapping[str, "NDArray[Any]"]):
     __hash__ = None  # type: ignore[assignment]
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A pandas data frame of the one-dimensional columns; its `attrs["units"]` holds their units.
+        """Returns a pandas data frame of the one-dimensional columns; `attrs["units"]` holds their units.
 
         Returns
         -------
@@ -79,7 +80,7 @@ class Table(Mapping[str, "NDArray[Any]"]):
         return frame
 
     def to_polars(self) -> polars.DataFrame:
-        """A polars data frame; what was sampled of many strokes becomes a column of arrays.
+        """Returns a polars data frame; samples of shape (N, T) become a column of arrays.
 
         Returns
         -------
@@ -91,7 +92,8 @@ class Table(Mapping[str, "NDArray[Any]"]):
         return pl.DataFrame(self)
 
     def to_arrow(self) -> pyarrow.Table:
-        """An Arrow table; every field's metadata holds its `unit`. What was sampled of many strokes becomes a column of lists of equal length.
+        """Returns an Arrow table; each field's metadata holds its `unit`. Samples of shape (N, T) become a column of
+        fixed-size lists.
 
         Returns
         -------

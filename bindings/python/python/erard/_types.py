@@ -13,13 +13,13 @@ Change: TypeAlias = tuple[str, float | str]
 Progress: TypeAlias = Callable[[float], None] | None
 
 
-#: How a recording is prepared: whose position it is, zero from the rest, low-pass in Hz, or by each channel's own
-#: noise, columns that are turned, and how late columns are, s.
+#: Preparation of a recording: part whose position it is, zero from the rest, low-pass in Hz, low-pass by each channel's
+#: own noise, inverted columns, delays of columns, s, and stated zeros of columns.
 Ready: TypeAlias = tuple[str | None, bool, float | None, bool, list[str], list[tuple[str, float]], list[tuple[str, float]]]
 
 
 class Steps(TypedDict):
-    """How to step, complete."""
+    """All settings of the steps."""
 
     step: float
     theta: float
@@ -30,7 +30,7 @@ class Steps(TypedDict):
 
 
 class Fitted(TypedDict):
-    """The result of a fit."""
+    """Result of a fit."""
 
     #: Name, unit, whether it is a factor, bounds, and whether it ended at one.
     free: list[tuple[str, str, bool, float, float, bool]]
@@ -52,7 +52,7 @@ class Fitted(TypedDict):
     jacobian_agreement: float
     #: Title, noise, whether it is known, root mean square misfit at the start and at the end, delay.
     channels: list[tuple[str, float, bool, float, float, float | None]]
-    #: Two parameters by their places, and their correlation.
+    #: Two parameters by index, and their correlation.
     correlated: list[tuple[int, int, float]]
     evaluations: int
     differentiated: int
@@ -63,7 +63,7 @@ class Fitted(TypedDict):
 
 
 class Work(TypedDict):
-    """Who plays many strokes, and what is kept."""
+    """Settings of many strokes, and columns to record."""
 
     threads: int | None
     single: bool

@@ -1,8 +1,9 @@
-"""Ground truth for sensor pianos: what their sensors read, and what truly happened.
+"""Ground truth for sensor pianos: sensor readings with the true events.
 
-Builders of hybrid and silent pianos work the hammer's speed out of optical sensors, and have no labelled data. Here strokes of every kind are
-drawn from named distributions with a seed, played by the simulated action, and read by sensors as they are built: with a range, a
-characteristic, noise, a sampling rate and an analogue-to-digital converter. Beside the counts stand the labels.
+Builders of hybrid and silent pianos compute the hammer speed from optical sensors, and have no labelled data. This
+module draws strokes of every kind from named distributions with a seed, plays them on the simulated action, and reads
+them with realistic sensors: with a range, a characteristic, noise, a sampling rate and an analogue-to-digital
+converter. Labels accompany the counts.
 
 >>> from erard import dataset
 >>> plan = dataset.Plan(count=4, seed=7, keys=(40,), chunk=4)
@@ -44,7 +45,7 @@ DT_S = 0.25e-3
 
 @dataclass(frozen=True)
 class Uniform:
-    """Every value between two bounds alike."""
+    """Uniform distribution between two bounds."""
 
     low: float
     high: float
@@ -58,7 +59,7 @@ class Uniform:
 
 @dataclass(frozen=True)
 class LogUniform:
-    """Every factor alike: the logarithm is uniform between those of two positive bounds."""
+    """Log-uniform distribution: the logarithm is uniform between those of two positive bounds."""
 
     low: float
     high: float
@@ -72,7 +73,7 @@ class LogUniform:
 
 @dataclass(frozen=True)
 class Normal:
-    """Gaussian, cut off at three standard deviations."""
+    """Normal distribution, cut off at three standard deviations."""
 
     mean: float
     std: float
@@ -96,27 +97,28 @@ Distribution = Uniform | LogUniform | Normal
 
 @dataclass(frozen=True)
 class Sensor:
-    """A sensor as it is built.
+    """Sensor with its converter.
 
     Attributes
     ----------
     name : str
-        Its counts are the column `NAME_counts`.
+        Name of the sensor; its counts are the column `NAME_counts`.
     column : str
-        What it sees: a column of a run, "key_m" (down) or "hammer_head_m" (up).
+        Measured quantity, a column of a run: "key_m" (down positive) or "hammer_head_m" (up positive).
     from_m, to_m : float
-        The way between which it goes from no counts to all of them; outside it saturates.
+        Travel at zero counts and at full scale, m; outside, the sensor saturates.
     curvature : float
-        Of its characteristic c(s) = s (1 + curvature (1 - s)), s from 0 to 1 over the way: 0 is straight, positive bends upward, as a reflective
-        sensor does that comes near. Between -1 and 1 it is monotonic.
+        Curvature of the characteristic c(s) = s (1 + curvature (1 - s)), s from 0 to 1 over the travel. 0 is straight;
+        positive bends upward, as for a reflective sensor that comes near. Between -1 and 1 the characteristic is
+        monotonic.
     noise : float
         Root mean square of white noise before the converter, as a share of the full scale.
     bits : int
-        Of the converter, 1 to 16.
+        Bits of the converter, 1 to 16.
     rate_hz : float
         Samples per second.
     gain : Distribution
-        Of each key's sensor: its full scale over the nominal one.
+        Gain of each key's sensor: its full scale over the nominal one.
     """
 
     name: str
@@ -140,13 +142,14 @@ class Sensor:
             raise InputError(f"sensor {self.name}: found {self.rate_hz} Hz, expected 10 to {1 / DT_S:.0f}", key="rate_hz")
 
     def characteristic(self, way_m: Array, gain: float = 1.0) -> Array:
-        """The sensor's reading of a way, as a share of the full scale, without noise and converter; arrays of equal shape."""
+        """Returns the sensor's reading of a travel, as a share of the full scale, without noise and converter; an array
+        of equal shape."""
         share = np.clip((way_m - self.from_m) / (self.to_m - self.from_m), 0.0, 1.0)
         bent: Array = gain * share * (1 + self.curvature * (1 - share))
         return bent
 
     def read(self, way_m: Array, rng: np.random.Generator, gain: float = 1.0) -> NDArray[np.uint16]:
-        """Its counts for a way sampled at its own rate."""
+        """Returns the counts for a travel sampled at the sensor's rate."""
         full = 2**self.bits - 1
         read = self.characteristic(way_m, gain) + self.noise * rng.standard_normal(way_m.shape)
         counts: NDArray[np.uint16] = np.clip(np.round(full * read), 0, full).astype(np.uint16)
@@ -161,10 +164,10 @@ AT_SHANK = Sensor("shank", "hammer_head_m", from_m=0.034, to_m=0.046, curvature=
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of stroke and how often it comes.
+    """Kind of stroke, and its share.
 
-    `pressed` swells and holds, `struck` begins with the finger's impact, `repeated` presses a second time before the key is home, `half` lets go
-    before the hammer is let off.
+    The force of `pressed` swells and holds; `struck` begins with the finger's impact; `repeated` presses a second time
+    before the key is back at rest; `half` releases the key before let-off.
     """
 
     name: str
@@ -176,7 +179,7 @@ KINDS = (Kind("pressed", 0.4), Kind("struck", 0.25), Kind("repeated", 0.2), Kind
 
 @dataclass(frozen=True)
 class Plan:
-    """The plan of a data set. The same plan gives the same data, to the bit, whoever computes it.
+    """Plan of a data set. The same plan gives the same data, to the bit, on every machine.
 
     Attributes
     ----------
@@ -186,22 +189,22 @@ class Plan:
     keyboard : str
         A built-in keyboard or a TOML file.
     keys : tuple of int
-        Keys that are played, 1 to 88.
+        Keys to play, 1 to 88.
     kinds : tuple of Kind
-        Kinds of strokes, and their shares.
+        Kinds of strokes with their shares.
     force_N : Distribution
-        Largest force of a stroke.
+        Largest force of a stroke, N.
     rise_s : Distribution
-        How long it takes to rise.
+        Rise time of the force, s.
     regulation : mapping of str to Distribution
-        Turns of screws, m, drawn for every stroke that is wrongly regulated.
+        Turns of screws, m, drawn for every misregulated stroke.
     misregulated : float
-        Share of the strokes that are.
+        Share of misregulated strokes.
     sensors : tuple of Sensor
     duration_s : float
-        Of every recording.
+        Duration of every recording, s.
     chunk : int
-        Strokes in a part: part of the plan, for its numbers are drawn chunk by chunk.
+        Number of strokes in a part. It belongs to the plan, because random numbers are drawn chunk by chunk.
     """
 
     count: int = 1000
@@ -241,11 +244,11 @@ class Plan:
 
     @property
     def parts(self) -> int:
-        """How many parts it has."""
+        """Number of parts."""
         return -(-self.count // self.chunk)
 
     def about(self) -> dict[str, Any]:
-        """The plan as plain data: distributions by their names."""
+        """Returns the plan as plain data, with distributions by name."""
 
         def plain(value: Any) -> Any:
             if dataclasses.is_dataclass(value) and not isinstance(value, type):
@@ -260,7 +263,7 @@ class Plan:
 
 
 def _smooth(t: Array, start: float, rise: float) -> Array:
-    """From 0 to 1 in a raised cosine."""
+    """Returns a raised cosine from 0 to 1."""
     found: Array = 0.5 - 0.5 * np.cos(np.pi * np.clip((t - start) / rise, 0.0, 1.0))
     return found
 
@@ -325,20 +328,20 @@ def _instruments(plan: Plan, turns: Mapping[str, Array], keys: Sequence[int]) ->
 
 
 def chunk(plan: Plan, index: int, *, threads: int | None = None) -> pyarrow.Table:
-    """One part of a data set.
+    """Computes one part of a data set.
 
     Parameters
     ----------
     plan : Plan
     index : int
-        From 0 to `plan.parts` - 1.
+        Index of the part, 0 to `plan.parts` - 1.
     threads : int, optional
-        By default as many as there are cores. The numbers do not depend on it.
+        Number of threads; by default the number of cores. The data do not depend on it.
 
     Returns
     -------
     pyarrow.Table
-        A row for each stroke; `COLUMNS` says what the columns are.
+        One row for each stroke; `COLUMNS` describes the columns.
     """
     with Extra("tables"):
         import pyarrow as pa
@@ -392,7 +395,7 @@ def chunk(plan: Plan, index: int, *, threads: int | None = None) -> pyarrow.Tabl
 
 
 def _released(key_m: NDArray[Any], t: Array) -> Array:
-    """When the key comes back above half of its travel for the last time; nan where it does not."""
+    """Returns the last time at which the key rises above half of its travel, s; nan if it does not."""
     found = np.full(len(key_m), np.nan)
     for row, way in enumerate(key_m):
         above = way < 0.5 * np.nanmax(way)
@@ -403,7 +406,8 @@ def _released(key_m: NDArray[Any], t: Array) -> Array:
 
 
 def opened(plan: Plan, folder: str | os.PathLike[str]) -> Folder:
-    """The folder of a data set, its card written; one that holds parts of the same plan is gone on with.
+    """Opens the folder of a data set and writes its data card. If the folder holds parts of the same plan, the work
+    continues.
 
     Parameters
     ----------
@@ -413,7 +417,7 @@ def opened(plan: Plan, folder: str | os.PathLike[str]) -> Folder:
     Returns
     -------
     Folder
-        Its parts, and which are missing.
+        Folder with its parts and the indices of missing ones.
     """
     parts = Folder(folder, {"what": "dataset", "version": __version__, "plan": plan.about()}, plan.parts)
     write_whole(parts.path / "README.md", lambda to: to.write_text(card(plan), encoding="utf-8"))
@@ -421,19 +425,20 @@ def opened(plan: Plan, folder: str | os.PathLike[str]) -> Folder:
 
 
 def write(plan: Plan, folder: str | os.PathLike[str], *, progress: bool | None = None) -> Path:
-    """Writes a data set: Parquet parts, `manifest.json`, and the data card `README.md`. Interrupted, it goes on where it was.
+    """Writes a data set: Parquet parts, `manifest.json`, and the data card `README.md`. A repeated call continues
+    interrupted work.
 
     Parameters
     ----------
     plan : Plan
     folder : str or path
     progress : bool, optional
-        A progress bar.
+        Whether to show a progress bar.
 
     Returns
     -------
     Path
-        The folder. `erard.distributed.dataset` does the same over a cluster.
+        The folder. `erard.distributed.dataset` writes the same files on a cluster.
     """
     parts = opened(plan, folder)
     missing = parts.missing
@@ -445,7 +450,7 @@ def write(plan: Plan, folder: str | os.PathLike[str], *, progress: bool | None =
 
 
 def read(folder: str | os.PathLike[str], columns: Sequence[str] | None = None) -> pyarrow.Table:
-    """A data set that was written, as one table.
+    """Reads a written data set as one table.
 
     Parameters
     ----------
@@ -467,7 +472,7 @@ def read(folder: str | os.PathLike[str], columns: Sequence[str] | None = None) -
 
 
 def card(plan: Plan) -> str:
-    """The data card: what the data are, how they were made, what they are not.
+    """Returns the data card: content of the data, how they were made, and their limits.
 
     Parameters
     ----------

@@ -1,11 +1,11 @@
-"""Studies, rollouts, fits and data sets over Dask: what one machine cannot hold.
+"""Studies, rollouts, fits and data sets on a Dask cluster, for work that is too large for one machine.
 
-Work is cut into chunks of fixed size, large enough to fill the lanes of a processor many times over; each becomes one Parquet file, which appears
-whole or not at all. A worker that dies loses nothing but its chunk, which another takes; work that is interrupted goes on where it was. A chunk is
-computed alike wherever it is computed, so that results are the same bits whatever the number of workers.
+The work is divided into chunks of fixed size, large enough to fill the lanes of a processor many times. Each chunk
+becomes one Parquet file, which appears complete or not at all. If a worker dies, another one repeats its chunk;
+interrupted work continues where it stopped. Results have the same bits for any number of workers.
 
-Without a client a `LocalCluster` of one process for each core does the work. `client` takes any `distributed.Client`: of SLURM, Kubernetes, SSH.
-Workers need this package, and a folder that all of them see.
+Without a client, a `LocalCluster` with one process for each core does the work. `client` takes any
+`distributed.Client`, e.g. of SLURM, Kubernetes or SSH. Workers need this package and access to a shared folder.
 
 >>> import erard, numpy as np, tempfile
 >>> from erard import distributed
@@ -57,22 +57,22 @@ TRIES = 3
 
 
 class Parts:
-    """A folder of results.
+    """Folder of results.
 
     Attributes
     ----------
     path : Path
     parts : int
-        How many Parquet files it has.
+        Number of Parquet files.
     computed : int
-        How many of them this call computed; the others were there already.
+        Number of files that this call computed; the others already existed.
     """
 
     def __init__(self, path: Path, parts: int, computed: int) -> None:
         self.path, self.parts, self.computed = path, parts, computed
 
     def read(self, columns: Sequence[str] | None = None) -> pyarrow.Table:
-        """All rows, in their order.
+        """Returns all rows, in order.
 
         Parameters
         ----------
@@ -85,7 +85,7 @@ class Parts:
         return pa.concat_tables([pq.read_table(file, columns=None if columns is None else list(columns)) for file in files])
 
     def to_zarr(self, path: str | os.PathLike[str]) -> None:
-        """Writes the columns of numbers as a Zarr group, one array for each, their units as attributes.
+        """Writes the numeric columns as a Zarr group, one array for each column, with units as attributes.
 
         Parameters
         ----------
@@ -136,7 +136,7 @@ def _each(
     progress: bool | None,
     what: str,
 ) -> None:
-    """Does the jobs on a cluster, a few ahead for each worker; each says its own index when its file is there."""
+    """Runs the jobs on a cluster, a few ahead for each worker; yields the index of each job when its file exists."""
     with Extra("distributed"):
         from distributed import as_completed
 
@@ -161,7 +161,7 @@ def _each(
 
 
 def _study_chunk(index: int, shared: tuple[Any, ...], names: list[str], rows: np.ndarray, forces: np.ndarray | None) -> int:
-    """One chunk of a study: rows of values on variants of an instrument."""
+    """Plays one chunk of a study: rows of values on variants of an instrument."""
     from . import _erard
     from ._common import steps
     from ._instrument import stroke_of
@@ -224,29 +224,30 @@ def study(
     step: float | None = None,
     theta: float = 0.5,
 ) -> Parts:
-    """`erard.study` in chunks over a cluster, into Parquet files.
+    """Runs `erard.study` in chunks on a cluster and writes Parquet files.
 
     Parameters
     ----------
     instrument : Instrument
     folder : str or path
-        Where the parts go; one that holds parts of the same work is gone on with.
+        Folder of the parts; if it holds parts of the same work, the work continues.
     vary : mapping of str to array_like
-        Screws and parameters with their values, as `erard.study` takes them; every combination is played, the last one fastest.
+        Screws and parameters with their values, as `erard.study` takes them; all combinations are played, and the last
+        name varies fastest.
     force, stroke, touch, duration, single, step, theta
         As in `erard.study`.
     chunk : int
-        Strokes in a part.
+        Number of strokes in a part.
     threads : int
-        Of every chunk.
+        Number of threads for each chunk.
     client : distributed.Client, optional
-        The cluster; without one a `LocalCluster` does the work.
+        Cluster; by default a `LocalCluster`.
     workers : int, optional
-        Of that `LocalCluster`; by default as many as there are cores.
+        Number of workers of the `LocalCluster`; by default the number of cores.
     processes : bool
-        Whether they are processes, or threads of this one.
+        Whether these workers are processes, or threads of this process.
     progress : bool, optional
-        A progress bar.
+        Whether to show a progress bar.
 
     Returns
     -------
@@ -291,7 +292,7 @@ def study(
 
 
 def _rollout_chunk(index: int, shared: tuple[Any, ...], rows: np.ndarray) -> int:
-    """One chunk of a rollout."""
+    """Plays one chunk of a rollout."""
     instrument, folder, kind, options = shared
     arguments: dict[str, Any] = {kind: rows, **options}
     found = _rollout(instrument, **arguments, progress=False)
@@ -316,13 +317,13 @@ def rollout(
     progress: bool | None = None,
     **how: Any,
 ) -> Parts:
-    """`erard.rollout` in chunks over a cluster, into Parquet files; what is sampled becomes lists of T values.
+    """Runs `erard.rollout` in chunks on a cluster and writes Parquet files; samples become lists of T values.
 
     Parameters
     ----------
     instrument : Instrument
     folder : str or path
-        Where the parts go; one that holds parts of the same work is gone on with.
+        Folder of the parts; if it holds parts of the same work, the work continues.
     force, motion, rigid : array_like of shape (N, T)
         As in `erard.rollout`; a memory-mapped array is read chunk by chunk.
     dt, columns, threads, **how
@@ -388,13 +389,13 @@ def fit(
     processes: bool = True,
     **options: Any,
 ) -> list[dict[str, Any]]:
-    """`erard.fit` of many independent recordings (or lists of them) over a cluster, one fit for each.
+    """Runs `erard.fit` on a cluster for many independent recordings (or lists of them), one fit for each.
 
     Parameters
     ----------
     instrument : Instrument
     recordings : sequence
-        Of recordings, or of lists of recordings that are fitted together.
+        Recordings, or lists of recordings that are fitted together.
     vary, **options
         As in `erard.fit`.
     client, workers, processes
@@ -403,7 +404,7 @@ def fit(
     Returns
     -------
     list of dict
-        In the order of the recordings: `x`, `std`, `chi2_reduced`, `noise`, `unseen`, `doubts`, `report`.
+        Results in the order of the recordings: `x`, `std`, `chi2_reduced`, `noise`, `unseen`, `doubts`, `report`.
     """
     asked = {"vary": list(vary), "threads": 1, **options}
     with _client(client, workers, processes) as own:
@@ -412,7 +413,7 @@ def fit(
 
 
 def _dataset_chunk(index: int, shared: tuple[Any, ...]) -> int:
-    """One chunk of a data set."""
+    """Computes one chunk of a data set."""
     from .dataset import chunk
 
     plan, folder = shared
@@ -429,13 +430,13 @@ def dataset(
     processes: bool = True,
     progress: bool | None = None,
 ) -> Parts:
-    """`erard.dataset.write` over a cluster: the same files, to the bit.
+    """Runs `erard.dataset.write` on a cluster: the files are the same, to the bit.
 
     Parameters
     ----------
     plan : erard.dataset.Plan
     folder : str or path
-        Where the parts and the data card go.
+        Folder of the parts and the data card.
     client, workers, processes, progress
         As in `study`.
 

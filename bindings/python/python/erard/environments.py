@@ -1,11 +1,11 @@
-"""Environments for Gymnasium: an agent plays a key of the grand in a closed loop, one key or many side by side.
+"""Gymnasium environments in which an agent plays one key of the grand, or many keys side by side, in a closed loop.
 
 >>> import gymnasium, erard.environments
 >>> env = gymnasium.make("erard/Key-v0", control="force")
 >>> observation, info = env.reset(seed=1)
 >>> observation, reward, terminated, truncated, info = env.step([6.0])
 
-`pip install erard[gymnasium]` brings Gymnasium along.
+`pip install erard[gymnasium]` installs Gymnasium.
 """
 
 from __future__ import annotations
@@ -59,14 +59,15 @@ REACH_M = (-0.02, 0.03)
 
 
 def speed_reward(now: Mapping[str, Floats], goal_m_per_s: Floats) -> Floats:
-    """The reward where none is given: at an impact 1 less the relative error of its hammer speed, at least -1; otherwise 0.
+    """Returns the default reward: at an impact 1 minus the relative error of the hammer speed, at least -1; otherwise
+    0.
 
     Parameters
     ----------
     now : mapping of str to ndarray of shape (N,)
-        What there is to be read of each lane after the period; `hammer_speed_m_per_s` is nan where no hammer met its string.
+        Readings of each lane after the period; `hammer_speed_m_per_s` is nan without an impact.
     goal_m_per_s : ndarray of shape (N,)
-        The hammer speed that is asked for, m/s.
+        Goal of the hammer speed, m/s.
 
     Returns
     -------
@@ -77,7 +78,7 @@ def speed_reward(now: Mapping[str, Floats], goal_m_per_s: Floats) -> Floats:
 
 
 class _Lanes:
-    """Actions side by side, each with its episode: what both environments are made of."""
+    """Actions side by side, each with its episode: the base of both environments."""
 
     def __init__(
         self,
@@ -119,13 +120,13 @@ class _Lanes:
             self.reset(lane, low, {})
 
     def spaces(self) -> tuple[Box, Box]:
-        """Of one lane: what is observed, and what is done."""
+        """Returns the spaces of observations and of actions of one lane."""
         most = np.array(list(OBSERVED.values()))
         least, largest = (np.array([end]) for end in CONTROLS[self.control])
         return Box(-most, most, dtype=np.float64), Box(least, largest, dtype=np.float64)
 
     def reset(self, lane: int, goal: float, options: Mapping[str, Any]) -> None:
-        """A lane begins an episode: from its rest, or where the options say."""
+        """Begins an episode of a lane, from its rest or from the state in the options."""
         if unknown := set(options) - {"state", "finger_m", "goal_m_per_s", "time_s"}:
             found = ", ".join(sorted(unknown))
             raise InputError(f"options: found {found}; expected state, finger_m, goal_m_per_s, time_s", key="options", found=found)
@@ -139,7 +140,7 @@ class _Lanes:
         self.goal[lane], self.periods[lane], self.over[lane] = goal, round(time_s / self.period_s), False
 
     def saved(self, lane: int) -> dict[str, Any]:
-        """What a reset takes to go on from here, to the bit."""
+        """Returns the options with which a reset continues from here, to the bit."""
         return {
             "state": self.actions[lane].save(),
             "finger_m": float(self.finger_m[lane]),
@@ -148,12 +149,12 @@ class _Lanes:
         }
 
     def read(self, lanes: NDArray[np.int64], values: Floats, count: int) -> dict[str, Floats]:
-        """So many steps of some lanes, and what there is to be read then."""
+        """Takes steps of some lanes and returns their readings."""
         own = [self.inner[lane] for lane in lanes.tolist()]
         return _erard.advance(own, self.control, np.ascontiguousarray(values), count, self.threads)
 
     def observed(self, lanes: NDArray[np.int64], now: Mapping[str, Floats]) -> Floats:
-        """The observations of some lanes."""
+        """Returns the observations of some lanes."""
         own = {
             "finger_m": now["hand_m"] if self.control == "force" or self.has_hand else self.finger_m[lanes],
             "goal_m_per_s": self.goal[lanes],
@@ -162,12 +163,12 @@ class _Lanes:
         return np.stack([own[name] if name in own else now[name] for name in OBSERVED], axis=1)
 
     def present(self, lanes: NDArray[np.int64]) -> Floats:
-        """The observations of some lanes before they have moved: no finger has pushed yet."""
+        """Returns the observations of some lanes at the start, before any finger has pushed."""
         now = self.read(lanes, self.values(lanes, np.zeros(len(lanes)))[0], 0)
         return self.observed(lanes, {**now, "finger_mean_n": np.zeros(len(lanes))})
 
     def values(self, lanes: NDArray[np.int64], asked: Floats) -> tuple[Floats, Floats]:
-        """What drives the keys over a period, and where the fingertips are after it."""
+        """Returns the inputs of the keys over a period, and the positions of the fingertips after it."""
         asked = np.clip(asked, *CONTROLS[self.control])
         from_m = self.finger_m[lanes]
         if self.control == "force":
@@ -176,7 +177,8 @@ class _Lanes:
         return np.stack([from_m, (to_m - from_m) / self.period_s], axis=1), to_m
 
     def step(self, lanes: NDArray[np.int64], asked: Floats) -> tuple[Floats, Floats, NDArray[np.bool_], NDArray[np.bool_], dict[str, Floats]]:
-        """A period of some lanes: observations, rewards, whether they ended, whether their time is over, and all that is to be read."""
+        """Plays a period of some lanes and returns observations, rewards, whether episodes ended, whether their time is
+        over, and all readings."""
         values, to_m = self.values(lanes, asked)
         now = self.read(lanes, values, self.steps)
         self.finger_m[lanes] = to_m
@@ -189,7 +191,7 @@ class _Lanes:
 
 
 def _action_of(value: Any, shape: tuple[int, ...]) -> Floats:
-    """What the agent asks for: finite numbers of that shape."""
+    """Returns the agent's action: an array of this shape; raises an error for numbers that are not finite."""
     found = np.shape(value)
     if found != shape:
         raise InputError(f"action: found shape {found}, expected {shape}", key="action", found=str(found), expected=str(shape))
@@ -197,40 +199,43 @@ def _action_of(value: Any, shape: tuple[int, ...]) -> Floats:
 
 
 class KeyEnv(gymnasium.Env[Any, Any]):
-    """A key of the grand, played by an agent: it pushes, sees key and hammer, and is to send the hammer to the string at a given speed.
+    """One key of the grand, played by an agent. The agent pushes, observes key and hammer, and is to reach a given
+    hammer speed at the string.
 
-    Each step of the environment is a period of the agent's device. An episode ends at the impact, or when its time is over. Under `control="force"`
-    an action is the force of the finger on the key, N, 0 to 60; with a `hand` it is the force of the muscle on the hand. Under "motion" it is the
-    velocity of a soft fingertip, m/s, -1 to 1, down positive, which goes from -20 to 30 mm; with a `hand` the muscle follows it. Actions beyond
-    their range are clipped. The same actions give the same bits as `Action.step`.
+    Each step of the environment is one period of the agent. An episode ends at the impact, or when its time is over.
+    With `control="force"`, an action is the force of the finger on the key, N, 0 to 60; with a `hand`, the force of the
+    muscle on the hand. With "motion", it is the velocity of a soft fingertip, m/s, -1 to 1, down positive, and the
+    fingertip stays within -20 to 30 mm; with a `hand`, the muscle follows it. Actions out of range are clipped. The
+    same actions give the same bits as `Action.step`.
 
     Observations are eight numbers (`OBSERVED`): `key_m`, `key_m_per_s`, `finger_mean_n`, `hammer_m`, `hammer_m_per_s`, `finger_m`, `goal_m_per_s`,
-    `time_s`. Key and finger are positive downward from the key's rest, the hammer upward. `info` has the hammer's speed at the impact,
-    `hammer_speed_m_per_s`.
+    `time_s`. Key and finger are positive downward from the key's rest, the hammer upward. `info` holds the hammer speed
+    at the impact, `hammer_speed_m_per_s` (total).
 
-    `reset(options=...)` takes `state` (what `Action.save` or `Keys.save` gave), `finger_m`, `goal_m_per_s` and `time_s`; what `save` gives are such
-    options. An episode that begins with a checked hammer is a repetition.
+    `reset(options=...)` takes `state` (bytes from `Action.save` or `Keys.save`), `finger_m`, `goal_m_per_s` and
+    `time_s`; `save` returns such options. To train repetition, begin episodes with a checked hammer.
 
     Parameters
     ----------
     instrument : Instrument or str
-        The key, e.g. "concert-grand" or "concert-grand-strings:key=52".
+        Instrument of the key, e.g. "concert-grand" or "concert-grand-strings:key=52".
     control : {"force", "motion"}
-        What the agent does.
+        Quantity that the agent controls.
     hand : Hand, optional
-        A mass that the agent's muscle moves, between agent and key.
+        Hand between agent and key: a mass that the agent's muscle moves.
     period_s : float
-        The agent's period, s, 0.0001 to 0.1; the simulation's steps divide it evenly.
+        Period of the agent, s, 0.0001 to 0.1; the simulation's steps divide it evenly.
     duration_s : float
-        The longest episode, s.
+        Longest duration of an episode, s.
     goal_m_per_s : (float, float)
-        Hammer speeds, m/s, of which each episode draws one, uniformly.
+        Range of hammer speeds, m/s, from which each episode draws its goal uniformly.
     begin : bytes, optional
-        The state in which episodes begin: what `Action.save` or `Keys.save` gave. By default the action is at rest.
+        State in which episodes begin, bytes from `Action.save` or `Keys.save`; by default at rest.
     reward : callable, optional
-        Of what there is to be read after a period (arrays of one number for each lane) and the goals: the rewards. By default `speed_reward`.
+        Function of the readings after a period (arrays with one number for each lane) and of the goals, which returns
+        the rewards; by default `speed_reward`.
     step : float, optional
-        The longest step of the simulation, s.
+        Longest step of the simulation, s.
 
     Examples
     --------
@@ -272,7 +277,7 @@ class KeyEnv(gymnasium.Env[Any, Any]):
         Parameters
         ----------
         seed : int, optional
-            Of the goals that are drawn from now on.
+            Seed of the goals that are drawn from now on.
         options : dict, optional
             Any of `state`, `finger_m`, `goal_m_per_s` and `time_s`.
 
@@ -288,23 +293,23 @@ class KeyEnv(gymnasium.Env[Any, Any]):
         return self._lanes.present(_FIRST)[0], {}
 
     def step(self, action: Any) -> tuple[Floats, float, bool, bool, dict[str, Any]]:
-        """Plays for a period.
+        """Plays for one period.
 
         Parameters
         ----------
         action : array_like of shape (1,)
-            The force, N, or the fingertip's velocity, m/s.
+            Force, N, or velocity of the fingertip, m/s.
 
         Returns
         -------
         observation : ndarray of shape (8,)
         reward : float
         terminated : bool
-            The hammer met the string, or a number became infinite.
+            Whether the hammer reached the string, or a number became infinite.
         truncated : bool
-            The time is over.
+            Whether the time is over.
         info : dict
-            `hammer_speed_m_per_s` at the impact, `failed` where a number became infinite.
+            `hammer_speed_m_per_s` after an impact; `failed` if a number became infinite.
         """
         seen, rewards, ended, cut, now = self._lanes.step(_FIRST, _action_of(action, (1,)))
         info: dict[str, Any] = {}
@@ -315,7 +320,7 @@ class KeyEnv(gymnasium.Env[Any, Any]):
         return seen[0], float(rewards[0]), bool(ended[0]), bool(cut[0]), info
 
     def save(self) -> dict[str, Any]:
-        """What `reset(options=...)` takes to go on from here, to the bit.
+        """Returns the options with which `reset(options=...)` continues from here, to the bit.
 
         Returns
         -------
@@ -325,19 +330,20 @@ class KeyEnv(gymnasium.Env[Any, Any]):
 
 
 class KeyVectorEnv(VectorEnv[Any, Any, Any]):
-    """Many keys side by side, each as a `KeyEnv` of its own, to the bit, stepped on all cores without Python's lock.
+    """Many keys side by side, stepped on all cores without Python's lock. Each has the same bits as a separate
+    `KeyEnv`.
 
-    A lane whose episode has ended begins the next one in the following step, whose action does not count for it (Gymnasium's
-    `AutoresetMode.NEXT_STEP`).
+    If the episode of a lane has ended, the lane begins the next episode in the following step and ignores the action of
+    that step (Gymnasium's `AutoresetMode.NEXT_STEP`).
 
     Parameters
     ----------
     num_envs : int
-        How many.
+        Number of lanes.
     instrument : Instrument, str, or sequence of Instrument
-        One for all, or one for each.
+        One instrument for all lanes, or one for each.
     threads : int, optional
-        By default as many as there are cores.
+        Number of threads; by default the number of cores.
     control, hand, period_s, duration_s, goal_m_per_s, begin, reward, step
         As in `KeyEnv`.
 
@@ -393,9 +399,9 @@ class KeyVectorEnv(VectorEnv[Any, Any, Any]):
         Parameters
         ----------
         seed : int or sequence of int, optional
-            One for each lane; of one number the lanes get it and those that follow it.
+            One seed for each lane, or the seed of the first lane; the others then get the numbers after it.
         options : dict, optional
-            As in `KeyEnv.reset`; a list or an array has a value for each lane.
+            Options as in `KeyEnv.reset`; a list or an array has one value for each lane.
 
         Returns
         -------
@@ -416,12 +422,12 @@ class KeyVectorEnv(VectorEnv[Any, Any, Any]):
         self._lanes.reset(lane, goal, options)
 
     def step(self, actions: Any) -> tuple[Floats, Floats, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        """Plays for a period in every lane.
+        """Plays for one period in every lane.
 
         Parameters
         ----------
         actions : array_like of shape (N, 1)
-            Forces, N, or the fingertips' velocities, m/s.
+            Forces, N, or velocities of the fingertips, m/s.
 
         Returns
         -------
@@ -429,7 +435,8 @@ class KeyVectorEnv(VectorEnv[Any, Any, Any]):
         rewards : ndarray of shape (N,)
         terminated, truncated : ndarray of shape (N,)
         infos : dict
-            `hammer_speed_m_per_s` and `failed` of each lane, and under the same names with `_` before them in which lanes they are.
+            `hammer_speed_m_per_s` and `failed` of each lane, and masks of the lanes that have them, under the same
+            names with a leading `_`.
         """
         asked = _action_of(actions, (self.num_envs, 1))[:, 0]
         lanes = self._lanes
@@ -450,7 +457,8 @@ class KeyVectorEnv(VectorEnv[Any, Any, Any]):
         return seen, rewards, terminated, truncated, infos
 
     def save(self) -> dict[str, Any]:
-        """What `reset(options=...)` takes to go on from here, to the bit. The goals of later episodes are not part of it.
+        """Returns the options with which `reset(options=...)` continues from here, to the bit. They do not contain the
+        goals of later episodes.
 
         Returns
         -------
@@ -464,7 +472,7 @@ _FIRST = np.zeros(1, dtype=np.int64)
 
 
 def _of_lane(name: str, value: Any, lane: int, count: int) -> Any:
-    """An option of a lane: its own, or the one of all."""
+    """Returns the option of one lane: its own, or the common one."""
     if isinstance(value, (bytes, str)) or np.ndim(value) == 0:
         return value
     if len(value) != count:

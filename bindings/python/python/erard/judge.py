@@ -1,15 +1,15 @@
-"""Judge of algorithms that make notes of key sensors, on data sets of `erard scan`.
+"""Judge of algorithms that turn the readings of key sensors into notes, on data sets of `erard scan`.
 
-A data set holds what sensors under the keys read, and when and how fast each hammer truly met its string. The judge
-hands an algorithm the readings and nothing else, or reads the notes that it found, and reports what it missed, what it
-made up, and how wrong its speeds and instants are. This file needs NumPy only and can be copied out of the package;
-as a program it judges a table of notes:
+A data set holds the readings of sensors under the keys, and the true time and hammer speed of each strike. The judge
+gives an algorithm only the readings, or reads the notes that it found, and reports missed strikes, false notes, and the
+errors of speeds and times. This file needs only NumPy and can be copied out of the package; as a program it judges a
+table of notes:
 
     erard scan pieces/hanon.mid --cases --out data
     python -m erard.judge data notes.csv                # columns key, time_s, hammer_speed_m_per_s (or velocity)
     python -m erard.judge data --algorithm slope --train nominal
 
-Three small algorithms serve for comparison: `TwoPoints`, `SlopeAtLetOff` and `OneDegreeHammer`.
+Three simple algorithms are included for comparison: `TwoPoints`, `SlopeAtLetOff` and `OneDegreeHammer`.
 
 >>> from erard import judge
 >>> truth = judge.Notes([40, 40], [1.0, 2.0], [0.5, 2.0])
@@ -49,7 +49,8 @@ FAINT_M_PER_S = 0.25
 
 
 def velocity(hammer_speed_m_per_s: ArrayLike) -> Floats:
-    """MIDI velocity of hammer speeds: 52 + 25 log2(v), Goebl's law, which `erard` uses; not limited to 0 to 127.
+    """Returns the MIDI velocities of hammer speeds, 52 + 25 log2(v) (Goebl's law, which `erard` uses); not limited to 0
+    to 127.
 
     Parameters
     ----------
@@ -64,12 +65,12 @@ def velocity(hammer_speed_m_per_s: ArrayLike) -> Floats:
 
 
 def speed(velocities: ArrayLike) -> Floats:
-    """Hammer speeds of MIDI velocities, m/s: the inverse of `velocity`.
+    """Returns the hammer speeds of MIDI velocities, m/s: the inverse of `velocity`.
 
     Parameters
     ----------
     velocities : array_like
-        Counts of velocity; they may have fractions.
+        MIDI velocities, which may have fractions.
 
     Returns
     -------
@@ -86,17 +87,17 @@ class Notes:
     key : array_like of int
         Keys, from 1 (A0) to 88.
     time_s : array_like
-        When each hammer meets its string, s, on the clock of the readings.
+        Time of each impact on the string, s, on the clock of the readings.
     hammer_speed_m_per_s : array_like
         Hammer speeds at the string, m/s, positive.
     optional : array_like of bool, optional
-        Of true strikes: those which need not be found (bounces of a hammer). Strikes slower than `FAINT_M_PER_S` need
-        not either.
+        Flags true strikes that need not be found, such as bounces of a hammer. Strikes slower than `FAINT_M_PER_S` need
+        not be found either.
 
     Raises
     ------
     ValueError
-        The columns differ in length, or a number is not finite, not positive or no key.
+        If the columns differ in length, or a number is not finite, not positive or not a key.
     """
 
     def __init__(self, key: ArrayLike, time_s: ArrayLike, hammer_speed_m_per_s: ArrayLike, optional: ArrayLike | None = None) -> None:
@@ -128,7 +129,7 @@ class Notes:
             A CSV with the columns `key`, `time_s`, and `hammer_speed_m_per_s` or `velocity`, as `erard live --out notes.csv`
             writes it; or a MIDI file (`pip install mido` reads it).
         shift_s : float, optional
-            Added to the instants, s: by how much the file begins later than the readings' clock.
+            Time to add, s: the start of the file on the clock of the readings.
 
         Returns
         -------
@@ -137,7 +138,7 @@ class Notes:
         Raises
         ------
         ValueError
-            It cannot be read; the message names file, line and column.
+            If the file cannot be read; the message names file, line and column.
         """
         path = Path(path)
         if path.suffix.lower() in (".mid", ".midi"):
@@ -173,7 +174,7 @@ class Notes:
 
 
 def table(path: str | Path) -> list[dict[str, str]]:
-    """Rows of a CSV as dictionaries of words.
+    """Reads the rows of a CSV as dictionaries of text.
 
     Parameters
     ----------
@@ -186,7 +187,7 @@ def table(path: str | Path) -> list[dict[str, str]]:
     Raises
     ------
     ValueError
-        The file cannot be read.
+        If the file cannot be read.
     """
     try:
         with Path(path).open(newline="", encoding="utf-8-sig") as file:
@@ -196,7 +197,7 @@ def table(path: str | Path) -> list[dict[str, str]]:
 
 
 def column(rows: Sequence[Mapping[str, str]], name: str, path: str | Path) -> Floats:
-    """A column of numbers.
+    """Returns a column of numbers.
 
     Parameters
     ----------
@@ -214,7 +215,7 @@ def column(rows: Sequence[Mapping[str, str]], name: str, path: str | Path) -> Fl
     Raises
     ------
     ValueError
-        There is no such column, or a cell is no number.
+        If there is no such column, or a cell is not a number.
     """
     values = []
     for number, row in enumerate(rows, start=2):
@@ -230,16 +231,17 @@ def column(rows: Sequence[Mapping[str, str]], name: str, path: str | Path) -> Fl
 
 @dataclass(frozen=True)
 class Scan:
-    """Readings of the sensors of all keys: all that an algorithm may know.
+    """Readings of the sensors of all keys: the only data that an algorithm gets.
 
     Attributes
     ----------
     path : Path
-        The stream, as `erard live` reads it.
+        Stream of readings, as `erard live` reads it.
     profile : Path
-        The readings at the keys' stops, for `erard live --calibration`.
+        Readings at the keys' stops, for `erard live --calibration`.
     bits, rate_hz, noise_percent : float
-        The converter's bits, readings of each key a second, and the noise's standard deviation, % of a key's travel.
+        Bits of the converter, readings of each key per second, and standard deviation of the noise, % of a key's
+        travel.
     """
 
     path: Path
@@ -249,7 +251,7 @@ class Scan:
     noise_percent: float
 
     def keys(self) -> Iterator[tuple[int, Floats, Floats]]:
-        """Of each key its number, the instants of its readings, s, and the travel of its front, mm, down positive.
+        """Yields for each key its number, the times of its readings, s, and the travel of its front, mm, down positive.
 
         Returns
         -------
@@ -269,12 +271,12 @@ class Scan:
 
 
 def strokes(t: Floats, x: Floats) -> Iterator[tuple[Floats, Floats]]:
-    """Splits a key's readings where it was at rest and not read for 50 ms.
+    """Splits a key's readings at gaps of 50 ms or more, in which it was at rest and not read.
 
     Parameters
     ----------
     t, x : ndarray
-        Instants, s, and travel, mm, of one key.
+        Times, s, and travel, mm, down positive, of one key.
 
     Returns
     -------
@@ -285,7 +287,7 @@ def strokes(t: Floats, x: Floats) -> Iterator[tuple[Floats, Floats]]:
 
 
 class DataSet:
-    """A data set of `erard scan`.
+    """Data set of `erard scan`.
 
     Parameters
     ----------
@@ -294,16 +296,16 @@ class DataSet:
     Attributes
     ----------
     about : dict
-        `scan.json`: sensors, keys, seeds, and what made it.
+        Content of `scan.json`: sensors, keys, seeds, and the program that made it.
     scans : list of Scan
-        What sensors read.
+        Readings of the sensors.
     truth : Notes
         True strikes.
 
     Raises
     ------
     ValueError
-        The folder holds no data set.
+        If the folder holds no data set.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -326,7 +328,7 @@ class DataSet:
         self._windows = np.stack([column(rows, name, path) for name in ("key", "from_s", "to_s")], axis=1)
 
     def cases(self, notes: Notes) -> NDArray[np.str_]:
-        """The case that was played on the key of each note at its instant; empty where none was.
+        """Returns the case that was played on the key of each note at its time; empty if there was none.
 
         Parameters
         ----------
@@ -344,16 +346,16 @@ class DataSet:
 
 @dataclass(frozen=True)
 class Score:
-    """What became of notes.
+    """Comparison of found notes with true strikes.
 
     Attributes
     ----------
     true, found : Notes
-        What was compared.
+        Notes that were compared.
     pairs : ndarray of int, shape (n, 2)
-        Indices of the strikes and notes that belong together, those of optional strikes left out.
+        Indices of matching strikes and notes, without optional strikes.
     missing, surplus, double : ndarray of int
-        Indices of strikes that were missed, of notes that are false, of notes that are doubles.
+        Indices of missed strikes, of false notes, and of double notes.
     """
 
     true: Notes
@@ -365,47 +367,47 @@ class Score:
 
     @property
     def matched(self) -> int:
-        """Strikes that were found."""
+        """Number of strikes that were found."""
         return len(self.pairs)
 
     @property
     def missed(self) -> int:
-        """Strikes that were not found."""
+        """Number of strikes that were missed."""
         return len(self.missing)
 
     @property
     def false(self) -> int:
-        """Notes where nothing was struck."""
+        """Number of notes without a strike."""
         return len(self.surplus)
 
     @property
     def doubled(self) -> int:
-        """Notes too many shortly after a strike that was found."""
+        """Number of surplus notes shortly after a strike that was found."""
         return len(self.double)
 
     @property
     def speed_error(self) -> Floats:
-        """Errors of the speeds that were found, shares of the true ones."""
+        """Errors of the found speeds, as shares of the true ones."""
         pairs = self.pairs
         return np.asarray(self.found.hammer_speed_m_per_s[pairs[:, 1]] / self.true.hammer_speed_m_per_s[pairs[:, 0]] - 1.0)
 
     @property
     def velocity_error(self) -> Floats:
-        """Those errors in counts of velocity, 2.8 % of the speed each."""
+        """Errors of the found speeds in MIDI velocities, each 2.8 % of the speed."""
         return np.asarray(25.0 * np.log2(1.0 + self.speed_error))
 
     @property
     def time_error(self) -> Floats:
-        """Errors of the instants, s; late is positive."""
+        """Errors of the found times, s; late is positive."""
         return np.asarray(self.found.time_s[self.pairs[:, 1]] - self.true.time_s[self.pairs[:, 0]])
 
     def summary(self) -> dict[str, float]:
-        """Counts, and median, 5th and 95th percentile of each error.
+        """Returns counts, and median, 5th and 95th percentile of each error.
 
         Returns
         -------
         dict of str to float
-            Errors are NaN where nothing matched.
+            Counts and percentiles; errors are NaN if nothing matched.
         """
         told: dict[str, float] = {"matched": self.matched, "missed": self.missed, "false": self.false, "doubled": self.doubled}
         for name, errors in (("speed_percent", 100.0 * self.speed_error), ("velocity_counts", self.velocity_error), ("time_ms", 1e3 * self.time_error)):
@@ -417,9 +419,9 @@ class Score:
 def compare(true: Notes, found: Notes) -> Score:
     """Compares notes with the truth.
 
-    Each note belongs to at most one strike of its key within `WITHIN_S`, the nearest in time first, strikes that must
-    be found before those that need not (bounces, and hammers slower than `FAINT_M_PER_S`). A note that is left over is
-    a double if a strike that was found lies within `DOUBLED_S` before it, else it is false.
+    Each note matches at most one strike of its key within `WITHIN_S`. The nearest in time match first, and strikes that
+    must be found before those that need not (bounces, and hammers slower than `FAINT_M_PER_S`). An unmatched note is a
+    double if a found strike lies within `DOUBLED_S` before it, else it is false.
 
     Parameters
     ----------
@@ -459,15 +461,15 @@ Algorithm = Callable[[Scan], "Notes | Iterable[tuple[int, float, float]]"]
 
 
 def judge(data: DataSet, scan: Scan, algorithm: Algorithm) -> Score:
-    """Lets an algorithm work on readings, and compares its notes with the truth. It does not get the truth.
+    """Runs an algorithm on readings and compares its notes with the truth, which the algorithm does not get.
 
     Parameters
     ----------
     data : DataSet
     scan : Scan
-        One of the data set's.
+        A scan of the data set.
     algorithm : callable
-        Takes a `Scan`, returns `Notes` or tuples of key, instant (s) and hammer speed (m/s).
+        Function that takes a `Scan` and returns `Notes` or tuples of key, time (s) and hammer speed (m/s).
 
     Returns
     -------
@@ -481,13 +483,13 @@ def judge(data: DataSet, scan: Scan, algorithm: Algorithm) -> Score:
 
 
 class Baseline:
-    """An algorithm that measures one quantity u of a press, and has a curve from u to the hammer's speed.
+    """Algorithm that measures one quantity u of a press and maps u to the hammer speed.
 
-    The curve is a parabola in logarithms, log v = a + b log u + c (log u)^2; the instant is that of the measurement and
-    d + e / u later. A press whose u is a tenth below that of the slowest that sounded makes no note. `train` fits these
-    numbers to a data set, as a maker would on a piano of their own. A subclass finds the measurements in the readings
-    of one key, which are smoothed by a mean over 2 ms. The defaults of heights and ratios are those of a few that did
-    well on the built-in grand.
+    The map is a parabola in logarithms, log v = a + b log u + c (log u)^2. The time of a note is d + e / u after the
+    measurement. A press makes no note if its u is a tenth below the smallest u of a sounding press. `train` fits these
+    coefficients to a data set, as a maker would on their own piano. A subclass finds the measurements in the readings
+    of one key, smoothed by a mean over 2 ms. The default heights and ratios were chosen among a few on the built-in
+    grand.
     """
 
     #: Readings are smoothed over this time, s.
@@ -499,12 +501,12 @@ class Baseline:
         self.range: tuple[float, float] = (1e-3, np.inf)
 
     def measure(self, t: Floats, x: Floats) -> Iterator[tuple[float, float]]:
-        """Measurements in the readings of one key: when, s, and u, positive.
+        """Yields the measurements in the readings of one key: time, s, and u, positive.
 
         Parameters
         ----------
         t, x : ndarray
-            Instants, s, and travel of the key's front, mm, beginning at rest.
+            Times, s, and travel of the key front, mm, beginning at rest.
 
         Returns
         -------
@@ -513,7 +515,7 @@ class Baseline:
         raise NotImplementedError
 
     def __call__(self, scan: Scan) -> Notes:
-        """The notes of readings.
+        """Returns the notes of readings.
 
         Parameters
         ----------
@@ -546,18 +548,19 @@ class Baseline:
         return found[:, 0], found[:, 1], found[:, 2]
 
     def train(self, data: DataSet, scan: Scan) -> None:
-        """Fits curve and delay to the strikes of a data set that came from rest: those before which, and after which, the key was silent for 0.3 s.
+        """Fits map and delay to the strikes of a data set that start from rest: those with no other strike of the key
+        for 0.3 s before and after.
 
         Parameters
         ----------
         data : DataSet
         scan : Scan
-            One of the data set's.
+            A scan of the data set.
 
         Raises
         ------
         ValueError
-            Fewer than ten strikes were measured.
+            If fewer than ten strikes were measured.
         """
         key, t, u = self._measured(scan)
         true, rows = data.truth, []
@@ -575,17 +578,17 @@ class Baseline:
 
 
 def _crossing(t: Floats, x: Floats, i: int, height: float) -> float:
-    """When a key went down through a height, between the readings i - 1 and i."""
+    """Returns the time at which a key passes a height downward, between the readings i - 1 and i."""
     return float(t[i - 1] + (t[i] - t[i - 1]) * (height - x[i - 1]) / (x[i] - x[i - 1]))
 
 
 class TwoPoints(Baseline):
-    """Two switches: the time between two heights. u is the mean speed between them, m/s.
+    """Two switches at two heights. u is the mean speed of the key between them, m/s.
 
     Parameters
     ----------
     heights : tuple of float, optional
-        Travel at the two heights, mm. The key must come up above the first to be measured again.
+        Travel at the two heights, mm. The key must rise above the first to be measured again.
     """
 
     def __init__(self, heights: tuple[float, float] = (3.0, 8.5)) -> None:
@@ -593,7 +596,7 @@ class TwoPoints(Baseline):
         self.heights = heights
 
     def measure(self, t: Floats, x: Floats) -> Iterator[tuple[float, float]]:
-        """Measurements in the readings of one key.
+        """Yields the measurements in the readings of one key: time, s, and u.
 
         Parameters
         ----------
@@ -614,16 +617,16 @@ class TwoPoints(Baseline):
 
 
 class SlopeAtLetOff(Baseline):
-    """The key's speed where the jack lets the hammer off. u is the slope of a straight line through the readings of the last millimetres, m/s.
+    """Key speed at let-off. u is the slope of a straight line through the readings of the last millimetres, m/s.
 
     Parameters
     ----------
     let_off : float, optional
-        Travel at the let-off, mm.
+        Travel of the key at let-off, mm.
     over : float, optional
-        Length of the line, mm; it has three readings at least.
+        Travel over which the line is fitted, mm, with at least three readings.
     rearm : float, optional
-        How far the key must come up above the let-off to be measured again, mm.
+        Rise of the key above the let-off before it is measured again, mm.
     """
 
     def __init__(self, let_off: float = 8.0, over: float = 2.0, rearm: float = 2.0) -> None:
@@ -631,7 +634,7 @@ class SlopeAtLetOff(Baseline):
         self.let_off, self.over, self.rearm = let_off, over, rearm
 
     def measure(self, t: Floats, x: Floats) -> Iterator[tuple[float, float]]:
-        """Measurements in the readings of one key.
+        """Yields the measurements in the readings of one key: time, s, and u.
 
         Parameters
         ----------
@@ -660,18 +663,19 @@ class SlopeAtLetOff(Baseline):
 
 
 class OneDegreeHammer(Baseline):
-    """A mass that the key throws: it is pushed up by a lever until the let-off, flies on against gravity, meets the string at the blow distance, bounces, and is caught. u is its speed at the string, m/s.
+    """Model of a mass that the key throws: a lever pushes it up until let-off; it flies on against gravity, hits the
+    string at the blow distance, bounces, and is caught. u is its speed at the string, m/s.
 
     Parameters
     ----------
     ratio : float, optional
         Hammer travel over key travel.
     let_off, reset : float, optional
-        Travel of the key, mm, at which the lever lets go on the way down, and takes hold again on the way up.
+        Travel of the key, mm, at which the lever releases the mass on the way down, and engages again on the way up.
     blow : float, optional
-        Distance of the string, mm.
+        Blow distance from rest to the string, mm.
     gravity : float, optional
-        Deceleration of the flight, m/s2; more than gravity's serves for friction.
+        Deceleration of the flight, m/s2; a value above gravity represents friction.
     """
 
     def __init__(self, ratio: float = 5.5, let_off: float = 7.5, reset: float = 5.0, blow: float = 46.0, gravity: float = 25.0) -> None:
@@ -679,7 +683,7 @@ class OneDegreeHammer(Baseline):
         self.ratio, self.let_off, self.reset, self.blow, self.gravity = ratio, let_off, reset, blow, gravity
 
     def measure(self, t: Floats, x: Floats) -> Iterator[tuple[float, float]]:
-        """Measurements in the readings of one key.
+        """Yields the measurements in the readings of one key: time, s, and u.
 
         Parameters
         ----------
@@ -713,7 +717,7 @@ BASELINES: dict[str, type[Baseline]] = {"two-points": TwoPoints, "slope": SlopeA
 
 
 def report(data: DataSet, score: Score) -> str:
-    """A score in words: counts by case, and errors.
+    """Returns a score as text: counts by case, and errors.
 
     Parameters
     ----------
@@ -742,12 +746,12 @@ def report(data: DataSet, score: Score) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The program.
+    """Runs the program.
 
     Parameters
     ----------
     arguments : sequence of str, optional
-        Of this process by default.
+        Arguments; by default those of this process.
 
     Returns
     -------

@@ -1,5 +1,6 @@
 //! `erard live`.
 
+use std::collections::BTreeSet;
 use std::fs::OpenOptions;
 use std::io::{self, IsTerminal, Read};
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use std::time::Duration;
 
 use clap::Args;
 use erard_live::profile::Profile;
-use erard_live::stream::{Head, Quantity, Reader};
+use erard_live::stream::{Head, Of, Quantity, Reader, Sample};
 use erard_live::{Event, Live as Keys, LiveError, Options, SensorKind};
 use erard_workshop::cores;
 
@@ -111,7 +112,7 @@ impl Live {
         let feed = lines(input);
         let mut heard = Heard::default();
         let mut reader = self.head(&feed, &mut heard)?;
-        let options = self.options(reader.quantity(), profile.as_ref())?;
+        let options = self.options(reader.quantity(), profile.as_ref(), is_file)?;
         let instruments = keyboard.instruments()?;
         let mut wire = self.wire()?;
         let mut progress = Progress::new("preparing keys");
@@ -179,7 +180,21 @@ impl Live {
         Err(wrong("it is empty; expected a header such as `time_s,key,mm`, then a line for each sample".into()))
     }
 
-    fn options(&self, quantity: Quantity, profile: Option<&Profile>) -> Result<Options, Failure> {
+    /// The keys that a file moves.
+    fn moved(&self) -> Result<BTreeSet<usize>, Failure> {
+        let mut all = BTreeSet::new();
+        let feed = lines(self.input()?.0);
+        let mut reader = self.head(&feed, &mut Heard::default())?;
+        // A line that cannot be read is reported when it is played.
+        for line in feed.into_iter().flatten() {
+            if let Ok(Some(Sample { of: Of::Key(key), .. })) = reader.line(&line.text) {
+                all.insert(key);
+            }
+        }
+        Ok(all)
+    }
+
+    fn options(&self, quantity: Quantity, profile: Option<&Profile>, is_file: bool) -> Result<Options, Failure> {
         let wrong = |what: &str| Err(Failure::Usage(format!("{}: {what}", self.name())));
         match (quantity, profile) {
             (Quantity::Raw | Quantity::Pressure, None) => {
@@ -217,6 +232,7 @@ impl Live {
             sensor_at_m: metres(self.sensor_at),
             travel_m: metres(self.travel),
             ahead: self.ahead,
+            moved: is_file.then(|| self.moved()).transpose()?,
             threads: cores::count(),
         })
     }

@@ -161,7 +161,7 @@ fn a_measured_stroke_beside_the_models() {
     let table = folder.read("run/run.csv").replacen("key_m", "position_m", 1);
     folder.file("measured.csv", &table);
     let printed = folder.good(&["compare", "measured.csv"]);
-    assert!(printed.contains("driven by force: the action explains"), "{printed}");
+    assert!(Folder::words(&printed).contains("driven by force: the action explains"), "{printed}");
     let report = json(&folder, "erard-out-compare/compare.json");
     let findings = report["findings"].as_array().unwrap();
     let of = |drive: &str, model: &str, quantity: &str| {

@@ -22,7 +22,7 @@ impl Press {
 /// Usual options.
 pub fn options(sensor: SensorKind, ahead: bool) -> Options {
     let quantity = if sensor == SensorKind::Force { Quantity::Newtons } else { Quantity::Millimetres };
-    Options { sensor, quantity, sensor_at_m: None, travel_m: None, ahead, threads: 1 }
+    Options { sensor, quantity, sensor_at_m: None, travel_m: None, ahead, moved: None, threads: 1 }
 }
 
 /// One key, the built-in grand's, as key 1.

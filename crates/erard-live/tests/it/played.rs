@@ -1,11 +1,11 @@
 //! A sensed key strikes as the key did that was sensed.
 
 use erard::level::LEVELS;
-use erard_live::SensorKind;
 use erard_live::quality::expected_error_counts;
 use erard_live::stream::{Of, Sample};
+use erard_live::{Live, Options, SensorKind};
 
-use crate::common::{Press, offs, one_key, ons, played};
+use crate::common::{GRAND, Press, offs, one_key, ons, options, played};
 
 fn counts(speed: f64, truth: f64) -> f64 {
     25.0 * (speed / truth).log2()
@@ -27,6 +27,26 @@ fn levels_come_back() {
         assert!((report.rate_hz.unwrap() - 1000.0).abs() < 1.0, "{report:?}");
         assert!((11.0..13.0).contains(&report.bits.unwrap()) && report.limited_steps == 0, "{report:?}");
     }
+}
+
+/// A key plays alike whether all keys were prepared or only those that the stream moves; samples of others are counted.
+#[test]
+fn only_moved_keys_are_prepared() {
+    let grands = [GRAND.clone(), GRAND.clone()];
+    let make = |moved: Option<[usize; 1]>| {
+        let options = Options { moved: moved.map(Into::into), ..options(SensorKind::Action, false) };
+        Live::new(&grands, None, options, &mut |_| true).unwrap()
+    };
+    let samples = Press::to(2.0).sensed(2, 0.0, 1000.0, 0.0, 0.0);
+    let (mut all, mut some) = (make(None), make(Some([2])));
+    let events = played(&mut all, &samples);
+    assert!(ons(&events).len() == 1 && offs(&events).len() == 1, "{events:?}");
+    assert_eq!(events, played(&mut some, &samples));
+    assert_eq!(all.report(), some.report());
+    assert!(some.limits(1).is_none() && some.limits(2) == all.limits(2));
+    some.take(&Sample { of: Of::Key(1), ..samples[0] }, &mut |event| panic!("{event:?}"));
+    some.take(&Sample { of: Of::Key(1), time_s: 2.0, ..samples[0] }, &mut |event| panic!("{event:?}"));
+    assert_eq!(some.report().uncalibrated, 2);
 }
 
 /// Forces of a hand, 1 kHz, on the same action.

@@ -16,16 +16,16 @@ pub struct Checked {
     pub key: usize,
     /// The remedy.
     pub remedy: Remedy,
-    /// By the equation of balance with the model's own ratio, g.
+    /// Effect by the equation of balance with the model's own ratio, g.
     pub by_equation_g: f64,
-    /// In the model, by a slow loop before and after, g; `None` where no weight moves the key.
+    /// Effect in the model, from slow loops before and after, g; `None` if no weight moves the key.
     pub in_model_g: Option<f64>,
 }
 
-/// Makes each key's remedies (leads, strike weight, capstan) in its model, brought to the weights that were measured,
-/// one by one, and weighs it before and after in a slow loop with the damper lifted. The equation uses the model's own
-/// ratio, for what is checked is the equation, not whether the model's levers are the piano's. `progress` receives the
-/// share that is done, and ends the work by returning false.
+/// Makes each key's remedies (leads, strike weight, capstan) one by one in its model, which is first adjusted to the
+/// measured weights, and weighs the key before and after in a slow loop with the damper lifted. The equation uses the
+/// model's own ratio, because the equation is checked, not whether the model's levers match the piano's. `progress`
+/// receives the share that is done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].

@@ -12,11 +12,11 @@ pub struct Lead {
 }
 
 impl Lead {
-    /// How a lead is written.
+    /// Notation of a lead, for error messages.
     pub const EXPECTED: &str =
         "grams (0.5 to 60), @ and millimetres in front of the balance pin (behind it negative), e.g. 14@165";
 
-    /// Reads `14@165`, with or without the unit mm; `None` where it is no lead, or none that a key can hold.
+    /// Reads `14@165`, with or without the unit mm; `None` if the text is not a lead, or a key cannot hold the lead.
     #[must_use]
     pub fn read(text: &str) -> Option<Self> {
         let (mass, at) = text.trim().split_once('@')?;
@@ -37,9 +37,8 @@ impl Lead {
     }
 }
 
-/// Masses that leads are taken to have unless one says which are in the drawer, g: cylinders of lead (11.34 g/cm3)
-/// through a key 12 mm wide, of 1/2, 7/16, 3/8 and 1/4 inch (12.7, 11.1, 9.5 and 6.4 mm) weigh 17.2, 13.2, 9.7 and 4.3
-/// g; sold leads are shorter. An estimate.
+/// Default masses of available leads, g. An estimate: cylinders of lead (11.34 g/cm3) through a key 12 mm wide, of 1/2,
+/// 7/16, 3/8 and 1/4 inch (12.7, 11.1, 9.5 and 6.4 mm) weigh 17.2, 13.2, 9.7 and 4.3 g; sold leads are shorter.
 pub const LEADS_G: [f64; 4] = [14.0, 10.0, 7.0, 4.0];
 /// Most leads that are added to a key.
 pub(crate) const MOST_LEADS: usize = 3;
@@ -68,8 +67,8 @@ pub struct LeadWork {
 }
 
 impl LeadWork {
-    /// What is done, lead by lead: moves (from, to), what comes out for good, what is new. A lead is moved where one of
-    /// its mass comes out and goes in.
+    /// Sorts the work lead by lead: moves (from, to), leads removed for good, and new leads. A lead is moved if one of
+    /// its mass is taken out and put in.
     #[must_use]
     pub fn moved(&self) -> (Vec<[Lead; 2]>, Vec<Lead>, Vec<Lead>) {
         let (mut moves, mut out, mut new) = (Vec::new(), self.out.clone(), Vec::new());
@@ -87,8 +86,8 @@ impl LeadWork {
 /// grand's two leads stand at 0.62 and 0.55 of it).
 pub(super) const LEADS_AT: f64 = 0.6;
 
-/// What a lead that nobody has named adds to the inertia at the key's front when it moves so far to the front, g: an
-/// estimate.
+/// Returns the change of inertia at the key's front, g, when a lead at an unknown place moves toward the front by
+/// `by_mm`. The place is an estimate.
 #[must_use]
 pub fn moved_inertia_g(mass_g: f64, by_mm: f64, key_front_mm: f64) -> f64 {
     let from = Lead { mass_g, at_mm: LEADS_AT * key_front_mm };
@@ -99,9 +98,9 @@ pub fn moved_inertia_g(mass_g: f64, by_mm: f64, key_front_mm: f64) -> f64 {
 /// Leads for a change of front weight, and what else would do it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeadChoice {
-    /// The choice: what is there is moved or taken out before any is added.
+    /// Preferred work: present leads are moved or taken out before any is added.
     pub work: LeadWork,
-    /// Where that takes leads out or moves them: leads that would be added instead, with nothing taken out.
+    /// Alternative if the choice takes out or moves leads: leads that would be added with nothing taken out.
     pub adding: Option<LeadWork>,
 }
 

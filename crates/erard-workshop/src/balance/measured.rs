@@ -6,7 +6,7 @@ use super::rows::{MeasuredError, number, rows_of_keys};
 /// A key as weighed on the bench; `None` was not.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeasuredKey {
-    /// Its number, from 1.
+    /// Number of the key, from 1.
     pub key: usize,
     /// SW, g.
     pub strike_weight_g: Option<f64>,
@@ -20,7 +20,7 @@ pub struct MeasuredKey {
     pub whippen_weight_g: Option<f64>,
     /// KR.
     pub key_ratio: Option<f64>,
-    /// The leads that are in it; empty where nobody said.
+    /// Leads in the key; empty if not given.
     pub leads: Vec<Lead>,
 }
 

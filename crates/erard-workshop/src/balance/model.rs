@@ -39,10 +39,10 @@ const MM: f64 = 1e3;
 const HALF_WAY_M: f64 = 4e-3;
 
 impl KeyModel {
-    /// Of an instrument, unbent.
+    /// Computes the model of an instrument, without bending.
     ///
     /// # Errors
-    /// When it is no grand action, or finds no rest, or its levers do not reach half-way.
+    /// If the instrument is not a grand action, finds no rest, or its levers do not reach half-way.
     pub fn of(instrument: &Instrument) -> Result<Self, MeasureError> {
         let instrument = &instrument.locked();
         let parts = Parts::of(instrument)?;

@@ -14,7 +14,7 @@ use super::smooth::smooth;
 pub struct Apart {
     /// `strike_weight_g`, `ratio`, `balance_weight_g` or `friction_weight_g`.
     pub quantity: &'static str,
-    /// Its value at the key, in its unit.
+    /// Value at the key, in the quantity's unit.
     pub value: f64,
     /// Value that the neighbours suggest here, in the quantity's unit.
     pub neighbours: f64,

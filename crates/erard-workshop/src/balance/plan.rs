@@ -43,7 +43,7 @@ pub struct Curves {
     pub target_front_weight_g: Option<[f64; KEYS]>,
 }
 
-/// One thing that brings a key to the target balance weight by itself.
+/// Single change that brings a key to the target balance weight.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Remedy {
     /// Leads.
@@ -59,13 +59,13 @@ pub enum Remedy {
 pub struct BalancedKey {
     /// Measured weights.
     pub measured: MeasuredKey,
-    /// Its note.
+    /// Note of the key.
     pub note: String,
-    /// Its model.
+    /// Model of the key.
     pub model: KeyModel,
-    /// KR and WW that were used: weighed, or the model's.
+    /// KR that was used: weighed, or the model's.
     pub key_ratio: f64,
-    /// See there, g.
+    /// WW that was used: weighed, or the model's, g.
     pub whippen_weight_g: f64,
     /// SW that was used: weighed, or from the smooth curve, g.
     pub strike_weight_g: Option<f64>,
@@ -79,11 +79,11 @@ pub struct BalancedKey {
     pub inertia_kg: Option<f64>,
     /// Whether any of these come from a curve and not from this key.
     pub from_curves: bool,
-    /// Its target strike weight, g.
+    /// Target strike weight of the key, g.
     pub target_strike_weight_g: Option<f64>,
     /// The front weight that reaches the target balance weight, the hammer as it is or changed first, g.
     pub target_front_weight_g: Option<f64>,
-    /// Where it differs from its neighbours by more than readings are off by and the rest scatters.
+    /// Quantities that differ from the neighbours by more than the error of readings and the scatter of the other keys.
     pub apart: Vec<Apart>,
     /// Change of strike weight before the leads, g, positive for a heavier hammer; 0 if the hammer stays.
     pub hammer_change_g: f64,
@@ -91,19 +91,20 @@ pub struct BalancedKey {
     pub front_change_g: Option<f64>,
     /// Whether the leads could add more, but for the ceiling of the front weight.
     pub is_at_ceiling: bool,
-    /// Leads that do it; `None` where nobody said which are there and some must go, or no leads reach it.
+    /// Leads that reach the target. `None` if leads must go but the present ones are not known, or if no leads reach
+    /// it.
     pub leads: Option<LeadChoice>,
     /// The change of strike weight that would do it alone, g.
     pub strike_change_g: Option<f64>,
     /// The move of the capstan toward the player that would do it alone, mm.
     pub capstan_move_mm: Option<f64>,
-    /// Balance weight and inertia after the leads (and the hammer, where it comes first).
+    /// Balance weight after the leads (and the hammer, if it is changed first), g.
     pub after_balance_weight_g: Option<f64>,
-    /// See there, kg.
+    /// Inertia after the leads (and the hammer, if it is changed first), kg.
     pub after_inertia_kg: Option<f64>,
 }
 
-/// All keys, the curves, and the balance weight that is aimed at.
+/// Plan for a keyboard: keys, curves, and target balance weight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// The keys that were weighed, ascending.

@@ -6,7 +6,7 @@ use erard::keyboard::{KEYS, key_named};
 
 use super::leads::Lead;
 
-/// The one thing that is wrong with the table: where it stands, what was found, what was expected.
+/// First error in a table: its place, what was found and what is expected.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeasuredError {
     /// The file's name as the caller gave it.
@@ -54,7 +54,7 @@ impl MeasuredError {
 pub(crate) struct KeyRows {
     /// The header's line, from 1.
     pub header_line: usize,
-    /// Its names, in small letters with underscores.
+    /// Column names, in lower case with underscores.
     pub names: Vec<String>,
     /// The rows, in the order of the file.
     pub rows: Vec<KeyRow>,
@@ -63,11 +63,11 @@ pub(crate) struct KeyRows {
 /// A row.
 #[derive(Debug)]
 pub(crate) struct KeyRow {
-    /// Its line, from 1.
+    /// Line in the file, from 1.
     pub line: usize,
     /// The key, from 1.
     pub key: usize,
-    /// Its cells, with decimal points.
+    /// Cells of the row, with decimal points.
     pub cells: Vec<String>,
     /// Leads of the column `leads`.
     pub leads: Vec<Lead>,

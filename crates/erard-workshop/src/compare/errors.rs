@@ -27,7 +27,7 @@ pub struct Errors {
     pub delay_s: f64,
     /// Contribution of the rest before the touch, which any model explains; `None` without a rest.
     pub rest: Option<Rest>,
-    /// By frequency.
+    /// Errors by frequency band.
     pub bands: Vec<Band>,
 }
 
@@ -40,7 +40,7 @@ pub struct Rest {
     pub explained_without: f64,
 }
 
-/// One frequency band.
+/// Errors in one frequency band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Lower edge, Hz.
@@ -54,8 +54,7 @@ pub struct Band {
 }
 
 impl Errors {
-    /// Compares two series of equal length, sampled at [`RATE_HZ`], of which the first `resting` samples are before the
-    /// touch.
+    /// Compares two series of equal length, sampled at [`RATE_HZ`]; the first `resting` samples are before the touch.
     pub fn new(measured: &[f64], simulated: &[f64], resting: usize) -> Self {
         let difference: Vec<f64> = simulated.iter().zip(measured).map(|(s, m)| s - m).collect();
         let range = measured.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));

@@ -25,10 +25,10 @@ use erard::recording::{Butterworth, Report, interpolated};
 use erard::run::{MOST_ROWS_ASKED, Setup, SimulationError, simulate};
 use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Prescribed, Role, SampleError, Series};
 
-/// Rate of the common time axis, Hz: twice what the highest band needs.
+/// Rate of the common time axis, Hz: twice the minimum for the highest band.
 pub const RATE_HZ: f64 = 4000.0;
 
-/// All drives, in the order in which they are tried and shown.
+/// Drives in the order in which they are tried and shown.
 pub const DRIVES: [Prescribed; 3] = [Prescribed::Force, Prescribed::Motion, Prescribed::Rigid];
 
 /// Name of the quantity that results from a drive.
@@ -49,7 +49,7 @@ pub enum Which {
 }
 
 impl Which {
-    /// Its name in files.
+    /// Returns the name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Which::Action => "action",
@@ -76,12 +76,11 @@ pub struct Choice {
     pub drives: Vec<Prescribed>,
     /// Models to run.
     pub models: Vec<Which>,
-    /// Whose position was recorded.
+    /// Part whose position was recorded.
     pub position_of: PositionOf,
-    /// Up to which frequency force, position and hammer show a stroke rather than noise, Hz; infinite where nothing
-    /// limits them.
+    /// Frequency up to which force, position and hammer contain signal above noise, Hz; infinite without a limit.
     pub tells_to_hz: [f64; 3],
-    /// Until when all is at rest, s: minus infinity where nothing tells.
+    /// End of the rest, s; minus infinity if there is no known rest.
     pub rest_until_s: f64,
     /// The noise of the recorded position, and what became of it; `None` where the position shows none.
     pub path_noise: Option<PathNoise>,
@@ -123,7 +122,7 @@ const WELL_WITHIN: f64 = 0.7;
 /// A band that ends below this, Hz, shows nothing: a key is down in a twentieth of a second.
 const LOWEST_LIMIT_HZ: f64 = 10.0;
 
-/// One run of a comparison, on the common time axis.
+/// Run of a comparison, on the common time axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
     /// The drive.
@@ -134,7 +133,7 @@ pub struct Trial {
     pub key_m: Vec<f64>,
     /// Finger force, N.
     pub force_n: Vec<f64>,
-    /// Errors are reported up to here, Hz; infinite where nothing limits them.
+    /// Highest frequency for which errors are reported, Hz; infinite without a limit.
     pub told_to_hz: f64,
     /// Differences between model and measurement (position in m, force in N), as far as it is reported; `None` where
     /// the file holds no such series, or nothing but noise.
@@ -159,7 +158,7 @@ impl Trial {
     }
 }
 
-/// A measured stroke and the runs beside it.
+/// Measured stroke with its simulated runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// Common time axis, s.
@@ -168,11 +167,11 @@ pub struct Comparison {
     pub measured_force_n: Option<Vec<f64>>,
     /// Measured position of the key's front, m; of the fingertip where the key's is not known.
     pub measured_position_m: Option<Vec<f64>>,
-    /// Whose position was recorded.
+    /// Part whose position was recorded.
     pub position_of: PositionOf,
     /// Measured rise of the hammer's strike point, m.
     pub measured_hammer_m: Option<Vec<f64>>,
-    /// In the order of [`DRIVES`], the action before the one-degree-of-freedom model.
+    /// Trials in the order of [`DRIVES`], the action before the one-degree-of-freedom model.
     pub trials: Vec<Trial>,
     /// Assumptions, and drives that could not be tried, in words.
     pub notes: Vec<String>,
@@ -183,8 +182,8 @@ const NEARLY_THERE: f64 = 0.9;
 /// How long after that the hammer may still rise, s.
 const STILL_RISING_S: f64 = 0.02;
 
-/// When the way up of a stroke ends, s: where the hammer is highest for the first time, or, where it was not recorded,
-/// where the key is down. `None` where neither was recorded, or nothing moves.
+/// Returns the end of a stroke's upward motion, s: the first time at which the hammer is highest or, if the hammer was
+/// not recorded, at which the key is down. `None` if neither was recorded or nothing moves.
 pub fn way_up_ends_s(series: &Series) -> Option<f64> {
     let path = series.hammer_head.as_ref().or(series.position.as_ref())?;
     let (drive, start_s) = (path.drive(), series.start_s());
@@ -421,8 +420,8 @@ impl Comparison {
         }
     }
 
-    /// In words: how much of the shares of variance is owed to the rest before the touch, and what is explained without
-    /// it; of the action, for each thing that was measured.
+    /// Describes how much of the explained variance is due to the rest before the touch, and how much is explained
+    /// without it; for the action, for each measured quantity.
     pub fn rests(&self) -> Vec<String> {
         let action = self.trials.iter().filter(|trial| trial.which == Which::Action);
         let told = action.filter_map(|trial| {
@@ -451,13 +450,13 @@ impl Comparison {
         told.collect()
     }
 
-    /// In words: of every recorded motion that drives the action, what the force that comes out is worth.
+    /// Describes, for every recorded motion that drives the action, the accuracy of the computed force.
     pub fn worths(&self) -> Vec<String> {
         let action = self.trials.iter().filter(|trial| trial.which == Which::Action);
         action.filter_map(|trial| Some(trial.worth?.told(trial.driven))).collect()
     }
 
-    /// In words: for every drive, how much each model explains, and which is nearer.
+    /// Describes, for every drive, how much each model explains and which one is closer.
     pub fn verdicts(&self) -> Vec<String> {
         let mut verdicts = Vec::new();
         for driven in DRIVES {
@@ -554,7 +553,7 @@ impl Comparison {
     }
 }
 
-/// A share of the variance in words, with so many decimals: far below zero its number says nothing.
+/// Formats a share of the variance in percent with `decimals` decimals; below -1000 %, as "less than -1000 %".
 #[must_use]
 pub fn share(explained: f64, decimals: usize) -> String {
     if explained < -10.0 { "less than -1000 %".into() } else { format!("{:.decimals$} %", 100.0 * explained) }

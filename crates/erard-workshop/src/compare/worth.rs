@@ -21,14 +21,14 @@ const PLAYED: u64 = 8;
 /// The noise of a recorded position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathNoise {
-    /// Its root mean square before the filter, m.
+    /// Root mean square of the noise before the filter, m.
     pub rms_m: f64,
     /// The filter that it went through: order, cutoff and rate, Hz.
     pub filter: Option<(usize, f64, f64)>,
 }
 
 impl PathNoise {
-    /// As a report tells it; `None` where the recording has no position, or its position shows no noise.
+    /// Reads the noise from a report; `None` if the recording has no position or its position shows no noise.
     #[must_use]
     pub fn of(report: &Report) -> Option<Self> {
         report.channel(Role::Position).and_then(Self::of_channel)
@@ -58,8 +58,8 @@ impl PathNoise {
 /// Uncertainty of a force that was computed under a recorded motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Worth {
-    /// Root mean square of what the recording's noise makes of the force after the rest, N; infinite where the motion
-    /// with its noise cannot be played.
+    /// Root mean square error of the force after the rest that is due to the recording's noise, N; infinite if the
+    /// motion with its noise cannot be played.
     pub rms_n: f64,
     /// Ninety-five in a hundred samples are not farther off than this, N.
     pub within_n: f64,
@@ -98,8 +98,8 @@ impl Worth {
         Ok(Worth { rms_n: mean.sqrt(), within_n, noise_m })
     }
 
-    /// Of a run under a recorded stroke that rests until an instant, s: the rows from there to the recording's end.
-    /// `None` where the stroke is no recorded motion.
+    /// Computes the accuracy for a run under a recorded stroke that rests until a time, s, over the rows from there to
+    /// the recording's end. `None` if the stroke is not a recorded motion.
     ///
     /// # Errors
     /// When interrupted.
@@ -128,7 +128,7 @@ impl Worth {
         Worth::of(noise, &path, &run.force_n[..end], row(rest_until_s), &play, progress).map(Some)
     }
 
-    /// In words.
+    /// Describes the accuracy in words.
     #[must_use]
     pub fn told(&self, driven: Prescribed) -> String {
         let Worth { rms_n, within_n, noise_m } = self;

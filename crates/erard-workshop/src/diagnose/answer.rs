@@ -21,7 +21,7 @@ pub fn joined(causes: &[&Cause]) -> String {
     }
 }
 
-/// How a feature of [`Ranked::explains`] is named at the bench: its label, its unit, and the decimals that are shown.
+/// Returns the label, unit and decimals with which a feature of [`Ranked::explains`] is shown.
 #[must_use]
 pub fn explained_as(name: &'static str) -> (&'static str, &'static str, usize) {
     match name {
@@ -48,8 +48,8 @@ impl Diagnosis {
         )
     }
 
-    /// What to do, in its order: readings that are in doubt, the measurement that tells most, friction, the other
-    /// causes, and all readings again.
+    /// Returns the work in order: doubtful readings, the most informative measurement, friction, the other causes, and
+    /// all readings again.
     #[must_use]
     pub fn to_do(&self) -> Vec<String> {
         if !self.is_work() {
@@ -91,8 +91,8 @@ impl Diagnosis {
     }
 }
 
-/// The answers as programs and pages take them: `diagnosis.json`. `readings_from` is the file of the readings;
-/// `is_key_assumed` says that nobody named the key, so that another's usual ranges stand in.
+/// Returns the answers as JSON for programs and pages: `diagnosis.json`. `readings_from` is the file of the readings;
+/// `is_key_assumed` states that no key was given, so that the usual ranges of an assumed key are used.
 #[must_use]
 pub fn answer(found: &[Diagnosis], readings_from: Option<&str>, is_key_assumed: bool) -> Value {
     json!({
@@ -182,8 +182,9 @@ fn rounded(x: f64) -> f64 {
     (x * 1e3).round() / 1e3
 }
 
-/// What can be measured, for a form: each entry with its label, its unit, what is possible, its usual range at a key
-/// (null where open, where nothing is usual, or where the range is not this key's), and how it is taken.
+/// Returns the entries that can be measured, for a form: each with its label, its unit, its possible range, its usual
+/// range at a key (null where open, without a usual range, or where the range does not apply to this key), and how to
+/// measure it.
 #[must_use]
 pub fn form(key: usize) -> Value {
     let of = |entry: &Entry| {
@@ -203,8 +204,8 @@ pub fn form(key: usize) -> Value {
     entries().iter().map(of).collect()
 }
 
-/// Faults of typed readings, for a form: each with the `name` of its entry (`key`, `leads`; empty where it belongs to
-/// none), what was `found` and what is `expected`.
+/// Returns the errors of typed readings, for a form: each with the `name` of its entry (`key`, `leads`; empty if it
+/// belongs to none), what was `found` and what is `expected`.
 #[must_use]
 pub fn faults(all: &[Impossible]) -> Value {
     all.iter().map(|one| json!({"name": one.entry, "found": one.what, "expected": one.expected})).collect()

@@ -27,7 +27,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// The dry torques of an instrument's pins over the arms.
+    /// Computes the dry torques of an instrument's pins over the arms.
     ///
     /// # Errors
     /// Where it is no grand action.
@@ -46,8 +46,8 @@ impl Bench {
     }
 }
 
-/// How often a hammer passes its lowest point, let go level, with so much friction at 23 mm from its pin (gf) and so
-/// much strike weight (g).
+/// Returns how often a hammer that is released level passes its lowest point, with a friction at 23 mm from its pin
+/// (gf) and a strike weight (g).
 ///
 /// A pendulum of moment M under a dry torque c: on each way the energy falls by c times the angle, so that its turning
 /// points satisfy cos b - cos a = (c / M) (a + b), and it stays where sin a < c / M. (Without the drag of the air.)

@@ -8,9 +8,9 @@ use serde::Deserialize;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cause {
-    /// Its name in JSON.
+    /// Name in JSON.
     pub key: String,
-    /// In the words of the bench.
+    /// Name at the bench.
     pub name: String,
     /// Prior odds: how common it is, an estimate.
     pub common: f64,
@@ -18,11 +18,11 @@ pub struct Cause {
     pub(super) plant: String,
     /// Size of the change in a light, a plain and a heavy case.
     pub(super) amounts: [f64; 3],
-    /// The quick test that tells it from the others.
+    /// Quick test that distinguishes it from the other causes.
     pub test: String,
     /// The cure.
     pub cure: String,
-    /// Where it was read.
+    /// Source in the literature.
     pub source: String,
 }
 
@@ -39,7 +39,7 @@ static CAUSES: LazyLock<Vec<Cause>> = LazyLock::new(|| {
     table.cause
 });
 
-/// All causes.
+/// Returns all causes.
 #[must_use]
 pub fn causes() -> &'static [Cause] {
     &CAUSES

@@ -12,12 +12,12 @@ use crate::worklist::{Quantity, Readings};
 /// Number of entries.
 pub(super) const ENTRIES: usize = 21;
 
-/// One thing that can be measured.
+/// Quantity that can be measured on a real key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Entry {
-    /// Its name in tables and JSON, with the unit at its end; as an option without it and with hyphens.
+    /// Name in tables and JSON, with the unit at its end. Its command option has no unit, and hyphens.
     pub name: &'static str,
-    /// Its name at the bench.
+    /// Name at the bench.
     pub label: &'static str,
     /// The unit; empty for a ratio or a count.
     pub unit: &'static str,
@@ -25,7 +25,7 @@ pub struct Entry {
     pub also: &'static [&'static str],
     /// The least and the most that is possible.
     pub limits: [f64; 2],
-    /// A reading is within so much of the truth: an estimate of what scale, rule and eye can do.
+    /// Largest error of a reading: an estimate for scale, rule and eye.
     pub precision: f64,
     /// Decimals that are shown.
     pub decimals: usize,
@@ -289,14 +289,14 @@ pub fn entries() -> &'static [Entry] {
 }
 
 impl Entry {
-    /// Whether a name, in whatever spelling of case, spaces and hyphens, is this entry's.
+    /// Whether a name belongs to this entry, in any spelling of case, spaces and hyphens.
     #[must_use]
     pub fn is_called(&self, name: &str) -> bool {
         let name = ours(&name.trim().to_lowercase().replace([' ', '-'], "_"));
         name == self.name || self.also.contains(&name.as_str())
     }
 
-    /// Its usual range at a key, ends that are open as infinite; `None` where nothing is usual.
+    /// Returns the usual range at a key, with infinite values for open ends; `None` if there is no usual range.
     #[must_use]
     pub fn range(&self, key: usize) -> Option<[f64; 2]> {
         let line = match self.name {
@@ -333,7 +333,7 @@ pub struct Known {
     values: [Option<f64>; ENTRIES],
     /// A medium blow is not caught by the back check.
     pub is_not_caught: bool,
-    /// The leads that are in it; empty where nobody said.
+    /// Leads in the key; empty if not given.
     pub leads: Vec<Lead>,
 }
 
@@ -350,7 +350,7 @@ pub struct Impossible {
 }
 
 impl Known {
-    /// One of the values, by the entry's name.
+    /// Returns a value, by the entry's name.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<f64> {
         TABLE.iter().position(|entry| entry.name == name).and_then(|at| self.values[at])
@@ -404,7 +404,8 @@ impl Known {
         Ok(Self::of(&Readings::of(instrument, progress)?, &Bench::of(instrument)?))
     }
 
-    /// The first reading that cannot be: beyond what is possible, or at odds with another one.
+    /// Checks the readings and reports the first impossible one: out of the possible range, or in conflict with another
+    /// one.
     ///
     /// # Errors
     /// Which, why, and what would be right.

@@ -4,7 +4,7 @@ use super::entry::{Known, at};
 use super::healthy::WHIPPEN_AT_FRONT_G;
 use crate::measure::usual::usual;
 
-/// From where to where a quantity lies.
+/// Range of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// The least.

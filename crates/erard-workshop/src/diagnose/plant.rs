@@ -9,15 +9,15 @@ use crate::measure::MeasureError;
 use crate::regulate::known_screw;
 use crate::worklist::Work;
 
-/// How much of a cause a case is: 1 the light one of `causes.toml`, 2 the plain one, 3 the heavy one, and between them
-/// on straight lines; its unit is that of `amounts` there.
+/// Returns the amount of a cause in a case: 1 is the light one of `causes.toml`, 2 the plain one, 3 the heavy one, with
+/// linear interpolation between them. The unit is that of `amounts` there.
 #[must_use]
 pub fn plant_amount(cause: &Cause, case: f64) -> f64 {
     let [light, plain, heavy] = cause.amounts;
     if case <= 2.0 { light + (plain - light) * (case - 1.0) } else { plain + (heavy - plain) * (case - 2.0) }
 }
 
-/// An action with so much of a cause put in; with `undo`, taken out.
+/// Returns an action with this amount of a cause added or, with `undo`, removed.
 ///
 /// # Errors
 /// Where it is no grand action.

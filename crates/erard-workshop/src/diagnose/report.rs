@@ -36,17 +36,17 @@ pub enum Standing {
 pub struct Judged {
     /// Name in tables.
     pub name: &'static str,
-    /// Its name at the bench.
+    /// Name at the bench.
     pub label: &'static str,
-    /// Its unit.
+    /// Unit; empty for a ratio or a count.
     pub unit: &'static str,
     /// Decimals that are shown.
     pub decimals: usize,
     /// Value as read; `None` if the event did not happen.
     pub value: Option<f64>,
-    /// Its usual range at the key, ends that are open as infinite.
+    /// Usual range at the key, with infinite values for open ends.
     pub usual: Option<[f64; 2]>,
-    /// Where it stands.
+    /// Position relative to the usual range.
     pub standing: Standing,
 }
 
@@ -55,7 +55,7 @@ pub struct Judged {
 pub struct Ranked {
     /// The cause.
     pub cause: &'static Cause,
-    /// From 0 to 1, under the estimates of `causes.toml`.
+    /// Probability, 0 to 1, under the estimates of `causes.toml`.
     pub probability: f64,
     /// 1 light, 2 plain, 3 heavy.
     pub case: f64,
@@ -69,9 +69,9 @@ pub struct Ranked {
 pub struct Suggestion {
     /// The reading to take, as in tables; D and U come together.
     pub name: &'static str,
-    /// Its name at the bench.
+    /// Name at the bench.
     pub label: &'static str,
-    /// Its unit.
+    /// Unit; empty for a ratio or a count.
     pub unit: &'static str,
     /// Decimals that are shown.
     pub decimals: usize,
@@ -90,11 +90,11 @@ pub struct Diagnosis {
     pub key: usize,
     /// The readings, in the order of the sheet, with balance weight, friction weight and leverage as they follow.
     pub lines: Vec<Judged>,
-    /// The causes, the likeliest first; empty where nothing is out of its range by more than its reading may be off.
+    /// Causes, the likeliest first; empty if no reading is out of its range by more than its error.
     pub causes: Vec<Ranked>,
     /// That none of the table's causes fits.
     pub something_else: f64,
-    /// The reading to take next; `None` where nothing would tell much.
+    /// Reading to take next; `None` if no reading would be informative.
     pub next: Option<Suggestion>,
     /// Leverage and inertia.
     pub geometry: Geometry,
@@ -108,7 +108,7 @@ impl Diagnosis {
     }
 }
 
-/// Works out what is wrong with a key.
+/// Diagnoses a key from its readings.
 #[must_use]
 pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
     let geometry = Geometry::of(known, key);

@@ -66,8 +66,8 @@ pub fn is_table_of_keys(text: &str) -> bool {
 }
 
 impl Known {
-    /// Enters a reading as people write it: a number, with a point or a comma, with or without its unit, or a word
-    /// where there is one.
+    /// Enters a reading as people write it: a number, with a point or a comma, with or without its unit, or one of the
+    /// entry's words.
     ///
     /// # Errors
     /// What was expected.

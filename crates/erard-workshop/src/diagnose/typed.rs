@@ -9,7 +9,7 @@ use crate::balance::Lead;
 /// Readings of one key.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Typed {
-    /// The key, 1 to 88; `None` where nobody named it.
+    /// Key, 1 to 88; `None` if not given.
     pub key: Option<usize>,
     /// Readings.
     pub known: Known,

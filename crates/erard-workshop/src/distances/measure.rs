@@ -16,8 +16,8 @@ use erard::player::ActionError;
 /// Protocol of the presses. The default is the project's; a shop that measures otherwise can set its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Protocol {
-    /// Speed of the slow finger, m/s: slow enough that what the hammer swings on its felts moves no distance by more
-    /// than 0.02 mm.
+    /// Speed of the slow finger, m/s: slow enough that the hammer's swing on its felts changes no distance by more than
+    /// 0.02 mm.
     pub slow_m_per_s: f64,
     /// Force of the firm press that dip is measured under, N: half a kilogram of finger.
     pub firm_n: f64,
@@ -35,7 +35,7 @@ impl Default for Protocol {
     }
 }
 
-/// The distances. `None` is what did not happen or what the instrument has no part for. SI units.
+/// Distances, SI units; `None` if the event did not happen or the instrument has no such part.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Distances {
     /// Dip: travel of the key front from rest to the bottom under a firm press ([`Protocol::firm_n`]), m.
@@ -44,14 +44,14 @@ pub struct Distances {
     pub blow_m: Option<f64>,
     /// Lost motion: travel of the key front before the hammer has risen by `MOVED_M`, m.
     pub lost_motion_m: Option<f64>,
-    /// Let-off: nearest approach of the strike point to the string on a slow key, m. Not positive where the hammer is
-    /// pressed against the string (it blocks): minus what the string's felt gives.
+    /// Let-off: nearest approach of the strike point to the string on a slow key, m. Zero or negative if the hammer
+    /// blocks against the string: minus the compression of the string's felt.
     pub let_off_m: Option<f64>,
     /// Drop: how far the strike point falls from its nearest approach once it is let off, to where it comes to rest on
     /// the repetition lever with the key held where it let off, m. 0 where it does not fall.
     pub drop_m: Option<f64>,
-    /// Aftertouch: travel of the key front from the hammer's highest point at let-off to the bottom, m; `None` where
-    /// there is no let-off.
+    /// Aftertouch: travel of the key front from the hammer's highest point at let-off to the bottom, m; `None` without
+    /// let-off.
     pub aftertouch_m: Option<f64>,
     /// Jack position: from the middle of the knuckle to the rear edge of the jack's top, along the jack's top, at rest,
     /// m. Positive: the knuckle sits on the jack.
@@ -68,7 +68,7 @@ pub struct Distances {
     /// the key is let up slowly until the back check lets go, and is held there, m. Not positive where the spring
     /// cannot lift the hammer.
     pub repetition_rise_m: Option<f64>,
-    /// Strength of the repetition spring, by what it does: the largest speed of the strike point during that rise, m/s.
+    /// Strength of the repetition spring, by its effect: the largest speed of the strike point during that rise, m/s.
     /// Technicians judge it by eye: a brisk rise that can be followed, without a jump.
     pub spring_m_per_s: Option<f64>,
     /// Steps of the trials that reached an iteration limit.
@@ -147,7 +147,7 @@ impl Trial {
     }
 }
 
-/// Measures all distances: three trials. `progress` is asked now and then whether to.
+/// Measures all distances, in three trials. `progress` ends the work by returning false.
 ///
 /// # Errors
 /// See [`DistanceError`]. A distance that cannot be taken is no error: it is `None`.

@@ -65,13 +65,13 @@ pub struct Data {
 }
 
 impl Data {
-    /// Of a recording. What drives is prepared as `preparation` says. What is compared is not filtered, for a filter
-    /// makes noise look smaller than it is. `columns` are compared; without them all that were recorded and do not
-    /// drive. Steps divide the time from sample to sample, and are as long as those of `how` at most; its hand is
-    /// between stroke and key, and its duration is the recording's.
+    /// Makes the data of a recording. The driving column is prepared as `preparation` says; compared columns are not
+    /// filtered, because a filter makes the noise look too small. `columns` are compared; without them, all recorded
+    /// columns that do not drive. Steps divide the time between samples and are no longer than those of `how`; its hand
+    /// is between stroke and key, and the duration is the recording's.
     ///
     /// # Errors
-    /// Where it cannot drive so, or nothing is left to be compared.
+    /// If the recording has no such drive, or no column is left to compare.
     pub fn new(
         name: &str,
         recording: &Recording,

@@ -33,7 +33,7 @@ pub enum DoubtKind {
 }
 
 impl DoubtKind {
-    /// Its name in files and in Python.
+    /// Returns the name in files and in Python.
     pub fn name(self) -> &'static str {
         match self {
             DoubtKind::NoImpact => "no_impact",

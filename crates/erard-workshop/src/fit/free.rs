@@ -18,17 +18,17 @@ const USUAL_TURN: f64 = 0.02;
 /// bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Free {
-    /// Its name ([`Parameter::all`]).
+    /// Name of the parameter ([`Parameter::all`]).
     pub name: String,
     /// The parameter.
     pub parameter: Parameter,
-    /// Its value where the fit starts from the instrument as it is, in `unit`.
+    /// Value in the instrument at the start of the fit, in `unit`.
     pub value: f64,
     /// SI; empty for a coefficient.
     pub unit: &'static str,
-    /// Least value, outside.
+    /// Lower bound, outside.
     pub low: f64,
-    /// Largest.
+    /// Upper bound, outside.
     pub high: f64,
 }
 
@@ -67,7 +67,7 @@ impl Free {
         [self.inner(self.low), self.inner(self.high)]
     }
 
-    /// In SI units, what a value outside comes to.
+    /// Converts an outside value to SI units.
     pub fn si(&self, x: f64) -> f64 {
         if self.parameter.is_factor() { self.value * x } else { self.value + x }
     }
@@ -82,7 +82,7 @@ impl Free {
         if self.parameter.is_factor() { 1.0 } else { 0.0 }
     }
 
-    /// Whether a value stands at one of its bounds.
+    /// Whether a value is at one of its bounds.
     pub fn is_at_a_bound(&self, x: f64) -> bool {
         (x - self.low).abs().min((x - self.high).abs()) < 1e-3 * (self.high - self.low)
     }
@@ -91,8 +91,8 @@ impl Free {
 /// Values by name.
 pub type Asked<T> = Vec<(String, T)>;
 
-/// The free parameters by their names, with bounds: those asked for, else as far as the file says that the number may
-/// be off, else usual ones.
+/// Returns the free parameters by their names, with bounds: the given ones, else the uncertainty that the file states,
+/// else usual ones.
 ///
 /// # Errors
 /// A name that is none, is there twice, or bounds that are none.

@@ -37,7 +37,7 @@ impl Problem {
         if self.exact && share == DIFFERENCES[1] { self.by_gradient(point) } else { self.by_differences(point, share) }
     }
 
-    /// By central differences, all of them side by side in lanes.
+    /// Computes the Jacobian by central differences, all of them side by side in lanes.
     ///
     /// # Errors
     /// An interruption.

@@ -16,14 +16,14 @@ const WORST: f64 = 1e6;
 /// How far a delay may go either way, ms.
 const LONGEST_DELAY_MS: f64 = 20.0;
 
-/// One measured quantity of one recording beside what was fitted to it; SI units.
+/// Measured quantity of a recording with its fitted values; SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// Title: the column, and the recording if there are several.
     pub title: String,
     /// Number of the recording.
     pub recording: usize,
-    /// Its column.
+    /// Column of the quantity.
     pub column: &'static str,
     /// Instants, s.
     pub time_s: Vec<f64>,
@@ -83,11 +83,11 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// Of an instrument and recordings. `sigma` is the noise of columns, N or m, where the caller knows it; that of
-    /// what drives, too.
+    /// Makes a problem from an instrument and recordings. `sigma` is the known noise of columns, including the driving
+    /// one, N, m or m/s.
     ///
     /// # Errors
-    /// Noise of a column that is not there, or that is no positive number (of what drives: that is negative).
+    /// If `sigma` names a missing column, or a noise is not positive (for the driving column: is negative).
     pub fn new(
         instrument: &Instrument,
         free: Vec<Free>,
@@ -364,7 +364,7 @@ impl Problem {
         self.forget();
     }
 
-    /// Every measured quantity beside what the model makes of it at a point.
+    /// Returns every measured quantity with the model's values at a point.
     ///
     /// # Errors
     /// An interruption.

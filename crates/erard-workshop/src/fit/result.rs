@@ -17,11 +17,11 @@ pub struct Meaning {
     pub explanation: &'static str,
     /// The quantity that is read on the bench.
     pub quantity: &'static str,
-    /// Its unit.
+    /// Unit of the quantity.
     pub unit: &'static str,
-    /// With the instrument as it was before the fit.
+    /// Value with the instrument before the fit.
     pub before: f64,
-    /// With the fitted instrument.
+    /// Value with the fitted instrument.
     pub value: f64,
     /// Standard deviation of `value`, as the parameter's own makes it.
     pub std: f64,
@@ -41,9 +41,9 @@ pub struct FitResult {
     pub message: String,
     /// The parameters as `vary` takes them: turns in m, rad or N m, factors of the rest.
     pub x: Vec<f64>,
-    /// Their standard deviations.
+    /// Standard deviations of `x`.
     pub std: Vec<f64>,
-    /// Their covariance.
+    /// Covariance of `x`.
     pub cov: Rows,
     /// Fitted less measured, over the noise.
     pub residuals: Vec<f64>,
@@ -54,8 +54,8 @@ pub struct FitResult {
     /// Expected value if the model is true: 1 for the sensors' noise, and the contribution of the drive's noise, which
     /// moves the model itself.
     pub chi2_expected: f64,
-    /// Of the Jacobian, every parameter counted in halves of what its bounds allow: below 1 a direction is known no
-    /// better from the data than from its bounds.
+    /// Singular values of the Jacobian, with each parameter scaled by half the width of its bounds. Below 1, the data
+    /// determine a direction no better than its bounds do.
     pub singular_values: Vec<f64>,
     /// The directions that belong to them, delays included.
     pub directions: Rows,
@@ -88,9 +88,10 @@ pub struct FitResult {
 pub struct FittedChannel {
     /// Title: the column, and the recording if there are several.
     pub title: String,
-    /// Root mean square of its noise, N or m: as given, as read from the recording, or what is left over.
+    /// Root mean square noise of the channel, N, m or m/s: as given, as measured on the recording, or estimated from
+    /// the residuals.
     pub noise: f64,
-    /// Whether the noise was given or read from the recording, so that misfit can be told from it.
+    /// Whether the noise was given or measured on the recording, so that misfit can be distinguished from it.
     pub noise_is_known: bool,
     /// Root mean square of fitted less measured where the fit began, N or m.
     pub rms_at_start: f64,
@@ -192,8 +193,8 @@ impl FitResult {
         }
     }
 
-    /// Reduced chi2, and what it should be if the model were true. `None` where the noise of a channel was estimated
-    /// from its residuals: chi2 is 1 then, whatever the fit is worth.
+    /// Returns the reduced chi2 and its expected value for a true model. `None` if a channel's noise was estimated from
+    /// its residuals, because chi2 is then 1 for any fit.
     pub fn chi2(&self) -> Option<(f64, f64)> {
         let is_known = self.channels.iter().all(|channel| channel.noise_is_known);
         is_known.then_some((self.chi2_reduced, self.chi2_expected))
@@ -223,7 +224,7 @@ impl FitResult {
         pairs
     }
 
-    /// Directions that the data tell no better than the bounds, in words.
+    /// Returns the directions that the data determine no better than the bounds do, in words.
     pub fn unseen(&self) -> Vec<String> {
         let delays = self.channels.iter().filter(|channel| channel.delay_s.is_some());
         let names: Vec<String> = self

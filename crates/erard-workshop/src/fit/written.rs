@@ -21,8 +21,9 @@ pub enum WriteError {
 }
 
 impl FitResult {
-    /// `text`, the file of the instrument that was fitted, with the fitted numbers in place of its own, each cited as
-    /// fitted to these recordings, with its standard deviation in its note. It is read again before it is given out.
+    /// Returns `text`, the file of the fitted instrument, with the fitted values in place of its own. Each is cited as
+    /// fitted to these recordings, with its standard deviation in its note. The new text is checked by reading it
+    /// again.
     ///
     /// # Errors
     /// See [`WriteError`].

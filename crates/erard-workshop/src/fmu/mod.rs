@@ -82,19 +82,20 @@ const KEYBOARD_WITHOUT: [&str; 3] = ["key_velocity", "hand", "hand_velocity"];
 /// A variable of the unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    /// Its value reference, which no other variable of its type has.
+    /// Value reference, unique among the variables of its type.
     pub reference: u32,
-    /// Its name. Numbers of the file are called by their dotted path; a coordinate's two places end in `[1]` and `[2]`.
+    /// Name of the variable. Parameters of the file have their dotted path; the two coordinates of a point end in `[1]`
+    /// and `[2]`.
     pub name: String,
     /// Meaning.
     pub role: Role,
     /// The key of a keyboard that it belongs to, from 1; `None` for one of the whole unit.
     pub key: Option<usize>,
-    /// Its value at first; `None` for what is calculated.
+    /// Start value; `None` for calculated variables.
     pub start: Option<f64>,
-    /// Its unit; empty where the last part of its name says none.
+    /// Unit; empty if the last part of the name has none.
     pub unit: &'static str,
-    /// A line for people.
+    /// Description in one line.
     pub description: String,
 }
 
@@ -221,7 +222,7 @@ fn readings() -> impl Iterator<Item = Variable> {
     )])
 }
 
-/// All variables of an instrument's unit, in the order of the description.
+/// Returns all variables of an instrument's unit, in the order of the description.
 #[must_use]
 pub fn variables(file: &InstrumentFile, text: &str) -> Vec<Variable> {
     let mut all = Vec::from(driver());
@@ -235,8 +236,8 @@ pub fn variables(file: &InstrumentFile, text: &str) -> Vec<Variable> {
     all
 }
 
-/// All variables of a keyboard's unit, in the order of the description. Parameters are those of its base instrument:
-/// what is graded over the keys is graded around them.
+/// Returns all variables of a keyboard's unit, in the order of the description. Parameters are those of the base
+/// instrument, around which the keys are graded.
 #[must_use]
 pub fn keyboard_variables(base: &InstrumentFile, base_text: &str) -> Vec<Variable> {
     let mut all = Vec::from(settings(base.instrument.usual_step_s()));

@@ -13,9 +13,9 @@ use crate::study::Parameter;
 pub struct Unit {
     /// Name of the instrument or keyboard.
     pub name: String,
-    /// Its description; may be empty.
+    /// Description of the unit; may be empty.
     pub description: String,
-    /// In the order of the description.
+    /// Variables in the order of the description.
     pub variables: Vec<Variable>,
     /// The instrument, or the base instrument of the keyboard.
     file: InstrumentFile,
@@ -64,7 +64,7 @@ impl Unit {
         self.keyboard.is_some()
     }
 
-    /// Paths and texts of the files that the archive holds beside the description and the library.
+    /// Iterates over paths and texts of the archive's files other than the description and the library.
     pub fn resources(&self) -> impl Iterator<Item = (&'static str, &str)> {
         let keyboard = self.keyboard.as_ref().map(|(_, text)| (KEYBOARD, text.as_str()));
         [(INSTRUMENT, self.text.as_str())].into_iter().chain(keyboard)
@@ -80,7 +80,8 @@ impl Unit {
         format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
     }
 
-    /// Instruments with these values of the variables, in their order: one, or those of all keys of the keyboard.
+    /// Makes the instruments for these values of the variables, in their order: one, or those of all keys of the
+    /// keyboard.
     ///
     /// # Errors
     /// A line that names the parameter that cannot be, or what is wrong in the file with it.

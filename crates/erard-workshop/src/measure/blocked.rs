@@ -27,7 +27,7 @@ const LAID_S: f64 = 0.25;
 /// And read after this, s.
 const READ_S: f64 = 0.75;
 
-/// One reading of the bench test.
+/// Reading of the bench test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BlockedRow {
     /// Weight on the key's front, g.

@@ -23,11 +23,11 @@ pub struct Flight {
 pub struct Flights {
     /// Speed of the head along the string's normal as it meets the string, m/s.
     pub speed_m_per_s: f64,
-    /// Its largest speed before, m/s.
+    /// Largest speed of the head before the impact, m/s.
     pub largest_speed_m_per_s: f64,
-    /// From the last push on the knuckle; `None` where jack and lever pushed until the impact.
+    /// Flight from the last push on the knuckle; `None` if jack and lever pushed until the impact.
     pub from_last_push: Option<Flight>,
-    /// From the largest speed.
+    /// Flight from the largest speed.
     pub from_largest_speed: Flight,
 }
 

@@ -27,9 +27,9 @@ const BETWEEN_S: f64 = 0.03;
 pub struct InertiaCurve {
     /// Key travel, m, from rest to where let-off begins.
     pub key_m: Vec<f64>,
-    /// With the damper out of the key's reach, kg.
+    /// Effective mass with the damper out of the key's reach, kg.
     pub pedal_down_kg: Vec<f64>,
-    /// With the damper on the string: the same until the key lifts it, kg.
+    /// Effective mass with the damper on the string, kg; equal to `pedal_down_kg` until the key lifts the damper.
     pub dampers_down_kg: Vec<f64>,
     /// Half-way, with the damper out of reach.
     pub half_way: Shares,
@@ -47,7 +47,7 @@ pub struct Shares {
 }
 
 impl Shares {
-    /// All of it.
+    /// Returns the total, kg.
     #[must_use]
     pub fn total_kg(&self) -> f64 {
         self.key_kg + self.whippen_kg + self.hammer_kg

@@ -26,11 +26,11 @@ const MOST_ITERATIONS: usize = 50;
 
 /// Key, whippen and hammer of a grand action, its bends locked.
 pub(crate) struct Levers {
-    /// From the key's pivot to where the finger presses, level, m; positive.
+    /// Horizontal distance from the key's pivot to the finger, m; positive.
     pub key_front_m: f64,
-    /// From the key's pivot to where the capstan touches at rest, level, m; away from the player positive.
+    /// Horizontal distance from the key's pivot to the capstan's contact at rest, m; positive away from the player.
     pub capstan_m: f64,
-    /// From the whippen's pivot to that place, likewise: negative.
+    /// Horizontal distance from the whippen's pivot to that contact, m; negative.
     pub whippen_arm_m: f64,
     key: usize,
     /// The whippen with what rides on it.

@@ -10,28 +10,28 @@ use super::usual::{UsualRange, usual};
 use crate::digits::plain;
 use erard::keyboard::note_name;
 
-/// The key whose norms hold where nobody says which it is: middle C.
+/// Default key of the norms: middle C.
 pub const MIDDLE_C: usize = 40;
 
 /// Text that is read once and stays as long as the program.
 pub(crate) type Kept = &'static str;
 
-/// One line of the sheet.
+/// Line of the sheet.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
     /// The key in `measure.json`.
     #[serde(deserialize_with = "kept")]
     pub key: Kept,
-    /// For people.
+    /// Label of the line.
     #[serde(deserialize_with = "kept")]
     pub label: Kept,
-    /// Its unit; empty for a ratio.
+    /// Unit; empty for a ratio.
     #[serde(default, deserialize_with = "kept")]
     pub unit: Kept,
     /// Decimals that mean something.
     pub decimals: usize,
-    /// Its value.
+    /// Function that returns the line's value from a sheet.
     #[serde(skip, default = "no_value")]
     pub value: fn(&Sheet) -> Option<f64>,
 }
@@ -49,7 +49,7 @@ fn no_value() -> fn(&Sheet) -> Option<f64> {
 pub struct Flag {
     /// The line's key.
     pub key: &'static str,
-    /// The fault, a line for people.
+    /// Message that describes the fault.
     pub message: String,
 }
 
@@ -57,10 +57,10 @@ pub struct Flag {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Group {
-    /// Its heading.
+    /// Heading of the group.
     #[serde(deserialize_with = "kept")]
     pub heading: Kept,
-    /// Its lines.
+    /// Lines of the group.
     #[serde(rename = "line")]
     pub lines: Vec<Line>,
 }
@@ -123,7 +123,7 @@ struct Norms {
     group: Vec<Group>,
 }
 
-/// The sheet's lines, in the order in which they are printed: `norms.toml` beside this file.
+/// Lines of the sheet by group, in the order in which they are printed, from `norms.toml`.
 pub static GROUPS: LazyLock<Vec<Group>> = LazyLock::new(|| {
     let text = include_str!("norms.toml");
     let mut groups = toml::from_str::<Norms>(text).expect("the built-in lines read").group;
@@ -133,13 +133,13 @@ pub static GROUPS: LazyLock<Vec<Group>> = LazyLock::new(|| {
     groups
 });
 
-/// All lines.
+/// Iterates over all lines.
 pub fn lines() -> impl Iterator<Item = &'static Line> {
     GROUPS.iter().flat_map(|group| &group.lines)
 }
 
 impl Line {
-    /// A value with its decimals and its unit; a dash where there is none.
+    /// Formats a value with its decimals and its unit; a dash for `None`.
     #[must_use]
     pub fn text(&self, value: Option<f64>) -> String {
         match value {
@@ -148,7 +148,7 @@ impl Line {
         }
     }
 
-    /// Its usual range, if it has one.
+    /// Returns the usual range of the line, if it has one.
     #[must_use]
     pub fn norm(&self) -> Option<&'static UsualRange> {
         usual(self.key)
@@ -160,7 +160,7 @@ impl Line {
         self.norm().map_or([None; 2], |norm| norm.at(key))
     }
 
-    /// The usual range at a key, e.g. `45.0-55.0`; empty where nothing is.
+    /// Formats the usual range at a key, e.g. `45.0-55.0`; empty without one.
     #[must_use]
     pub fn usual(&self, key: usize) -> String {
         let number = |x: f64| format!("{x:.*}", self.decimals);
@@ -172,7 +172,7 @@ impl Line {
         }
     }
 
-    /// Whether a sheet's value is out of the norm. A value that is missing is: what did not happen should have.
+    /// Whether a sheet's value is outside its norm. A missing value is: the event should have happened.
     #[must_use]
     pub fn is_out(&self, sheet: &Sheet) -> bool {
         self.is_out_at((self.value)(sheet), sheet.norms_for_key)

@@ -74,7 +74,7 @@ pub(crate) fn midi_velocity(speed_m_per_s: f64) -> Option<u8> {
     (speed_m_per_s > 0.0).then(|| (52.0 + 25.0 * speed_m_per_s.log2()).round().clamp(1.0, 127.0) as u8)
 }
 
-/// Description of that map, for people.
+/// Description of that map.
 pub const MIDI_MAP: &str = "MIDI velocity = 52 + 25 log2(hammer speed in m/s), Goebl 2003 (Bösendorfer SE290)";
 
 /// Acceleration with which the strike point slows down while it rises freely with the shank level, along its arc, m/s2:

@@ -44,19 +44,18 @@ const PATIENCE_S: f64 = 1.0;
 pub struct Repetition {
     /// Strokes per second.
     pub rate_hz: f64,
-    /// How long the finger stays on the bottom, s, and how long it waits above: together the shortest with which every
-    /// stroke sounds.
+    /// Time that the finger stays on the bottom, s. With `wait_s`, the shortest times with which every stroke sounds.
     pub stay_s: f64,
-    /// See there.
+    /// Time that the finger waits above, s.
     pub wait_s: f64,
-    /// From bottom until the key is up, s.
+    /// Time from the bottom until the key is up, s.
     pub return_s: f64,
     /// The softest of the impacts, m/s.
     pub softest_m_per_s: f64,
 }
 
-/// The fastest rate at which every stroke sounds; `None` where none does. `up_m`: the finger presses again when the key
-/// has come up to this travel below its rest.
+/// Finds the fastest rate at which every stroke sounds; `None` if none does. `up_m`: the finger presses again when the
+/// key has come up to this travel below its rest.
 ///
 /// # Errors
 /// See [`MeasureError`].

@@ -28,14 +28,14 @@ const INTO_PUNCHING_M: f64 = 0.3e-3;
 /// How many points of a loop are kept on the sheet, at most.
 const LOOP_POINTS: usize = 600;
 
-/// The sheet of one action. Grams are gram-forces at the key front or on the scale, millimetres as a technician
-/// measures them; `None` (JSON `null`) is what did not happen or what there is no part for.
+/// Sheet of one action. Grams are gram-forces at the key front or on the scale, millimetres as a technician measures
+/// them; `None` (JSON `null`) if the event did not happen or there is no such part.
 #[derive(Debug, Clone, Serialize)]
 #[allow(non_snake_case)]
 pub struct Sheet {
     /// Instrument name.
     pub instrument: String,
-    /// The key whose norms its values are held against, 1 to 88.
+    /// Key, 1 to 88, whose norms the values are compared with.
     pub norms_for_key: usize,
     /// Pedal down, by trial with weights, g.
     pub down_weight_g: Option<f64>,
@@ -63,11 +63,11 @@ pub struct Sheet {
     pub strike_weight_ratio_weights_half_way: Option<f64>,
     /// R by the geometry: mean of the ratios at the two places that decide down-weight and up-weight.
     pub strike_weight_ratio_kinematics: f64,
-    /// The ratio at rest,
+    /// R by the geometry, at rest.
     pub strike_weight_ratio_kinematics_at_rest: f64,
-    /// half-way to where let-off begins,
+    /// R by the geometry, half-way to where let-off begins.
     pub strike_weight_ratio_kinematics_half_way: f64,
-    /// and there.
+    /// R by the geometry, where let-off begins.
     pub strike_weight_ratio_kinematics_at_let_off: f64,
     /// Key travel to its bottom, mm.
     pub dip_mm: Option<f64>,
@@ -97,11 +97,11 @@ pub struct Sheet {
     pub damper_start_share: Option<f64>,
     /// Effective mass at the key front, half-way to where let-off begins, pedal down, kg.
     pub effective_inertia_kg: f64,
-    /// Share of the key, the whippen and the hammer in it, kg.
+    /// Share of the key in the effective inertia, kg.
     pub effective_inertia_key_kg: f64,
-    /// See there.
+    /// Share of whippen, jack and repetition lever in the effective inertia, kg.
     pub effective_inertia_whippen_kg: f64,
-    /// See there.
+    /// Share of the hammer in the effective inertia, kg.
     pub effective_inertia_hammer_kg: f64,
     /// Strokes per second, the key fully released.
     pub repetition_rate_hz: Option<f64>,
@@ -115,16 +115,16 @@ pub struct Sheet {
     pub softest_let_off_speed_m_per_s: Option<f64>,
     /// Hammer speed that sqrt(2 a d) gives for the remaining flight, m/s.
     pub softest_fall_speed_m_per_s: Option<f64>,
-    /// The fastest second impact after a soft first one, the key held, m/s; 0 where there is none.
+    /// Fastest second impact after a soft first one with the key held, m/s; 0 without one.
     pub double_strike_m_per_s: Option<f64>,
-    /// Largest force on the slow way from where let-off begins to the bottom less that before it, N: what the finger
-    /// feels of let-off.
+    /// Let-off resistance that the finger feels, N: the largest force on the slow way from the start of let-off to the
+    /// bottom, less that before it.
     pub let_off_resistance_N: Option<f64>,
     /// Work that a slow way to the bottom and back takes, pedal down, mJ.
     pub loop_loss_mJ: f64,
     /// The hammer blocked half-way: travel of the key's front from the first weight to the last, mm.
     pub blocked_front_mm: Option<f64>,
-    /// And of the capstan, mm.
+    /// The hammer blocked half-way: travel of the capstan from the first weight to the last, mm.
     pub blocked_back_mm: Option<f64>,
     /// Bench test, weight by weight.
     pub blocked: Vec<BlockedRow>,
@@ -132,7 +132,7 @@ pub struct Sheet {
     pub dynamic_range: Vec<Loudness>,
     /// Law from hammer speeds to MIDI velocities.
     pub midi_map: &'static str,
-    /// Built-in touches, played by a hand of 200 g: what happens when.
+    /// Timing of built-in touches, played by a hand of 200 g.
     pub timing: Vec<TimingRow>,
     /// Force over travel, pedal down, to the bottom and back.
     pub hysteresis: LoopNumbers,
@@ -219,7 +219,7 @@ pub struct InertiaNumbers {
     pub dampers_down_kg: Vec<f64>,
 }
 
-/// One row of the timing sheet. Milliseconds since key start; `None` is what did not happen.
+/// Row of the timing sheet. Times are ms after key start; `None` if the event did not happen.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)]
 pub struct TimingRow {
@@ -237,7 +237,7 @@ pub struct TimingRow {
     pub hammer_contact_ms: Option<f64>,
     /// The key meets its punching.
     pub key_bottom_ms: Option<f64>,
-    /// From the last push on the knuckle to the string, ms.
+    /// Time from the last push on the knuckle to the impact on the string, ms.
     pub free_flight_ms: Option<f64>,
     /// The hammer's flight, from the last push and from its largest speed.
     pub flights: Option<Flights>,
@@ -289,8 +289,8 @@ struct Results {
     blocked: Option<Vec<BlockedRow>>,
 }
 
-/// Measures an action from end to end, and holds it against the norms of middle C. `progress` receives the share that
-/// is done, and ends the work by returning false.
+/// Measures an action completely and compares it with the norms of middle C. `progress` receives the share that is
+/// done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].

@@ -34,7 +34,7 @@ pub struct SlowLoop {
     pub unconverged_steps: u64,
 }
 
-/// One way of a slow loop.
+/// One direction of a slow loop.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SlowWay {
     /// Travel of the key front from rest, m, down positive.

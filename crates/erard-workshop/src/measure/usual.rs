@@ -15,7 +15,7 @@ const KEYS: usize = 88;
 static TABLE: LazyLock<BTreeMap<String, UsualRange>> =
     LazyLock::new(|| parse(BUILTIN).expect("the built-in table of usual ranges reads"));
 
-/// A usual range, and who says so.
+/// Usual range, with its source.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct UsualRange {
@@ -56,7 +56,7 @@ pub(super) fn keys() -> impl Iterator<Item = &'static str> {
     TABLE.keys().map(String::as_str)
 }
 
-/// Reads a table of usual ranges: how many lines of the sheet it has.
+/// Checks a table of usual ranges and returns the number of sheet lines in it.
 ///
 /// # Errors
 /// What is wrong, where, and what is expected.

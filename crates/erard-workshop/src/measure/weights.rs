@@ -56,9 +56,9 @@ impl Touch {
 /// Weights on the key front, of an action whose damper lies on the string or hangs on the pedal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyWeights {
-    /// By trial with weights.
+    /// Touch weights by trial with weights.
     pub by_weights: Touch,
-    /// From the slow loop.
+    /// Touch weights from the slow loop.
     pub by_loop: Touch,
     /// Key travel at which the loop's way down is hardest, and its way up weakest, m: the places that decide D and U.
     pub decided_m: [f64; 2],
@@ -102,18 +102,18 @@ pub struct StrikeRatio {
     pub at_let_off: f64,
 }
 
-/// All the weights of an action.
+/// All weights of an action.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
     /// The way that they are found on.
     pub free_way: FreeWay,
-    /// With the pedal down, as the trade measures: the damper is out of the key's reach.
+    /// Weights with the pedal down, as the trade measures: the damper is out of the key's reach.
     pub pedal_down: KeyWeights,
-    /// With the damper on the string; `None` where the key lifts none.
+    /// Weights with the damper on the string; `None` if the key lifts no damper.
     pub dampers_down: Option<KeyWeights>,
-    /// On the scale.
+    /// Weights of the parts on the scale.
     pub parts: PartWeights,
-    /// By the geometry.
+    /// Strike ratio by the geometry.
     pub strike_ratio: StrikeRatio,
 }
 
@@ -160,7 +160,7 @@ pub struct FreeWay {
     pub let_off: bool,
 }
 
-/// Presses the key slowly until jack or lever meets its stop; in an action that is out of order, until the hammer
+/// Presses the key slowly until jack or lever reaches its stop; in an action that is out of order, until the hammer
 /// blocks against the string or the key is down.
 ///
 /// # Errors
@@ -215,7 +215,7 @@ pub(crate) fn by_loop(
     Ok(LoopWeights { touch, decided_m, slow })
 }
 
-/// Down-weight and up-weight of an action as it stands, its damper as it hangs.
+/// Finds down-weight and up-weight of an action as it is, with its damper as it hangs.
 ///
 /// # Errors
 /// Where there is no gravity, and those of the runs.
@@ -236,8 +236,8 @@ pub fn on_the_key(
     Ok(KeyWeights { by_weights, by_loop, decided_m, slow })
 }
 
-/// Weighs the parts as they come off the action, unbent, from masses, centres of mass and where they touch at rest; and
-/// finds the strike-weight ratio by the geometry, `decided_m` being the key travels at which down-weight and up-weight
+/// Weighs the parts as they come off the action, without bending, from masses, centres of mass and contacts at rest.
+/// Finds the strike-weight ratio by the geometry; `decided_m` are the key travels at which down-weight and up-weight
 /// were decided.
 ///
 /// # Errors

@@ -13,9 +13,9 @@ const SEEN_OF_DIP: f64 = 0.03;
 /// Passes in which what was newly disturbed is taken along.
 const PASSES: u32 = 4;
 
-/// Goals that nobody asked for, and that a regulation has disturbed: each with what it measured before, which is to
-/// come back. Goals without a screw of their own in this instrument are left out, and the repetition rise, whose screw
-/// is the check's.
+/// Returns the goals that were not given and that a regulation has disturbed, each with its earlier value, which is to
+/// be restored. Goals without a screw of their own in this instrument are left out, and the repetition rise, whose
+/// screw is the check's.
 #[must_use]
 pub fn disturbed(regulated: &Regulated) -> Specification {
     let asked = |goal: Goal| regulated.achieved.iter().any(|achieved| achieved.goal == goal);

@@ -4,8 +4,8 @@ use crate::distances::{Distances, Trial};
 
 use Kind::{Length, Share, Speed};
 
-/// A distance that can be asked for. The order is the trade's order of work: the jack and the lever under the knuckle,
-/// the hammer line, the key's dip, let-off, drop, checking, the repetition spring, the damper.
+/// Distance that can be a goal. The order is the trade's order of work: the jack and the lever under the knuckle, the
+/// hammer line, the key's dip, let-off, drop, checking, the repetition spring, the damper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Goal {
     /// [`Distances::jack_position_m`].
@@ -78,7 +78,7 @@ const KNOWN: [Known; 10] = [
 pub type Specification = Vec<(Goal, f64)>;
 
 impl Goal {
-    /// All of them, in the order of work.
+    /// All goals, in the order of work.
     pub const ALL: [Goal; 10] = [
         Goal::JackPosition,
         Goal::LeverHeight,

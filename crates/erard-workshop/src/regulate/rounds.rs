@@ -71,7 +71,7 @@ pub enum Miss {
 pub struct Turned {
     /// Index into the instrument's screws.
     pub screw: usize,
-    /// Its name.
+    /// Name of the screw.
     pub name: String,
     /// Turn of the screw: m, rad, or N m.
     pub action: ScrewAction,
@@ -86,13 +86,13 @@ pub struct Turned {
 pub struct Regulated {
     /// The instrument with its screws turned.
     pub instrument: Instrument,
-    /// Every goal, in the order of work.
+    /// Outcome of every goal, in the order of work.
     pub achieved: Vec<Achieved>,
     /// The screws that were turned.
     pub turned: Vec<Turned>,
-    /// All distances before.
+    /// All distances before the work.
     pub before: Distances,
-    /// All distances after.
+    /// All distances after the work.
     pub after: Distances,
     /// Rounds of work.
     pub rounds: u32,

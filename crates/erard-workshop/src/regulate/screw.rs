@@ -37,7 +37,7 @@ pub const SMALL_THREAD_M: f64 = 0.65e-3;
 /// A screw that `regulate` knows how to use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownScrew {
-    /// Its name in instrument files.
+    /// Name in instrument files.
     pub name: &'static str,
     /// The direction in which a technician's usual words turn it; a file may count the other way.
     pub reference: Vec2,

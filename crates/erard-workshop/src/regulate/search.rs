@@ -13,9 +13,9 @@ const SLOPE_FACTOR: f64 = 8.0;
 pub(super) struct Turning {
     /// The goal's change per unit of setting that is expected, never 0.
     pub slope: f64,
-    /// Least and most setting.
+    /// Lowest and highest setting.
     pub limits: [f64; 2],
-    /// Most that is turned at once.
+    /// Largest turn at once.
     pub stride: f64,
 }
 

@@ -4,7 +4,7 @@ use erard::instrument::ScrewAction;
 
 use super::{Goal, Kind};
 
-/// The factor from SI to what is shown of a goal, and its unit.
+/// Returns the factor from SI to the displayed unit of a goal, and the unit.
 pub fn unit(kind: Kind) -> (f64, &'static str) {
     match kind {
         Kind::Length => (1e3, "mm"),
@@ -45,7 +45,7 @@ pub fn parse_value(goal: Goal, text: &str) -> Result<f64, String> {
     })
 }
 
-/// The factor from SI to what is shown of a screw, its unit, and digits.
+/// Returns the factor from SI to the displayed unit of a screw, the unit, and the digits.
 pub fn screw_unit(action: &ScrewAction) -> (f64, &'static str) {
     match action {
         ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => (1e3, "mm"),

@@ -1,13 +1,13 @@
 //! The band of a value over many samples.
 
-/// From where to where a value lies in nine of ten samples.
+/// Range of a value in nine of ten samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// Its 5 % quantile.
+    /// 5 % quantile of the value.
     pub low: f64,
-    /// Its 95 % quantile.
+    /// 95 % quantile of the value.
     pub high: f64,
-    /// In so many samples it came about.
+    /// Number of samples that have the value.
     pub samples: usize,
 }
 

@@ -32,7 +32,7 @@ use bench::{Aim, Unfit};
 /// How often a grand that cannot be put right is drawn again.
 const ATTEMPTS: u32 = 40;
 
-/// Why there is no sample.
+/// Reason why there is no sample.
 #[derive(Debug, Error)]
 pub enum SampleError {
     /// No number of the file has a spread.

@@ -24,11 +24,11 @@ const ONE_SLOPE: f64 = 0.5;
 /// A slope over a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Differences {
-    /// By differences to both sides, extrapolated from two windows.
+    /// Derivative from differences to both sides, extrapolated from two windows.
     pub slope: f64,
     /// Difference between the two windows' results.
     pub error: f64,
-    /// To below and to above.
+    /// Differences to below and to above.
     pub sides: [f64; 2],
     /// Residual of the five values about their parabola.
     left: f64,

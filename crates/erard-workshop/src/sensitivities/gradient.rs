@@ -17,19 +17,19 @@ pub(super) const NEGLIGIBLE: f64 = 1e-5;
 /// Derivatives in steps of different lengths that differ by more than this share of the larger one do not converge.
 const CONVERGED: f64 = 0.1;
 
-/// A press, and what it depends on.
+/// Press with its derivatives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gradient {
-    /// By what.
+    /// Variables of the derivatives.
     pub by: Vec<Variable>,
-    /// Of every quantity of [`QUANTITIES`]: its value, and its derivatives by every variable, per bare number
-    /// (`Variable::per_bare_number`); `None` where it did not happen.
+    /// Value of every quantity of [`QUANTITIES`] and its derivatives by every variable, per bare number
+    /// (`Variable::per_bare_number`); `None` if the event did not happen.
     pub of: Vec<(&'static str, Option<ValueAndSlopes>)>,
     /// Samples.
     pub sampled: Vec<Sampled>,
-    /// Switches of friction at which derivatives jumped, and those that could not be told from others.
+    /// Number of friction switches at which derivatives jumped, and of those that could not be distinguished.
     pub switches: [u32; 2],
-    /// Derivatives that do not converge; they are no numbers in `of`.
+    /// Derivatives that do not converge; they are NaN in `of`.
     pub refused: Vec<Refusal>,
 }
 
@@ -42,7 +42,7 @@ pub struct ValueAndSlopes {
     pub slopes: Vec<f64>,
     /// Derivatives in steps of [`SHORTER`]; empty if they were not requested.
     pub in_shorter_steps: Vec<f64>,
-    /// What switches of friction that could not be told from others make uncertain in each; empty likewise.
+    /// Uncertainty of each derivative from friction switches that could not be distinguished; empty likewise.
     pub unresolved: Vec<f64>,
 }
 
@@ -51,7 +51,7 @@ pub struct ValueAndSlopes {
 pub struct Sampled {
     /// Name in a run's table.
     pub name: &'static str,
-    /// Its samples.
+    /// Samples of the column.
     pub values: Vec<f64>,
     /// Derivatives of the samples by every variable, per bare number.
     pub slopes: Vec<Vec<f64>>,
@@ -60,12 +60,12 @@ pub struct Sampled {
 /// The step with which derivatives are compared, as a share of the setup's.
 pub const SHORTER: f64 = 0.8;
 
-/// How a press is differentiated.
+/// Settings of the differentiation of a press.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Differentiation {
     /// Treatment of the rest.
     pub rest: Rest,
-    /// Steps between samples of the columns, where they are asked for.
+    /// Number of steps between samples of the columns, if they are sampled.
     pub sample_every: Option<u64>,
     /// Plays the press once more in shorter steps, compares the derivatives, and refuses those that do not converge.
     pub compares: bool,

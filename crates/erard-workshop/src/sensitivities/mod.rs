@@ -36,9 +36,9 @@ use passes::{How, Passes, passes};
 /// A quantity that is differentiated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quantity {
-    /// Its name, which ends with its unit.
+    /// Name of the quantity, which ends with its unit.
     pub key: &'static str,
-    /// For people.
+    /// Label of the quantity.
     pub label: &'static str,
     /// Unit in which it is shown, and how many of these an SI unit (a gram, of a weight) is.
     pub unit: &'static str,
@@ -58,7 +58,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// Its name in results.
+    /// Returns the name in results.
     pub fn name(self) -> &'static str {
         match self {
             Method::Gradient => "gradient",
@@ -71,7 +71,7 @@ impl Method {
 pub const USUAL: [&str; 5] =
     ["hammer_speed_m_per_s", "let_off_s", "key_bottom_after_impact_s", "down_weight_g", "balance_weight_g"];
 
-/// Everything that can be asked for.
+/// Returns all quantities that can be differentiated.
 pub fn quantities() -> Vec<Quantity> {
     let told = [
         ("hammer_speed_m_per_s", "hammer speed", "m/s", false),
@@ -116,7 +116,7 @@ pub enum Mark {
 }
 
 impl Mark {
-    /// Its name in results; empty for none.
+    /// Returns the name in results; empty for none.
     pub fn name(self) -> &'static str {
         match self {
             Mark::None => "",
@@ -128,12 +128,12 @@ impl Mark {
     }
 }
 
-/// One derivative.
+/// Derivative of a quantity by a variable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivity {
     /// Quantity: place in [`Sensitivities::of`].
     pub of: usize,
-    /// By which number: place in [`Sensitivities::by`].
+    /// Variable: index in [`Sensitivities::by`].
     pub by: usize,
     /// Change of the quantity (SI units, or g) per unit of the number ([`Variable::per`]). No number where it does not
     /// converge.
@@ -146,7 +146,7 @@ pub struct Sensitivity {
     pub differences: Option<[f64; 2]>,
     /// Differences to below and to above.
     pub sides: Option<[f64; 2]>,
-    /// Where the derivatives part that do not converge.
+    /// Friction switch at which derivatives that do not converge begin to differ.
     pub event: Option<String>,
     /// Reservation about it.
     pub mark: Mark,
@@ -166,16 +166,16 @@ impl Sensitivity {
     }
 }
 
-/// All derivatives of a stroke's outcome.
+/// All derivatives of a stroke's results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivities {
     /// Quantities.
     pub of: Vec<Quantity>,
-    /// Their values; `None` where it did not happen.
+    /// Values of the quantities; `None` for events that did not happen.
     pub values: Vec<Option<f64>>,
-    /// By what.
+    /// Variables of the derivatives.
     pub by: Vec<Variable>,
-    /// Every one of every quantity that happened, by quantity, the largest effect first.
+    /// Derivatives of every quantity that happened, by quantity, the largest effect first.
     pub rows: Vec<Sensitivity>,
     /// Instants at which derivatives jump, from the pose as drawn to the impact, and those that could not be
     /// distinguished.
@@ -185,7 +185,7 @@ pub struct Sensitivities {
 /// Parts of the progress: gradients, strokes for differences, weights.
 const PARTS: [f64; 3] = [1.0, 1.0, 20.0];
 
-/// The derivatives of a stroke's outcome by an instrument's numbers.
+/// Computes the derivatives of a stroke's results by an instrument's parameters.
 ///
 /// `stroke` makes what drives the key. `progress` receives the share done and ends the work by returning false.
 ///

@@ -18,7 +18,7 @@ pub struct Refusal {
     pub of: &'static str,
     /// Number.
     pub by: String,
-    /// The derivative in the steps that were asked for, and in the shorter ones, per bare number.
+    /// Derivative with the given steps, and with shorter ones, per bare number.
     pub slopes: [f64; 2],
     /// The switch of friction from which on the two differ; `None` where it is the rest that does not move by one slope
     /// to both sides.
@@ -26,14 +26,14 @@ pub struct Refusal {
     /// Differences to below and to above, per bare number, in steps of the press; `None` where the number cannot be
     /// changed so.
     pub sides: Option<[f64; 2]>,
-    /// All of it in words.
+    /// Complete description in words.
     pub told: String,
 }
 
 /// A switch of friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
-    /// When, s.
+    /// Time of the switch, s.
     pub time_s: f64,
     /// Law that switches; `None` if it could not be identified.
     pub law: Option<SwitchingLaw>,
@@ -46,7 +46,7 @@ impl Event {
         Event { time_s: one.time_s, law: one.switch.law, kind: one.switch.kind }
     }
 
-    /// In words: `at 41.32 ms, where the friction of zone jack_knuckle reverses`.
+    /// Describes the switch in words: `at 41.32 ms, where the friction of zone jack_knuckle reverses`.
     pub fn told(&self, instrument: &Instrument) -> String {
         let law = match self.law {
             Some(SwitchingLaw::Pivot(i)) => {

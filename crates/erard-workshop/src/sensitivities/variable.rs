@@ -25,9 +25,9 @@ pub struct Variable {
     /// The unit of the derivatives: `mm`, `degrees` or `N mm` of a screw, `%` of a parameter, the file's own
     /// unit of a number of the file, `N` of the force.
     pub per: &'static str,
-    /// Its value in that unit, where it has one: a parameter is 100 %.
+    /// Value in that unit, if there is one; a parameter is 100 %.
     pub value: Option<f64>,
-    /// By how many of these units one usually changes it: effects are compared by it.
+    /// Usual change in that unit; effects are compared by it.
     pub usual: f64,
     /// Half the window of the differences, and that of weighing, which is coarser.
     pub window: f64,
@@ -76,15 +76,15 @@ pub enum VariableError {
 }
 
 impl Variable {
-    /// Every parameter of an instrument that has a name of its own ([`Parameter::all`]). Those that cannot be changed
-    /// to both sides are left out.
+    /// Returns all named parameters of an instrument ([`Parameter::all`]), except those that cannot be changed to both
+    /// sides.
     pub fn all(instrument: &Instrument) -> Vec<Variable> {
         let plain = without_outlines(instrument.clone());
         let all = Parameter::all(&plain).into_iter();
         all.filter_map(|(name, parameter)| Self::parameter(&plain, name, parameter).ok()).collect()
     }
 
-    /// One by its name: a parameter, `force`, or the path of a number in the instrument's text.
+    /// Finds a variable by its name: a parameter, `force`, or the path of a number in the instrument's text.
     ///
     /// # Errors
     /// See [`VariableError`].

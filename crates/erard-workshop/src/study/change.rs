@@ -64,27 +64,27 @@ impl std::fmt::Display for Change {
     }
 }
 
-/// A number that can be varied, and what its file says of it.
+/// Parameter that can be varied, with its uncertainty and source in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantity {
-    /// Its name ([`Parameter::all`]).
+    /// Name of the parameter ([`Parameter::all`]).
     pub name: String,
     /// The parameter.
     pub parameter: Parameter,
-    /// Its value, in `unit`.
+    /// Value of the parameter, in `unit`.
     pub value: f64,
     /// SI; empty for a coefficient.
     pub unit: &'static str,
-    /// Spread that the file gives, in the form of [`Change::Number`]: turns in m, rad or N m, or factors. `None`
-    /// where it does not say.
+    /// Uncertainty that the file states, in the form of [`Change::Number`]: turns in m, rad or N m, or factors. `None`
+    /// if the file states none.
     pub spread: Option<[f64; 2]>,
     /// Certainty that the file gives; `None` for a bare number.
     pub certainty: Option<Certainty>,
-    /// Its path in the file.
+    /// Path in the file.
     pub path: String,
 }
 
-/// Everything of an instrument that has a name of its own to be varied by.
+/// Returns all parameters of an instrument that can be varied by name.
 pub fn quantities(file: &InstrumentFile) -> Vec<Quantity> {
     let instrument = &file.instrument;
     let all = Parameter::all(instrument).into_iter();

@@ -40,7 +40,7 @@ use topology::{Topology, groups};
 /// The drive of the key in a job: as [`erard::Drive`], but owned, so that another thread can take it.
 pub type Stroke<'a> = Box<dyn Fn(f64) -> Input + Send + 'a>;
 
-/// One stroke on one instrument.
+/// Stroke on an instrument.
 pub struct Job<'a> {
     /// Index of the instrument.
     pub instrument: usize,
@@ -59,17 +59,17 @@ pub struct Workers {
 }
 
 impl Workers {
-    /// All that the processor has.
+    /// Returns workers on all of the processor's threads.
     pub fn all() -> Self {
         Workers { threads: cores::count(), lanes: Lanes::most() }
     }
 
-    /// One thread, for callers that have other work for the others.
+    /// Returns one worker, for callers that use the other threads themselves.
     pub fn one() -> Self {
         Workers { threads: 1, ..Workers::all() }
     }
 
-    /// All strokes in single precision.
+    /// Returns workers on all threads, in single precision.
     pub fn all_single() -> Self {
         Workers { lanes: Lanes::most_single(), ..Workers::all() }
     }
@@ -80,7 +80,7 @@ impl Workers {
 pub struct Played {
     /// Instants and speeds.
     pub events: Events,
-    /// Greatest rise of the hammer's strike point from rest, m; 0 where there is no hammer.
+    /// Greatest rise of the hammer's strike point from rest, m; 0 without a hammer.
     pub highest_m: f64,
     /// Steps that reached an iteration limit.
     pub unconverged_steps: u64,
@@ -167,7 +167,7 @@ pub fn play_each(
     cores::map(instruments, cores::count(), progress, play)
 }
 
-/// [`play_all`], and samples of every stroke along its way where they are asked for ([`Played::samples`]).
+/// Plays all jobs as [`play_all`] does, and samples every stroke if requested ([`Played::samples`]).
 ///
 /// # Errors
 /// As [`play_all`].

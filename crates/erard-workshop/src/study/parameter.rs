@@ -35,9 +35,9 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// Every parameter of an instrument by its name: a screw by its own, the others as `body.hammer.mass`,
-    /// `body.key.friction`, `spring.repetition.torque`, `spring.key_bending.stiffness`, `zone.string.stiffness`,
-    /// `zone.check.damping`, `zone.check.friction`.
+    /// Returns every parameter of an instrument with its name: a screw has its own, the others are called
+    /// `body.hammer.mass`, `body.key.friction`, `spring.repetition.torque`, `spring.key_bending.stiffness`,
+    /// `zone.string.stiffness`, `zone.check.damping`, `zone.check.friction`.
     pub fn all(instrument: &Instrument) -> Vec<(String, Parameter)> {
         let mut all = Vec::new();
         for (screw, one) in instrument.screws.iter().enumerate() {
@@ -86,8 +86,8 @@ impl Parameter {
         }
     }
 
-    /// Its value in an instrument, in SI units: a screw's setting, a mass, a torque, a felt's stiffness or damping, a
-    /// coefficient.
+    /// Returns the value in an instrument, in SI units: a screw's setting, a mass, a torque, a felt's stiffness or
+    /// damping, a coefficient.
     pub fn value(&self, instrument: &Instrument) -> f64 {
         match *self {
             Parameter::Screw { screw, .. } => instrument.screws[screw].setting,

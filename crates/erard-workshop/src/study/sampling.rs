@@ -12,7 +12,7 @@ pub struct Sampling {
     columns: Vec<(String, Column)>,
 }
 
-/// No such column.
+/// Error for an unknown column.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("there is no column `{name}`; expected {}", .known.join(", "))]
 pub struct SamplingError {
@@ -37,8 +37,8 @@ const TRAVELS: [&str; 4] = ["force_N", "key_m", "hammer_head_m", "hammer_head_m_
 const HEAD: [usize; 2] = [2, 3];
 
 impl Sampling {
-    /// Of these columns of [`Run::columns`], a row every so many steps, the first at the start. Bodies and zones are
-    /// those of an instrument; others that are played must have the same.
+    /// Samples these columns of [`Run::columns`], one row every `every` steps, the first at the start. Bodies and zones
+    /// are those of an instrument; other instruments that are played must have the same.
     ///
     /// # Errors
     /// [`SamplingError`].

@@ -38,7 +38,7 @@ pub struct Tally {
 /// A group of rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroupResult {
-    /// Its name.
+    /// Name of the group.
     pub name: String,
     /// Title.
     pub title: String,
@@ -92,12 +92,12 @@ impl Verdict {
     }
 }
 
-/// An instrument beside the published measurements.
+/// Comparison of an instrument with published measurements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
     /// Instrument name.
     pub instrument: String,
-    /// One verdict per row of the table, in its order.
+    /// Verdicts on the rows of the table, in their order.
     pub verdicts: Vec<Verdict>,
     /// Value of every row under a constant force, in the row's unit: for comparison, not counted.
     pub beside: Vec<Option<f64>>,
@@ -156,7 +156,7 @@ pub fn validate(
 }
 
 impl Validation {
-    /// Its groups, in the order in which the table's rows name them.
+    /// Returns the groups, in the order in which the table's rows name them.
     #[must_use]
     pub fn groups(&self, published: &Published) -> Vec<GroupResult> {
         let mut groups: Vec<GroupResult> = Vec::new();

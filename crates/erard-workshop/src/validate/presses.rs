@@ -70,14 +70,14 @@ pub enum Drive {
     Led(f64),
 }
 
-/// One simulated press. SI units; `None` did not happen.
+/// Simulated press. SI units; `None` for events that did not happen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SimulatedPress {
     /// Drive of the key.
     pub drive: Drive,
-    /// From key start to key bottom, s. Key bottom is the first touch of the front punching.
+    /// Time from key start to key bottom, s. Key bottom is the first touch of the front punching.
     pub key_stroke_s: Option<f64>,
-    /// From key start to the hammer on the string, s.
+    /// Time from key start to the impact on the string, s.
     pub to_string_s: Option<f64>,
     /// Time from the impact to key bottom, s; negative where the key is down first.
     pub hammer_ahead_s: Option<f64>,
@@ -281,7 +281,7 @@ fn curve(
         .collect()
 }
 
-/// All that the table asks about.
+/// Simulates everything that the table asks for.
 pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Loudness, MeasureError> {
     // Counted in presses: eleven searches of about 13, two curves and five more.
     const PRESSES: f64 = 11.0 * 13.0 + 2.0 * POINTS as f64 + 5.0;

@@ -50,19 +50,19 @@ impl Kind {
     }
 }
 
-/// One published number.
+/// Published number.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// Identifier, unique.
     pub name: String,
-    /// Name of the quantity, for people.
+    /// Name of the quantity, for display.
     pub quantity: String,
     /// Name of its group.
     pub group: String,
     /// Whether it tests the model.
     pub kind: Kind,
-    /// By what the instrument was set to it; of [`Kind::Set`] only.
+    /// Quantity by which the instrument was set to the number; only for [`Kind::Set`].
     pub set_by: Option<String>,
     /// Simulated value that it is compared with, one of [`super::names`]; `None` if the model has none.
     pub measure: Option<String>,

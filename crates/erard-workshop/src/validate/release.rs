@@ -23,7 +23,7 @@ const HOME_M: f64 = 0.5e-3;
 /// A release; `None` where the key does not come home.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Release {
-    /// From where it has left to home, s.
+    /// Time from leaving the held position to home, s.
     pub home_s: Option<f64>,
     /// The largest travel after it came home until it is home again, m.
     pub rebound_m: Option<f64>,

@@ -55,7 +55,7 @@ pub enum Skipped {
 }
 
 impl Skipped {
-    /// In words.
+    /// Describes the reason in words.
     #[must_use]
     pub fn reason(self) -> &'static str {
         match self {

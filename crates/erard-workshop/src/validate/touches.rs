@@ -32,7 +32,7 @@ pub(super) struct Touches {
     pub struck_sooner_s: Option<f64>,
     /// Key travel at which the struck key is slowest after its first surge, m.
     pub plateau_m: Option<f64>,
-    /// From the release of the key to its damper on the string, s; `None` without a damper.
+    /// Time from the release of the key until its damper is on the string, s; `None` without a damper.
     pub release_to_damper_s: Option<f64>,
 }
 

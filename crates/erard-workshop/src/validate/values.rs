@@ -11,7 +11,7 @@ const MM_PER_M: f64 = 1e3;
 /// The weight of a kilogram, N.
 const KG_N: f64 = 9.81;
 
-/// Every name that a row may ask for.
+/// Iterates over all names that a row may ask for.
 pub fn names() -> impl Iterator<Item = &'static str> {
     NAMES.into_iter().chain(super::strings::NAMES).chain(super::keys::NAMES)
 }

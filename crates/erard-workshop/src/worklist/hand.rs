@@ -30,7 +30,7 @@ const LEAST_FRICTION: f64 = 0.1;
 const FRICTION_FOUND_G: f64 = 0.05;
 const WEIGHINGS: u32 = 8;
 
-/// One thing that is done to a key.
+/// Piece of work on a key.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Work {
     /// Bushings, pins and knuckle eased (negative) or tightened, g of friction weight.
@@ -77,7 +77,7 @@ impl Work {
         }
     }
 
-    /// How much it is, in the same unit.
+    /// Returns the amount of work, in the same unit.
     #[must_use]
     pub fn amount(&self) -> f64 {
         match self {

@@ -19,7 +19,7 @@ const FEWEST: usize = 4;
 /// The last keys of the sections of strings but the highest: an estimate for a concert grand. Every piano has its own.
 pub const SECTION_ENDS: [usize; 3] = [20, 50, 70];
 
-/// Where the balance weight that is aimed at comes from.
+/// Source of the target balance weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AimFrom {
     /// It was asked for.
@@ -45,7 +45,7 @@ pub enum Operation {
 }
 
 impl Operation {
-    /// All of them, in the order of work.
+    /// All operations, in the order of work.
     pub const ALL: [Operation; 3] = [Operation::Friction, Operation::Hammers, Operation::Leads];
 }
 
@@ -84,7 +84,7 @@ pub struct KeyLine {
 pub struct KeyboardList {
     /// Results of the weights, key by key.
     pub plan: Plan,
-    /// Where its balance weight comes from.
+    /// Source of the plan's target balance weight.
     pub aim_from: AimFrom,
     /// The lines, in the order of work.
     pub lines: Vec<KeyLine>,

@@ -106,8 +106,8 @@ impl Worklist {
         readings.is_out(quantity, self.key)
     }
 
-    /// The list with its first so many lines only, carried out on `begun`, from which it was worked out. `progress`
-    /// receives the share that is done, and ends the work by returning false.
+    /// Returns the list with its first `lines` lines only, carried out on `begun`, from which the list was made.
+    /// `progress` receives the share that is done, and ends the work by returning false.
     ///
     /// # Errors
     /// See [`super::WorklistError`].

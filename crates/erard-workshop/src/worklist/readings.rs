@@ -55,7 +55,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All of them, in the order of the sheet's columns.
+    /// All quantities, in the order of the sheet's columns.
     pub const ALL: [Quantity; 17] = [
         DownWeight,
         UpWeight,
@@ -102,20 +102,20 @@ impl Quantity {
         }
     }
 
-    /// Its key in `measure.json`.
+    /// Returns the key in `measure.json`.
     #[must_use]
     pub fn key(self) -> &'static str {
         self.known().0
     }
 
-    /// A reading is within so much of the truth, in the line's unit.
+    /// Largest error of a reading, in the line's unit.
     #[must_use]
     pub fn precision(self) -> f64 {
         self.known().1
     }
 
-    /// The least change that a line of work is asked for, in the line's unit: what a hand can do and a scale or a rule
-    /// can show. Nothing is asked for that is less.
+    /// Smallest change that a line of work requests, in the line's unit: the least that a hand can do and a scale or a
+    /// rule can show. Smaller changes are not requested.
     #[must_use]
     pub fn least_change(self) -> f64 {
         match self {
@@ -128,7 +128,7 @@ impl Quantity {
         }
     }
 
-    /// Its line of the sheet.
+    /// Returns the line of the sheet.
     ///
     /// # Panics
     /// Never: a test looks for each.
@@ -175,7 +175,7 @@ impl Quantity {
     }
 }
 
-/// Readings of one key. What is missing did not happen, or was not measured.
+/// Readings of one key; `None` if the event did not happen, or was not measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Readings {
     values: [Option<f64>; Quantity::ALL.len()],
@@ -191,7 +191,7 @@ impl Readings {
         Readings { values: [None; Quantity::ALL.len()], whippen_at_front_g }
     }
 
-    /// Reads an instrument as it stands: two trials with the key, one slow loop with the damper lifted, the scale.
+    /// Reads an instrument as it is: two trials with the key, one slow loop with the damper lifted, and the scale.
     ///
     /// # Errors
     /// See [`MeasureError`].
@@ -230,7 +230,7 @@ impl Readings {
         self
     }
 
-    /// The readings that stand on a sheet.
+    /// Returns the readings on a sheet.
     #[must_use]
     pub fn on(sheet: &Sheet) -> Self {
         let mut readings = Self::none(sheet.key_ratio * sheet.whippen_weight_g);
@@ -240,7 +240,7 @@ impl Readings {
         readings
     }
 
-    /// One of them.
+    /// Returns the reading of a quantity.
     #[must_use]
     pub fn get(&self, quantity: Quantity) -> Option<f64> {
         let own = |quantity: Quantity| self.values[quantity as usize];
@@ -268,7 +268,8 @@ impl Readings {
         quantity.line().is_out_at(self.get(quantity), key)
     }
 
-    /// How far one is out of its range, in the line's unit: 0 inside, infinite where it is missing and should not be.
+    /// Returns how far a reading is out of its range, in the line's unit: 0 inside, infinite if it is missing and
+    /// should not be.
     #[must_use]
     pub fn beyond(&self, quantity: Quantity, key: usize) -> f64 {
         let [low, high] = quantity.range(key);
