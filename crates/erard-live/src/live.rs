@@ -34,8 +34,8 @@ pub struct Options {
     pub travel_m: Option<f64>,
     /// Whether impacts are announced in advance.
     pub ahead: bool,
-    /// Keys that the stream moves, from 1, where that is known in advance; all keys if `None`. Samples of other keys are
-    /// ignored and counted as uncalibrated.
+    /// Keys that the stream moves, from 1, where that is known in advance; all keys if `None`. Samples of other keys
+    /// are ignored and counted as uncalibrated.
     pub moved: Option<BTreeSet<usize>>,
     /// Number of threads that prepare the keys.
     pub threads: usize,
