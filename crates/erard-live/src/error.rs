@@ -1,6 +1,6 @@
 //! Why keys cannot be played.
 
-use erard::damper::DamperError;
+use erard::damper::KeyDamperError;
 use erard::player::ActionError;
 use erard::run::SimulationError;
 use erard_workshop::cores::Ending;
@@ -20,13 +20,8 @@ pub enum LiveError {
         error: ActionError,
     },
     /// Where a key sets its damper down cannot be found.
-    #[error("key {key}: {error}")]
-    Damper {
-        /// The key, from 1.
-        key: usize,
-        /// Reason.
-        error: DamperError,
-    },
+    #[error(transparent)]
+    Damper(#[from] KeyDamperError),
     /// No press brings the key's hammer to its string.
     #[error("key {key}: no press throws the hammer to a string; expected an action with key, hammer and string")]
     Silent {

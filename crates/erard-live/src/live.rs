@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use erard::Progress;
-use erard::damper::{USUAL_HEIGHT_M, damper_height_m};
+use erard::damper::DamperHeights;
 use erard::instrument::Instrument;
 use erard::keyboard::KEYS;
 use erard_midi::{Law, ReleaseLaw, Velocity, message};
@@ -112,10 +112,11 @@ impl Live {
         let silent: Vec<Instrument> = instruments.iter().map(Instrument::with_rigid_string).collect();
         let moved: Vec<usize> =
             (1..=silent.len()).filter(|key| options.moved.as_ref().is_none_or(|moved| moved.contains(key))).collect();
+        let dampers = DamperHeights::new(&silent);
         let found = cores::map(&moved, options.threads, progress, |&key, _| {
             let limits =
                 Limits::find(&silent[key - 1], options.sensor).map_err(|error| LiveError::Action { key, error })?;
-            Ok::<_, LiveError>((limits.ok_or(LiveError::Silent { key })?, damper_below_m(&silent[..key])?))
+            Ok::<_, LiveError>((limits.ok_or(LiveError::Silent { key })?, dampers.of(key)?))
         })?;
         let mut keys: Vec<Option<Key>> = silent.iter().map(|_| None).collect();
         for (key, (limits, damper_m)) in moved.into_iter().zip(found) {
@@ -269,18 +270,6 @@ impl Live {
             ..self.report.clone()
         }
     }
-}
-
-/// Travel at which the last of these keys sets its damper down, m. A key without a damper takes the height of the next
-/// one below that has one.
-fn damper_below_m(instruments: &[Instrument]) -> Result<f64, LiveError> {
-    for (index, instrument) in instruments.iter().enumerate().rev() {
-        let own_m = damper_height_m(instrument).map_err(|error| LiveError::Damper { key: index + 1, error })?;
-        if let Some(own_m) = own_m {
-            return Ok(own_m);
-        }
-    }
-    Ok(USUAL_HEIGHT_M)
 }
 
 /// Receives the events of a key, counts them and passes them on.

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use erard::damper::DamperError;
+use erard::damper::KeyDamperError;
 use erard::player::{ActionError, HandError, SnapshotError};
 use erard::run::SimulationError;
 use erard_workshop::cores::Ending;
@@ -21,13 +21,8 @@ pub enum PerformError {
         error: ActionError,
     },
     /// Where a key sets its damper down cannot be found.
-    #[error("key {key}: {error}")]
-    Damper {
-        /// Number of the key, from 1.
-        key: usize,
-        /// Reason.
-        error: DamperError,
-    },
+    #[error(transparent)]
+    Damper(#[from] KeyDamperError),
     /// The score has notes on a key for which there is no instrument.
     #[error("key {key}: there is no instrument for it; expected one for each key of the score")]
     NoInstrument {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io;
 
 use erard::Progress;
-use erard::damper::{USUAL_HEIGHT_M, damper_height_m};
+use erard::damper::DamperHeights;
 use erard::instrument::Instrument;
 use erard_workshop::cores;
 
@@ -85,25 +85,15 @@ pub fn perform(
     let mut jobs = jobs.collect::<Result<Vec<Job<'_>>, PerformError>>()?;
     // The longest first, so that no core waits for it at the end.
     jobs.sort_by_key(|job| (std::cmp::Reverse(job.notes.len()), job.key));
+    let dampers = DamperHeights::new(instruments);
     let played = cores::map(&jobs, options.threads, progress, |job, progress| {
-        let damper_m = height_m(job.key, instruments)?;
+        let damper_m = dampers.of(job.key)?;
         let mut sink = sinks(job.key)?;
         let key = (job.key, job.instrument, damper_m);
         let played = play_key(key, score, &job.notes, options, sink.as_mut(), progress)?;
         Ok::<_, PerformError>((job.key, damper_m, played))
     })?;
     Ok(gather(played))
-}
-
-/// Height at which a key sets its damper down, m; a key without a damper takes that of the next lower key with one.
-pub(crate) fn height_m(key: usize, instruments: &[Instrument]) -> Result<f64, PerformError> {
-    for below in (1..=key).rev() {
-        let found = damper_height_m(&instruments[below - 1]);
-        if let Some(height_m) = found.map_err(|error| PerformError::Damper { key: below, error })? {
-            return Ok(height_m);
-        }
-    }
-    Ok(USUAL_HEIGHT_M)
 }
 
 fn gather(played: Vec<(usize, f64, KeyPlayed)>) -> Performance {

@@ -1,5 +1,7 @@
 //! The height at which a key, coming up, sets its damper down.
 
+use std::sync::OnceLock;
+
 use moreau::Settings;
 
 use crate::grand::{Anatomy, AnatomyError};
@@ -27,6 +29,16 @@ pub enum DamperError {
     /// The instrument cannot be played.
     #[error(transparent)]
     Action(#[from] ActionError),
+}
+
+/// Where a key of a keyboard sets its damper down cannot be found.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("key {key}: {error}")]
+pub struct KeyDamperError {
+    /// Number of the key, from 1.
+    pub key: usize,
+    /// Reason.
+    pub error: DamperError,
 }
 
 /// Travel of the key's front, m below its rest, at which the key, coming up slowly with the pedal up, sets its damper
@@ -79,4 +91,38 @@ pub fn damper_height_m(instrument: &Instrument) -> Result<Option<f64>, DamperErr
         before_m = now_m;
     }
     Ok(None)
+}
+
+/// Heights at which the keys of a keyboard set their dampers down. Each is simulated at most once, when it is first
+/// needed; threads may share it.
+#[derive(Debug)]
+pub struct DamperHeights<'a> {
+    instruments: &'a [Instrument],
+    found: Vec<OnceLock<Result<Option<f64>, DamperError>>>,
+}
+
+impl<'a> DamperHeights<'a> {
+    /// Of these instruments, one for each key from the lowest. Nothing is simulated yet.
+    #[must_use]
+    pub fn new(instruments: &'a [Instrument]) -> Self {
+        DamperHeights { instruments, found: instruments.iter().map(|_| OnceLock::new()).collect() }
+    }
+
+    /// Returns the height of a key, from 1, m ([`damper_height_m`]). A key without a damper takes that of the next lower
+    /// key with one; below all dampers it is [`USUAL_HEIGHT_M`].
+    ///
+    /// # Errors
+    /// See [`KeyDamperError`].
+    ///
+    /// # Panics
+    /// Panics if there is no such key.
+    pub fn of(&self, key: usize) -> Result<f64, KeyDamperError> {
+        for below in (1..=key).rev() {
+            let found = self.found[below - 1].get_or_init(|| damper_height_m(&self.instruments[below - 1]));
+            if let Some(height_m) = found.clone().map_err(|error| KeyDamperError { key: below, error })? {
+                return Ok(height_m);
+            }
+        }
+        Ok(USUAL_HEIGHT_M)
+    }
 }

@@ -245,7 +245,7 @@ pub(super) fn failed(keyboard: &str, error: PerformError) -> Failure {
     match error {
         PerformError::Work(error) => error.into(),
         PerformError::Sink(source) => Failure::write(Path::new("rows and sound"), source),
-        PerformError::Action { .. } | PerformError::Damper { .. } | PerformError::NotFinite { .. } => {
+        PerformError::Action { .. } | PerformError::Damper(_) | PerformError::NotFinite { .. } => {
             Failure::Usage(format!("{keyboard}: {error}"))
         }
         other => Failure::Internal(format!("{keyboard}: {other}")),

@@ -1,6 +1,7 @@
 //! Motions of a finger that mislead simple algorithms, played on the simulated actions of a keyboard.
 
 use erard::Progress;
+use erard::damper::DamperHeights;
 use erard::instrument::Instrument;
 use erard_workshop::cores;
 
@@ -8,7 +9,6 @@ use super::finger::{self, Leg};
 use super::sensor::Scans;
 use super::truth::{Truth, Window};
 use crate::error::PerformError;
-use crate::perform::height_m;
 
 /// Time after a case at which key and hammer are at rest, s.
 const TAIL_S: f64 = 0.5;
@@ -162,9 +162,10 @@ pub fn play_cases(
     threads: usize,
     progress: &mut Progress<'_>,
 ) -> Result<Truth, PerformError> {
+    let dampers = DamperHeights::new(instruments);
     let played = cores::map(keys, threads, progress, |&key, progress| {
         let instrument = instruments.get(key - 1).ok_or(PerformError::NoInstrument { key })?;
-        let (damper_m, sampler) = (height_m(key, instruments)?, scans.sampler(key));
+        let (damper_m, sampler) = (dampers.of(key)?, scans.sampler(key));
         let (mut truth, mut from_s) = (Truth::default(), begins_s);
         let brisk = brisk(instrument);
         for &case in cases {
