@@ -108,8 +108,8 @@ impl<'a> DamperHeights<'a> {
         DamperHeights { instruments, found: instruments.iter().map(|_| OnceLock::new()).collect() }
     }
 
-    /// Returns the height of a key, from 1, m ([`damper_height_m`]). A key without a damper takes that of the next lower
-    /// key with one; below all dampers it is [`USUAL_HEIGHT_M`].
+    /// Returns the height of a key, from 1, m ([`damper_height_m`]). A key without a damper takes that of the next
+    /// lower key with one; below all dampers it is [`USUAL_HEIGHT_M`].
     ///
     /// # Errors
     /// See [`KeyDamperError`].
