@@ -27,14 +27,17 @@ export const press = async (page, id) => {
   await page.mouse.down();
 };
 /** Moves a mouse that is down on a figure's finger from one depth to another, mm, at an even pace: an event with every
- * frame of the page, as a browser that is not busy sends them. */
+ * frame of the page, as a browser that is not busy sends them. Returns the longest time between two of them, ms. */
 const move = (page, { x, y, mm }, from, to_mm, ms) => page.evaluate(([x, y, mm, from, to_mm, ms]) => new Promise((resolve) => {
   const grip = document.elementFromPoint(x, y), began = performance.now();
+  let last = began, longest = 0;
   const step = () => {
-    const share = Math.min((performance.now() - began) / ms, 1);
+    const at = performance.now(), share = Math.min((at - began) / ms, 1);
+    longest = Math.max(longest, at - last);
+    last = at;
     grip.dispatchEvent(new PointerEvent("pointermove", { pointerId: 1, clientX: x, clientY: y + (from + share * (to_mm - from)) * mm, bubbles: true }));
     if (share < 1) requestAnimationFrame(step);
-    else resolve(null);
+    else resolve(longest);
   };
   requestAnimationFrame(step);
 }), [x, y, mm, from, to_mm, ms]);
@@ -196,28 +199,32 @@ export const tasks = async ({ read }) => {
     await to(page, id);
     const at = await finger(page, id);
     await page.mouse.move(at.x, at.y);
-    // A machine that stalls makes an uneven hand, whose press strikes twice or not at all: then once more.
-    for (let tried = 0; tried < 4; tried++) {
+    // A machine that stalls makes an uneven hand, whose press strikes twice or not at all, or whose key comes up too far
+    // in between: then once more. How often the hammer struck at the end does not decide.
+    for (let tried = 0; tried < 5; tried++) {
       await rest(page, id);
       await page.mouse.down();
-      await move(page, at, 0, 10.2, 60);
+      let longest = await move(page, at, 0, 10.2, 60);
       await until(page, (id) => story.figures[id].now.press.presses === 1 && story.figures[id].now.resting, id, 60_000);
       const first = await now(page, id);
-      if (first.impacts === 1 && first.hammer_mm < 40) break;
+      if (first.impacts !== 1 || first.hammer_mm > 40) {
+        await page.mouse.up();
+        continue;
+      }
+      longest = Math.max(longest, await move(page, at, 10.2, 5.2, 180));
+      await until(page, (id) => story.figures[id].now.pose.key_m < 6e-3, id, 60_000);
+      await page.waitForTimeout(700);
+      longest = Math.max(longest, await move(page, at, 5.2, 10.2, 60));
+      await until(page, (id) => story.figures[id].now.press.presses === 2 && story.figures[id].now.resting, id, 60_000);
+      await done(page, id);
       await page.mouse.up();
+      twice[id] = { ...(await now(page, id)), longest_ms: longest };
+      if (longest < 60 && Math.abs(twice[id].released_mm - 4.9) < 0.7) break;
     }
-    await move(page, at, 10.2, 5.2, 180);
-    await until(page, (id) => story.figures[id].now.pose.key_m < 6e-3, id, 60_000);
-    await page.waitForTimeout(700);
-    await move(page, at, 5.2, 10.2, 60);
-    await until(page, (id) => story.figures[id].now.press.presses === 2, id);
-    await done(page, id);
-    await page.mouse.up();
     await slow(id);
-    twice[id] = await now(page, id);
     await rest(page, id);
   }
-  assert(twice.again.impacts === 1 && twice.erard.impacts === 2, JSON.stringify([twice.again.impacts, twice.erard.impacts]));
+  assert(twice.again.impacts === 1 && twice.erard.impacts === 2, JSON.stringify(twice));
   const struck = async (id, mm) => {
     await play(page, id, ...again(mm));
     return (await now(page, id)).impacts;

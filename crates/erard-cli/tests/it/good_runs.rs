@@ -176,7 +176,8 @@ fn a_measured_stroke_beside_the_models() {
     for (columns, kept) in [("force only", [0, 1]), ("position only", [0, 2])] {
         let rows: Vec<String> = table.lines().map(|l| kept.map(|k| l.split(',').nth(k).unwrap()).join(",")).collect();
         folder.file("part.csv", &rows.join("\n"));
-        assert!(folder.good(&["compare", "part.csv"]).contains("to compare the simulated"), "{columns}");
+        let printed = folder.good(&["compare", "part.csv"]);
+        assert!(Folder::words(&printed).contains("to compare the simulated"), "{columns}: {printed}");
     }
 }
 
