@@ -38,8 +38,8 @@ fn solve<T: Real, const B: usize, const Z: usize>(
     let part: [bool; COUPLED] = core::array::from_fn(|i| i < count && takes_part(contacts, contacts.coupled.zone[i]));
     // Dampers on strings that do not feel each other, say.
     let alone = |i: usize| {
-        let tied = (0..count).any(|j| part[j] && zero.lt(contacts.coupled.give[i][j].abs()).any());
-        !tied && !zero.lt(contacts.coupled.told[i].abs()).any()
+        let tied = (0..count).any(|j| part[j] && zero.lt(contacts.coupled.mobility[i][j].abs()).any());
+        !tied && !zero.lt(contacts.coupled.from_others[i].abs()).any()
     };
     if (0..count).all(|i| !part[i] || alone(i)) {
         return None;
@@ -48,7 +48,7 @@ fn solve<T: Real, const B: usize, const Z: usize>(
         core::array::from_fn(|i| if part[i] { more(contacts, contacts.coupled.zone[i]) } else { zero });
     let press = |contacts: &Contacts<T, B, Z>, i: usize, forces: &[T; COUPLED]| {
         let z = contacts.coupled.zone[i];
-        let shift = contacts.coupled.others(i, forces) - contacts.coupled.told[i];
+        let shift = contacts.coupled.others(i, forces) - contacts.coupled.from_others[i];
         contacts.states[z].pressed_at(&model.compiled[z], timing, more[i] - shift, &contacts.surfaces[z])
     };
     let (mut forces, mut slopes) = ([zero; COUPLED], [zero; COUPLED]);
@@ -57,7 +57,7 @@ fn solve<T: Real, const B: usize, const Z: usize>(
         [forces[i], slopes[i]] =
             contacts.states[z].pressed_at(&model.compiled[z], timing, more[i], &contacts.surfaces[z]);
     }
-    let displaced = |i: usize| zero.lt((contacts.coupled.others(i, &forces) - contacts.coupled.told[i]).abs()).any();
+    let displaced = |i: usize| zero.lt((contacts.coupled.others(i, &forces) - contacts.coupled.from_others[i]).abs()).any();
     if !(0..count).any(displaced) {
         return None;
     }
@@ -75,9 +75,9 @@ fn solve<T: Real, const B: usize, const Z: usize>(
     }
     for i in 0..count {
         let z = contacts.coupled.zone[i];
-        let told = contacts.coupled.others(i, &forces);
-        let shift = told - contacts.coupled.told[i];
-        contacts.coupled.told[i] = told;
+        let added = contacts.coupled.others(i, &forces);
+        let shift = added - contacts.coupled.from_others[i];
+        contacts.coupled.from_others[i] = added;
         contacts.surfaces[z].drift += shift;
         contacts.surfaces[z].offset += timing.h_theta * shift;
         contacts.states[z].rate -= shift;
@@ -111,7 +111,7 @@ pub(crate) fn press_coupled<T: Real, const B: usize, const Z: usize, const N: us
         }
         return;
     };
-    let tangents = tangents(&contacts.coupled.give, &slopes);
+    let tangents = tangents(&contacts.coupled.mobility, &slopes);
     let mut rows = [[zero; B]; COUPLED];
     for i in 0..count {
         let z = contacts.coupled.zone[i];
@@ -160,13 +160,13 @@ fn add_pair<T: Real, const B: usize, const N: usize>(
 }
 
 /// Returns (diag(1/s) + a)^-1, N s/m, with zero rows where s is zero. The matrix is positive semidefinite.
-fn tangents<T: Real>(give: &[[T; COUPLED]; COUPLED], slopes: &[T; COUPLED]) -> [[T; COUPLED]; COUPLED] {
+fn tangents<T: Real>(mobility: &[[T; COUPLED]; COUPLED], slopes: &[T; COUPLED]) -> [[T; COUPLED]; COUPLED] {
     let (zero, mut inverse) = (T::ZERO, [[T::ZERO; COUPLED]; COUPLED]);
     // (1 + s a) x = s; s a has a zero diagonal, and the matrix is that of a positive definite one times s.
     let mut matrix = [[zero; COUPLED]; COUPLED];
     for i in 0..COUPLED {
         for j in 0..COUPLED {
-            matrix[i][j] = slopes[i] * give[i][j];
+            matrix[i][j] = slopes[i] * mobility[i][j];
         }
         matrix[i][i] += T::ONE;
         inverse[i][i] = slopes[i];
@@ -202,12 +202,12 @@ mod tests {
     /// it.
     #[test]
     fn the_tangents_are_the_inverse() {
-        let give = [[0.0, 0.3, -0.2, 0.1], [0.3, 0.0, 0.05, 0.0], [-0.2, 0.05, 0.0, 0.02], [0.1, 0.0, 0.02, 0.0]];
+        let mobility = [[0.0, 0.3, -0.2, 0.1], [0.3, 0.0, 0.05, 0.0], [-0.2, 0.05, 0.0, 0.02], [0.1, 0.0, 0.02, 0.0]];
         let slopes = [0.5, 1.2, 2.0, 0.0];
-        let found: [[f64; COUPLED]; COUPLED] = tangents(&give, &slopes);
+        let found: [[f64; COUPLED]; COUPLED] = tangents(&mobility, &slopes);
         for i in 0..3 {
             for j in 0..3 {
-                let back: f64 = (0..3).map(|k| (if i == k { 1.0 / slopes[i] } else { give[i][k] }) * found[k][j]).sum();
+                let back: f64 = (0..3).map(|k| (if i == k { 1.0 / slopes[i] } else { mobility[i][k] }) * found[k][j]).sum();
                 assert!((back - f64::from(u8::from(i == j))).abs() < 1e-14, "{i} {j}: {back}");
                 assert!((found[i][j] - found[j][i]).abs() < 1e-15);
             }

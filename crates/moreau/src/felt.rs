@@ -305,7 +305,7 @@ impl<T: Real> FeltLaw<T> {
     ) -> Pressed<T> {
         let (compression, rate) = self.give_way(compression, rate, timing, touched, carried);
         let pressed = self.press_exactly(compression, rate, timing, touched, carried.memory);
-        let slope = T::ONE + carried.surface.give * (pressed.tangent / timing.h_theta);
+        let slope = T::ONE + carried.surface.mobility * (pressed.tangent / timing.h_theta);
         Pressed { tangent: pressed.tangent / slope, opening: T::ZERO, ..pressed }
     }
 
@@ -333,12 +333,12 @@ impl<T: Real> FeltLaw<T> {
         touched: T::Mask,
         carried: Carried<'_, T>,
     ) -> (T, T) {
-        let give = carried.surface.give;
-        let behind = |force: T| (compression - timing.h_theta * (give * force), rate - give * force);
+        let mobility = carried.surface.mobility;
+        let behind = |force: T| (compression - timing.h_theta * (mobility * force), rate - mobility * force);
         let force = solve(touched, |force| {
             let (compression, rate) = behind(force);
             let pressed = self.press_exactly(compression, rate, timing, touched, carried.memory);
-            [pressed.force, give * (pressed.tangent / timing.h_theta)]
+            [pressed.force, mobility * (pressed.tangent / timing.h_theta)]
         });
         behind(force)
     }

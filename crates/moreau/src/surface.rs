@@ -35,8 +35,8 @@ pub(crate) struct Yielding<T> {
     pub offset: T,
     /// Mean velocity without contact force, m/s.
     pub drift: T,
-    /// Compliance over step A/h: velocity that a newton adds, m/s per N.
-    pub give: T,
+    /// Mobility A/h, compliance over step: velocity that a newton adds, m/s per N.
+    pub mobility: T,
     /// Whether other zones press the same subsystem. If so, the error of the force's linearisation is unknown.
     pub shared: bool,
 }
@@ -47,24 +47,24 @@ pub(crate) struct Coupled<T> {
     /// Number of coupled surfaces; 0 or at least two.
     pub count: usize,
     pub zone: [usize; COUPLED],
-    /// Coupling A/h between surfaces, m/s per N, symmetric, with a zero diagonal (each surface's own A/h is in
+    /// Mobility A/h between surfaces, m/s per N, symmetric, with a zero diagonal (each surface's own A/h is in
     /// [`Yielding`]).
-    pub give: [[T; COUPLED]; COUPLED],
+    pub mobility: [[T; COUPLED]; COUPLED],
     /// Contribution of the other surfaces' forces to the drift of each, m/s.
-    pub told: [T; COUPLED],
+    pub from_others: [T; COUPLED],
 }
 
 impl<T: Real> Coupled<T> {
     pub(crate) fn nothing() -> Self {
         let zero = T::ZERO;
-        Coupled { count: 0, zone: [0; COUPLED], give: [[zero; COUPLED]; COUPLED], told: [zero; COUPLED] }
+        Coupled { count: 0, zone: [0; COUPLED], mobility: [[zero; COUPLED]; COUPLED], from_others: [zero; COUPLED] }
     }
 
     /// Returns the velocity that forces on the other surfaces add to one surface, m/s.
     pub(crate) fn others(&self, one: usize, forces: &[T; COUPLED]) -> T {
         let mut sum = T::ZERO;
         for other in 0..self.count {
-            sum = sum.add_product(self.give[one][other], forces[other]);
+            sum = sum.add_product(self.mobility[one][other], forces[other]);
         }
         sum
     }
@@ -72,12 +72,12 @@ impl<T: Real> Coupled<T> {
 
 impl<T: Real> Yielding<T> {
     pub(crate) fn still() -> Self {
-        Yielding { offset: T::ZERO, drift: T::ZERO, give: T::ZERO, shared: false }
+        Yielding { offset: T::ZERO, drift: T::ZERO, mobility: T::ZERO, shared: false }
     }
 
     pub(crate) fn of(surface: &Surface<T>, h: T, h_theta: T) -> Self {
         let drift = (surface.free - surface.displacement) / h;
-        Yielding { offset: surface.displacement + h_theta * drift, drift, give: surface.compliance / h, shared: false }
+        Yielding { offset: surface.displacement + h_theta * drift, drift, mobility: surface.compliance / h, shared: false }
     }
 }
 

@@ -272,14 +272,14 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Workspace<T, B, Z,
         for i in 0..coupled.count {
             coupled.zone[i] = zones[i];
             for j in 0..coupled.count {
-                coupled.give[i][j] = if i == j { T::ZERO } else { compliance[i][j] / settings.step };
+                coupled.mobility[i][j] = if i == j { T::ZERO } else { compliance[i][j] / settings.step };
             }
         }
         for i in 0..coupled.count {
-            coupled.told[i] = coupled.others(i, guess);
+            coupled.from_others[i] = coupled.others(i, guess);
             let surface = &mut self.contacts.surfaces[zones[i]];
-            surface.drift += coupled.told[i];
-            surface.offset += settings.theta * settings.step * coupled.told[i];
+            surface.drift += coupled.from_others[i];
+            surface.offset += settings.theta * settings.step * coupled.from_others[i];
         }
     }
 

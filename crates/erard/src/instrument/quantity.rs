@@ -96,8 +96,8 @@ scalar_kind!(
     /// A number of at least zero.
     NonNegative, "NonNegative", "a number that is not negative", { "type": "number", "minimum": 0 });
 scalar_kind!(
-    /// A fraction from 0 to below 1.
-    Part, "Part", "a number from 0 to below 1", { "type": "number", "minimum": 0, "exclusiveMaximum": 1 });
+    /// A fraction from 0 to 0.99, the most that the reader takes.
+    Part, "Part", "a number from 0 to 0.99", { "type": "number", "minimum": 0, "maximum": 0.99 });
 scalar_kind!(
     /// Exponent of a felt's force law, from 1 to 6.
     Exponent, "Exponent", "a number from 1 to 6", { "type": "number", "minimum": 1, "maximum": 6 });

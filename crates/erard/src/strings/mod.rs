@@ -1,7 +1,7 @@
 //! Modal strings: stiff strings in their modes, each stepped exactly, under the hammer's felt.
 //!
-//! **A string** of length L, mass per length mu, tension T and bending stiffness EI on two supports that do not move
-//! has the modes sin(n pi x / L) with the mass m = mu L / 2 and
+//! **A string** of length L, mass per length mu, tension T and bending stiffness EI on two rigid supports has the
+//! modes sin(n pi x / L) with the mass m = mu L / 2 and
 //!
 //! ```text
 //! omega_n = 2 pi n f0 sqrt(1 + B n^2),   f0 = sqrt(T/mu) / (2 L),   B = pi^2 EI / (T L^2)
