@@ -57,7 +57,8 @@ fn solve<T: Real, const B: usize, const Z: usize>(
         [forces[i], slopes[i]] =
             contacts.states[z].pressed_at(&model.compiled[z], timing, more[i], &contacts.surfaces[z]);
     }
-    let displaced = |i: usize| zero.lt((contacts.coupled.others(i, &forces) - contacts.coupled.from_others[i]).abs()).any();
+    let displaced =
+        |i: usize| zero.lt((contacts.coupled.others(i, &forces) - contacts.coupled.from_others[i]).abs()).any();
     if !(0..count).any(displaced) {
         return None;
     }
@@ -207,7 +208,8 @@ mod tests {
         let found: [[f64; COUPLED]; COUPLED] = tangents(&mobility, &slopes);
         for i in 0..3 {
             for j in 0..3 {
-                let back: f64 = (0..3).map(|k| (if i == k { 1.0 / slopes[i] } else { mobility[i][k] }) * found[k][j]).sum();
+                let back: f64 =
+                    (0..3).map(|k| (if i == k { 1.0 / slopes[i] } else { mobility[i][k] }) * found[k][j]).sum();
                 assert!((back - f64::from(u8::from(i == j))).abs() < 1e-14, "{i} {j}: {back}");
                 assert!((found[i][j] - found[j][i]).abs() < 1e-15);
             }

@@ -237,6 +237,9 @@ impl<const D: usize> Real for Dual<D> {
         (self.through(s, c), self.through(c, -s))
     }
 
+    fn is_zero(self) -> bool {
+        self.value == 0.0 && self.slope.iter().all(|x| *x == 0.0)
+    }
     fn derivatives_settled(corrections: &[Self], values: &[Self]) -> bool {
         let (mut change, mut size) = ([0.0_f64; D], [NOTHING; D]);
         for k in 0..D {

@@ -286,7 +286,15 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Aside for KeepMemo
             dwell::keep(model, settings, lanes, w, state, workspace);
         }
         let timing = Timing::new(settings.step, settings.theta);
+        let (all, mut next) = (&workspace.contacts.touched[..workspace.contacts.touched_count], 0);
         for &z in model.remembering_zones() {
+            // Both lists ascend. Whatever its law, a felt that is not touched does not begin to remember.
+            while all.get(next).is_some_and(|&other| other < z) {
+                next += 1;
+            }
+            if all.get(next) != Some(&z) && state.memory[z].iter().all(|x| x.is_zero()) {
+                continue;
+            }
             let (compiled, touched) = (&model.compiled[z], workspace.touched_in(z));
             let memory = if compiled.dry {
                 let mut memory = [T::ZERO; MEMORY];

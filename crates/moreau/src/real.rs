@@ -134,6 +134,11 @@ pub trait Real:
     fn tanh(self) -> Self;
     /// Returns sine and cosine of any angle, rad. Slow; the kernel uses it for angles beyond a quarter of pi.
     fn sin_cos_any(self) -> (Self, Self);
+    /// Returns whether the number is zero in every lane, and so are its derivatives where it carries any.
+    #[inline(always)]
+    fn is_zero(self) -> bool {
+        self.le(Self::ZERO).and(Self::ZERO.le(self)).all()
+    }
     /// Runs work that was moved out of line. Lanes run it in a function compiled for their instructions. See
     /// [`Aside::run`].
     #[inline(always)]

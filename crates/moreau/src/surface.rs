@@ -77,7 +77,12 @@ impl<T: Real> Yielding<T> {
 
     pub(crate) fn of(surface: &Surface<T>, h: T, h_theta: T) -> Self {
         let drift = (surface.free - surface.displacement) / h;
-        Yielding { offset: surface.displacement + h_theta * drift, drift, mobility: surface.compliance / h, shared: false }
+        Yielding {
+            offset: surface.displacement + h_theta * drift,
+            drift,
+            mobility: surface.compliance / h,
+            shared: false,
+        }
     }
 }
 

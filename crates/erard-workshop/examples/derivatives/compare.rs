@@ -27,6 +27,9 @@ fn converged_s(level: &str) -> [f64; 2] {
 const WINDOWS: [f64; 4] = [0.05, 0.2, 0.8, 3.2];
 /// See [`WINDOWS`].
 const WIDER: f64 = 4.0;
+/// Half the windows, as shares of the usual change, and the steps, s, in which rows that are apart are looked at again.
+const AGAIN: [f64; 5] = [0.0125, 0.05, 0.2, 0.8, 3.2];
+const SHORTEST_S: f64 = 0.625e-6;
 /// Derivative and differences agree within this share.
 const SHARE: f64 = 0.02;
 /// A number whose usual change moves a result by less than this share of it has no effect that differences see.
@@ -62,7 +65,9 @@ pub struct Row {
     pub scatter: f64,
     /// To below and to above, in the shorter steps.
     pub sides: [f64; 2],
-    /// The same over the narrowest window.
+    /// In steps of [`SHORTEST_S`], of a row that is apart: the differences, and over the narrowest window to below and
+    /// to above.
+    pub again: f64,
     pub narrowest: [f64; 2],
     /// Half the window, as a share of the usual change.
     pub window: f64,
@@ -83,6 +88,8 @@ impl Row {
         let own_error = (self.derivative - self.shorter).abs() / (1.0 - SHORTER);
         if self.derivative.is_nan() {
             "refused"
+        } else if (self.derivative - self.again).abs() <= SHARE * self.again.abs() {
+            "the differences' own steps: within 2 % in steps of 0.625 us"
         } else if (self.derivative - middle).abs() <= SHARE * middle.abs() {
             "curved: within 2 % over the narrowest window"
         } else if self.derivative >= below.min(above) && self.derivative <= below.max(above) {
@@ -276,6 +283,39 @@ pub fn trap(instrument: &Instrument) -> [[[f64; 2]; 4]; 4] {
     core::array::from_fn(|n| found.map(|of: [[f64; 2]; 4]| of[n]))
 }
 
+/// Windows over which one number is looked at closely, as shares of its usual change.
+const CLOSE: [f64; 9] = [0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2];
+
+/// One number's slopes of a result, per usual change.
+pub struct Closely {
+    pub step_s: f64,
+    pub derivative: f64,
+    /// Half the window as a share of the usual change, and the differences to below and to above.
+    pub differences: Vec<(f64, [f64; 2])>,
+}
+
+/// Looks at one number closely: derivatives in steps of several lengths, and differences over many windows in each.
+pub fn closely(instrument: &Instrument, name: &str, of: &str, by: &str) -> Vec<Closely> {
+    let instrument = &Instrument { parts: Vec::new(), ..instrument.clone() };
+    let press = Press::new(instrument, name);
+    let numbers = &press.numbers;
+    let k = numbers.variables.iter().position(|one| one.name == by).expect("a number of the instrument");
+    let changed = CLOSE.iter().flat_map(|&window| [-window, window].map(|by| numbers.varied(instrument, k, by)));
+    let instruments: Vec<Instrument> = std::iter::once(instrument.clone()).chain(changed).collect();
+    let look = |step_s: f64| {
+        let by = vec![numbers.variables[k].clone()];
+        let derived = press.derived(by, step_s, Differentiation { compares: false, ..compared() });
+        let (_, derived) = derived.of.into_iter().find(|(key, _)| *key == of).expect("a result that is compared");
+        let played = press.played(&instruments, step_s, Workers::all());
+        let slopes = CLOSE.iter().enumerate().map(|(n, window)| {
+            let [own, low, high] = [0, 2 * n + 1, 2 * n + 2].map(|place| value(&played[place], of));
+            (*window, [(own - low) / window, (high - own) / window])
+        });
+        Closely { step_s, derivative: derived.unwrap().slopes[0] * numbers.usual(k), differences: slopes.collect() }
+    };
+    TRAP_S.into_iter().map(look).collect()
+}
+
 /// Compares all derivatives of an instrument's press at a level.
 pub fn level(instrument: &Instrument, name: &'static str) -> Level {
     let instrument = &Instrument { parts: Vec::new(), ..instrument.clone() };
@@ -305,8 +345,6 @@ pub fn level(instrument: &Instrument, name: &'static str) -> Level {
     let mut rows = Vec::new();
     for of in OF {
         for k in 0..count {
-            // The widest pair of windows whose differences are one within SHARE, over both steps, else the one that
-            // agrees best.
             let windows = WINDOWS.each_ref().map(|window| {
                 let place = WINDOWS.iter().position(|one| one == window).unwrap();
                 played[place].each_ref().map(|all| {
@@ -314,14 +352,28 @@ pub fn level(instrument: &Instrument, name: &'static str) -> Level {
                     [(own - low) / window, (high - own) / window]
                 })
             });
-            let pairs = windows.windows(2).zip(&WINDOWS).map(|(pair, window)| Sides::of(pair, *window));
-            let pairs: Vec<Sides> = pairs.collect();
-            let one = pairs.iter().rfind(|one| one.scatter <= SHARE * one.slope.abs());
-            let best = || pairs.iter().min_by(|a, b| a.scatter.total_cmp(&b.scatter));
-            rows.push(Row { narrowest: windows[0][1], ..row(&found, of, k, numbers, one.or_else(best).unwrap()) });
+            rows.push(row(&found, of, k, numbers, &Sides::best(&windows, &WINDOWS)));
         }
     }
+    look_again(&press, &mut rows);
     Level { name, rows, gradient_s, differences_s }
+}
+
+/// Plays the rows that are apart in the shortest steps.
+fn look_again(press: &Press, rows: &mut [Row]) {
+    let own = press.instrument;
+    for row in rows.iter_mut().filter(|row| matches!(row.verdict, Verdict::Apart | Verdict::Refused)) {
+        let k = press.numbers.variables.iter().position(|one| one.name == row.by).unwrap();
+        let changed = AGAIN.iter().flat_map(|&window| [-window, window].map(|by| press.numbers.varied(own, k, by)));
+        let instruments: Vec<Instrument> = std::iter::once(own.clone()).chain(changed).collect();
+        let played = press.played(&instruments, SHORTEST_S, Workers::all());
+        let slopes: [[f64; 2]; AGAIN.len()] = core::array::from_fn(|n| {
+            let [own, low, high] = [0, 2 * n + 1, 2 * n + 2].map(|place| value(&played[place], row.of));
+            [(own - low) / AGAIN[n], (high - own) / AGAIN[n]]
+        });
+        row.again = Sides::best(&slopes.map(|of| [of; 2]), &AGAIN).slope;
+        row.narrowest = slopes[0];
+    }
 }
 
 /// Differences over two windows in two steps, per usual change.
@@ -336,6 +388,16 @@ struct Sides {
 }
 
 impl Sides {
+    /// From the slopes over all windows: the widest pair of windows whose differences are one within [`SHARE`], over
+    /// both steps, else the one that agrees best.
+    fn best(slopes: &[[[f64; 2]; 2]], windows: &[f64]) -> Self {
+        let pairs: Vec<Sides> = slopes.windows(2).zip(windows).map(|(pair, window)| Sides::of(pair, *window)).collect();
+        let widest = pairs.iter().rposition(|one| one.scatter <= SHARE * one.slope.abs());
+        let best = || (0..pairs.len()).min_by(|a, b| pairs[*a].scatter.total_cmp(&pairs[*b].scatter));
+        let place = widest.or_else(best).expect("two windows");
+        pairs.into_iter().nth(place).expect("it is one of them")
+    }
+
     /// From the slopes to below and to above in two steps, over a window and a wider one.
     fn of(pair: &[[[f64; 2]; 2]], window: f64) -> Self {
         let middle = |[below, above]: [f64; 2]| 0.5 * (below + above);
@@ -373,7 +435,8 @@ fn row(found: &Gradient, of: &'static str, k: usize, numbers: &Numbers, sides: &
         differences,
         scatter,
         sides: sides.sides,
-        narrowest: sides.sides,
+        again: f64::NAN,
+        narrowest: [f64::NAN; 2],
         window: sides.window,
         verdict,
     }

@@ -2,23 +2,30 @@
 //! have converged, with the times of both.
 //!
 //! `cargo run --release -p erard-workshop --example derivatives > book/src/derivatives.md`; `-- --all` prints every row
-//! with its numbers instead.
+//! with its numbers instead, `-- pp hammer_contact_s jack_position` one number's slopes over many windows and steps.
 
 mod compare;
 
 use std::error::Error;
 use std::fmt::Write;
 
-use compare::{FIRST, First, LEVELS, Level, OF, Row, TRAP_S, TRAPPED, Verdict, first_cases, level, trap};
+use compare::{
+    Closely, FIRST, First, LEVELS, Level, OF, Row, TRAP_S, TRAPPED, Verdict, closely, first_cases, level, trap,
+};
 use erard::Instrument;
 
 const PAGE: &str = include_str!("page.md");
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let first = first_cases();
     let instrument = Instrument::builtin("concert-grand")?;
+    let asked: Vec<String> = std::env::args().skip(1).collect();
+    if let [level, of, by] = asked.as_slice() {
+        print_closely(&closely(&instrument, level, of, by));
+        return Ok(());
+    }
+    let first = first_cases();
     let levels: Vec<Level> = LEVELS.into_iter().map(|name| level(&instrument, name)).collect();
-    if std::env::args().any(|flag| flag == "--all") {
+    if asked.iter().any(|flag| flag == "--all") {
         levels.iter().for_each(list);
         return Ok(());
     }
@@ -43,6 +50,15 @@ fn list(level: &Level) {
              [{below:10.3e} {above:10.3e}] {window:4} {verdict:?}",
             level.name
         );
+    }
+}
+
+fn print_closely(all: &[Closely]) {
+    for Closely { step_s, derivative, differences } in all {
+        println!("steps of {} us: derivative {derivative:.4e}", 1e6 * step_s);
+        for (window, [below, above]) in differences {
+            println!("  +- {window:6}: {below:11.4e} {above:11.4e}, middle {:11.4e}", 0.5 * (below + above));
+        }
     }
 }
 

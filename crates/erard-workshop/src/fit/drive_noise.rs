@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::study::Job;
+use erard::saved::{FNV1A, fnv1a};
 use fastrand::Rng;
 
 use super::problem::sampled;
@@ -39,7 +40,8 @@ impl Disturbed {
 }
 
 impl Problem {
-    /// Plays strokes with a disturbed drive at a point. The same noise every time.
+    /// Plays strokes with a disturbed drive at a point. The same noise every time for one recording, another for another:
+    /// an error from few disturbances is itself uncertain by a tenth, and may not be so to the same side in all fits.
     ///
     /// # Errors
     /// An interruption.
@@ -57,7 +59,8 @@ impl Problem {
             if noise == 0.0 {
                 continue;
             }
-            let mut rng = Rng::with_seed(i as u64);
+            let bytes = one.measured.iter().flatten().flat_map(|x| x.to_le_bytes());
+            let mut rng = Rng::with_seed(fnv1a(FNV1A, bytes));
             let strokes = (0..DISTURBED).map(|_| one.disturbed(noise, &mut rng)).collect::<Result<Vec<_>, _>>()?;
             let jobs = strokes
                 .iter()

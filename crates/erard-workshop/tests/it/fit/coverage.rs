@@ -161,32 +161,45 @@ mod nightly {
         assert!(reported >= 19, "{reported} of 20");
     }
 
-    /// Of 1600 recordings for each kind of noise, 400 of each set: by parameter, over the sets that it is in, within
-    /// 4 points of 68 % and 2.5 points of 95 %. `ERARD_COVERAGE` asks for fewer recordings of each set; then three
-    /// times the scatter of the counts is allowed where that is more.
-    #[test]
-    #[ignore = "nightly: 4800 fits"]
-    fn by_parameter_the_truth_lies_within_the_errors_as_often_as_it_should() {
-        const EACH: usize = 400;
+    /// Of 1600 recordings, 400 of each set (50 with noise on what drives, whose fits take ten times as long): by
+    /// parameter, over the sets that it is in, within 4 points of 68 % and 2.5 points of 95 %. `ERARD_COVERAGE` asks
+    /// for another number of recordings of each set. With less than 400, three times the scatter of the counts is
+    /// allowed where that is more.
+    fn by_parameter(known: Known, each: usize) {
         let asked = std::env::var("ERARD_COVERAGE").ok();
-        let each = asked.map_or(EACH, |each| each.parse().expect("ERARD_COVERAGE is a number of recordings"));
-        let mut beyond = Vec::new();
-        for known in [Known::Told, Known::Residuals, Known::Drive] {
-            let all = covered(each, known);
-            for name in NAMES {
-                let own = || all.iter().filter(|(_, of, _)| *of == name).map(|(.., hits)| hits);
-                let fits: usize = own().map(|hits| hits.fits).sum();
-                for (k, (share, points)) in SHARES.into_iter().zip([0.04, 0.025]).enumerate() {
-                    let found = own().map(|hits| hits.within[k]).sum::<usize>() as f64 / fits as f64;
-                    let scatter = (share * (1.0 - share) / fits as f64).sqrt();
-                    let most = if each < EACH { f64::max(points, 3.0 * scatter) } else { points };
-                    println!("{known:?}, {name}: {:.1} % of {fits} within {} errors", 100.0 * found, k + 1);
-                    if (found - share).abs() >= most {
-                        beyond.push(format!("{known:?}, {name}: {found:.3} of {fits}, {share} expected"));
-                    }
+        let each = asked.map_or(each, |each| each.parse().expect("ERARD_COVERAGE is a number of recordings"));
+        let (all, mut beyond) = (covered(each, known), Vec::new());
+        for name in NAMES {
+            let own = || all.iter().filter(|(_, of, _)| *of == name).map(|(.., hits)| hits);
+            let fits: usize = own().map(|hits| hits.fits).sum();
+            for (k, (share, points)) in SHARES.into_iter().zip([0.04, 0.025]).enumerate() {
+                let found = own().map(|hits| hits.within[k]).sum::<usize>() as f64 / fits as f64;
+                let scatter = (share * (1.0 - share) / fits as f64).sqrt();
+                let most = if each < 400 { f64::max(points, 3.0 * scatter) } else { points };
+                println!("{known:?}, {name}: {:.1} % of {fits} within {} errors", 100.0 * found, k + 1);
+                if (found - share).abs() >= most {
+                    beyond.push(format!("{known:?}, {name}: {found:.3} of {fits}, {share} expected"));
                 }
             }
         }
         assert!(beyond.is_empty(), "{beyond:#?}");
+    }
+
+    #[test]
+    #[ignore = "nightly: 1600 fits"]
+    fn coverage_by_parameter_with_known_noise() {
+        by_parameter(Known::Told, 400);
+    }
+
+    #[test]
+    #[ignore = "nightly: 1600 fits"]
+    fn coverage_by_parameter_with_unknown_noise() {
+        by_parameter(Known::Residuals, 400);
+    }
+
+    #[test]
+    #[ignore = "nightly: 200 fits that propagate the noise of the drive"]
+    fn coverage_by_parameter_with_a_noisy_drive() {
+        by_parameter(Known::Drive, 50);
     }
 }
