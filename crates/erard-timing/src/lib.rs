@@ -77,7 +77,7 @@ pub fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Value> {
     let keyboard = keys::measure(&instruments, effort.ticks, &mut |share| within(2, share))?;
     let over_bare = bare::measure(&instruments, effort, &mut |share| within(3, share))?;
     let of_one = of_steps(effort.single_steps, &mut |share| within(4, share))?;
-    let lanes = Lanes::most();
+    let lanes = many::most();
     let group_steps = effort.single_steps / lanes.count() as u64;
     let of_group = of_group_steps(group_steps, lanes, &mut |share| within(5, share))?;
     let sets = json!({"instruction_sets": instruction_sets()});

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use moreau::Settings;
-use moreau_kernels::Lanes;
+use moreau_kernels::{Lanes, Size};
 use serde_json::{Value, json};
 
 use super::grand::MF_N;
@@ -13,6 +13,11 @@ use erard::player::Input;
 use erard::run::Setup;
 use erard_workshop::cores;
 use erard_workshop::study::{Job, Workers, play_all};
+
+/// The most lanes of doubles that are compiled for the action that is timed, of six bodies.
+pub(crate) fn most() -> Lanes {
+    Size::Six.lanes(Lanes::most())
+}
 
 /// Measures; `None` where `progress` ended the work.
 pub(crate) fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Value> {
@@ -25,7 +30,7 @@ pub(crate) fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Va
     let single = Lanes::most_single();
     Some(json!({
         "cores": cores::count(),
-        "lanes": Lanes::most().count(),
+        "lanes": most().count(),
         "batch_speedup_per_core": study.speedup_per_core(),
         "batch_speedup_all_cores": study.speedup_all_cores(),
         "batch_four_lanes_speedup_per_core": study.speedup(Lanes::Four),
@@ -68,7 +73,7 @@ impl LoadTimes {
 
     /// In the most lanes of doubles, on one core.
     pub(crate) fn most_lanes(&self) -> Times {
-        self.of(Lanes::most()).unwrap_or(self.one_by_one)
+        self.of(most()).unwrap_or(self.one_by_one)
     }
 
     /// The most lanes of doubles over one after the other, on one core.
@@ -84,8 +89,9 @@ impl LoadTimes {
 
 /// Times a load in all ways, in turn; `None` where `progress` ended the work.
 pub fn load_times(load: &Load, rounds: usize, progress: &mut Progress<'_>) -> Option<LoadTimes> {
-    let most = Lanes::most();
-    let some = Lanes::here().filter(|lanes| *lanes != Lanes::One || most == Lanes::One);
+    let most = most();
+    let compiled = |lanes: &Lanes| Size::Six.lanes(*lanes) == *lanes;
+    let some = Lanes::here().filter(compiled).filter(|lanes| *lanes != Lanes::One || most == Lanes::One);
     let kinds: Vec<Lanes> = some.collect();
     // On one core one group says as much as all of them, and on a machine of many cores sooner.
     let mut subjects = vec![Timed {

@@ -65,10 +65,10 @@ pub struct Row {
     pub scatter: f64,
     /// To below and to above, in the shorter steps.
     pub sides: [f64; 2],
-    /// In steps of [`SHORTEST_S`], of a row that is apart: the differences, and over the narrowest window to below and
-    /// to above.
+    /// In steps of [`SHORTEST_S`], of a row that is apart: the differences, and over the narrowest windows those to below
+    /// and to above.
     pub again: f64,
-    pub narrowest: [f64; 2],
+    pub narrowest: [[f64; 2]; 3],
     /// Half the window, as a share of the usual change.
     pub window: f64,
     pub verdict: Verdict,
@@ -82,18 +82,21 @@ impl Row {
 
     /// What makes the two differ, as far as the numbers tell.
     pub fn reason(&self) -> &'static str {
-        let [below, above] = self.narrowest;
-        let middle = 0.5 * (below + above);
+        let is_middle = |[below, above]: &[f64; 2]| {
+            let middle = 0.5 * (below + above);
+            (self.derivative - middle).abs() <= SHARE * middle.abs()
+        };
+        let is_between = |[below, above]: &[f64; 2]| (below.min(*above)..=below.max(*above)).contains(&self.derivative);
         // Of a derivative whose error is in proportion to the step h, 0.2 of the error goes with 0.2 h.
         let own_error = (self.derivative - self.shorter).abs() / (1.0 - SHORTER);
         if self.derivative.is_nan() {
             "refused"
         } else if (self.derivative - self.again).abs() <= SHARE * self.again.abs() {
             "the differences' own steps: within 2 % in steps of 0.625 us"
-        } else if (self.derivative - middle).abs() <= SHARE * middle.abs() {
-            "curved: within 2 % over the narrowest window"
-        } else if self.derivative >= below.min(above) && self.derivative <= below.max(above) {
-            "a corner within the narrowest window: between the slopes to its sides"
+        } else if self.narrowest.iter().any(is_middle) {
+            "curved: within 2 % over a narrow window"
+        } else if self.narrowest.iter().any(is_between) {
+            "a corner within a narrow window: between the slopes to its sides"
         } else if own_error >= 0.5 * (self.derivative - self.differences).abs() {
             "the derivative's own steps"
         } else {
@@ -372,7 +375,7 @@ fn look_again(press: &Press, rows: &mut [Row]) {
             [(own - low) / AGAIN[n], (high - own) / AGAIN[n]]
         });
         row.again = Sides::best(&slopes.map(|of| [of; 2]), &AGAIN).slope;
-        row.narrowest = slopes[0];
+        row.narrowest = [slopes[0], slopes[1], slopes[2]];
     }
 }
 
@@ -436,7 +439,7 @@ fn row(found: &Gradient, of: &'static str, k: usize, numbers: &Numbers, sides: &
         scatter,
         sides: sides.sides,
         again: f64::NAN,
-        narrowest: [f64::NAN; 2],
+        narrowest: [[f64::NAN; 2]; 3],
         window: sides.window,
         verdict,
     }
