@@ -22,7 +22,7 @@ pub enum Rest {
     /// The rest moves like that of [`erard::simulate`], in which every variant comes to rest from the pose as drawn.
     #[default]
     Moves,
-    /// Friction holds it: the angles are those of the unchanged action, whatever felts and screws then do.
+    /// Friction holds the rest: the angles are those of the unchanged action, despite changed felts and screws.
     Held,
 }
 

@@ -251,8 +251,8 @@ impl Planner<'_, '_> {
         self.why.retain(|left| left.quantity != quantity || left.why == Why::Unreadable);
     }
 
-    /// Flags lines as unreadable if the hammer does not drop: the lever carries it beyond let-off, and the jack lets off
-    /// at the distance read, or farther from the string. How much farther, and the aftertouch, cannot be seen.
+    /// Flags lines as unreadable if the hammer does not drop: the lever carries it beyond let-off, and the jack lets
+    /// off at the distance read, or farther from the string. How much farther, and the aftertouch, cannot be seen.
     fn unreadable(&mut self) {
         if self.now.get(Drop).is_none_or(|drop| drop <= Drop.precision()) {
             self.now.set(Aftertouch, None);
