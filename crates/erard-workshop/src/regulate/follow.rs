@@ -5,7 +5,7 @@ use super::{Goal, Kind, RegulateError, Specification};
 use crate::distances::{Distances, Protocol};
 use erard::instrument::Instrument;
 
-/// Change of a distance that a technician sees, m, or as a share of a speed, or of the dip: larger ones count as disturbed.
+/// Largest change of a distance, m, or as a share of a speed, or of the dip, that does not count as disturbed.
 const SEEN_M: f64 = 0.25e-3;
 const SEEN_OF_SPEED: f64 = 0.15;
 const SEEN_OF_DIP: f64 = 0.03;
