@@ -11,7 +11,7 @@ use erard::keyboard::KEYS;
 pub(crate) const HALF_GAIN_KEYS: f64 = 30.0;
 /// Rounds of reweighting.
 const ROUNDS: usize = 8;
-/// Tukey's constant: residuals beyond so many standard deviations have no weight.
+/// Tukey's constant: residuals beyond this many standard deviations have no weight.
 const TUKEY: f64 = 4.685;
 /// Standard deviations per median absolute residual, for normal errors.
 const PER_MEDIAN: f64 = 1.4826;

@@ -15,7 +15,7 @@ const GRADES: usize = 5;
 /// Most causes in a set, and sets of each size that are extended.
 const MOST: usize = 4;
 const BEAM: usize = 80;
-/// Number of sets kept.
+/// A quarter of this many sets predict readings; four times as many are kept of each size.
 const KEPT: usize = 200;
 /// Odds of a fault without a cause in the table: an estimate.
 const OTHER: f64 = 0.003;

@@ -47,7 +47,7 @@ impl Regulated {
         })
     }
 
-    /// Screws turned for a goal and no other.
+    /// Screws turned for a goal.
     pub fn screws_of(&self, goal: Goal) -> impl Iterator<Item = &Turned> {
         // A screw of two goals served the first of them that was requested.
         let asked =

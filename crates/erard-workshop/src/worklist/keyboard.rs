@@ -130,7 +130,7 @@ pub struct KeyboardGoal {
     pub inertia_kg: Option<f64>,
     /// Whether hammers are weighed first, as in [`Target`].
     pub hammers: bool,
-    /// Masses of the leads at hand, g.
+    /// Masses of available leads, g.
     pub leads_g: Vec<f64>,
     /// Last keys of the string sections, without the highest section.
     pub section_ends: Vec<usize>,

@@ -78,7 +78,7 @@ pub enum Why {
 pub struct Left {
     /// The line.
     pub quantity: Quantity,
-    /// Why.
+    /// Reason.
     pub why: Why,
 }
 
