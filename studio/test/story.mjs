@@ -199,8 +199,8 @@ export const tasks = async ({ read }) => {
     await to(page, id);
     const at = await finger(page, id);
     await page.mouse.move(at.x, at.y);
-    // A machine that stalls makes an uneven hand, whose press strikes twice or not at all, or whose key comes up too far
-    // in between: then once more. How often the hammer struck at the end does not decide.
+    // A machine that stalls makes an uneven hand, whose press strikes twice or not at all, or whose key comes up too
+    // far in between: then once more. How often the hammer struck at the end does not decide.
     for (let tried = 0; tried < 5; tried++) {
       await rest(page, id);
       await page.mouse.down();

@@ -19,7 +19,7 @@ pub struct ErardAction {
     pub(crate) play: Play,
     bodies: Vec<CString>,
     zones: Vec<CString>,
-    /// Where a modal string is looked at, m from the striking point, and what tells its shape there.
+    /// Sampling positions of a modal string, m from the striking point, and the probe of its shape there.
     string: Option<(Vec<f64>, ShapeProbe)>,
 }
 
@@ -87,7 +87,7 @@ pub unsafe extern "C" fn erard_action_free(action: *mut ErardAction) {
     }
 }
 
-/// What the reading's place gets, where the caller wants it.
+/// Writes the reading to the caller's place, if there is one.
 unsafe fn read_into(play: &Play, reading: *mut ErardReading) {
     // SAFETY: the caller's promise: NULL, or a place for a reading.
     if let Some(place) = unsafe { reading.as_mut() } {
@@ -95,7 +95,7 @@ unsafe fn read_into(play: &Play, reading: *mut ErardReading) {
     }
 }
 
-/// One step under an input, or what is wrong with it.
+/// Takes one step under a checked input; returns its error otherwise.
 #[inline(always)]
 unsafe fn step(action: *mut ErardAction, input: Result<Input, ErardStatus>, reading: *mut ErardReading) -> ErardStatus {
     // SAFETY: the caller's promise: NULL, or an action.
@@ -108,7 +108,7 @@ unsafe fn step(action: *mut ErardAction, input: Result<Input, ErardStatus>, read
     })
 }
 
-/// Where something is and how fast, if an action takes it.
+/// Checks a position and a velocity against the action's limits.
 #[inline(always)]
 pub(crate) fn moving(position_m: f64, velocity_m_per_s: f64) -> Result<[f64; 2], ErardStatus> {
     Ok([within(position_m, ERARD_LARGEST_POSITION_M)?, within(velocity_m_per_s, ERARD_LARGEST_SPEED_M_PER_S)?])

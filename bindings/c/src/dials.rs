@@ -1,8 +1,7 @@
-//! The numbers that a technician turns at the bench or a designer changes, each with its unit and its range: the screws
-//! of the file, and the numbers that designers speak of. A page makes sliders of them.
+//! Quantities that a technician adjusts at the bench or a designer changes, each with its unit and its range: the
+//! screws of the file, and designers' common numbers. A page shows them as sliders.
 //!
-//! A dial changes numbers of the instrument's file and nothing else: what comes out is a file again, which its reader
-//! checks.
+//! A dial changes numbers of the instrument's file only: the result is a file again, which its reader checks.
 
 use erard::grand::Parts;
 use erard::instrument::{Instrument, InstrumentFile, ScrewAction, Vec2, with_numbers};
@@ -10,13 +9,13 @@ use serde::Serialize;
 
 use erard_workshop::regulate::known_screw;
 
-/// What dials are listed under.
+/// Group of dials in a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Group {
     /// The screws of the file.
     Screws,
-    /// Where parts stand.
+    /// Places of parts.
     Places,
     /// Masses.
     Weights,
@@ -26,61 +25,59 @@ pub(crate) enum Group {
     Friction,
 }
 
-/// A slider: a name, a value with its unit, how far it goes, and which numbers of the file it changes.
+/// A slider: name, value with unit, range, and the numbers of the file that it changes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Dial {
-    /// Its name, which no other dial of the instrument has: a screw's own, else e.g. `knuckle`.
+    /// Name, unique in the instrument: a screw's own, else e.g. `knuckle`.
     name: String,
     /// Name at the bench.
     label: String,
-    /// What more of it does.
+    /// Effect of a larger value.
     note: String,
-    /// Where it is listed.
+    /// Group in the list.
     group: Group,
-    /// Its unit: `mm`, `deg`, `g`, `N mm`, or `x` for a factor that is 1 as the file has it.
+    /// Unit: `mm`, `deg`, `g`, `N mm`, or `x` for a factor that is 1 in the file.
     unit: &'static str,
-    /// Decimals that mean something.
+    /// Significant decimals.
     decimals: usize,
-    /// Its value in this instrument.
+    /// Value in this instrument.
     value: f64,
-    /// How far down it goes.
+    /// Lower end of its range.
     from: f64,
-    /// How far up.
+    /// Upper end of its range.
     to: f64,
     #[serde(skip)]
     kind: Kind,
 }
 
-/// Numbers of the file, by path and place.
+/// Numbers of the file, by path and component.
 type Numbers = Vec<(String, usize, f64)>;
 
 #[derive(Debug, Clone, PartialEq)]
 enum Kind {
-    /// The number itself, in file units that are so many of the dial's.
+    /// The number itself; the dial's value times this factor is in the file's unit.
     Itself(String, f64),
-    /// All of them by as much as the first.
+    /// All of them change by the same difference as the first.
     Together(Numbers),
-    /// All of them times the same.
+    /// All of them are multiplied by the same factor.
     Times(Numbers),
-    /// The first to the dial's value, the others in proportion.
+    /// The first takes the dial's value, the others change in proportion.
     InProportion(Numbers),
-    /// A lead of the dial's mass more, at a place of a body with this mass (g), centre of mass (mm) and inertia (kg
-    /// m2).
+    /// Adds a lead of the dial's mass at a place of a body with this mass (g), centre of mass (mm) and inertia (kg m2).
     Lead { body: String, at_mm: Vec2, mass_g: f64, centre_mm: Vec2, inertia_kg_m2: f64 },
-    /// A horizontal place such that it has this distance from another that is so much higher, on this side of it.
+    /// A horizontal place at this distance from another one, on this side of it, with this difference in height.
     Distance { path: String, to_mm: Vec2, height_mm: f64, side: f64 },
 }
 
-/// What a screw sets that is spoken of by a name of its own.
+/// Quantities with a name of their own that a screw sets.
 const SETS: [(&str, &str); 3] =
     [("capstan_height", "blow"), ("front_punching", "dip"), ("back_rail_cloth", "key height")];
-/// How far felts and friction go, either way, as a factor.
+/// Range of felts and friction in both directions, as a factor.
 const FACTOR: f64 = 3.0;
-/// Where a lead is put, mm in front of the balance pin: where the built-in grand's stand in the mean (0.62 and 0.55 of
-/// 265 mm).
+/// Place of a new lead, mm in front of the balance pin: the mean of the built-in grand's (0.62 and 0.55 of 265 mm).
 const LEAD_AT_MM: f64 = 155.0;
 
-/// All dials of an instrument; of what is no grand action, its screws.
+/// Returns all dials of an instrument; only its screws if it is no grand action.
 #[must_use]
 pub(crate) fn dials(file: &InstrumentFile) -> Vec<Dial> {
     let mut all: Vec<Dial> = (0..file.instrument.screws.len()).filter_map(|screw| of_screw(file, screw)).collect();
@@ -94,10 +91,10 @@ pub(crate) fn dials(file: &InstrumentFile) -> Vec<Dial> {
     all
 }
 
-/// The file's text with dials turned: names and values. Every dial counts from `file`, whatever else is turned.
+/// Returns the file's text with dials set: names and values. Every dial counts from `file`, whatever the others.
 ///
 /// # Errors
-/// A line that says which dial there is not, or beyond which range.
+/// A line that names the unknown dial, or the exceeded range.
 pub(crate) fn turned(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]) -> Result<String, String> {
     let all = dials(file);
     let mut changes: Numbers = Vec::new();
@@ -119,7 +116,7 @@ pub(crate) fn turned(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]
 }
 
 impl Dial {
-    /// The numbers of the file for a value, in the file's own units.
+    /// Returns the numbers of the file for a value, in the file's own units.
     #[must_use]
     fn changes(&self, value: f64) -> Numbers {
         let by = value - self.value;
@@ -152,12 +149,12 @@ fn moved(numbers: &Numbers, new: impl Fn(f64) -> f64) -> Numbers {
     numbers.iter().map(|(path, which, old)| (path.clone(), *which, tidy(new(*old)))).collect()
 }
 
-/// Nine digits: what a file would hold, without the rounding errors of sums.
+/// Rounds to nine digits, as in a file, to remove the rounding errors of sums.
 fn tidy(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }
 
-/// A number of the file in its own unit.
+/// Returns a number of the file in its own unit.
 fn number(file: &InstrumentFile, path: &str, which: usize) -> Option<f64> {
     let numbers = &file.provenance.numbers;
     numbers.iter().find(|number| number.key == path).and_then(|number| number.values.get(which)).copied()
@@ -169,7 +166,7 @@ fn numbers(file: &InstrumentFile, paths: impl IntoIterator<Item = (String, usize
     found.filter(|found| !found.is_empty())
 }
 
-/// A name as it is spoken: `let_off` is the `let-off`.
+/// Returns a name as spoken: `let_off` becomes `let-off`.
 fn spoken(name: &str) -> String {
     const HYPHENED: [(&str, &str); 3] =
         [("let off", "let-off"), ("back rail", "back-rail"), ("balance rail", "balance-rail")];
@@ -186,7 +183,7 @@ fn of_screw(file: &InstrumentFile, screw: usize) -> Option<Dial> {
         ScrewAction::Turn { .. } => ("deg", "deg", 1_f64.to_degrees(), 1),
         ScrewAction::Spring { .. } => ("N_m", "N mm", 1e3, 1),
     };
-    // The dial of a spring counts in N mm, its file in N m.
+    // The dial of a spring is in N mm, its file in N m.
     let units = if end == "N_m" { 1e-3 } else { 1.0 };
     let path = format!("screw.{}.setting_{end}", screw.name);
     let value = number(file, &path, 0)? / units;
@@ -333,7 +330,7 @@ fn felts(file: &InstrumentFile) -> Vec<Dial> {
     all
 }
 
-/// Springs that no screw turns, and parts that bend.
+/// Dials of springs that no screw turns, and of flexible parts.
 fn springs(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
     let i = &file.instrument;
     let turned = |spring: usize| {
@@ -394,7 +391,7 @@ fn friction(file: &InstrumentFile) -> Vec<Dial> {
     all
 }
 
-/// What a body is hinged on in the end, short of the ground.
+/// The body hinged on the ground at the end of a body's chain.
 fn root(instrument: &Instrument, mut body: usize) -> usize {
     while let Some(parent) = instrument.bodies[body].parent {
         body = parent;

@@ -1,10 +1,11 @@
-//! FMI 2.0 for co-simulation. The standard names these functions and says what each does; what is particular to this
-//! unit stands here.
+//! FMI 2.0 for co-simulation. The standard names and describes these functions; the comments here describe what is
+//! particular to this unit.
 //!
 //! The instrument, or the keyboard with its base instrument, is in the archive's `resources`. The instrument's numbers
-//! are parameters: set before the end of initialisation, they are put into the text, which is then read anew. A
-//! communication step is as many steps of the simulation as end within it, counted from the start, so that
-//! communication steps of any length do not drift. `component` is an instance of the unit, `played` what it plays.
+//! are parameters: set before the end of initialisation, they are written into the text, which is then read again. A
+//! communication step takes all steps of the simulation that end within it, counted from the start, so that
+//! communication steps of any length do not drift. `component` is an instance of the unit, `played` the action or
+//! keyboard that it plays.
 
 mod component;
 mod played;
@@ -40,7 +41,7 @@ pub(crate) struct Callbacks {
 
 type Done = Result<c_int, String>;
 
-/// Does what the standard asks for; errors go to the logger.
+/// Runs a function of the standard; errors go to the logger.
 unsafe fn done(component: *mut Component, work: impl FnOnce(&mut Component) -> Done) -> c_int {
     // SAFETY: the importer's promise: an instance, or NULL.
     let Some(component) = (unsafe { component.as_mut() }) else { return ERROR };
@@ -63,7 +64,7 @@ fn log(logger: Logger, environment: *mut c_void, name: &CStr, status: c_int, tex
     }
 }
 
-/// The path of the archive's resources.
+/// Returns the path of the archive's resources.
 fn resources(location: &str) -> Result<std::path::PathBuf, String> {
     let path = location
         .strip_prefix("file:")
@@ -91,7 +92,7 @@ fn resources(location: &str) -> Result<std::path::PathBuf, String> {
     Ok(if has_drive { path[1..].into() } else { path.into() })
 }
 
-/// What is packed in these resources.
+/// Reads the unit in these resources.
 fn unit(folder: &Path) -> Result<Unit, String> {
     let read = |path: &str| {
         let path = folder.join(path.trim_start_matches("resources/"));
@@ -391,7 +392,7 @@ unsafe extern "C" fn fmi2DeSerializeFMUstate(
     }
 }
 
-/// What this unit does not have, by the names of its arguments' types.
+/// Functions that this unit does not have, with the types of their arguments.
 macro_rules! without {
     ($($name:ident($($argument:ty),*) -> $status:expr;)*) => {$(
         #[unsafe(no_mangle)]

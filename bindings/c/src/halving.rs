@@ -1,4 +1,4 @@
-//! Whether steps are halved near strings that sound.
+//! Halving of steps near modal strings.
 
 use erard::mechanism::Halving;
 

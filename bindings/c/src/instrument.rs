@@ -1,4 +1,4 @@
-//! Instruments: read, checked, their numbers looked up and changed.
+//! Instruments: read, checked, their numbers read and changed.
 
 use std::ffi::c_char;
 use std::ptr::null_mut;
@@ -25,12 +25,12 @@ impl ErardInstrument {
     }
 }
 
-/// What is wrong with a file, as a fault.
+/// Converts an error of a file to a fault.
 pub(crate) fn file_fault(error: &FileError) -> Fault {
     Fault::new(ErardStatus::File, error.to_string())
 }
 
-/// What is wrong with a file, for a program: where it stands, in which key, what was found and what is expected.
+/// Describes an error of a file for a program: its place, its key, what was found and what is expected.
 fn as_json(error: &FileError) -> Value {
     json!({
         "line": error.line,
@@ -45,7 +45,7 @@ fn as_json(error: &FileError) -> Value {
     })
 }
 
-/// The file that a caller's text is; NULL: the built-in concert grand.
+/// Reads the file in a caller's text; NULL gives the built-in concert grand.
 pub(crate) unsafe fn parse(text: *const c_char, length: usize) -> Result<(InstrumentFile, String), Fault> {
     // SAFETY: passed on.
     let text = match unsafe { bytes(text, length) }? {
@@ -128,7 +128,7 @@ fn of_key(name: &str, key: u32) -> Result<*mut ErardInstrument, Fault> {
     Ok(boxed(file, keyboard.key_text(key)))
 }
 
-/// A built-in keyboard.
+/// Reads a built-in keyboard.
 pub(crate) fn builtin_keyboard(name: &str) -> Result<Keyboard, Fault> {
     Keyboard::builtin(name).map_err(|error| Fault::new(ErardStatus::NoSuch, error.to_string()))
 }
@@ -140,7 +140,7 @@ pub unsafe extern "C" fn erard_instrument_free(instrument: *mut ErardInstrument)
     unsafe { ended(instrument) }
 }
 
-/// What the caller's pointer promises to be.
+/// Returns the instrument at the caller's pointer.
 pub(crate) unsafe fn given<'a>(instrument: *const ErardInstrument) -> Result<&'a ErardInstrument, Fault> {
     // SAFETY: the caller's promise: NULL, or an instrument.
     unsafe { instrument.as_ref() }.ok_or_else(|| Fault::null("the instrument"))

@@ -1,4 +1,4 @@
-//! A keyboard: 88 actions, of which those at rest cost nothing.
+//! A keyboard: 88 actions; those at rest take no computing time.
 
 use std::ffi::c_char;
 use std::path::Path;
@@ -25,7 +25,7 @@ pub struct ErardKeyboard {
     pub(crate) keys: Keys,
     inputs: Vec<ErardInput>,
     impacts: Vec<(f64, f64, u32)>,
-    /// The keyboard's clock less that of its keys, s: a restored state brings its own instant.
+    /// The keyboard's clock less that of its keys, s: a restored state brings its own time.
     offset_s: f64,
 }
 
@@ -74,7 +74,7 @@ pub unsafe extern "C" fn erard_keyboard_builtin(
 }
 
 fn at_rest(keyboard: &Keyboard, step_s: f64) -> Result<*mut ErardKeyboard, Fault> {
-    // Before 88 instruments are read.
+    // Checked before 88 instruments are read.
     check_step(step_s)?;
     let instruments = keyboard.instruments().map_err(|error| file_fault(&error))?;
     Ok(Box::into_raw(Box::new(ErardKeyboard::new(&instruments, step_s)?)))
@@ -89,7 +89,7 @@ fn check_step(step_s: f64) -> Result<(), Fault> {
 }
 
 impl ErardKeyboard {
-    /// Assembles the keys, at rest.
+    /// Assembles the keys at rest.
     pub(crate) fn new(instruments: &[Instrument], step_s: f64) -> Result<Self, Fault> {
         check_step(step_s)?;
         let keys =
@@ -104,13 +104,13 @@ impl ErardKeyboard {
         self.take(key, input, |keys, checked| keys.drive(key, checked))
     }
 
-    /// Imposes the motion of a key's front, from 1, on the next step.
+    /// Imposes the motion of a key's front, from 1, in the next step.
     #[cfg(all(feature = "workshop", not(target_family = "wasm")))]
     pub(crate) fn impose(&mut self, key: usize, input: &ErardInput) -> ErardStatus {
         self.take(key, input, |keys, _| keys.impose(key, input.position_m, input.velocity_m_per_s))
     }
 
-    /// Keeps the input of a key, and hands it over.
+    /// Stores the input of a key, and passes it on.
     fn take(&mut self, key: usize, input: &ErardInput, hand_over: impl FnOnce(&mut Keys, Input)) -> ErardStatus {
         let Some(place) = key.checked_sub(1).and_then(|index| self.inputs.get_mut(index)) else {
             return ErardStatus::NoSuch;
@@ -125,7 +125,7 @@ impl ErardKeyboard {
         }
     }
 
-    /// One step of all keys that are awake; `put` receives the impacts in it.
+    /// Takes one step of all awake keys; `put` receives its impacts.
     pub(crate) fn step(&mut self, put: &mut dyn FnMut(ErardImpact)) -> ErardStatus {
         let tick = self.keys.step();
         for one in self.keys.impacts() {
@@ -144,7 +144,7 @@ impl ErardKeyboard {
         }
     }
 
-    /// Reading of a key, from 1; `None` where there is none.
+    /// Reading of a key, from 1; `None` if there is no such key.
     pub(crate) fn reading(&self, key: usize) -> Option<ErardReading> {
         let &(impact_time_s, hammer_speed_m_per_s, impact_count) = self.impacts.get(key.checked_sub(1)?)?;
         let now = self.keys.reading(key);
@@ -166,7 +166,7 @@ impl ErardKeyboard {
         })
     }
 
-    /// Force of a key's strings on the bridge, N; 0 where none sound.
+    /// Force of a key's strings on the bridge, N; 0 without sounding strings.
     pub(crate) fn bridge_n(&self, key: usize) -> f64 {
         self.keys.strings(key).map_or(0.0, Strings::bridge_n)
     }
@@ -408,14 +408,14 @@ pub unsafe extern "C" fn erard_keyboard_save(
 }
 
 impl ErardKeyboard {
-    /// Writes all that the following steps depend on. Returns how many bytes it takes.
+    /// Writes the complete state. Returns its number of bytes.
     fn save(&self, bytes: &mut [u8]) -> usize {
         let mut out = Writer::new(bytes, MARK);
         self.write(&mut out);
         out.seal()
     }
 
-    /// Length of a step, instant, and a group for each key.
+    /// Writes step length, time, and a group for each key.
     pub(crate) fn write(&self, out: &mut Writer<'_>) {
         let keys = &self.keys;
         out.number("step_s", keys.settings().step);
@@ -458,7 +458,7 @@ pub unsafe extern "C" fn erard_keyboard_restore(
     quick(|| Lists::read(bytes, MARK).map_or(ErardStatus::Saved, |lists| restore(keyboard, &lists)))
 }
 
-/// Goes on from such lists.
+/// Restores the state from these lists.
 pub(crate) fn restore(keyboard: &mut ErardKeyboard, lists: &Lists<'_>) -> ErardStatus {
     let step_s = keyboard.keys.settings().step;
     let other = lists.number("step_s").is_some_and(|saved_s| saved_s != step_s);
@@ -469,7 +469,7 @@ pub(crate) fn restore(keyboard: &mut ErardKeyboard, lists: &Lists<'_>) -> ErardS
     if !time_s.is_finite() {
         return ErardStatus::Saved;
     }
-    // First everything is read, then everything is changed.
+    // The first pass only reads, the second changes.
     for write in [false, true] {
         for (index, key) in lists.groups("key").enumerate() {
             let number = |name| key.number(name).unwrap_or(0.0);
@@ -487,7 +487,7 @@ pub(crate) fn restore(keyboard: &mut ErardKeyboard, lists: &Lists<'_>) -> ErardS
             let (state, strings) =
                 (MechanismState::read(&key), |name: &str, number: &mut TellNumbers<'_>| key.each(name, number));
             let restored = if write {
-                // Before the state, which holds where an imposed motion is.
+                // Before the state, which contains the place of an imposed motion.
                 keyboard.keys.drive(index + 1, checked);
                 keyboard.keys.restore_from(index + 1, &state, &strings)
             } else {

@@ -1,9 +1,9 @@
 //! The grand piano action behind a C ABI: one interface for control loops, haptic keys, simulators (FMI 2.0) and pages
 //! (WebAssembly).
 //!
-//! `include/erard.h` is made from this source by cbindgen (`tests/header.rs` keeps it so); the README beside it is the
-//! contract: who owns what, what allocates, what may be called in real time. No physics is here: `erard` is called and,
-//! with the feature `workshop`, which is on by default, `erard-workshop` and `erard-figures`.
+//! cbindgen makes `include/erard.h` from this source (`tests/header.rs` checks it); the README beside it is the
+//! contract: ownership, allocation, and what may be called in real time. No physics is here: it calls `erard` and, with
+//! the default feature `workshop`, `erard-workshop` and `erard-figures`.
 
 mod action;
 #[cfg(feature = "workshop")]

@@ -1,5 +1,5 @@
-//! An action that is played: everything that may be called in real time. Nothing here allocates, locks, calls the
-//! system or uses a clock.
+//! An action in play: everything that may be called in real time. Nothing here allocates, locks, calls the system or
+//! uses a clock.
 
 use erard::player::{MechanismState, SNAPSHOT_MARK};
 use erard::saved::{Lists, Writer};
@@ -8,19 +8,19 @@ use erard::{Action, Input, Outcome, Settings, SnapshotError};
 use crate::reading::{ERARD_LONGEST_ADVANCE_S, ErardInput, ErardReading};
 use crate::status::ErardStatus;
 
-/// A share of a step by which a time may fall short of it and still count as the whole.
+/// Share of a step that may be missing from a time that still counts as whole.
 const NEARLY: f64 = 1e-6;
 
-/// An action, its rest, and what was last to be read.
+/// An action, its rest, and its last reading.
 pub(crate) struct Play {
     pub action: Action,
     rest: MechanismState,
-    /// Room for how modal strings vibrated before several steps.
+    /// Room for the state of modal strings before several steps.
     strings: Box<[u8]>,
     pub reading: ErardReading,
-    /// Time that has been asked for and not yet been stepped, s: less than a step.
+    /// Requested time not yet stepped, s: less than a step.
     owed_s: f64,
-    /// A step has begun and not ended: only a panic leaves it so.
+    /// Whether a step has begun and not ended, as after a panic.
     under_way: bool,
     pub zones: usize,
 }
@@ -34,7 +34,7 @@ impl Play {
         play
     }
 
-    /// Places and speeds as they are.
+    /// Reads the present positions and speeds.
     fn look(&mut self) {
         let now = self.action.reading();
         self.reading = ErardReading {
@@ -55,7 +55,7 @@ impl Play {
         self.look();
     }
 
-    /// One step. The input has been checked.
+    /// Takes one step. The input has been checked.
     #[inline(never)]
     pub(crate) fn step(&mut self, input: Input) -> ErardStatus {
         if self.under_way {
@@ -72,7 +72,7 @@ impl Play {
         status
     }
 
-    /// Steps as many times as `dt_s` has room for; what is left over counts for the next call.
+    /// Takes as many steps as fit into `dt_s`; the rest counts for the next call.
     #[inline(never)]
     pub(crate) fn advance(&mut self, dt_s: f64, input: &ErardInput) -> ErardStatus {
         if !dt_s.is_finite() {
@@ -101,7 +101,7 @@ impl Play {
         for n in 0..steps {
             let one = self.one(first.later(n as f64 * h, h));
             if (one as i32) < 0 {
-                // Nothing has happened.
+                // As if nothing had happened.
                 let strings = Lists::read(&self.strings, SNAPSHOT_MARK);
                 let restored = strings
                     .map(|strings| self.action.restore_from(&before, &|name, number| strings.each(name, number)));
@@ -122,14 +122,14 @@ impl Play {
         status
     }
 
-    /// One step; its reading, without what belongs to a whole call.
+    /// Takes one step and its reading, without the parts for a whole call.
     #[inline]
     fn one(&mut self, input: Input) -> ErardStatus {
         let now = self.action.step(input);
         let status = match now.outcome {
             Outcome::Converged => ErardStatus::Ok,
             Outcome::IterationLimit => ErardStatus::IterationLimit,
-            // The action is where it was, and so is the reading.
+            // Action and reading are unchanged.
             Outcome::NonFinite => return ErardStatus::NotFinite,
             Outcome::TooManyLaws => return ErardStatus::Internal,
         };
@@ -146,11 +146,11 @@ impl Play {
         status
     }
 
-    /// As it was at first.
+    /// Returns to the initial state.
     #[inline(never)]
     pub(crate) fn reset(&mut self) -> ErardStatus {
         let Play { action, rest, .. } = self;
-        // Of no lists: strings are at rest.
+        // Without lists the strings are at rest.
         if action.restore_from(rest, &|_, _| 0).is_err() {
             return ErardStatus::Internal;
         }
@@ -159,12 +159,12 @@ impl Play {
         ErardStatus::Ok
     }
 
-    /// How many bytes [`Play::save`] writes.
+    /// Number of bytes that [`Play::save`] writes.
     pub(crate) fn saved_bytes(&self) -> usize {
         self.save(&mut [])
     }
 
-    /// All that the following steps and readings depend on. Returns how many bytes it takes.
+    /// Writes all that the following steps and readings depend on. Returns its number of bytes.
     #[inline(never)]
     pub(crate) fn save(&self, bytes: &mut [u8]) -> usize {
         let mut out = Writer::new(bytes, SNAPSHOT_MARK);
@@ -172,7 +172,7 @@ impl Play {
         out.seal()
     }
 
-    /// Writes its lists: those of a snapshot, and what the interface adds.
+    /// Writes its lists: a snapshot's, and those of the interface.
     pub(crate) fn write(&self, out: &mut Writer<'_>) {
         self.action.mechanism_state().write(out);
         self.action.save_strings(&mut |name, numbers| out.list(name, numbers));
@@ -182,7 +182,7 @@ impl Play {
         reading_lists(&mut reading, &mut |name, number| out.number(name, *number));
     }
 
-    /// Goes on from there.
+    /// Restores a saved state.
     #[inline(never)]
     pub(crate) fn restore(&mut self, bytes: &[u8]) -> ErardStatus {
         match Lists::read(bytes, SNAPSHOT_MARK) {
@@ -191,8 +191,8 @@ impl Play {
         }
     }
 
-    /// Goes on from such lists; those of a snapshot alone have the length of step that is in force, owe no time, and
-    /// have seen no impact.
+    /// Restores the state from these lists. A snapshot alone has the present step length, no pending time and no
+    /// impact.
     pub(crate) fn read(&mut self, lists: &Lists<'_>) -> ErardStatus {
         let step_s = self.action.settings().step;
         if lists.number("step_s").is_some_and(|saved_s| saved_s != step_s) {
@@ -226,14 +226,14 @@ impl Play {
     }
 }
 
-/// How modal strings vibrate, as a state of its own. Returns how many bytes it takes.
+/// Writes the state of modal strings alone. Returns its number of bytes.
 fn save_strings(action: &Action, bytes: &mut [u8]) -> usize {
     let mut out = Writer::new(bytes, SNAPSHOT_MARK);
     action.save_strings(&mut |name, numbers| out.list(name, numbers));
     out.seal()
 }
 
-/// What a reading has in a saved state: the names and numbers.
+/// Names and numbers of a reading in a saved state.
 fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str, &mut f64)) {
     let ErardReading {
         time_s,
@@ -270,7 +270,7 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
     }
 }
 
-/// Why a snapshot is refused.
+/// Status of a refused snapshot.
 pub(crate) fn status_of(error: SnapshotError) -> ErardStatus {
     match error {
         SnapshotError::Instrument => ErardStatus::Foreign,
@@ -279,7 +279,7 @@ pub(crate) fn status_of(error: SnapshotError) -> ErardStatus {
     }
 }
 
-/// The usual settings with such steps.
+/// The usual settings with this step.
 pub(crate) fn settings(step_s: f64) -> Settings<f64> {
     Settings::new(step_s)
 }

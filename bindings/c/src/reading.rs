@@ -59,7 +59,7 @@ pub struct ErardInput {
 }
 
 impl ErardInput {
-    /// The input, if it is one that an action takes.
+    /// Returns the input if an action accepts it.
     pub(crate) fn checked(&self) -> Result<Input, ErardStatus> {
         let Self { kind, force_n, position_m, velocity_m_per_s, .. } = *self;
         match kind {
@@ -100,7 +100,7 @@ impl ErardInput {
     }
 }
 
-/// A number up to a limit, either way.
+/// Returns the number if its magnitude is within a limit.
 #[inline(always)]
 pub(crate) fn within(number: f64, limit: f64) -> Result<f64, ErardStatus> {
     if !number.is_finite() {

@@ -1,4 +1,4 @@
-//! How a call ended, and what it has to say.
+//! Outcome of a call, and its message.
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
@@ -43,7 +43,7 @@ pub enum ErardStatus {
 }
 
 impl ErardStatus {
-    /// A line for people.
+    /// Meaning of a status in one line.
     fn text(code: i32) -> &'static CStr {
         match code {
             0 => c"done",
@@ -69,11 +69,10 @@ thread_local! {
     static LAST: RefCell<Option<CString>> = const { RefCell::new(None) };
 }
 
-/// Of a longer text only the beginning and the end are kept, so many bytes of each: a caller may have given a name of a
-/// million letters.
+/// Bytes kept of the beginning and of the end of a long message: a caller may give a name of a million letters.
 const SHOWN: usize = 1000;
 
-/// The text, or its beginning and its end where it is long.
+/// Returns the text; of a long one, beginning and end.
 fn shortened(text: &str) -> String {
     let (begin, end) = (text.floor_char_boundary(SHOWN), text.ceil_char_boundary(text.len().saturating_sub(SHOWN)));
     if begin >= end {
@@ -82,7 +81,7 @@ fn shortened(text: &str) -> String {
     format!("{} ... ({} bytes left out) ... {}", &text[..begin], end - begin, &text[end..])
 }
 
-/// What went wrong, with its code.
+/// An error with its code.
 #[derive(Debug)]
 pub(crate) struct Fault {
     pub status: ErardStatus,
@@ -94,16 +93,16 @@ impl Fault {
         Fault { status, text: text.into() }
     }
 
-    /// A pointer is NULL: which.
+    /// Makes the fault of a NULL pointer.
     pub(crate) fn null(what: &str) -> Self {
         Fault::new(ErardStatus::Null, format!("{what} is NULL"))
     }
 }
 
-/// Ends what a caller had. NULL does nothing; a panic ends here.
+/// Frees a caller's object. NULL does nothing; a panic ends here.
 ///
 /// # Safety
-/// It was boxed by this library, and is used no more.
+/// The object was boxed by this library, and is used no more.
 pub(crate) unsafe fn ended<T>(own: *mut T) {
     if !own.is_null() {
         told((), null_mut(), || {
@@ -114,8 +113,8 @@ pub(crate) unsafe fn ended<T>(own: *mut T) {
     }
 }
 
-/// Does what may allocate and may fail: its result, or `none` where it fails; then the code is written where the caller
-/// wants it, and the text is kept for [`erard_last_error`]. A panic ends here.
+/// Runs work that may allocate and fail. Returns its result, or `none` on failure; the code is then written to `status`
+/// (which may be NULL), and the text is kept for [`erard_last_error`]. A panic ends here.
 pub(crate) fn told<T>(none: T, status: *mut ErardStatus, work: impl FnOnce() -> Result<T, Fault>) -> T {
     let done = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().cloned().or(panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
@@ -138,14 +137,14 @@ pub(crate) fn told<T>(none: T, status: *mut ErardStatus, work: impl FnOnce() -> 
     result
 }
 
-/// The same for a function that returns its status.
+/// Like [`told`], for a function that returns its status.
 pub(crate) fn tell(work: impl FnOnce() -> Result<(), Fault>) -> ErardStatus {
     let mut status = ErardStatus::Ok;
     told((), &raw mut status, work);
     status
 }
 
-/// Does what may be done in real time: no text is kept. A panic ends here.
+/// Runs work allowed in real time: no text is kept. A panic ends here.
 pub(crate) fn quick(work: impl FnOnce() -> ErardStatus) -> ErardStatus {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or(ErardStatus::Internal)
 }
@@ -155,7 +154,7 @@ pub(crate) fn quick(work: impl FnOnce() -> ErardStatus) -> ErardStatus {
 /// library and is valid until the next such call fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_last_error() -> *const c_char {
-    // Where a thread ends its own storage is gone: there is nothing to say then.
+    // At the end of a thread its storage is gone: there is no message then.
     LAST.try_with(|last| last.borrow().as_ref().map_or(c"".as_ptr(), |text| text.as_ptr())).unwrap_or(c"".as_ptr())
 }
 

@@ -1,4 +1,4 @@
-//! Strokes: built in, or recorded, played on an action as `erard press` plays them.
+//! Strokes: built in, or recorded; played on an action as by `erard press`.
 
 use std::ffi::c_char;
 use std::ptr::null_mut;
@@ -184,7 +184,7 @@ pub unsafe extern "C" fn erard_step_stroke(
         let now = (stroke.drive)(begins_s + settings.theta * settings.step);
         let input = match (stroke.hand, now) {
             (Some(hand), muscle) => hand.input(&muscle).unwrap_or(muscle),
-            // An imposed motion's numbers belong to the step's end.
+            // The values of an imposed motion belong to the step's end.
             (None, Input::Rigid { .. }) => (stroke.drive)(begins_s + settings.step),
             (None, other) => other,
         };
@@ -205,7 +205,7 @@ pub unsafe extern "C" fn erard_step_stroke(
     if (failed as i32) < 0 { failed } else { ended }
 }
 
-/// What a recording asks for is held to the limits of every other input.
+/// Checks a recording's input against the limits of every other input.
 fn allowed(input: &Input) -> Result<(), ErardStatus> {
     match *input {
         Input::Force(force_n) => within(force_n, ERARD_LARGEST_FORCE_N).map(|_| ()),

@@ -1,11 +1,10 @@
-//! Texts and memory that cross the border.
+//! Texts and memory passed between library and caller.
 
 use std::ffi::{CStr, CString, c_char};
 
 use crate::status::{ErardStatus, Fault};
 
-/// A text of the library for the caller, who gives it back with `erard_text_free`; its length is written where it is
-/// wanted.
+/// Passes a text to the caller, who frees it with `erard_text_free`; `length` (which may be NULL) receives its length.
 pub(crate) fn give(text: String, length: *mut usize) -> Result<*mut c_char, Fault> {
     let text = CString::new(text).map_err(|_| Fault::new(ErardStatus::Internal, "a text with a zero in it"))?;
     // SAFETY: the caller's promise: NULL, or a place for a size.
@@ -15,7 +14,7 @@ pub(crate) fn give(text: String, length: *mut usize) -> Result<*mut c_char, Faul
     Ok(text.into_raw())
 }
 
-/// The caller's bytes; `None` for NULL.
+/// Returns the caller's bytes; `None` for NULL.
 pub(crate) unsafe fn bytes<'a>(text: *const c_char, length: usize) -> Result<Option<&'a [u8]>, Fault> {
     if text.is_null() {
         return if length == 0 { Ok(None) } else { Err(Fault::null("the text, with a length that is not 0,")) };
@@ -27,7 +26,7 @@ pub(crate) unsafe fn bytes<'a>(text: *const c_char, length: usize) -> Result<Opt
     Ok(Some(unsafe { core::slice::from_raw_parts(text.cast(), length) }))
 }
 
-/// A name of the caller's, ended by a zero.
+/// Returns the caller's zero-terminated name.
 pub(crate) unsafe fn name<'a>(name: *const c_char, what: &str) -> Result<&'a str, Fault> {
     if name.is_null() {
         return Err(Fault::null(what));

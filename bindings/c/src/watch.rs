@@ -1,4 +1,4 @@
-//! The instants of a press while it goes on, and where parts touch.
+//! Events of a press while it is played, and contact points.
 
 use std::ptr::null_mut;
 

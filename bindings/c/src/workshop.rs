@@ -1,4 +1,4 @@
-//! The picture of an action and the technician's sheet, which a page shows beside the moving action.
+//! Drawing of an action and the technician's sheet, for a page beside the moving action.
 
 use std::cell::Cell;
 use std::ffi::{c_char, c_void};
@@ -140,7 +140,7 @@ pub(crate) fn going(progress: ErardProgress, user: *mut c_void, share: f64) -> b
     progress.is_none_or(|told| unsafe { told(share, user) } != 0)
 }
 
-/// The lines of the sheet of such names.
+/// Returns the lines of the sheet with these names.
 fn named(list: &str) -> Result<Vec<&'static Line>, Fault> {
     let each = list.split(',').map(str::trim).map(|key| {
         lines().find(|line| line.key == ours(key)).ok_or_else(|| {
@@ -193,7 +193,7 @@ pub unsafe extern "C" fn erard_regulate(
     })
 }
 
-/// What is asked for.
+/// Reads the goals.
 fn asked(goals: &str) -> Result<Specification, Fault> {
     let wrong = |text: String| Fault::new(ErardStatus::Argument, text);
     let value: Value =
@@ -303,7 +303,7 @@ pub extern "C" fn erard_diagnosable(key: u32, length: *mut usize, status: *mut E
     told(null_mut(), status, || give(diagnose::form(known_key(key)?).to_string(), length))
 }
 
-/// A key that there is.
+/// Checks that a key exists.
 fn known_key(key: u32) -> Result<usize, Fault> {
     let key = key as usize;
     if (1..=KEYS).contains(&key) {

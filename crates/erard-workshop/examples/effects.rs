@@ -1,4 +1,4 @@
-//! What each cause does to each reading, simulated anew: `src/diagnose/effects.csv`.
+//! Simulates the effect of each cause on each reading: `src/diagnose/effects.csv`.
 //!
 //! `cargo run --release -p erard-workshop --example effects > crates/erard-workshop/src/diagnose/effects.csv`
 
@@ -7,7 +7,7 @@ use erard_workshop::diagnose::effects_csv;
 use erard_workshop::sample::Sampled;
 use erard_workshop::worklist::{Quantity, Readings};
 
-/// The first sample that is tried, and how many sound grands are taken.
+/// First sample tried, and number of sound grands used.
 const FIRST: u32 = 1001;
 const GRANDS: usize = 5;
 const GRAND: &str = "concert-grand";

@@ -1,9 +1,9 @@
-//! Writes synthetic recordings of a concert grand that is not quite the built-in one,
+//! Writes synthetic recordings of a concert grand slightly different from the built-in one,
 //! `recordings/heavier-<nuance>.csv`: `cargo run --release -p erard-workshop --example recordings`.
 //!
-//! What is different is [`TRUE`]. Sensors as a laboratory has them, at 4 kHz: a load cell with 20 mN of noise, the key
-//! to 10 um, the hammer to 50 um, each with an offset of its own, after a rest of 0.1 s; they end 3 ms after the
-//! impact. Noise is normal and white; all these sizes are estimates.
+//! [`TRUE`] lists the differences. Sensors as in a laboratory, at 4 kHz: a load cell with 20 mN of noise, the key to 10
+//! um, the hammer to 50 um, each with its own offset, after a rest of 0.1 s; they end 3 ms after the impact. Noise is
+//! normal and white; all these sizes are estimates.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -13,7 +13,7 @@ use erard::run::{Setup, simulate};
 use erard::stroke::{Stroke, Touch};
 use erard_workshop::study::Parameter;
 
-/// What differs from the file: factors, and a screw's turn in m.
+/// Differences from the file: factors, and a screw's turn in m.
 pub const TRUE: [(&str, f64); 4] = [
     ("body.hammer.mass", 1.06),
     ("body.key_back.friction", 1.3),
@@ -22,14 +22,14 @@ pub const TRUE: [(&str, f64); 4] = [
 ];
 /// The strokes.
 pub const NUANCES: [&str; 2] = ["mf", "f"];
-/// Force, key, hammer: noise and offset, N and m.
+/// Noise and offset of force, key and hammer, N and m.
 const SENSORS: [[f64; 2]; 3] = [[0.02, 0.11], [10e-6, -0.3e-3], [50e-6, 1e-3]];
 const RATE_HZ: f64 = 4000.0;
 const REST_S: f64 = 0.1;
-/// So long after the impact: what comes later, check and rebound, is moved far by a little more or less of anything.
+/// Recorded time after the impact, s: later motion, check and rebound, reacts strongly to small changes.
 const AFTER_THE_BLOW_S: f64 = 3e-3;
 
-/// The grand that was recorded.
+/// The recorded grand.
 pub fn recorded() -> Instrument {
     let mut grand = Instrument::builtin("concert-grand").expect("it is built in");
     let all = Parameter::all(&grand);
@@ -40,8 +40,8 @@ pub fn recorded() -> Instrument {
     grand
 }
 
-/// Normal, of variance 1: the sum of twelve even numbers of Knuth's linear congruential generator, which is the same in
-/// every version of every library.
+/// A normal number of variance 1: the sum of twelve uniform numbers of Knuth's linear congruential generator, which is
+/// the same in every version of every library.
 fn normal(state: &mut u64) -> f64 {
     let mut even = || {
         *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -50,7 +50,7 @@ fn normal(state: &mut u64) -> f64 {
     (0..12).map(|_| even()).sum::<f64>() - 6.0
 }
 
-/// A recording as text, the noise drawn from a seed.
+/// Returns a recording as text, with noise from a seed.
 pub fn recording(grand: &Instrument, nuance: &str, seed: u64) -> String {
     let (stroke, _) = Stroke::curve(nuance, Touch::Pressed, None).expect("it is built in").expect("it drives");
     let inputs = stroke.inputs(&grand.finger).expect("a force drives any key");

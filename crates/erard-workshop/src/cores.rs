@@ -10,10 +10,10 @@ use erard::run::SimulationError;
 /// How often progress is reported to the caller, who may end the work.
 const TELL_EVERY: Duration = Duration::from_millis(20);
 
-/// One piece of work; it keeps its own result.
+/// A job; it keeps its own result.
 pub(crate) type Job<'a, E> = Box<dyn FnOnce(&mut Progress<'_>) -> Result<(), E> + Send + 'a>;
 
-/// A piece of work that leaves its result in `place`.
+/// A job that stores its result in `place`.
 pub(crate) fn job<'a, T: Send, E>(
     place: &'a mut Option<T>,
     work: impl FnOnce(&mut Progress<'_>) -> Result<T, E> + Send + 'a,
@@ -24,12 +24,12 @@ pub(crate) fn job<'a, T: Send, E>(
     })
 }
 
-/// Number of threads that this process can run at once, at least 1.
+/// Number of threads that this process can run in parallel, at least 1.
 pub fn count() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Why work ends; an interruption is distinguished from a failure.
+/// An error that ends the work; an interruption is distinguished from a failure.
 pub trait Ending: From<SimulationError> + Send {
     /// Whether the caller asked to stop.
     fn is_interruption(&self) -> bool;
@@ -41,12 +41,12 @@ impl Ending for SimulationError {
     }
 }
 
-/// Does all jobs on so many threads; with one, on the caller's own, so that it also works where there are no threads.
-/// `progress` receives the share that is done and ends the work by returning false. The results do not depend on the
-/// number of threads: no job sees another's.
+/// Runs all jobs on the given number of threads; with one, on the caller's own, so that it also works without thread
+/// support. `progress` receives the share done and ends the work by returning false. The results do not depend on the
+/// number of threads: jobs share no data.
 ///
 /// # Errors
-/// The first job's, in their order, that failed; [`SimulationError::Interrupted`].
+/// The first failed job's error, in job order; [`SimulationError::Interrupted`].
 pub(crate) fn do_all<E: Ending>(jobs: Vec<Job<'_, E>>, threads: usize, progress: &mut Progress<'_>) -> Result<(), E> {
     if threads <= 1 {
         return do_all_here(jobs, progress);
@@ -87,16 +87,16 @@ pub(crate) fn do_all<E: Ending>(jobs: Vec<Job<'_, E>>, threads: usize, progress:
         return Err(SimulationError::Interrupted.into());
     }
     let mut failures = failures.into_inner().unwrap_or_default();
-    // What was stopped because another failed is not the reason.
+    // A job stopped because another failed is not the reason.
     failures.sort_by_key(|(index, error)| (error.is_interruption(), *index));
     failures.into_iter().next().map_or(Ok(()), |(_, error)| Err(error))
 }
 
-/// Does the work for each item on several threads and returns the results in the order of the items, which does not
-/// depend on the number of threads. `progress` receives the share that is done and ends the work by returning false.
+/// Does the work for each item on several threads and returns the results in item order, independent of the number of
+/// threads. `progress` receives the share done and ends the work by returning false.
 ///
 /// # Errors
-/// The first failure in the order of the items; [`SimulationError::Interrupted`].
+/// The first failure, in item order; [`SimulationError::Interrupted`].
 pub fn map<I: Sync, T: Send, E: Ending>(
     items: &[I],
     threads: usize,
@@ -110,7 +110,7 @@ pub fn map<I: Sync, T: Send, E: Ending>(
     found.into_iter().collect::<Option<Vec<T>>>().ok_or_else(|| SimulationError::Interrupted.into())
 }
 
-/// [`do_all`] on the caller's thread, one job after the other. `progress` is asked by the jobs themselves.
+/// [`do_all`] on the caller's thread, one job after the other. The jobs themselves call `progress`.
 fn do_all_here<E: Ending>(jobs: Vec<Job<'_, E>>, progress: &mut Progress<'_>) -> Result<(), E> {
     let count = jobs.len() as f64;
     for (done, job) in jobs.into_iter().enumerate() {

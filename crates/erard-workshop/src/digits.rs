@@ -1,4 +1,4 @@
-//! Numbers as people read them: what rounds to nothing has no sign.
+//! Numbers for people: a number that rounds to zero has no sign.
 
 /// Formats a number with `decimals` decimals.
 #[must_use]
@@ -14,7 +14,7 @@ pub fn signed(x: f64, decimals: usize) -> String {
     if is_nothing(&text) { text.trim_start_matches(['+', '-']).to_owned() } else { text }
 }
 
-/// Whether a number in digits is 0.
+/// Whether a formatted number is 0.
 #[must_use]
 pub fn is_nothing(text: &str) -> bool {
     !text.contains(|c: char| c.is_ascii_digit() && c != '0')

@@ -1,7 +1,7 @@
 //! Work of technicians and researchers with an action: measure, regulate, balance, study; compare it with recordings,
-//! fit it to them, and hold it against published measurements.
+//! fit it to them, and validate it against published measurements.
 //!
-//! An instrument comes from [`erard`]; what is measured, regulated or studied here is simulated by it.
+//! Instruments come from [`erard`], which also simulates them.
 
 pub mod balance;
 pub mod compare;

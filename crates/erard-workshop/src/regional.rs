@@ -1,6 +1,6 @@
-//! Words of other regions: a name may be typed with them wherever this program's is understood.
+//! Regional words, accepted in names wherever this program's own are.
 
-/// Their word and ours.
+/// Regional word and this program's word.
 const WORDS: [(&str, &str); 7] = [
     ("wippen", "whippen"),
     ("set_off", "let_off"),
@@ -11,23 +11,23 @@ const WORDS: [(&str, &str); 7] = [
     ("roller", "knuckle"),
 ];
 
-/// A name with this program's words: `set-off` is `let-off`, `body.wippen.mass_g` is `body.whippen.mass_g`. Blanks
-/// at the ends do not count.
+/// Returns a name with this program's words: `set-off` becomes `let-off`, `body.wippen.mass_g` `body.whippen.mass_g`.
+/// Trims blanks.
 #[must_use]
 pub fn ours(name: &str) -> String {
     let name = name.trim();
     WORDS.iter().fold(name.to_owned(), |name, (theirs, ours)| replaced(&name, theirs, ours))
 }
 
-/// The names with other words that are understood for one.
+/// Returns the regional names accepted for a name.
 #[must_use]
 pub fn theirs(name: &str) -> Vec<String> {
     let all = WORDS.iter().map(|(theirs, ours)| replaced(name, ours, theirs));
     all.filter(|other| other != name).collect()
 }
 
-/// A name with a word replaced wherever it stands by itself: between ends, dots, hyphens and underscores. Words of
-/// several parts are joined as the name's are.
+/// Replaces a word wherever it is a whole part of a name, between ends, dots, hyphens and underscores. Words of several
+/// parts are joined like the name's.
 fn replaced(name: &str, from: &str, to: &str) -> String {
     let joint = if name.contains('-') { "-" } else { "_" };
     let [from, to] = [from, to].map(|word| word.replace('_', joint));

@@ -1,4 +1,4 @@
-//! A key of a keyboard with strings under a constant force: its hammer's first impact.
+//! First impact of the hammer of a key with strings, under a constant force.
 
 use moreau::Settings;
 
@@ -7,39 +7,39 @@ use erard::instrument::Instrument;
 use erard::player::ActionError;
 use erard::{Action, Input};
 
-/// Steps, s.
+/// Step, s.
 pub const STEP_S: f64 = 50e-6;
-/// How far the hammer's force is followed after it met the string, s.
+/// Time after the impact over which the hammer's force is recorded, s.
 const FOLLOWED_S: f64 = 10e-3;
-/// A key that has not sounded after this time does not, s.
+/// A key that has not sounded within this time does not sound, s.
 const PATIENCE_S: f64 = 0.5;
-/// Forces of published playing, N.
+/// Range of forces in published playing, N.
 const FORCES_N: [f64; 2] = [0.3, 35.0];
-/// A force is found when it is known to this share.
+/// Relative tolerance of a force found by bisection.
 const CLOSE: f64 = 5e-3;
 
 /// The first impact of a hammer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstImpact {
-    /// Speed of the hammer when it meets the string, m/s.
+    /// Hammer speed at the string, m/s.
     pub speed_m_per_s: f64,
-    /// Duration of contact, s: from the first touch to the last one within 10 ms, including short separations by
+    /// Contact time, s: from the first touch to the last one within 10 ms, including short separations caused by
     /// returning waves.
     pub contact_s: f64,
     /// Number of contact pulses.
     pub pulses: u32,
     /// The largest force, N.
     pub peak_n: f64,
-    /// Speed at which it leaves, m/s, positive away from the string.
+    /// Hammer speed after the last contact, m/s, positive away from the string.
     pub back_m_per_s: f64,
 }
 
-/// An action at rest.
+/// Returns an action at rest.
 pub fn rest(instrument: &Instrument) -> Result<Action, ActionError> {
     Action::with(instrument, Settings::new(STEP_S))
 }
 
-/// The first impact under a constant force, from rest; `None`: it does not sound.
+/// Returns the first impact under a constant force, from rest; `None` if the key does not sound.
 pub fn impact(action: &mut Action, force_n: f64) -> Option<FirstImpact> {
     let (mut first, mut impact, mut touching) = (None, None, false);
     for n in 0..((PATIENCE_S + FOLLOWED_S) / STEP_S) as usize {
@@ -73,8 +73,8 @@ pub fn impact(action: &mut Action, force_n: f64) -> Option<FirstImpact> {
     impact
 }
 
-/// The impact under the smallest constant force with which the hammer is so fast, m/s, by bisection; `None` where none
-/// is. `progress` ends it by returning false.
+/// Returns the impact under the smallest constant force that reaches this hammer speed, m/s, by bisection; `None` if
+/// none does. `progress` ends it by returning false.
 pub(crate) fn impact_of_speed(
     action: &mut Action,
     speed_m_per_s: f64,
@@ -100,6 +100,6 @@ pub(crate) fn impact_of_speed(
     Ok(Some(found))
 }
 
-/// Somebody asked to stop.
+/// The caller asked to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Stopped;

@@ -1,4 +1,4 @@
-//! Does an instrument play? Each is pressed once, and warnings about the run are reported.
+//! Test whether an instrument plays: one press, with warnings about the run.
 
 use crate::cores;
 use crate::measure::MeasureError;
@@ -9,25 +9,26 @@ use erard::run::{Setup, SimulationError, simulate};
 use erard::stroke::{Series, Touch};
 use erard::trust::Warning;
 
-/// The built-in stroke that an instrument is tried with.
+/// Built-in stroke for this test.
 pub(crate) const NUANCE: &str = "mf";
 
 /// An instrument that was pressed once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tried {
-    /// Speed of the strike point at the string, m/s; `None` where it is not reached.
+    /// Speed of the strike point at the string, m/s; `None` if it does not reach the string.
     pub hammer_speed_m_per_s: Option<f64>,
-    /// Why the press cannot be trusted: a bound that it broke, or why it could not be played.
+    /// Reasons why the press cannot be trusted: a limit that it exceeded, or why it could not be played.
     pub warnings: Vec<Warning>,
 }
 
-/// Presses an instrument once with a pressed mezzo forte. Without a key there is nothing to try, and no warning.
+/// Presses an instrument once with a pressed mezzo forte. An instrument without a key is not pressed and has no
+/// warnings.
 ///
 /// # Errors
 /// An interruption, or an error not caused by this instrument ([`SimulationError::warning`]).
 pub fn try_once(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Tried, SimulationError> {
     let silent = Tried { hammer_speed_m_per_s: None, warnings: Vec::new() };
-    // It is there: a test of strokes reads them all.
+    // A test of strokes reads every built-in stroke.
     let Some(force) = Series::builtin(NUANCE, Touch::Pressed).and_then(|series| series.force) else {
         return Ok(silent);
     };

@@ -9,27 +9,26 @@ use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
 use erard::keyboard::note_name;
 
-/// A key as weighed.
+/// Weights of a key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeighedKey {
     /// Number of the key, from 1.
     pub key: usize,
-    /// Note of the key, e.g. `C4`.
+    /// Note name, e.g. `C4`.
     pub note: String,
     /// Mass of the hammer with its shank, g.
     pub hammer_mass_g: f64,
-    /// The hammer on its pin, its shank level, the strike point's place on the scale, g.
+    /// Weight of the strike point on the scale, the hammer on its pin and its shank level, g.
     pub strike_weight_g: f64,
-    /// The key on its balance pin, level, its front on the scale, g.
+    /// Weight of the key's front on the scale, the key level on its balance pin, g.
     pub front_weight_g: f64,
     /// Down-weight and up-weight from a slow loop, dampers lifted, g.
     pub touch: Touch,
-    /// The key pressed once with a mezzo forte: its hammer's speed, and why the press cannot be trusted.
+    /// One mezzo forte press: hammer speed, and reasons why the press cannot be trusted.
     pub tried: Tried,
 }
 
-/// Weighs keys, each given with its number. `progress` receives the share that is done, and ends the work by returning
-/// false.
+/// Weighs keys, each given with its number. `progress` receives the share done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -37,7 +36,7 @@ pub fn weigh(keys: &[(usize, Instrument)], progress: &mut Progress<'_>) -> Resul
     cores::map(keys, cores::count(), progress, |(key, instrument), progress| weigh_key(*key, instrument, progress))
 }
 
-/// A key's weights from a slow loop, dampers lifted, and its free way, m.
+/// A key's weights from a slow loop, dampers lifted, and its free travel, m.
 fn loop_weights(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<(LoopWeights, f64), MeasureError> {
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts);
@@ -58,7 +57,7 @@ fn weigh_key(key: usize, instrument: &Instrument, progress: &mut Progress<'_>) -
         tried: try_once(instrument, progress)?,
         key,
         note: note_name(key),
-        // A sum of pieces: without its rounding errors.
+        // Rounded to remove the rounding errors of a sum.
         hammer_mass_g: (rigid.bodies[Parts::of(&rigid)?.hammer].mass_kg * 1e12).round() / 1e9,
         strike_weight_g: scale.strike_weight_g,
         front_weight_g: scale.front_weight_g,

@@ -1,4 +1,4 @@
-//! The program `erard-bench`: how fast this machine simulates. A program on the command's library; what it times is
+//! The program `erard-bench`: speed of simulation on this machine. It uses the command's library; its workloads are in
 //! `erard-timing`.
 
 #![deny(
@@ -33,7 +33,7 @@ struct Bench {
     speech: Speech,
 }
 
-/// Exit codes as those of `erard`.
+/// Exit codes are those of `erard`.
 fn main() -> ExitCode {
     run_program(&Bench::command(), |bench: &Bench| &bench.speech, Bench::run)
 }
@@ -55,7 +55,7 @@ impl Bench {
     }
 }
 
-/// Prints the times: names, medians and spreads of what was timed, and how much faster than what it is.
+/// Prints medians and spreads of the times by name, with their speed relative to real time or to another row.
 fn print(report: &Value) {
     let number = |key: &str| report[key].as_f64().unwrap_or(f64::NAN);
     let lanes = match number("lanes") {

@@ -1,4 +1,4 @@
-//! Problem 15: problems 2 and 6 again, with steps whose error is controlled.
+//! Problem 15: problems 2 and 6 again, with adaptive steps.
 
 use moreau::{Accuracy, Controller, Input, Loss, Outcome, State, StepDoubling, controlled_step};
 
@@ -10,7 +10,7 @@ use moreau_rigid::problems::{Expected, Row};
 /// Tolerances.
 const TOLERANCES: [f64; 5] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 
-/// A mechanism stepped with its error controlled.
+/// A mechanism with adaptive steps.
 struct Controlled<const B: usize, const Z: usize, const N: usize> {
     m: Mechanism<B, Z, N>,
     accuracy: Accuracy<f64>,
@@ -25,7 +25,7 @@ impl<const B: usize, const Z: usize, const N: usize> Controlled<B, Z, N> {
         Controlled { m, accuracy, controller: Controller::new(0.01 * accuracy.largest), halves, inner: 0 }
     }
 
-    /// Steps until an instant.
+    /// Steps until a time.
     fn until(&mut self, end: f64) {
         let Controlled { m, accuracy, controller, halves, inner } = self;
         while m.time < end && m.sound {
@@ -39,7 +39,7 @@ impl<const B: usize, const Z: usize, const N: usize> Controlled<B, Z, N> {
     }
 }
 
-/// The oscillator with dry friction: eight reversals, then it sticks.
+/// Oscillator with dry friction: eight reversals, then it sticks.
 fn dry_oscillator(rows: &mut Vec<Row>) {
     let rest = 15.0 - 205.0_f64.sqrt();
     for tolerance in TOLERANCES {
@@ -63,7 +63,7 @@ fn dry_oscillator(rows: &mut Vec<Row>) {
 const BECAUSE: &str =
     "each of eight reversals may err by the tolerance times 1 rad/s; what is smooth is extrapolated beyond it";
 
-/// The damped felt, thrown at.
+/// A mass thrown at the damped felt.
 fn damped_felt(rows: &mut Vec<Row>) {
     let mut steps = Vec::new();
     for tolerance in TOLERANCES {
@@ -85,7 +85,7 @@ fn damped_felt(rows: &mut Vec<Row>) {
         ));
         steps.push(f64::from(c.inner));
     }
-    // The error of a step grows with its cube: a tenth of the tolerance takes 10^(1/3) times as many steps.
+    // The error of a step grows with its cube: a tenth of the tolerance needs 10^(1/3) times as many steps.
     let growth = (steps[4] / steps[1]).powf(1.0 / 3.0);
     let because = "order 2 of the estimate: 2.15 times as many steps for a tenth of the tolerance";
     rows.push(Row::bounded("damped felt: steps for a tenth of the tolerance", Expected::AtMost(2.5), growth, because));

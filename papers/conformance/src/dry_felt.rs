@@ -1,5 +1,4 @@
-//! Problems 23, 24 and 27: felts whose loss does not depend on how fast they move. A mass of 10 g thrown at a felt, and
-//! one that stands on it.
+//! Problems 23, 24 and 27: felts with a rate-independent loss. A mass of 10 g thrown at a felt, and one resting on it.
 
 use moreau::{Body, Curve, Description, Elastoplastic, Exponent, Felt, GROUND, Iwan, Loss, SetValued, Settings, Zone};
 
@@ -7,15 +6,15 @@ use crate::felt::{ARM, MASS, throw_at, throw_from};
 use crate::mechanism::Mechanism;
 use moreau_rigid::problems::{Expected, Order, Row};
 
-/// Felts of an action's stiffness: exponent and k.
+/// Felts with the stiffness of an action's: exponent and k.
 const FELTS: [(f64, f64); 3] = [(2.0, 5e7), (2.5, 3e9), (3.0, 1e11)];
 
-/// Closed forms after an arrival with 1/2 m v^2 = E, at any speed. F = k g^r (1 + eta Sign(dg/dt)) takes (1 + eta) W to
-/// be pressed by G, with W = k G^(r+1)/(r+1), and gives (1 - eta) W back. With a spring in series with the slider,
-/// `slip` as in [`Loss::Elastoplastic`], the way back begins with the spring, and the loss is 2 eta W (1 - slip)/(1 +
+/// Closed forms after an arrival with 1/2 m v^2 = E, at any speed. F = k g^r (1 + eta Sign(dg/dt)) takes (1 + eta) W
+/// for a compression G, with W = k G^(r+1)/(r+1), and returns (1 - eta) W. With a spring in series with the slider,
+/// `slip` as in [`Loss::Elastoplastic`], the return begins with the spring, and the loss is 2 eta W (1 - slip)/(1 +
 /// slip): in x = g^((r+1)/2) the loop is a triangle's two sides and the diagonal of a parallelogram. Sliders in
-/// parallel lose the mean of that over their slips. Speed of rebound over that of arrival; compression, m; loss as a
-/// part of E.
+/// parallel lose the mean of that over their slips. Returns the speed of rebound over that of arrival; compression, m;
+/// loss as a share of E.
 fn dry_exact(r: f64, k: f64, eta: f64, slips: &[f64], speed: f64) -> [f64; 3] {
     let mean = slips.iter().map(|slip| (1.0 - slip) / (1.0 + slip)).sum::<f64>() / slips.len() as f64;
     let lost = 2.0 * eta / (1.0 + eta) * mean;
@@ -45,7 +44,7 @@ fn throws(loss: impl Fn(f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
             rows.push(Row::new(name("energy residual, relative"), "", 0.0, t.residual, 6e-6, because));
         }
     }
-    // Steps from a thousandth of the contact to all of it: what a felt does is never a gain.
+    // Steps from a thousandth of the contact to all of it: a felt never gains energy.
     let mut least: f64 = 0.0;
     for h in [2e-6, 1e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3] {
         for (r, k) in FELTS {
@@ -57,7 +56,7 @@ fn throws(loss: impl Fn(f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
     let because = "no step of any length gives energy: rounding";
     let quantity = "smallest loss of a step, h from 2 us to 5 ms, over the energy";
     rows.push(Row::bounded(quantity, Expected::AtLeast(-1e-12), least, because));
-    // Where within a step the felt turns and slips is a matter of chance: the largest error of eight ways to the felt.
+    // The phase of turning and slipping within a step is random: the largest error for eight distances to the felt.
     let exact = dry_exact(2.0, 5e7, 0.3, slips, 1.0)[0];
     let order = Order::halving(3.2e-5, 4, |h| {
         let error = |n: u32| {
@@ -72,19 +71,19 @@ fn throws(loss: impl Fn(f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
 }
 
 /// Rebound over arrival and largest compression, m, of a felt with sliders and b beside its spring, by the Runge-Kutta
-/// method of fourth order on the written branches: inwards F = (1 + eta) k g^r + b g^2 dg/dt; outwards from X = x(G)
+/// method of fourth order on the written branches: pressing F = (1 + eta) k g^r + b g^2 dg/dt; returning from X = x(G)
 /// slider i is stretched by max(s_i X - (X - x), -s_i x) in x = g^m, m = (r + 1)/2.
 fn damped_exact(r: f64, k: f64, b: f64, eta: f64, slips: &[f64], speed: f64) -> [f64; 2] {
     let (m, share) = (f64::midpoint(r, 1.0), eta / slips.len() as f64);
     let x = |g: f64| g.max(0.0).powf(m);
-    // From `deepest` on the felt opens.
+    // After `deepest` the felt opens.
     let acceleration = |g: f64, v: f64, deepest: Option<f64>| {
         let stretched = |slip: &f64| {
             let e = deepest.map_or(slip * x(g), |top| (slip * x(top) - (x(top) - x(g))).max(-slip * x(g)));
             share / slip * e
         };
         let elastic = k / m * (x(g) + slips.iter().map(stretched).sum::<f64>()) * m * g.max(0.0).powf(m - 1.0);
-        // A felt never pulls: let go, one of r = 3 lags behind.
+        // A felt never pulls: released, one with r = 3 lags behind.
         -(elastic + b * g * g * v).max(0.0) / MASS
     };
     let step = |[g, v]: [f64; 2], h: f64, deepest: Option<f64>| {
@@ -98,7 +97,7 @@ fn damped_exact(r: f64, k: f64, b: f64, eta: f64, slips: &[f64], speed: f64) -> 
         [g + h * mean(0), v + h * mean(1)]
     };
     let (h, mut at) = (1e-7, [0.0, speed]);
-    // To the instant at which it stands, and to that at which it leaves: the last step is a part of one.
+    // Ends at the turning point and at separation, each by a partial last step.
     while at[1] > 0.0 {
         let next = step(at, h, None);
         at = if next[1] > 0.0 { next } else { [step(at, h * at[1] / (at[1] - next[1]), None)[0], 0.0] };
@@ -110,7 +109,7 @@ fn damped_exact(r: f64, k: f64, b: f64, eta: f64, slips: &[f64], speed: f64) -> 
     [-at[1] / speed, deepest]
 }
 
-/// Throws of felts that lose by b, too.
+/// Throws at felts that also lose by b.
 fn damped_throws(loss: impl Fn(f64, f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
     let because = "second order: a few 1e-7 at h = 1 us; the reference is good to 1e-8";
     let felts = [(2.0, 5e7, 3e7, 0.3), (3.0, 1e11, 4e7, 0.15)];
@@ -126,8 +125,8 @@ fn damped_throws(loss: impl Fn(f64, f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row
     rows.into_iter().flatten().collect()
 }
 
-/// A mass that stands on a felt (r = 2) under a load of 1 N, pushed by an impulse that gives it so much speed, m/s: at
-/// the end of an arm as in [`crate::felt`].
+/// A mass resting on a felt (r = 2) under a load of 1 N, with an impulse that gives it the speed `push`, m/s: at the
+/// end of an arm as in [`crate::felt`].
 fn standing(loss: Loss<f64>, push: f64) -> (Mechanism<1, 1, 2>, f64) {
     let (k, load) = (5e7, 1.0);
     let depth = f64::sqrt(load / k);
@@ -158,8 +157,8 @@ pub(crate) fn set_valued() -> Vec<Row> {
     rows.push(Row::new("held felt, way in 50 ms", "m", 0.0, moved, 0.0, because));
     let (mut m, depth) = standing(Loss::SetValued(SetValued { eta: 0.2 }), -1e-4);
     m.run(0.05);
-    // The push's energy over the loss: (1 + eta) k g^2 against the load, until it stands; to first order in the small
-    // way.
+    // The push's energy over the loss: (1 + eta) k g^2 against the load, until it stops; to first order in the small
+    // displacement.
     let way = MASS * 1e-8 / (2.0 * 0.2 * 1.0);
     let because = "the way is so short that the felt is as stiff as at its start: (way / depth)";
     let moved = m.value(-m.state.angle[0] * ARM);
@@ -181,8 +180,8 @@ pub(crate) fn elastoplastic() -> Vec<Row> {
     let (eta, slip) = (0.3, 0.2);
     let mut rows = throws(|eta| Loss::Elastoplastic(Elastoplastic { damping: 0.0, eta, slip }), &[slip]);
     rows.extend(damped_throws(|damping, eta| Loss::Elastoplastic(Elastoplastic { damping, eta, slip }), &[slip]));
-    // A small push: the felt vibrates on its spring and its slider's spring, without loss, about the depth where it
-    // stands. There dF/dg = 2 k g + K (dx/dg)^2 = k g (2 + 3/2 eta/slip) for r = 2, the slider's spring being slack.
+    // After a small push the felt vibrates on its spring and its slider's spring, without loss, about its depth at
+    // rest. There dF/dg = 2 k g + K (dx/dg)^2 = k g (2 + 3/2 eta/slip) for r = 2, with the slider's spring slack.
     let (mut m, depth) = standing(Loss::Elastoplastic(Elastoplastic { damping: 0.0, eta, slip }), 1e-5);
     let stiffness = 5e7 * depth * (2.0 + 1.5 * eta / slip);
     let period = 2.0 * std::f64::consts::PI * (MASS / stiffness).sqrt();
@@ -209,8 +208,8 @@ pub(crate) fn elastoplastic() -> Vec<Row> {
     rows
 }
 
-/// The speed of rebound over that of arrival, m/s, of 10 g thrown at a felt of a stiffness k, an exponent and a loss;
-/// steps of `h` s.
+/// Speed of rebound over that of arrival of 10 g thrown at `speed`, m/s, at a felt with a stiffness k, an exponent and
+/// a loss; steps of `h` s.
 #[must_use]
 pub fn thrown_back(speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64) -> f64 {
     throw_at(speed, k, r, loss, h).rebound / speed

@@ -1,7 +1,7 @@
-//! Problem 26: dry friction that grows while it sticks, of a pivot and of a sliding contact.
+//! Problem 26: dry friction that grows during sticking, of a pivot and of a sliding contact.
 //!
-//! A body on a hinge, J = 1.5e-4 kg m2, kinetic friction c = 2e-3 N m, static friction 1.5 c, tau = 0.2 s: after
-//! resting for t it holds c (1 + 0.5 (1 - exp(-t/tau))). The contact's friction has the same moment.
+//! A body on a hinge, J = 1.5e-4 kg m2, kinetic friction c = 2e-3 N m, static friction 1.5 c, tau = 0.2 s: after a rest
+//! of t it holds c (1 + 0.5 (1 - exp(-t/tau))). The contact's friction has the same moment.
 
 use moreau::{
     Body, Curve, Description, Dwell, Exponent, Felt, GROUND, Input, Loss, Outcome, Part, Settings, Site, State,
@@ -16,19 +16,19 @@ const RATIO: f64 = 1.5;
 const TAU: f64 = 0.2;
 const H: f64 = 1e-4;
 
-/// Where the friction is.
+/// Place of the friction.
 #[derive(Clone, Copy)]
 enum At {
     Pivot,
     Contact,
 }
 
-/// The angle after a load (N m, of the time in s) for so long, s, and the instant at which it first moved.
+/// Returns the angle after a load (N m, of the time in s) for `duration`, s, and the time at which it first moved, s.
 fn loaded(at: At, duration: f64, load: impl Fn(f64) -> f64) -> [f64; 2] {
     let dry = if matches!(at, At::Pivot) { KINETIC } else { 0.0 };
     let body = Body { inertia: INERTIA, dry, ..Body::inert() };
-    // A point at 1 m below the pivot, 1 mm within a floor that pushes with k g^2 = 1 N: what it slides with is as long
-    // a lever.
+    // A point at 1 m below the pivot, 1 mm within a floor that pushes with k g^2 = 1 N: its friction has a lever of the
+    // same length.
     let zone = Zone {
         disc_body: 0,
         center: [0.0, -1.0],
@@ -59,7 +59,7 @@ fn loaded(at: At, duration: f64, load: impl Fn(f64) -> f64) -> [f64; 2] {
     if sound { [state.angle[0], moved] } else { [f64::NAN; 2] }
 }
 
-/// The instant at which a load that grows by `rate` N m/s has reached what is held.
+/// Time at which a load growing by `rate` N m/s reaches the static friction, s.
 fn lets_go(rate: f64) -> f64 {
     let (mut low, mut high) = (0.0, 10.0);
     for _ in 0..100 {
@@ -70,9 +70,9 @@ fn lets_go(rate: f64) -> f64 {
 }
 
 /// Gonthier's bristle (Y. Gonthier, J. McPhee, C. Lange, J.-C. Piedboeuf, Multibody System Dynamics 11 (2004) 209-233)
-/// in the pivot's place, under half of the kinetic friction and a tremor of a quarter of it at 50 Hz, for so long, s:
-/// how far the body creeps while it should stick, rad. By Runge and Kutta's method of order 4 at 5 us; the bristle
-/// bends by a milliradian at the kinetic friction, and is critically damped.
+/// in place of the pivot's law, under half of the kinetic friction and a tremor of a quarter of it at 50 Hz, for
+/// `duration`, s. Returns the creep of the body while it should stick, rad. Runge-Kutta method of order 4 at 5 us; the
+/// bristle bends by a milliradian at the kinetic friction, and is critically damped.
 fn bristle_creeps(duration: f64) -> f64 {
     let stiffness = KINETIC / 1e-3;
     let damping = 2.0 * (stiffness * INERTIA).sqrt();
@@ -96,7 +96,7 @@ fn bristle_creeps(duration: f64) -> f64 {
         let k3 = rates(t + 0.5 * h, at(y, k2, 0.5 * h));
         let k4 = rates(t + h, at(y, k3, h));
         y = [0, 1, 2].map(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-        // Once it has given to the load: a whole number of the tremor's periods.
+        // After it has bent under the load: a whole number of the tremor's periods.
         if n == (1.0 / h) as u32 {
             first = y[0];
         }
@@ -116,7 +116,7 @@ pub(crate) fn rows() -> Vec<Row> {
             let quantity = name(&format!("load grows by {rate} N m/s: lets go"));
             rows.push(Row::new(quantity, "s", exact, moved, 2.0 * H, because));
         }
-        // A load of 1.2 c after so long a rest: it holds from t = -tau ln(1 - 0.2/0.5) on.
+        // A load of 1.2 c after a rest of t: it holds from t = -tau ln(1 - 0.2/0.5) on.
         let exact = -TAU * (1.0 - 0.2 / (RATIO - 1.0)).ln();
         let (mut slips, mut holds) = (0.0, 1.0);
         while holds - slips > 0.5 * H {
@@ -137,7 +137,7 @@ pub(crate) fn rows() -> Vec<Row> {
         rows.push(Row::new(name("angle after 9 s under 1.45 of it"), "rad", 0.0, angle, 0.0, "exactly zero: no creep"));
         let [angle, _] = loaded(at, 1.002, |t| if t < 1.0 { 0.0 } else { 1.6 * KINETIC });
         let exact = 0.5 * 0.6 * KINETIC / INERTIA * 0.002 * 0.002;
-        // The floor's own push has a lever as soon as the body turns: 2 ms are short beside sqrt(J/1 N m) = 12 ms.
+        // The floor's force has a lever as soon as the body turns: 2 ms are short compared with sqrt(J/1 N m) = 12 ms.
         let because = "what slips has the kinetic friction from the first step on";
         rows.push(Row::new(name("angle after 2 ms under 1.6 of it"), "rad", exact, angle, 1e-2 * exact, because));
     }

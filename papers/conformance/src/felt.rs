@@ -6,7 +6,7 @@ use crate::mechanism::Mechanism;
 use moreau_rigid::problems::{Order, Row};
 
 /// A mass at the end of an arm so long that its path is straight: x = L sin(angle), L = 100 m, so that over the felt's
-/// 1 mm of compression the arm turns by 1e-5 rad and the path deviates from a line by 1e-10 of itself.
+/// 1 mm of compression the arm turns by 1e-5 rad and the path deviates from a line by a share of 1e-10.
 pub(crate) const ARM: f64 = 100.0;
 pub(crate) const MASS: f64 = 0.010;
 
@@ -21,12 +21,12 @@ pub(crate) struct Throw {
     pub smallest_loss: f64,
 }
 
-/// The mass on its way at 1 m/s, the felt so far ahead, m.
+/// The mass moving at 1 m/s, at a distance `ahead` from the felt, m.
 pub(crate) fn thrown(k: f64, r: f64, loss: Loss<f64>, h: f64, ahead: f64) -> Mechanism<1, 1, 2> {
     thrown_at(1.0, k, r, loss, h, ahead)
 }
 
-/// The same at another speed, m/s.
+/// The mass moving at another speed, m/s.
 fn thrown_at(speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64, ahead: f64) -> Mechanism<1, 1, 2> {
     let body = Body { mass: MASS, center_of_mass: [0.0, -ARM], inertia: MASS * ARM * ARM, ..Body::inert() };
     let felt = Felt { stiffness: k, exponent: Exponent::new(r), loss };
@@ -49,13 +49,13 @@ fn throw(k: f64, r: f64, loss: Loss<f64>, h: f64) -> Throw {
     throw_at(1.0, k, r, loss, h)
 }
 
-/// At a speed, m/s.
+/// A throw at a speed, m/s.
 pub(crate) fn throw_at(speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64) -> Throw {
     // The mass starts a whole number of steps away, plus a third: a generic phase.
     throw_from(speed * (20.0 * h + h / 3.0), speed, k, r, loss, h)
 }
 
-/// From so far away, m.
+/// A throw from a distance, m.
 pub(crate) fn throw_from(ahead: f64, speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64) -> Throw {
     let mut m = thrown_at(speed, k, r, loss, h, ahead);
     let mut ledger = Ledger::open(&m.model, &m.state);
@@ -116,10 +116,10 @@ pub(crate) fn elastic() -> Vec<Row> {
     rows
 }
 
-/// The damped felt's rebound and largest compression. With p = dg/dt as a function of g, m p dp/dg = -(k g^r + b g^2
-/// p); for r = 2 it integrates to l v0 - ln(1 + l v0) = -(l v1 + ln(1 - l v1)), l = b/k. For the others the values are
-/// from a quadrature of that equation outside this project, the force clamped at zero (unclamped, as published, it
-/// pulls before separation when r > 2 and would give 0.43121981 and 0.53364008).
+/// Rebound and largest compression of the damped felt. With p = dg/dt as a function of g, m p dp/dg = -(k g^r + b g^2
+/// p); for r = 2 it integrates to l v0 - ln(1 + l v0) = -(l v1 + ln(1 - l v1)), l = b/k. The other values are from a
+/// quadrature of that equation outside this project, with the force clamped at zero (unclamped, as published, it pulls
+/// before separation when r > 2 and would give 0.43121981 and 0.53364008).
 pub(crate) const DAMPED: [(f64, f64, f64, f64, f64); 3] = [
     (2.0, 5e7, 3e7, 0.711_950_179_6, 6.006_110_607_3e-4),
     (2.5, 3e9, 1e8, 0.435_620_80, 4.993_564_099e-4),
@@ -143,10 +143,10 @@ pub(crate) fn damped() -> Vec<Row> {
     rows
 }
 
-/// Hunt and Crossley's felt: rebound, m/s, and largest compression, m, after arriving with 1 m/s.
+/// Hunt and Crossley's felt: rebound, m/s, and largest compression, m, after an arrival at 1 m/s.
 ///
-/// With p = dg/dt as a function of g, m p dp/dg = -k g^r (1 + a p): the variables separate for any r. Inwards, p falls
-/// from v0 to 0; outwards, from 0 to -v1:
+/// With p = dg/dt as a function of g, m p dp/dg = -k g^r (1 + a p): the variables separate for any r. While pressing, p
+/// falls from v0 to 0; while returning, from 0 to -v1:
 ///
 /// a v0 - ln(1 + a v0) = a^2 k G^(r+1) / ((r+1) m) = -(a v1 + ln(1 - a v1)).
 ///

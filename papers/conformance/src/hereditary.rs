@@ -1,8 +1,8 @@
 //! Problem 25: Stulov's hereditary felt, compressed along a prescribed path.
 //!
-//! F = Q (u - z), u = g^r, dz/dt = (eps u - z)/tau, Q = k/(1 - eps). With f = Q (eps u - z) = Q tau dz/dt what is lost
-//! in a cycle is the integral of f dg, for k g^r gives back what it took. f' = Q eps u' - f/tau: a filter that is
-//! linear in u, so that for a periodic g there are closed forms.
+//! F = Q (u - z), u = g^r, dz/dt = (eps u - z)/tau, Q = k/(1 - eps). With f = Q (eps u - z) = Q tau dz/dt the loss of a
+//! cycle is the integral of f dg, because k g^r returns its work. f' = Q eps u' - f/tau is a filter linear in u, so
+//! that closed forms exist for a periodic g.
 
 use std::f64::consts::PI;
 
@@ -19,9 +19,9 @@ const K: f64 = 4e4;
 const RELAXED: f64 = 0.4;
 const TAU: f64 = 2e-3;
 
-/// A felt pressed by a rigid drive with the velocity that `path` (m, of the time in s) asks for: the drive's work in
-/// the last of so many periods, J, which is the loop's area, and the ledger's residual over it. The body at the end of
-/// a long arm has next to no inertia.
+/// A felt pressed by a rigid drive with the velocity of `path` (m, of the time in s). Returns the drive's work in the
+/// last period, J, which is the loop's area, and the ledger's residual over it. The body at the end of a long arm has
+/// almost no inertia.
 fn driven(r: f64, period: f64, periods: u32, h: f64, path: impl Fn(f64) -> f64) -> [f64; 2] {
     let body = Body { mass: 1e-9, center_of_mass: [0.0, -ARM], inertia: 1e-9 * ARM * ARM, ..Body::inert() };
     let loss = Loss::Hereditary(Hereditary { relaxed: RELAXED, time: TAU });
@@ -48,7 +48,7 @@ fn driven(r: f64, period: f64, periods: u32, h: f64, path: impl Fn(f64) -> f64) 
             ledger = Ledger::open(&model, &state);
         }
         let before = state.clone();
-        // The scheme's way in a step is h times the mean of the velocities at its ends.
+        // The scheme's displacement in a step is h times the mean of the velocities at its ends.
         let next = path(f64::from(n + 1) * h);
         velocity = 2.0 * (next - position) / h - velocity;
         position = next;
@@ -62,15 +62,15 @@ fn driven(r: f64, period: f64, periods: u32, h: f64, path: impl Fn(f64) -> f64) 
     if sound { [work, ledger.residual().abs() / work.abs()] } else { [f64::NAN; 2] }
 }
 
-/// g = a (1 - cos wt) + b: u's part at the frequency w is -U cos wt with U = a for r = 1 and, for r = 2, U = 2 a (a +
-/// b), and no other part does work against dg. The filter turns it by its lag.
+/// g = a (1 - cos wt) + b: u's part at the frequency w is -U cos wt with U = a for r = 1 and U = 2 a (a + b) for r = 2;
+/// no other part does work against dg. The filter shifts its phase.
 fn sinusoidal(r: f64, a: f64, b: f64, w: f64) -> f64 {
     let first = if r == 1.0 { a } else { 2.0 * a * (a + b) };
     PI * a * first * K / (1.0 - RELAXED) * RELAXED * w * TAU / (1.0 + (w * TAU).powi(2))
 }
 
-/// g rises with v for T and falls as fast, r = 1: f tends to v Q eps tau from where it was turned around, and is as
-/// large at both turns.
+/// g rises with v for T and falls as fast, r = 1: f tends to v Q eps tau from its value at the turn, and has the same
+/// size at both turns.
 fn triangular(v: f64, t: f64) -> f64 {
     2.0 * K / (1.0 - RELAXED) * RELAXED * TAU * v * v * (t - 2.0 * TAU * (t / (2.0 * TAU)).tanh())
 }
@@ -79,7 +79,7 @@ fn triangular(v: f64, t: f64) -> f64 {
 pub(crate) fn rows() -> Vec<Row> {
     let mut rows = Vec::new();
     let because = "second order in a thousandth of the period";
-    // Pressed all along: with b as large as this it never pulls.
+    // Pressed all the time: with such a large b it never pulls.
     let (a, b) = (2e-4, 6e-4);
     for (r, period) in [(1.0, 5e-3), (1.0, 2e-2), (2.0, 5e-3), (2.0, 2e-2)] {
         let w = 2.0 * PI / period;

@@ -44,7 +44,7 @@ pub(crate) fn dry_oscillator_at(h: f64) -> Mechanism<1, 0, 1> {
     Mechanism::new(model, [12.0], [6.0], Settings::new(h))
 }
 
-/// Turning points until an instant, and when the last one was.
+/// Turning points until a time, and the time of the last one.
 fn turning_points(m: &mut Mechanism<1, 0, 1>, until: f64) -> (Vec<f64>, f64) {
     let (mut points, mut last) = (Vec::new(), 0.0);
     while m.time < until {
@@ -58,7 +58,7 @@ fn turning_points(m: &mut Mechanism<1, 0, 1>, until: f64) -> (Vec<f64>, f64) {
     (points, last)
 }
 
-/// Problem 2: about its springs' rest moved by the friction, each half cycle is half a circle in the phase plane.
+/// Problem 2: each half cycle is half a circle in the phase plane, about the springs' rest shifted by the friction.
 pub(crate) fn dry_oscillator() -> Vec<Row> {
     let mut rows = Vec::new();
     let because = "friction has one sign in a step: each of eight reversals leaves an error of order h";
@@ -107,7 +107,7 @@ pub(crate) fn dry_pendulum() -> Vec<Row> {
     rows
 }
 
-/// The angle on the other side at which the weight's work is what friction took.
+/// Angle on the other side at which the weight's work equals the friction's loss.
 pub(crate) fn next_turning_point(from: f64, weight: f64, dry: f64) -> f64 {
     let left = |to: f64| weight * (to.cos() - from.cos()) - dry * (from + to);
     let (mut low, mut high) = (0.0, from);

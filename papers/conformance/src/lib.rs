@@ -1,7 +1,8 @@
-//! Textbook problems with known answers, solved by the engine and by the step of rigid bodies (`moreau-rigid`).
+//! Textbook problems with known answers, solved by the engine and by the general step for rigid bodies
+//! (`moreau-rigid`).
 //!
-//! Every reference is a closed form (or a quadrature) that shares no code with the engine; it is given with the
-//! problem, with the reason for its tolerance. The tests hold every row, and a report can list them.
+//! Every reference is a closed form (or a quadrature) that shares no code with the engine; each problem states it, with
+//! the reason for its tolerance. The tests check every row, and a report can list them.
 
 // Matrix problems index several arrays by one number.
 #![allow(clippy::needless_range_loop)]

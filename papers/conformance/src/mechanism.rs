@@ -1,15 +1,15 @@
-//! Running a tree of hinged bodies.
+//! Runs of a tree of hinged bodies.
 
 use moreau::{Body, Input, Model, Outcome, Settings, State, Workspace, step};
 
-/// A model, where it is, and how it is stepped.
+/// A model with its state and settings.
 pub(crate) struct Mechanism<const B: usize, const Z: usize, const N: usize> {
     pub model: Model<f64, B, Z>,
     pub state: State<f64, B, Z>,
     pub settings: Settings<f64>,
     pub workspace: Workspace<f64, B, Z, N>,
     pub time: f64,
-    /// No step has failed so far.
+    /// Whether no step has failed so far.
     pub sound: bool,
 }
 
@@ -32,13 +32,13 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism<B, Z, N> {
         }
     }
 
-    /// A number of this run, or not a number if a step failed.
+    /// Returns a number of this run, or NaN if a step failed.
     pub(crate) fn value(&self, x: f64) -> f64 {
         if self.sound { x } else { f64::NAN }
     }
 }
 
-/// A hinge on the ground at the origin with nothing but inertia.
+/// A hinge on the ground at the origin, with inertia only.
 pub(crate) fn hinge(inertia: f64) -> Body<f64> {
     Body { inertia, ..Body::inert() }
 }

@@ -13,13 +13,13 @@ const M2: f64 = 0.2;
 const L1: f64 = 0.4;
 const L2: f64 = 0.15;
 const G: f64 = 9.81;
-/// Angles from the vertical at the start, rad; at rest.
+/// Initial angles from the vertical, rad; at rest.
 const START: [f64; 2] = [1.0, -0.5];
 
-/// Instants at which a run is compared, every tenth of a second: a single one may happen to be good.
+/// Number of times at which a run is compared, every tenth of a second: a single one may be good by chance.
 const INSTANTS: u32 = 20;
 
-/// Angles at all instants, and the largest change of the energy at one of them.
+/// Angles at all times, and the largest change of energy at one of them.
 struct Swung {
     angles: Vec<[f64; 2]>,
     gain: f64,
@@ -78,9 +78,9 @@ fn rigid(h: f64, theta: f64) -> Swung {
     swung
 }
 
-/// Lagrange's equations of two uniform bars, by classical Runge-Kutta of order 4 at a step so small (20 us) that its
-/// own error is below 1e-12: (J1 + m2 l1^2) a'' + m2 l1 c2 cos(a - b) b'' + m2 l1 c2 sin(a - b) b'^2 + (m1 c1 + m2 l1)
-/// g sin a = 0 J2 b'' + m2 l1 c2 cos(a - b) a'' - m2 l1 c2 sin(a - b) a'^2 + m2 c2 g sin b = 0
+/// Lagrange's equations of two uniform bars, by classical Runge-Kutta of order 4 with steps of 20 us, whose own error
+/// is below 1e-12: (J1 + m2 l1^2) a'' + m2 l1 c2 cos(a - b) b'' + m2 l1 c2 sin(a - b) b'^2 + (m1 c1 + m2 l1) g sin a =
+/// 0, J2 b'' + m2 l1 c2 cos(a - b) a'' - m2 l1 c2 sin(a - b) a'^2 + m2 c2 g sin b = 0
 fn reference() -> Vec<[f64; 2]> {
     let (j1, j2) = (M1 * L1 * L1 / 3.0, M2 * L2 * L2 / 3.0);
     let (c1, c2) = (0.5 * L1, 0.5 * L2);

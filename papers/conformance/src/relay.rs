@@ -11,7 +11,7 @@ use moreau::osnsp::relay::solve_dense;
 
 use moreau_rigid::problems::{Expected, Row};
 
-/// Room for the laws of a problem.
+/// Most laws of a problem.
 const N: usize = 16;
 
 /// Random numbers, uniform in [-1, 1), the same every time.
@@ -76,8 +76,7 @@ fn relay(n: usize, rank: usize, condition: f64, random: &mut Random) -> Relay {
     Relay { problem, answer }
 }
 
-/// Full rank: the largest error of z over the condition number, and the most active sets, over 200 problems of each
-/// size.
+/// Full rank at a condition number: the largest error of z, and the most active sets, over 200 problems of each size.
 fn full_rank(condition: f64, random: &mut Random) -> [f64; 2] {
     let (mut worst, mut most) = (0.0_f64, 0);
     for n in 1..=15 {
@@ -97,7 +96,7 @@ fn full_rank(condition: f64, random: &mut Random) -> [f64; 2] {
     [worst, f64::from(most)]
 }
 
-/// Rank-deficient: z need not be unique, the velocities are; their largest error.
+/// Rank-deficient: z need not be unique, but the velocities are; returns their largest error.
 fn deficient(random: &mut Random) -> f64 {
     let mut worst = 0.0_f64;
     for n in 2..=15 {
@@ -141,7 +140,7 @@ fn gauss_seidel(random: &mut Random) -> [f64; 2] {
     [worst, f64::from(most)]
 }
 
-/// An infinite bound is an equality: its velocity from both solvers.
+/// An infinite bound is an equality: largest velocity there from both solvers.
 fn equality(random: &mut Random) -> f64 {
     let mut r = relay(6, 6, 10.0, random);
     r.problem.bound[2] = f64::INFINITY;

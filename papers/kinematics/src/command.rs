@@ -73,26 +73,26 @@ struct Kinematics {
     speech: Speech,
 }
 
-/// Runs the command line of this process; exit codes as those of `erard`.
+/// Runs the command line of this process; exit codes are those of `erard`.
 pub(crate) fn run() -> ExitCode {
     let folder = |argument: clap::Arg| argument.default_value("erard-out-kinematics");
     let definition = Kinematics::command().mut_arg("out", folder);
     run_program(&definition, |kinematics: &Kinematics| &kinematics.speech, Kinematics::run)
 }
 
-/// Key travel to end at where nothing says where let-off is, m: a usual dip.
+/// Last key travel if let-off is unknown, m: a usual dip.
 const USUAL_DIP_M: f64 = 0.010;
-/// Largest key travel that makes sense, mm.
+/// Largest sensible key travel, mm.
 const FARTHEST_MM: f64 = 1000.0;
 /// Most steps: more than a figure shows.
 const MOST_STEPS: i64 = 1_000_000;
-/// Most poses of all cases together: they are held in memory.
+/// Most poses of all cases together, because of memory.
 const MOST_POSES: i64 = 2_000_000;
 
-/// What was asked about.
+/// Subject of the command.
 struct Subject {
     design: Design,
-    /// For an instrument: itself, and its levers.
+    /// The instrument, if any, and its levers.
     instrument: Option<(Instrument, Derived)>,
 }
 
@@ -110,7 +110,7 @@ impl Subject {
     }
 }
 
-/// A linkage file, or a built-in one by its name.
+/// Finds a linkage file, or a built-in one by its name.
 fn linkage_file(file_or_name: &str) -> Result<LinkageFile, Failure> {
     let path = Path::new(file_or_name);
     if path.exists() || path.extension().is_some() || path.components().count() > 1 {
@@ -134,13 +134,13 @@ fn linkage_file(file_or_name: &str) -> Result<LinkageFile, Failure> {
     Ok(file)
 }
 
-/// The cases that were asked for.
+/// Requested cases.
 struct Cases {
-    /// As far as they could be computed, the unmoved one first.
+    /// Cases computed as far as possible, the unmoved one first.
     shown: Vec<Shown>,
-    /// From where to where the key goes, m.
+    /// Range of key travel, m.
     range: (f64, f64),
-    /// What could not be reached, a line each.
+    /// Unreached poses, a line each.
     unreached: Vec<String>,
 }
 
@@ -285,7 +285,7 @@ impl Kinematics {
             Ok(())
         };
         if self.linkage.is_none() && self.instrument.is_none() {
-            // Both kinds: what a linkage file states, and what an instrument does.
+            // Both kinds: the equations of a linkage file, and those of an instrument.
             let file = LinkageFile::builtin("c7f-like")
                 .ok_or_else(|| Failure::Internal("the built-in linkage cannot be read".into()))?;
             print(&file.name, &Levers::from(file.levers))?;
@@ -296,7 +296,7 @@ impl Kinematics {
     }
 }
 
-/// The built-in linkages.
+/// Lists the built-in linkages.
 fn list() -> Result<(), Failure> {
     let titled = |name| Some((name, LinkageFile::builtin(name)?.name));
     let all: Vec<(&str, String)> = LinkageFile::builtin_names().filter_map(titled).collect();
@@ -308,7 +308,7 @@ fn list() -> Result<(), Failure> {
     answer::give(&json!({"built_in": listed.collect::<Value>()}))
 }
 
-/// The file of a built-in linkage as it is.
+/// Prints the file of a built-in linkage unchanged.
 fn print(asked: &str) -> Result<(), Failure> {
     let text = LinkageFile::builtin_text(asked).ok_or_else(|| {
         let names: Vec<&str> = LinkageFile::builtin_names().collect();
@@ -318,7 +318,7 @@ fn print(asked: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a linkage file holds.
+/// Prints the contents of a linkage file.
 fn check(asked: &str) -> Result<(), Failure> {
     let Subject { design, .. } = Subject::linkage(asked)?;
     say!("{asked}: a linkage, \"{}\"", design.name);
@@ -329,7 +329,7 @@ fn check(asked: &str) -> Result<(), Failure> {
     answer::give(&json!({"kind": "linkage", "file": asked, "counts": {}, "name": design.name}))
 }
 
-/// The named constants of a linkage with their values.
+/// Named constants of a linkage with their values.
 fn constants(linkage: &Linkage) -> String {
     let lengths = linkage.lengths().iter().map(|length| (length, format!("{:.2} mm", length.value * 1e3)));
     let angles = linkage.angles().iter().map(|angle| (angle, format!("{:.3} degrees", angle.value.to_degrees())));
@@ -338,8 +338,8 @@ fn constants(linkage: &Linkage) -> String {
     named.collect::<Vec<_>>().join(", ")
 }
 
-/// The slow press of an instrument and how it agrees; a warning where it cannot be made, which is no reason to keep the
-/// geometry from the user.
+/// The slow press of an instrument and its agreement with the geometry. If it fails, a warning is printed and the
+/// geometry is still shown.
 fn press(instrument: &Instrument, derived: &Derived, unmoved: &Shown) -> Option<(SlowPress, Option<Agreement>)> {
     let let_off = unmoved.case.let_off_key_m?;
     match slow_press(instrument, &derived.levers, let_off) {
@@ -354,7 +354,7 @@ fn press(instrument: &Instrument, derived: &Derived, unmoved: &Shown) -> Option<
     }
 }
 
-/// Millimetres with at most two decimals.
+/// Formats millimetres with at most two decimals.
 fn short(metres: f64) -> String {
     let text = format!("{:.2}", metres * 1e3 + 0.0);
     text.trim_end_matches('0').trim_end_matches('.').to_owned()

@@ -1,4 +1,4 @@
-//! The figures: sliding at both contacts, leverage, and leverage beside a slow press of the dynamic model.
+//! Figures: sliding at both contacts, leverage, and leverage compared with a slow press of the dynamic model.
 
 use erard_levers::{Agreement, Design, SlowPress};
 use moreau_linkage::three_lever::StrokePose;
@@ -6,18 +6,18 @@ use moreau_linkage::three_lever::StrokePose;
 use crate::Shown;
 use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg, padded_range};
 
-/// A deviation that is still called agreement.
+/// Largest deviation that counts as agreement.
 const AGREED: f64 = 0.02;
 
-/// The lines of cases, which are distinguished without colours too.
+/// Line styles of cases, distinguishable without colours.
 const DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];
 
-/// The key's travel, m, of all poses of all cases.
+/// Key travel of all poses of all cases, m.
 fn keys(cases: &[Shown]) -> Vec<Vec<f64>> {
     cases.iter().map(|shown| shown.stroke.poses.iter().map(|pose| pose.key).collect()).collect()
 }
 
-/// A marker at each case's let-off, where it is within the figure; `name` is what it is called.
+/// Markers at each case's let-off, if it has one; `name` is their label.
 fn let_offs(name: &str, cases: &[Shown]) -> Vec<Marker> {
     let at = |shown: &Shown| {
         let x = shown.case.let_off_key_m?;
@@ -72,8 +72,7 @@ pub(crate) fn sliding_svg(design: &Design, cases: &[Shown], range: (f64, f64)) -
     figure_svg(&figure(design, "sliding at the contacts", subtitle, range, panels, cases))
 }
 
-/// End of the axis of all leverages, which begins at nothing: figures of one file and of several can be laid beside
-/// each other.
+/// End of the axis of all leverages, which begins at 0, so that figures from different files can be compared.
 fn room_above(highest: f64) -> f64 {
     1.25 * highest
 }
@@ -88,7 +87,7 @@ pub(crate) fn leverage_svg(design: &Design, cases: &[Shown], range: (f64, f64)) 
     figure_svg(&figure(design, "leverage", subtitle, range, vec![panel], cases))
 }
 
-/// The leverage of the geometry beside that of a slow press, and how far they differ.
+/// Leverage by geometry and in a slow press, and their difference.
 pub(crate) fn dynamics_svg(
     design: &Design,
     unmoved: &Shown,
@@ -99,7 +98,7 @@ pub(crate) fn dynamics_svg(
     let end = press.key_m.last().copied().unwrap_or(0.0).max(EVERY_M);
     let grid: Vec<f64> = (0..=(end / EVERY_M) as usize).map(|i| i as f64 * EVERY_M).collect();
     let pressed: Vec<f64> = grid.iter().map(|&key| press.leverage(key).unwrap_or(f64::NAN)).collect();
-    // Beyond let-off the jack turns, and three levers say nothing.
+    // Beyond let-off the jack turns, and three levers do not describe it.
     let let_off = unmoved.case.let_off_key_m.unwrap_or(end);
     let poses = unmoved.case.stroke(0.0, let_off.min(end), 200).poses;
     let (keys, leverage): (Vec<f64>, Vec<f64>) = poses.iter().map(|pose| (pose.key, pose.leverage)).unzip();

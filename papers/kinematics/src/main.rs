@@ -1,7 +1,7 @@
 //! The program `erard-kinematics`: leverage and sliding over the key's travel, from the geometry alone.
 //!
-//! A program on the command's library: the levers come from `erard-levers`, files and figures go the way of all results
-//! of the command.
+//! It uses the command's library: the levers come from `erard-levers`, and files and figures are written like all
+//! results of the command.
 
 #![deny(
     clippy::print_stdout,
@@ -24,28 +24,28 @@ fn main() -> ExitCode {
     command::run()
 }
 
-/// One case as it was asked for: the design as it is, or with parts moved.
+/// A requested case: the design as it is, or with parts moved.
 #[derive(Debug, Clone)]
 pub(crate) struct Shown {
-    /// Its name in files, as on the command line: `capstan=-10mm`; [`moves::UNMOVED`] for the design as it is.
+    /// Name in files, as on the command line: `capstan=-10mm`; [`moves::UNMOVED`] for the design as it is.
     pub name: String,
-    /// Its name for people: `capstan −10 mm`.
+    /// Display name: `capstan −10 mm`.
     pub label: String,
     /// The levers.
     pub case: Case,
     /// From rest to let-off.
     pub digest: Digest,
-    /// The poses that were asked for, as far as they could be reached.
+    /// The requested poses, as far as they can be reached.
     pub stroke: Stroke,
 }
 
 impl Shown {
-    /// Place of the capstan's contact as the surfaces slide, m: S1, less what a disc rolls.
+    /// Place of the capstan's contact by sliding, m: S1 without the rolling of a disc.
     pub(crate) fn s1(&self, pose: &StrokePose) -> f64 {
         self.stroke.rest.s1 + pose.capstan_sliding
     }
 
-    /// The same of the knuckle's contact: S2.
+    /// Place of the knuckle's contact by sliding, m: S2 without the rolling of a disc.
     pub(crate) fn s2(&self, pose: &StrokePose) -> f64 {
         self.stroke.rest.s2 + pose.knuckle_sliding
     }

@@ -1,19 +1,19 @@
-//! `--move capstan=-10mm`: what is moved, and by how much.
+//! `--move capstan=-10mm`: the moved part, and its distance.
 
 use moreau_linkage::three_lever::Move;
 
 /// Name of the case in which nothing is moved.
 pub(crate) const UNMOVED: &str = "unmoved";
-/// The same for people.
+/// Display name of this case.
 pub(crate) const AS_IT_IS: &str = "as it is";
 
-/// Farthest that anything is moved, mm: an action is half a metre long, and its parts are not.
+/// Largest move, mm: an action is half a metre long, its parts are shorter.
 const FARTHEST_MM: f64 = 200.0;
 
-/// The move of a part by so many metres.
+/// Makes the move of a part by a distance, m.
 type Make = fn(f64) -> Move;
 
-/// What can be moved: its name on the command line, and its move.
+/// Parts that can be moved: name on the command line, and move.
 const PARTS: [(&str, Make); 10] = [
     ("capstan", Move::Capstan),
     ("knuckle", Move::Knuckle),
@@ -30,9 +30,9 @@ const PARTS: [(&str, Make); 10] = [
 /// One `--move`: one part moved, or several at once, separated by commas.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MoveOption {
-    /// As in files: `capstan=-10mm`, several separated by a blank.
+    /// Name in files: `capstan=-10mm`, several separated by a blank.
     pub name: String,
-    /// For people: `capstan −10 mm`.
+    /// Display name: `capstan −10 mm`.
     pub label: String,
     /// The moves.
     pub moves: Vec<Move>,
@@ -41,7 +41,7 @@ pub(crate) struct MoveOption {
 /// Reads the value of `--move`.
 ///
 /// # Errors
-/// One sentence that says what is wrong and what would be right.
+/// One sentence with what was found and what is expected.
 pub(crate) fn parse(text: &str) -> Result<MoveOption, String> {
     let (mut names, mut labels, mut moves) = (Vec::new(), Vec::new(), Vec::new());
     for one in text.split(',') {
@@ -70,7 +70,7 @@ pub(crate) fn parse(text: &str) -> Result<MoveOption, String> {
     Ok(MoveOption { name: names.join(" "), label: labels.join(", "), moves })
 }
 
-/// What of a distance is a number, for the advice; -10 if nothing is.
+/// The number in a distance, for the advice; -10 if there is none.
 fn bare_number(distance: &str) -> &str {
     let end = distance.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(distance.len());
     if distance[..end].parse::<f64>().is_ok() { &distance[..end] } else { "-10" }
@@ -91,7 +91,7 @@ mod tests {
         assert_eq!(both.name, "capstan=-10mm knuckle=-3mm");
     }
 
-    /// Whatever is wrong is named, and what would be right.
+    /// Errors state what was found and what is expected.
     #[test]
     fn what_is_wrong_is_named() {
         for (text, told) in [

@@ -1,4 +1,4 @@
-//! The numbers of cases: printed, and as `summary.json`.
+//! Numbers of cases: printed, and as `summary.json`.
 
 use std::fmt;
 
@@ -8,18 +8,18 @@ use serde_json::{Value, json};
 use crate::Shown;
 use erard_cli::table::Table;
 
-/// The numbers of a design and its cases.
+/// Numbers of a design and its cases.
 #[derive(Debug, Clone)]
 pub(crate) struct Summary {
-    /// `summary.json`; null is what is not known or did not happen.
+    /// `summary.json`; null if unknown or if the event did not happen.
     pub json: Value,
-    /// What the cases are called for people.
+    /// Display names of the cases.
     labels: Vec<String>,
 }
 
 type Number = (&'static str, &'static str, fn(f64) -> String);
 
-/// The rows for people: what, where in a case's numbers, and how it is written.
+/// Printed rows: label, path in a case's numbers, and format.
 const ROWS: [Number; 16] = [
     ("leverage at rest", "/leverage/start/leverage", ratio),
     ("  half-way to let-off", "/leverage/middle/leverage", ratio),
@@ -51,11 +51,11 @@ fn coarse(mm: f64) -> String {
     format!("{mm:.1} mm")
 }
 
-/// The numbers of a case, lengths in mm: slidings between rest and let-off, at most and to and fro; the six classical
-/// lever arms at rest; the largest residual of the closure equations over the largest length, of all poses.
+/// Numbers of a case, lengths in mm: sliding between rest and let-off, largest and to and fro; the six classical lever
+/// arms at rest; the largest residual of the closure equations over the largest length, of all poses.
 fn case(shown: &Shown) -> Value {
     let (digest, arms) = (&shown.digest, &shown.digest.arms);
-    // Slidings belong to the stroke to let-off: without one there are none.
+    // Sliding is defined up to let-off only.
     let mm = |metres: f64| digest.let_off.map(|_| metres * 1e3);
     let at = |spot: Spot| json!({"key_mm": spot.key_m * 1e3, "leverage": spot.leverage});
     json!({
@@ -84,7 +84,7 @@ fn case(shown: &Shown) -> Value {
 }
 
 impl Summary {
-    /// The numbers of a design and its cases; `derived` and `dynamics` for an instrument.
+    /// Makes the summary of a design and its cases; `derived` and `dynamics` are an instrument's.
     pub(crate) fn new(
         design: &Design,
         regulated: bool,

@@ -1,13 +1,13 @@
-//! The poses as a table.
+//! Table of the poses.
 
 use moreau_linkage::three_lever::StrokePose;
 
 use crate::Shown;
 use erard_cli::table::Table;
 
-/// All cases, one below the other. Angles are the equations' own `k`, `w`, `h`, absolute; `s1_mm` and `s2_mm` are `S1`
-/// and `S2` (for discs: at rest, and from there by what the surfaces slide); the slidings are their change since rest;
-/// `leverage` is the head's speed upward over the speed of the key's front.
+/// Makes a table of all cases, one below the other. Angles are the equations' own `k`, `w`, `h`, absolute; `s1_mm` and
+/// `s2_mm` are `S1` and `S2` (for discs: at rest, plus the sliding of the surfaces); the slidings are their change
+/// since rest; `leverage` is the head's upward speed over the speed of the key's front.
 pub(crate) fn table(cases: &[Shown]) -> Table<'static> {
     type Number = (&'static str, fn(&Shown, &StrokePose) -> f64);
     const NUMBERS: [Number; 10] = [

@@ -1,15 +1,15 @@
-//! The equations of motion in absolute angles, with friction regularised by tanh: a plain stiff ordinary differential
-//! equation. Written from the exported mechanism alone; it shares nothing with Erard's engine.
+//! Equations of motion in absolute angles, with friction regularised by tanh: a plain stiff ordinary differential
+//! equation. Written from the exported mechanism alone; it shares no code with Erard's engine.
 //!
-//! A point of a body is the sum of one turned arm per body of its chain (the pivots on the way, then the point itself),
-//! so that its velocity is the sum of v_a perp(arm_a) and its acceleration that of (dv_a/dt) perp(arm_a) - v_a^2 arm_a.
+//! A point of a body is the sum of one rotated arm per body of its chain (each pivot, then the point itself), so that
+//! its velocity is the sum of v_a perp(arm_a) and its acceleration that of (dv_a/dt) perp(arm_a) - v_a^2 arm_a.
 //! D'Alembert's principle on every centre of mass gives M dv/dt = Q.
 
 use crate::mechanism::{Curve, Mechanism, Zone};
 use crate::number::Number;
 
-/// A state has the bodies' angles, then their angular velocities: S is 2 B everywhere, which the compiler cannot work
-/// out by itself.
+/// Whether the sizes match. A state has the bodies' angles, then their angular velocities: S is 2 B everywhere, which
+/// the compiler cannot derive.
 pub(crate) const fn is_size(bodies: usize, states: usize) -> bool {
     states == 2 * bodies
 }
@@ -19,13 +19,13 @@ type Vector<T> = [T; 2];
 /// Widths of tanh(u / width), which represents the set-valued sign.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Widths {
-    /// Of the pivots, rad/s.
+    /// Width at the pivots, rad/s.
     pub pivot: f64,
-    /// Of the sliding contacts, m/s.
+    /// Width at the sliding contacts, m/s.
     pub sliding: f64,
 }
 
-/// The mechanism, ready to be evaluated.
+/// The mechanism, prepared for evaluation.
 pub(crate) struct Equations<'a, const B: usize, const S: usize> {
     mechanism: &'a Mechanism,
     widths: Widths,
@@ -34,7 +34,7 @@ pub(crate) struct Equations<'a, const B: usize, const S: usize> {
     spring_stiffness: [f64; B],
 }
 
-/// Where the bodies are and how they move.
+/// Pose and velocities of the bodies.
 struct Pose<T, const B: usize> {
     sin: [T; B],
     cos: [T; B],
@@ -82,7 +82,7 @@ impl<T: Number, const B: usize> Pose<T, B> {
         pose
     }
 
-    /// A direction fixed in a body.
+    /// Rotates a direction fixed in a body.
     #[inline(always)]
     fn turn(&self, body: Option<usize>, a: [f64; 2]) -> Vector<T> {
         body.map_or(fixed(a), |i| {
@@ -91,13 +91,13 @@ impl<T: Number, const B: usize> Pose<T, B> {
         })
     }
 
-    /// A point fixed in a body.
+    /// Position of a point fixed in a body.
     #[inline(always)]
     fn point(&self, body: Option<usize>, a: [f64; 2]) -> Vector<T> {
         body.map_or(fixed(a), |i| add(self.pivot[i], self.turn(body, a)))
     }
 
-    /// Velocity of the point of a body that is at x now.
+    /// Velocity of the point of a body that is now at x.
     #[inline(always)]
     fn velocity(&self, body: Option<usize>, x: Vector<T>) -> Vector<T> {
         body.map_or(fixed([0.0; 2]), |i| {
@@ -111,7 +111,7 @@ impl<T: Number, const B: usize> Pose<T, B> {
 impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
     const SIZE: () = assert!(is_size(B, S), "a state is two numbers for every body");
 
-    /// The equations of a mechanism.
+    /// Makes the equations of a mechanism.
     pub(crate) fn new(mechanism: &'a Mechanism, widths: Widths) -> Self {
         let () = Self::SIZE;
         let (mut spring_torque, mut spring_stiffness) = ([0.0; B], [0.0; B]);
@@ -123,7 +123,7 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
         Equations { mechanism, widths, parent, spring_torque, spring_stiffness }
     }
 
-    /// At rest.
+    /// Returns the state at rest.
     pub(crate) fn rest(&self) -> [f64; S] {
         std::array::from_fn(|i| self.mechanism.bodies.get(i).map_or(0.0, |b| b.rest_angle_rad))
     }
@@ -143,7 +143,7 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
         std::array::from_fn(|i| if i < B { y[B + i] } else { torque[i - B] })
     }
 
-    /// The mass matrix (lower triangle), and weights with what the arms' turning asks for.
+    /// Returns the mass matrix (lower triangle), and the weights with the centrifugal terms of the arms.
     #[inline(always)]
     fn inertia<T: Number>(&self, pose: &Pose<T, B>) -> ([[T; B]; B], [T; B]) {
         let mut mass = [[T::constant(0.0); B]; B];
@@ -152,7 +152,7 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
             let [gx, gy] = body.center_of_mass_m;
             let about_center = body.inertia_kg_m2 - body.mass_kg * (gx * gx + gy * gy);
             mass[i][i] += T::constant(about_center);
-            // The chain from the body down to the ground, and its arms.
+            // Chain from the body down to the ground, and its arms.
             let mut chain = [(i, pose.turn(Some(i), body.center_of_mass_m)); B];
             let (mut length, mut child) = (1, i);
             while let Some(carrier) = self.parent[child] {
@@ -175,7 +175,7 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
         (mass, torque)
     }
 
-    /// Springs and friction of the pivots.
+    /// Adds springs and friction of the pivots.
     #[inline(always)]
     fn pivots<T: Number>(&self, y: &[T; S], torque: &mut [T; B]) {
         for (i, body) in self.mechanism.bodies.iter().enumerate() {
@@ -194,7 +194,7 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
         }
     }
 
-    /// A force on the point of a body that is at x.
+    /// Adds a force at the point of a body that is now at x.
     #[inline(always)]
     fn push<T: Number>(
         &self,
@@ -212,7 +212,7 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
         }
     }
 
-    /// Distance from a zone's disc to its curve, the curve's normal there and the disc's centre.
+    /// Returns the distance from a zone's disc to its curve, the curve's normal there and the disc's centre.
     #[inline(always)]
     fn distance<T: Number>(zone: &Zone, pose: &Pose<T, B>) -> (T, Vector<T>, Vector<T>) {
         let center = pose.point(zone.disc.body, zone.disc.center_m);
@@ -242,7 +242,7 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
         (distance, normal, center)
     }
 
-    /// One felt, and Coulomb friction on it.
+    /// Adds one felt, with Coulomb friction.
     #[inline(always)]
     fn felt<T: Number>(&self, zone: &Zone, pose: &Pose<T, B>, torque: &mut [T; B]) {
         let (distance, normal, center) = Self::distance(zone, pose);
@@ -274,7 +274,7 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
         self.push(pose, zone.curve_body, at, [-force[0], -force[1]], torque);
     }
 
-    /// torque <- M^-1 torque, by the factorisation L^T D L that fills in nothing outside the tree (Featherstone, 2005).
+    /// torque <- M^-1 torque, by the factorisation L^T D L without fill-in outside the tree (Featherstone, 2005).
     #[inline(always)]
     fn divide<T: Number>(&self, mass: &mut [[T; B]; B], torque: &mut [T; B]) {
         for k in (0..B).rev() {
@@ -310,7 +310,7 @@ impl<'a, const B: usize, const S: usize> Equations<'a, B, S> {
         }
     }
 
-    /// How far the strike point is beyond where it meets the string, m.
+    /// Distance of the strike point beyond its contact with the string, m.
     pub(crate) fn beyond_string(&self, y: &[f64; S]) -> f64 {
         let strike = &self.mechanism.strike;
         let at = Pose::<_, B>::of(self.mechanism, y).point(Some(strike.body), strike.point_m);

@@ -1,9 +1,9 @@
-//! The same piano action by a stiff solver: `stiff-peer MECHANISM.json samples|blow|limit|hold [--quick]
-//! [--method=NAME --tolerance=NUMBER --width=NUMBER]`, one JSON object a line; of one setting alone where it is named.
+//! The same piano action by a stiff solver: `stiff-peer MECHANISM.json samples|blow|limit|hold [--quick] [--method=NAME
+//! --tolerance=NUMBER --width=NUMBER]`, one JSON object a line; with these options for one setting only.
 //!
-//! - `samples`: states along a blow and their accelerations, for other programs to check theirs against.
+//! - `samples`: states along a blow and their accelerations, as references for other programs.
 //! - `blow`: hammer speeds and seconds at several tolerances and widths of the regularised friction.
-//! - `limit`: the hammer speed at a tight tolerance as the friction becomes ever sharper.
+//! - `limit`: the hammer speed at a tight tolerance as the friction law becomes sharper.
 //! - `hold`: a hammer held in check.
 
 mod equations;
@@ -18,8 +18,8 @@ use mechanism::Mechanism;
 use run::{Method, Run, Setup, run};
 use serde_json::{Value, json};
 
-/// What is run, and how often: the least time of the repetitions counts. Widths in rad/s at the pivots; at sliding
-/// contacts a tenth of the number in m/s.
+/// Settings of the runs, and repetitions: the shortest time counts. Widths in rad/s at the pivots; at sliding contacts
+/// a tenth of the number in m/s.
 struct Plan {
     methods: &'static [Method],
     tolerances: &'static [f64],
@@ -39,7 +39,7 @@ const QUICK_BLOW: Plan = Plan {
     widths: &[0.1, 0.01, 1e-3],
     repetitions: 3,
 };
-/// The sharpest width is what double precision still resolves.
+/// The sharpest width is the limit of double precision.
 const LIMIT: Plan =
     Plan { methods: &[Method::Bdf], tolerances: &[1e-8], widths: &[1e-2, 1e-3, 1e-4, 1e-5], repetitions: 1 };
 const HOLD: Plan = Plan {
@@ -179,7 +179,7 @@ fn holds<const B: usize, const S: usize>(mechanism: &Mechanism, plan: &Plan) {
     });
 }
 
-/// Every millisecond of a blow.
+/// Prints states for every millisecond of a blow.
 fn samples<const B: usize, const S: usize>(mechanism: &Mechanism) -> Result<Value, String> {
     let setup = Setup { method: Method::Bdf, tolerance: 1e-6, widths: widths(0.1) };
     let instants: Vec<f64> = (1..=60).map(|k| mechanism.blow.until_s * f64::from(k) / 60.0).collect();

@@ -1,4 +1,4 @@
-//! The exported mechanism, as it stands in the JSON. Its schema is written down with the exporter,
+//! The exported mechanism as in the JSON. Its schema is described with the exporter,
 //! `crates/erard/examples/export_mechanism.rs`.
 
 use serde::Deserialize;
@@ -9,9 +9,9 @@ pub(crate) type Vector = [f64; 2];
 /// Format `erard-mechanism/2`.
 #[derive(Debug, Clone, Deserialize)]
 pub(crate) struct Mechanism {
-    /// The format's name.
+    /// Name of the format.
     pub format: String,
-    /// m/s2, toward -y.
+    /// Gravity, m/s2, toward -y.
     pub gravity_m_s2: f64,
     /// Parents before children.
     pub bodies: Vec<Body>,
@@ -19,13 +19,13 @@ pub(crate) struct Mechanism {
     pub springs: Vec<Spring>,
     /// Felts.
     pub zones: Vec<Zone>,
-    /// Where the finger pushes.
+    /// Place at which the finger pushes.
     pub finger: Finger,
-    /// The point that meets the string.
+    /// Strike point, which touches the string.
     pub strike: Strike,
-    /// The stroke whose hammer speed is compared.
+    /// Stroke for the comparison of hammer speeds.
     pub blow: Blow,
-    /// The note that is held.
+    /// Held note.
     pub hold: Hold,
 }
 
@@ -34,13 +34,13 @@ pub(crate) struct Mechanism {
 pub(crate) struct Body {
     /// Parent; `None` is the ground.
     pub parent: Option<usize>,
-    /// In the parent's frame.
+    /// Pivot in the parent's frame.
     pub pivot_m: Vector,
     /// Mass.
     pub mass_kg: f64,
-    /// About the pivot.
+    /// Inertia about the pivot.
     pub inertia_kg_m2: f64,
-    /// In its own frame, whose origin is the pivot.
+    /// Centre of mass in its own frame, whose origin is the pivot.
     pub center_of_mass_m: Vector,
     /// Torque of the pivot's dry friction.
     #[serde(rename = "dry_friction_N_m")]
@@ -55,7 +55,7 @@ pub(crate) struct Body {
 /// A torsion spring between a body and its parent.
 #[derive(Debug, Clone, Deserialize)]
 pub(crate) struct Spring {
-    /// The child.
+    /// Child body.
     pub body: usize,
     /// Torque at the reference.
     #[serde(rename = "torque_N_m")]
@@ -74,7 +74,7 @@ pub(crate) struct Zone {
     pub disc: Disc,
     /// Carrier of the curve; `None` is the ground.
     pub curve_body: Option<usize>,
-    /// In its carrier's frame.
+    /// Curve in its carrier's frame.
     pub curve: Curve,
     /// The felt's law.
     pub felt: Felt,
@@ -87,13 +87,13 @@ pub(crate) struct Zone {
 pub(crate) struct Disc {
     /// Carrier; `None` is the ground.
     pub body: Option<usize>,
-    /// In its carrier's frame.
+    /// Centre in its carrier's frame.
     pub center_m: Vector,
-    /// 0: a point.
+    /// Radius; 0 for a point.
     pub radius_m: f64,
 }
 
-/// What a zone's disc presses on.
+/// Curve pressed by a zone's disc.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[allow(missing_docs, reason = "see the schema")]
@@ -119,38 +119,38 @@ pub(crate) struct Felt {
     pub damping: f64,
 }
 
-/// Where the finger pushes.
+/// Place at which the finger pushes.
 #[derive(Debug, Clone, Deserialize)]
 pub(crate) struct Finger {
     /// The key.
     pub body: usize,
-    /// In its frame.
+    /// Point in the key's frame.
     pub point_m: Vector,
-    /// Of a positive force, in the world.
+    /// Direction of a positive force, in the world.
     pub direction: Vector,
 }
 
-/// What meets the string: a point of the hammer.
+/// Strike point on the hammer.
 #[derive(Debug, Clone, Deserialize)]
 pub(crate) struct Strike {
     /// The hammer, or its last piece.
     pub body: usize,
     /// The strike point in its frame.
     pub point_m: Vector,
-    /// Toward the string, in the world, of length 1.
+    /// Unit vector toward the string, in the world.
     pub direction: Vector,
-    /// The strike point's coordinate in that direction when it meets the string.
+    /// Coordinate of the strike point in that direction at contact with the string.
     pub meets_m: f64,
 }
 
 /// A force in cubic pieces.
 #[derive(Debug, Clone, Deserialize)]
 pub(crate) struct Blow {
-    /// How long it is simulated.
+    /// Simulated time.
     pub until_s: f64,
-    /// Factors that the force is played with.
+    /// Factors of the force.
     pub scales: Vec<f64>,
-    /// The samples.
+    /// Times of the samples.
     pub times_s: Vec<f64>,
     /// Forces at the samples.
     #[serde(rename = "forces_N")]
@@ -166,14 +166,14 @@ pub(crate) struct Hold {
     /// The force.
     #[serde(rename = "force_N")]
     pub force: f64,
-    /// The hammer's angle is compared from here
+    /// Start of the comparison of the hammer's angle.
     pub from_s: f64,
-    /// ... to here.
+    /// End of this comparison.
     pub until_s: f64,
 }
 
 impl Hold {
-    /// The instants at which the hammer's angle is looked at, s.
+    /// Times at which the hammer's angle is compared, s.
     pub(crate) fn instants(&self) -> Vec<f64> {
         (0..=90).map(|k| self.from_s + (self.until_s - self.from_s) * f64::from(k) / 90.0).collect()
     }
@@ -201,7 +201,7 @@ impl Blow {
 /// Reads a mechanism.
 ///
 /// # Errors
-/// When the file cannot be read or is not this format.
+/// If the file cannot be read or is not of this format.
 pub(crate) fn read(path: &str) -> Result<Mechanism, String> {
     let text = std::fs::read_to_string(path).map_err(|e| format!("{path}: {e}"))?;
     let mechanism: Mechanism = serde_json::from_str(&text).map_err(|e| format!("{path}: {e}"))?;

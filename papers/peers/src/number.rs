@@ -1,8 +1,8 @@
-//! Numbers that the equations of motion are written in: plain ones, and ones that carry a derivative along.
+//! Numbers for the equations of motion: plain ones, and ones that carry a derivative.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// What the equations need of a number.
+/// Operations that the equations need.
 pub(crate) trait Number:
     Copy
     + Add<Output = Self>
@@ -17,7 +17,7 @@ pub(crate) trait Number:
     fn constant(x: f64) -> Self;
     /// The value, without its derivative.
     fn value(self) -> f64;
-    /// Times a constant.
+    /// Multiplies by a constant.
     fn times(self, x: f64) -> Self;
     /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self);
@@ -56,7 +56,7 @@ impl Number for f64 {
     }
     #[inline(always)]
     fn tanh(self) -> Self {
-        // A third of the library's time; its relative precision near zero is not needed.
+        // Takes a third of the library's time; its relative precision near zero is not needed.
         1.0 - 2.0 / ((2.0 * self).exp() + 1.0)
     }
 }
@@ -71,7 +71,7 @@ pub(crate) struct Dual {
 }
 
 impl Dual {
-    /// A function of one variable, given its value and derivative here.
+    /// A function of one variable with this value and derivative.
     #[inline(always)]
     fn through(self, value: f64, derivative: f64) -> Self {
         Dual { value, slope: derivative * self.slope }

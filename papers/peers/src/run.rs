@@ -11,7 +11,7 @@ use crate::number::Dual;
 type Matrix = NalgebraMat<f64>;
 type Solver = NalgebraLU<f64>;
 
-/// Which of diffsol's solvers.
+/// Solver of diffsol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Method {
     /// Variable-order backward differentiation formulas.
@@ -23,7 +23,7 @@ pub(crate) enum Method {
 }
 
 impl Method {
-    /// As it is called in the tables.
+    /// Name in the tables.
     pub fn name(self) -> &'static str {
         match self {
             Method::Bdf => "BDF",
@@ -33,7 +33,7 @@ impl Method {
     }
 }
 
-/// How to run.
+/// Settings of a run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Setup {
     /// The solver.
@@ -49,12 +49,12 @@ pub(crate) const ANGLE_TOLERANCE: f64 = 1e-3;
 /// rad/s per unit of relative tolerance: a twentieth of the hammer's rate at mf.
 pub(crate) const RATE_TOLERANCE: f64 = 1.0;
 
-/// What a run came to.
+/// Result of a run.
 #[derive(Debug, Clone)]
 pub(crate) struct Run<const S: usize> {
-    /// Speed of the strike point at the string, m/s, and the instant, s.
+    /// Speed of the strike point at the string, m/s, and time, s.
     pub strike: Option<[f64; 2]>,
-    /// The state at the asked instants.
+    /// States at the requested times.
     pub states: Vec<[f64; S]>,
     /// Wall-clock time of the solution, building the problem included, s.
     pub seconds: f64,
@@ -65,7 +65,7 @@ pub(crate) struct Run<const S: usize> {
 /// Solves from rest to the last of `instants` under a force on the key.
 ///
 /// # Errors
-/// diffsol's, in words.
+/// Errors of diffsol, in words.
 pub(crate) fn run<const B: usize, const S: usize>(
     mechanism: &Mechanism,
     setup: &Setup,
@@ -93,8 +93,8 @@ pub(crate) fn run<const B: usize, const S: usize>(
         .root(|y: &[f64], _p: &[f64], _t: f64, beyond: &mut [f64]| beyond[0] = equations.beyond_string(&state(y)), 1)
         .build()
         .map_err(|e| e.to_string())?;
-    // Narrow friction laws make Newton fail now and then; the solver shortens its step and goes on, as often as it
-    // takes.
+    // With narrow friction laws Newton's method fails now and then; the solver then shortens its step, as often as
+    // needed.
     problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
     problem.ode_options.max_error_test_failures = usize::MAX;
     let solved = match setup.method {
@@ -108,7 +108,7 @@ pub(crate) fn run<const B: usize, const S: usize>(
 
 type Followed<const S: usize> = (Option<[f64; 2]>, Vec<[f64; S]>, usize);
 
-/// Steps on, looks for the blow, and keeps the states at the instants.
+/// Steps to the end, detects the blow, and keeps the states at the given times.
 fn follow<'a, E, M, const B: usize, const S: usize>(
     mut solver: M,
     equations: &Equations<'_, B, S>,

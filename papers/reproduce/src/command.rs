@@ -29,7 +29,7 @@ struct Listed {
     title: &'static str,
 }
 
-/// What `--json` answers.
+/// Output of `--json`.
 #[derive(Serialize)]
 struct Claims<'a> {
     instrument: &'a str,
@@ -88,14 +88,14 @@ pub(crate) struct Reproduce {
     speech: Speech,
 }
 
-/// Runs the command line of this process; exit codes as those of `erard`.
+/// Runs the command line of this process; exit codes are those of `erard`.
 pub fn run() -> ExitCode {
     let folder = |argument: clap::Arg| argument.default_value("erard-out-reproduce");
     let definition = Reproduce::command().mut_arg("out", folder);
     run_program(&definition, |reproduce: &Reproduce| &reproduce.speech, Reproduce::run)
 }
 
-/// The failure that a subject's error is to the user.
+/// Converts a subject's error to a failure of the command.
 fn failure(error: ReproduceError) -> Failure {
     match error {
         ReproduceError::Simulation(error) => error.into(),
@@ -179,7 +179,7 @@ impl Reproduce {
         }
     }
 
-    /// The subjects that were asked for, in their own order.
+    /// The requested subjects, in their own order.
     fn chosen(&self) -> Result<Vec<Subject>, Failure> {
         let known = subjects();
         for name in &self.only {

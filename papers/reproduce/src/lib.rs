@@ -1,6 +1,6 @@
 //! The papers' figures and claims about the grand action, computed anew.
 //!
-//! A program on the command's library: [`subjects`] computes claims, tables and curves, `page` shows them on one page,
+//! It uses the command's library: [`subjects`] computes claims, tables and curves, `page` shows them on one page,
 //! [`command`] is the command line of `erard-reproduce`.
 
 #![deny(

@@ -1,4 +1,4 @@
-//! The page.
+//! Page with all subjects.
 
 use erard_figures::HOUSE_STYLE;
 use erard_figures::figure::chart_svg;
@@ -8,7 +8,7 @@ use crate::subjects::{Claim, Section, Subject, Table};
 
 const STYLE: &str = include_str!("page.css");
 
-/// A subject with what came of it.
+/// A subject with its section.
 pub(crate) struct Reproduced {
     /// Subject.
     pub subject: Subject,
@@ -16,7 +16,7 @@ pub(crate) struct Reproduced {
     pub section: Section,
 }
 
-/// The page. `instrument` is the name of what it was run on.
+/// Makes the page. `instrument` is the name of the instrument used.
 pub(crate) fn page(instrument: &str, all: &[Reproduced]) -> String {
     let page = html! {
         (DOCTYPE)
@@ -66,7 +66,7 @@ fn introduction(instrument: &str) -> Markup {
     }
 }
 
-/// The verdict: how many claims hold, those that do not, and the count of every subject.
+/// Verdict: how many claims hold, those that do not, and the count of every subject.
 fn overview(all: &[Reproduced]) -> Markup {
     let claims = || all.iter().flat_map(|one| one.section.claims.iter().map(move |claim| (one, claim)));
     let (held, count) = (claims().filter(|(_, claim)| claim.holds).count(), claims().count());
@@ -104,7 +104,7 @@ fn overview(all: &[Reproduced]) -> Markup {
     }
 }
 
-/// The class of what shows a claim.
+/// Class of the element that shows a claim.
 fn verdict(claim: &Claim) -> &'static str {
     if claim.holds { "holds" } else { "fails" }
 }
@@ -143,7 +143,7 @@ fn section(one: &Reproduced) -> Markup {
     }
 }
 
-/// Text with what stands between backticks as code.
+/// Text with parts between backticks as code.
 fn with_code(text: &str) -> Markup {
     html! {
         @for (i, part) in text.split('`').enumerate() {
@@ -153,7 +153,7 @@ fn with_code(text: &str) -> Markup {
 }
 
 fn table(table: &Table) -> Markup {
-    // A column of numbers is set flush right.
+    // Columns of numbers are right-aligned.
     let numbers: Vec<bool> = (0..table.header.len())
         .map(|k| k > 0 && table.rows.iter().filter_map(|row| row.get(k)).all(|cell| is_number(cell)))
         .collect();
@@ -200,7 +200,7 @@ mod tests {
         vec![Reproduced { subject: subjects()[0], section }]
     }
 
-    /// Nothing can break out, a claim that fails says so in both places, and nothing is fetched.
+    /// Text cannot inject markup, a failed claim is shown in both places, and nothing is fetched.
     #[test]
     fn the_page_is_whole() {
         let page = page("a <b>", &reproduced());

@@ -1,4 +1,4 @@
-//! An instance of the unit: its variables, its clock, its states.
+//! An instance of the unit: its variables, clock and states.
 
 use std::collections::HashMap;
 use std::ffi::{CString, c_int, c_void};
@@ -16,9 +16,9 @@ use crate::status::ErardStatus;
 /// Most steps of the simulation in one communication step.
 const MOST_STEPS: u64 = 10_000_000;
 
-/// A saved state: what is played, the inputs, the start and the steps.
+/// A saved state: action or keyboard, inputs, start and steps.
 pub(super) type SavedState = Vec<u8>;
-/// What the inputs are called in it.
+/// Name of the inputs in it.
 const INPUTS: &str = "fmu_inputs";
 
 /// An instance of the unit.
@@ -27,20 +27,20 @@ pub(crate) struct Component {
     logger: Logger,
     environment: *mut c_void,
     unit: Unit,
-    /// Places of the variables by whether they are integers, and their references.
+    /// Indices of the variables, by whether they are integers, and by reference.
     places: HashMap<(bool, u32), usize>,
-    /// Inputs and parameters as they are set, by their places.
+    /// Present values of inputs and parameters, by index.
     values: Vec<f64>,
-    /// Places of the force, position, velocity and drive of each key.
+    /// Indices of the force, position, velocity and drive of each key.
     drivers: Vec<[usize; 4]>,
-    /// There from the end of initialisation.
+    /// Exists from the end of initialisation.
     played: Option<Played>,
     start_s: f64,
     /// Steps taken since then.
     steps: u64,
 }
 
-/// Values at first.
+/// Start values.
 fn first(variables: &[Variable]) -> Vec<f64> {
     variables.iter().map(|variable| variable.start.unwrap_or(0.0)).collect()
 }
@@ -124,7 +124,7 @@ impl Component {
         self.unit.variables.iter().zip(&self.values).find(|(v, _)| v.role == role).map_or(0.0, |(_, value)| *value)
     }
 
-    /// What drives each key now.
+    /// Returns the present input of each key.
     fn inputs(&self) -> Result<Vec<ErardInput>, String> {
         let [hand_mass_kg, muscle_n_per_m, muscle_n_s_per_m] =
             [Role::HandMass, Role::MuscleStiffness, Role::MuscleDamping].map(|role| self.value(role));
@@ -154,12 +154,12 @@ impl Component {
         self.drivers.iter().map(input).collect()
     }
 
-    /// The start of the experiment, on the importer's clock, s.
+    /// Sets the start of the experiment, on the importer's clock, s.
     pub(super) fn begin_at(&mut self, start_s: f64) {
         self.start_s = start_s;
     }
 
-    /// What is played, with its parameters, at rest.
+    /// Makes the action or keyboard with its parameters, at rest.
     pub(super) fn begin(&mut self) -> Result<(), String> {
         self.inputs()?;
         let instruments = self.unit.instruments(&self.values)?;
@@ -168,13 +168,13 @@ impl Component {
         Ok(())
     }
 
-    /// As it was instantiated.
+    /// Returns to the state after instantiation.
     pub(super) fn reset(&mut self) {
         (self.played, self.start_s, self.steps) = (None, 0.0, 0);
         self.values = first(&self.unit.variables);
     }
 
-    /// A communication step.
+    /// Takes a communication step.
     pub(super) fn step(&mut self, now_s: f64, length_s: f64) -> Done {
         let inputs = self.inputs()?;
         let (step_s, pedal_m) = (self.value(Role::Step), self.value(Role::Pedal));
@@ -190,7 +190,7 @@ impl Component {
         played.set_pedal(pedal_m);
         let (mut worst, mut is_first) = (OK, true);
         while *steps < until {
-            // What moves goes on moving within the communication step.
+            // Moving inputs continue within the communication step.
             let at = Instant { start_s: *start_s, now_s, step_s, steps: *steps, is_first };
             match played.step(&inputs, at) {
                 Ok(ErardStatus::Ok) => {}
@@ -208,12 +208,12 @@ impl Component {
         Ok(worst)
     }
 
-    /// What saved states of this unit begin with.
+    /// Returns the bytes with which saved states of this unit begin.
     pub(super) fn mark(&self) -> [u8; 8] {
         if self.unit.is_keyboard() { keyboard::MARK } else { SNAPSHOT_MARK }
     }
 
-    /// How many bytes a state takes.
+    /// Returns the size of a state in bytes.
     pub(super) fn state_bytes(&self) -> Result<usize, String> {
         self.write(&mut [])
     }
@@ -244,7 +244,7 @@ impl Component {
             return Err(format!("the state belongs to another instance: {status:?}"));
         }
         let places: Vec<usize> = (0..self.values.len()).filter(|n| self.unit.variables[*n].is_input()).collect();
-        // A state of the library alone has no inputs: they are as at first.
+        // A state of the library alone has no inputs: they take their start values.
         let mut inputs: Vec<f64> =
             places.iter().map(|place| self.unit.variables[*place].start.unwrap_or(0.0)).collect();
         lists.fill(INPUTS, &mut inputs);

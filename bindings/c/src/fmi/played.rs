@@ -1,4 +1,4 @@
-//! What an instance plays: one action, or the keys of a keyboard.
+//! One action, or the keys of a keyboard, played by an instance.
 
 use erard::Instrument;
 use erard::saved::{Lists, Writer};
@@ -9,7 +9,7 @@ use crate::keyboard::{ErardKeyboard, restore};
 use crate::reading::{ERARD_HAND, ERARD_MOTION, ERARD_RIGID, ErardInput, ErardReading};
 use crate::status::{ErardStatus, Fault};
 
-/// One action, or the keys of a keyboard. Keys count from 1; the one action is key 1.
+/// One action, or the keys of a keyboard. Keys count from 1; a single action is key 1.
 pub(super) enum Played {
     Key(Box<ErardAction>),
     Keyboard(ErardKeyboard),
@@ -18,7 +18,7 @@ pub(super) enum Played {
 /// A step within a communication step.
 #[derive(Clone, Copy)]
 pub(super) struct Instant {
-    /// The start of the experiment and of the communication step on the importer's clock, s.
+    /// Start of the experiment and of the communication step on the importer's clock, s.
     pub start_s: f64,
     pub now_s: f64,
     /// Length of a step, s.
@@ -30,7 +30,7 @@ pub(super) struct Instant {
 }
 
 impl Instant {
-    /// The input in this step, which receives where a finger is in its middle, and where an imposed key front is at its
+    /// Returns the input in this step: a finger's position is taken at the step's middle, an imposed key front's at its
     /// end.
     fn later(&self, input: &ErardInput) -> ErardInput {
         let share = if input.kind == ERARD_RIGID { 1.0 } else { 0.5 };
@@ -39,7 +39,7 @@ impl Instant {
     }
 }
 
-/// An input that is refused.
+/// Describes a refused input.
 fn refused(status: ErardStatus, input: &ErardInput) -> String {
     format!("a step could not be taken: {status:?}; inputs are {input:?}")
 }
@@ -59,7 +59,7 @@ impl Played {
         }
     }
 
-    /// One step under these inputs of the keys.
+    /// Takes one step under these inputs of the keys.
     pub(super) fn step(&mut self, inputs: &[ErardInput], at: Instant) -> Result<ErardStatus, String> {
         match self {
             Played::Key(action) => {
@@ -68,7 +68,7 @@ impl Played {
             }
             Played::Keyboard(own) => {
                 for (index, input) in inputs.iter().enumerate() {
-                    // What does not move holds within a communication step.
+                    // Constant inputs hold within a communication step.
                     let moves = input.velocity_m_per_s != 0.0 && [ERARD_MOTION, ERARD_HAND].contains(&input.kind);
                     let status = match input.kind {
                         ERARD_RIGID => own.impose(index + 1, &at.later(input)),
@@ -91,7 +91,7 @@ impl Played {
         }
     }
 
-    /// Force of a key's strings on the bridge, N; 0 where none sound.
+    /// Force of a key's strings on the bridge, N; 0 without sounding strings.
     pub(super) fn bridge_n(&self, key: usize) -> f64 {
         match self {
             Played::Key(action) => action.play.action.strings().map_or(0.0, Strings::bridge_n),
@@ -107,7 +107,7 @@ impl Played {
         }
     }
 
-    /// How many keys are awake.
+    /// Number of awake keys.
     pub(super) fn awake(&self) -> usize {
         match self {
             Played::Key(_) => 1,
@@ -123,7 +123,7 @@ impl Played {
         }
     }
 
-    /// Writes the lists of its state.
+    /// Writes the lists of the state.
     pub(super) fn write(&self, out: &mut Writer<'_>) {
         match self {
             Played::Key(action) => action.play.write(out),
@@ -131,7 +131,7 @@ impl Played {
         }
     }
 
-    /// Goes on from such lists.
+    /// Restores the state from these lists.
     pub(super) fn read(&mut self, lists: &Lists<'_>) -> ErardStatus {
         match self {
             Played::Key(action) => action.play.read(lists),

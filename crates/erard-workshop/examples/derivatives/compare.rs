@@ -1,4 +1,4 @@
-//! Derivatives of a press beside differences of presses whose steps have converged.
+//! Derivatives of a press compared with differences of presses with converged steps.
 
 use std::time::Instant;
 
@@ -10,20 +10,20 @@ use erard::{Action, Instrument, Settings, Setup};
 use erard_workshop::sensitivities::{Differentiation, Gradient, Rest, SHORTER, Variable, gradient};
 use erard_workshop::study::{Job, JobResult, OUTCOMES, Parameter, Stroke, Workers, play_all};
 
-/// The levels that are compared.
+/// Levels of the comparison.
 pub const LEVELS: [&str; 3] = ["pp", "mf", "ff"];
-/// What is compared.
+/// Quantities of the comparison.
 pub const OF: [&str; 2] = ["hammer_speed_m_per_s", "hammer_contact_s"];
-/// The step in which both are timed, s: Python's default.
+/// Step for the timing of both, s: Python's default.
 const TIMED_S: f64 = 25e-6;
-/// The steps of the differences, s; the press that is differentiated has the longer ones. At ff differences in steps of
-/// 5 and 2.5 us agree with each other on wrong values ([`trap`]).
+/// Steps of the differences, s; the differentiated press uses the longer one. At ff differences in steps of 5 and 2.5
+/// us agree with each other on wrong values ([`trap`]).
 fn converged_s(level: &str) -> [f64; 2] {
     if level == "ff" { [1.25e-6, 0.625e-6] } else { [5e-6, 2.5e-6] }
 }
-/// Half the windows of the differences, as shares of a number's usual change; each is so many times the one before.
+/// Half the windows of the differences, as shares of a number's usual change; each is [`WIDER`] times the one before.
 /// They are wide, because over a narrow one no switch of friction moves by a whole step, and differences of fixed steps
-/// then see what a step in dual numbers sees, which is wrong (the engine's README, "Derivatives").
+/// then show what a step in dual numbers shows, which is wrong (the engine's README, "Derivatives").
 const WINDOWS: [f64; 4] = [0.05, 0.2, 0.8, 3.2];
 /// See [`WINDOWS`].
 const WIDER: f64 = 4.0;
@@ -32,41 +32,41 @@ const AGAIN: [f64; 5] = [0.0125, 0.05, 0.2, 0.8, 3.2];
 const SHORTEST_S: f64 = 0.625e-6;
 /// Derivative and differences agree within this share.
 const SHARE: f64 = 0.02;
-/// A number whose usual change moves a result by less than this share of it has no effect that differences see.
+/// A number has no visible effect if its usual change moves a result by less than this share.
 const UNSEEN: f64 = 1e-5;
-/// How long a stroke is played after the impact of the unchanged action, s.
+/// Duration after the impact of the unchanged action, s.
 const AFTER_S: f64 = 4e-3;
 
-/// How a derivative and differences stand to each other.
+/// Agreement of a derivative with differences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// They differ by at most [`SHARE`].
     Within,
-    /// By more, but by no more than the differences among themselves.
+    /// They differ by more, but by no more than the differences among themselves.
     Scatter,
-    /// By more than that.
+    /// They differ by more than that.
     Apart,
     /// The call refuses the derivative.
     Refused,
-    /// The number has no effect that differences see.
+    /// The number has no visible effect.
     NoEffect,
 }
 
-/// A derivative beside differences, per usual change of the number.
+/// A derivative and differences, per usual change of the number.
 #[derive(Debug, Clone)]
 pub struct Row {
     pub of: &'static str,
     pub by: String,
     pub derivative: f64,
-    /// The same in shorter steps.
+    /// Derivative in shorter steps.
     pub shorter: f64,
     pub differences: f64,
-    /// How far differences over two windows, and in two steps, are apart.
+    /// Change of the differences between two windows, plus that between two steps.
     pub scatter: f64,
-    /// To below and to above, in the shorter steps.
+    /// Differences downward and upward, in the shorter steps.
     pub sides: [f64; 2],
-    /// In steps of [`SHORTEST_S`], of a row that is apart: the differences, and over the narrowest windows those to below
-    /// and to above.
+    /// In steps of [`SHORTEST_S`], of a row that is apart: the differences, and over the narrowest windows those to
+    /// below and to above.
     pub again: f64,
     pub narrowest: [[f64; 2]; 3],
     /// Half the window, as a share of the usual change.
@@ -75,12 +75,12 @@ pub struct Row {
 }
 
 impl Row {
-    /// How far the two are apart, as a share of the differences.
+    /// Distance of the two, as a share of the differences.
     pub fn apart(&self) -> f64 {
         (self.derivative - self.differences).abs() / self.differences.abs()
     }
 
-    /// What makes the two differ, as far as the numbers tell.
+    /// Reason of the disagreement, as far as the numbers show it.
     pub fn reason(&self) -> &'static str {
         let is_middle = |[below, above]: &[f64; 2]| {
             let middle = 0.5 * (below + above);
@@ -105,17 +105,17 @@ impl Row {
     }
 }
 
-/// How a row begins in the book's list of those that are apart.
+/// Beginning of a row in the book's list of disagreements.
 pub fn line(level: &str, row: &Row) -> String {
     format!("| {level} | `{}` | `{}` |", row.of, row.by)
 }
 
 /// The numbers of the first cases.
 pub const FIRST: [&str; 3] = ["body.jack.friction", "body.hammer.friction", "body.key.friction"];
-/// Of one: derivative and differences of hammer speed, m/s per factor, with a rest that moves, and one that is held.
+/// Of one number: derivative and differences of hammer speed, m/s per factor, with a moving rest, and with a held one.
 pub type First = [[f64; 2]; 2];
 
-/// The first cases: frictions of the rigid grand under 5 N, over windows of 1 %.
+/// First cases: frictions of the rigid grand under 5 N, over windows of 1 %.
 pub fn first_cases() -> [First; 3] {
     const HALF: f64 = 1e-2;
     let instrument = Instrument::builtin("concert-grand-rigid").unwrap();
@@ -152,7 +152,7 @@ pub fn first_cases() -> [First; 3] {
     })
 }
 
-/// Steps of two lengths, on all cores.
+/// Compares steps of two lengths, on all cores.
 fn compared() -> Differentiation {
     Differentiation {
         rest: Rest::Moves,
@@ -164,17 +164,17 @@ fn compared() -> Differentiation {
     }
 }
 
-/// A level: its rows, and what the work took.
+/// A level: its rows, and computing times.
 pub struct Level {
     pub name: &'static str,
     pub rows: Vec<Row>,
-    /// Processor time of one core for all derivatives, in one length of step, s.
+    /// Processor time of one core for all derivatives, with one step length, s.
     pub gradient_s: f64,
-    /// The same for central differences in lanes with steps of the same length, s.
+    /// Processor time of one core for central differences in lanes with the same step, s.
     pub differences_s: f64,
 }
 
-/// The instrument's numbers, as derivatives and as studies take them.
+/// The instrument's numbers, as variables of derivatives and as parameters of studies.
 struct Numbers {
     variables: Vec<Variable>,
     parameters: Vec<Parameter>,
@@ -189,12 +189,12 @@ impl Numbers {
         Numbers { variables, parameters }
     }
 
-    /// Of one, its usual change as a bare number.
+    /// Usual change of a number, as a bare number.
     fn usual(&self, k: usize) -> f64 {
         self.variables[k].usual / self.variables[k].per_bare_number()
     }
 
-    /// An instrument with one of them changed by so many usual changes.
+    /// An instrument with one number changed by `by` usual changes.
     fn varied(&self, instrument: &Instrument, k: usize, by: f64) -> Instrument {
         let (mut varied, by) = (instrument.clone(), by * self.usual(k));
         let value = if self.parameters[k].is_factor() { 1.0 + by } else { by };
@@ -256,16 +256,15 @@ impl<'a> Press<'a> {
     }
 }
 
-/// Numbers of which differences in steps that are too long agree with each other, and are wrong.
+/// Numbers whose differences in steps that are too long agree with each other, but are wrong.
 pub const TRAPPED: [&str; 4] =
     ["zone.let_off_button.damping", "zone.capstan_heel.damping", "spring.repetition.torque", "body.jack.mass"];
-/// The steps in which they are shown, s.
+/// Steps for these, s.
 pub const TRAP_S: [f64; 4] = [5e-6, 2.5e-6, 1.25e-6, 0.625e-6];
 /// Half the window, in usual changes.
 const TRAP: f64 = 0.2;
 
-/// Of one of [`TRAPPED`]: derivative and central differences of hammer speed at ff, m/s per usual change, in
-/// [`TRAP_S`].
+/// Derivatives and central differences of hammer speed at ff for [`TRAPPED`], m/s per usual change, at [`TRAP_S`].
 pub fn trap(instrument: &Instrument) -> [[[f64; 2]; 4]; 4] {
     let instrument = &Instrument { parts: Vec::new(), ..instrument.clone() };
     let press = Press::new(instrument, "ff");
@@ -340,7 +339,7 @@ pub fn level(instrument: &Instrument, name: &'static str) -> Level {
     press.played(&pairs(TRAP), TIMED_S, Workers::one());
     let differences_s = begun.elapsed().as_secs_f64();
 
-    // Of every window and step: the unchanged action, then two for each number.
+    // For every window and step: the unchanged action, then two variants per number.
     let played = WINDOWS.map(|window| {
         let instruments: Vec<Instrument> = std::iter::once(instrument.clone()).chain(pairs(window)).collect();
         steps_s.map(|step_s| press.played(&instruments, step_s, Workers::all()))
@@ -381,11 +380,11 @@ fn look_again(press: &Press, rows: &mut [Row]) {
 
 /// Differences over two windows in two steps, per usual change.
 struct Sides {
-    /// Extrapolated from the two windows to none, in the shorter steps.
+    /// Extrapolated from the two windows to zero width, in the shorter steps.
     slope: f64,
-    /// How far the two windows are apart, and the two steps.
+    /// Change between the two windows, plus that between the two steps.
     scatter: f64,
-    /// To below and to above, over the narrower window in the shorter steps.
+    /// One-sided differences over the narrower window, in the shorter steps.
     sides: [f64; 2],
     window: f64,
 }

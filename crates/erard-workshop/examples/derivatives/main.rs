@@ -1,5 +1,5 @@
-//! The book's page on derivatives: all numbers of the concert grand at pp, mf and ff, beside differences whose steps
-//! have converged, with the times of both.
+//! The book's page on derivatives: all numbers of the concert grand at pp, mf and ff, compared with differences in
+//! converged steps, with the times of both.
 //!
 //! `cargo run --release -p erard-workshop --example derivatives > book/src/derivatives.md`; `-- --all` prints every row
 //! with its numbers instead, `-- pp hammer_contact_s jack_position` one number's slopes over many windows and steps.
@@ -72,7 +72,7 @@ fn first_table(first: &[First]) -> Result<String, std::fmt::Error> {
     Ok(text.trim_end().to_owned())
 }
 
-/// Derivatives and differences in steps of several lengths.
+/// Table of derivatives and differences for several step lengths.
 fn trap_table(found: &[[[f64; 2]; 4]; 4]) -> Result<String, std::fmt::Error> {
     let mut text = "| per usual change of |".to_owned();
     for step_s in TRAP_S {
@@ -98,7 +98,7 @@ fn times(levels: &[Level]) -> Result<String, std::fmt::Error> {
     Ok(text.trim_end().to_owned())
 }
 
-/// Of hammer speed.
+/// Table of hammer speed.
 fn table(levels: &[Level], count: usize) -> Result<String, std::fmt::Error> {
     let mut text = "|  |".to_owned();
     for one in levels {

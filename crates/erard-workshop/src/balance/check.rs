@@ -1,4 +1,4 @@
-//! Whether statics is right: remedies made in the dynamic model, and weighed there.
+//! Check of the statics: remedies made in the dynamic model and weighed there.
 
 use super::model::add_mass;
 use super::plan::{BalancedKey, Remedy};
@@ -24,8 +24,8 @@ pub struct Checked {
 
 /// Makes each key's remedies (leads, strike weight, capstan) one by one in its model, which is first adjusted to the
 /// measured weights, and weighs the key before and after in a slow loop with the damper lifted. The equation uses the
-/// model's own ratio, because the equation is checked, not whether the model's levers match the piano's. `progress`
-/// receives the share that is done, and ends the work by returning false.
+/// model's own ratio: this checks the equation, not whether the model's levers match the piano's. `progress` receives
+/// the share done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -40,7 +40,7 @@ fn check_key(
     instrument: &Instrument,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<Checked>, MeasureError> {
-    // What bends is locked: weights are put on whole parts.
+    // Flexible parts are locked: weights are put on whole parts.
     let instrument = &instrument.locked();
     let parts = Parts::of(instrument)?;
     let mut as_weighed = instrument.clone();

@@ -1,4 +1,4 @@
-//! Leads that exist, at places where they fit.
+//! Leads of available masses at places where they fit.
 
 use super::rows::number;
 
@@ -24,13 +24,13 @@ impl Lead {
         ((0.5..=60.0).contains(&mass_g) && (-250.0..=400.0).contains(&at_mm)).then_some(Lead { mass_g, at_mm })
     }
 
-    /// What it adds to the front weight of a key whose front is so far from the pin, g.
+    /// Contribution to the front weight of a key with this front arm, g.
     #[must_use]
     pub(crate) fn front_weight_g(&self, key_front_mm: f64) -> f64 {
         self.mass_g * self.at_mm / key_front_mm
     }
 
-    /// What it adds to the inertia at the key's front, g.
+    /// Contribution to the inertia at the key's front, g.
     #[must_use]
     pub(crate) fn inertia_g(&self, key_front_mm: f64) -> f64 {
         self.mass_g * (self.at_mm / key_front_mm).powi(2)
@@ -40,25 +40,25 @@ impl Lead {
 /// Default masses of available leads, g. An estimate: cylinders of lead (11.34 g/cm3) through a key 12 mm wide, of 1/2,
 /// 7/16, 3/8 and 1/4 inch (12.7, 11.1, 9.5 and 6.4 mm) weigh 17.2, 13.2, 9.7 and 4.3 g; sold leads are shorter.
 pub const LEADS_G: [f64; 4] = [14.0, 10.0, 7.0, 4.0];
-/// Most leads that are added to a key.
+/// Most leads added to a key.
 pub(crate) const MOST_LEADS: usize = 3;
-/// A change of front weight below this is left, g: half of what a scale in grams can tell.
+/// Smaller changes of front weight are not made, g: half the resolution of a scale in grams.
 pub(crate) const FEWEST_GRAMS: f64 = 0.5;
-/// What leads give may be off by this, g.
+/// Largest error of the front weight from leads, g.
 const CLOSE_G: f64 = 0.25;
-/// Leads are put no nearer to the pin than this, and no nearer to the key's front, mm: balance hole and front pin's
-/// mortise need their wood.
+/// Least distance of leads from the pin, and from the key's front, mm: balance hole and front pin's mortise need their
+/// wood.
 const NEAR_PIN_MM: f64 = 40.0;
 const NEAR_FRONT_MM: f64 = 60.0;
-/// Two leads stand at least so far apart, mm: a lead is 12.7 mm wide, with some wood between.
+/// Least distance between two leads, mm: a lead is 12.7 mm wide, with some wood between.
 const APART_MM: f64 = 16.0;
 
 /// Work on the leads of a key.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeadWork {
-    /// Taken out.
+    /// Leads taken out.
     pub out: Vec<Lead>,
-    /// Put in.
+    /// Leads put in.
     pub put: Vec<Lead>,
     /// Change of the front weight, g.
     pub front_weight_g: f64,
@@ -68,7 +68,7 @@ pub struct LeadWork {
 
 impl LeadWork {
     /// Sorts the work lead by lead: moves (from, to), leads removed for good, and new leads. A lead is moved if one of
-    /// its mass is taken out and put in.
+    /// the same mass is both taken out and put in.
     #[must_use]
     pub fn moved(&self) -> (Vec<[Lead; 2]>, Vec<Lead>, Vec<Lead>) {
         let (mut moves, mut out, mut new) = (Vec::new(), self.out.clone(), Vec::new());
@@ -82,8 +82,8 @@ impl LeadWork {
     }
 }
 
-/// Where a lead is taken to stand that nobody has named, as a share of the key's front arm: an estimate (the built-in
-/// grand's two leads stand at 0.62 and 0.55 of it).
+/// Assumed place of a lead whose place is unknown, as a share of the key's front arm: an estimate (the built-in grand's
+/// two leads stand at 0.62 and 0.55 of it).
 pub(super) const LEADS_AT: f64 = 0.6;
 
 /// Returns the change of inertia at the key's front, g, when a lead at an unknown place moves toward the front by
@@ -95,7 +95,7 @@ pub fn moved_inertia_g(mass_g: f64, by_mm: f64, key_front_mm: f64) -> f64 {
     to.inertia_g(key_front_mm) - from.inertia_g(key_front_mm)
 }
 
-/// Leads for a change of front weight, and what else would do it.
+/// Leads for a change of front weight, and an alternative.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeadChoice {
     /// Preferred work: present leads are moved or taken out before any is added.
@@ -104,7 +104,7 @@ pub struct LeadChoice {
     pub adding: Option<LeadWork>,
 }
 
-/// [`lead_work`], beside it the leads that would have to be added if those that are there stay.
+/// [`lead_work`], with the leads to add if the present ones stay.
 #[must_use]
 pub(crate) fn lead_choice(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead]) -> Option<LeadChoice> {
     let work = lead_work(change_g, key_front_mm, masses_g, present)?;
@@ -112,11 +112,11 @@ pub(crate) fn lead_choice(change_g: f64, key_front_mm: f64, masses_g: &[f64], pr
     Some(LeadChoice { work, adding })
 }
 
-/// The leads that change the front weight by so much, to the nearest that leads of these masses, each at a whole
-/// millimetre, can. `present` are the key's own leads where they are known: they are moved or taken out before any is
-/// added, nothing is put where one of them stays, and nothing goes behind the pin where several stand in front. Of what
-/// is left, the fewest holes are plugged and bored, with the least inertia. `None` where nothing reaches the change to
-/// a quarter of a gram: a key from whose front more must be taken than its known leads weigh, say.
+/// Returns the leads for a change of front weight, at whole millimetres. `present` are the key's own leads where known:
+/// they are moved or taken out before any is added, nothing is put where one of them stays, and nothing goes behind the
+/// pin if several stand in front. Among the rest, the fewest holes are plugged and bored, with the least inertia.
+/// `None` if no leads come within a quarter of a gram, e.g. if a key must lose more front weight than its known leads
+/// have.
 #[must_use]
 pub(crate) fn lead_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead]) -> Option<LeadWork> {
     if change_g.abs() < FEWEST_GRAMS {
@@ -125,10 +125,10 @@ pub(crate) fn lead_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], pres
     best_work(change_g, key_front_mm, masses_g, present, false)
 }
 
-/// The best of all works, or of those that take nothing out.
+/// Returns the best work, or the best that takes nothing out.
 fn best_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead], all_stay: bool) -> Option<LeadWork> {
     let mut best: Option<([usize; 2], f64, LeadWork)> = None;
-    // Which of the present leads come out: few keys have more than five.
+    // The present leads that may come out: few keys have more than five.
     let known = &present[..if all_stay { 0 } else { present.len().min(8) }];
     let several_in_front = present.iter().filter(|lead| lead.at_mm > 0.0).count() > 1;
     for set in 0..1_usize << known.len() {
@@ -143,12 +143,12 @@ fn best_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead
                 continue;
             }
             let added = added(&mass_g, &out);
-            // A lead that is moved leaves one hole to plug and asks for another.
+            // A moved lead leaves one hole to plug and needs a new one.
             let cost = [added, out.len() + mass_g.len()];
             if best.as_ref().is_some_and(|(least, ..)| cost > *least) {
                 continue;
             }
-            // Not beside a lead that stays, nor into the plug of one that comes out.
+            // Neither beside a lead that stays, nor into the plug of one that comes out.
             let Some(put) = stand((change_g + taken) * key_front_mm, &mass_g, places, present) else { continue };
             let sum = |of: fn(&Lead, f64) -> f64, leads: &[Lead]| -> f64 {
                 leads.iter().map(|lead| of(lead, key_front_mm)).sum()
@@ -166,7 +166,7 @@ fn best_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead
     best.map(|(.., work)| work)
 }
 
-/// How many of the masses that go in are not among those that come out.
+/// Number of masses put in that are not among those taken out.
 fn added(mass_g: &[f64], out: &[Lead]) -> usize {
     let mut left: Vec<f64> = out.iter().map(|lead| lead.mass_g).collect();
     let is_new = |mass: &&f64| match left.iter().position(|old| old == *mass) {
@@ -179,17 +179,16 @@ fn added(mass_g: &[f64], out: &[Lead]) -> usize {
     mass_g.iter().filter(is_new).count()
 }
 
-/// Where leads may stand, mm from the pin: in front of it to add front weight, behind it (as far as in front) to take
-/// some away.
+/// Range of places for leads, mm from the pin: in front of it to add front weight, behind it to reduce it.
 fn places(change_g: f64, key_front_mm: f64) -> [f64; 2] {
     let [near, far] = [NEAR_PIN_MM, key_front_mm - NEAR_FRONT_MM];
     if change_g > 0.0 { [near, far] } else { [-far.min(BEHIND_MM), -near] }
 }
 
-/// Behind the pin leads stand before the capstan, mm.
+/// Farthest place of leads behind the pin, mm: they stand before the capstan.
 const BEHIND_MM: f64 = 120.0;
 
-/// Every way to take `count` of the masses, the order aside.
+/// Returns all combinations of `count` of the masses, with repetition.
 fn choices(masses_g: &[f64], count: usize) -> Vec<Vec<f64>> {
     if count == 0 {
         return vec![Vec::new()];
@@ -204,8 +203,9 @@ fn choices(masses_g: &[f64], count: usize) -> Vec<Vec<f64>> {
     all
 }
 
-/// Leads of these masses (none are no leads) side by side, so that mass times place is `moment` (g mm) to the nearest
-/// whole millimetre of the group; the places keep their distance from each other and from the holes that are there.
+/// Places leads of these masses side by side, so that mass times place is `moment` (g mm) to the nearest whole
+/// millimetre of the group. They keep their distance from each other and from present holes. Without masses there are
+/// no leads.
 fn stand(moment: f64, masses_g: &[f64], [from, to]: [f64; 2], holes: &[Lead]) -> Option<Vec<Lead>> {
     if masses_g.is_empty() {
         return Some(Vec::new());
@@ -217,7 +217,7 @@ fn stand(moment: f64, masses_g: &[f64], [from, to]: [f64; 2], holes: &[Lead]) ->
         let each = masses_g.iter().enumerate();
         each.map(|(i, mass_g)| Lead { mass_g: *mass_g, at_mm: (middle_mm + offset(i)).round() }).collect()
     };
-    // A single lead may stand at the end of where leads may: whether that is near enough, the caller tells.
+    // A single lead may stand at an end of the range; the caller checks whether its moment is near enough.
     let middle_mm = if masses_g.len() == 1 { middle_mm.clamp(from, to) } else { middle_mm };
     let fits = |put: &[Lead]| {
         put.iter().all(|lead| {
@@ -228,7 +228,7 @@ fn stand(moment: f64, masses_g: &[f64], [from, to]: [f64; 2], holes: &[Lead]) ->
     if fits(&put) {
         return Some(put);
     }
-    // Spread apart around what is in the way: the same moment, the leads further from each other.
+    // Spread around the holes in the way: the same moment with wider distances.
     (1..=6)
         .map(|wider| {
             let spread = 1.0 + 0.5 * f64::from(wider);
@@ -248,7 +248,7 @@ mod tests {
     const FRONT_MM: f64 = 250.0;
 
     /// By hand: 5 g at a front 250 mm from the pin are 1250 g mm: 14 g at 89 mm (1246). It is the least inertia of one
-    /// lead, for the heaviest stands nearest.
+    /// lead, because the heaviest stands nearest.
     #[test]
     fn one_lead_by_hand() {
         let work = lead_work(5.0, FRONT_MM, &LEADS_G, &[]).unwrap();
@@ -259,8 +259,7 @@ mod tests {
         assert_eq!(lead_work(5.0, FRONT_MM, &[7.0], &[]).unwrap().put, [Lead { mass_g: 7.0, at_mm: 179.0 }]);
     }
 
-    /// Whatever is asked for comes out to within half a gram, its leads exist, stand at whole millimetres, in the wood,
-    /// and apart.
+    /// Every change comes out to within half a gram, with available leads at whole millimetres, in the wood, and apart.
     #[test]
     fn what_is_asked_for_comes_out() {
         for tenths in 5..=280 {
@@ -276,7 +275,7 @@ mod tests {
         }
     }
 
-    /// One lead is preferred to two, though the heaviest would stand too near to the pin: 2.1 g at a front of 265 mm
+    /// One lead is preferred to two, even if the heaviest would stand too near to the pin: 2.1 g at a front of 265 mm
     /// are 14 g at 40 mm, 1.8 g are 10 g at 48 mm.
     #[test]
     fn one_lead_is_better_than_two() {
@@ -288,7 +287,7 @@ mod tests {
         Lead { mass_g, at_mm }
     }
 
-    /// A lead that is there comes out where that is enough, and nothing is put where another stays.
+    /// A present lead comes out where that is enough, and nothing is put where another stays.
     #[test]
     fn present_leads_are_used() {
         let present = [lead(14.0, 150.0), lead(14.0, 100.0)];
@@ -336,8 +335,8 @@ mod tests {
         assert!(adding.inertia_g < more.work.inertia_g);
     }
 
-    /// With several leads in front none goes behind the pin, whatever is asked for; and none is added while moving
-    /// those that are there is enough.
+    /// With several leads in front none goes behind the pin for any change, and none is added while moving the present
+    /// ones is enough.
     #[test]
     fn nothing_behind_the_pin_where_several_stand_in_front() {
         let present = [lead(14.0, 165.0), lead(10.0, 120.0), lead(7.0, 80.0)];
@@ -356,8 +355,7 @@ mod tests {
         assert!(lead_work(-2.0, FRONT_MM, &LEADS_G, &present).is_some());
     }
 
-    /// Without known leads a front that is too heavy gets one behind the pin; nothing at all is done for less than half
-    /// a gram.
+    /// Without known leads a front that is too heavy gets one behind the pin; a change below half a gram is not made.
     #[test]
     fn behind_the_pin_and_nothing() {
         let work = lead_work(-3.0, FRONT_MM, &LEADS_G, &[]).unwrap();

@@ -1,9 +1,9 @@
-//! What was weighed, read from a table: one row per key, keys and cells may be missing.
+//! Weights read from a table: one row per key; keys and cells may be missing.
 
 use super::leads::Lead;
 use super::rows::{MeasuredError, number, rows_of_keys};
 
-/// A key as weighed on the bench; `None` was not.
+/// Measured weights of a key; `None` if not weighed.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeasuredKey {
     /// Number of the key, from 1.
@@ -24,7 +24,7 @@ pub struct MeasuredKey {
     pub leads: Vec<Lead>,
 }
 
-/// A column: its name, what else it is called, and the least and the most that a cell may say.
+/// A column: its name, its other names, and the least and largest value of a cell.
 struct Column {
     name: &'static str,
     also: &'static [&'static str],
@@ -60,13 +60,13 @@ const COLUMNS: [Column; 6] = [
 
 /// Reads a table: a header that names `key` (1 to 88, or C4) or `note` (A0 to C8), and any of `strike_weight_g`,
 /// `front_weight_g`, `down_weight_g`, `up_weight_g`, `whippen_weight_g`, `key_ratio`, `leads` (such as `14@165 14@147`:
-/// grams at millimetres in front of the balance pin). The trade's letters (SW, FW, DW, UW, WW, KR) do as well; other
-/// columns are passed over. Cells end at commas, or at semicolons or tabs where the header has one, and then decimals
-/// may have commas. Empty cells were not weighed; lines that begin with `#` are comments. Keys come out ascending.
+/// grams at millimetres in front of the balance pin). The trade's letters (SW, FW, DW, UW, WW, KR) are accepted; other
+/// columns are ignored. Cells end at commas, or at semicolons or tabs if the header has one, and then decimals may have
+/// commas. Empty cells were not weighed; lines that begin with `#` are comments. Keys are returned in ascending order.
 /// `file` appears in errors only.
 ///
 /// # Errors
-/// The first thing that is wrong, with line and column.
+/// The first error, with line and column.
 pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
     let fault = MeasuredError::in_file(file);
     const HEADER: &str = "key,strike_weight_g,front_weight_g,down_weight_g,up_weight_g";
@@ -135,7 +135,7 @@ mod tests {
         assert_eq!(read("key\tWW\tKR\n3\t18,5\t0,53\n", "c").unwrap()[0].key_ratio, Some(0.53));
     }
 
-    /// Whatever is wrong is named with its line and column, and what would be right.
+    /// Errors state line, column and what is expected.
     #[test]
     fn what_is_wrong_is_named() {
         for (text, told) in [

@@ -1,14 +1,13 @@
-//! Balancing a keyboard: from what a technician has weighed, key by key, to leads, hammers and capstans.
+//! Balancing a keyboard: leads, hammers and capstans from a technician's weights, key by key.
 //!
 //! Statics by Stanwood's equation of balance (D. C. Stanwood, The New Touchweight Metrology, PTG Journal, June 1996),
 //!
 //! BW + FW = KR WW + R SW
 //!
 //! with balance weight BW = (D + U) / 2, friction weight F = (D - U) / 2, front weight FW, key ratio KR, whippen weight
-//! WW, strike weight SW and strike-weight ratio R: `equation`. What was measured: `measured`, from tables with a row
-//! for each key: `rows`. Curves over the keyboard: `smooth`; keys that differ from their neighbours: `neighbours`.
-//! Leads that exist: `leads`. What reaches the target, key by key: `plan`. Whether it does in the dynamic model:
-//! `check`.
+//! WW, strike weight SW and strike-weight ratio R: `equation`. Measured weights: `measured`, from tables with a row for
+//! each key: `rows`. Curves over the keyboard: `smooth`; keys that differ from their neighbours: `neighbours`.
+//! Available leads: `leads`. Work that reaches the target, key by key: `plan`. Its check in the dynamic model: `check`.
 //!
 //! Grams are gram-forces at the key front or on the scale, as in the trade; millimetres along the key count from its
 //! balance pin, positive toward the player.

@@ -1,4 +1,4 @@
-//! What a keyboard's model gives where nothing was weighed: lengths, ratios, and the inertia of what no scale tells.
+//! Lengths, ratios and inertias from a keyboard's model, where nothing was weighed.
 
 use super::leads::LEADS_AT;
 use crate::measure::MeasureError;
@@ -10,11 +10,11 @@ use moreau::vector::{dot, sub};
 /// The lengths, ratios and inertias of a key's model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeyModel {
-    /// Balance pin to where the finger presses, mm.
+    /// Distance of balance pin and finger, mm.
     pub key_front_mm: f64,
-    /// Balance pin to the capstan's contact, mm.
+    /// Distance of balance pin and capstan contact, mm.
     pub capstan_mm: f64,
-    /// Capstan's contact to the whippen's pin, mm.
+    /// Distance of capstan contact and whippen pin, mm.
     pub heel_mm: f64,
     /// KR: grams at the front per gram over the capstan.
     pub key_ratio: f64,
@@ -24,25 +24,25 @@ pub struct KeyModel {
     pub front_weight_g: f64,
     /// SW of the model, g.
     pub strike_weight_g: f64,
-    /// The key alone at its front, with the leads that give [`KeyModel::front_weight_g`], g.
+    /// Inertia of the key alone at its front, with the leads that give [`KeyModel::front_weight_g`], g.
     pub key_inertia_g: f64,
-    /// Whippen, jack and lever at the key's front, half-way, g.
+    /// Inertia of whippen, jack and lever at the key's front, half-way, g.
     pub whippen_inertia_g: f64,
-    /// The hammer's inertia about its pin over that of its strike weight at the strike point's place.
+    /// Hammer's inertia about its pin over that of its strike weight at the strike point.
     pub hammer_factor: f64,
 }
 
 /// Grams per kilogram, millimetres per metre.
 const G: f64 = 1e3;
 const MM: f64 = 1e3;
-/// The trip of the key that inertias belong to: half-way to where let-off usually begins, m.
+/// Key travel at which inertias are evaluated: half-way to where let-off usually begins, m.
 const HALF_WAY_M: f64 = 4e-3;
 
 impl KeyModel {
     /// Computes the model of an instrument, without bending.
     ///
     /// # Errors
-    /// If the instrument is not a grand action, finds no rest, or its levers do not reach half-way.
+    /// If the instrument is not a grand action, has no equilibrium, or its levers do not reach half-way.
     pub fn of(instrument: &Instrument) -> Result<Self, MeasureError> {
         let instrument = &instrument.locked();
         let parts = Parts::of(instrument)?;
@@ -66,22 +66,21 @@ impl KeyModel {
         })
     }
 
-    /// Effective inertia at the key's front of a key with these weights, kg: the hammer's from its strike weight and
-    /// ratio, the key's with its leads changed for its front weight (at `LEADS_AT`), the whippen's as the model's.
+    /// Effective inertia at the key's front for these weights, kg: the hammer's from strike weight and ratio, the key's
+    /// with leads at `LEADS_AT` changed for the front weight, the whippen's from the model.
     #[must_use]
     pub(crate) fn inertia_kg(&self, strike_weight_g: f64, front_weight_g: f64, ratio: f64) -> f64 {
         let hammer_g = self.hammer_factor * strike_weight_g * ratio * ratio;
         1e-3 * (hammer_g + self.whippen_inertia_g + self.key_g(front_weight_g))
     }
 
-    /// The key with its leads changed for a front weight, g at its front: so much front weight needs `1 / LEADS_AT` of
-    /// lead, which counts `LEADS_AT` squared.
+    /// Inertia of the key at its front with leads changed for a front weight, g: each gram of it needs `1 / LEADS_AT`
+    /// of lead, whose inertia counts `LEADS_AT` squared.
     fn key_g(&self, front_weight_g: f64) -> f64 {
         self.key_inertia_g + LEADS_AT * (front_weight_g - self.front_weight_g)
     }
 
-    /// The strike weight with which a key has an inertia, its leads giving a balance weight meanwhile, g: inertia is a
-    /// straight line of it.
+    /// Strike weight for an inertia, with leads that keep the balance weight, g: inertia is linear in it.
     #[must_use]
     pub(crate) fn strike_weight_for_inertia(
         &self,
@@ -97,14 +96,14 @@ impl KeyModel {
         (inertia_kg - at(0.0)) / (at(1.0) - at(0.0))
     }
 
-    /// By what factor action weight (KR WW and R SW alike) changes when the capstan goes `by_mm` toward the player: the
-    /// key's arm gets shorter, the whippen's longer.
+    /// Factor of the action weight (KR WW and R SW alike) for a capstan move of `by_mm` toward the player: the key's
+    /// arm gets shorter, the whippen's longer.
     #[must_use]
     pub(crate) fn capstan_factor(&self, by_mm: f64) -> f64 {
         (self.capstan_mm - by_mm) / self.capstan_mm * self.heel_mm / (self.heel_mm + by_mm)
     }
 
-    /// Move of the capstan for such a factor, mm, toward the player positive: the inverse of
+    /// Move of the capstan for such a factor, mm, positive toward the player: the inverse of
     /// [`KeyModel::capstan_factor`].
     #[must_use]
     pub(crate) fn capstan_move_mm(&self, factor: f64) -> f64 {
@@ -113,7 +112,7 @@ impl KeyModel {
     }
 }
 
-/// Moment of inertia about its pin of a part with all that rides on it, as drawn, kg m2.
+/// Moment of inertia of a part and all parts on it about its pin, as drawn, kg m2.
 fn stack_inertia_kg_m2(instrument: &Instrument, part: usize) -> f64 {
     let drawn = instrument.drawn();
     Parts::riders(instrument, part)
@@ -126,8 +125,8 @@ fn stack_inertia_kg_m2(instrument: &Instrument, part: usize) -> f64 {
         .sum()
 }
 
-/// A point mass added to a body at a point of its frame (taken away where negative), kg and m: mass, centre of mass and
-/// inertia about its pin.
+/// Adds a point mass to a body at a point of its frame, kg and m (negative: removes it). Changes mass, centre of mass
+/// and inertia about the pin.
 pub(crate) fn add_mass(instrument: &mut Instrument, body: usize, mass_kg: f64, [x, y]: Vec2) {
     let body = &mut instrument.bodies[body];
     let total = body.mass_kg + mass_kg;
@@ -142,9 +141,8 @@ mod tests {
     use super::*;
     use crate::measure::inertia::inertia;
 
-    /// The scale's numbers are the sheet's; what statics makes of the inertia is what the kinetic energy of the
-    /// simulated action makes of it, half-way: to 3 %, for the ratio of the equation of balance is that of another
-    /// place of the stroke.
+    /// The scale's numbers are the sheet's. The static inertia equals that from the kinetic energy of the simulated
+    /// action, half-way, to 3 %: the ratio of the equation of balance holds at another place of the stroke.
     #[test]
     fn the_built_in_grand() {
         let grand = Instrument::builtin("concert-grand").unwrap();
@@ -161,7 +159,7 @@ mod tests {
         assert!((1e-3 * model.whippen_inertia_g / simulated.whippen_kg - 1.0).abs() < 0.05, "{model:?} {simulated:?}");
     }
 
-    /// A move and back is none; by hand, 145 mm and 60 mm with 5 mm toward the player make 140/145 x 60/65.
+    /// A move and its reverse cancel; by hand, 145 mm and 60 mm with 5 mm toward the player make 140/145 x 60/65.
     #[test]
     fn capstans_by_hand() {
         let model = KeyModel {

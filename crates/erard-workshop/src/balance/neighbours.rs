@@ -1,7 +1,7 @@
-//! Keys that stick out from their neighbours.
+//! Keys that differ from their neighbours.
 //!
-//! Each quantity is compared with its smooth curve over the keyboard, which an outlier does not bend. A key sticks out
-//! where it is off by more than two readings can be together, and by more than three standard deviations of the others.
+//! Each quantity is compared with a smooth curve over the keyboard that an outlier does not bend. A key differs if its
+//! deviation exceeds both the error of two readings and three standard deviations of the other keys.
 
 use erard::keyboard::{KEYS, is_sharp};
 
@@ -20,25 +20,25 @@ pub struct Apart {
     pub neighbours: f64,
 }
 
-/// What of a key is compared, g and a ratio.
+/// Quantities compared of a key, g and a ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Weighed {
     key: usize,
     values: [Option<f64>; COMPARED.len()],
 }
 
-/// What is compared, how far a key and its neighbours may differ (twice a reading's precision; of strike weights, what
-/// the hammers of one set scatter by), whether sharps are compared with sharps (the lever of a sharp is another), and
-/// how many keys must be near: hammers are made along a smooth curve, whatever lies between two of them.
+/// Quantities compared, allowed deviation (twice a reading's precision; for strike weights, the scatter of one set of
+/// hammers), whether sharps are compared with sharps only (their levers differ), and how many measured keys must be
+/// near: hammers are made along a smooth curve, so that gaps do not matter.
 const COMPARED: [(&str, f64, bool, usize); 4] = [
     ("strike_weight_g", 0.3, false, 0),
     ("ratio", 0.3, true, 4),
     ("balance_weight_g", 2.0, false, 4),
     ("friction_weight_g", 2.0, false, 4),
 ];
-/// As near as an octave.
+/// Keys within an octave are near.
 const NEAR_KEYS: usize = 12;
-/// Standard deviations beyond which a key sticks out, and how many of them are in a median of absolute residuals.
+/// Standard deviations beyond which a key differs, and standard deviations per median absolute residual.
 const DEVIATIONS: f64 = 3.0;
 const PER_MEDIAN: f64 = 1.4826;
 
@@ -49,7 +49,7 @@ impl Weighed {
     }
 }
 
-/// Of every key, where it sticks out.
+/// Returns for every key the quantities that differ.
 #[must_use]
 pub(super) fn apart(keys: &[Weighed]) -> Vec<Vec<Apart>> {
     let mut all = vec![Vec::new(); keys.len()];
@@ -85,7 +85,7 @@ mod tests {
         Weighed { key, values: [Some(strike_g), None, Some(38.0), Some(friction_g)] }
     }
 
-    /// One key of 8 g more friction, one hammer of 0.9 g more: these are named, with what their neighbours have, and no
+    /// One key with 8 g more friction and one hammer with 0.9 g more are named, with their neighbours' values, and no
     /// other; a scatter of half a gram of friction names none.
     #[test]
     fn what_sticks_out_is_named() {
@@ -111,21 +111,21 @@ mod tests {
         assert!((found[29][0].neighbours - 13.2).abs() < 0.2 && (found[50][0].neighbours - 7.44).abs() < 0.02);
     }
 
-    /// Sharps whose levers are all alike are not set against naturals.
+    /// Sharps with equal levers are not compared with naturals.
     #[test]
     fn sharps_are_compared_with_sharps() {
         let ratio = |key: usize| if is_sharp(key) { 6.2 } else { 5.6 };
         let one = |key: usize, ratio: f64| Weighed { key, values: [None, Some(ratio), None, None] };
         let mut keys: Vec<Weighed> = (1..=88).map(|key| one(key, ratio(key))).collect();
         assert!(apart(&keys).iter().all(Vec::is_empty));
-        // A sharp with the naturals' ratio is the one that sticks out.
+        // A sharp with the naturals' ratio differs.
         let sharp = (40..50).find(|key| is_sharp(*key)).unwrap();
         keys[sharp - 1] = one(sharp, 5.6);
         let found = apart(&keys);
         assert!(found.iter().enumerate().all(|(at, apart)| apart.is_empty() != (at + 1 == sharp)), "{found:?}");
     }
 
-    /// Keys that stand alone have no neighbours but along the curve of hammers.
+    /// Isolated keys have no neighbours, except along the curve of hammers.
     #[test]
     fn keys_that_stand_alone() {
         let keys: Vec<Weighed> = [1, 20, 35, 40, 42, 59, 61, 64, 88]

@@ -1,4 +1,4 @@
-//! Key by key: what was weighed, what follows from it, and what reaches the target.
+//! Plan of the work, key by key: weights, quantities derived from them, and work that reaches the target.
 
 use erard::keyboard::{KEYS, note_name};
 
@@ -10,11 +10,11 @@ use super::neighbours::{Apart, Weighed, apart};
 use super::smooth::smooth;
 use crate::measure::norms::lines;
 
-/// A balance weight nearer to its aim than this is left, g: D and U are weighed in steps of 2 g.
+/// A balance weight nearer to its target stays, g: D and U are weighed in steps of 2 g.
 pub const LEAST_BALANCE_G: f64 = 2.0;
-/// The step in which a hammer's weight is changed, g: what a scale shows.
+/// Step of a hammer's weight, g: the resolution of a scale.
 const HAMMER_STEP_G: f64 = 0.1;
-/// The step in which front weight is asked for where no lead is named, g.
+/// Step of front weight where no leads are named, g.
 const FRONT_STEP_G: f64 = 0.5;
 
 /// Goal of the work.
@@ -22,21 +22,21 @@ const FRONT_STEP_G: f64 = 0.5;
 pub struct Target {
     /// Balance weight of every key, g.
     pub balance_weight_g: f64,
-    /// Effective inertia of every key at its front, kg; then the hammers follow it, not the smooth curve.
+    /// Effective inertia of every key at its front, kg; if given, the hammers follow it and not the smooth curve.
     pub inertia_kg: Option<f64>,
-    /// Whether all hammers come to their target strike weights first, and leads follow; otherwise only those that stick
-    /// out from their neighbours.
+    /// Whether all hammers are first brought to their target strike weights, before the leads; otherwise only those
+    /// that differ from their neighbours.
     pub hammers: bool,
 }
 
 /// Curves over the keyboard, the first key at index 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curves {
-    /// Strike weights, smoothed; `None` where too few were weighed.
+    /// Strike weights, smoothed, g; `None` if too few were weighed.
     pub strike_weight_g: Option<[f64; KEYS]>,
     /// Ratios, smoothed.
     pub ratio: Option<[f64; KEYS]>,
-    /// Target strike weights: the smooth ones, or those that give the target inertia, g.
+    /// Target strike weights: the smooth ones, or those for the target inertia, g.
     pub target_strike_weight_g: Option<[f64; KEYS]>,
     /// Front weights with which keys of the smooth ratio and the target strike weights have the target balance weight,
     /// g.
@@ -48,13 +48,13 @@ pub struct Curves {
 pub enum Remedy {
     /// Leads.
     Leads(LeadWork),
-    /// Another strike weight: so much more, g.
+    /// Change of strike weight, g.
     Strike(f64),
-    /// The capstan so much toward the player, mm.
+    /// Move of the capstan toward the player, mm.
     Capstan(f64),
 }
 
-/// A key with all that is known of it.
+/// A key with its measured and derived quantities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BalancedKey {
     /// Measured weights.
@@ -63,15 +63,15 @@ pub struct BalancedKey {
     pub note: String,
     /// Model of the key.
     pub model: KeyModel,
-    /// KR that was used: weighed, or the model's.
+    /// KR used: weighed, or the model's.
     pub key_ratio: f64,
-    /// WW that was used: weighed, or the model's, g.
+    /// WW used: weighed, or the model's, g.
     pub whippen_weight_g: f64,
-    /// SW that was used: weighed, or from the smooth curve, g.
+    /// SW used: weighed, or from the smooth curve, g.
     pub strike_weight_g: Option<f64>,
     /// BW: weighed, or by the equation with the smooth ratio, g.
     pub balance_weight_g: Option<f64>,
-    /// F, g; only where both weights were found.
+    /// F, g; `None` unless both D and U were measured.
     pub friction_weight_g: Option<f64>,
     /// R: by the equation from this key's own weights, or from the smooth curve.
     pub ratio: Option<f64>,
@@ -81,22 +81,21 @@ pub struct BalancedKey {
     pub from_curves: bool,
     /// Target strike weight of the key, g.
     pub target_strike_weight_g: Option<f64>,
-    /// The front weight that reaches the target balance weight, the hammer as it is or changed first, g.
+    /// Front weight for the target balance weight, with the hammer as it is or changed first, g.
     pub target_front_weight_g: Option<f64>,
     /// Quantities that differ from the neighbours by more than the error of readings and the scatter of the other keys.
     pub apart: Vec<Apart>,
     /// Change of strike weight before the leads, g, positive for a heavier hammer; 0 if the hammer stays.
     pub hammer_change_g: f64,
-    /// Front weight that the leads are to add, g: 0 if they stay, `None` if too little is known.
+    /// Front weight to add by leads, g: 0 if they stay, `None` if too little is known.
     pub front_change_g: Option<f64>,
-    /// Whether the leads could add more, but for the ceiling of the front weight.
+    /// Whether the ceiling of the front weight keeps the leads from adding more.
     pub is_at_ceiling: bool,
-    /// Leads that reach the target. `None` if leads must go but the present ones are not known, or if no leads reach
-    /// it.
+    /// Leads that reach the target. `None` if leads must go but are unknown, or if no leads reach it.
     pub leads: Option<LeadChoice>,
-    /// The change of strike weight that would do it alone, g.
+    /// Change of strike weight that would suffice alone, g.
     pub strike_change_g: Option<f64>,
-    /// The move of the capstan toward the player that would do it alone, mm.
+    /// Move of the capstan toward the player that would suffice alone, mm.
     pub capstan_move_mm: Option<f64>,
     /// Balance weight after the leads (and the hammer, if it is changed first), g.
     pub after_balance_weight_g: Option<f64>,
@@ -107,7 +106,7 @@ pub struct BalancedKey {
 /// Plan for a keyboard: keys, curves, and target balance weight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// The keys that were weighed, ascending.
+    /// The weighed keys, ascending.
     pub keys: Vec<BalancedKey>,
     /// The curves.
     pub curves: Curves,
@@ -115,8 +114,8 @@ pub struct Plan {
     pub target: Target,
 }
 
-/// Plans the work. `models` has every key's model, the first key at index 0; `leads_g` are the masses of the leads at
-/// hand.
+/// Plans the work. `models` has every key's model, the first key at index 0; `leads_g` are the masses of available
+/// leads.
 #[must_use]
 pub fn plan(measured: &[MeasuredKey], models: &[KeyModel; KEYS], target: Target, leads_g: &[f64]) -> Plan {
     let target_balance_weight_g = target.balance_weight_g;
@@ -165,15 +164,15 @@ pub fn plan(measured: &[MeasuredKey], models: &[KeyModel; KEYS], target: Target,
     Plan { keys, curves, target }
 }
 
-/// What follows from a key's own weights.
+/// Quantities derived from a key's own weights.
 struct Known {
     balance: Option<Balance>,
     ratio: Option<f64>,
     apart: Vec<Apart>,
 }
 
-/// What a hammer comes to before the leads, more strike weight, g: all of them to their aim, or one that sticks out to
-/// its neighbours.
+/// Change of strike weight before the leads, g: to the target for all hammers, or to its neighbours for one that
+/// differs.
 fn hammer_change_g(strike_g: Option<f64>, aim_g: Option<f64>, apart: &[Apart], all: bool) -> f64 {
     let alone = apart.iter().find(|apart| apart.quantity == "strike_weight_g").map(|apart| apart.neighbours);
     let aim_g = if all { aim_g } else { alone };
@@ -181,7 +180,7 @@ fn hammer_change_g(strike_g: Option<f64>, aim_g: Option<f64>, apart: &[Apart], a
     (by_g / HAMMER_STEP_G).round() * HAMMER_STEP_G
 }
 
-/// The most front weight that is usual at a key, g.
+/// Upper end of the usual front weight of a key, g.
 fn ceiling_g(key: usize) -> f64 {
     let line = lines().find(|line| line.key == "front_weight_g");
     line.and_then(|line| line.range(key)[1]).unwrap_or(f64::INFINITY)
@@ -212,7 +211,7 @@ fn balanced(
     let target_strike_weight_g = of(&curves.target_strike_weight_g);
     let inertia = |strike_g: Option<f64>, front_g: Option<f64>| Some(model.inertia_kg(strike_g?, front_g?, ratio?));
 
-    // The hammer first, where it is to come to its target; then what is left for the leads.
+    // The hammer first, if it is brought to its target; then the leads for the rest.
     let target_g = target.balance_weight_g;
     let own_strike_g = if target.hammers { strike_weight_g } else { key.strike_weight_g };
     let hammer_change_g = hammer_change_g(own_strike_g, target_strike_weight_g, &known.apart, target.hammers);
@@ -220,13 +219,13 @@ fn balanced(
         0.0 => balance_weight_g,
         by_g => balance_weight_g.zip(ratio).map(|(balance_g, ratio)| balance_g + ratio * by_g),
     };
-    // A gram of front weight is a gram of balance weight less.
+    // A gram more front weight is a gram less balance weight.
     let wanted_g = balance_then_g.map(|balance_g| balance_g - target_g);
     let room_g = key.front_weight_g.map_or(f64::INFINITY, |front_g| (ceiling_g(key.key) - front_g).max(0.0));
     let front_change_g =
         wanted_g.map(|by_g| by_g.min(room_g)).map(|by_g| if by_g.abs() < LEAST_BALANCE_G { 0.0 } else { by_g });
     let is_at_ceiling = wanted_g.is_some_and(|by_g| by_g >= LEAST_BALANCE_G && by_g > room_g);
-    // Where nobody said which leads are there, those that must go are for the eye.
+    // If the leads are unknown, the technician must see which can go.
     let for_the_eye =
         |by_g: f64| by_g < 0.0 && key.leads.is_empty() && key.front_weight_g.is_none_or(|front_g| front_g + by_g > 0.0);
     let leads = front_change_g
@@ -237,7 +236,7 @@ fn balanced(
         None => (by_g / FRONT_STEP_G).round() * FRONT_STEP_G,
     });
     let strike_change_g = balance_weight_g.zip(ratio).map(|(balance_g, ratio)| (target_g - balance_g) / ratio);
-    // The capstan changes all that stands on it by one factor.
+    // The capstan changes the weight of everything above it by one factor.
     let capstan_move_mm = balance_weight_g.zip(key.front_weight_g).and_then(|(balance_g, front_g)| {
         let factor = (target_g + front_g) / (balance_g + front_g);
         (factor.is_finite() && factor > 0.0).then(|| model.capstan_move_mm(factor))
@@ -274,7 +273,7 @@ fn balanced(
     }
 }
 
-/// The middle one, or half-way between the middle two.
+/// Median; for an even number the mean of the middle two.
 pub(crate) fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

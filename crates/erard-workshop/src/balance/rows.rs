@@ -1,4 +1,4 @@
-//! Tables with a row for each key, as spreadsheets write them.
+//! Tables with a row for each key, as written by spreadsheets.
 
 use std::fmt;
 
@@ -13,9 +13,9 @@ pub struct MeasuredError {
     pub file: String,
     /// Line, from 1; 0 for the file as a whole.
     pub line: usize,
-    /// Column; empty where the fault belongs to none.
+    /// Column; empty if the error belongs to none.
     pub column: String,
-    /// Fault, in words.
+    /// Error, in words.
     pub message: String,
     /// Expected text.
     pub expected: String,
@@ -37,7 +37,7 @@ impl fmt::Display for MeasuredError {
 impl std::error::Error for MeasuredError {}
 
 impl MeasuredError {
-    /// Makes errors of a file from the line, the column, the fault and what was expected.
+    /// Makes errors of a file from line, column, error and expected text.
     pub(crate) fn in_file(file: &str) -> impl Fn(usize, &str, String, String) -> Self {
         |line, column, message, expected| MeasuredError {
             file: file.to_owned(),
@@ -74,10 +74,10 @@ pub(crate) struct KeyRow {
 }
 
 impl KeyRows {
-    /// The column of any of these names.
+    /// Returns the index of the column with any of these names.
     ///
     /// # Errors
-    /// The name that stands there twice.
+    /// A name that appears twice.
     pub(crate) fn column(&self, wanted: &[&str]) -> Result<Option<usize>, String> {
         let mut found = self.names.iter().enumerate().filter(|(_, name)| wanted.contains(&name.as_str()));
         let first = found.next().map(|(index, _)| index);
@@ -86,12 +86,12 @@ impl KeyRows {
 }
 
 /// Reads a table: a header that names `key` (1 to 88, or a note) or `note` (A0 to C8). Cells end at commas, or at
-/// semicolons or tabs where the header has one, and then decimals may have commas. Lines that begin with `#` are
-/// comments. `leads` are grams at millimetres in front of the balance pin, such as `14@165 14@147`. `header` is an
-/// example of one, for errors.
+/// semicolons or tabs if the header has one, and then decimals may have commas. Lines that begin with `#` are comments.
+/// `leads` are grams at millimetres in front of the balance pin, such as `14@165 14@147`. `header` is an example for
+/// errors.
 ///
 /// # Errors
-/// The first thing that is wrong, with line and column.
+/// The first error, with line and column.
 pub(crate) fn rows_of_keys(text: &str, file: &str, header: &str) -> Result<KeyRows, MeasuredError> {
     let fault = MeasuredError::in_file(file);
     let text = text.trim_start_matches('\u{feff}');
@@ -160,12 +160,12 @@ fn cell(text: &str) -> &str {
     text.trim().trim_matches('"').trim()
 }
 
-/// A number that may be followed by grams.
+/// Reads a number, with or without the unit g.
 pub(super) fn number(text: &str) -> Option<f64> {
     text.trim_end_matches(" g").trim().parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-/// The key by its number, or by its note; the column and the text that say none.
+/// Returns the key by its number or note; else the column and text at fault.
 fn key_of<'t>(number: &'t str, note: &'t str) -> Result<usize, (&'static str, &'t str)> {
     let (column, text) = if !number.is_empty() || note.is_empty() { ("key", number) } else { ("note", note) };
     key_named(text).ok_or((column, text))

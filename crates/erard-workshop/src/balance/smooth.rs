@@ -1,25 +1,25 @@
-//! A smooth curve through what was measured over the keyboard, gaps and outliers among it.
+//! Smooth curve through measured values over the keyboard, with gaps and outliers.
 //!
 //! Whittaker's smoother (E. T. Whittaker, Proc. Edinburgh Math. Soc. 41 (1922) 63-75; P. H. C. Eilers, Anal. Chem. 75
-//! (2003) 3631): the curve z that makes sum w (y - z)^2 + lambda sum (third differences of z)^2 least. It leaves
-//! parabolas as they are and goes on through gaps as one. Weights are Tukey's, from the residuals of the curve before,
-//! so that one wrong hammer does not bend its neighbours' target.
+//! (2003) 3631): the curve z that minimises sum w (y - z)^2 + lambda sum (third differences of z)^2. It keeps parabolas
+//! and bridges gaps by them. Weights are Tukey's, from the residuals of the last curve, so that one wrong hammer does
+//! not bend its neighbours' target.
 
 use erard::keyboard::KEYS;
 
-/// A wave over so many keys keeps half of its height; shorter ones go, longer ones stay.
+/// A wave of this length in keys keeps half its height; shorter ones are removed, longer ones kept.
 pub(crate) const HALF_GAIN_KEYS: f64 = 30.0;
-/// Rounds in which weights are found from residuals.
+/// Rounds of reweighting.
 const ROUNDS: usize = 8;
-/// Tukey's constant: residuals beyond so many standard deviations count nothing.
+/// Tukey's constant: residuals beyond this many standard deviations have no weight.
 const TUKEY: f64 = 4.685;
-/// Standard deviations per median of the absolute residuals, of normal errors.
+/// Standard deviations per median absolute residual, for normal errors.
 const PER_MEDIAN: f64 = 1.4826;
-/// Residuals below this are no outliers, g (or a hundredth of a ratio times ten): scales read to a tenth of a gram.
+/// Smaller residuals are no outliers, g (or a hundredth of a ratio times ten): scales read to a tenth of a gram.
 const FINEST: f64 = 0.1;
 
-/// A smooth curve over all keys, the first at index 0, through values of some of them; `None` where fewer than four are
-/// known, for a parabola asks for three.
+/// Returns a smooth curve over all keys, the first at index 0, through values of some of them; `None` if fewer than
+/// four are known.
 #[must_use]
 pub fn smooth(values: &[Option<f64>; KEYS]) -> Option<[f64; KEYS]> {
     let known: Vec<usize> = (0..KEYS).filter(|&key| values[key].is_some_and(f64::is_finite)).collect();
@@ -49,7 +49,7 @@ pub fn smooth(values: &[Option<f64>; KEYS]) -> Option<[f64; KEYS]> {
     Some(curve)
 }
 
-/// (W + lambda D' D) z = W y, D the third differences: a band of seven diagonals, by Cholesky's factors.
+/// Solves (W + lambda D' D) z = W y, D the third differences: a band of seven diagonals, by Cholesky factors.
 fn solve(y: &[f64; KEYS], weights: &[f64; KEYS]) -> [f64; KEYS] {
     const BAND: usize = 3;
     const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
@@ -77,7 +77,7 @@ fn solve(y: &[f64; KEYS], weights: &[f64; KEYS]) -> [f64; KEYS] {
             }
         }
     }
-    // L D L': forward, over the diagonal, backward.
+    // L D L': forward, diagonal, backward.
     let mut z: [f64; KEYS] = std::array::from_fn(|key| weights[key] * y[key]);
     for i in 0..KEYS {
         for k in 1..=BAND.min(KEYS - 1 - i) {
@@ -103,7 +103,7 @@ mod tests {
         10.4 - 0.03 * x - 4e-4 * x * x
     }
 
-    /// A parabola comes out as it went in, also where keys are missing, in the middle and at both ends.
+    /// A parabola is reproduced, also with keys missing in the middle and at both ends.
     #[test]
     fn parabolas_stay() {
         let values = std::array::from_fn(|key| (key % 7 != 3 && key > 4 && key < 80).then(|| parabola(key)));
@@ -113,8 +113,8 @@ mod tests {
         }
     }
 
-    /// A wave of thirty keys keeps half of its height, one of ten next to nothing: the smoother's own frequency
-    /// response, in closed form.
+    /// A wave of thirty keys keeps half its height, one of ten next to nothing: the smoother's frequency response in
+    /// closed form.
     #[test]
     fn waves_keep_what_the_filter_says() {
         for (keys, gain) in [(30.0, 0.5), (10.0, 1.0 / (1.0 + (0.618_033_988_75_f64 / 0.209_056_926_5).powi(6)))] {
@@ -129,7 +129,7 @@ mod tests {
         }
     }
 
-    /// A hammer that is 3 g too heavy bends its neighbours' curve by less than a hundredth of a gram.
+    /// A hammer 3 g too heavy bends the curve at its neighbours by less than a hundredth of a gram.
     #[test]
     fn an_outlier_bends_nothing() {
         let mut values = std::array::from_fn(|key| Some(parabola(key)));

@@ -1,4 +1,4 @@
-//! How far a simulated series is from a measured one, in numbers that mean something.
+//! Error measures of a simulated series against a measured one.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -7,7 +7,7 @@ use super::RATE_HZ;
 
 /// Edges of the frequency bands, Hz.
 pub(crate) const BANDS_HZ: [f64; 5] = [0.0, 10.0, 50.0, 200.0, 1000.0];
-/// Longest delay that is looked for, s.
+/// Longest delay searched for, s.
 const LONGEST_DELAY_S: f64 = 0.02;
 
 /// Differences of one series from another; both in the same unit, on the common axis.
@@ -19,11 +19,11 @@ pub struct Errors {
     pub rms_of_range: f64,
     /// Largest difference.
     pub largest: f64,
-    /// Share of the measured variance that is explained: 1 - rms^2 / variance; negative if a constant would do better.
+    /// Explained share of the measured variance: 1 - rms^2 / variance; negative if a constant would do better.
     pub explained: f64,
-    /// Correlation coefficient without delay; 0 where one of them is constant.
+    /// Correlation coefficient without delay; 0 if one of them is constant.
     pub correlation: f64,
-    /// Delay of the simulated series, s, positive when it comes later: where the correlation is largest, within 20 ms.
+    /// Delay of the simulated series with the largest correlation, within 20 ms, s; positive if it is late.
     pub delay_s: f64,
     /// Contribution of the rest before the touch, which any model explains; `None` without a rest.
     pub rest: Option<Rest>,
@@ -31,12 +31,12 @@ pub struct Errors {
     pub bands: Vec<Band>,
 }
 
-/// The rest before the touch in a share of variance.
+/// Contribution of the rest before the touch to the variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rest {
     /// Share of the measured variance that belongs to samples at rest, by their distance from the overall mean.
     pub share: f64,
-    /// The share of the measured variance that is explained without them.
+    /// Explained share of the measured variance without these samples.
     pub explained_without: f64,
 }
 
@@ -117,7 +117,7 @@ pub(super) fn correlation(measured: &[f64], simulated: &[f64], lag: isize) -> f6
     if scale > 0.0 { product / scale } else { 0.0 }
 }
 
-/// The lag of the largest correlation, refined by the parabola through its neighbours.
+/// Lag of the largest correlation, refined by a parabola through its neighbours.
 fn delay(measured: &[f64], simulated: &[f64]) -> f64 {
     let most = ((LONGEST_DELAY_S * RATE_HZ) as isize).min(measured.len() as isize / 4);
     let at = |lag| correlation(measured, simulated, lag);
@@ -128,7 +128,8 @@ fn delay(measured: &[f64], simulated: &[f64]) -> f64 {
     (best as f64 + refined) / RATE_HZ
 }
 
-/// Power in each band, by Parseval's theorem: the squares of all bands together are the mean square.
+/// Root mean squares of series and difference in each band. By Parseval's theorem, the squares of all bands add up to
+/// the mean square.
 pub(super) fn bands(measured: &[f64], simulated: &[f64]) -> Vec<Band> {
     let difference: Vec<f64> = simulated.iter().zip(measured).map(|(s, m)| s - m).collect();
     let spectrum = |x: &[f64]| {
@@ -166,11 +167,11 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn wave(hz: f64, amplitude: f64, late_s: f64) -> Vec<f64> {
-        // One second: whole periods, so that the spectrum does not leak.
+        // One second has whole periods, so that the spectrum does not leak.
         (0..RATE_HZ as usize).map(|n| amplitude * (TAU * hz * (n as f64 / RATE_HZ - late_s)).sin()).collect()
     }
 
-    /// A late copy of a 20 Hz wave: the delay is found to a tenth of a sample, and nothing else is wrong with it.
+    /// A delayed copy of a 20 Hz wave: the delay is found to a tenth of a sample, and nothing else is wrong with it.
     #[test]
     fn a_delay_is_found() {
         let e = Errors::new(&wave(20.0, 1.0, 0.0), &wave(20.0, 1.0, 0.0031), 0);
@@ -178,7 +179,7 @@ mod tests {
         assert!((e.correlation - (TAU * 20.0 * 0.0031).cos()).abs() < 1e-9);
     }
 
-    /// A 100 Hz error of amplitude 0.1 on a 5 Hz wave stands in its band alone: rms 0.1/sqrt(2).
+    /// A 100 Hz error of amplitude 0.1 on a 5 Hz wave appears in its band only: rms 0.1/sqrt(2).
     #[test]
     fn an_error_stands_in_its_band() {
         let measured = wave(5.0, 1.0, 0.0);
@@ -196,7 +197,7 @@ mod tests {
     }
 
     /// A rest of 0 and a step to 1: the rest has three quarters of the variance where it is a quarter of the time, and
-    /// a model that gets nothing else right explains nothing without it.
+    /// a model that is wrong elsewhere explains nothing without it.
     #[test]
     fn a_rest_has_its_share() {
         let measured: Vec<f64> =

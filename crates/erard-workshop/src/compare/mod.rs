@@ -1,13 +1,12 @@
-//! A measured stroke beside the models: what each drive and each model explains of it.
+//! Comparison of a measured stroke with the models: the share of it that each drive and each model explains.
 //!
-//! A file with a force drives the key by that force, and the key's motion comes out; one with a position drives a soft
-//! finger by the fingertip's position, and the key itself rigidly by its own, and the finger's force comes out. With
-//! both, what comes out can be held against what was measured [T12 fig. 3]. A position is the key's unless it is said
-//! to be the fingertip's ([`Choice::position_of`]); where force was recorded too, each gives the other
-//! ([`Series::position_of`]).
+//! A measured force drives the key, and the key's motion results; a measured position drives a soft finger by the
+//! fingertip's position, and the key rigidly by its own, and the finger's force results. If both were measured, the
+//! result is compared with the measurement [T12 fig. 3]. A position is the key's unless [`Choice::position_of`] says
+//! that it is the fingertip's; with force, each follows from the other ([`Series::position_of`]).
 //!
-//! What is noise in a recording no model explains. Errors are reported up to the frequency up to which both the series
-//! that drives and the series that is compared are more than noise ([`Choice::tells_to_hz`]), and not beyond.
+//! No model explains the noise of a recording. Errors are reported only up to the frequency below which both the
+//! driving and the compared series contain signal above noise ([`Choice::tells_to_hz`]).
 
 mod errors;
 mod worth;
@@ -28,7 +27,7 @@ use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Prescribed, Role, S
 /// Rate of the common time axis, Hz: twice the minimum for the highest band.
 pub const RATE_HZ: f64 = 4000.0;
 
-/// Drives in the order in which they are tried and shown.
+/// Drives in the order of trials and reports.
 pub const DRIVES: [Prescribed; 3] = [Prescribed::Force, Prescribed::Motion, Prescribed::Rigid];
 
 /// Name of the quantity that results from a drive.
@@ -44,7 +43,7 @@ pub fn outcome(driven: Prescribed) -> &'static str {
 pub enum Which {
     /// All bodies.
     Action,
-    /// One degree of freedom.
+    /// One-degree-of-freedom model.
     OneDof,
 }
 
@@ -57,7 +56,7 @@ impl Which {
         }
     }
 
-    /// Its name in a sentence.
+    /// Name in a sentence.
     fn spoken(self) -> &'static str {
         match self {
             Which::Action => "the action",
@@ -69,7 +68,7 @@ impl Which {
 /// Both models.
 pub(crate) const MODELS: [Which; 2] = [Which::Action, Which::OneDof];
 
-/// The choice of what to compare.
+/// Options of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
     /// Drives to try, of those that the series has.
@@ -82,7 +81,7 @@ pub struct Choice {
     pub tells_to_hz: [f64; 3],
     /// End of the rest, s; minus infinity if there is no known rest.
     pub rest_until_s: f64,
-    /// The noise of the recorded position, and what became of it; `None` where the position shows none.
+    /// Noise of the recorded position; `None` if it shows none.
     pub path_noise: Option<PathNoise>,
 }
 
@@ -100,8 +99,7 @@ impl Default for Choice {
 }
 
 impl Choice {
-    /// The limits of a prepared recording: of its noise, of the low-pass that it went through, of its samples, and of
-    /// its rest before the touch.
+    /// Limits the comparison by a prepared recording's noise, low-pass, sample rate and rest before the touch.
     #[must_use]
     pub fn limited_by(mut self, report: &Report) -> Self {
         for (limit, role) in self.tells_to_hz.iter_mut().zip([Role::Force, Role::Position, Role::HammerHead]) {
@@ -116,13 +114,13 @@ impl Choice {
     }
 }
 
-/// Share of the frequency where noise or a low-pass begins up to which errors are reported: there itself half of an
-/// amplitude may be filtered away, and at this share of it, by the default filter, six in a hundred.
+/// Share of the frequency limit of noise or low-pass up to which errors are reported: at the limit half of an amplitude
+/// may be filtered away, at this share of it, with the default filter, six in a hundred.
 const WELL_WITHIN: f64 = 0.7;
-/// A band that ends below this, Hz, shows nothing: a key is down in a twentieth of a second.
+/// Lowest useful end of a band, Hz: a key is down in a twentieth of a second.
 const LOWEST_LIMIT_HZ: f64 = 10.0;
 
-/// Run of a comparison, on the common time axis.
+/// One drive of one model, on the common time axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
     /// The drive.
@@ -135,14 +133,14 @@ pub struct Trial {
     pub force_n: Vec<f64>,
     /// Highest frequency for which errors are reported, Hz; infinite without a limit.
     pub told_to_hz: f64,
-    /// Differences between model and measurement (position in m, force in N), as far as it is reported; `None` where
-    /// the file holds no such series, or nothing but noise.
+    /// Differences between model and measurement (position in m, force in N) below that frequency; `None` if the file
+    /// has no such series, or only noise.
     pub errors: Option<Errors>,
     /// Effect of the recording's noise on the force, under a recorded motion; `None` if unknown.
     pub worth: Option<Worth>,
     /// Rise of the hammer's strike point, m; empty for a model without a hammer.
     pub hammer_m: Vec<f64>,
-    /// Errors of the hammer are reported up to here, Hz.
+    /// Highest frequency for which errors of the hammer are reported, Hz.
     pub hammer_told_to_hz: f64,
     /// Errors of the hammer's motion, if it was both simulated and measured.
     pub hammer_errors: Option<Errors>,
@@ -165,7 +163,7 @@ pub struct Comparison {
     pub time_s: Vec<f64>,
     /// Measured force, N.
     pub measured_force_n: Option<Vec<f64>>,
-    /// Measured position of the key's front, m; of the fingertip where the key's is not known.
+    /// Measured position of the key's front, m; of the fingertip if the key's is unknown.
     pub measured_position_m: Option<Vec<f64>>,
     /// Part whose position was recorded.
     pub position_of: PositionOf,
@@ -177,9 +175,9 @@ pub struct Comparison {
     pub notes: Vec<String>,
 }
 
-/// How near the largest value counts as the way's end.
+/// Share of the largest value at which the upward motion is nearly over.
 const NEARLY_THERE: f64 = 0.9;
-/// How long after that the hammer may still rise, s.
+/// Time after that in which the hammer may still rise, s.
 const STILL_RISING_S: f64 = 0.02;
 
 /// Returns the end of a stroke's upward motion, s: the first time at which the hammer is highest or, if the hammer was
@@ -196,13 +194,13 @@ pub fn way_up_ends_s(series: &Series) -> Option<f64> {
     Some(start_s + top as f64 / RATE_HZ)
 }
 
-/// Longest series that is compared, s: a million instants of the common axis.
+/// Longest series for a comparison, s: a million instants of the common axis.
 pub const LONGEST_S: f64 = 250.0;
 
-/// Why a comparison cannot be made.
+/// Reason why a comparison cannot be made.
 #[derive(Debug, Error)]
 pub enum CompareError {
-    /// The measured series is too short to say anything.
+    /// The measured series is too short.
     #[error("the recording lasts {found_s:.4} s; expected at least {least_s} s")]
     TooShort {
         /// s.
@@ -210,32 +208,32 @@ pub enum CompareError {
         /// s.
         least_s: f64,
     },
-    /// The measured series would not fit into memory beside what the models make of it.
+    /// The measured series and the models' results would not fit into memory.
     #[error("the recording lasts {found_s} s; expected at most {LONGEST_S} s")]
     TooLong {
         /// s.
         found_s: f64,
     },
-    /// None of the drives that were chosen is in the series.
+    /// The series has none of the chosen drives.
     #[error(
         "the recording does not allow the chosen drives; expected a force for the drive `force`, a position for `motion` or `rigid`"
     )]
     NoDrive,
-    /// Force and position together give no series of the fingertip or of the key.
+    /// Force and position together give no position of the fingertip or of the key.
     #[error(transparent)]
     Samples(#[from] SampleError),
-    /// A model does not run.
+    /// A model cannot be run.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// No one-degree-of-freedom model follows.
+    /// The instrument has no one-degree-of-freedom model.
     #[error(transparent)]
     OneDof(#[from] OneDofError),
 }
 
-/// Shortest series that is compared, s.
+/// Shortest series for a comparison, s.
 const SHORTEST_S: f64 = 0.01;
 
-/// [`compare_chosen`] with every drive that the series has and both models, of a key's position without noise.
+/// [`compare_chosen`] with every drive of the series and both models, for a key's position without noise.
 ///
 /// # Errors
 /// See [`CompareError`].
@@ -248,7 +246,7 @@ pub fn compare(
     compare_chosen(instrument, series, &Choice::default(), setup, progress)
 }
 
-/// Runs the models under the drives, and measures what they miss.
+/// Runs the models under the chosen drives and computes their errors.
 ///
 /// `setup`'s start and duration are replaced by the series'. `progress` receives the share done, and ends the work by
 /// returning false.
@@ -306,7 +304,7 @@ pub fn compare_chosen(
         ledger: false,
         ..*setup
     };
-    // Every step as long as memory allows; then fewer, but none farther apart than the common axis needs.
+    // Every step if memory allows, else fewer, but at least as many as the common axis needs.
     setup.record_every = Some(setup.check()?.div_ceil(MOST_ROWS_ASKED).max(1));
     let mut plan = Vec::new();
     for driven in DRIVES.into_iter().filter(|driven| choice.drives.contains(driven)) {
@@ -337,7 +335,7 @@ pub fn compare_chosen(
         let run = simulate(model, drive, &setup, &mut |share| progress((done as f64 + share) / count))?;
         let key_m = interpolated(&run.time_s, &run.key_m, &time_s);
         let force_n = interpolated(&run.time_s, &run.force_n, &time_s);
-        // A force-driven run of a file without position shows the hammer alone, and the other way round.
+        // A force-driven run of a file without position can be compared by the hammer only, and vice versa.
         let drive_hz = match driven {
             Prescribed::Force => force_hz,
             Prescribed::Motion | Prescribed::Rigid if fingertip == key => position_hz,
@@ -391,8 +389,8 @@ pub fn compare_chosen(
     Ok(Comparison { time_s, measured_force_n, measured_position_m, position_of, measured_hammer_m, trials, notes })
 }
 
-/// The errors up to a frequency, Hz: both series go through the same low-pass, forward and backward. `None` where that
-/// leaves nothing to compare.
+/// Errors up to a frequency, Hz: both series pass the same low-pass, forward and backward. `None` if nothing is left to
+/// compare.
 fn errors_within(measured: &[f64], simulated: &[f64], resting: usize, told_to_hz: f64) -> Option<Errors> {
     if told_to_hz >= 0.5 * RATE_HZ {
         return Some(Errors::new(measured, simulated, resting));
@@ -402,7 +400,7 @@ fn errors_within(measured: &[f64], simulated: &[f64], resting: usize, told_to_hz
     }
     let low_pass = Butterworth::low_pass(4, told_to_hz, RATE_HZ)?;
     let [m, s] = [measured, simulated].map(|x| low_pass.forth_and_back(x));
-    // By frequency the series themselves are reported, each band as far as it goes.
+    // Band errors are those of the unfiltered series.
     Some(Errors { bands: errors::bands(measured, simulated), ..Errors::new(&m, &s, resting) })
 }
 
@@ -528,7 +526,7 @@ impl Comparison {
                 continue;
             }
             let off = measured.iter().zip(simulated).map(|(m, s)| m - s).sum::<f64>() / measured.len() as f64;
-            // As much of the error as makes it worth saying, and more than a hundredth of the range.
+            // Only if it makes up most of the error, and more than a fiftieth of the range.
             if off * off > 0.5 * errors.rms * errors.rms
                 && off.abs() > 0.02 * errors.rms / errors.rms_of_range.max(1e-12)
             {
@@ -538,7 +536,7 @@ impl Comparison {
                     unit.0
                 ));
             }
-            // So much later they must go together twice as well, or it is the best of many that are equally good.
+            // The delay must halve the missing correlation, or it is one of many equally good ones.
             let shifted = errors::correlation(measured, simulated, (errors.delay_s * RATE_HZ).round() as isize);
             let together = errors::correlation(measured, simulated, 0);
             if errors.delay_s.abs() > 1e-3 && shifted > 0.5 && 1.0 - shifted < 0.5 * (1.0 - together) {
@@ -559,7 +557,7 @@ pub fn share(explained: f64, decimals: usize) -> String {
     if explained < -10.0 { "less than -1000 %".into() } else { format!("{:.decimals$} %", 100.0 * explained) }
 }
 
-/// ` up to 120 Hz`, where there is a limit.
+/// ` up to 120 Hz`; empty without a limit.
 fn up_to(hz: f64) -> String {
     if hz < 0.5 * RATE_HZ { format!(" up to {hz:.0} Hz") } else { String::new() }
 }

@@ -1,9 +1,9 @@
-//! What a force is worth that comes out under a recorded motion.
+//! Accuracy of a force computed under a recorded motion.
 //!
-//! A prescribed motion is differentiated twice: noise of the position becomes force. How much is played: the same
-//! motion with noise of the recording's own size added to every sample, sent through the recording's own filter. With
-//! the noise that is already in the recording the force is as far from the true one, to first order. What the samples
-//! do not hold (motion faster than half their rate, what a filter takes away) is not in it.
+//! A prescribed motion is differentiated twice: noise of the position becomes force. Its size is simulated: the same
+//! motion is played with more noise of the recording's size, passed through the recording's filter. To first order, the
+//! recording's own noise causes the same error. Motion missing from the samples (faster than half their rate, or
+//! filtered away) is not included.
 
 use erard::Progress;
 use erard::instrument::Instrument;
@@ -15,7 +15,7 @@ use fastrand::Rng;
 
 use super::CompareError;
 
-/// Motions with added noise that are played.
+/// Number of motions with added noise.
 const PLAYED: u64 = 8;
 
 /// The noise of a recorded position.
@@ -23,7 +23,7 @@ const PLAYED: u64 = 8;
 pub struct PathNoise {
     /// Root mean square of the noise before the filter, m.
     pub rms_m: f64,
-    /// The filter that it went through: order, cutoff and rate, Hz.
+    /// Its filter: order, cutoff and rate, Hz.
     pub filter: Option<(usize, f64, f64)>,
 }
 
@@ -39,9 +39,9 @@ impl PathNoise {
         Some(PathNoise { rms_m: channel.noise?.rms, filter })
     }
 
-    /// A path with as much noise once more.
+    /// Adds noise of the same size to a path.
     fn added(&self, path: &PositionSeries, rng: &mut Rng) -> Option<PositionSeries> {
-        // Twelve uniform numbers make nearly a normal one.
+        // The sum of twelve uniform numbers is nearly normal.
         let normal = |rng: &mut Rng| (0..12).map(|_| rng.f64()).sum::<f64>() - 6.0;
         let noise: Vec<f64> = path.positions_m().iter().map(|_| self.rms_m * normal(rng)).collect();
         let noise = match self.filter {
@@ -61,17 +61,17 @@ pub struct Worth {
     /// Root mean square error of the force after the rest that is due to the recording's noise, N; infinite if the
     /// motion with its noise cannot be played.
     pub rms_n: f64,
-    /// Ninety-five in a hundred samples are not farther off than this, N.
+    /// Largest error of 95 % of the samples, N.
     pub within_n: f64,
-    /// The noise of the position, before the filter, m.
+    /// Noise of the position before the filter, m.
     pub noise_m: f64,
 }
 
-/// Plays a path: the force on the axis of the undisturbed one, N.
+/// Plays a path and returns the force on the axis of the undisturbed one, N.
 pub(super) type Play<'a> = dyn Fn(&PositionSeries, &mut Progress<'_>) -> Result<Vec<f64>, SimulationError> + 'a;
 
 impl Worth {
-    /// From the undisturbed force, of which the first samples rest.
+    /// Computes the accuracy from the undisturbed force, whose first `resting` samples are at rest.
     pub(super) fn of(
         noise: &PathNoise,
         path: &PositionSeries,
@@ -98,8 +98,8 @@ impl Worth {
         Ok(Worth { rms_n: mean.sqrt(), within_n, noise_m })
     }
 
-    /// Computes the accuracy for a run under a recorded stroke that rests until a time, s, over the rows from there to
-    /// the recording's end. `None` if the stroke is not a recorded motion.
+    /// Computes the accuracy for a run under a recorded stroke, over the rows from the end of its rest, s, to its own
+    /// end. `None` if the stroke is not a recorded motion.
     ///
     /// # Errors
     /// When interrupted.

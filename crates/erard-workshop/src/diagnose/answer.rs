@@ -1,4 +1,4 @@
-//! The answer in sentences, and as JSON: the same for every front.
+//! Answer in sentences, and as JSON: the same for every front.
 
 use erard::keyboard::note_name;
 use serde_json::{Value, json};
@@ -12,7 +12,7 @@ use super::report::{Diagnosis, Judged, Ranked, Standing, Suggestion};
 pub const BASIS: &str = "What a cause does to each reading is simulated on grands around the built-in concert-grand, not on your piano; how \
      common each cause is, is an estimate. Probabilities are no better than these.";
 
-/// Causes of a combination, joined.
+/// Joins the causes of a combination.
 #[must_use]
 pub fn joined(causes: &[&Cause]) -> String {
     match causes {
@@ -35,7 +35,7 @@ pub fn explained_as(name: &'static str) -> (&'static str, &'static str, usize) {
 }
 
 impl Diagnosis {
-    /// The verdict in a sentence.
+    /// Returns the verdict in a sentence.
     #[must_use]
     pub fn verdict(&self) -> String {
         if self.is_work() {
@@ -81,7 +81,7 @@ impl Diagnosis {
         lines
     }
 
-    /// Why some reading is not judged; `None` where all are.
+    /// Reason why some reading is not judged; `None` if all are.
     #[must_use]
     pub fn not_judged(&self) -> Option<&'static str> {
         self.lines.iter().find_map(|line| match line.standing {
@@ -177,7 +177,7 @@ fn of_next(next: &Suggestion) -> Value {
     })
 }
 
-/// To a thousandth.
+/// Rounds to a thousandth.
 fn rounded(x: f64) -> f64 {
     (x * 1e3).round() / 1e3
 }

@@ -1,28 +1,28 @@
-//! The probability of every cause, alone and with others, from the readings.
+//! Probability of every cause, alone and with others, from the readings.
 //!
-//! Under a set of causes the readings are normal: the mean of sound keys and what each cause adds, with the covariance
-//! of sound keys, what differs of an effect from grand to grand, and the reading's own error. A cause comes in grades
-//! between its light and its heavy case, all equally likely. Sets of up to four causes are compared; their prior is the
-//! product of the causes' odds. One hypothesis more, that of something else, has readings that lie anywhere.
+//! Under a set of causes the readings are normal: the mean of sound keys plus the effects of the causes, with the
+//! covariance of sound keys, the scatter of effects from grand to grand, and the reading's own error. A cause has
+//! grades between its light and its heavy case, all equally likely. Sets of up to four causes are compared; their prior
+//! is the product of the causes' odds. One more hypothesis represents other faults, with readings anywhere.
 
 use super::cause::causes;
 use super::effect::{BALANCE, CHECK, Effect, FRICTION, Features, N, NOT_CAUGHT_MM, effects, precision};
 use super::healthy::Healthy;
 use super::spd::{Factor, log_sum};
 
-/// Grades of a cause: the cases of the table, and the half-way ones.
+/// Grades of a cause: the cases of the table, and those half-way between.
 const GRADES: usize = 5;
-/// Causes in a set, at most, and sets that are carried on from each size.
+/// Most causes in a set, and sets of each size that are extended.
 const MOST: usize = 4;
 const BEAM: usize = 80;
-/// Sets that are kept.
+/// A quarter of this many sets predict readings; four times as many are kept of each size.
 const KEPT: usize = 200;
-/// Odds that something is wrong of which the table has no cause: an estimate.
+/// Odds of a fault without a cause in the table: an estimate.
 const OTHER: f64 = 0.003;
-/// How far readings lie then, in standard deviations of sound keys.
+/// Spread of the readings then, in standard deviations of sound keys.
 const ANYWHERE: f64 = 8.0;
 
-/// One thing that was read: a sum of features, its value, and its standard error.
+/// A reading: a sum of features, its value, and its standard error.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Row {
     pub of: Vec<(usize, f64)>,
@@ -31,9 +31,9 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// A feature as it is read: anywhere within its precision, which is a standard error of that over the root of 3.
+    /// A feature as read: uniform within its precision, so that its standard error is the precision over the root of 3.
     pub(super) fn of(feature: usize, value: f64) -> Self {
-        // Two readings make balance and friction weight, whose errors are the smaller by a root of 2.
+        // Balance and friction weight come from two readings each: their errors are smaller by the root of 2.
         let share = if [BALANCE, FRICTION].contains(&feature) { 6.0 } else { 3.0 };
         Row { of: vec![(feature, 1.0)], value, error: precision(feature) / libm::sqrt(share) }
     }
@@ -49,13 +49,13 @@ impl Row {
     }
 }
 
-/// A grade of a cause: what it adds to the features.
+/// A grade of a cause, with its effect on the features.
 #[derive(Debug, Clone)]
 struct Atom {
     cause: usize,
     case: f64,
     mean: [f64; N],
-    /// Half of the way to the next grades, as a standard deviation.
+    /// Half the distance to the next grades, as a standard deviation.
     along: [f64; N],
     spread: [f64; N],
 }
@@ -66,25 +66,25 @@ pub(super) struct Hypothesis {
     /// Indices of atoms.
     atoms: Vec<usize>,
     is_other: bool,
-    /// Of prior and likelihood; after [`believe`] normalised.
+    /// Logarithm of prior times likelihood; normalised by [`Belief::of`].
     pub log: f64,
 }
 
-/// What is believed.
+/// Probabilities of all hypotheses.
 #[derive(Debug)]
 pub(super) struct Belief {
     healthy: Healthy,
     rows: Vec<Row>,
     atoms: Vec<Atom>,
-    /// The most likely sets first.
+    /// The sets, the most likely first.
     pub sets: Vec<Hypothesis>,
 }
 
-/// An effect on a piano of another make is known to this share of it: an estimate.
+/// Relative uncertainty of an effect on a piano of another make: an estimate.
 const ANOTHER_MAKE: f64 = 0.25;
-/// Where sound hammers are caught, mm: the middle of 12 to 15.
+/// Check distance of sound hammers, mm: the middle of 12 to 15.
 const MIDDLE_OF_CHECK_MM: f64 = 13.5;
-/// What is not there any more when it happens can read anywhere: its standard deviation in precisions.
+/// Standard deviation of a feature that no longer occurs, in precisions: it can read anything.
 const NOT_THERE: f64 = 10.0;
 
 fn atoms() -> Vec<Atom> {
@@ -115,7 +115,7 @@ fn atoms() -> Vec<Atom> {
             all.push(Atom {
                 cause,
                 case,
-                // Where it does not catch any more, it would have caught low.
+                // A hammer that is no longer caught would have been caught low.
                 mean: std::array::from_fn(|i| {
                     mean[i].unwrap_or(if i == CHECK { NOT_CAUGHT_MM[0] - MIDDLE_OF_CHECK_MM } else { 0.0 })
                 }),
@@ -131,14 +131,14 @@ fn atoms() -> Vec<Atom> {
     all
 }
 
-/// Mean, covariance and factor of the readings under a hypothesis.
+/// Residuals and factor of the covariance of the readings under a hypothesis.
 struct Predicted {
     off: Vec<f64>,
     factor: Factor,
 }
 
 impl Belief {
-    /// Of the readings of a key.
+    /// Computes the probabilities for the readings of a key.
     pub(super) fn of(key: usize, rows: Vec<Row>) -> Self {
         let mut belief = Belief { healthy: Healthy::at(key), rows, atoms: atoms(), sets: Vec::new() };
         belief.search();
@@ -158,7 +158,7 @@ impl Belief {
                     if set.atoms.iter().any(|own| self.are_at_odds(*own, atom)) {
                         continue;
                     }
-                    // In the order of causes, so that no set comes twice, but for those whose beginning is not there.
+                    // Sorted, so that the same sets are recognised and removed.
                     let mut atoms = set.atoms.clone();
                     atoms.push(atom);
                     atoms.sort_unstable();
@@ -180,7 +180,7 @@ impl Belief {
         self.sets = all;
     }
 
-    /// Whether two grades cannot be together: of one screw or part.
+    /// Whether two grades exclude each other because they belong to one screw or part.
     fn are_at_odds(&self, a: usize, b: usize) -> bool {
         let part = |atom: usize| causes()[self.atoms[atom].cause].plant.as_str();
         part(a) == part(b)
@@ -224,7 +224,7 @@ impl Belief {
         }
     }
 
-    /// Probability of every cause.
+    /// Returns the probability of every cause.
     pub(super) fn of_causes(&self) -> Vec<f64> {
         let mut of = vec![0.0; causes().len()];
         for set in &self.sets {
@@ -235,7 +235,7 @@ impl Belief {
         of
     }
 
-    /// Probability that something else is wrong, and that nothing is.
+    /// Returns the probabilities that something else is wrong, and that nothing is.
     pub(super) fn of_other_and_none(&self) -> [f64; 2] {
         let sum = |is_other: bool| {
             let of = self.sets.iter().filter(|set| set.atoms.is_empty() && set.is_other == is_other);
@@ -244,7 +244,7 @@ impl Belief {
         [sum(true), sum(false)]
     }
 
-    /// The case of a cause, 1 light to 3 heavy, and what it adds to the features, in the mean over what is believed.
+    /// Returns the mean case of a cause, 1 light to 3 heavy, and its mean effect on the features.
     pub(super) fn case_and_change(&self, cause: usize) -> (f64, Features) {
         let (mut weight, mut case, mut change) = (0.0, 0.0, [0.0; N]);
         for set in &self.sets {
@@ -258,8 +258,7 @@ impl Belief {
         (case / weight, change.map(|x| Some(x / weight)))
     }
 
-    /// The sets that count, with their probabilities, the causes in each, and mean and standard deviation of a feature
-    /// that has not been read.
+    /// Returns the most likely sets: probability, causes, and mean and standard deviation of an unread feature.
     pub(super) fn foretold(&self, feature: usize) -> Vec<(f64, Vec<usize>, f64, f64)> {
         let n = self.rows.len();
         let mut told = Vec::new();

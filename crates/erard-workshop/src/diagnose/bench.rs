@@ -1,22 +1,22 @@
-//! Tests at the bench that tell places of friction apart: the key alone, a gauge at a flange, swings of a hammer.
+//! Bench tests that distinguish places of friction: the key alone, a gauge at a flange, swings of a hammer.
 
 use erard::grand::{Anatomy, Parts, strike_weight_g};
 use erard::instrument::Instrument;
 
 use crate::measure::MeasureError;
 
-/// Arms at which flanges are gauged, m: a hammer's as Renner's manual says; a whippen's is ours.
+/// Arms at which flanges are gauged, m: a hammer's as in Renner's manual; a whippen's is our own.
 const HAMMER_ARM_M: f64 = 0.023;
 const WHIPPEN_ARM_M: f64 = 0.025;
 /// Place of the strike weight, m.
 const STRIKE_ARM_M: f64 = 0.130;
-/// More swings than anybody counts.
+/// Most swings counted.
 const MOST: u32 = 60;
 
 /// Friction by place, gf.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bench {
-    /// The key alone on its pins, at its front: half the difference of what makes it sink and rise.
+    /// The key alone on its pins, at its front: half the difference of the weights that make it sink and rise.
     pub key_alone_g: f64,
     /// The hammer's pin, at 23 mm.
     pub hammer_g: f64,
@@ -27,10 +27,10 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// Computes the dry torques of an instrument's pins over the arms.
+    /// Computes the friction from the dry torques of an instrument's pins over the arms.
     ///
     /// # Errors
-    /// Where it is no grand action.
+    /// If the instrument is no grand action.
     pub fn of(instrument: &Instrument) -> Result<Self, MeasureError> {
         let anatomy = Anatomy::find(instrument)?;
         let torque = |body: usize| instrument.bodies[instrument.first_piece(body)].friction_torque_n_m;
@@ -49,14 +49,14 @@ impl Bench {
 /// Returns how often a hammer that is released level passes its lowest point, with a friction at 23 mm from its pin
 /// (gf) and a strike weight (g).
 ///
-/// A pendulum of moment M under a dry torque c: on each way the energy falls by c times the angle, so that its turning
-/// points satisfy cos b - cos a = (c / M) (a + b), and it stays where sin a < c / M. (Without the drag of the air.)
+/// A pendulum of moment M under a dry torque c: on each half swing the energy falls by c times the angle, so that its
+/// turning points satisfy cos b - cos a = (c / M) (a + b), and it stays where sin a < c / M. (Without air drag.)
 #[must_use]
 pub fn passes(friction_g: f64, strike_weight_g: f64) -> u32 {
     let share = friction_g * HAMMER_ARM_M / (strike_weight_g * STRIKE_ARM_M);
     let mut from = std::f64::consts::FRAC_PI_2;
     for pass in 0..MOST {
-        // It passes the lowest point if the energy lasts that far; where it turns then is sought by halving.
+        // It passes the lowest point if the energy lasts that far; bisection gives the next turning point.
         if 1.0 - libm::cos(from) <= share * from || libm::sin(from) <= share {
             return pass;
         }
@@ -70,7 +70,7 @@ pub fn passes(friction_g: f64, strike_weight_g: f64) -> u32 {
     MOST
 }
 
-/// The friction at 23 mm (gf) of a hammer that passes its lowest point so often, from the most to the least.
+/// Range of the friction at 23 mm, gf, of a hammer that passes its lowest point so often, lowest first.
 pub(super) fn friction_of_swings(swings: f64, strike_weight_g: f64) -> [f64; 2] {
     const STEP_G: f64 = 0.05;
     let of = |passes_: f64| {
@@ -78,7 +78,7 @@ pub(super) fn friction_of_swings(swings: f64, strike_weight_g: f64) -> [f64; 2] 
         let fits: Vec<f64> = grid.filter(|g| (f64::from(passes(*g, strike_weight_g)) - passes_).abs() < 0.5).collect();
         fits.first().copied().zip(fits.last().copied())
     };
-    // A swing more or less is miscounted, and the pendulum is a quarter off what was counted.
+    // The count may be off by one swing, and the pendulum model by a quarter.
     let low = of((swings + 1.0).min(f64::from(MOST))).map_or(STEP_G, |(low, _)| low);
     let high = of((swings - 1.0).max(0.0)).map_or(50.0, |(_, high)| high.min(50.0));
     [0.75 * low, 1.25 * high]
@@ -89,8 +89,8 @@ mod tests {
     use super::*;
 
     /// D. Stanwood, Pianotech list, 18 December 2002, gauge at 32 mm: strike weight 10 g, 2.5 gf, 8 swings, and 7.0 gf,
-    /// 4 swings; strike weight 8 g, 2 gf, 8 swings, and 4 gf, 4 swings. The pendulum makes 11, 3, 11 and 5 of them: the
-    /// air is not in it, and a gauge at rest reads more than a pin in motion.
+    /// 4 swings; strike weight 8 g, 2 gf, 8 swings, and 4 gf, 4 swings. The pendulum makes 11, 3, 11 and 5 of them: it
+    /// has no air drag, and a gauge at rest reads more than a pin in motion.
     #[test]
     fn swings_that_were_counted() {
         for (strike_g, at_32_mm, counted, by_pendulum) in

@@ -1,4 +1,4 @@
-//! The table of causes, `causes.toml`.
+//! Table of causes, `causes.toml`.
 
 use std::sync::LazyLock;
 
@@ -12,15 +12,15 @@ pub struct Cause {
     pub key: String,
     /// Name at the bench.
     pub name: String,
-    /// Prior odds: how common it is, an estimate.
+    /// Prior odds: frequency of the cause, an estimate.
     pub common: f64,
-    /// What is changed in a simulated action.
+    /// Change in a simulated action.
     pub(super) plant: String,
     /// Size of the change in a light, a plain and a heavy case.
     pub(super) amounts: [f64; 3],
     /// Quick test that distinguishes it from the other causes.
     pub test: String,
-    /// The cure.
+    /// Cure.
     pub cure: String,
     /// Source in the literature.
     pub source: String,

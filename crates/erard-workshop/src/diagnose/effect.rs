@@ -1,8 +1,8 @@
-//! The effect of each cause on each reading: `effects.csv`, simulated on sound grands of the ensemble.
+//! Effect of each cause on each reading: `effects.csv`, simulated on sound grands of the ensemble.
 //!
 //! Three cases of every cause are planted, one at a time, into several drawn, regulated grands; a row holds the mean
 //! change of every feature, and the next its standard deviation from grand to grand. `cargo run --release -p
-//! erard-workshop --example effects` writes the file anew.
+//! erard-workshop --example effects` rewrites the file.
 
 use std::fmt::Write as _;
 use std::sync::LazyLock;
@@ -18,7 +18,7 @@ use crate::cores;
 use crate::measure::MeasureError;
 use crate::worklist::{Quantity, Readings};
 
-/// Features: what is compared. Balance and friction weight are two independent combinations of D and U.
+/// Features compared. Balance and friction weight are two independent combinations of D and U.
 pub(super) const FEATURES: [&str; 18] = [
     "balance_weight_g",
     "friction_weight_g",
@@ -43,28 +43,28 @@ pub(super) const N: usize = FEATURES.len();
 pub(super) const BALANCE: usize = 0;
 pub(super) const FRICTION: usize = 1;
 
-/// Values of all features; `None` did not happen.
+/// Values of all features; `None` if the event did not happen.
 pub(super) type Features = [Option<f64>; N];
 
-/// A hammer that is not caught is taken for one that is caught about here, mm below the string, give or take a standard
-/// error. Estimates: a check that is a little too far does not catch at all, and a sound grand may be near that.
+/// Check distance assumed for a hammer that is not caught, mm below the string, and its standard error. Estimates: a
+/// check slightly too far does not catch at all, and a sound grand may be near that.
 pub(super) const NOT_CAUGHT_MM: [f64; 2] = [24.0, 4.0];
-/// The feature that is the checking distance.
+/// Feature of the check distance.
 pub(super) const CHECK: usize = at::CHECK;
 
 /// Cases of a cause in the table.
 const LEVELS: [f64; 3] = [1.0, 2.0, 3.0];
 
-/// What a case of a cause changes.
+/// Changes by a case of a cause.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Effect {
-    /// Mean change; `None` where the feature does not happen any more.
+    /// Mean change; `None` if the event of the feature no longer happens.
     pub mean: Features,
     /// Standard deviation from grand to grand.
     pub spread: [f64; N],
 }
 
-/// Of every cause its three cases.
+/// The three cases of every cause.
 static EFFECTS: LazyLock<Vec<[Effect; 3]>> =
     LazyLock::new(|| parse(include_str!("effects.csv")).expect("the built-in effects read"));
 
@@ -99,14 +99,14 @@ fn parse(text: &str) -> Option<Vec<[Effect; 3]>> {
     rows.next().is_none().then_some(all)
 }
 
-/// The features of an action.
+/// Features of an action.
 pub(super) fn features(readings: &Readings, bench: &Bench) -> Features {
     let mut features = of_known(&Known::of(readings, bench));
     features[at::RATIO] = readings.get(Quantity::Ratio);
     features
 }
 
-/// The features that are known of a key; of D and U only both together.
+/// Known features of a key; D and U count only together.
 pub(super) fn of_known(known: &Known) -> Features {
     std::array::from_fn(|feature| match feature {
         BALANCE => known.balance_g(),
@@ -119,7 +119,7 @@ fn measured(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Feat
     Ok(features(&Readings::of(instrument, progress)?, &Bench::of(instrument)?))
 }
 
-/// One row of the table: what a case of a cause changes on each of some sound grands.
+/// Simulates one row of the table: the changes by a case of a cause on some sound grands.
 fn simulate(
     grands: &[(Instrument, Features)],
     cause: &Cause,
@@ -134,7 +134,7 @@ fn simulate(
     let mut effect = Effect { mean: [None; N], spread: [0.0; N] };
     for i in 0..N {
         let values: Vec<f64> = changes.iter().filter_map(|change| change[i]).collect();
-        // What happens on fewer than half of them is not there.
+        // An event that happens on fewer than half of them counts as missing.
         if 2 * values.len() < changes.len() {
             continue;
         }
@@ -146,7 +146,7 @@ fn simulate(
     Ok(effect)
 }
 
-/// The file, simulated on these sound grands.
+/// Returns the file, simulated on these sound grands.
 ///
 /// # Errors
 /// See [`MeasureError`].

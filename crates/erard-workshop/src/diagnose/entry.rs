@@ -1,4 +1,4 @@
-//! The readings of a key: names, unit, precision, and which readings are impossible.
+//! Readings of a key: names, unit, precision, and impossible values.
 
 use erard::instrument::Instrument;
 use erard::keyboard::is_sharp;
@@ -19,15 +19,15 @@ pub struct Entry {
     pub name: &'static str,
     /// Name at the bench.
     pub label: &'static str,
-    /// The unit; empty for a ratio or a count.
+    /// Unit; empty for a ratio or a count.
     pub unit: &'static str,
-    /// Other names, with this program's words: those of other regions are understood for each.
+    /// Other names, in this program's words: regional words are accepted for each.
     pub also: &'static [&'static str],
-    /// The least and the most that is possible.
+    /// Least and largest possible value.
     pub limits: [f64; 2],
     /// Largest error of a reading: an estimate for scale, rule and eye.
     pub precision: f64,
-    /// Decimals that are shown.
+    /// Number of decimals shown.
     pub decimals: usize,
     /// Protocol of the reading.
     pub how: &'static str,
@@ -47,7 +47,7 @@ const fn entry(
     Entry { name, label, unit, also, limits, precision, decimals, how }
 }
 
-/// Places in [`TABLE`] that code speaks of.
+/// Indices into [`TABLE`] used by code.
 pub(super) mod at {
     pub const DOWN: usize = 0;
     pub const UP: usize = 1;
@@ -276,13 +276,13 @@ const TABLE: [Entry; ENTRIES] = [
     ),
 ];
 
-/// A usual range at a key, ends that are open as infinite; `None` where nothing is usual.
+/// Usual range at a key, open ends infinite; `None` if there is none.
 pub(super) fn usual_range(line: &str, key: usize) -> Option<[f64; 2]> {
     let [low, high] = usual(line)?.at(key);
     Some([low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)])
 }
 
-/// Everything that can be entered.
+/// Returns all entries.
 #[must_use]
 pub fn entries() -> &'static [Entry] {
     &TABLE
@@ -303,21 +303,21 @@ impl Entry {
             "strike_weight_ratio" => "strike_weight_ratio_weights",
             name => name,
         };
-        // Renner's technical manual, quoted on the PTG forum: at 23 mm from the pin of a hammer 2 to 5 gf; of a
-        // whippen 1 to 4, and no arm, for which 25 mm is ours.
+        // Renner's technical manual, quoted on the PTG forum: 2 to 5 gf at 23 mm from a hammer's pin; 1 to 4 for a
+        // whippen, without an arm: 25 mm is our own.
         match self.name {
             "hammer_flange_g" => return Some([2.0, 5.0]),
             "whippen_flange_g" => return Some([1.0, 4.0]),
             // "4 - 8 times" (Pianotech list, December 2002), "4 - 7" and "5 to 9" (Caut list).
             "hammer_swings" => return Some([4.0, 9.0]),
-            // Half of a usual friction weight: the built-in grand's key has a third of it. Ours.
+            // Half of a usual friction weight: the built-in grand's key has a third of it. Our own.
             "key_alone_friction_g" => return Some([1.0, 6.0]),
             _ => {}
         }
         usual_range(line, key)
     }
 
-    /// Why the usual range of this entry is not that of a key; `None` where it is.
+    /// Reason why the usual range of this entry is not that of a key; `None` if it is.
     #[must_use]
     pub fn not_judged(&self, key: usize) -> Option<&'static str> {
         let is_of_a_natural = ["front_weight_g", "strike_weight_ratio", "dip_mm", "key_ratio"].contains(&self.name);
@@ -327,23 +327,23 @@ impl Entry {
     }
 }
 
-/// The known readings of a key. A reading that is absent was not measured.
+/// Known readings of a key. A missing reading was not measured.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Known {
     values: [Option<f64>; ENTRIES],
-    /// A medium blow is not caught by the back check.
+    /// Whether the back check fails to catch a medium blow.
     pub is_not_caught: bool,
     /// Leads in the key; empty if not given.
     pub leads: Vec<Lead>,
 }
 
-/// A reading that cannot be.
+/// An impossible reading.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{what}; expected {expected}")]
 pub struct Impossible {
-    /// The entry's name; `key` and `leads` of a form; empty where the fault belongs to none.
+    /// Name of the entry; `key` and `leads` of a form; empty if the fault belongs to none.
     pub entry: &'static str,
-    /// The fault.
+    /// Fault.
     pub what: String,
     /// Expected text.
     pub expected: String,
@@ -360,20 +360,20 @@ impl Known {
         self.values[at]
     }
 
-    /// Sets one of the values, by the entry's name; other names are passed over.
+    /// Sets a value by the entry's name; other names are ignored.
     pub fn set(&mut self, name: &str, value: Option<f64>) {
         if let Some(at) = TABLE.iter().position(|entry| entry.name == name) {
             self.values[at] = value;
         }
     }
 
-    /// Whether nothing at all is known.
+    /// Whether no reading is known.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         !self.is_not_caught && self.values.iter().all(Option::is_none)
     }
 
-    /// The readings of an instrument without error: the scale, the distances, and the tests at the bench.
+    /// Readings of an instrument without error: the scale, the distances, and the bench tests.
     #[must_use]
     pub fn of(readings: &Readings, bench: &Bench) -> Self {
         let mut known = Known::default();
@@ -393,7 +393,8 @@ impl Known {
         known
     }
 
-    /// Measures them on an instrument: trials with the key, a slow loop, the scale, and what its pins have.
+    /// Measures all readings on an instrument: trials with the key, a slow loop, the scale, and the friction of its
+    /// pins.
     ///
     /// # Errors
     /// See [`crate::measure::MeasureError`].
@@ -408,12 +409,12 @@ impl Known {
     /// one.
     ///
     /// # Errors
-    /// Which, why, and what would be right.
+    /// The reading, the reason, and the expected values.
     pub fn check(&self) -> Result<(), Impossible> {
         self.faults().into_iter().next().map_or(Ok(()), Err)
     }
 
-    /// Every reading that cannot be.
+    /// Returns all impossible readings.
     pub(super) fn faults(&self) -> Vec<Impossible> {
         let mut faults = Vec::new();
         for (entry, value) in TABLE.iter().zip(self.values) {
@@ -463,7 +464,7 @@ impl Known {
 mod tests {
     use super::*;
 
-    /// Every name belongs to one entry, also those of other regions.
+    /// Every name belongs to one entry, also regional ones.
     #[test]
     fn names_are_one_entrys() {
         let names = || TABLE.iter().flat_map(|entry| std::iter::once(entry.name).chain(entry.also.iter().copied()));
@@ -476,7 +477,7 @@ mod tests {
         }
     }
 
-    /// Nothing drops and much is left before the string: both can be. An up-weight over the down-weight cannot.
+    /// No drop and a large let-off distance are possible together. An up-weight above the down-weight is not.
     #[test]
     fn impossible_readings_are_pointed_at() {
         let known = |pairs: &[(&str, f64)]| {

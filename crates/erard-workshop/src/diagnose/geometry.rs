@@ -1,4 +1,4 @@
-//! Leverage and inertia from the given weights and lengths, as bands; what is missing for either is named.
+//! Leverage and inertia from the given weights and lengths, as bands, with notes on missing readings.
 
 use super::entry::{Known, at};
 use super::healthy::WHIPPEN_AT_FRONT_G;
@@ -7,18 +7,18 @@ use crate::measure::usual::usual;
 /// Range of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// The least.
+    /// Lower end.
     pub low: f64,
-    /// The most.
+    /// Upper end.
     pub high: f64,
 }
 
-/// Numbers that a technician cannot weigh, as far as they follow.
+/// Quantities that a technician cannot weigh, as far as they follow from readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Geometry {
-    /// R by the equation of balance, or as it was given; `None` where something is missing.
+    /// R by the equation of balance, or as given; `None` if a reading is missing.
     pub ratio: Option<Band>,
-    /// Front weight: as it was weighed, or from the leads.
+    /// Front weight: as weighed, or from the leads.
     pub front_weight_g: Option<Band>,
     /// Effective inertia at the key's front, kg.
     pub inertia_kg: Option<Band>,
@@ -26,10 +26,10 @@ pub struct Geometry {
     pub notes: Vec<String>,
 }
 
-/// The balance pin to where the key is pressed, mm: full grands' naturals. The built-in grand's is 265, a Steinway O's
-/// 233 (Delacour 2001).
+/// Distance from the balance pin to where the key is pressed, mm: naturals of full-size grands. The built-in grand's is
+/// 265, a Steinway O's 233 (Delacour 2001).
 const FRONT_MM: [f64; 2] = [230.0, 270.0];
-/// Front weight of a key without leads, g: the built-in grand's wood makes 5. An estimate.
+/// Front weight of a key without leads, g: 5 in the built-in grand. An estimate.
 const BARE_G: [f64; 2] = [0.0, 10.0];
 /// Inertia of a key without leads and of a whippen, kg at the key's front: 0.03 and 0.006 in the built-in grand.
 /// Estimates.
@@ -37,13 +37,13 @@ const WOOD_KG: [f64; 2] = [0.025, 0.050];
 const WHIPPEN_KG: [f64; 2] = [0.003, 0.010];
 /// A hammer's inertia about its pin over that of its strike weight at the strike point: 0.95 in the built-in grand.
 const HAMMER: [f64; 2] = [0.90, 1.02];
-/// The ratio half-way, where inertia is felt, over that of the weights: an estimate.
+/// Ratio half-way, where inertia is felt, over that of the weights: an estimate.
 const HALF_WAY: [f64; 2] = [0.95, 1.03];
-/// Where leads stand that nobody has named, as shares of the key's front arm.
+/// Places of unknown leads, as shares of the key's front arm.
 const LEADS_AT: [f64; 2] = [0.25, 0.9];
 
 impl Geometry {
-    /// Leverage, front weight and inertia of a key from its readings.
+    /// Computes leverage, front weight and inertia of a key from its readings.
     #[must_use]
     pub fn of(known: &Known, key: usize) -> Self {
         let mut notes = Vec::new();
@@ -54,7 +54,7 @@ impl Geometry {
     }
 }
 
-/// A reading with its precision as a band.
+/// Band of a reading within its precision.
 fn read(known: &Known, at: usize) -> Option<Band> {
     let precision = super::entry::entries()[at].precision;
     known.at(at).map(|x| Band { low: x - precision, high: x + precision })
@@ -168,8 +168,8 @@ mod tests {
     use super::*;
     use crate::balance::Lead;
 
-    /// By hand: BW 38, FW 26, SW 10 and a whippen of 18 g at 0.5: R = (38 + 26 - 9) / 10 = 5.5. Without what it needs
-    /// it is left out, and said to be.
+    /// By hand: BW 38, FW 26, SW 10 and a whippen of 18 g at 0.5: R = (38 + 26 - 9) / 10 = 5.5. With a reading missing
+    /// it is left out, with a note.
     #[test]
     fn leverage_by_hand() {
         let mut known = Known::default();
@@ -188,7 +188,7 @@ mod tests {
         assert!(ratio.low < 5.5 && ratio.high > 5.5 && ratio.high - ratio.low < 0.6, "{ratio:?}");
     }
 
-    /// Leads with their places narrow the inertia.
+    /// Known places of leads narrow the inertia.
     #[test]
     fn places_of_leads_narrow_the_inertia() {
         let mut known = Known::default();

@@ -1,7 +1,7 @@
-//! How the readings of sound keys lie: as a normal distribution over all features.
+//! Distribution of the readings of sound keys: normal over all features.
 //!
-//! Its sources are the usual ranges, inside of which every value is as likely as another (a standard deviation of the
-//! width over the root of 12), and the simulated effects. What is ours says so where it is given.
+//! Its sources are the usual ranges, uniform inside (a standard deviation of the width over the root of 12), and the
+//! simulated effects. Our own estimates are marked.
 
 use super::cause::causes;
 use super::effect::{BALANCE, FEATURES, FRICTION, N, effects};
@@ -15,7 +15,7 @@ pub(super) struct Healthy {
     pub covariance: [[f64; N]; N],
 }
 
-/// What the whippen weighs at the key's front, KR WW, g: 0.5 to 0.56 of 16.2 to 19.8 g, and its standard deviation.
+/// Weight of the whippen at the key's front, KR WW, g: 0.5 to 0.56 of 16.2 to 19.8 g, and its standard deviation.
 pub(super) const WHIPPEN_AT_FRONT_G: [f64; 2] = [9.5, 0.7];
 /// Friction of a key alone, of a hammer's flange at 23 mm and of a whippen's at 25 mm, g, and their standard
 /// deviations: the built-in grand's 3.8, Renner's 2 to 5 and 1 to 4. Estimates.
@@ -24,9 +24,9 @@ const PLACES: [(usize, &str, f64, f64); 3] = [
     (at::HAMMER_FLANGE, "hammer_friction", 4.0, 0.9),
     (at::WHIPPEN_FLANGE, "whippen_friction", 2.6, 0.8),
 ];
-/// What rubs elsewhere (knuckle, jack, lever), g of friction weight: its standard deviation, an estimate.
+/// Standard deviation of friction elsewhere (knuckle, jack, lever), g of friction weight: an estimate.
 const ELSEWHERE_G: f64 = 1.0;
-/// The screws: which feature each sets, and a cause that turns it.
+/// Screws: the feature set by each, and a cause that turns it.
 const SCREWS: [(usize, &str); 9] = [
     (at::DIP, "dip_deep"),
     (at::BLOW, "hammer_low"),
@@ -38,8 +38,8 @@ const SCREWS: [(usize, &str); 9] = [
     (at::SPRING, "spring_weak"),
     (at::DAMPER, "damper_early"),
 ];
-/// What screws do not explain of the aftertouch of sound keys, mm: a blow of 46 mm takes 0.5 mm more or less of the key
-/// where the leverage is 5.2 or 5.8. An estimate.
+/// Scatter of the aftertouch of sound keys not explained by screws, mm: a blow of 46 mm takes 0.5 mm more or less key
+/// travel at a leverage of 5.2 or 5.8. An estimate.
 const AFTERTOUCH_MM: f64 = 0.5;
 
 /// A sum of features, its value, and its standard deviation.
@@ -51,7 +51,7 @@ fn usual_of(line: &str, key: usize) -> Option<[f64; 2]> {
     Some([0.5 * (low? + high?), (high? - low?) / libm::sqrt(12.0)])
 }
 
-/// By how much a cause changes each feature, per unit of one of them.
+/// Change of each feature by a cause, per unit of one of them.
 fn per_unit(cause: &str, of: usize) -> [f64; N] {
     let row = causes().iter().position(|own| own.key == cause).unwrap_or_default();
     let light = &effects()[row][0];
@@ -60,13 +60,13 @@ fn per_unit(cause: &str, of: usize) -> [f64; N] {
 }
 
 impl Healthy {
-    /// At a key.
+    /// Returns the distribution at a key.
     pub(super) fn at(key: usize) -> Self {
         let of = |line: &str| usual_of(line, key).unwrap_or([0.0, 1.0]);
         let mut healthy = Healthy { mean: [0.0; N], covariance: [[0.0; N]; N] };
         for (feature, name) in FEATURES.iter().enumerate() {
             healthy.mean[feature] = usual_of(name, key).map_or(0.0, |[middle, _]| middle);
-            // No reading is the same on two keys: a tenth of its precision, so that nothing is certain.
+            // No two keys read exactly the same: a tenth of the precision, so that nothing is certain.
             healthy.covariance[feature][feature] = (0.1 * entries()[feature].precision).powi(2);
         }
         let [balance, balance_sd] = of("balance_weight_g");
@@ -74,27 +74,27 @@ impl Healthy {
         let [ratio, ratio_sd] = of("strike_weight_ratio_weights");
         healthy.mean[at::RATIO] = ratio;
         healthy.mean[at::SPRING] = 0.25;
-        // The equation of balance: whoever leads a key brings the balance weight right, and the front weight follows.
+        // The equation of balance: a technician sets the balance weight by leads, and the front weight follows.
         healthy.mean[at::FRONT] = WHIPPEN_AT_FRONT_G[0] + ratio * strike - balance;
         healthy.add(&[(BALANCE, balance_sd), (at::FRONT, -balance_sd)]);
         healthy.add(&[(at::STRIKE, strike_sd), (at::FRONT, ratio * strike_sd)]);
         healthy.add(&[(at::RATIO, ratio_sd), (at::FRONT, strike * ratio_sd)]);
         healthy.add(&[(at::FRONT, WHIPPEN_AT_FRONT_G[1])]);
-        // Friction weight: the sum of what rubs, with the simulated leverage of each place.
+        // Friction weight: the sum of all frictions, with the simulated leverage of each place.
         for (place, cause, mean, sd) in PLACES {
             healthy.mean[place] = mean;
             let unit = per_unit(cause, place);
             healthy.add(&[(place, sd), (FRICTION, unit[FRICTION] * sd)]);
         }
         healthy.add(&[(FRICTION, ELSEWHERE_G)]);
-        // Each line has a screw of its own and is set after the others, but for the aftertouch, which follows.
+        // Each line has its own screw and is set after the others, except the aftertouch, which follows.
         for (feature, cause) in SCREWS {
             let [_, sd] = of(FEATURES[feature]);
             let unit = per_unit(cause, feature);
             healthy.add(&[(feature, sd), (at::AFTERTOUCH, unit[at::AFTERTOUCH] * sd)]);
         }
         healthy.add(&[(at::AFTERTOUCH, AFTERTOUCH_MM)]);
-        // All of them are in their usual ranges.
+        // These are in their usual ranges.
         let mut known: Vec<Condition> = Vec::new();
         for feature in [FRICTION, at::AFTERTOUCH] {
             let [middle, sd] = of(FEATURES[feature]);
@@ -110,7 +110,7 @@ impl Healthy {
         healthy
     }
 
-    /// One more reason why features differ, with what it does to each at one standard deviation.
+    /// Adds a source of scatter, with its effect on each feature at one standard deviation.
     fn add(&mut self, reason: &[(usize, f64)]) {
         for &(i, a) in reason {
             for &(j, b) in reason {
@@ -119,7 +119,7 @@ impl Healthy {
         }
     }
 
-    /// What is known of a sum of features: its value within a standard deviation.
+    /// Conditions on a sum of features: its value and standard deviation.
     fn condition(&mut self, row: &[(usize, f64)], value: f64, sd: f64) {
         let column: [f64; N] = std::array::from_fn(|i| row.iter().map(|(j, c)| c * self.covariance[i][*j]).sum());
         let variance = row.iter().map(|(i, c)| c * column[*i]).sum::<f64>() + sd * sd;
@@ -137,8 +137,8 @@ impl Healthy {
 mod tests {
     use super::*;
 
-    /// Sound keys read as the trade says: each mean is inside its usual range, with room of a standard deviation or so,
-    /// and the equation of balance holds of the means.
+    /// Sound keys agree with the trade: each mean is inside its usual range by about a standard deviation, and the
+    /// means satisfy the equation of balance.
     #[test]
     fn sound_keys_are_usual() {
         for key in [1, 16, 40, 64, 88] {

@@ -1,12 +1,12 @@
-//! Causes of a key's faults, ranked, from whatever was measured of it.
+//! Ranked causes of a key's faults, from any readings of it.
 //!
-//! `entry` lists what can be read off a key, with the words for it, the precision of a reading and what is impossible;
-//! `table` reads many keys from CSV; `bench` holds the tests that tell places of friction apart. `cause` is the table
-//! of causes (`causes.toml`: how common, quick test, remedy), `plant` puts a cause into a simulated action, `effect`
-//! what each cause does to each reading (`effects.csv`, simulated on an ensemble), `healthy` how readings of sound keys
-//! lie, `belief` the probability of every cause and combination, `next` the measurement that would tell most, and
-//! `geometry` what follows from weights. `report` draws the answer together, `answer` says it in sentences and as JSON,
-//! and `typed` takes the readings of a form.
+//! `entry` lists the readings of a key, with names, precision and limits; `table` reads many keys from CSV; `bench`
+//! holds the tests that distinguish places of friction. `cause` is the table of causes (`causes.toml`: frequency, quick
+//! test, cure), `plant` puts a cause into a simulated action, `effect` holds the effect of each cause on each reading
+//! (`effects.csv`, simulated on an ensemble), `healthy` the distribution of the readings of sound keys, `belief` the
+//! probability of every cause and combination, `next` the most informative measurement, and `geometry` quantities
+//! derived from weights. `report` assembles the answer, `answer` puts it into sentences and JSON, and `typed` reads a
+//! form.
 
 mod answer;
 mod belief;

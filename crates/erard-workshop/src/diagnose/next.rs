@@ -1,5 +1,4 @@
-//! The measurement that would narrow the answer most: the one whose reading is expected to tell most about which causes
-//! are there, in bits.
+//! The most informative next measurement: the one whose reading is expected to reveal most about the causes, in bits.
 
 use std::collections::BTreeMap;
 
@@ -7,10 +6,10 @@ use super::belief::Belief;
 use super::effect::{BALANCE, FRICTION, N};
 use super::entry::at;
 
-/// Points at which a reading's probability is summed.
+/// Points of the integral over a reading's probability.
 const POINTS: usize = 400;
 
-/// A feature, what it is expected to tell, bits, and what it would read under each of the likeliest sets of causes, the
+/// A feature, its expected information, bits, and its expected reading under each of the likeliest sets of causes, the
 /// likeliest first.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Next {
@@ -19,12 +18,12 @@ pub(super) struct Next {
     pub would_read: Vec<(Vec<usize>, f64)>,
 }
 
-/// The best of the features that have not been read.
+/// Returns the best of the unread features.
 pub(super) fn next(belief: &Belief, is_known: impl Fn(usize) -> bool) -> Option<Next> {
-    // Balance weight comes with friction weight; leverage takes a weighing with another hammer, and follows.
+    // Balance weight comes with friction weight; leverage needs a weighing with another hammer, and follows.
     let candidates = (0..N).filter(|feature| !is_known(*feature) && ![BALANCE, at::RATIO].contains(feature));
     candidates.map(|feature| of(belief, feature)).max_by(|a, b| {
-        // Of two that tell the same, the one that is quicker: D and U before all.
+        // Of two equally informative ones, the quicker one: D and U first.
         let rank = |next: &Next| (next.bits, next.feature == FRICTION);
         rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal)
     })
@@ -36,7 +35,7 @@ fn of(belief: &Belief, feature: usize) -> Next {
     let low = told.iter().map(|(_, _, mean, sd)| mean - 4.0 * sd).fold(f64::INFINITY, f64::min);
     let high = told.iter().map(|(_, _, mean, sd)| mean + 4.0 * sd).fold(f64::NEG_INFINITY, f64::max);
     let step = (high - low) / POINTS as f64;
-    // By the set of causes, whatever their grades.
+    // Grouped by the set of causes, whatever their grades.
     let mut by_causes: BTreeMap<&[usize], Vec<(f64, f64, f64)>> = BTreeMap::new();
     for (p, causes, mean, sd) in &told {
         by_causes.entry(causes).or_default().push((p / total, *mean, *sd));

@@ -1,4 +1,4 @@
-//! A cause put into a simulated action, or taken out of it.
+//! Puts a cause into a simulated action, or removes it.
 
 use erard::Progress;
 use erard::grand::Anatomy;
@@ -20,7 +20,7 @@ pub fn plant_amount(cause: &Cause, case: f64) -> f64 {
 /// Returns an action with this amount of a cause added or, with `undo`, removed.
 ///
 /// # Errors
-/// Where it is no grand action.
+/// If the instrument is no grand action.
 pub fn plant(
     instrument: &Instrument,
     cause: &Cause,
@@ -54,13 +54,13 @@ pub fn plant(
     Ok(planted)
 }
 
-/// Turns a screw the way that technicians' words go; a spring by a share of its torque.
+/// Turns a screw in the direction of technicians' words; a spring by a share of its torque.
 fn turn(instrument: &mut Instrument, name: &str, by: f64) {
     let (Some(screw), Some(known)) = (instrument.screw(name), known_screw(name)) else { return };
     let turned = &instrument.screws[screw];
     let by = match turned.action {
         erard::instrument::ScrewAction::Spring { spring } => {
-            // A share of the spring as drawn, so that the same share back undoes it.
+            // A share of the drawn torque, so that the same share back undoes it.
             by * (instrument.springs[spring].torque_n_m.abs() - turned.setting)
         }
         _ => by * known.sense(turned),

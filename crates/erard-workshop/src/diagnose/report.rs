@@ -1,4 +1,4 @@
-//! The answer: what each reading is, which causes there may be, what to measure next, what follows from the weights.
+//! The answer: judged readings, possible causes, the next measurement, and quantities derived from the weights.
 
 use super::belief::{Belief, Row};
 use super::bench::friction_of_swings;
@@ -9,11 +9,11 @@ use super::geometry::Geometry;
 use super::next::next;
 use crate::measure::usual::usual;
 
-/// Causes that are not named below this probability.
+/// Causes below this probability are not named.
 const LEAST: f64 = 0.03;
-/// Most causes that are named.
+/// Most causes named.
 const MOST: usize = 6;
-/// A measurement that tells less, bits, is not asked for.
+/// Least information of a suggested measurement, bits.
 const LEAST_BITS: f64 = 0.05;
 
 /// Place of a reading relative to its usual range.
@@ -21,17 +21,17 @@ const LEAST_BITS: f64 = 0.05;
 pub enum Standing {
     /// Inside.
     Inside,
-    /// Outside by no more than the reading may be off.
+    /// Outside by no more than the reading's error.
     Doubtful,
     /// Outside.
     Out,
-    /// Nothing is usual.
+    /// There is no usual range.
     NoRange,
-    /// The usual range is not this key's, and why.
+    /// The usual range is not this key's, with the reason.
     NotJudged(&'static str),
 }
 
-/// A reading, or what follows from readings.
+/// A reading, or a quantity derived from readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judged {
     /// Name in tables.
@@ -40,7 +40,7 @@ pub struct Judged {
     pub label: &'static str,
     /// Unit; empty for a ratio or a count.
     pub unit: &'static str,
-    /// Decimals that are shown.
+    /// Number of decimals shown.
     pub decimals: usize,
     /// Value as read; `None` if the event did not happen.
     pub value: Option<f64>,
@@ -57,14 +57,13 @@ pub struct Ranked {
     pub cause: &'static Cause,
     /// Probability, 0 to 1, under the estimates of `causes.toml`.
     pub probability: f64,
-    /// 1 light, 2 plain, 3 heavy.
+    /// Case: 1 light, 2 plain, 3 heavy.
     pub case: f64,
-    /// The readings that it explains: those that it changes by more than their precision, with the change that is
-    /// believed.
+    /// Readings that it explains: those that it changes by more than their precision, with the estimated change.
     pub explains: Vec<(&'static str, f64)>,
 }
 
-/// The measurement that would narrow the answer most.
+/// The most informative measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Suggestion {
     /// The reading to take, as in tables; D and U come together.
@@ -73,13 +72,13 @@ pub struct Suggestion {
     pub label: &'static str,
     /// Unit; empty for a ratio or a count.
     pub unit: &'static str,
-    /// Decimals that are shown.
+    /// Number of decimals shown.
     pub decimals: usize,
     /// Protocol of the reading.
     pub how: &'static str,
     /// Information expected from it, bits.
     pub bits: f64,
-    /// The value that it would have under the likeliest combinations of causes, the likeliest first.
+    /// Expected value under the likeliest combinations of causes, the likeliest first.
     pub would_read: Vec<(Vec<&'static Cause>, f64)>,
 }
 
@@ -88,11 +87,11 @@ pub struct Suggestion {
 pub struct Diagnosis {
     /// The key, from 1.
     pub key: usize,
-    /// The readings, in the order of the sheet, with balance weight, friction weight and leverage as they follow.
+    /// The readings in the order of the sheet, with balance weight, friction weight and leverage derived from them.
     pub lines: Vec<Judged>,
     /// Causes, the likeliest first; empty if no reading is out of its range by more than its error.
     pub causes: Vec<Ranked>,
-    /// That none of the table's causes fits.
+    /// Probability that none of the table's causes fits.
     pub something_else: f64,
     /// Reading to take next; `None` if no reading would be informative.
     pub next: Option<Suggestion>,
@@ -101,7 +100,7 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// Whether some reading is out of its range beyond doubt.
+    /// Whether some reading is surely out of its range.
     #[must_use]
     pub fn is_work(&self) -> bool {
         self.lines.iter().any(|line| line.standing == Standing::Out)
@@ -162,7 +161,7 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
     diagnosis
 }
 
-/// What a change explains of what was read.
+/// Readings explained by a change.
 fn explained(known: &Known, change: &[Option<f64>; N]) -> Vec<(&'static str, f64)> {
     let features = of_known(known);
     let mut of: Vec<(f64, &'static str, f64)> = (0..N)
@@ -176,7 +175,7 @@ fn explained(known: &Known, change: &[Option<f64>; N]) -> Vec<(&'static str, f64
     of.into_iter().take(4).map(|(_, name, by)| (name, by)).collect()
 }
 
-/// The readings as belief takes them.
+/// The readings as rows of the probability model.
 fn rows(known: &Known, key: usize, geometry: &Geometry) -> Vec<Row> {
     let features = of_known(known);
     let mut rows: Vec<Row> = (0..N)
@@ -253,7 +252,7 @@ fn lines(known: &Known, key: usize, geometry: &Geometry) -> Vec<Judged> {
     lines
 }
 
-/// Where a reading stands, as it is read.
+/// Place of a reading relative to its range, both as rounded for display.
 fn stands(value: f64, [low, high]: [f64; 2], precision: f64, decimals: usize) -> Standing {
     let scale = libm::pow(10.0, decimals as f64);
     let read = |x: f64| if x.is_finite() { (x * scale).round() / scale } else { x };

@@ -1,6 +1,6 @@
-//! Small normal distributions: Cholesky's factor of a covariance, densities, conditioning.
+//! Small normal distributions: Cholesky factor of a covariance, densities, conditioning.
 
-/// The lower Cholesky factor of a symmetric positive definite matrix of so many rows.
+/// Lower Cholesky factor of a symmetric positive definite matrix.
 #[derive(Debug, Clone)]
 pub(super) struct Factor {
     n: usize,
@@ -8,7 +8,7 @@ pub(super) struct Factor {
 }
 
 impl Factor {
-    /// Of a matrix stored by rows; `None` where it is not positive definite.
+    /// Factorises an n by n matrix stored by rows; `None` if it is not positive definite.
     pub(super) fn of(matrix: &[f64], n: usize) -> Option<Self> {
         let mut lower = matrix.to_vec();
         for i in 0..n {
@@ -43,7 +43,7 @@ impl Factor {
         x
     }
 
-    /// The logarithm of the normal density at a distance from the mean.
+    /// Logarithm of the normal density at a distance from the mean.
     pub(super) fn log_density(&self, off: &[f64]) -> f64 {
         let z = self.forward(off);
         let log_det: f64 = (0..self.n).map(|i| libm::log(self.lower[i * self.n + i])).sum();
@@ -52,7 +52,7 @@ impl Factor {
     }
 }
 
-/// log sum exp.
+/// Logarithm of the sum of exponentials.
 pub(super) fn log_sum(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let most = values.clone().fold(f64::NEG_INFINITY, f64::max);
     if most == f64::NEG_INFINITY { most } else { most + libm::log(values.map(|x| libm::exp(x - most)).sum()) }

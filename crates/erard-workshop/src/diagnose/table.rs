@@ -1,15 +1,15 @@
-//! Readings of many keys from CSV: a row for each key, cells may be missing.
+//! Readings of many keys from CSV: a row for each key; cells may be missing.
 
 use super::entry::{Entry, Known, entries};
 use crate::balance::{MeasuredError, rows_of_keys};
 
 /// Reads a table: a header that names `key` (1 to 88, or C4) or `note`, and any of the entries by any of their names,
-/// and `leads` (`14@165 14@147`); other columns are passed over. `none` under the checking distance is a hammer that is
-/// not caught; weak, right and strong do for the repetition spring. Keys come out ascending. `file` appears in errors
-/// only.
+/// and `leads` (`14@165 14@147`); other columns are ignored. `none` under the check distance means that the hammer is
+/// not caught; the repetition spring may be weak, right or strong. Keys are returned in ascending order. `file` appears
+/// in errors only.
 ///
 /// # Errors
-/// The first thing that is wrong, with line and column.
+/// The first error, with line and column.
 pub fn read(text: &str, file: &str) -> Result<Vec<(usize, Known)>, MeasuredError> {
     let fault = MeasuredError::in_file(file);
     const HEADER: &str = "key,down_weight_g,up_weight_g,let_off_mm,drop_mm";
@@ -51,8 +51,7 @@ pub fn read(text: &str, file: &str) -> Result<Vec<(usize, Known)>, MeasuredError
     Ok(keys)
 }
 
-/// Whether the header of a text is that of a table with a row for each key: it names a key or a note, and no time, as
-/// strokes do.
+/// Whether the header of a text is that of a table of keys: it names a key or a note, and no time, as strokes do.
 #[must_use]
 pub fn is_table_of_keys(text: &str) -> bool {
     let is_header = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with('#');
@@ -66,11 +65,11 @@ pub fn is_table_of_keys(text: &str) -> bool {
 }
 
 impl Known {
-    /// Enters a reading as people write it: a number, with a point or a comma, with or without its unit, or one of the
-    /// entry's words.
+    /// Enters a reading as typed: a number, with a point or a comma, with or without its unit, or one of the entry's
+    /// words.
     ///
     /// # Errors
-    /// What was expected.
+    /// The expected text.
     pub fn enter(&mut self, entry: &Entry, text: &str) -> Result<(), String> {
         let word = text.trim().to_lowercase();
         match (entry.name, word.as_str()) {
@@ -78,7 +77,7 @@ impl Known {
                 self.is_not_caught = true;
                 return Ok(());
             }
-            // What the eye says of the rise from the check, as the usual range's middle and ends have it: estimates.
+            // The rise from the check as judged by eye, by middle and ends of the usual range: estimates.
             ("repetition_spring_m_per_s", "weak") => self.set(entry.name, Some(0.1)),
             ("repetition_spring_m_per_s", "right") => self.set(entry.name, Some(0.3)),
             ("repetition_spring_m_per_s", "strong") => self.set(entry.name, Some(0.6)),
@@ -121,14 +120,14 @@ mod tests {
         assert_eq!((known.get("whippen_weight_g"), keys[1].1.get("up_weight_g")), (Some(18.2), None));
     }
 
-    /// A stroke is none, though its key's position may be called `key`.
+    /// A stroke is no table of keys, though its key's position may be called `key`.
     #[test]
     fn strokes_are_no_tables_of_keys() {
         assert!(is_table_of_keys("# mine\nNote;DW;UW\n") && is_table_of_keys("key,SW\n"));
         assert!(!is_table_of_keys("time_s,key\n") && !is_table_of_keys("t (ms);Key\n") && !is_table_of_keys(""));
     }
 
-    /// What is wrong is named with its place.
+    /// Errors state their place.
     #[test]
     fn what_is_wrong_is_named() {
         for (text, told) in [

@@ -1,4 +1,4 @@
-//! Readings of one key as a form or a program gives them: JSON, everything that is wrong with it at once.
+//! Readings of one key from a form or a program, as JSON; all errors are returned at once.
 
 use erard::keyboard::key_named;
 use serde_json::{Map, Value};
@@ -17,11 +17,10 @@ pub struct Typed {
 
 impl Typed {
     /// Reads `{"key": "C4", "leads": "14@165, 14@147", "down_weight_g": 58, "let-off": "3,5 mm"}`: entries by any of
-    /// their names, as numbers or as people write them. What is null or empty was not measured.
+    /// their names, as numbers or as typed text. Null and empty mean not measured.
     ///
     /// # Errors
-    /// Everything that is wrong, each with the name of its entry, `key` or `leads`; without a name what belongs to
-    /// none.
+    /// All errors, each with the name of its entry, `key` or `leads`; without a name if it belongs to none.
     pub fn read(json: &str) -> Result<Self, Vec<Impossible>> {
         let wrong = |entry, what, expected: &str| Impossible { entry, what, expected: expected.to_owned() };
         let object: Map<String, Value> = serde_json::from_str(json).map_err(|error| {
@@ -73,7 +72,7 @@ impl Typed {
     }
 }
 
-/// Leads with commas, semicolons or blanks between them; the one that is none.
+/// Reads leads separated by commas, semicolons or blanks; else returns the part that is no lead.
 fn leads(text: &str) -> Result<Vec<Lead>, String> {
     let each = text.split([',', ';', ' ']).map(str::trim).filter(|one| !one.is_empty());
     each.map(|one| Lead::read(one).ok_or_else(|| one.to_owned())).collect()
@@ -83,7 +82,7 @@ fn leads(text: &str) -> Result<Vec<Lead>, String> {
 mod tests {
     use super::*;
 
-    /// Any name, numbers or texts with units and decimal commas; what is empty was not measured.
+    /// Any name, numbers or texts with units and decimal commas; empty texts were not measured.
     #[test]
     fn readings_as_people_type_them() {
         let typed = Typed::read(
@@ -98,7 +97,7 @@ mod tests {
         assert_eq!(Typed::read(r#"{"key": 41, "d": 50}"#).unwrap().key, Some(41));
     }
 
-    /// Everything that is wrong comes at once, each at its own name.
+    /// All errors are returned at once, each under its own name.
     #[test]
     fn all_faults_by_name() {
         let faults = |json: &str| -> Vec<(&str, String)> {

@@ -1,5 +1,4 @@
-//! An action on the bench and the finger that presses it: slowly, stopping where the eye says stop, or with a constant
-//! force.
+//! An action on the bench and the finger that presses it: slowly, until an observed event, or with a constant force.
 
 use moreau::{Outcome, Settings};
 
@@ -9,22 +8,21 @@ use erard::grand::Anatomy;
 use erard::instrument::{Instrument, Vec2};
 use erard::player::{Action, Input};
 
-/// How often the caller is asked whether to go on, in steps.
+/// Steps between questions to the caller whether to go on.
 const ASK_EVERY: u64 = 4096;
-/// Time in which a slow finger reaches its speed, s: three swings of the hammer on its felts, so that it is not set
-/// swinging.
+/// Acceleration time of a slow finger, s: three swings of the hammer on its felts, so that it does not start to swing.
 const GATHERING_S: f64 = 0.3;
-/// Time in which it stops, s: it goes half a tenth of a millimetre further meanwhile.
+/// Braking time of the finger, s: it travels another twentieth of a millimetre meanwhile.
 const BRAKING_S: f64 = 0.02;
 
-/// What an eye at the bench sees.
+/// Observed values of an action.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct View {
     /// Travel of the key front from its rest, m, down positive.
     pub key_m: f64,
     /// Strike point to string, m.
     pub below_string_m: f64,
-    /// Speed of the strike point toward the string, m/s.
+    /// Distance of strike point and string, m.
     pub rise_m_per_s: f64,
     /// Force of the finger, N.
     pub force_n: f64,
@@ -35,7 +33,7 @@ pub(super) struct Fixture<'i> {
     instrument: &'i Instrument,
     anatomy: Anatomy,
     action: Action,
-    /// The finger's position as the key front's would be, m below rest.
+    /// Position of the fingertip as key travel, m below rest.
     finger_m: f64,
     /// The finger's speed, m/s, down positive.
     speed_m_per_s: f64,
@@ -46,7 +44,7 @@ pub(super) struct Fixture<'i> {
 }
 
 impl<'i> Fixture<'i> {
-    /// The action at rest, nothing touching the key.
+    /// The action at rest with the key untouched.
     pub(crate) fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, DistanceError> {
         let action = Action::with(instrument, Settings::new(step_s))?;
         let view =
@@ -63,7 +61,7 @@ impl<'i> Fixture<'i> {
         })
     }
 
-    /// What is to be seen now.
+    /// Returns the present values.
     pub(crate) fn view(&self) -> View {
         self.before
     }
@@ -104,7 +102,7 @@ impl<'i> Fixture<'i> {
         Ok(())
     }
 
-    /// One step of a finger that is at, or on its way to, a speed.
+    /// Moves the finger by one step, at a speed or accelerating to it.
     fn finger_step(
         &mut self,
         to_m_per_s: f64,
@@ -123,8 +121,8 @@ impl<'i> Fixture<'i> {
         Ok(())
     }
 
-    /// Moves the finger at a speed (m/s, down positive), gathered gently, until `seen` says stop or the finger has
-    /// reached `until_m`. Whether it was `seen`.
+    /// Moves the finger at a speed (m/s, down positive), reached gently, until `seen` returns true or the finger
+    /// reaches `until_m`. Returns whether `seen` did.
     pub(crate) fn move_finger(
         &mut self,
         speed_m_per_s: f64,
@@ -141,7 +139,7 @@ impl<'i> Fixture<'i> {
         Ok(false)
     }
 
-    /// Stops the finger and holds it for a time; `seen` is called at every step, and ends the time.
+    /// Stops the finger and holds it for a time; `seen` is called at every step, and may end the time.
     pub(crate) fn hold(
         &mut self,
         for_s: f64,
@@ -159,7 +157,7 @@ impl<'i> Fixture<'i> {
         Ok(())
     }
 
-    /// Presses with a constant force, N, for a time; `seen` is called at every step, and ends the time.
+    /// Presses with a constant force, N, for a time; `seen` is called at every step, and may end the time.
     pub(crate) fn press(
         &mut self,
         force_n: f64,
@@ -174,14 +172,14 @@ impl<'i> Fixture<'i> {
                 break;
             }
         }
-        // A finger that takes over from here stands where its flesh gives this force.
+        // A finger that takes over starts where its flesh gives this force.
         self.finger_m = self.before.key_m + force_n / self.instrument.finger.stiffness_n_per_m;
         self.speed_m_per_s = 0.0;
         Ok(())
     }
 }
 
-/// Sees that the hammer has come to rest: slower than `below_m_per_s` for `for_s` without a break.
+/// Detects that the hammer is at rest: slower than `below_m_per_s` for `for_s` without a break.
 pub(super) struct Still {
     below_m_per_s: f64,
     for_s: f64,

@@ -1,9 +1,10 @@
-//! The distances of a regulated action, measured as a technician measures them.
+//! Distances of a regulated action, measured as a technician does.
 //!
-//! Two trials give them all. The slow key: pressed from rest at a few millimetres a second until the hammer is let off,
-//! held there until the hammer has dropped, then pressed on to the bottom, firmly. The medium blow: a constant force
-//! that throws the hammer at the string at about mf; the hammer is caught by the back check, then the key is let up
-//! slowly until the check lets go, and held there while the repetition spring lifts the hammer.
+//! Two trials with the key give all but the lever height, which is read with the hammer lifted. Slow key: pressed from
+//! rest at a few millimetres a second until the hammer is let off, held there until the hammer has dropped, then
+//! pressed firmly to the bottom. Medium blow: a constant force throws the hammer at the string at about mf; the back
+//! check catches the hammer, then the key is let up slowly until the check lets go, and held there while the repetition
+//! spring lifts the hammer.
 
 use thiserror::Error;
 
@@ -13,15 +14,15 @@ use erard::grand::{Anatomy, AnatomyError, rise_m};
 use erard::instrument::{Curve, Instrument, Vec2};
 use erard::player::ActionError;
 
-/// Protocol of the presses. The default is the project's; a shop that measures otherwise can set its own.
+/// Protocol of the presses. The default is the project's; a workshop with other habits can set its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Protocol {
     /// Speed of the slow finger, m/s: slow enough that the hammer's swing on its felts changes no distance by more than
     /// 0.02 mm.
     pub slow_m_per_s: f64,
-    /// Force of the firm press that dip is measured under, N: half a kilogram of finger.
+    /// Force of the firm press for the dip, N: half a kilogram of finger.
     pub firm_n: f64,
-    /// Force of the medium blow, N, put on at once and held: the hammer meets the string at about 2 m/s, mf.
+    /// Force of the medium blow, N, applied at once and held: the hammer reaches the string at about 2 m/s, mf.
     pub blow_n: f64,
     /// Step of the slow trial, s.
     pub slow_step_s: f64,
@@ -47,8 +48,8 @@ pub struct Distances {
     /// Let-off: nearest approach of the strike point to the string on a slow key, m. Zero or negative if the hammer
     /// blocks against the string: minus the compression of the string's felt.
     pub let_off_m: Option<f64>,
-    /// Drop: how far the strike point falls from its nearest approach once it is let off, to where it comes to rest on
-    /// the repetition lever with the key held where it let off, m. 0 where it does not fall.
+    /// Drop: fall of the strike point from its nearest approach to where it rests on the repetition lever, with the key
+    /// held at let-off, m. 0 if it does not fall.
     pub drop_m: Option<f64>,
     /// Aftertouch: travel of the key front from the hammer's highest point at let-off to the bottom, m; `None` without
     /// let-off.
@@ -62,45 +63,45 @@ pub struct Distances {
     /// Damper timing: travel of the key front when the damper has risen by `MOVED_M`, as a share of the dip.
     pub damper_start: Option<f64>,
     /// Check distance: strike point to string with the hammer caught by the back check after a medium blow, m. `None`
-    /// where it is not caught.
+    /// if it is not caught.
     pub check_m: Option<f64>,
-    /// Repetition rise: how far the strike point has risen, from where it was caught to where it comes to rest, when
-    /// the key is let up slowly until the back check lets go, and is held there, m. Not positive where the spring
-    /// cannot lift the hammer.
+    /// Repetition rise: rise of the strike point from where it was caught to where it comes to rest, when the key is
+    /// let up slowly until the back check lets go, and is held there, m. Not positive if the spring cannot lift the
+    /// hammer.
     pub repetition_rise_m: Option<f64>,
-    /// Strength of the repetition spring, by its effect: the largest speed of the strike point during that rise, m/s.
-    /// Technicians judge it by eye: a brisk rise that can be followed, without a jump.
+    /// Strength of the repetition spring: largest speed of the strike point during that rise, m/s. Technicians judge it
+    /// by eye: a brisk rise that can be followed, without a jump.
     pub spring_m_per_s: Option<f64>,
     /// Steps of the trials that reached an iteration limit.
     pub unconverged_steps: u64,
 }
 
-/// A part has moved, to a technician's eye, when it is this far from its rest, m.
+/// Travel from rest at which a technician sees that a part has moved, m.
 pub(crate) const MOVED_M: f64 = 1e-4;
 
-/// The hammer has been let off once it is this far below its highest point, m: a fifth of a usual drop, ten times what
-/// the hammer swings on its felts under a slow finger.
+/// Fall from its highest point that shows that the hammer is let off, m: a fifth of a usual drop, ten times the
+/// hammer's swing on its felts under a slow finger.
 const LET_OFF_FALL_M: f64 = 2e-4;
-/// How far a slow finger is followed, m: a quarter more than the deepest key.
+/// Greatest depth of a slow finger, m: a quarter more than the deepest key.
 const DEEPEST_M: f64 = 15e-3;
-/// Longest time that a hammer may take to drop, s: several swings.
+/// Longest time for a hammer to drop, s: several swings.
 const DROP_S: f64 = 1.5;
 /// Longest time from the first touch of a medium blow until the hammer hangs in the check, s.
 const BLOW_S: f64 = 0.5;
-/// Longest time that a hammer may take to rise from the check, s.
+/// Longest time for a hammer to rise from the check, s.
 const RISE_S: f64 = 1.0;
-/// A hammer is at rest when it has been slower than this, m/s, for [`STILL_S`].
+/// A hammer is at rest if it has been slower than this, m/s, for [`STILL_S`].
 const STILL_M_PER_S: f64 = 2e-4;
-/// s.
+/// Duration of rest, s.
 const STILL_S: f64 = 0.03;
 
-/// Why nothing could be measured.
+/// Reason why nothing could be measured.
 #[derive(Debug, Error)]
 pub enum DistanceError {
-    /// No grand action.
+    /// The instrument is no grand action.
     #[error(transparent)]
     Anatomy(#[from] AnatomyError),
-    /// Not assembled, or no rest.
+    /// The action cannot be assembled, or has no equilibrium.
     #[error(transparent)]
     Action(#[from] ActionError),
     /// A number overflowed.
@@ -111,23 +112,22 @@ pub enum DistanceError {
     Interrupted,
 }
 
-/// What is done with the action to measure it. Each trial starts from rest and gives some of the distances.
+/// Trial of the action. Each starts from rest and gives some of the distances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Trial {
     /// Pressed slowly, held at let-off, pressed on to the bottom.
     SlowKey,
-    /// The hammer lifted off jack and lever, which are looked at.
+    /// The hammer lifted off jack and lever to read their heights.
     LiftedHammer,
     /// Struck at about mf, checked, let up slowly from the check.
     MediumBlow,
 }
 
 impl Trial {
-    /// All of them.
+    /// All trials.
     pub(crate) const ALL: [Trial; 3] = [Trial::SlowKey, Trial::LiftedHammer, Trial::MediumBlow];
 
-    /// Makes the trial and sets its distances, leaving those of the others as they are; steps that did not converge are
-    /// added.
+    /// Makes the trial and sets its distances, leaving the others as they are; unconverged steps are added up.
     ///
     /// # Errors
     /// See [`DistanceError`].
@@ -147,10 +147,10 @@ impl Trial {
     }
 }
 
-/// Measures all distances, in three trials. `progress` ends the work by returning false.
+/// Measures all distances in three trials. `progress` ends the work by returning false.
 ///
 /// # Errors
-/// See [`DistanceError`]. A distance that cannot be taken is no error: it is `None`.
+/// See [`DistanceError`]. A distance that cannot be measured is no error: it is `None`.
 pub fn measure(
     instrument: &Instrument,
     protocol: &Protocol,
@@ -163,7 +163,7 @@ pub fn measure(
     Ok(distances)
 }
 
-/// The slow key: blow, lost motion, jack position, let-off, drop, aftertouch, dip, damper timing.
+/// Slow key: blow, lost motion, jack position, let-off, drop, aftertouch, dip, damper timing.
 fn slow_key(
     instrument: &Instrument,
     anatomy: Anatomy,
@@ -250,8 +250,7 @@ fn slow_key(
     Ok(())
 }
 
-/// The rear edge of the jack's top and the direction along it to the back, in the jack's frame; `None` where it has no
-/// end.
+/// Rear edge of the jack's top and the direction along it to the back, in the jack's frame; `None` if it has no end.
 fn jack_edge(instrument: &Instrument, anatomy: &Anatomy, fixture: &Fixture<'_>) -> Option<(Vec2, Vec2)> {
     let zone = &instrument.zones[anatomy.jack_knuckle];
     let Curve::Segment { from_m, to_m, .. } = zone.curve else { return None };
@@ -270,7 +269,7 @@ fn jack_position(instrument: &Instrument, anatomy: &Anatomy, fixture: &Fixture<'
     Some((rear[0] - knuckle[0]) * along[0] + (rear[1] - knuckle[1]) * along[1] + rounding_m)
 }
 
-/// The step between jack and repetition lever, with the hammer lifted off both.
+/// Step between jack and repetition lever, with the hammer lifted off both.
 fn lifted_hammer(
     instrument: &Instrument,
     anatomy: Anatomy,
@@ -279,7 +278,7 @@ fn lifted_hammer(
 ) -> Result<(), DistanceError> {
     distances.lever_height_m = None;
     let Some(lever_knuckle) = anatomy.lever_knuckle else { return Ok(()) };
-    // A knuckle without leather touches neither: the hammer lies on its rest, as far out of the way as it gets.
+    // A knuckle without leather touches neither: the hammer lies on its rest, as far away as possible.
     let mut lifted = instrument.clone();
     for zone in [anatomy.jack_knuckle, lever_knuckle] {
         lifted.zones[zone].felt.remove();
@@ -299,7 +298,7 @@ fn lifted_hammer(
     Ok(())
 }
 
-/// The medium blow: check distance, repetition rise, strength of the repetition spring.
+/// Medium blow: check distance, repetition rise, strength of the repetition spring.
 fn medium_blow(
     instrument: &Instrument,
     anatomy: Anatomy,

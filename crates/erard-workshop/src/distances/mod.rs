@@ -1,7 +1,6 @@
-//! The distances that a technician regulates, measured in simulation as he measures them on a piano.
+//! Distances that a technician regulates, measured in simulation as on a piano.
 //!
-//! `fixture` holds the action and the finger that presses it, and
-//! `measure` is what is measured, with the trade's convention for each.
+//! `fixture` holds the action and the finger that presses it, `measure` the distances by the trade's conventions.
 
 mod fixture;
 mod measure;

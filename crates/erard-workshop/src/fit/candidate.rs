@@ -1,39 +1,38 @@
-//! The best of all points that were ever played: no result is worse.
+//! The best of all points played: the result is no worse than any of them.
 
 use super::{FitError, Loss, Problem};
 
-/// A point that was played, and how good it is.
+/// A point that was played, with its score.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Candidate {
     /// Point in the solver's coordinates.
     pub point: Vec<f64>,
-    /// Minus its log-likelihood, all rows counted: of channels whose noise is known half of what the loss makes of
-    /// their squares, of the others the logarithm of what is left over, besides. So points compare whatever noise was
-    /// assumed as they were played.
+    /// Negative log-likelihood over all rows: half the loss for channels of known noise, plus the logarithm of the
+    /// residual for the others. Scores compare whatever noise was assumed when the points were played.
     pub score: f64,
-    /// Mean square of what is left over, over the noise that is known; 1 of a channel of which it is not.
+    /// Mean square residual over the known noise; channels of unknown noise count as 1.
     pub misfit: f64,
-    /// Root mean square of what is left over of every channel, N or m.
+    /// Root mean square residual of each channel, N, m or m/s.
     pub rms: Vec<f64>,
     rows: usize,
 }
 
 impl Candidate {
-    /// Whether its misfit is no more than so many times that of the best one.
+    /// Whether its misfit is at most `times` that of the best one.
     pub(super) fn is_as_good_as(&self, best: &Candidate, times: f64) -> bool {
-        // Half the squares of n residuals are n / 2 times the misfit.
+        // Half the sum of squares of n residuals is n / 2 times the misfit.
         self.score - best.score <= 0.5 * best.rows as f64 * (times - 1.0) * best.misfit
     }
 }
 
 impl Problem {
-    /// Forgets what was played before: another fit begins.
+    /// Forgets earlier points: another fit begins.
     pub(super) fn begin(&mut self, loss: Loss) {
         (self.loss, self.best, self.rms_at_start, self.weights) = (loss, None, Vec::new(), None);
         self.forget();
     }
 
-    /// Remembers what is left over where the fit begins.
+    /// Records the residuals at the start of the fit.
     pub(super) fn begun(&mut self, point: &[f64]) -> Result<(), FitError> {
         self.rms_at_start = self.candidate(point)?.rms;
         Ok(())
@@ -44,7 +43,7 @@ impl Problem {
         self.best.as_ref().ok_or(FitError::Unplayable)
     }
 
-    /// How good a point is. It is played, if it was not the last one.
+    /// Returns the candidate at a point. Plays it unless it was the last one played.
     pub(super) fn candidate(&mut self, point: &[f64]) -> Result<Candidate, FitError> {
         let weights = self.weights.take();
         let left = self.residuals(point);
@@ -52,7 +51,7 @@ impl Problem {
         Ok(self.rated(point, &left?))
     }
 
-    /// Takes notice of a point that was played: its residuals, all rows alike.
+    /// Keeps a played point if it is the best so far. `left`: unweighted residuals.
     pub(super) fn consider(&mut self, point: &[f64], left: &[f64]) {
         if left.iter().any(|x| !x.is_finite()) {
             return;
@@ -88,5 +87,5 @@ impl Problem {
     }
 }
 
-/// Data without any noise are taken to have so much of what was assumed.
+/// Least noise estimated for data without noise, as a share of the assumed noise.
 const SMALLEST: f64 = 1e-9;

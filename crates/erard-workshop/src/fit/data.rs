@@ -1,4 +1,4 @@
-//! One recording: what drives the model, and what is compared, at instants that are even.
+//! One recording: the drive of the model and the channels compared, at evenly spaced instants.
 
 use std::ops::Range;
 
@@ -12,14 +12,14 @@ use super::FitError;
 use crate::balance::median;
 use erard::recording::{Butterworth, ChannelReport, LowPass, Preparation, Prepared, prepare};
 
-/// Columns that can be fitted, and their noise if it is not known, N, m and m/s.
+/// Columns that can be fitted, and their assumed noise if unknown, N, m and m/s.
 pub const COLUMNS: [(&str, Role, f64); 4] = [
     ("force_N", Role::Force, 0.02),
     ("key_m", Role::Position, 10e-6),
     ("hammer_head_m", Role::HammerHead, 50e-6),
     ("hammer_head_m_per_s", Role::HammerSpeed, 0.02),
 ];
-/// The unit in which misfit and noise of a column are shown, and how many of it are one of SI.
+/// Display unit for misfit and noise of a column, and its factor from SI.
 pub fn misfit_unit(column: &str) -> (f64, &'static str) {
     match column {
         "force_N" => (1e3, "mN"),
@@ -28,32 +28,32 @@ pub fn misfit_unit(column: &str) -> (f64, &'static str) {
     }
 }
 
-/// Samples per second at most: above, a recording says more of its noise than of the action.
+/// Samples per second at most: above, a recording shows more of its noise than of the action.
 const RATE_HZ: f64 = 4000.0;
-/// Samples at both ends of a recorded motion that are not compared: where it ends it stops, and its spline rings, so
-/// that forces there are nobody's.
+/// Samples at both ends of a recorded motion that are not compared: its spline rings where the recording stops, so that
+/// forces there are meaningless.
 const SPLINE_ENDS: usize = 10;
 
-/// A recording, ready to be fitted.
+/// A recording prepared for a fit.
 #[derive(Debug)]
 pub struct Data {
     /// Name.
     pub name: String,
-    /// The stroke that drives.
+    /// Stroke that drives the model.
     pub stroke: Stroke,
-    /// Remark, if the stroke does not drive exactly as recorded.
+    /// Note, if the stroke does not drive exactly as recorded.
     pub note: Option<&'static str>,
-    /// The column that drives.
+    /// Column that drives the model.
     pub driving: &'static str,
-    /// The columns that are compared.
+    /// Columns compared.
     pub columns: Vec<&'static str>,
-    /// Even instants on the recording's own clock, s.
+    /// Evenly spaced instants on the recording's own clock, s.
     pub time_s: Vec<f64>,
-    /// Those of them that are compared.
+    /// Range of the instants compared.
     pub compared: Range<usize>,
-    /// Measured values there, column by column.
+    /// Measured values at these, column by column.
     pub measured: Vec<Vec<f64>>,
-    /// Preparation of the driving channel, and its noise.
+    /// Preparation of the driving channel, with its noise.
     pub driven: Prepared,
     /// Preparation of the compared channels.
     pub prepared: Prepared,
@@ -67,8 +67,8 @@ pub struct Data {
 impl Data {
     /// Makes the data of a recording. The driving column is prepared as `preparation` says; compared columns are not
     /// filtered, because a filter makes the noise look too small. `columns` are compared; without them, all recorded
-    /// columns that do not drive. Steps divide the time between samples and are no longer than those of `how`; its hand
-    /// is between stroke and key, and the duration is the recording's.
+    /// columns that do not drive. Steps divide the sampling interval and are no longer than those of `how`; `how` also
+    /// gives the hand between stroke and key, the recording the duration.
     ///
     /// # Errors
     /// If the recording has no such drive, or no column is left to compare.
@@ -149,30 +149,31 @@ impl Data {
         Ok(data)
     }
 
-    /// Why no run from rest is this recording: a fingertip that begins with a force has pressed the key down before.
+    /// Reason why no run from rest matches this recording: a fingertip that starts with a force has already pressed the
+    /// key.
     pub fn cannot_begin(&self) -> Option<&'static str> {
         self.note.filter(|_| self.stroke.drive == Prescribed::Motion && self.driven.series.force.is_some())
     }
 
-    /// Setup of a run over it.
+    /// Setup of a run over the recording.
     pub(super) fn setup(&self) -> Setup {
         let duration_s = self.time_s[self.time_s.len() - 1] - self.time_s[0];
         let (settings, hand, start_s) = (self.settings, self.hand, self.stroke.start_s);
         Setup { settings, hand, start_s, ledger: false, ..Setup::new(duration_s) }
     }
 
-    /// Samples that are compared, of one column.
+    /// Number of samples compared per column.
     pub fn rows(&self) -> usize {
         self.compared.len()
     }
 
-    /// Root mean square of a column's noise, N or m, as its rest or its spectrum tells it.
+    /// Root mean square noise of a column, N, m or m/s, measured in its rest or from its spectrum.
     pub(crate) fn noise(&self, column: &str) -> Option<f64> {
         let (_, role, _) = COLUMNS.iter().find(|(own, ..)| *own == column)?;
         Some(self.prepared.report.channel(*role)?.noise?.rms)
     }
 
-    /// What should be looked at in what drives and in what is compared.
+    /// Warnings about the driving and the compared channels.
     pub(super) fn warnings(&self) -> Vec<String> {
         let is_compared = |role: Role| COLUMNS.iter().any(|(own, of, _)| *of == role && self.columns.contains(own));
         let of = |channel: &ChannelReport| match channel.role {
@@ -187,15 +188,15 @@ impl Data {
         if self.driving == "force_N" { Role::Force } else { Role::Position }
     }
 
-    /// Relative standard deviation of that root mean square; 0 where it is unknown.
+    /// Relative standard deviation of [`Data::noise`]; 0 where it is unknown.
     pub(super) fn noise_uncertainty(&self, column: &str) -> f64 {
         let role = COLUMNS.iter().find(|(own, ..)| *own == column).map(|(_, role, _)| *role);
         let noise = role.and_then(|role| self.prepared.report.channel(role)?.noise);
         noise.map_or(0.0, |noise| noise.uncertainty)
     }
 
-    /// What drives, with noise of this root mean square added to every one of its samples: it goes through the same
-    /// zero and the same filter.
+    /// The driving stroke with noise of this root mean square added to each sample, after the same zero correction and
+    /// filter.
     pub(super) fn disturbed(&self, sigma: f64, rng: &mut Rng) -> Result<Stroke, FitError> {
         let mut series = self.driven.series.clone();
         let role = self.driving_role();
@@ -229,7 +230,7 @@ impl Data {
     }
 }
 
-/// A column of a series at these instants; nothing where it was not recorded.
+/// A column of a series at these instants; empty if it was not recorded.
 fn at(series: &Series, column: &str, times: &[f64]) -> Vec<f64> {
     let mut cursor = Cursor::default();
     let path = |path: &Option<PositionSeries>, cursor: &mut Cursor| -> Vec<f64> {
@@ -249,13 +250,13 @@ fn at(series: &Series, column: &str, times: &[f64]) -> Vec<f64> {
     }
 }
 
-/// The usual time between two samples, s.
+/// Median time between two samples, s.
 fn median_step(times: &[f64]) -> f64 {
     let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     median(&steps).expect("a recording has two rows")
 }
 
-/// A normal number, mean 0 and variance 1 (Box and Muller).
+/// A standard normal number (Box and Muller).
 pub(super) fn normal(rng: &mut Rng) -> f64 {
     (-2.0 * (1.0 - rng.f64()).ln()).sqrt() * (std::f64::consts::TAU * rng.f64()).cos()
 }
@@ -279,8 +280,8 @@ mod tests {
         format!("time_s,force_N,key_m,hammer_head_m\n{}", rows.collect::<String>())
     }
 
-    /// The force drives, the rest is compared at the recording's own instants, at 4 kHz at most, in steps that divide
-    /// them.
+    /// The force drives, the other columns are compared at the recording's own instants, at most at 4 kHz, in steps
+    /// that divide the sampling interval.
     #[test]
     fn recordings_are_made_even() {
         let own = data(&table(101, 1.0 / 1024.0), None, None).unwrap();
@@ -300,7 +301,7 @@ mod tests {
         );
     }
 
-    /// What is wrong is said, with the recording's name.
+    /// Errors name the recording.
     #[test]
     fn what_cannot_be_fitted_is_said() {
         let told = |result: Result<Data, FitError>| result.unwrap_err().to_string();
@@ -312,7 +313,7 @@ mod tests {
         assert!(told(data(&table(15, 1e-3), Some(Prescribed::Rigid), None)).contains("expected 22 or more"));
     }
 
-    /// Noise that is added to what drives has the size that was asked for, and is filtered as the recording was.
+    /// Noise added to the drive has the requested size and is filtered like the recording.
     #[test]
     fn disturbances_are_as_large_as_the_noise() {
         let recording = read(&table(4001, 2.5e-4));
@@ -333,7 +334,7 @@ mod tests {
             (a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
         };
         assert!((rms(&Preparation::none()) / 0.1 - 1.0).abs() < 0.03);
-        // Of white noise up to 2000 Hz some 200 Hz pass.
+        // A 200 Hz low-pass leaves a tenth of the power of white noise up to 2000 Hz.
         let filtered = Preparation { low_pass: erard::recording::LowPass::At(200.0), ..Preparation::none() };
         assert!((rms(&filtered) / 0.1 / 0.1_f64.sqrt() - 1.0).abs() < 0.15, "{}", rms(&filtered));
     }

@@ -15,20 +15,20 @@ pub struct Doubt {
 pub enum DoubtKind {
     /// The recording's hammer reaches the string; the fitted model's does not.
     NoImpact,
-    /// More is left over than the noise of sensor and drive explains.
+    /// The residuals exceed what the noise of sensor and drive explains.
     Misfit,
     /// A parameter ended at a bound.
     Bound,
     /// Attempts from several starts ended at different places.
     Restarts,
-    /// Data go on beyond the first impact.
+    /// Data continue beyond the first impact.
     BeyondImpact,
-    /// Derivatives depend on the step of their differences.
+    /// Derivatives depend on their difference step.
     Derivatives,
-    /// The noise of a column is not known. That of a drive then counts as zero; that of a compared column is estimated
+    /// Unknown noise of a column. For a driving column it then counts as zero; for a compared column it is estimated
     /// from the residuals.
     NoiseUnknown,
-    /// A recording does not look as it should.
+    /// A recording has suspicious features.
     Recording,
 }
 

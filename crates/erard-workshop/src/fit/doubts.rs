@@ -1,22 +1,22 @@
-//! Doubts about the answer of a fit, each in one sentence.
+//! Doubts about the result of a fit, each in one sentence.
 
 use super::data::misfit_unit;
 use super::drive_noise::Disturbed;
 use super::{Doubt, DoubtKind, FitError, FitResult, Problem};
 
-/// Data that end so long after the first impact do not count as beyond it, s: the string has thrown the hammer back,
-/// and the check is far.
+/// Data that end within this time after the first impact do not count as beyond it, s: the string has thrown the hammer
+/// back, and the check is far.
 const BEYOND_S: f64 = 5e-3;
-/// Standard deviations of a mean square from where on it is more than noise: by chance in one of some 4000 channels.
+/// Standard deviations beyond which a mean square is more than noise; exceeded by chance in about one of 4000 channels.
 const CHANCE: f64 = 3.5;
-/// Beyond this relative change with the length of their steps derivatives are doubtful.
+/// Derivatives are doubtful if they change by more than this share with their difference step.
 const UNSTEADY: f64 = 0.1;
-/// Where disturbances of the drive leave a smaller mean square than this, over the noise, they explain nothing.
+/// A disturbed drive explains nothing if its mean square over the noise is smaller than this.
 const QUIET: f64 = 0.1;
-/// Attempts that are as good as the best one disagree beyond so many standard deviations.
+/// Attempts as good as the best one disagree beyond this many standard deviations.
 const APART: f64 = 5.0;
 
-/// All doubts of a fit, kind by kind.
+/// Returns all doubts of a fit, sorted by kind.
 ///
 /// # Errors
 /// An interruption.
@@ -64,15 +64,14 @@ pub(super) fn doubts(problem: &mut Problem, found: &FitResult, disturbed: &Distu
     Ok(doubts)
 }
 
-/// Channels whose noise is known, and of which more is left over; and those whose noise is not known, and of which what
-/// is left over is no noise.
+/// Channels of known noise whose residuals exceed it, and channels of unknown noise whose residuals are correlated.
 fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<Doubt> {
     let mut doubts = Vec::new();
     let places = problem.channels().zip(problem.channel_rows());
     for (k, (channel, ((_, column), rows))) in found.channels.iter().zip(places).enumerate() {
         if !channel.noise_is_known {
             let correlation = from_sample_to_sample(&found.residuals[rows.clone()]);
-            // A noisy drive makes residuals that follow each other, too.
+            // A noisy drive makes correlated residuals, too.
             if disturbed.most(rows.clone()) < QUIET && correlation > CHANCE / (rows.len() as f64).sqrt() {
                 let text = format!(
                     "the residuals of {} are correlated ({correlation:.2} from sample to sample), so they are misfit and not noise: the error bars are too small",
@@ -82,7 +81,7 @@ fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<D
             }
             continue;
         }
-        // Sensor's noise, known as well as it is; what disturbances of the drive leave at most.
+        // The sensor's noise within its uncertainty; the largest effect of a disturbed drive.
         let chance = CHANCE * (2.0 / rows.len() as f64 + (2.0 * problem.uncertainty[k]).powi(2)).sqrt();
         let explained = channel.noise * (1.0 + chance + disturbed.most(rows)).sqrt();
         if channel.rms > explained {
@@ -99,7 +98,7 @@ fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<D
     doubts
 }
 
-/// Correlation of residuals with those one sample later. Of n independent ones it scatters by 1 / sqrt(n).
+/// Correlation of residuals with those one sample later. For n independent ones its standard deviation is 1 / sqrt(n).
 fn from_sample_to_sample(residuals: &[f64]) -> f64 {
     let squares: f64 = residuals.iter().map(|x| x * x).sum();
     let products: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();

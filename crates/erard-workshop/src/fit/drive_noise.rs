@@ -1,4 +1,4 @@
-//! The effect of a noisy drive on the residuals: strokes disturbed by that noise are played.
+//! Effect of a noisy drive on the residuals, from strokes disturbed by that noise.
 
 use std::ops::Range;
 
@@ -10,19 +10,18 @@ use super::problem::sampled;
 use super::svd::Columns;
 use super::{FitError, Problem};
 
-/// Strokes whose drive is disturbed by its own noise.
+/// Number of strokes with a disturbed drive per recording.
 pub(super) const DISTURBED: usize = 48;
 
-/// How residuals move when the drive is disturbed: for each recording that has noise of its own, as many columns as
-/// were played.
+/// Changes of the residuals under a disturbed drive: [`DISTURBED`] columns for each recording whose drive has noise.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Disturbed {
-    /// All columns; rows of other recordings are nothing.
+    /// All columns; zero in the rows of other recordings.
     pub columns: Columns,
 }
 
 impl Disturbed {
-    /// What the reduced chi2 should be: 1, and what a typical disturbance adds, recording by recording.
+    /// Expected reduced chi2: 1, plus the contribution of a typical disturbance of each recording.
     pub(crate) fn explained(&self, rows: usize) -> f64 {
         let typical = |own: &[Vec<f64>]| {
             let mut squares: Vec<f64> = own.iter().map(|column| column.iter().map(|x| x * x).sum()).collect();
@@ -32,7 +31,7 @@ impl Disturbed {
         1.0 + self.columns.chunks_exact(DISTURBED).map(typical).sum::<f64>() / rows as f64
     }
 
-    /// The largest mean square over some rows that a disturbance made, over the noise; 0 without any.
+    /// The largest mean square that a disturbance causes in some rows, over the noise; 0 without disturbances.
     pub(crate) fn most(&self, rows: Range<usize>) -> f64 {
         let mean = |column: &Vec<f64>| column[rows.clone()].iter().map(|x| x * x).sum::<f64>() / rows.len() as f64;
         self.columns.iter().map(mean).fold(0.0, f64::max)
@@ -40,8 +39,8 @@ impl Disturbed {
 }
 
 impl Problem {
-    /// Plays strokes with a disturbed drive at a point. The same noise every time for one recording, another for another:
-    /// an error from few disturbances is itself uncertain by a tenth, and may not be so to the same side in all fits.
+    /// Plays strokes with a disturbed drive at a point. The noise is a function of the recording: an error from so few
+    /// disturbances is itself uncertain by a tenth, which must not go to one side in all fits.
     ///
     /// # Errors
     /// An interruption.

@@ -5,16 +5,16 @@ use erard::instrument::{Instrument, InstrumentFile};
 
 use super::FitError;
 
-/// From a spread so wide on, upper over lower end, the file says how far a number may be off; a narrower one says how
-/// far grands of this kind differ, and another piano may lie beyond it.
+/// A spread with at least this ratio of upper to lower end is the file's uncertainty of a parameter; a narrower one is
+/// the range over grands of this kind, and another piano may lie outside.
 const KNOWN_TO_A_FACTOR: f64 = 2.3;
-/// Bounds of a factor of which the file does not say how far it may be off.
+/// Bounds of a factor whose uncertainty is not in the file.
 const USUAL_FACTORS: [f64; 2] = [0.2, 5.0];
-/// The same of a screw, as a share of what it can do.
+/// Bounds of a screw's turn, as a share of its range.
 const USUAL_TURN: f64 = 0.02;
 
-/// A parameter that is fitted. Outside it is what `study --vary` takes in SI units: a screw's turn in m, rad or N m, or
-/// a factor. Inside it is counted so that steps are alike: the logarithm of a factor, or a turn as a share of half its
+/// A fitted parameter. Its outer value is that of `study --vary` in SI units: a screw's turn in m, rad or N m, or a
+/// factor. Its inner value is scaled for the solver: the logarithm of a factor, or a turn as a share of half its
 /// bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Free {
@@ -24,11 +24,11 @@ pub struct Free {
     pub parameter: Parameter,
     /// Value in the instrument at the start of the fit, in `unit`.
     pub value: f64,
-    /// SI; empty for a coefficient.
+    /// SI unit; empty for a coefficient.
     pub unit: &'static str,
-    /// Lower bound, outside.
+    /// Lower bound, outer.
     pub low: f64,
-    /// Upper bound, outside.
+    /// Upper bound, outer.
     pub high: f64,
 }
 
@@ -37,12 +37,12 @@ impl Free {
         (self.high - self.low) / 2.0
     }
 
-    /// Returns the solver's coordinate of a value.
+    /// Returns the inner value of an outer one.
     pub fn inner(&self, x: f64) -> f64 {
         if self.parameter.is_factor() { x.ln() } else { x / self.scale() }
     }
 
-    /// As `vary` takes it.
+    /// Returns the outer value of an inner one.
     pub(crate) fn outer(&self, p: f64) -> f64 {
         if self.parameter.is_factor() { p.exp() } else { p * self.scale() }
     }
@@ -52,37 +52,37 @@ impl Free {
         if self.parameter.is_factor() { p.exp() } else { self.scale() }
     }
 
-    /// d outer / d inner of an instrument that has the value already, whose factor is 1.
+    /// d outer / d inner for an instrument that already has the value, i.e. at factor 1.
     pub(super) fn slope_from_itself(&self) -> f64 {
         if self.parameter.is_factor() { 1.0 } else { self.scale() }
     }
 
-    /// Half of what it may be, as it is counted.
+    /// Half the distance of the inner bounds.
     pub(crate) fn width(&self) -> f64 {
         (self.inner(self.high) - self.inner(self.low)) / 2.0
     }
 
-    /// Bounds as they are counted.
+    /// Inner bounds.
     pub(crate) fn bounds(&self) -> [f64; 2] {
         [self.inner(self.low), self.inner(self.high)]
     }
 
-    /// Converts an outside value to SI units.
+    /// Converts an outer value to SI units.
     pub fn si(&self, x: f64) -> f64 {
         if self.parameter.is_factor() { self.value * x } else { self.value + x }
     }
 
-    /// In SI units, what a deviation outside comes to at a value.
+    /// Converts a deviation of an outer value to SI units.
     pub(crate) fn si_error(&self, x: f64, error: f64) -> f64 {
         if self.parameter.is_factor() { (self.value * x).abs() * error / x } else { error }
     }
 
-    /// What leaves the instrument as it is.
+    /// Outer value that leaves the instrument unchanged.
     pub(crate) fn nothing(&self) -> f64 {
         if self.parameter.is_factor() { 1.0 } else { 0.0 }
     }
 
-    /// Whether a value is at one of its bounds.
+    /// Whether an outer value is at a bound.
     pub fn is_at_a_bound(&self, x: f64) -> bool {
         (x - self.low).abs().min((x - self.high).abs()) < 1e-3 * (self.high - self.low)
     }
@@ -91,11 +91,11 @@ impl Free {
 /// Values by name.
 pub type Asked<T> = Vec<(String, T)>;
 
-/// Returns the free parameters by their names, with bounds: the given ones, else the uncertainty that the file states,
-/// else usual ones.
+/// Returns the free parameters by name, with bounds: as given, else the uncertainty stated in the file, else default
+/// ones.
 ///
 /// # Errors
-/// A name that is none, is there twice, or bounds that are none.
+/// An unknown or repeated name, or invalid bounds.
 pub fn free(file: &InstrumentFile, names: &[String], bounds: &Asked<[f64; 2]>) -> Result<Vec<Free>, FitError> {
     let known = quantities(file);
     let mut found: Vec<Free> = Vec::new();
@@ -129,7 +129,7 @@ fn one(own: &Quantity, bounds: &Asked<[f64; 2]>) -> Result<Free, FitError> {
         let expected = format!("expected two increasing numbers from {least:.4} to {most:.4} {unit}");
         return Err(FitError::asked("bounds", format!("{} from {low} to {high}; {expected}", own.name)));
     }
-    // A file may say how far off a number is that no run can have.
+    // A file may state an uncertainty wider than a run allows.
     Ok(Free { name: own.name.clone(), parameter: own.parameter.clone(), value: own.value, unit: own.unit, low, high })
 }
 
@@ -148,7 +148,7 @@ fn unknown(name: &str, known: &[Quantity]) -> FitError {
     FitError::asked("vary", message)
 }
 
-/// An instrument with values of free parameters, outside; `None` where it cannot have them.
+/// Returns the instrument with these outer values; `None` if it cannot have them.
 pub(super) fn varied(instrument: &Instrument, free: &[Free], values: &[f64]) -> Option<Instrument> {
     let mut varied = instrument.clone();
     let all = free.iter().zip(values).all(|(one, value)| {
@@ -170,7 +170,7 @@ mod tests {
         all.iter().map(|name| (*name).to_owned()).collect()
     }
 
-    /// A factor is counted by its logarithm, a screw by its bounds; both ways and their slopes are one.
+    /// A factor is scaled by its logarithm, a screw by its bounds; inner and outer values and their slopes agree.
     #[test]
     fn counts_are_one_both_ways() {
         let bounds = vec![("let_off".to_owned(), [-1e-3, 3e-3])];
@@ -194,7 +194,7 @@ mod tests {
         );
     }
 
-    /// What is wrong is named, and what would be right.
+    /// Errors state what was found and what is expected.
     #[test]
     fn what_is_wrong_is_named() {
         let told = |asked: &[&str], bounds: &[(&str, [f64; 2])]| {

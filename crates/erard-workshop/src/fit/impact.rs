@@ -1,23 +1,23 @@
-//! When the hammer reaches the string: in the model, and in a recording of the hammer.
+//! Time of the first impact in the model and in a recording of the hammer.
 
 use crate::study::{Job, play_all};
 
 use super::{Data, FitError, Problem};
 
-/// Length of the first fit after the impact, s: later motion reacts strongly to small changes.
+/// Duration of the first fit beyond the impact, s: later motion reacts strongly to small changes.
 const AFTER_THE_BLOW_S: f64 = 2e-3;
-/// The hammer's speed before and after is taken over so long, s, and over so many samples at least.
+/// The hammer's speed before and after is measured over this time, s, and over at least `FEWEST` samples.
 const SPEED_OVER_S: f64 = 2e-3;
 const FEWEST: usize = 4;
-/// A string turns the hammer's speed by more than this within that time, m/s; gravity takes 0.04, and springs and
-/// felts under a hammer that flies freely nothing.
+/// A string changes the hammer's speed by more than this within that time, m/s. Gravity changes it by 0.04, springs and
+/// felts under a freely flying hammer not at all.
 const TURNED_M_PER_S: f64 = 0.15;
-/// Standard deviations of noise that a turn exceeds besides.
+/// A reversal must also exceed this many standard deviations of noise.
 const CHANCE: f64 = 6.0;
 
 impl Problem {
-    /// When the hammer first reaches the string in each recording's stroke at a point, on the recording's clock, s;
-    /// `None` where it never does or cannot be played.
+    /// Returns the time of the first impact in each recording's stroke at a point, on the recording's clock, s; `None`
+    /// without an impact or if the stroke cannot be played.
     ///
     /// # Errors
     /// An interruption.
@@ -36,7 +36,7 @@ impl Problem {
         Ok(impacts)
     }
 
-    /// 1 for rows up to shortly after the impact, 0 for later ones.
+    /// Returns row weights: 1 up to shortly after the impact, 0 later.
     ///
     /// # Errors
     /// An interruption.
@@ -54,15 +54,15 @@ impl Problem {
 }
 
 impl Data {
-    /// When the recorded hammer was first thrown back by the string, s; `None` where the hammer was not recorded or
-    /// never was.
+    /// Time at which the string first threw the recorded hammer back, s; `None` if it never did or the hammer was not
+    /// recorded.
     pub(super) fn recorded_impact_s(&self) -> Option<f64> {
         let series = &self.prepared.series;
         if let Some(path) = &series.hammer_head {
             let noise = self.noise("hammer_head_m").unwrap_or(0.0);
             return thrown_back_s(path.times_s(), path.positions_m(), noise);
         }
-        // Of a speed the path is the integral, whose noise is small.
+        // The noise of the integrated speed is small.
         let speed = series.hammer_speed.as_ref()?;
         let (times, speeds) = (speed.times_s(), speed.speeds_m_per_s());
         let mut rise = vec![0.0];
@@ -73,7 +73,7 @@ impl Data {
     }
 }
 
-/// When a rise is first thrown back; `noise` is its sensor's, m.
+/// Time at which a rise is first thrown back; `noise` is its sensor's, m.
 fn thrown_back_s(times: &[f64], rise: &[f64], noise: f64) -> Option<f64> {
     let turn = |n: usize| {
         let from = times.partition_point(|t| *t < times[n] - SPEED_OVER_S).min((n + 1).saturating_sub(FEWEST));
@@ -88,14 +88,14 @@ fn thrown_back_s(times: &[f64], rise: &[f64], noise: f64) -> Option<f64> {
         (before > 0.0 && after < 0.0 && turned > beyond).then_some(turned)
     };
     let turns: Vec<Option<f64>> = (0..times.len()).map(turn).collect();
-    // The first stretch of instants with a turn: where it is largest.
+    // First run of instants with a reversal; the largest in it.
     let first = turns.iter().position(Option::is_some)?;
     let stretch = turns[first..].iter().map_while(|turn| *turn);
     let largest = stretch.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(times[first + largest.0])
 }
 
-/// Slope of the straight line through some samples, and its standard deviation over theirs.
+/// Slope of the straight line through some samples, and its standard deviation per unit noise of a sample.
 fn slope(times: &[f64], values: &[f64]) -> (f64, f64) {
     let count = times.len() as f64;
     let (middle, mean) = (times.iter().sum::<f64>() / count, values.iter().sum::<f64>() / count);
@@ -110,7 +110,7 @@ mod tests {
     use crate::fit::data::normal;
     use fastrand::Rng;
 
-    /// A hammer at a speed that is thrown back with half of it by a string that holds it for 2 ms, or that only flies.
+    /// A hammer thrown back at half its speed by a string that holds it for 2 ms, or in free flight.
     fn rise(speed: f64, string: bool, rate_hz: f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
         let mut rng = Rng::with_seed(4);
         let times: Vec<f64> = (0..(0.2 * rate_hz) as usize).map(|n| n as f64 / rate_hz).collect();
@@ -119,7 +119,7 @@ mod tests {
             if string && flown > 2e-3 {
                 speed * 2e-3 * 0.25 - 0.5 * speed * (flown - 2e-3)
             } else if string && flown > 0.0 {
-                // From speed to minus half of it, evenly.
+                // From speed to minus half of it, at constant deceleration.
                 speed * flown - 0.75 * speed / 2e-3 * flown * flown
             } else {
                 speed * flown - 5.0 * flown.max(0.0).powi(2)
@@ -129,7 +129,7 @@ mod tests {
         (times, values)
     }
 
-    /// Seen at usual rates and with the noise of a good sensor, to a millisecond; free flight is no impact.
+    /// Impacts are found to a millisecond at usual rates and sensor noise; free flight is no impact.
     #[test]
     fn a_string_is_seen_and_flight_is_not() {
         for (speed, rate_hz, noise) in [(0.5, 4000.0, 0.0), (0.5, 4000.0, 50e-6), (3.0, 1000.0, 50e-6)] {

@@ -1,5 +1,4 @@
-//! How residuals change with the inner parameters: by differences side by side in lanes, or by derivatives of the model
-//! itself.
+//! Derivatives of the residuals by the inner parameters: by differences in lanes, or by the model's own derivatives.
 
 use crate::sensitivities::{Differentiation, Rest, Sampled, SensitivityError, Variable, gradient};
 use crate::study::Stroke;
@@ -12,8 +11,7 @@ use super::problem::moved;
 use super::svd::Columns;
 use super::{FitError, Problem};
 
-/// Steps of the differences, as shares of a factor or of half the way that a screw may go: the middle one is used, all
-/// are compared.
+/// Difference steps, as shares of a factor or of half the range of a screw: the middle one is used, all are compared.
 pub const DIFFERENCES: [f64; 3] = [4e-3, 1e-3, 2.5e-4];
 /// Half the step of a delay's difference, ms.
 const DELAY_STEP_MS: f64 = 1e-2;
@@ -29,10 +27,10 @@ pub enum Jacobian {
 }
 
 impl Problem {
-    /// By derivatives of the model where they are asked for and the step is the usual one, else by differences.
+    /// Returns the model's own derivatives if requested and the step is the usual one, else differences.
     ///
     /// # Errors
-    /// An interruption; what has no derivatives.
+    /// An interruption; a model without derivatives.
     pub(crate) fn jacobian(&mut self, point: &[f64], share: f64) -> Result<Columns, FitError> {
         if self.exact && share == DIFFERENCES[1] { self.by_gradient(point) } else { self.by_differences(point, share) }
     }
@@ -65,17 +63,17 @@ impl Problem {
             columns.push(slopes(&before, &after, 2.0 * DELAY_STEP_MS));
         }
         let middle = self.unweighted(point, &played, 2 * count);
-        // What cannot be played keeps what is said of it by `residuals`.
+        // A point that cannot be played keeps the residuals of `residuals`.
         if middle.iter().all(|x| x.is_finite()) {
             self.kept = Some((point.to_vec(), middle));
         }
         Ok(columns)
     }
 
-    /// Each recording once in numbers that carry derivatives, eight parameters at a time.
+    /// Computes the Jacobian by the model's own derivatives: each recording is played once, eight parameters at a time.
     ///
     /// # Errors
-    /// An interruption; what has no derivatives.
+    /// An interruption; a model without derivatives.
     pub fn by_gradient(&mut self, point: &[f64]) -> Result<Columns, FitError> {
         let instrument = self.at(point).ok_or(FitError::Unplayable)?;
         let mut by = Vec::with_capacity(self.free.len());
@@ -85,7 +83,7 @@ impl Problem {
         }
         let mut played: Vec<Vec<Sampled>> = Vec::new();
         for one in &self.data {
-            // Once, so that its errors are reported before any work.
+            // Reports errors of the stroke before any work.
             drop(one.stroke.inputs(&instrument.finger)?);
             let stroke = || -> Stroke<'_> {
                 one.stroke.inputs(&instrument.finger).unwrap_or_else(|_| Box::new(|_| Input::Free))
@@ -123,12 +121,13 @@ impl Problem {
                 columns[column].extend(values[one.compared.clone()].iter().map(|x| finite(x * by * scale)));
             };
             for (k, slopes) in own.slopes.iter().enumerate() {
-                // Of a factor the logarithm counts, and the factors begin at this instrument's: d/dlog is d/dfactor.
+                // A factor's inner value is its logarithm, and factors begin at 1 for this instrument: d/dlog is
+                // d/dfactor.
                 push(k, &curve(slopes), self.free[k].slope_from_itself());
             }
             for other in 0..self.delays() {
                 if other == channel {
-                    // 1e-3 s are what a delay is counted in.
+                    // Delays are in ms.
                     push(count + other, &rates(&one.time_s, &curve(&own.values)), -1e-3);
                 } else {
                     push(count + other, &vec![0.0; one.time_s.len()], 0.0);
@@ -141,7 +140,7 @@ impl Problem {
         Ok(columns)
     }
 
-    /// Makes the last steps use the model's own derivatives. What has none says so before the work begins.
+    /// Uses the model's own derivatives in the last steps. Models without them are reported before the work begins.
     ///
     /// # Errors
     /// See [`FitError`].
@@ -171,7 +170,7 @@ fn slopes(below: &[f64], above: &[f64], apart: f64) -> Vec<f64> {
     below.iter().zip(above).map(|(below, above)| finite((above - below) / apart)).collect()
 }
 
-/// Nothing where it could not be played.
+/// Zero for a value that is not finite.
 fn finite(x: f64) -> f64 {
     if x.is_finite() { x } else { 0.0 }
 }

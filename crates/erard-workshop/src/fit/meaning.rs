@@ -1,4 +1,4 @@
-//! The meaning, at the bench, of a fitted parameter whose name misleads.
+//! Bench quantities for fitted parameters with misleading names.
 
 use erard::grand::{Parts, strike_weight_g};
 use erard::instrument::Instrument;
@@ -6,20 +6,21 @@ use erard::instrument::Instrument;
 use super::{FitError, FitResult, Meaning, Problem};
 use crate::distances::{Distances, Protocol, Trial};
 
-/// Names that mislead: what they are, and what is read in their place.
+/// Reads a bench quantity; `None` if the instrument does not have it.
 type Reading = fn(&Instrument) -> Option<f64>;
+/// Misleading names: explanation, quantity read instead, its unit and reading.
 const NAMES: [(&str, &str, &str, &str, Reading); 2] = [
     ("body.hammer.mass", "the mass beyond the shank's hinge", "strike weight", "g", strike_weight),
     ("let_off", "the place of a screw", "distance of hammer and string at let-off (below 0 it blocks)", "mm", let_off),
 ];
 
-/// g.
+/// Strike weight, g.
 fn strike_weight(instrument: &Instrument) -> Option<f64> {
     let rigid = instrument.locked();
     Parts::of(&rigid).ok().map(|parts| strike_weight_g(&rigid, &parts))
 }
 
-/// mm, on a slow key.
+/// Let-off distance on a slow key, mm.
 fn let_off(instrument: &Instrument) -> Option<f64> {
     let mut distances = Distances::default();
     Trial::SlowKey.run(instrument, &Protocol::default(), &mut distances, &mut |_| true).ok()?;
@@ -27,7 +28,7 @@ fn let_off(instrument: &Instrument) -> Option<f64> {
 }
 
 impl Problem {
-    /// The bench's quantities of what was fitted; without those that an instrument does not have.
+    /// Returns the bench quantities of the fitted parameters, without those that the instrument does not have.
     ///
     /// # Errors
     /// An interruption.

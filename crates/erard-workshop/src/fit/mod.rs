@@ -1,13 +1,13 @@
-//! Parameters of an instrument fitted to recordings: least squares, and what the data do and do not tell.
+//! Fit of an instrument's parameters to recordings: least squares, and what the data determine.
 //!
-//! Each recording drives the model by its force, or its motion, and what else was recorded is compared ([`Data`]). What
-//! is free, and between which bounds, is a [`Free`] parameter; residuals and their Jacobian make a [`Problem`].
-//! [`fit()`] solves it: first what leads to the impact, then all of it in differences that look past what jumps, then
-//! finely, and from elsewhere again until two have ended alike. [`FitResult`] says what came of it: covariance (noise
-//! of sensors and of what drives, misfit beyond both), and which directions nobody sees.
+//! The recorded force or motion drives the model, and the other recorded columns are compared ([`Data`]). A [`Free`]
+//! parameter varies within bounds; residuals and their Jacobian make a [`Problem`]. [`fit()`] solves it in stages: up
+//! to the impact, then all rows with coarse differences that smooth over jumps, then with fine ones; and from other
+//! starts until two end alike. [`FitResult`] holds the covariance (sensor noise, noise of the drive, misfit beyond
+//! both) and the directions that the data do not determine.
 //!
-//! The command `erard fit` and `erard.fit` in Python are both this code. A [`Solver`] minimises; Python can put SciPy's
-//! in place of [`TrustRegion`].
+//! The command `erard fit` and `erard.fit` in Python both use this code. A [`Solver`] minimises; Python can replace
+//! [`TrustRegion`] by SciPy's.
 
 mod candidate;
 mod data;
@@ -43,35 +43,35 @@ use erard::run::SimulationError;
 use erard::stroke::DrivingError;
 use thiserror::Error;
 
-/// Why nothing can be fitted.
+/// Reason why a fit is impossible.
 #[derive(Debug, Error)]
 pub enum FitError {
-    /// Something that was asked for is wrong.
+    /// An argument is wrong.
     #[error("{argument}: {message}")]
     Asked {
-        /// Name: `vary`, `bounds`, `start`, `columns`, `sigma`, `jacobian` or `recordings`.
+        /// Argument: `vary`, `bounds`, `start`, `columns`, `sigma`, `jacobian` or `recordings`.
         argument: &'static str,
-        /// Found and expected text.
+        /// Text with found and expected values.
         message: String,
     },
     /// A recording cannot be fitted.
     #[error("{recording}: {message}")]
     Recording {
-        /// Its name.
+        /// Name of the recording.
         recording: String,
-        /// Found and expected text.
+        /// Text with found and expected values.
         message: String,
     },
-    /// A recording cannot drive so.
+    /// A recording cannot drive the model as requested.
     #[error(transparent)]
     Driving(#[from] DrivingError),
-    /// Nothing can be played where the fit starts.
+    /// The instrument cannot be played at the start of the fit.
     #[error("the instrument cannot be played where the fit starts")]
     Unplayable,
     /// A setting of the steps, or an interruption.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// No derivatives.
+    /// No derivatives are available.
     #[error(transparent)]
     Sensitivity(#[from] SensitivityError),
 }

@@ -1,5 +1,5 @@
-//! The course of a fit: what leads to the impact, then all of it in coarse differences, then finely; and from elsewhere
-//! again.
+//! Stages of a fit: up to the impact, then all rows with coarse differences, then with fine ones; repeated from other
+//! starts.
 
 use fastrand::Rng;
 
@@ -11,18 +11,18 @@ use super::solver::{self, LeastSquares};
 use super::svd::Columns;
 use super::{Asked, FitError, FitResult, Jacobian, Loss, Problem};
 
-/// The step of the first differences: long enough to look past what jumps.
+/// Step of the first differences: long enough to smooth over jumps.
 const COARSE: f64 = 1e-2;
-/// Most evaluations up to the impact, and of all of it in coarse differences.
+/// Most evaluations in the stage up to the impact, and in the coarse stage over all rows.
 const COARSE_MOST: [usize; 2] = [20, 15];
-/// Beyond so many times the misfit that the sensors' noise explains, the fit begins again elsewhere.
+/// Beyond this many times the misfit explained by the sensors' noise, the fit starts again elsewhere.
 const MISFIT: f64 = 1.03;
-/// How far away the next one begins, as it is counted, and as a share of narrower bounds. From farther away in wide
-/// bounds few come back.
+/// Largest distance of the next start, in inner coordinates, and as a share of narrower bounds. From farther away in
+/// wide bounds few attempts return.
 const FAR: f64 = 0.2;
-/// A point is better than where the solver ended if its log-likelihood is higher by so much.
+/// A point is better than the solver's end if its log-likelihood is higher by this.
 const BETTER: f64 = 1e-3;
-/// Rounds in which noise and parameters are estimated by turns.
+/// Rounds of alternating estimates of noise and parameters.
 const ROUNDS: usize = 3;
 
 /// Settings of a fit.
@@ -32,11 +32,11 @@ pub struct Plan {
     pub start: Asked<f64>,
     /// Loss function of the last steps.
     pub loss: Loss,
-    /// Derivatives of the last steps and of the covariance.
+    /// Method for derivatives in the last steps and in the covariance.
     pub jacobian: Jacobian,
-    /// Number of times the fit may begin again elsewhere.
+    /// Number of restarts elsewhere.
     pub restarts: usize,
-    /// Most evaluations of one solution.
+    /// Most evaluations per solution.
     pub most: usize,
 }
 
@@ -53,11 +53,11 @@ pub struct Solution {
     pub point: Vec<f64>,
     /// Mean square of the residuals there.
     pub misfit: f64,
-    /// Why it ended, in words.
+    /// Reason why it ended, in words.
     pub message: String,
 }
 
-/// A problem with differences of one step.
+/// A problem with one difference step.
 struct Shared<'a>(&'a mut Problem, f64);
 
 impl LeastSquares for Shared<'_> {
@@ -74,10 +74,10 @@ impl LeastSquares for Shared<'_> {
 
 /// Minimises sums of squares between bounds.
 pub trait Solver {
-    /// From a point within the bounds, with so many evaluations of the residuals at most.
+    /// Starts at a point within the bounds and uses at most `most` evaluations of the residuals.
     ///
     /// # Errors
-    /// Those of the problem; an interruption.
+    /// Errors of the problem; an interruption.
     fn solve(
         &mut self,
         problem: &mut dyn LeastSquares<Error = FitError>,
@@ -107,39 +107,39 @@ impl Solver for TrustRegion {
 }
 
 impl Solution {
-    /// A solution at a point, with the residuals there and the reason why the solver ended.
+    /// Makes a solution from a point, its residuals and the reason why the solver ended.
     pub fn new(point: Vec<f64>, residuals: &[f64], message: String) -> Self {
         let misfit = residuals.iter().map(|x| x * x).sum::<f64>() / residuals.len() as f64;
         Solution { point, misfit, message }
     }
 }
 
-/// A problem and who solves it.
+/// A problem and its solver.
 struct Course<'a> {
     problem: &'a mut Problem,
     solver: &'a mut dyn Solver,
 }
 
 impl Course<'_> {
-    /// Solves within the bounds, from a point, with differences of this step, and so many evaluations at most.
+    /// Solves from a point within the bounds, with this difference step and at most `most` evaluations.
     fn solve(&mut self, from: &[f64], share: f64, loss: Loss, most: usize) -> Result<Solution, FitError> {
         let (low, high) = self.problem.bounds();
         self.solver.solve(&mut Shared(self.problem, share), from, (&low, &high), loss, most)
     }
 }
 
-/// Fits: the best point, and what speaks for it.
+/// Fits the free parameters to the recordings.
 ///
 /// # Errors
-/// A start that is none, what cannot be played there, an interruption.
+/// An invalid start, a start that cannot be played, an interruption.
 pub fn fit(problem: &mut Problem, plan: &Plan) -> Result<FitResult, FitError> {
     fit_by(problem, plan, &mut TrustRegion)
 }
 
-/// [`fit()`] by a solver of the caller's.
+/// [`fit()`] with the caller's solver.
 ///
 /// # Errors
-/// As of [`fit()`].
+/// See [`fit()`].
 pub fn fit_by(problem: &mut Problem, plan: &Plan, solver: &mut dyn Solver) -> Result<FitResult, FitError> {
     problem.begin(plan.loss);
     let begin = start(problem, plan)?;
@@ -155,7 +155,7 @@ pub fn fit_by(problem: &mut Problem, plan: &Plan, solver: &mut dyn Solver) -> Re
             message = found.message;
         }
         ends.push(end);
-        // Two that end alike, and leave no more than the sensors' noise, have found the place.
+        // Two attempts that end alike, with no more misfit than the sensors' noise, have found the minimum.
         let best = best_of(&ends);
         if alike(&ends, best).count() >= 2 && best.misfit <= MISFIT {
             break;
@@ -167,7 +167,7 @@ pub fn fit_by(problem: &mut Problem, plan: &Plan, solver: &mut dyn Solver) -> Re
     conclude(course.problem, message, ends)
 }
 
-/// Not far from the best end: from elsewhere in wide bounds few come back.
+/// Returns a start near the best end: from farther away in wide bounds few attempts return.
 fn elsewhere(problem: &Problem, ends: &[Candidate], rng: &mut Rng) -> Vec<f64> {
     let (low, high) = problem.bounds();
     let mut from = best_of(ends).point.clone();
@@ -179,9 +179,9 @@ fn elsewhere(problem: &Problem, ends: &[Candidate], rng: &mut Rng) -> Vec<f64> {
 }
 
 impl Course<'_> {
-    /// All stages from a point.
+    /// Runs all stages from a point.
     fn attempt(&mut self, from: &[f64], plan: &Plan) -> Result<(Solution, Candidate), FitError> {
-        // First what leads to the impact, which is smooth; then all of it, in steps that look past what jumps.
+        // First the smooth motion up to the impact; then all rows, with steps that smooth over jumps.
         self.problem.weights = Some(self.problem.until_the_impact(from)?);
         self.problem.forget();
         let found = self.solve(from, COARSE, Loss::SoftL1, COARSE_MOST[0])?;
@@ -190,8 +190,7 @@ impl Course<'_> {
         let found = self.solve(&found.point, COARSE, Loss::SoftL1, COARSE_MOST[1])?;
         let mut found = self.solve(&found.point, DIFFERENCES[1], plan.loss, plan.most)?;
         if self.problem.told.iter().any(Option::is_none) {
-            // The noise that nothing tells is estimated with the parameters held and the other way round, until neither
-            // moves.
+            // Estimates unknown noise and parameters in turn until neither changes.
             for _ in 0..ROUNDS {
                 if self.problem.estimate_noise(&found.point)? {
                     break;
@@ -203,7 +202,7 @@ impl Course<'_> {
         Ok((found, end))
     }
 
-    /// Solves again from the best point that was ever played, as long as that is better than where the solver ended.
+    /// Solves again from the best point ever played, as long as it is better than the solver's end.
     fn polish(&mut self, ends: &[Candidate], plan: &Plan) -> Result<Option<Solution>, FitError> {
         let mut last = None;
         let mut ended = best_of(ends).score;
@@ -221,7 +220,7 @@ impl Course<'_> {
     }
 }
 
-/// Where a fit begins, as parameters are counted: within the bounds, where the instrument can be played.
+/// Returns the start in inner coordinates, within the bounds and playable.
 fn start(problem: &mut Problem, plan: &Plan) -> Result<Vec<f64>, FitError> {
     if let Some((name, _)) = plan.start.iter().find(|(name, _)| problem.free.iter().all(|one| one.name != *name)) {
         return Err(FitError::asked("start", format!("{name} is not varied")));
@@ -246,7 +245,7 @@ fn start(problem: &mut Problem, plan: &Plan) -> Result<Vec<f64>, FitError> {
     Ok(begin)
 }
 
-/// The Jacobian at the best point that was ever played, how far that depends on its steps, and all that follows.
+/// Computes the Jacobian at the best point ever played, its dependence on the difference step, and the result.
 fn conclude(problem: &mut Problem, message: String, ends: Vec<Candidate>) -> Result<FitResult, FitError> {
     let point = problem.best()?.point.clone();
     problem.estimate_noise(&point)?;

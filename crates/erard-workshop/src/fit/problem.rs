@@ -11,9 +11,9 @@ use super::data::{COLUMNS, Data};
 use super::free::varied;
 use super::{FitError, Free, Loss};
 
-/// The residual of what cannot be played: worse than any other.
+/// Residual of a point that cannot be played: worse than any other.
 const WORST: f64 = 1e6;
-/// How far a delay may go either way, ms.
+/// Largest delay in either direction, ms.
 const LONGEST_DELAY_MS: f64 = 20.0;
 
 /// Measured quantity of a recording with its fitted values; SI units.
@@ -33,52 +33,52 @@ pub struct Channel {
     pub fitted: Vec<f64>,
     /// Noise.
     pub sigma: f64,
-    /// Delay against the drive, s; positive when it was recorded late.
+    /// Delay against the drive, s; positive if recorded late.
     pub delay_s: f64,
 }
 
-/// What the model does: by recording, by point, by column, samples.
+/// Samples of the model: by recording, point and column.
 pub(crate) type Curves = Vec<Vec<Vec<Vec<f64>>>>;
 
-/// Receives how many strokes were played, at least every 20 ms while some are; false ends the work.
+/// Receives the number of strokes played, at least every 20 ms during play; false ends the work.
 pub(crate) type Proceed = Box<dyn FnMut(u64) -> bool + Send>;
 
 /// Residuals of recordings, in units of their noise.
 pub struct Problem {
-    /// Instrument at which the fit starts, with the fixed numbers; without outlines.
+    /// Instrument at the start of the fit, with the fixed parameters; without outlines.
     pub instrument: Instrument,
     /// Free parameters.
     pub free: Vec<Free>,
     /// Recordings.
     pub data: Vec<Data>,
-    /// Whether it is estimated how much later than the drive each channel was written down.
+    /// Whether the delay of each channel against the drive is estimated.
     pub delay: bool,
-    /// On how many cores.
+    /// Number of threads.
     pub threads: usize,
-    /// Noise of every channel, root mean square, N or m.
+    /// Noise of every channel, root mean square, N, m or m/s.
     pub sigma: Vec<f64>,
-    /// That noise where it is known; `None` elsewhere.
+    /// Known noise of each channel; `None` if unknown.
     pub told: Vec<Option<f64>>,
     /// Relative standard deviation of every channel's noise; 0 where the caller gave the noise.
     pub uncertainty: Vec<f64>,
-    /// Noise of what drives, of every recording, where something tells it.
+    /// Noise of each recording's drive, where known.
     pub drive_sigma: Vec<Option<f64>>,
-    /// Weight of every row; without weights all count alike.
+    /// Weight of every row; `None` weights all alike.
     pub weights: Option<Vec<f64>>,
-    /// Whether the Jacobian of fine steps comes from derivatives of the model itself.
+    /// Whether the Jacobian of fine steps comes from the model's own derivatives.
     pub exact: bool,
-    /// Strokes that were played.
+    /// Number of strokes played without derivatives.
     pub evaluations: u64,
-    /// Number of these with derivatives.
+    /// Number of strokes played with derivatives.
     pub differentiated: u64,
     /// Progress, and whether to go on.
     pub watch: Proceed,
     pub(super) kept: Option<(Vec<f64>, Vec<f64>)>,
-    /// What is made of squares where points are compared.
+    /// Loss function for comparing points.
     pub(super) loss: Loss,
-    /// The best point that was played.
+    /// The best point played.
     pub(super) best: Option<Candidate>,
-    /// Root mean square of what was left over of every channel where the fit began, N or m.
+    /// Root mean square residual of each channel at the start of the fit, N, m or m/s.
     pub(super) rms_at_start: Vec<f64>,
 }
 
@@ -159,7 +159,7 @@ impl Problem {
         self.data.iter().enumerate().flat_map(|(i, one)| one.columns.iter().map(move |column| (i, *column)))
     }
 
-    /// The rows of every channel among the residuals.
+    /// Range of each channel's rows among the residuals.
     pub(super) fn channel_rows(&self) -> Vec<Range<usize>> {
         let mut first = 0;
         let of = |(recording, _): (usize, &str)| {
@@ -182,7 +182,7 @@ impl Problem {
         unreachable!("there are no more channels than columns")
     }
 
-    /// What a channel is called: its column, and which recording where there are several.
+    /// Title of a channel: its column, and the recording if there are several.
     pub(crate) fn title(&self, channel: usize) -> String {
         let (i, column) = self.place(channel);
         let column = self.data[i].columns[column];
@@ -194,12 +194,12 @@ impl Problem {
         if self.delay { self.sigma.len() } else { 0 }
     }
 
-    /// Residuals.
+    /// Number of residuals.
     pub fn rows(&self) -> usize {
         self.data.iter().map(|one| one.rows() * one.columns.len()).sum()
     }
 
-    /// Columns that drive and of whose noise nothing is known.
+    /// Driving columns of unknown noise.
     pub(crate) fn silent(&self) -> Vec<&'static str> {
         let unknown = self.data.iter().zip(&self.drive_sigma).filter(|(_, sigma)| sigma.is_none());
         let mut found: Vec<&'static str> = unknown.map(|(one, _)| one.driving).collect();
@@ -214,7 +214,7 @@ impl Problem {
         self.free.iter().map(Free::bounds).chain(delays).map(|[low, high]| (low, high)).unzip()
     }
 
-    /// Brings a point within its bounds, and a little away from them.
+    /// Moves a point inside its bounds, with a small margin.
     pub(super) fn keep_inside(&self, point: &mut [f64]) {
         let (low, high) = self.bounds();
         for (k, x) in point.iter_mut().enumerate() {
@@ -223,12 +223,12 @@ impl Problem {
         }
     }
 
-    /// Outer values of a point's parameters.
+    /// Returns the outer values of a point.
     pub fn outer(&self, point: &[f64]) -> Vec<f64> {
         self.free.iter().zip(point).map(|(one, p)| one.outer(*p)).collect()
     }
 
-    /// The instrument at a point; `None` where it cannot be so.
+    /// Returns the instrument at a point; `None` if it cannot have these values.
     pub(crate) fn at(&self, point: &[f64]) -> Option<Instrument> {
         varied(&self.instrument, &self.free, &self.outer(point))
     }
@@ -237,11 +237,11 @@ impl Problem {
         Workers { threads: self.threads, ..Workers::all() }
     }
 
-    /// Every recording at every point, all points of one recording side by side; a point that cannot be played is not a
-    /// number.
+    /// Plays every recording at every point, all points of one recording side by side. A point that cannot be played
+    /// gives NaN.
     ///
     /// # Errors
-    /// An interruption, or a setting that is wrong for all.
+    /// An interruption, or a setting that is wrong for all points.
     pub(crate) fn simulate(&mut self, points: &[Vec<f64>]) -> Result<Curves, FitError> {
         let variants: Vec<Option<Instrument>> = points.iter().map(|point| self.at(point)).collect();
         let places: Vec<usize> = (0..points.len()).filter(|&row| variants[row].is_some()).collect();
@@ -274,12 +274,12 @@ impl Problem {
         if (self.watch)(self.evaluations) { Ok(()) } else { Err(SimulationError::Interrupted.into()) }
     }
 
-    /// Delay of a channel against the drive, s; positive when it was recorded late.
+    /// Delay of a channel against the drive, s; positive if recorded late.
     pub(crate) fn delay_s(&self, point: &[f64], channel: usize) -> f64 {
         if self.delay { 1e-3 * point[self.free.len() + channel] } else { 0.0 }
     }
 
-    /// What each channel should read, its delay included, at a point that was played as this row.
+    /// Expected readings of each channel, with its delay, at the point played in row `row`.
     pub(crate) fn fitted(&self, point: &[f64], played: &Curves, row: usize) -> Vec<Vec<f64>> {
         (0..self.sigma.len())
             .map(|channel| {
@@ -291,8 +291,8 @@ impl Problem {
             .collect()
     }
 
-    /// Residuals, weighted, at a point that was played as this row; not finite where it could not be played. The point
-    /// becomes a candidate.
+    /// Weighted residuals at the point played in row `row`; not finite if it could not be played. The point becomes a
+    /// candidate.
     pub(crate) fn left(&mut self, point: &[f64], played: &Curves, row: usize) -> Vec<f64> {
         let mut left = self.unweighted(point, played, row);
         self.consider(point, &left);
@@ -300,7 +300,7 @@ impl Problem {
         left
     }
 
-    /// The same, all rows alike.
+    /// Unweighted residuals at the point played in row `row`.
     pub(super) fn unweighted(&self, point: &[f64], played: &Curves, row: usize) -> Vec<f64> {
         let mut left = Vec::with_capacity(self.rows());
         for (channel, curve) in self.fitted(point, played, row).iter().enumerate() {
@@ -317,7 +317,7 @@ impl Problem {
         }
     }
 
-    /// Residuals at a point: fitted less measured, over the noise.
+    /// Weighted residuals at a point: fitted less measured, over the noise.
     ///
     /// # Errors
     /// An interruption.
@@ -340,7 +340,7 @@ impl Problem {
         Ok(left)
     }
 
-    /// Residuals at many points, played side by side; not finite where one cannot be played.
+    /// Weighted residuals at many points, played side by side; not finite where a point cannot be played.
     ///
     /// # Errors
     /// An interruption.
@@ -349,15 +349,15 @@ impl Problem {
         Ok(points.iter().enumerate().map(|(row, point)| self.left(point, &played, row)).collect())
     }
 
-    /// Whether residuals are those of what cannot be played.
+    /// Whether these are the residuals of a point that cannot be played.
     pub(crate) fn is_unplayable(residuals: &[f64]) -> bool {
         !residuals.is_empty() && residuals.iter().all(|x| *x == WORST)
     }
 
-    /// Takes the noise of every channel as another fit estimated it, N or m.
+    /// Sets the noise of every channel to another fit's estimate, N, m or m/s.
     ///
     /// # Panics
-    /// If there are not as many as channels.
+    /// If the number of values differs from the number of channels.
     pub fn take_noise(&mut self, sigma: Vec<f64>) {
         assert_eq!(sigma.len(), self.sigma.len(), "one for every channel");
         self.sigma = sigma;
@@ -388,13 +388,13 @@ impl Problem {
         Ok(fitted.into_iter().enumerate().map(of).collect())
     }
 
-    /// Forgets what was worked out last: noise or weights have changed.
+    /// Drops the residuals of the last point: noise or weights have changed.
     pub(crate) fn forget(&mut self) {
         self.kept = None;
     }
 
-    /// Estimates the noise of every channel of which nothing tells it from what is left over at a point; whether it
-    /// stays as it was.
+    /// Estimates the unknown noise of channels from the residuals at a point. Returns whether it changed by less than 2
+    /// %.
     ///
     /// # Errors
     /// An interruption.
@@ -417,7 +417,7 @@ impl Problem {
     }
 }
 
-/// Plays jobs over a recording and samples what is compared, column by column; `None` where it could not be played.
+/// Plays jobs over a recording and samples the compared columns; `None` for a job that could not be played.
 pub(super) fn sampled(
     first: &Instrument,
     instruments: &[Instrument],
@@ -427,7 +427,7 @@ pub(super) fn sampled(
     before: u64,
     watch: &mut Proceed,
 ) -> Result<Vec<Option<Vec<Vec<f64>>>>, FitError> {
-    // Key, hammer and force are columns of every instrument.
+    // Every instrument has the columns for key, hammer and force.
     let sampling = Sampling::of(first, &one.columns, one.every)
         .map_err(|error| FitError::Recording { recording: one.name.clone(), message: error.to_string() })?;
     let count = jobs.len() as f64;
@@ -442,7 +442,7 @@ pub(super) fn sampled(
     Ok(results.into_iter().map(of).collect())
 }
 
-/// A curve as it reads when it is written down so much later; at its ends it stays as it was.
+/// Returns a curve delayed by `late_s`, with constant ends.
 pub(super) fn moved(times: &[f64], curve: &[f64], late_s: f64) -> Vec<f64> {
     if late_s == 0.0 {
         return curve.to_vec();

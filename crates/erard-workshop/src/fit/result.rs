@@ -1,4 +1,4 @@
-//! The result of a fit: values, covariance, and what the data do not tell, in words.
+//! Result of a fit: values, covariance, and what the data do not determine, in words.
 
 use super::Free;
 use super::candidate::Candidate;
@@ -8,14 +8,14 @@ use super::ends::{Ended, alike, best_of};
 use super::problem::Problem;
 use super::svd::{Columns, dot, svd, times};
 
-/// A quantity of the bench that a parameter sets.
+/// A bench quantity set by a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Meaning {
     /// The parameter.
     pub name: String,
     /// Meaning of the parameter.
     pub explanation: &'static str,
-    /// The quantity that is read on the bench.
+    /// Quantity read on the bench.
     pub quantity: &'static str,
     /// Unit of the quantity.
     pub unit: &'static str,
@@ -23,23 +23,23 @@ pub struct Meaning {
     pub before: f64,
     /// Value with the fitted instrument.
     pub value: f64,
-    /// Standard deviation of `value`, as the parameter's own makes it.
+    /// Standard deviation of `value` due to the parameter's own.
     pub std: f64,
 }
 
 /// A matrix, row by row.
 type Rows = Vec<Vec<f64>>;
 
-/// Result of a fit. Vectors follow the order of the `free` parameters; inner ones end with the delays in ms.
+/// Result of a fit. Vectors follow the order of the `free` parameters; inner ones end with the delays, ms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitResult {
     /// Free parameters.
     pub free: Vec<Free>,
     /// End point, in the solver's coordinates.
     pub point: Vec<f64>,
-    /// Why it ended, in words.
+    /// Reason why the solver ended, in words.
     pub message: String,
-    /// The parameters as `vary` takes them: turns in m, rad or N m, factors of the rest.
+    /// Outer values, as in `vary`: turns in m, rad or N m, factors of other parameters.
     pub x: Vec<f64>,
     /// Standard deviations of `x`.
     pub std: Vec<f64>,
@@ -47,17 +47,17 @@ pub struct FitResult {
     pub cov: Rows,
     /// Fitted less measured, over the noise.
     pub residuals: Vec<f64>,
-    /// Residuals less parameters.
+    /// Number of residuals less number of inner parameters.
     pub degrees_of_freedom: usize,
-    /// Sum of the residuals' squares over the degrees of freedom. See [`FitResult::chi2`] for what it is worth.
+    /// Sum of squared residuals over the degrees of freedom. See [`FitResult::chi2`] for its meaning.
     pub chi2_reduced: f64,
-    /// Expected value if the model is true: 1 for the sensors' noise, and the contribution of the drive's noise, which
+    /// Expected value if the model is true: 1 for the sensors' noise, plus the contribution of the drive's noise, which
     /// moves the model itself.
     pub chi2_expected: f64,
     /// Singular values of the Jacobian, with each parameter scaled by half the width of its bounds. Below 1, the data
     /// determine a direction no better than its bounds do.
     pub singular_values: Vec<f64>,
-    /// The directions that belong to them, delays included.
+    /// Their right singular vectors, delays included.
     pub directions: Rows,
     /// Dependence of the Jacobian on the steps of its differences: the largest relative change of a column.
     pub jacobian_agreement: f64,
@@ -67,19 +67,19 @@ pub struct FitResult {
     pub sensors_cov: Rows,
     /// Results of the channels, in the order of the residuals.
     pub channels: Vec<FittedChannel>,
-    /// Attempts from different starts, and how many of them left as little as the best one.
+    /// Number of attempts from different starts, and how many of them had as small a misfit as the best one.
     pub attempts: [usize; 2],
-    /// Distance of the places where these ended: the largest of any parameter, in its standard deviations.
+    /// Largest distance of any parameter of these ends from the result, in its standard deviations.
     pub apart: f64,
     /// Parameters with misleading names, as measured on the bench.
     pub meanings: Vec<Meaning>,
     /// Doubts, by kind.
     pub doubts: Vec<Doubt>,
-    /// Columns that drive and of whose noise nothing is known.
+    /// Driving columns of unknown noise.
     pub silent: Vec<&'static str>,
-    /// Strokes that were played, and of these with derivatives.
+    /// Number of strokes played without derivatives.
     pub evaluations: u64,
-    /// See `evaluations`.
+    /// Number of strokes played with derivatives.
     pub differentiated: u64,
 }
 
@@ -93,24 +93,24 @@ pub struct FittedChannel {
     pub noise: f64,
     /// Whether the noise was given or measured on the recording, so that misfit can be distinguished from it.
     pub noise_is_known: bool,
-    /// Root mean square of fitted less measured where the fit began, N or m.
+    /// Root mean square of fitted less measured at the start of the fit, N, m or m/s.
     pub rms_at_start: f64,
-    /// Root mean square of fitted less measured at the result, N or m.
+    /// Root mean square of fitted less measured at the result, N, m or m/s.
     pub rms: f64,
-    /// Delay against the drive, s, positive when it was recorded late, and its standard deviation, where it was
-    /// estimated.
+    /// Delay against the drive, s, positive if recorded late, and its standard deviation; `None` if not estimated.
     pub delay_s: Option<(f64, f64)>,
 }
 
-/// A singular value below so large a part of the largest is one that no sample sees: its error is large, not infinite.
+/// Singular values below this share of the largest are raised to it: the error of such a direction is large, not
+/// infinite.
 const UNSEEN: f64 = 1e-9;
 /// Correlations beyond this are reported.
 const CORRELATED: f64 = 0.5;
-/// Most parameters of a direction that are named, and how large a part of the largest share they have at least.
+/// Most parameters named per direction, and their least share of the largest component.
 const NAMED: (usize, f64) = (4, 0.3);
 
 impl FitResult {
-    /// Of where a solver ended.
+    /// Makes the result from the end of a fit.
     pub(super) fn new(problem: &Problem, found: &Ended, jacobian: &[Vec<f64>], disturbed: &Disturbed) -> Self {
         let Ended { point, message, residuals, agreement, ends } = found.clone();
         let free = problem.free.clone();
@@ -137,7 +137,7 @@ impl FitResult {
                 root.iter().map(|row| dot(row, &seen) / (DISTURBED as f64).sqrt()).collect()
             })
             .collect();
-        // Misfit beyond what the noise of sensors and drive explains makes all errors larger.
+        // Misfit beyond the noise of sensors and drive enlarges all errors.
         let excess = (chi2_reduced / chi2_expected).max(1.0);
         let square = |of: &dyn Fn(usize, usize) -> f64| -> Rows {
             (0..all).map(|i| (0..all).map(|j| of(i, j)).collect()).collect()
@@ -209,12 +209,12 @@ impl FitResult {
         })
     }
 
-    /// The correlation of two parameters.
+    /// Correlation of two parameters.
     pub(crate) fn correlation(&self, i: usize, j: usize) -> f64 {
         self.cov[i][j] / (self.std[i] * self.std[j])
     }
 
-    /// Pairs of parameters that are correlated by more than a half, the most first.
+    /// Pairs of parameters with a correlation above one half, the largest first.
     pub fn correlated(&self) -> Vec<(usize, usize, f64)> {
         let count = self.free.len();
         let mut pairs: Vec<(usize, usize, f64)> =
@@ -247,7 +247,8 @@ impl FitResult {
     }
 }
 
-/// Number of attempts that ended with as small a misfit as the best one, and their distance, in standard deviations.
+/// Number of ends with as small a misfit as the best one, and their largest distance from `point`, in standard
+/// deviations.
 fn spread(ends: &[Candidate], point: &[f64], cov: &[Vec<f64>]) -> [f64; 2] {
     let best = best_of(ends);
     let (mut good, mut apart) = (0.0, 0.0_f64);
@@ -260,7 +261,7 @@ fn spread(ends: &[Candidate], point: &[f64], cov: &[Vec<f64>]) -> [f64; 2] {
     [good, apart]
 }
 
-/// Two digits that count, as people read them.
+/// Formats a number with two significant digits.
 fn two_digits(x: f64) -> String {
     if !(0.001..1e5).contains(&x.abs()) {
         return format!("{x:.1e}");

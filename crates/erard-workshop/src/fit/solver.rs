@@ -2,29 +2,28 @@
 //! columns.
 //!
 //! Branch, Coleman and Li, "A subspace, interior, and conjugate gradient method for large-scale bound-constrained
-//! minimization problems", SIAM J. Sci. Comput. 21 (1999), and as SciPy chooses its steps, its scales and its ends
-//! (`least_squares(method="trf", x_scale="jac")`), so that both come out alike. The trust region's own problem is
-//! More's (1978). Losses that give outliers less weight are weighted as there: Triggs and others, "Bundle adjustment: a
-//! modern synthesis" (1999).
+//! minimization problems", SIAM J. Sci. Comput. 21 (1999), with the steps, scales and stopping rules of SciPy
+//! (`least_squares(method="trf", x_scale="jac")`), so that both agree. The trust-region subproblem is solved as in More
+//! (1978). Robust losses are weighted as in Triggs and others, "Bundle adjustment: a modern synthesis" (1999).
 
 use super::svd::{Columns, Svd, dot, norm, svd, times};
 
 /// Loss function of the squared residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Loss {
-    /// The square itself.
+    /// z.
     #[default]
     Linear,
-    /// 2 (sqrt(1 + z) - 1): as the square near nothing, as the distance far off.
+    /// 2 (sqrt(1 + z) - 1): quadratic in small residuals, linear in large ones.
     SoftL1,
-    /// The square up to 1, the distance beyond.
+    /// Quadratic in residuals up to 1, linear beyond.
     Huber,
-    /// ln(1 + z): what is far off hardly counts.
+    /// ln(1 + z): large residuals hardly count.
     Cauchy,
 }
 
 impl Loss {
-    /// What a square z comes to, and its first two derivatives.
+    /// The loss of a squared residual z, and its first two derivatives.
     fn of(self, z: f64) -> [f64; 3] {
         match self {
             Loss::Linear => [z, 1.0, 0.0],
@@ -45,8 +44,8 @@ impl Loss {
         0.5 * residuals.iter().map(|f| self.of(f * f)[0]).sum::<f64>()
     }
 
-    /// Residuals and Jacobian of the squares whose gradient is the loss's, and whose curvature is as near to it as is
-    /// safe.
+    /// Rescales residuals and Jacobian to a linear least-squares problem with the loss's gradient and, as far as it is
+    /// positive, its curvature.
     fn weighted(self, residuals: &mut [f64], jacobian: &mut [Vec<f64>]) {
         if self == Loss::Linear {
             return;
@@ -63,39 +62,39 @@ impl Loss {
 
 /// A least-squares problem.
 pub trait LeastSquares {
-    /// Why it ends before its time.
+    /// Error that ends the solution early.
     type Error;
 
-    /// Residuals at a point; none of them finite where there is nothing.
+    /// Residuals at a point; not finite where it cannot be evaluated.
     ///
     /// # Errors
-    /// What ends the work.
+    /// An error that ends the solution.
     fn residuals(&mut self, x: &[f64]) -> Result<Vec<f64>, Self::Error>;
 
-    /// Their derivatives, column by column.
+    /// Derivatives of the residuals, column by column.
     ///
     /// # Errors
-    /// What ends the work.
+    /// An error that ends the solution.
     fn jacobian(&mut self, x: &[f64]) -> Result<Columns, Self::Error>;
 }
 
 /// Why the solver ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ended {
-    /// The gradient is nothing.
+    /// The gradient is below the tolerance.
     Gradient,
     /// The sum of squares no longer falls.
     Cost,
-    /// Steps are nothing.
+    /// The step is below the tolerance.
     Step,
-    /// The sum of squares no longer falls, and steps are nothing.
+    /// The sum of squares no longer falls, and the step is below the tolerance.
     CostAndStep,
     /// The largest number of evaluations was reached.
     Evaluations,
 }
 
 impl Ended {
-    /// In words.
+    /// The reason in words.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Ended::Gradient => "the gradient has vanished",
@@ -107,32 +106,32 @@ impl Ended {
     }
 }
 
-/// Where it ended.
+/// Result of the solver.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Solved {
-    /// The point.
+    /// End point.
     pub x: Vec<f64>,
-    /// Residuals there, as they are.
+    /// Unweighted residuals there.
     pub residuals: Vec<f64>,
-    /// Half the sum of what the loss makes of their squares.
+    /// Half the sum of the losses.
     pub cost: f64,
-    /// Residuals that were worked out, Jacobians apart.
+    /// Evaluations of the residuals, without those for Jacobians.
     pub evaluations: usize,
-    /// Why.
+    /// Reason why it ended.
     pub ended: Ended,
 }
 
-/// Where gradient, cost and step are nothing, as shares of themselves.
+/// Tolerance of the gradient (absolute), and of cost and step (relative).
 const TOLERANCE: f64 = 1e-8;
 
-/// Minimises half the sum of the losses from a point within the bounds, with so many evaluations of the residuals at
-/// most.
+/// Minimises half the sum of the losses from a point within the bounds, with at most `most` evaluations of the
+/// residuals.
 ///
 /// # Errors
-/// Those of the problem.
+/// Errors of the problem.
 ///
 /// # Panics
-/// If there are not as many bounds as parameters.
+/// If the number of bounds differs from the number of parameters.
 pub(crate) fn solve<P: LeastSquares + ?Sized>(
     problem: &mut P,
     start: &[f64],
@@ -231,7 +230,7 @@ pub(crate) fn solve<P: LeastSquares + ?Sized>(
     Ok(Solved { x, residuals: f, cost, evaluations, ended })
 }
 
-/// Into the bounds; by so much of their size (or, with nothing, by the smallest number) away from them.
+/// Moves a point into the bounds, by a share of their size (with share 0, by the smallest number) away from them.
 fn inside(x: &[f64], (low, high): (&[f64], &[f64]), share: f64) -> Vec<f64> {
     let into = |k: usize, x: f64| {
         let (low, high) = (low[k], high[k]);
@@ -248,8 +247,7 @@ fn inside(x: &[f64], (low, high): (&[f64], &[f64]), share: f64) -> Vec<f64> {
     x.iter().enumerate().map(|(k, x)| into(k, *x)).collect()
 }
 
-/// How far it is to the bound that the gradient leads to, and which way that distance changes; 1 and 0 where there is
-/// none.
+/// Distance to the bound that the negative gradient points to, and its derivative; 1 and 0 where there is no bound.
 fn distance(x: &[f64], gradient: &[f64], (low, high): (&[f64], &[f64]), k: usize) -> (f64, f64) {
     if gradient[k] < 0.0 && high[k].is_finite() {
         (high[k] - x[k], -1.0)
@@ -260,7 +258,7 @@ fn distance(x: &[f64], gradient: &[f64], (low, high): (&[f64], &[f64]), k: usize
     }
 }
 
-/// The same of all, in the parameters' scales.
+/// Distances of all parameters, scaled by their sizes.
 fn distances(x: &[f64], gradient: &[f64], bounds: (&[f64], &[f64]), sizes: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let scaled = |k: usize| {
         let (apart, turns) = distance(x, gradient, bounds, k);
@@ -273,23 +271,23 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| value.abs().max(most))
 }
 
-/// The sum of squares about a point, in scaled parameters.
+/// Quadratic model of the sum of squares about a point, in scaled parameters.
 struct Model {
     gradient: Vec<f64>,
     jacobian: Columns,
-    /// What the bounds add to the diagonal.
+    /// Contribution of the bounds to the diagonal of the Hessian.
     curvature: Vec<f64>,
 }
 
 impl Model {
-    /// The Jacobian with the roots of the curvature below it.
+    /// The Jacobian with the square roots of the curvature below it.
     fn with_curvature(&self) -> Columns {
         let count = self.curvature.len();
         let below = |k: usize| (0..count).map(move |row| if row == k { self.curvature[k].sqrt() } else { 0.0 });
         self.jacobian.iter().enumerate().map(|(k, column)| column.iter().copied().chain(below(k)).collect()).collect()
     }
 
-    /// Along a line from a point: a t^2 + b t + c.
+    /// Coefficients of the model along a line from a point: a t^2 + b t + c.
     fn along(&self, from: &[f64], way: &[f64]) -> [f64; 3] {
         let (at, moved) = (times(&self.jacobian, from), times(&self.jacobian, way));
         let curved = |a: &[f64], b: &[f64]| (0..a.len()).map(|k| a[k] * self.curvature[k] * b[k]).sum::<f64>();
@@ -300,17 +298,16 @@ impl Model {
         ]
     }
 
-    /// How much it changes by a step.
+    /// Change of the model by a step.
     fn value(&self, step: &[f64]) -> f64 {
         self.along(step, step)[2]
     }
 }
 
-/// The step of the model alone that goes no farther than the radius (More 1978). `damping` is where the search begins,
-/// and what it found.
+/// The model's step within the radius (More 1978). `damping` is the start of the search, and its result.
 fn region(factors: &Svd, gradient: &[f64], rows: usize, radius: f64, damping: &mut f64) -> Vec<f64> {
     let (s, v) = (&factors.values, &factors.directions);
-    // s u'f, for the singular vectors u that nobody needs.
+    // s u'f; the left singular vectors u themselves are not needed.
     let along: Vec<f64> = v.iter().map(|direction| dot(direction, gradient)).collect();
     let step = |by: &dyn Fn(usize) -> f64| {
         let shares: Vec<f64> = (0..s.len()).map(|k| -along[k] / by(k)).collect();
@@ -360,8 +357,8 @@ fn region(factors: &Svd, gradient: &[f64], rows: usize, radius: f64, damping: &m
     found.iter().map(|x| x * radius / length).collect()
 }
 
-/// The best of three steps within bounds and radius: the model's as far as the bounds let it, the same reflected at the
-/// first bound, and down the gradient. Gives the step, the same in scaled parameters, and by how much the model falls.
+/// Returns the best of three steps within bounds and radius: the model's, cut at the bounds; this one reflected at the
+/// first bound; steepest descent. Returns the step, the step in scaled parameters, and the decrease of the model.
 fn choose(
     model: &Model,
     x: &[f64],
@@ -417,7 +414,7 @@ fn choose(
     (outer(&hat), hat, -value)
 }
 
-/// How far one may go this way before a bound, and which bounds are met there.
+/// Largest multiple of a step within the bounds, and the bounds reached by it.
 fn stride(x: &[f64], step: &[f64], (low, high): (&[f64], &[f64])) -> (f64, Vec<bool>) {
     let to = |k: usize| match step[k] {
         0.0 => f64::INFINITY,
@@ -429,7 +426,7 @@ fn stride(x: &[f64], step: &[f64], (low, high): (&[f64], &[f64])) -> (f64, Vec<b
     (least, hits)
 }
 
-/// How far from a point within the radius it is to the radius.
+/// Multiple of `way` from a point within the radius to the radius.
 fn to_radius(from: &[f64], way: &[f64], radius: f64) -> f64 {
     let (a, b, c) = (dot(way, way), dot(from, way), dot(from, from) - radius * radius);
     if a == 0.0 {
@@ -441,7 +438,7 @@ fn to_radius(from: &[f64], way: &[f64], radius: f64) -> f64 {
     if one.is_nan() || other.is_nan() { 0.0 } else { one.max(other) }
 }
 
-/// Where a parabola is lowest between two ends, and how low.
+/// Minimum of a parabola between two ends: place and value.
 fn lowest([a, b, c]: [f64; 3], low: f64, high: f64) -> (f64, f64) {
     let middle = if a == 0.0 { low } else { -0.5 * b / a };
     let candidates = [low, high, if low < middle && middle < high { middle } else { low }];
@@ -497,14 +494,14 @@ mod tests {
         }
     }
 
-    /// Rosenbrock's valley: its end is known, and where a bound cuts it off, its lowest point on the bound. SciPy 1.17
+    /// Rosenbrock's valley: its minimum is known, and so is its lowest point on a bound that cuts it off. SciPy 1.17
     /// takes as many evaluations, and ends for the same reason.
     #[test]
     fn rosenbrock_s_valley_with_and_without_bounds() {
         let found = rosenbrock([-2.0, 1.0], FREE.0, FREE.1, 200);
         near(&found.x, &[1.0, 1.0], 1e-9);
         assert_eq!((found.evaluations, found.ended), (20, Ended::Gradient));
-        // Up to x = 1/2: the valley is y = x^2, and what is left over is (1 - 1/2)^2 / 2.
+        // Up to x = 1/2: the valley is y = x^2, and the cost is (1 - 1/2)^2 / 2.
         let found = rosenbrock([-1.2, 1.0], [-2.0; 2], [0.5, 2.0], 200);
         near(&found.x, &[0.5, 0.25], 1e-8);
         near(&[found.cost], &[0.125], 1e-8);
@@ -561,14 +558,14 @@ mod tests {
             near(&[2.0 * found.cost], &[1.245_513_889_4e-1], 1e-10);
             assert_eq!(found.evaluations, evaluations, "as SciPy 1.17");
         }
-        // The first parameter ends at its bound: SciPy's answer.
+        // The first parameter ends at its bound, as in SciPy.
         let found = solved(problem(), &[150.0, 5e-4], (&[0.0, 0.0], &[200.0, 1.0]), Loss::Linear, 200);
         near(&found.x, &[200.0, 6.790_593_778e-4], 1e-9);
         near(&[found.cost], &[1.667_222_941], 1e-9);
     }
 
-    /// Two outliers among twelve samples of a decay, 2 + 3 exp(-0.8 t): SciPy's answers for every loss, and as many
-    /// evaluations. A loss that gives outliers less weight is near the truth; plain squares are not.
+    /// Two outliers among twelve samples of a decay, 2 + 3 exp(-0.8 t): results and numbers of evaluations as in SciPy
+    /// for every loss. Robust losses come near the truth; plain squares do not.
     #[test]
     fn outliers_count_for_less() {
         const OFF: [f64; 12] = [0.1, -0.2, 0.15, 0.05, -0.1, 3.0, 0.12, -0.07, -2.5, 0.03, 0.09, -0.11];
@@ -599,7 +596,7 @@ mod tests {
         }
     }
 
-    /// What is not finite is no step, and an error ends all.
+    /// Steps with residuals that are not finite are rejected; an error ends the solution.
     #[test]
     fn what_is_not_finite_is_not_gone_to() {
         let problem =

@@ -1,12 +1,12 @@
-//! Singular values of a tall matrix by Hestenes' one-sided rotations: small ones come out with their own relative
-//! accuracy, not with that of the largest.
+//! Singular values of a tall matrix by Hestenes' one-sided rotations: small ones have their own relative accuracy, not
+//! that of the largest.
 //!
 //! Demmel and Veselic, "Jacobi's method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992).
 
 /// A matrix, column by column.
 pub type Columns = Vec<Vec<f64>>;
 
-/// Singular values, the largest first, and the right singular vectors that belong to them.
+/// Singular values in descending order, and their right singular vectors.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Svd {
     /// Not negative, descending.
@@ -15,10 +15,10 @@ pub(crate) struct Svd {
     pub directions: Vec<Vec<f64>>,
 }
 
-/// Most sweeps over all pairs: some eight do, and more are only wanted by what is not finite.
+/// Most sweeps over all pairs: about eight are needed; only matrices that are not finite take more.
 const SWEEPS: usize = 60;
 
-/// Of a matrix that is given by its columns.
+/// Decomposes a matrix given by its columns.
 pub(crate) fn svd(matrix: &[Vec<f64>]) -> Svd {
     let count = matrix.len();
     let mut columns: Columns = matrix.to_vec();
@@ -54,17 +54,17 @@ pub(crate) fn svd(matrix: &[Vec<f64>]) -> Svd {
     Svd { values, directions }
 }
 
-/// The sum of products.
+/// Scalar product.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The length.
+/// Euclidean norm.
 pub(crate) fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// A matrix times a vector: so much of every column.
+/// Product of a matrix and a vector.
 pub(crate) fn times(matrix: &[Vec<f64>], vector: &[f64]) -> Vec<f64> {
     let mut found = vec![0.0; matrix.first().map_or(0, Vec::len)];
     for (column, by) in matrix.iter().zip(vector) {
@@ -79,8 +79,8 @@ pub(crate) fn times(matrix: &[Vec<f64>], vector: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// The singular values of Lauchli's matrix are known: sqrt(n + e^2) and e; those of a graded one come out each to
-    /// its own accuracy.
+    /// Lauchli's matrix has singular values sqrt(n + e^2) and e; those of a graded matrix each come out to their own
+    /// accuracy.
     #[test]
     fn known_singular_values() {
         let e = 1e-7;
@@ -93,8 +93,8 @@ mod tests {
         assert_eq!(graded.directions[2].iter().map(|x| x.abs()).collect::<Vec<_>>(), [0.0, 1.0, 0.0]);
     }
 
-    /// The factors give the matrix again: J v = s u, and the u are orthogonal. Columns that are alike have a
-    /// singular value of nothing.
+    /// The factors reproduce the matrix: J v = s u, and the u are orthogonal. Equal columns give a singular value of
+    /// zero.
     #[test]
     fn directions_are_right() {
         let matrix = vec![vec![1.0, 2.0, 3.0, 4.0], vec![2.0, -1.0, 0.5, 1.0], vec![3.0, 1.0, 3.5, 5.0]];

@@ -1,18 +1,18 @@
-//! The fitted instrument as a file: the same text, with other numbers.
+//! The fitted instrument as a file: the same text with new numbers.
 
 use erard::instrument::{InstrumentFile, RewriteError, cited};
 use thiserror::Error;
 
 use super::FitResult;
 
-/// Who the source of the new numbers is, in the file's own list of sources, and its name there.
+/// Author of the new numbers in the file's list of sources, and the source's name there.
 const AUTHOR: &str = "erard fit";
 const SOURCE: &str = "fitted";
 
 /// Why the fitted instrument cannot be written.
 #[derive(Debug, Error)]
 pub enum WriteError {
-    /// Its text cannot be changed.
+    /// The text cannot be changed.
     #[error(transparent)]
     Rewrite(#[from] RewriteError),
     /// The written file does not read back as the fitted instrument.
@@ -21,9 +21,8 @@ pub enum WriteError {
 }
 
 impl FitResult {
-    /// Returns `text`, the file of the fitted instrument, with the fitted values in place of its own. Each is cited as
-    /// fitted to these recordings, with its standard deviation in its note. The new text is checked by reading it
-    /// again.
+    /// Returns `text`, the file of the fitted instrument, with the fitted values. Each is cited as fitted to these
+    /// recordings, with its standard deviation in its note. The new text is checked by reading it again.
     ///
     /// # Errors
     /// See [`WriteError`].

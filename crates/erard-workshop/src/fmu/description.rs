@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{MODEL, Unit, Variable};
 
-/// Units as the ends of keys spell them, and how they are made of SI's: exponents of kg, m, s, rad, and a factor.
+/// Units by the ends of keys, and their composition from SI units: exponents of kg, m, s, rad, and a factor.
 const UNITS: [(&str, &str, [i32; 4], f64); 24] = [
     ("", "m", [0, 1, 0, 0], 1.0),
     ("", "m/s", [0, 1, -1, 0], 1.0),
@@ -32,13 +32,13 @@ const UNITS: [(&str, &str, [i32; 4], f64); 24] = [
     ("_kg", "kg", [1, 0, 0, 0], 1.0),
 ];
 
-/// The unit that a key's name ends in; empty where it is none of the list.
+/// Unit at the end of a key's name; empty if unknown.
 pub(super) fn unit_of(key: &str) -> &'static str {
     let fits = UNITS.iter().filter(|(end, ..)| !end.is_empty() && key.ends_with(end));
     fits.max_by_key(|(end, ..)| end.len()).map_or("", |(_, unit, ..)| unit)
 }
 
-/// Whether a name is one of FMI's structured naming convention: `key[40].force`, not `contact.back-check`.
+/// Whether a name follows FMI's structured naming convention: `key[40].force`, not `contact.back-check`.
 fn is_structured(name: &str) -> bool {
     name.split('.').all(|part| {
         let (word, index) = part.split_once('[').map_or((part, None), |(word, index)| (word, Some(index)));
@@ -52,7 +52,7 @@ fn is_structured(name: &str) -> bool {
 }
 
 impl Unit {
-    /// `modelDescription.xml`.
+    /// Returns the text of `modelDescription.xml`.
     #[must_use]
     pub fn model_description(&self) -> String {
         description(self)
@@ -61,7 +61,7 @@ impl Unit {
 
 fn description(unit: &Unit) -> String {
     let Unit { name, description, variables, .. } = unit;
-    // Tools draw a tree of structured names.
+    // Tools display structured names as a tree.
     let is_structured = unit.is_keyboard() && variables.iter().all(|variable| is_structured(&variable.name));
     let convention = if is_structured { "structured" } else { "flat" };
     let mut out = format!(
@@ -143,7 +143,7 @@ fn escaped(text: &str) -> String {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
-            // What XML cannot hold, and line ends, which an attribute does not keep.
+            // Characters not allowed in XML, and line ends, which attributes do not keep.
             c if c.is_control() => out.push(' '),
             c => out.push(c),
         }

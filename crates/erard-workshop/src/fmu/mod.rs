@@ -1,8 +1,8 @@
 //! Functional mock-up units (FMI 2.0, co-simulation) of one key's instrument or of a keyboard: their variables, and the
-//! description that goes into the archive.
+//! description for the archive.
 //!
-//! The library inside the unit (`erard-c`) and the command that writes it must number the variables alike: both ask
-//! here. `unit` reads what a unit holds and applies its parameters, `description` writes `modelDescription.xml`.
+//! The library inside the unit (`erard-c`) and the command that writes it must number the variables alike: both use
+//! this module. `unit` reads a unit's files and applies its parameters, `description` writes `modelDescription.xml`.
 
 mod description;
 mod unit;
@@ -30,7 +30,7 @@ pub enum Role {
     Position,
     /// Its velocity, m/s.
     Velocity,
-    /// Lift to which the sustain pedal sends its rail, m.
+    /// Lift of the sustain pedal's rail set by the pedal, m.
     Pedal,
     /// Mass of the hand, kg; its muscle's stiffness, N/m, and damping, N s/m.
     HandMass,
@@ -43,23 +43,23 @@ pub enum Role {
     Drive,
     /// Length of a step, s.
     Step,
-    /// A number of the reading, by its place in `READING`.
+    /// A number of the reading, by its index in `READING`.
     Reading(usize),
     /// Number of impacts since the start; an integer.
     Impacts,
     /// Force of the strings of all keys of a keyboard on the bridge, N.
     BridgeSum,
-    /// How many keys of a keyboard are awake; an integer.
+    /// Number of awake keys of a keyboard; an integer.
     Awake,
     /// Normal force of a contact zone, N.
     Contact(usize),
-    /// Mass of a body, kg, by its place among the bodies: its inertia changes in proportion.
+    /// Mass of a body, kg, by the body's index: its inertia changes in proportion.
     Mass(usize),
-    /// A number of the instrument's file: which of its numbers, and which place of that.
+    /// A number of the instrument's file, by its index and the index of its component.
     Number(usize, usize),
 }
 
-/// The reading's numbers: name, unit, what it is.
+/// Numbers of the reading: name, unit, description.
 pub(crate) const READING: [(&str, &str, &str); 11] = [
     ("key", "m", "Travel of the key front, down positive"),
     ("key_velocity", "m/s", "Its velocity, down positive"),
@@ -74,9 +74,9 @@ pub(crate) const READING: [(&str, &str, &str); 11] = [
     ("hand_velocity", "m/s", "Its velocity, down positive"),
 ];
 
-/// Those that belong to the last impact.
+/// Numbers that belong to the last impact.
 const LAST_IMPACT: [&str; 2] = ["impact_time", "hammer_speed"];
-/// Those that a key of a keyboard does without, to keep its list short.
+/// Numbers left out for keys of a keyboard, to keep its list short.
 const KEYBOARD_WITHOUT: [&str; 3] = ["key_velocity", "hand", "hand_velocity"];
 
 /// A variable of the unit.
@@ -89,7 +89,7 @@ pub struct Variable {
     pub name: String,
     /// Meaning.
     pub role: Role,
-    /// The key of a keyboard that it belongs to, from 1; `None` for one of the whole unit.
+    /// Key of the keyboard, from 1; `None` for a variable of the whole unit.
     pub key: Option<usize>,
     /// Start value; `None` for calculated variables.
     pub start: Option<f64>,
@@ -100,13 +100,13 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// Whether it is a whole number.
+    /// Whether the variable is an integer.
     #[must_use]
     pub fn is_integer(&self) -> bool {
         matches!(self.role, Role::Drive | Role::Impacts | Role::Awake)
     }
 
-    /// Whether it may be set before initialisation only.
+    /// Whether it can be set before initialisation only.
     #[must_use]
     pub fn is_parameter(&self) -> bool {
         let is_setting = matches!(
@@ -121,14 +121,14 @@ impl Variable {
         is_setting || self.role == Role::Drive && self.key.is_none()
     }
 
-    /// Whether it is set at any time.
+    /// Whether it can be set at any time.
     #[must_use]
     pub fn is_input(&self) -> bool {
         let moves = matches!(self.role, Role::Force | Role::Position | Role::Velocity | Role::Pedal);
         moves || self.role == Role::Drive && self.key.is_some()
     }
 
-    /// Whether it changes at instants only.
+    /// Whether it changes at discrete instants only.
     fn is_discrete(&self) -> bool {
         self.is_integer() || matches!(self.role, Role::Reading(n) if LAST_IMPACT.contains(&READING[n].0))
     }
@@ -140,14 +140,14 @@ const CONTACTS_FROM: u32 = 1000;
 const MASSES_FROM: u32 = 5000;
 const NUMBERS_FROM: u32 = 10_000;
 
-/// The reference of a variable of a key is that of the key's own unit, and so much more for each key of a keyboard.
+/// Distance of the references of two keys of a keyboard; a key's own unit has those of key 0.
 const KEY_SPAN: u32 = 1_000_000;
 
 fn variable(reference: u32, name: &str, role: Role, start: Option<f64>, unit: &'static str, text: &str) -> Variable {
     Variable { reference, name: name.to_owned(), role, key: None, start, unit, description: text.to_owned() }
 }
 
-/// A variable of one key's unit as one of a key of a keyboard.
+/// Makes a variable of one key's unit that of a key of a keyboard.
 fn of_key(key: usize, own: Variable) -> Variable {
     Variable {
         reference: own.reference + KEY_SPAN * key as u32,
@@ -158,7 +158,7 @@ fn of_key(key: usize, own: Variable) -> Variable {
     }
 }
 
-/// What drives a key.
+/// Drive of a key.
 fn driver() -> [Variable; 4] {
     [
         variable(
@@ -189,7 +189,7 @@ fn driver() -> [Variable; 4] {
     ]
 }
 
-/// Step, pedal and hands.
+/// Step, pedal and hand.
 fn settings(step_s: f64) -> [Variable; 5] {
     [
         variable(
@@ -252,7 +252,7 @@ pub fn keyboard_variables(base: &InstrumentFile, base_text: &str) -> Vec<Variabl
     all
 }
 
-/// Bodies' masses, and every number of the file.
+/// Adds bodies' masses, and every number of the file.
 fn parameters(file: &InstrumentFile, text: &str, all: &mut Vec<Variable>) {
     for (name, parameter) in Parameter::all(&file.instrument) {
         if let Parameter::Mass(body) = parameter {
@@ -265,7 +265,7 @@ fn parameters(file: &InstrumentFile, text: &str, all: &mut Vec<Variable>) {
     let numbers = &file.provenance.numbers;
     let by_path = numbers_at_each(text, numbers.iter().map(|number| number.key.as_str()));
     for (n, (number, found)) in numbers.iter().zip(by_path).enumerate() {
-        // Outlines move nothing.
+        // Outlines do not affect the motion.
         let is_changed_by_path = !number.key.starts_with("part.") && found.is_some();
         if !is_changed_by_path {
             continue;
@@ -306,7 +306,7 @@ mod tests {
         all
     }
 
-    /// References and names are distinguished; every number of a mass, a screw or a felt is there with its value.
+    /// References and names are unique; every number of a mass, a screw or a felt is present with its value.
     #[test]
     fn variables_are_told_apart() {
         for name in Instrument::builtin_names() {
@@ -326,7 +326,7 @@ mod tests {
         assert_ne!(a.unwrap().guid(), b.unwrap().guid());
     }
 
-    /// Every key has its inputs and its reading, and the base instrument's numbers are parameters of all.
+    /// Every key has its inputs and its reading, and the base instrument's numbers are parameters of all keys.
     #[test]
     fn a_keyboard_has_variables_per_key() {
         for name in Keyboard::builtin_names() {

@@ -1,4 +1,4 @@
-//! What a unit packs, and its parameters put into it.
+//! Contents of a unit, with its parameters applied.
 
 use erard::Instrument;
 use erard::instrument::{FileError, InstrumentFile, with_numbers};
@@ -8,7 +8,7 @@ use erard::saved::{FNV1A, fnv1a};
 use super::{INSTRUMENT, KEYBOARD, Role, Variable, keyboard_variables, variables};
 use crate::study::Parameter;
 
-/// A unit: an instrument or a keyboard, and the variables by which a simulator plays it.
+/// An instrument or a keyboard, with the variables for a simulator.
 #[derive(Debug)]
 pub struct Unit {
     /// Name of the instrument or keyboard.
@@ -20,7 +20,7 @@ pub struct Unit {
     /// The instrument, or the base instrument of the keyboard.
     file: InstrumentFile,
     text: String,
-    /// The keyboard and the text of its file.
+    /// The keyboard, and the text of its file.
     keyboard: Option<(Keyboard, String)>,
 }
 
@@ -28,7 +28,7 @@ impl Unit {
     /// Reads the unit of an instrument from the text of its file.
     ///
     /// # Errors
-    /// What is wrong in it, as [`InstrumentFile::parse`] says it.
+    /// See [`InstrumentFile::parse`].
     pub fn of_instrument(text: &str) -> Result<Self, Box<FileError>> {
         let file = InstrumentFile::parse(text, INSTRUMENT)?;
         Ok(Unit {
@@ -44,7 +44,7 @@ impl Unit {
     /// Reads the unit of a keyboard from the texts of its file and of its base instrument's.
     ///
     /// # Errors
-    /// What is wrong in one of them, as [`Keyboard::parse`] says it.
+    /// See [`Keyboard::parse`].
     pub fn of_keyboard(text: &str, base_text: &str) -> Result<Self, Box<FileError>> {
         let file = InstrumentFile::parse(base_text, INSTRUMENT)?;
         let keyboard = Keyboard::parse_around(text, KEYBOARD, base_text)?;
@@ -58,7 +58,7 @@ impl Unit {
         })
     }
 
-    /// Whether it is a keyboard's.
+    /// Whether the unit is a keyboard.
     #[must_use]
     pub fn is_keyboard(&self) -> bool {
         self.keyboard.is_some()
@@ -70,7 +70,7 @@ impl Unit {
         [(INSTRUMENT, self.text.as_str())].into_iter().chain(keyboard)
     }
 
-    /// A name for these files and this version of the numbering, as FMI writes it.
+    /// Returns an identifier of these files and this version of the numbering, in FMI's notation.
     #[must_use]
     pub fn guid(&self) -> String {
         let version = concat!("erard-fmu/3 ", env!("CARGO_PKG_VERSION"));
@@ -80,11 +80,10 @@ impl Unit {
         format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
     }
 
-    /// Makes the instruments for these values of the variables, in their order: one, or those of all keys of the
-    /// keyboard.
+    /// Makes the instruments for values of the variables, in their order: one, or those of all keys of the keyboard.
     ///
     /// # Errors
-    /// A line that names the parameter that cannot be, or what is wrong in the file with it.
+    /// A line that names the impossible parameter, or the error in the file with it.
     pub fn instruments(&self, values: &[f64]) -> Result<Vec<Instrument>, String> {
         let mut changes: Vec<(String, usize, f64)> = Vec::new();
         for (variable, value) in self.changed(values) {
@@ -98,7 +97,7 @@ impl Unit {
                 Some(text) => Instrument::parse(&text, INSTRUMENT).map_err(|error| error.to_string())?,
             };
             for (parameter, factor) in self.masses(values, &changes, &instrument)? {
-                // Its range has been checked.
+                // The range has been checked.
                 let _ = parameter.vary(&mut instrument, factor);
             }
             return Ok(vec![instrument]);
@@ -114,7 +113,7 @@ impl Unit {
         changed.instruments().map_err(|error| error.to_string())
     }
 
-    /// The text with other numbers; `None` without any.
+    /// Returns the text with other numbers; `None` if there are none.
     fn text_with(&self, changes: &[(String, usize, f64)]) -> Result<Option<String>, String> {
         if changes.is_empty() {
             return Ok(None);
@@ -125,14 +124,14 @@ impl Unit {
         Ok(Some(text))
     }
 
-    /// The variables that have another value than their first.
+    /// Variables with another value than at the start.
     fn changed<'a>(&'a self, values: &'a [f64]) -> impl Iterator<Item = (&'a Variable, f64)> {
         let all = self.variables.iter().zip(values.iter().copied());
         all.filter(|(variable, value)| variable.start != Some(*value))
     }
 
-    /// Bodies' masses that are changed together with their inertias, as factors. A body whose own numbers are changed
-    /// as well is refused: two parameters would say what it weighs.
+    /// Returns changed masses of bodies, with their inertias, as factors. A body whose own numbers are changed as well
+    /// is refused, because two parameters would set its mass.
     fn masses(
         &self,
         values: &[f64],

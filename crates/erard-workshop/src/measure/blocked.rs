@@ -1,9 +1,9 @@
-//! The bench test of what the train gives: the hammer is blocked half-way to the string, weights are laid on the key,
-//! and the travel of the key's front and of its capstan is read from one weight to the next.
+//! Bench test of the train's compliance: the hammer is blocked half-way to the string, weights are laid on the key, and
+//! the travel of the key's front and capstan is read from one weight to the next.
 //!
-//! The front's travel is what felts and bends give together, the capstan's times the key's leverage what lies behind
-//! the key: heel, knuckle and shank. Travels are counted from the first weight, which takes up what is loose. Weights
-//! are only added, so that dry friction and the felts' own loss push one way all the time.
+//! The front's travel is the total compliance of felts and bends; the capstan's times the key's leverage is that beyond
+//! the key: heel, knuckle and shank. Travels are counted from the first weight, which takes up any play. Weights are
+//! only added, so that dry friction and the felts' losses always act in one direction.
 
 use moreau::{HuntCrossley, Settings};
 use serde::Serialize;
@@ -16,15 +16,15 @@ use erard::player::{Action, Input};
 
 /// The weights, g.
 pub(crate) const WEIGHTS_G: [f64; 6] = [100.0, 200.0, 300.0, 500.0, 700.0, 1000.0];
-/// The bar that blocks the hammer, N/m: it gives a thousandth of what the felts give.
+/// Stiffness of the bar that blocks the hammer, N/m: a thousand times that of the felts.
 const BAR_N_PER_M: f64 = 1e7;
-/// And rebounds little: as a hammer arrives, tens of mm/s, it loses what it brings.
+/// Damping of the bar, s/m: a hammer arriving at tens of mm/s hardly rebounds.
 const BAR_S_PER_M: f64 = 100.0;
 /// Step, s.
 const STEP_S: f64 = 50e-6;
-/// A weight is laid down within this, s.
+/// Time to lay down a weight, s.
 const LAID_S: f64 = 0.25;
-/// And read after this, s.
+/// Time until it is read, s.
 const READ_S: f64 = 0.75;
 
 /// Reading of the bench test.
@@ -34,14 +34,14 @@ pub struct BlockedRow {
     pub weight_g: f64,
     /// Travel of the key's front since the first weight, mm, down positive.
     pub front_mm: f64,
-    /// Travel of the capstan since the first weight, mm, up positive; `None` where the key touches no whippen.
+    /// Travel of the capstan since the first weight, mm, up positive; `None` if the key touches no whippen.
     pub back_mm: Option<f64>,
 }
 
-/// The bench test: a row for each weight. Pass an instrument whose damper is out of the way.
+/// Runs the bench test: a row for each weight. Pass an instrument whose damper is out of the way.
 ///
 /// # Errors
-/// Where parts are missing, there is no gravity, the key has no rest, or the work is interrupted.
+/// If parts are missing, there is no gravity, the key has no equilibrium, or the work is interrupted.
 pub(crate) fn blocked(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Vec<BlockedRow>, MeasureError> {
     if instrument.gravity_m_s2 <= 0.0 {
         return Err(NotAnAction::Weightless.into());
@@ -73,7 +73,7 @@ pub(crate) fn blocked(instrument: &Instrument, progress: &mut Progress<'_>) -> R
     Ok(rows)
 }
 
-/// The key's side of what it lifts the whippen with: body and point.
+/// The key's contact with the whippen: body and point.
 fn capstan(instrument: &Instrument, anatomy: &Anatomy) -> Option<(usize, Vec2)> {
     let is = |body: usize, part: usize| instrument.is_same_part(body, part);
     instrument.zones.iter().find_map(|zone| {
@@ -93,7 +93,7 @@ fn capstan(instrument: &Instrument, anatomy: &Anatomy) -> Option<(usize, Vec2)> 
     })
 }
 
-/// A bar in place of the string, half-way between it and the hammer's rest.
+/// Puts a bar in place of the string, half-way between it and the hammer's rest.
 fn with_a_bar(instrument: &Instrument, anatomy: &Anatomy) -> Result<Instrument, MeasureError> {
     let rest = Action::with(instrument, Settings::new(STEP_S))?;
     let blow_m = -rest.mechanism().compression(anatomy.string);
@@ -117,8 +117,9 @@ fn with_a_bar(instrument: &Instrument, anatomy: &Anatomy) -> Result<Instrument, 
 mod tests {
     use super::*;
 
-    /// Felts give in series: a linear heel of half the stiffness adds i W / k to the travel of the capstan and i times
-    /// that to the front's, with W the weight on the front and i the key's leverage, whatever the other felts do.
+    /// Felts are compliances in series: a linear heel of half the stiffness adds i W / k to the travel of the capstan
+    /// and i times that to the front's, with W the weight on the front and i the key's leverage, whatever the other
+    /// felts do.
     #[test]
     fn a_softer_heel_gives_what_the_levers_say() {
         const K: f64 = 4e4;

@@ -1,34 +1,31 @@
-//! The flexibility of key and shank, as technicians measure it on the bench: a weight on one end while the other is
-//! held.
+//! Flexibility of key and shank, as technicians measure it on the bench: a weight on one end while the other is held.
 //!
 //! The key lies on its balance hole and its capstan, its back is held, and a kilogram is put on the playing end; the
-//! shank is held at the stock of its knuckle, and a pound hangs 5 1/8 inches from its centre. In a part of rigid pieces
-//! on torsion springs that is a sum over its bends,
+//! shank is held at the stock of its knuckle, and a pound hangs 5 1/8 inches from its centre. For rigid pieces on
+//! torsion springs the compliance is a sum over the bends,
 //!
 //! ```text
 //! give / force = sum over bends of (x_load - x_bend)^2 / k
 //! ```
 //!
-//! with x along the part. A part that does not bend gives nothing.
+//! with x along the part. A part without bends gives 0.
 
 use erard::instrument::{Instrument, Placement};
 
-/// Where the pound hangs on the shank, m from the hammer's centre: 5 1/8 inches (J. Ellis, Caut mailing list, November
+/// Place of the pound on the shank, m from the hammer's centre: 5 1/8 inches (J. Ellis, Caut mailing list, November
 /// 2003).
 pub(crate) const SHANK_LOAD_M: f64 = 0.1302;
-/// The weight of a pound, N.
+/// Weight of a pound, N.
 pub(crate) const POUND_N: f64 = 4.448;
 
-/// How far the key's playing end goes down for every newton on it while fulcrum and capstan are held, m/N; `None`
-/// without a key.
+/// Compliance of the key at its playing end with fulcrum and capstan held, m/N; `None` without a key.
 #[must_use]
 pub(crate) fn key_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
     let roles = &instrument.roles;
     roles.key.map(|key| flex(instrument, key, |along| along.to_world(roles.key_front_m)[0]))
 }
 
-/// How far the shank goes for every newton across it at [`SHANK_LOAD_M`] while it is held at the knuckle, m/N; `None`
-/// without a hammer.
+/// Compliance of the shank across its length at [`SHANK_LOAD_M`], held at the knuckle, m/N; `None` without a hammer.
 #[must_use]
 pub(crate) fn shank_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
     instrument.roles.hammer.map(|hammer| flex(instrument, hammer, |_| SHANK_LOAD_M))
@@ -53,7 +50,7 @@ mod tests {
     use super::*;
     use erard::{Action, Input, Settings};
 
-    /// A beam of two bends, its first piece held: the engine's own rest under a newton lies where the sum says.
+    /// A beam of two bends, its first piece held: the engine's equilibrium under a newton agrees with the sum.
     #[test]
     fn the_engine_gives_as_much() {
         let text = |held: &str| {
@@ -92,7 +89,7 @@ mod tests {
         let back = "[[body]]\nname = \"back\"\npivot_mm = [0, 0]\nmass_g = 20\ninertia_kg_m2 = 2e-4\ncenter_of_mass_mm = [0, 0]";
         let whole = text(&format!("{back}\n[[body]]\nname = \"middle\"\nhinged_on = \"back\"\nbend = true\n{middle}"));
         let whole = Instrument::parse(&whole, "whole").unwrap();
-        // The bends stand 10 and 90 mm from the pivot, the load 190 mm.
+        // The bends are 10 and 90 mm from the pivot, the load 190 mm.
         let expected = 0.18 * 0.18 / 500.0 + 0.1 * 0.1 / 300.0;
         assert!((key_flex_m_per_n(&whole).unwrap() / expected - 1.0).abs() < 1e-12);
 

@@ -1,8 +1,8 @@
-//! The hammer's free flight, counted twice: from the last push on the knuckle, and from the head's largest speed, which
-//! is what papers with an accelerometer on the head call escapement.
+//! Free flight of the hammer, counted twice: from the last push on the knuckle, and from the head's largest speed,
+//! which papers with an accelerometer on the head call escapement.
 //!
-//! Way and speed are along the string's normal, upward. A head that flew at the speed with which it reaches the string
-//! would take way / speed; gravity and the shank, which still swings, make the difference.
+//! Distance and speed are along the string's normal, upward. At the constant speed of the impact, the head would take
+//! distance / speed; gravity and the shank, which still swings, make the difference.
 
 use erard::run::Events;
 use serde::Serialize;
@@ -18,7 +18,7 @@ pub struct Flight {
     pub at_constant_speed_ms: f64,
 }
 
-/// The flight of one stroke; `None` where the hammer did not reach the string or nothing pushed it.
+/// Flights of one stroke; `None` if the hammer did not reach the string.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Flights {
     /// Speed of the head along the string's normal as it meets the string, m/s.
@@ -31,13 +31,13 @@ pub struct Flights {
     pub from_largest_speed: Flight,
 }
 
-/// The flights of a run: its times t, s, and the head's rises y, m, of every step.
+/// Returns the flights of a run from its times t, s, and the head's rises y, m, of every step.
 pub(crate) fn flights(t: &[f64], y: &[f64], events: &Events) -> Option<Flights> {
     let contact_s = events.hammer_contact_s()?;
     let last = t.partition_point(|&t| t <= contact_s).min(y.len()).checked_sub(1)?;
     let speed = |i: usize| (y[i] - y[i - 1]) / (t[i] - t[i - 1]);
     let largest = (1..=last).max_by(|&a, &b| speed(a).total_cmp(&speed(b)))?;
-    // The row before the impact and the one before that: free of the string.
+    // The last row before the impact and the one before it: without string force.
     let speed_m_per_s = speed(last);
     let string_m = y[last] + speed_m_per_s * (contact_s - t[last]);
     let from = |at_s: f64| {
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
     use erard::Impact;
 
-    /// A head that is thrown up: uniform speed to 30 ms, then gravity alone.
+    /// A head thrown up: uniform speed to 30 ms, then gravity alone.
     #[test]
     fn a_throw_is_what_the_closed_form_says() {
         let (v, g, off, impact) = (1.0, 9.81, 0.030, 0.032);

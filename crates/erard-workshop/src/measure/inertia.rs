@@ -1,9 +1,9 @@
-//! The mass that the player feels at the key front: the kinetic energy of the whole action over half the square of the
-//! key front's speed, as it changes through the stroke.
+//! Effective mass at the key front: the kinetic energy of the whole action over half the square of the key front's
+//! speed, through the stroke.
 //!
 //! Until let-off begins, whippen and hammer follow the key by geometry: their speeds are those of the three levers at
-//! the same key travel (`levers.rs`), the damper's that of its contact with the key. Afterwards the jack
-//! slips away and the hammer flies by itself; no one mass represents the action any more.
+//! the same key travel (`levers.rs`), the damper's that of its contact with the key. Afterwards the jack slips away and
+//! the hammer flies by itself; no single mass represents the action any more.
 
 use moreau::Settings;
 
@@ -19,7 +19,7 @@ use erard::player::{Action, Input};
 const POINTS: usize = 40;
 /// Step, s.
 const STEP_S: f64 = 100e-6;
-/// Time from point to point, s: slow beside the hammer's swing on its felts.
+/// Time from point to point, s: slow compared with the hammer's swing on its felts.
 const BETWEEN_S: f64 = 0.03;
 
 /// Effective mass at the key front through the stroke.
@@ -31,18 +31,18 @@ pub struct InertiaCurve {
     pub pedal_down_kg: Vec<f64>,
     /// Effective mass with the damper on the string, kg; equal to `pedal_down_kg` until the key lifts the damper.
     pub dampers_down_kg: Vec<f64>,
-    /// Half-way, with the damper out of reach.
+    /// Shares half-way, with the damper out of reach.
     pub half_way: Shares,
 }
 
 /// Shares of the parts in the inertia, kg at the key front.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shares {
-    /// The key's.
+    /// Share of the key.
     pub key_kg: f64,
-    /// That of whippen, jack and repetition lever.
+    /// Share of whippen, jack and repetition lever.
     pub whippen_kg: f64,
-    /// The hammer's.
+    /// Share of the hammer.
     pub hammer_kg: f64,
 }
 
@@ -54,8 +54,8 @@ impl Shares {
     }
 }
 
-/// Effective inertia from rest to the end of the free way, `way_m`: where let-off begins. Bends are locked: it is that
-/// of the geometry.
+/// Computes the effective inertia from rest to `way_m`, the end of the free travel, where let-off begins. Bends are
+/// locked.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -77,7 +77,7 @@ pub fn inertia(instrument: &Instrument, way_m: f64, progress: &mut Progress<'_>)
         pedal_down_kg.push(rates.mass(m, key_front_m, &rates.all));
         dampers_down_kg.push(rates.mass(m, key_front_m, &rates.with_damper(&parts, m)));
     }
-    // The shares need no pose of their own: energies of bodies that move alone, at the pose half-way.
+    // The shares need no pose of their own: kinetic energies of single bodies, half-way.
     let half_m = key_m[POINTS / 2];
     let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
     carry_on(&mut action, [0.0, half_m], progress)?;
@@ -111,7 +111,7 @@ impl Rates {
         Rates { all }
     }
 
-    /// The damper follows where its contact with the key is closed.
+    /// Adds the damper where its contact with the key is closed.
     fn with_damper(&self, parts: &Parts, m: &dyn Mechanism) -> Vec<f64> {
         let mut all = self.all.clone();
         if let Some((zone, damper)) = parts.damper.filter(|&(zone, _)| m.compression(zone) > 0.0) {
@@ -127,7 +127,7 @@ impl Rates {
     }
 }
 
-/// Moves the finger on, from one depth to the next.
+/// Moves the finger from one depth to the next.
 fn carry_on(action: &mut Action, [from_m, to_m]: [f64; 2], progress: &mut Progress<'_>) -> Result<(), MeasureError> {
     let steps = (BETWEEN_S / STEP_S) as u64;
     let mut middles = (0..steps).map(|n| (n as f64 + 0.5) / steps as f64);

@@ -1,13 +1,13 @@
-//! How whippen and hammer follow the key until let-off begins, by the geometry alone.
+//! Motion of whippen and hammer with the key until let-off begins, by geometry alone.
 //!
-//! Key, whippen and hammer are three levers in touch. They stand as the action rests, friction and felts included. A
-//! felt that is compressed at rest stays as thick as it is there; a contact that is open at rest (a jack just below the
-//! knuckle, which the repetition lever carries) is closed first, because the levers work only once that play is taken
-//! up. Jack and repetition lever turn with the whippen, as they do until the jack's toe meets its button.
+//! Key, whippen and hammer are three levers in contact. They start from the equilibrium with friction and felts. A felt
+//! keeps its thickness at rest; a contact that is open at rest (a jack just below the knuckle, which the repetition
+//! lever carries) is closed first, because the levers work only once that play is taken up. Jack and repetition lever
+//! turn with the whippen, as they do until the jack's toe meets its button.
 //!
-//! Contacts are the engine's own: the whippen is turned until the capstan is compressed as it is at rest, and the
-//! hammer until the knuckle is. The linkage that follows from the graph of the same levers (`erard-levers`) gives the
-//! same ratios; a test compares them.
+//! Contacts are the engine's own: the whippen is turned until the capstan is compressed as at rest, and the hammer
+//! until the knuckle is. The linkage derived from the graph of the same levers (`erard-levers`) gives the same ratios;
+//! a test compares them.
 
 use moreau_kernels::{EveryBody, LaneObserver, lane_observer};
 
@@ -17,9 +17,9 @@ use erard::grand::{Anatomy, Parts};
 use erard::instrument::Instrument;
 use erard::player::{Action, ActionError};
 
-/// The levers move on by at most so much key travel at once, m.
+/// Largest key travel per step of the levers, m.
 const WAY_M: f64 = 1e-3;
-/// Turned by less than this, a lever stands, rad: some rounding errors of a compression over a lever arm.
+/// Smallest turn of a lever, rad: some rounding errors of a compression over a lever arm.
 const STANDS_RAD: f64 = 1e-13;
 /// Newton's method needs four or five iterations for a tenth of the stroke.
 const MOST_ITERATIONS: usize = 50;
@@ -33,10 +33,10 @@ pub(crate) struct Levers {
     /// Horizontal distance from the whippen's pivot to that contact, m; negative.
     pub whippen_arm_m: f64,
     key: usize,
-    /// The whippen with what rides on it.
+    /// The whippen with the parts on it.
     whippen: Vec<usize>,
     hammer: usize,
-    /// The zones at capstan and knuckle, and what each stays compressed by, m.
+    /// Zones at capstan and knuckle, and the compression that each keeps, m.
     held: [(usize, f64); 2],
     rest: EveryBody,
     observer: Box<dyn LaneObserver>,
@@ -47,7 +47,7 @@ impl Levers {
     /// capstan's.
     ///
     /// # Errors
-    /// When it is no grand action, or finds no rest, or its levers do not reach each other.
+    /// If the instrument is no grand action, has no equilibrium, or its levers do not reach each other.
     pub(crate) fn of(instrument: &Instrument) -> Result<Self, MeasureError> {
         let instrument = &instrument.locked();
         let Anatomy { key, hammer, whippen, jack_knuckle, .. } = Anatomy::find(instrument)?;
@@ -89,7 +89,7 @@ impl Levers {
     /// Angular velocities of whippen and hammer over the key's, at a travel of the key's front along its arc.
     ///
     /// # Errors
-    /// When the levers do not reach so far.
+    /// If the levers do not reach so far.
     pub(crate) fn ratios(&mut self, key_m: f64) -> Result<[f64; 2], NotAnAction> {
         let mut angles = self.rest;
         let parts = (key_m.abs() / WAY_M).ceil().max(1.0);
@@ -103,7 +103,7 @@ impl Levers {
         Ok([ratio, -whippen(&knuckle) * ratio / knuckle[self.hammer]])
     }
 
-    /// Turns the whippen onto the key and the hammer onto the whippen. `None` where they do not reach each other.
+    /// Turns the whippen onto the key and the hammer onto the whippen. `None` if they do not reach each other.
     fn close(&mut self, angles: &mut EveryBody) -> Option<()> {
         let [capstan, knuckle] = self.held;
         turn(&mut *self.observer, angles, &self.whippen, capstan)?;

@@ -1,8 +1,8 @@
 //! The technician's measurements: weights on the key, parts on the scale, force over travel, inertia, timing,
 //! repetition.
 //!
-//! Everything is measured in simulation, in the way in which it is measured on a piano, and where the masses and the
-//! geometry of the instrument file give the same quantity by themselves, both are given.
+//! Everything is measured in simulation as on a piano. A quantity that also follows from the masses and the geometry of
+//! the instrument file is given both ways.
 //!
 //! Grams are forces here, as in the trade: a force over the instrument's gravity. Key travel is that of the key front
 //! from its rest, down positive.
@@ -37,16 +37,16 @@ use erard::run::SimulationError;
 /// Why an instrument cannot be measured.
 #[derive(Debug, Error)]
 pub enum MeasureError {
-    /// Nothing that a technician could measure.
+    /// The instrument has nothing to measure.
     #[error("cannot be measured as a piano action: {0}")]
     NotAnAction(#[from] NotAnAction),
-    /// No grand action.
+    /// The instrument is no grand action.
     #[error(transparent)]
     Anatomy(#[from] AnatomyError),
-    /// No rest.
+    /// There is no equilibrium.
     #[error(transparent)]
     Equilibrium(#[from] EquilibriumError),
-    /// Not assembled, or no rest.
+    /// The action cannot be assembled, or has no equilibrium.
     #[error(transparent)]
     Action(#[from] ActionError),
     /// A run failed.
@@ -64,19 +64,19 @@ pub enum MeasureError {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotAnAction {
-    /// `roles.key_bottom` is not there.
+    /// `roles.key_bottom` is missing.
     #[error("`roles` names no key bottom")]
     NoKeyBottom,
-    /// A firm press ends nowhere.
+    /// A firm press does not end at a key bottom.
     #[error("the firmly pressed key reaches no key bottom")]
     Bottomless,
-    /// Something ends the key's free way at once.
+    /// The key's free travel ends at once.
     #[error("the slowly pressed key travels {:.1} mm before let-off, string or key bottom; expected more", way_m * 1e3)]
     NoFreeWay {
         /// Travel of the key, m.
         way_m: f64,
     },
-    /// Nothing ends it.
+    /// The key's free travel has no end.
     #[error("the slowly pressed key travels {} mm without let-off, string contact or key bottom", depth_m * 1e3)]
     NoLetOff {
         /// Depth to which the key was pressed, m.
@@ -91,7 +91,7 @@ pub enum NotAnAction {
     /// The key front lies behind the balance pin.
     #[error("the finger presses the key behind its pivot; expected a point in front of it")]
     FingerBehindPivot,
-    /// The three levers part before the hammer is let off.
+    /// The three levers separate before let-off.
     #[error("its levers do not reach let-off")]
     ShortLevers,
 }

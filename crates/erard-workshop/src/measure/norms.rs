@@ -1,5 +1,5 @@
-//! The lines of the sheet: what they are called, their unit, how many digits a technician reads. Their usual ranges are
-//! in [`super::usual`].
+//! Lines of the sheet: labels, units and the digits that a technician reads. Their usual ranges are in
+//! [`super::usual`].
 
 use std::sync::LazyLock;
 
@@ -13,14 +13,14 @@ use erard::keyboard::note_name;
 /// Default key of the norms: middle C.
 pub const MIDDLE_C: usize = 40;
 
-/// Text that is read once and stays as long as the program.
+/// Text that is read once and kept as long as the program runs.
 pub(crate) type Kept = &'static str;
 
 /// Line of the sheet.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
-    /// The key in `measure.json`.
+    /// Key in `measure.json`.
     #[serde(deserialize_with = "kept")]
     pub key: Kept,
     /// Label of the line.
@@ -29,7 +29,7 @@ pub struct Line {
     /// Unit; empty for a ratio.
     #[serde(default, deserialize_with = "kept")]
     pub unit: Kept,
-    /// Decimals that mean something.
+    /// Significant decimals.
     pub decimals: usize,
     /// Function that returns the line's value from a sheet.
     #[serde(skip, default = "no_value")]
@@ -67,7 +67,7 @@ pub struct Group {
 
 type Value = (&'static str, fn(&Sheet) -> Option<f64>);
 
-/// Where in a sheet the value of each line is.
+/// Values of the lines in a sheet.
 const VALUES: [Value; 46] = [
     ("down_weight_g", |s| s.down_weight_g),
     ("up_weight_g", |s| s.up_weight_g),
@@ -154,7 +154,7 @@ impl Line {
         usual(self.key)
     }
 
-    /// The usual range at a key, from low to high; either end may be open.
+    /// Usual range at a key, from low to high; either end may be open.
     #[must_use]
     pub fn range(&self, key: usize) -> [Option<f64>; 2] {
         self.norm().map_or([None; 2], |norm| norm.at(key))
@@ -172,14 +172,13 @@ impl Line {
         }
     }
 
-    /// Whether a sheet's value is outside its norm. A missing value is: the event should have happened.
+    /// Whether a sheet's value is outside its norm. So is a missing value: the event should have happened.
     #[must_use]
     pub fn is_out(&self, sheet: &Sheet) -> bool {
         self.is_out_at((self.value)(sheet), sheet.norms_for_key)
     }
 
-    /// Whether a value is out of the norm at a key. A value that is missing is, but for the damper's: top keys have
-    /// none.
+    /// Whether a value is outside the norm at a key. So is a missing one, except for the damper: top keys have none.
     #[must_use]
     pub(crate) fn is_out_at(&self, value: Option<f64>, key: usize) -> bool {
         if self.norm().is_none() {
@@ -188,7 +187,7 @@ impl Line {
         let [low, high] = self.range(key);
         match value {
             Some(value) => {
-                // As it is read: digits that no technician sees raise no flag.
+                // Compares rounded values: invisible digits raise no flag.
                 let scale = 10_f64.powi(self.decimals as i32);
                 let read = |x: f64| (x * scale).round() / scale;
                 low.is_some_and(|low| read(value) < read(low)) || high.is_some_and(|high| read(value) > read(high))
@@ -198,20 +197,20 @@ impl Line {
     }
 }
 
-/// The line of what is not there at every key.
+/// Line of the part missing at some keys.
 const DAMPER: &str = "damper_start_share";
-/// The two ratios, and the two ways to a weight, may differ by so much.
+/// Largest relative difference of the two ratios, and largest difference of a weight found in two ways, g.
 const RATIOS_AGREE: f64 = 0.02;
 const WAYS_AGREE_G: f64 = 0.5;
 
-/// What is out of the norm, or does not agree with itself.
+/// Returns values outside the norm, and values that disagree with each other.
 pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
     let mut flags = Vec::new();
     for line in lines().filter(|line| line.is_out(sheet)) {
         let label = line.label.trim_start();
         let value = (line.value)(sheet);
         let usual = format!("{} {}", line.usual(sheet.norms_for_key), line.unit);
-        // Where it depends on the key, whose it is.
+        // The key is named if the range depends on it.
         let by_key = line.norm().is_some_and(UsualRange::depends_on_the_key);
         let whose = if by_key { format!(" at {}", note_name(sheet.norms_for_key)) } else { String::new() };
         let message = match value {
@@ -225,8 +224,8 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
         if apart.abs() > RATIOS_AGREE {
             let mut message = format!("R from weights and R from the geometry differ by {:.1} %", 100.0 * apart.abs());
             if let Some(half_way) = sheet.strike_weight_ratio_weights_half_way {
-                // Down-weight and up-weight are decided at different places: friction that differs between them stays
-                // in BW.
+                // Down-weight and up-weight are decided at different places: BW contains any difference of their
+                // friction.
                 let there = half_way / sheet.strike_weight_ratio_kinematics_half_way - 1.0;
                 message += &format!("; half-way, where friction cancels, {:.1} %", 100.0 * there.abs());
             }
@@ -262,8 +261,7 @@ mod tests {
         assert_eq!(twice.range(40), [None, Some(HARDLY_HEARD_M_PER_S)]);
     }
 
-    /// At the keys of the sources their numbers, between them a straight line, beyond them the nearest; middle C's are
-    /// those of before.
+    /// At the sources' keys their numbers, linear between them, constant beyond; those of middle C are unchanged.
     #[test]
     fn norms_follow_the_register() {
         let line = |key: &str| lines().find(|line| line.key == key).unwrap();

@@ -1,4 +1,4 @@
-//! From the softest note that reaches the string to the loudest: hammer speed against the force on the key.
+//! Dynamic range, from the softest note that reaches the string to the loudest: hammer speed against force on the key.
 
 use moreau::Settings;
 
@@ -13,17 +13,17 @@ use erard::trust::Warning;
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
-/// A press that has not sounded by then does not, s: the published slowest take 0.25 s.
+/// A press that has not sounded within this time does not, s: the slowest published ones take 0.25 s.
 const PATIENCE_S: f64 = 0.8;
-/// Constant forces on the key, N: from what starts it to the most that has been published for a fortissimo, and beyond.
+/// Constant forces on the key, N: from the smallest that starts it to beyond the largest published for a fortissimo.
 pub(crate) const FORCES_N: [f64; 14] = [0.6, 0.7, 0.8, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 15.0, 22.0, 30.0];
-/// Forces among which a second impact is looked for, N: from the softest that sounds to where every impact is checked.
+/// Range of forces in the search for a second impact, N: from the softest that sounds to where every impact is checked.
 pub(crate) const DOUBLE_STRIKE_N: [f64; 2] = [0.7, 1.3];
-/// Steps between them.
+/// Number of steps between them.
 const DOUBLE_STRIKES: u32 = 12;
-/// A second impact that is hardly heard, m/s. Ours: no number is published.
+/// Speed of a second impact that is hardly heard, m/s. Our own estimate: no number is published.
 pub const HARDLY_HEARD_M_PER_S: f64 = 0.15;
-/// Softest force: searched below this, to this, N.
+/// Largest force in the search for the softest note, N.
 const LARGEST_SOFT_N: f64 = 10.0;
 const CLOSE_N: f64 = 2e-4;
 
@@ -33,11 +33,11 @@ pub struct Loudness {
     /// Constant force on the key front, from rest, N.
     #[serde(rename = "force_N")]
     pub force_n: f64,
-    /// Speed of the strike point at the string, m/s; `None` where it does not reach it.
+    /// Speed of the strike point at the string, m/s; `None` if it does not reach it.
     pub hammer_speed_m_per_s: Option<f64>,
     /// Hammer speed as MIDI velocity; see `midi_velocity`.
     pub midi_velocity: Option<u8>,
-    /// Why the press cannot be trusted.
+    /// Reasons why the press cannot be trusted.
     #[serde(skip)]
     pub warnings: Vec<Warning>,
 }
@@ -47,14 +47,14 @@ pub struct Loudness {
 pub struct Softest {
     /// The constant force, N.
     pub force_n: f64,
-    /// Flight of the hammer; `None` where jack and lever pushed until the impact.
+    /// Flight of the hammer; `None` if jack and lever pushed until the impact.
     pub flight: Option<SoftFlight>,
 }
 
 /// The flight of the softest note.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SoftFlight {
-    /// Speed of the strike point when it was pushed for the last time, m/s.
+    /// Speed of the strike point at its last push, m/s.
     pub let_off_speed_m_per_s: f64,
     /// Distance of the flight, m.
     pub flight_m: f64,
@@ -66,9 +66,9 @@ pub struct SoftFlight {
 
 /// MIDI velocity of a hammer speed (m/s): 52 + 25 log2(speed), from 1 to 127.
 ///
-/// The map with which W. Goebl, The Role of Timing and Intensity in the Production and Perception of Melody in
-/// Expressive Piano Performance (thesis, University of Graz, 2003, section 3.7, eq. 3.2) turned hammer speeds of a
-/// Bösendorfer SE290 into MIDI velocities. Other instruments have others: it is declared, not measured.
+/// The law by which W. Goebl, The Role of Timing and Intensity in the Production and Perception of Melody in Expressive
+/// Piano Performance (thesis, University of Graz, 2003, section 3.7, eq. 3.2) converted hammer speeds of a Bösendorfer
+/// SE290 to MIDI velocities. Other instruments have others: it is declared, not measured.
 #[must_use]
 pub(crate) fn midi_velocity(speed_m_per_s: f64) -> Option<u8> {
     (speed_m_per_s > 0.0).then(|| (52.0 + 25.0 * speed_m_per_s.log2()).round().clamp(1.0, 127.0) as u8)
@@ -77,9 +77,8 @@ pub(crate) fn midi_velocity(speed_m_per_s: f64) -> Option<u8> {
 /// Description of that map.
 pub const MIDI_MAP: &str = "MIDI velocity = 52 + 25 log2(hammer speed in m/s), Goebl 2003 (Bösendorfer SE290)";
 
-/// Acceleration with which the strike point slows down while it rises freely with the shank level, along its arc, m/s2:
-/// weight and the pivot's dry friction about the pin over the inertia. The hammer is one rigid body
-/// ([`Instrument::locked`]).
+/// Deceleration of the strike point in free rise with the shank level, along its arc, m/s2: moments of weight and pivot
+/// friction over the inertia about the pin. The hammer is one rigid body ([`Instrument::locked`]).
 #[must_use]
 pub(crate) fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
     let body = &instrument.bodies[hammer];
@@ -87,7 +86,7 @@ pub(crate) fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
     falling_moment_n_m(instrument, hammer) / body.inertia_kg_m2 * along.hypot(above)
 }
 
-/// Hammer speed at each of [`FORCES_N`]; `each` receives how many are done.
+/// Hammer speed at each of [`FORCES_N`]; `each` receives the number done.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -106,8 +105,8 @@ pub(crate) fn speed_against_force(
         .collect()
 }
 
-/// The fastest impact after the first, m/s, of soft constant forces: a hammer that the repetition spring throws back
-/// against the string while the key is held (double striking). 0 where every one of `DOUBLE_STRIKE_N` sounds once.
+/// Returns the fastest impact after the first under soft constant forces, m/s: the repetition spring throws the hammer
+/// back at the string while the key is held (double striking). 0 if each of `DOUBLE_STRIKE_N` sounds once.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -122,7 +121,8 @@ pub fn double_strike(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
     Ok(fastest)
 }
 
-/// The smallest constant force from rest that makes the hammer reach the string, by bisection; `None` when 10 N do not.
+/// Finds the smallest constant force from rest with which the hammer reaches the string, by bisection; `None` if 10 N
+/// do not suffice.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -147,7 +147,7 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
     let rigid_hammer = Parts::of(&rigid)?.hammer;
     let [along, above] = rigid.roles.hammer_head_m;
     let flight_m = run.hammer_head_m[row(contact)] - run.hammer_head_m[row(off)];
-    // The head moves along its part's arc about the centre pin; what it rocks on a bending shank does not belong to its
+    // The head moves along its part's arc about the centre pin; its rocking on a bending shank is not part of its
     // flight.
     let rate = run.bodies[instrument.first_piece(parts.hammer)].rate_rad_per_s[row(off)];
     let flight = SoftFlight {
@@ -166,7 +166,7 @@ fn reaches(
     force_n: f64,
     progress: &mut Progress<'_>,
 ) -> Result<bool, MeasureError> {
-    // A snapshot of this very action.
+    // The snapshot is this action's own.
     let _ = action.restore(rest);
     let mut steps = 0..=(PATIENCE_S / STEP_S).round() as u64;
     let mut reached = false;

@@ -1,16 +1,15 @@
-//! How fast a note can be repeated.
+//! Rate of repetition of a note.
 //!
-//! A finger presses the key with a constant force until it is at its punching, stays there for a moment, and lifts off
-//! altogether; the key comes up by itself, as fast as its weights and springs let it. When it is up, at its rest (fully
-//! released) or at half of its dip, the finger waits for a moment, or not at all, and presses again. The shorter the
-//! finger stays and waits, the higher the rate; the fastest at which every stroke still sounds, once and not more
-//! softly than the softest playing that has been published, is the rate of repetition. So the rate is the action's own,
-//! not that of a prescribed motion.
+//! A finger presses the key with a constant force until it reaches its punching, stays there for a moment, and lifts
+//! off; weights and springs alone return the key. When it is up, at its rest (fully released) or at half its dip, the
+//! finger waits for a moment or not at all, and presses again. Shorter stays and waits give a higher rate; the rate of
+//! repetition is the highest at which every stroke still sounds once and no more softly than the softest published
+//! playing. It is therefore the action's own rate, not that of a prescribed motion.
 //!
-//! Why it may wait: a jack that its spring throws back under the knuckle bounces off its rest, and is still on its way
-//! when a light key of the treble is home. Pressed at once it meets the knuckle beside its edge, is kicked out to the
-//! end of its window, and the hammer, caught on its way by the check, does not sound, however long the finger stayed
-//! below. Some ten milliseconds later it stands.
+//! Reason for the wait: a jack thrown back under the knuckle by its spring bounces off its rest, and is still moving
+//! when a light treble key is home. Pressed at once it meets the knuckle beside its edge and is kicked out to the end
+//! of its window, and the hammer, caught on its way by the check, does not sound, however long the finger stayed below.
+//! Some ten milliseconds later it is at rest.
 
 use moreau::Settings;
 
@@ -26,20 +25,20 @@ const STEP_S: f64 = 50e-6;
 pub(crate) const PRESS_N: f64 = 8.0;
 /// Strokes of a trial; the first one starts from rest and does not count.
 const STROKES: usize = 9;
-/// An impact that is softer does not speak, m/s: published hammer speeds begin at 0.5 m/s (pp).
+/// Softest impact that counts, m/s: published hammer speeds begin at 0.5 m/s (pp).
 const SPEAKS_M_PER_S: f64 = 0.5;
-/// How long the finger stays below and waits above, together: tried from nothing, in steps of this, to so many, s.
+/// Step of the finger's stay below plus wait above, s, and number of steps tried from 0.
 const STAY_STEP_S: f64 = 2e-3;
 const STAYS: usize = 100;
-/// How many of these steps of it the finger waits above.
+/// Waits above, in these steps.
 const WAITS: [usize; 4] = [0, 3, 6, 9];
-/// So many neighbouring stays must all hold, and the slowest of them counts: no finger keeps time to a step, and a rate
-/// that only one of them reaches is luck.
+/// Number of neighbouring stays that must all hold; the slowest of them counts, because no finger keeps time to a step,
+/// and a rate reached by only one of them is luck.
 const NEIGHBOURS: usize = 3;
-/// A stroke that takes longer has got stuck, s.
+/// A stroke that takes longer is stuck, s.
 const PATIENCE_S: f64 = 1.0;
 
-/// The fastest rate that is held, and how.
+/// The fastest reliable rate, with its times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repetition {
     /// Strokes per second.
@@ -74,7 +73,7 @@ pub fn repetition(
         let mut best: Option<Repetition> = None;
         for (wait, neighbours) in WAITS.iter().zip(&mut neighbours) {
             let Some(stay) = n.checked_sub(*wait) else { continue };
-            // A snapshot of this very action.
+            // The snapshot is this action's own.
             let _ = action.restore(&rest);
             let times_s = [stay, *wait].map(|n| n as f64 * STAY_STEP_S);
             match held(&mut action, bottom, up_m, times_s, progress)? {
@@ -93,7 +92,7 @@ pub fn repetition(
     Ok(None)
 }
 
-/// What the finger is doing, since when.
+/// Action of the finger, with its start, s.
 #[derive(Debug, Clone, Copy)]
 enum Finger {
     Presses(f64),
@@ -102,14 +101,14 @@ enum Finger {
     Waits(f64),
 }
 
-/// Whether a stroke, from one press to the next, s, sounds once and loud enough; its hammer's speed, m/s.
+/// Hammer speed of a stroke from one press to the next, s, if it sounds once and loud enough, m/s.
 fn sounds([from_s, to_s]: [f64; 2], impacts: &[Impact]) -> Option<f64> {
     let mut own = impacts.iter().filter(|impact| (from_s..to_s).contains(&impact.time_s));
     let speed = own.next()?.hammer_speed_m_per_s;
     (own.next().is_none() && speed >= SPEAKS_M_PER_S).then_some(speed)
 }
 
-/// Repeats from rest; ends with the first stroke that does not sound, for then none of the others matters.
+/// Repeats from rest; ends with the first stroke that does not sound, because then the trial has failed.
 fn held(
     action: &mut Action,
     bottom: usize,
@@ -118,7 +117,7 @@ fn held(
     progress: &mut Progress<'_>,
 ) -> Result<Option<Repetition>, MeasureError> {
     let mut finger = Finger::Presses(0.0);
-    // When the finger began to press, and how long the key took to come up.
+    // Starts of the presses, and the key's return times.
     let (mut presses, mut returns, mut impacts) = (vec![0.0], Vec::new(), Vec::new());
     let mut softest_m_per_s = f64::INFINITY;
     let (mut step, mut fails) = (0_u64, false);
@@ -137,13 +136,13 @@ fn held(
                 Finger::Presses(since) | Finger::IsOff(since) if now - since > PATIENCE_S => fails = true,
                 _ => {}
             }
-            // It may not wait at all.
+            // The wait may be 0.
             if let Finger::Waits(since) = finger
                 && now - since >= wait_s
             {
                 presses.push(now);
                 finger = Finger::Presses(now);
-                // The first one starts from rest, and does not count.
+                // The first stroke starts from rest, and does not count.
                 if let [_, .., from_s, to_s] = presses[..] {
                     match sounds([from_s, to_s], &impacts) {
                         Some(speed) => softest_m_per_s = softest_m_per_s.min(speed),

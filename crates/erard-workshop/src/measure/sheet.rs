@@ -1,4 +1,4 @@
-//! The protocol sheet: everything that a technician writes down about an action.
+//! Protocol sheet: all that a technician writes down about an action.
 
 use serde::Serialize;
 
@@ -23,13 +23,13 @@ use erard::trust::Warning;
 
 const MM_PER_M: f64 = 1e3;
 const MS_PER_S: f64 = 1e3;
-/// How far the finger of the hysteresis loop presses into the punching, m: some six newtons by its softness.
+/// Depth of the finger in the punching during the hysteresis loop, m: about six newtons by its softness.
 const INTO_PUNCHING_M: f64 = 0.3e-3;
-/// How many points of a loop are kept on the sheet, at most.
+/// Most points of a loop on the sheet.
 const LOOP_POINTS: usize = 600;
 
 /// Sheet of one action. Grams are gram-forces at the key front or on the scale, millimetres as a technician measures
-/// them; `None` (JSON `null`) if the event did not happen or there is no such part.
+/// them; `None` (JSON `null`) if the event did not happen or the part is missing.
 #[derive(Debug, Clone, Serialize)]
 #[allow(non_snake_case)]
 pub struct Sheet {
@@ -37,7 +37,7 @@ pub struct Sheet {
     pub instrument: String,
     /// Key, 1 to 88, whose norms the values are compared with.
     pub norms_for_key: usize,
-    /// Pedal down, by trial with weights, g.
+    /// Down-weight with the pedal down, by trial with weights, g.
     pub down_weight_g: Option<f64>,
     /// Up-weight, g.
     pub up_weight_g: Option<f64>,
@@ -45,21 +45,21 @@ pub struct Sheet {
     pub balance_weight_g: Option<f64>,
     /// (D - U) / 2, g.
     pub friction_weight_g: Option<f64>,
-    /// Dampers on the strings, by trial with weights.
+    /// Touch weights with the dampers on the strings, by trial with weights.
     pub dampers_down: Option<TouchNumbers>,
-    /// Pedal down, from the slow loop: the cross-check.
+    /// Touch weights with the pedal down, from the slow loop, as a cross-check.
     pub by_slow_loop: TouchNumbers,
-    /// Key on the scale, g.
+    /// Weight of the key on the scale, g.
     pub front_weight_g: f64,
-    /// Hammer on the scale, g.
+    /// Weight of the hammer on the scale, g.
     pub strike_weight_g: f64,
-    /// Whippen on the scale, g.
+    /// Weight of the whippen on the scale, g.
     pub whippen_weight_g: f64,
     /// Grams at the front per gram over the capstan.
     pub key_ratio: f64,
     /// R by the equation of balance.
     pub strike_weight_ratio_weights: Option<f64>,
-    /// R from the two forces of the slow loop half-way, where friction cancels: the law at one place.
+    /// R from the two forces of the slow loop half-way, where friction cancels.
     pub strike_weight_ratio_weights_half_way: Option<f64>,
     /// R by the geometry: mean of the ratios at the two places that decide down-weight and up-weight.
     pub strike_weight_ratio_kinematics: f64,
@@ -71,7 +71,7 @@ pub struct Sheet {
     pub strike_weight_ratio_kinematics_at_let_off: f64,
     /// Key travel to its bottom, mm.
     pub dip_mm: Option<f64>,
-    /// Hammer to string at rest, mm.
+    /// Distance of hammer and string at rest, mm.
     pub blow_mm: Option<f64>,
     /// Key travel before the hammer moves, mm.
     pub lost_motion_mm: Option<f64>,
@@ -81,19 +81,19 @@ pub struct Sheet {
     pub lever_height_mm: Option<f64>,
     /// Key travel at which jack or lever meets its stop, mm.
     pub let_off_begins_mm: Option<f64>,
-    /// Hammer to string where a slow press lets it fall, mm.
+    /// Distance of hammer and string where the hammer falls in a slow press, mm.
     pub let_off_mm: Option<f64>,
     /// Drop: fall of the hammer after let-off, mm.
     pub drop_mm: Option<f64>,
     /// Key travel left after let-off, mm.
     pub aftertouch_mm: Option<f64>,
-    /// Hammer to string in the check, mm.
+    /// Distance of hammer and string in the check, mm.
     pub check_mm: Option<f64>,
     /// Rise of the hammer from the check by the repetition spring, mm.
     pub repetition_rise_mm: Option<f64>,
-    /// Speed of that rise, m/s: the strength of the spring as the eye judges it.
+    /// Largest speed of that rise, m/s: the strength of the spring as judged by eye.
     pub repetition_spring_m_per_s: Option<f64>,
-    /// Key travel when the damper starts, a share of the dip.
+    /// Key travel when the damper starts, as a share of the dip.
     pub damper_start_share: Option<f64>,
     /// Effective mass at the key front, half-way to where let-off begins, pedal down, kg.
     pub effective_inertia_kg: f64,
@@ -103,28 +103,28 @@ pub struct Sheet {
     pub effective_inertia_whippen_kg: f64,
     /// Share of the hammer in the effective inertia, kg.
     pub effective_inertia_hammer_kg: f64,
-    /// Strokes per second, the key fully released.
+    /// Strokes per second with the key fully released.
     pub repetition_rate_hz: Option<f64>,
-    /// Strokes per second, the key released to half its dip.
+    /// Strokes per second with the key released to half its dip.
     pub repetition_rate_half_hz: Option<f64>,
-    /// The finger's force while it repeats, N.
+    /// Force of the finger in the repetition, N.
     pub repetition_force_N: f64,
     /// Smallest constant force that sounds the note, N.
     pub softest_force_N: Option<f64>,
-    /// The hammer's speed when it is then let off, m/s.
+    /// Speed of the hammer when it is then let off, m/s.
     pub softest_let_off_speed_m_per_s: Option<f64>,
     /// Hammer speed that sqrt(2 a d) gives for the remaining flight, m/s.
     pub softest_fall_speed_m_per_s: Option<f64>,
     /// Fastest second impact after a soft first one with the key held, m/s; 0 without one.
     pub double_strike_m_per_s: Option<f64>,
-    /// Let-off resistance that the finger feels, N: the largest force on the slow way from the start of let-off to the
-    /// bottom, less that before it.
+    /// Let-off resistance felt by the finger, N: largest force in a slow press from the start of let-off to the bottom,
+    /// less that before let-off.
     pub let_off_resistance_N: Option<f64>,
-    /// Work that a slow way to the bottom and back takes, pedal down, mJ.
+    /// Work of a slow press to the bottom and back, pedal down, mJ.
     pub loop_loss_mJ: f64,
-    /// The hammer blocked half-way: travel of the key's front from the first weight to the last, mm.
+    /// With the hammer blocked half-way: travel of the key's front from the first weight to the last, mm.
     pub blocked_front_mm: Option<f64>,
-    /// The hammer blocked half-way: travel of the capstan from the first weight to the last, mm.
+    /// With the hammer blocked half-way: travel of the capstan from the first weight to the last, mm.
     pub blocked_back_mm: Option<f64>,
     /// Bench test, weight by weight.
     pub blocked: Vec<BlockedRow>,
@@ -142,23 +142,23 @@ pub struct Sheet {
     pub inertia: InertiaNumbers,
     /// Values outside their usual ranges.
     pub flags: Vec<Flag>,
-    /// Whether nothing speaks against the presses of `timing` and `dynamic_range`.
+    /// Whether the presses of `timing` and `dynamic_range` have no warnings.
     pub trusted: bool,
     /// Doubts, press by press.
     pub warnings: Vec<Doubt>,
 }
 
-/// Why a press of the sheet cannot be trusted.
+/// Reason why a press of the sheet cannot be trusted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Doubt {
-    /// The press: `ff struck`, or `30 N`.
+    /// Name of the press: `ff struck`, or `30 N`.
     pub during: String,
     /// The doubt.
     #[serde(flatten)]
     pub warning: Warning,
 }
 
-/// D, U, BW and F of one kind, g.
+/// D, U, BW and F of one measurement, g.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TouchNumbers {
     /// D.
@@ -182,17 +182,17 @@ impl From<Touch> for TouchNumbers {
     }
 }
 
-/// A slow loop: key travel (mm) and force (N), way down and way up.
+/// A slow loop: key travel (mm) and force (N), pressing and returning.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[allow(non_snake_case)]
 pub struct LoopNumbers {
-    /// mm.
+    /// Key travel of the press, mm.
     pub down_key_mm: Vec<f64>,
-    /// N.
+    /// Force of the press, N.
     pub down_force_N: Vec<f64>,
-    /// mm.
+    /// Key travel of the return, mm.
     pub up_key_mm: Vec<f64>,
-    /// N.
+    /// Force of the return, N.
     pub up_force_N: Vec<f64>,
 }
 
@@ -211,11 +211,11 @@ impl From<&SlowLoop> for LoopNumbers {
 /// Effective mass (kg) over key travel (mm).
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct InertiaNumbers {
-    /// mm.
+    /// Key travel, mm.
     pub key_mm: Vec<f64>,
-    /// kg.
+    /// Effective mass with the pedal down, kg.
     pub pedal_down_kg: Vec<f64>,
-    /// kg.
+    /// Effective mass with the dampers on the strings, kg.
     pub dampers_down_kg: Vec<f64>,
 }
 
@@ -223,27 +223,27 @@ pub struct InertiaNumbers {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)]
 pub struct TimingRow {
-    /// `pp` to `ff`.
+    /// Level, `pp` to `ff`.
     pub nuance: &'static str,
-    /// `pressed` or `struck`.
+    /// Touch, `pressed` or `struck`.
     pub touch: &'static str,
     /// Largest force on the key, N.
     pub peak_force_N: f64,
-    /// Key start after the finger's, ms.
+    /// Start of the key after the finger's, ms.
     pub key_start_ms: Option<f64>,
-    /// The last push on the knuckle.
+    /// Time of the last push on the knuckle, ms.
     pub let_off_ms: Option<f64>,
-    /// The hammer meets the string.
+    /// Time of the impact on the string, ms.
     pub hammer_contact_ms: Option<f64>,
-    /// The key meets its punching.
+    /// Time at which the key reaches its punching, ms.
     pub key_bottom_ms: Option<f64>,
     /// Time from the last push on the knuckle to the impact on the string, ms.
     pub free_flight_ms: Option<f64>,
-    /// The hammer's flight, from the last push and from its largest speed.
+    /// Flights of the hammer, from the last push and from its largest speed.
     pub flights: Option<Flights>,
-    /// Hammer contact before key bottom, ms; negative: after it.
+    /// Hammer contact before key bottom, ms; negative if after it.
     pub hammer_before_bottom_ms: Option<f64>,
-    /// m/s.
+    /// Hammer speed at the string, m/s.
     pub hammer_speed_m_per_s: Option<f64>,
     /// MIDI velocity of that speed.
     pub midi_velocity: Option<u8>,
@@ -271,7 +271,7 @@ impl From<&Timing> for TimingRow {
     }
 }
 
-/// What the jobs leave behind.
+/// Results of the jobs.
 #[derive(Default)]
 struct Results {
     touch: Option<KeyWeights>,
@@ -289,8 +289,8 @@ struct Results {
     blocked: Option<Vec<BlockedRow>>,
 }
 
-/// Measures an action completely and compares it with the norms of middle C. `progress` receives the share that is
-/// done, and ends the work by returning false.
+/// Measures an action completely and compares it with the norms of middle C. `progress` receives the share done, and
+/// ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -298,14 +298,14 @@ pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<S
     measure_key(instrument, MIDDLE_C, progress)
 }
 
-/// Measures an instrument by the norms of a key, 1 to 88.
+/// Measures an instrument and compares it with the norms of a key, 1 to 88.
 ///
 /// # Errors
 /// See [`MeasureError`].
 pub fn measure_key(instrument: &Instrument, key: usize, progress: &mut Progress<'_>) -> Result<Sheet, MeasureError> {
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts);
-    // What everything else is measured against comes first: a tenth of the work.
+    // First the quantities needed by all others: a tenth of the work.
     const FIRST: f64 = 0.1;
     let (mut way, mut distances) = (None, None);
     let first = vec![
@@ -347,7 +347,7 @@ pub fn measure_key(instrument: &Instrument, key: usize, progress: &mut Progress<
     Ok(sheet)
 }
 
-/// What the lines of a sheet are made of.
+/// Measurements needed by lines of the sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Need {
     Way,
@@ -365,7 +365,7 @@ enum Need {
 }
 
 impl Need {
-    /// What a line needs, by its key.
+    /// Measurements needed by a line, by its key.
     fn of(key: &str) -> &'static [Need] {
         match key {
             "down_weight_g" | "up_weight_g" | "balance_weight_g" | "friction_weight_g" => &[Need::Touch],
@@ -387,8 +387,8 @@ impl Need {
     }
 }
 
-/// Measures only what some lines of the sheet need; their values, in their order. One after the other, for callers that
-/// measure many actions side by side.
+/// Measures only what the given lines of the sheet need, and returns their values in order. Uses one thread, for
+/// callers that measure many actions in parallel.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -448,7 +448,7 @@ pub fn measure_some(
 }
 
 impl Results {
-    /// Whether nothing is missing that every action has.
+    /// Whether all results are present that every action has.
     fn is_whole(&self) -> bool {
         let Results { touch, inertia, full, half, softest, loudness, timing, hysteresis, blocked, .. } = self;
         let weighed = touch.is_some() && inertia.is_some() && hysteresis.is_some();
@@ -461,7 +461,7 @@ impl Results {
             && blocked.is_some()
     }
 
-    /// The sheet, without its flags. What was not measured is not a number, or missing.
+    /// Makes the sheet, without its flags. Missing measurements are NaN or `None`.
     fn sheet(self, instrument: &Instrument, key: usize, way: Option<FreeWay>, distances: &Distances) -> Sheet {
         const NONE: f64 = f64::NAN;
         let (full, half, soft) = (self.full.flatten(), self.half.flatten(), self.softest.flatten());
@@ -552,8 +552,8 @@ impl Results {
     }
 }
 
-/// The largest force between where let-off begins and half a millimetre before the bottom, less that where it begins,
-/// N.
+/// Largest force between the start of let-off and half a millimetre before the bottom, less that half a millimetre
+/// before the start of let-off, N.
 fn let_off_resistance(slow: &SlowLoop, begins_m: f64, distances: &Distances) -> Option<f64> {
     let before = slow.down.force(begins_m - HOME_M)?;
     let to_m = distances.dip_m? - HOME_M;

@@ -1,5 +1,5 @@
-//! Force against displacement of a key that is moved so slowly that only weights, springs, felts and dry friction are
-//! left: the hysteresis loop.
+//! Hysteresis loop: force against displacement of a key moved so slowly that only weights, springs, felts and dry
+//! friction remain.
 
 use moreau::{Outcome, Settings};
 
@@ -10,25 +10,25 @@ use erard::player::{Action, Input, motion};
 use erard::run::{Setup, SimulationError, simulate};
 use erard::stroke::least_jerk;
 
-/// Time of either way, s. The hammer on its felts swings at about 10 Hz, which dry friction on a moving pivot does not
-/// damp; over eight seconds what is left of it is a few hundredths of a newton.
+/// Time of the press, and of the return, s. The hammer on its felts swings at about 10 Hz, which dry friction on a
+/// moving pivot does not damp; over eight seconds a few hundredths of a newton remain of it.
 const WAY_S: f64 = 8.0;
 /// Rest at the turning point, s.
 const TURN_S: f64 = 0.3;
-/// Step, s: the felts' own swings are slower than this by a factor of ten.
+/// Step, s: a tenth of the felts' own period.
 const STEP_S: f64 = 100e-6;
-/// Every so many steps are kept: 4000 rows a way, two and a half micrometres of the key apart.
+/// Steps per recorded row: 4000 rows in each direction, two and a half micrometres of the key apart.
 const RECORD_EVERY: u64 = 20;
-/// Forces are means over this half-width of key travel, m: the hammer's swing goes out of them, and a peak, whose
-/// slopes are some grams per millimetre, is flattened by less than a tenth of a gram.
+/// Half-width of key travel over which forces are averaged, m: this removes the hammer's swing, and flattens a peak,
+/// whose slopes are some grams per millimetre, by less than a tenth of a gram.
 const HALF_WINDOW_M: f64 = 0.05e-3;
 
-/// A slow way down and up again.
+/// A slow press and return.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SlowLoop {
-    /// The way down.
+    /// The press.
     pub down: SlowWay,
-    /// The way up, in the order of time: from the turning point to rest.
+    /// The return, in the order of time: from the turning point to rest.
     pub up: SlowWay,
     /// Steps that did not converge.
     pub unconverged_steps: u64,
@@ -48,7 +48,7 @@ pub struct SlowWay {
 /// Moves a soft finger slowly to `depth_m` below the key's rest, and back.
 ///
 /// # Errors
-/// Of the simulation, and when interrupted.
+/// Errors of the simulation; an interruption.
 pub fn slow_loop(instrument: &Instrument, depth_m: f64, progress: &mut Progress<'_>) -> Result<SlowLoop, MeasureError> {
     let finger = |t: f64| {
         let ([down, down_rate], [up, up_rate]) = (least_jerk(t / WAY_S), least_jerk((t - WAY_S - TURN_S) / WAY_S));
@@ -76,11 +76,11 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, progress: &mut Progress<
     })
 }
 
-/// Moves a soft finger slowly to `depth_m` below the key's rest, until one of some zones touches: which of them do, and
-/// the travel of the key front, m. Most of a slow loop, and its costliest part, lies behind that point.
+/// Moves a soft finger slowly to `depth_m` below the key's rest, until one of some zones touches. Returns the touching
+/// zones and the travel of the key front, m. Most of a slow loop, and its costliest part, lies beyond that point.
 ///
 /// # Errors
-/// Of the simulation, and when interrupted.
+/// Errors of the simulation; an interruption.
 pub(crate) fn first_touch(
     instrument: &Instrument,
     depth_m: f64,
@@ -110,7 +110,7 @@ pub(crate) fn first_touch(
 }
 
 impl SlowLoop {
-    /// Work that the loop takes, J: the area between the way down and the way up.
+    /// Work of the loop, J: the area between press and return.
     #[must_use]
     pub(crate) fn lost_j(&self) -> f64 {
         let work = |way: &SlowWay| {
@@ -122,7 +122,7 @@ impl SlowLoop {
 }
 
 impl SlowWay {
-    /// The mean force around key travel `key_m`, N; `None` where the way does not pass.
+    /// Mean force around key travel `key_m`, N; `None` outside the recorded travel.
     #[must_use]
     pub fn force(&self, key_m: f64) -> Option<f64> {
         let near = self.key_m.iter().zip(&self.force_n).filter(|(key, _)| (*key - key_m).abs() <= HALF_WINDOW_M);

@@ -1,4 +1,4 @@
-//! The timing sheet: what happens when, from pianissimo to fortissimo, pressed and struck.
+//! Timing sheet: times of the events, from pianissimo to fortissimo, pressed and struck.
 
 use moreau::Settings;
 
@@ -14,13 +14,13 @@ use erard::trust::Warning;
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
-/// Followed so long after the impact, s: the hammer is checked.
+/// Time recorded after the impact, s: the hammer is checked by then.
 const AFTER_S: f64 = 0.15;
 
 /// One built-in touch: a hand whose level is a hammer speed ([`erard::level`]), found on this instrument.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Timing {
-    /// `pp`, `p`, `mf`, `f`, `ff`.
+    /// Level: `pp`, `p`, `mf`, `f`, `ff`.
     pub nuance: &'static str,
     /// Pressed or struck.
     pub touch: Touch,
@@ -30,12 +30,12 @@ pub(crate) struct Timing {
     pub events: Events,
     /// Flight of the hammer.
     pub flights: Option<Flights>,
-    /// Why the run cannot be trusted.
+    /// Reasons why the run cannot be trusted.
     pub warnings: Vec<Warning>,
 }
 
 impl Timing {
-    /// `pressed` or `struck`.
+    /// Name of the touch: `pressed` or `struck`.
     #[must_use]
     pub(crate) fn touch_name(&self) -> &'static str {
         match self.touch {
@@ -44,20 +44,20 @@ impl Timing {
         }
     }
 
-    /// From key start to an event, s.
+    /// Time from key start to an event, s.
     #[must_use]
     pub(crate) fn since_key_start(&self, event: Option<f64>) -> Option<f64> {
         Some(event? - self.events.key_start_s?)
     }
 
-    /// Time from the impact to key bottom, s; negative where the key is down first.
+    /// Time from the impact to key bottom, s; negative if the key is down first.
     #[must_use]
     pub(crate) fn hammer_before_bottom_s(&self) -> Option<f64> {
         Some(self.events.key_bottom_s? - self.events.hammer_contact_s()?)
     }
 }
 
-/// Plays all built-in touches, pressed ones first. A level that no hand reaches on this instrument is left out.
+/// Plays all built-in touches, pressed ones first. A level out of reach on this instrument is left out.
 ///
 /// # Errors
 /// See [`MeasureError`].

@@ -1,9 +1,8 @@
-//! Weights laid on the key front: does the key sink, does it come up?
+//! Trials with weights on the key front: whether the key sinks, and whether it comes up.
 //!
 //! The technician's own search. A weight is laid on the resting key, or on the key held just before let-off, and let
-//! go. A key that runs away is caught and let go again, so that none of its way is made by momentum: a weight is heavy
-//! enough when the key starts again from wherever it is stopped. The weight's own inertia is left out, for the motion
-//! is slow.
+//! go. A key that runs away is caught and let go again, so that momentum does not help: a weight is heavy enough if the
+//! key starts again from wherever it is stopped. The weight's own inertia is left out, because the motion is slow.
 
 use moreau::Settings;
 
@@ -12,29 +11,28 @@ use erard::Progress;
 use erard::instrument::Instrument;
 use erard::player::{Action, Input, Snapshot};
 
-/// Step, s: the key creeps, and a step half as long moves no weight by more than 0.03 g.
+/// Step, s: the key creeps; half the step changes no weight by more than 0.03 g.
 const STEP_S: f64 = 400e-6;
-/// A key that has not arrived after this time does not sink or rise, s: caught all the way, a dip takes half of it.
+/// A key that has not arrived within this time does not sink or rise, s: caught all the way, a dip takes half of it.
 const PATIENCE_S: f64 = 40.0;
-/// A key that has stood still for so long will not start again, s.
+/// A key at rest for this time will not start again, s.
 const STUCK_S: f64 = 0.1;
-/// A key that is faster than this is caught, m/s. At this speed the whole action, 0.3 kg at the key front, has the
-/// energy to carry a tenth of a gram too little over a sixth of a millimetre.
+/// Key speed above which the key is caught, m/s. At this speed the whole action, 0.3 kg at the key front, has the
+/// energy to carry a deficit of a tenth of a gram over a sixth of a millimetre.
 const CAUGHT_M_PER_S: f64 = 0.001;
-/// A key that has arrived is caught there, too, and must go on by itself by so much, m.
+/// A key that has arrived is caught there, too, and must go on by itself by this travel, m.
 const FURTHER_M: f64 = 2e-5;
-/// The finger takes so long to bring the key to where it is let go, s.
+/// Time in which the finger brings the key to where it is let go, s.
 const APPROACH_S: f64 = 0.4;
-/// Search stops when heavy enough and too light are this close, N: a fiftieth of a gram.
+/// Final width of the search, N: a fiftieth of a gram.
 const CLOSE_N: f64 = 2e-4;
-/// A guess is first looked for within this, N: a gram and a half.
+/// Half-width of the first search around a guess, N: a gram and a half.
 const NEAR_N: f64 = 0.015;
-/// The smallest and the largest force that are tried, N: no action asks for 300 g, and one that must be pulled up with
-/// more than 100 g does not move.
+/// Range of forces tried, N: no action needs 300 g, and one that must be pulled up with more than 100 g does not move.
 const TRIED_N: [f64; 2] = [-1.0, 3.0];
 
-/// The smallest force that makes the resting key sink to `to_m`, N; `None` when none that is tried does. `guess_n` is
-/// where to begin to search.
+/// Finds the smallest force that makes the resting key sink to `to_m`, N; `None` if there is none in the range.
+/// `guess_n` is the start of the search.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -48,8 +46,8 @@ pub(super) fn smallest_that_sinks(
     boundary(guess_n, &mut |force| trials.moves(force, to_m, progress))
 }
 
-/// The largest force against which the key, let go at `from_m`, comes up to `to_m`, N; `None` when none that is tried
-/// does.
+/// Finds the largest force against which the key, let go at `from_m`, comes up to `to_m`, N; `None` if there is none in
+/// the range.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -60,13 +58,13 @@ pub(super) fn largest_that_is_lifted(
     guess_n: Option<f64>,
     progress: &mut Progress<'_>,
 ) -> Result<Option<f64>, MeasureError> {
-    // Searched on the same axis: the smallest force that is no longer lifted.
+    // Searched by the same function: the smallest force that is no longer lifted.
     let mut trials = Trials::at(instrument, from_m, progress)?;
     boundary(guess_n, &mut |force| Ok(!trials.moves(force, to_m, progress)?))
 }
 
-/// Where an answer changes from no to yes as the force grows. A guess saves trials, and changes nothing: where the
-/// answers around it are not no and yes, the whole range is searched.
+/// Finds the force at which an answer changes from no to yes. A guess only saves trials: if the answers around it are
+/// not no and yes, the whole range is searched.
 fn boundary(
     guess_n: Option<f64>,
     holds: &mut dyn FnMut(f64) -> Result<bool, MeasureError>,
@@ -89,7 +87,7 @@ fn boundary(
     Ok(Some(0.5 * (low + high)))
 }
 
-/// An action whose key is let go again and again from one place.
+/// An action whose key is let go repeatedly from one place.
 struct Trials {
     action: Action,
     start: Snapshot,
@@ -97,7 +95,7 @@ struct Trials {
 }
 
 impl Trials {
-    /// Rests at `from_m`.
+    /// Brings the key to rest at `from_m`.
     fn at(instrument: &Instrument, from_m: f64, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
         let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
         if from_m > 0.0 {
@@ -107,10 +105,10 @@ impl Trials {
         Ok(Trials { action, start, from_m })
     }
 
-    /// Whether the key, let go under a force, arrives at `to_m`.
+    /// Whether the key, let go under a force, reaches `to_m`.
     fn moves(&mut self, force_n: f64, to_m: f64, progress: &mut Progress<'_>) -> Result<bool, MeasureError> {
         let Trials { action, start, from_m } = self;
-        // A snapshot of this very action.
+        // The snapshot is this action's own.
         let _ = action.restore(start);
         let way = (to_m - *from_m).signum();
         let (mut still_s, mut before_m, mut arrived, mut moved) = (0.0, action.reading().key_m, false, false);
@@ -141,7 +139,7 @@ impl Trials {
     }
 }
 
-/// Brings the key slowly to `travel_m` and lets everything come to rest there.
+/// Moves the key slowly to `travel_m` and lets everything come to rest there.
 fn hold_at(
     action: &mut Action,
     instrument: &Instrument,

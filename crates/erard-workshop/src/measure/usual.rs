@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 
-/// What comes with the program.
+/// The built-in table.
 const BUILTIN: &str = include_str!("../../validation/usual.toml");
 const FORMAT: &str = "erard-usual/1";
 /// Keys of a piano.
@@ -23,7 +23,7 @@ pub struct UsualRange {
     low: Option<Limit>,
     #[serde(rename = "at_most")]
     high: Option<Limit>,
-    /// Source, and what was derived from it.
+    /// Source, with any derivation from it.
     pub source: String,
 }
 
@@ -33,7 +33,7 @@ pub struct UsualRange {
 enum Limit {
     /// One bound for all keys.
     All(f64),
-    /// At some keys, ascending, and on straight lines between them; beyond the first and the last as there.
+    /// At some keys, ascending, linear between them and constant beyond the first and the last.
     ByKey(Vec<(usize, f64)>),
 }
 
@@ -44,13 +44,13 @@ struct Table {
     usual: BTreeMap<String, UsualRange>,
 }
 
-/// The usual range of a line of the sheet, by its key; `None` where nothing is usual.
+/// Usual range of a line of the sheet, by its key; `None` without one.
 #[must_use]
 pub(crate) fn usual(key: &str) -> Option<&'static UsualRange> {
     TABLE.get(key)
 }
 
-/// Every key that has a usual range.
+/// All keys with a usual range.
 #[cfg(test)]
 pub(super) fn keys() -> impl Iterator<Item = &'static str> {
     TABLE.keys().map(String::as_str)
@@ -59,7 +59,7 @@ pub(super) fn keys() -> impl Iterator<Item = &'static str> {
 /// Checks a table of usual ranges and returns the number of sheet lines in it.
 ///
 /// # Errors
-/// What is wrong, where, and what is expected.
+/// The error, its place and what is expected.
 pub fn check(text: &str) -> Result<usize, String> {
     parse(text).map(|table| table.len())
 }
@@ -85,13 +85,13 @@ fn parse(text: &str) -> Result<BTreeMap<String, UsualRange>, String> {
 }
 
 impl UsualRange {
-    /// From low to high at a key, 1 to 88; either end may be open.
+    /// Range at a key, 1 to 88, from low to high; either end may be open.
     #[must_use]
     pub(crate) fn at(&self, key: usize) -> [Option<f64>; 2] {
         [&self.low, &self.high].map(|limit| limit.as_ref().and_then(|limit| limit.at(key)))
     }
 
-    /// Whether it differs from bass to treble.
+    /// Whether the range differs from bass to treble.
     #[must_use]
     pub(crate) fn depends_on_the_key(&self) -> bool {
         [&self.low, &self.high].into_iter().flatten().any(|limit| matches!(limit, Limit::ByKey(_)))
@@ -129,7 +129,7 @@ mod tests {
     use crate::measure::norms::lines;
     use crate::measure::range::HARDLY_HEARD_M_PER_S;
 
-    /// Every range belongs to a line of the sheet; a number that stands in code and in the table is one number.
+    /// Every range belongs to a line of the sheet; numbers that are both in code and in the table agree.
     #[test]
     fn ranges_are_those_of_lines() {
         for key in keys() {
@@ -138,7 +138,7 @@ mod tests {
         assert_eq!(usual("double_strike_m_per_s").unwrap().at(40), [None, Some(HARDLY_HEARD_M_PER_S)]);
     }
 
-    /// A damaged table says what is wrong and where.
+    /// Errors of a damaged table state their place.
     #[test]
     fn damaged_tables_are_refused() {
         let told = |body: &str| parse(&format!("format = \"{FORMAT}\"\n[usual.dip_mm]\nsource = \"s\"\n{body}"));

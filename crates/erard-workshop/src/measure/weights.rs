@@ -1,14 +1,14 @@
-//! Grams: at the key front, and of the parts on the scale; and the equation of balance between them.
+//! Weights in grams at the key front and of the parts on the scale, and the equation of balance between them.
 //!
 //! Down-weight D is the smallest weight on the key front that makes the resting key sink to where let-off begins,
 //! up-weight U the largest that the key, let go just before, lifts again; balance weight is their mean and friction
 //! weight half their difference. They are found twice: by trial with weights (`trial.rs`), and as the largest force of
-//! the way down and the smallest of the way up of a slow loop between the same places. With the weights of the parts,
-//! weighed as a technician does,
+//! the press and the smallest of the return of a slow loop between the same places. With the parts' weights, weighed as
+//! by a technician,
 //!
 //! BW + FW = KR WW + R SW        (D. C. Stanwood, The New Touchweight Metrology, PTG Journal, June 1996)
 //!
-//! gives the strike-weight ratio R, which the geometry gives by itself: speed of a mass at the strike weight's place,
+//! gives the strike-weight ratio R. It also follows from the geometry: speed of a mass at the strike weight's place,
 //! with the shank level, over the speed of the key front.
 
 use super::levers::Levers;
@@ -19,18 +19,18 @@ use erard::Progress;
 use erard::grand::{Parts, front_weight_g, pedal_down, strike_weight_g, whippen_weight_g};
 use erard::instrument::Instrument;
 
-/// A key this near to its rest has come up, m. Nearer, the cloths that it rests on push it.
+/// Travel below which a key counts as up, m. Nearer to its rest, its cloths push it.
 pub const HOME_M: f64 = 0.5e-3;
-/// The up-weight is tried from so far before let-off, m of key travel. The jack does not touch the button there yet.
+/// Distance of the up-weight trial from let-off, m of key travel. The jack does not touch the button there yet.
 const BEFORE_LET_OFF_M: f64 = 0.3e-3;
-/// An action whose free way is shorter has none to measure, m.
+/// Shortest free travel that can be measured, m.
 const SHORTEST_WAY_M: f64 = 2.0 * HOME_M;
-/// A slow press goes down this far to show where the free way ends, m. No key dips deeper.
+/// Depth of a slow press in the search for the end of the free travel, m. No key dips deeper.
 const DEEP_M: f64 = 0.012;
 /// Grams per kilogram.
 const G_PER_KG: f64 = 1e3;
 
-/// Down-weight and up-weight of one kind, g; `None` where no weight that is tried makes the key sink, or come up.
+/// Down-weight and up-weight of one method, g; `None` if no weight in the tried range makes the key sink, or come up.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct Touch {
     /// D.
@@ -53,21 +53,22 @@ impl Touch {
     }
 }
 
-/// Weights on the key front, of an action whose damper lies on the string or hangs on the pedal.
+/// Weights on the key front of an action, with the damper on the string or lifted by the pedal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyWeights {
     /// Touch weights by trial with weights.
     pub by_weights: Touch,
     /// Touch weights from the slow loop.
     pub by_loop: Touch,
-    /// Key travel at which the loop's way down is hardest, and its way up weakest, m: the places that decide D and U.
+    /// Key travel at the largest force of the loop's press and the smallest of its return, m: the places that decide D
+    /// and U.
     pub decided_m: [f64; 2],
     /// The slow loop between rest and just before let-off.
     pub slow: SlowLoop,
 }
 
 impl KeyWeights {
-    /// Mean of the slow loop's forces down and up at one place, g.
+    /// Mean of the slow loop's two forces at one place, g.
     #[must_use]
     pub fn balance_weight_at(&self, key_m: f64, gravity_m_s2: f64) -> Option<f64> {
         let force = 0.5 * (self.slow.down.force(key_m)? + self.slow.up.force(key_m)?);
@@ -75,37 +76,37 @@ impl KeyWeights {
     }
 }
 
-/// The parts on the scale, and the ratios.
+/// Weights of the parts on the scale, and the key ratio.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartWeights {
-    /// The key on its balance pin, level, its front on the scale, g.
+    /// Weight of the key's front on the scale, the key level on its balance pin, g.
     pub front_weight_g: f64,
-    /// The hammer on its pin, its shank level, the strike point's place on the scale, g.
+    /// Weight of the strike point on the scale, the hammer on its pin and its shank level, g.
     pub strike_weight_g: f64,
-    /// Whippen, jack and repetition lever on the whippen's pin, the place where the capstan touches on the scale, g.
+    /// Weight of whippen, jack and repetition lever on the scale at the capstan contact, on the whippen's pin, g.
     pub whippen_weight_g: f64,
-    /// Weight at the key front of a gram over the capstan's contact.
+    /// Weight at the key front per weight over the capstan's contact.
     pub key_ratio: f64,
 }
 
-/// R by the geometry. It falls on the way, and the balance weight is the mean of a weight that is decided near rest and
-/// one that is decided near let-off: where it was weighed, R is the mean of the ratios at these two places.
+/// R by the geometry. It falls during the stroke, and the balance weight is the mean of a weight decided near rest and
+/// one decided near let-off: `where_weighed` is the mean of the ratios at these two places.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrikeRatio {
     /// Mean of the ratios where down-weight and up-weight are decided.
     pub where_weighed: f64,
-    /// At rest.
+    /// Ratio at rest.
     pub at_rest: f64,
-    /// Half-way.
+    /// Ratio half-way.
     pub half_way: f64,
-    /// Value at the beginning of let-off.
+    /// Ratio at the beginning of let-off.
     pub at_let_off: f64,
 }
 
 /// All weights of an action.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
-    /// The way that they are found on.
+    /// Free travel of the key.
     pub free_way: FreeWay,
     /// Weights with the pedal down, as the trade measures: the damper is out of the key's reach.
     pub pedal_down: KeyWeights,
@@ -118,7 +119,7 @@ pub struct Weights {
 }
 
 impl Weights {
-    /// R from the equation of balance, from the weights found by trial.
+    /// R from the equation of balance with the weights found by trial.
     #[must_use]
     pub fn strike_weight_ratio(&self) -> Option<f64> {
         self.parts.strike_weight_ratio(self.pedal_down.by_weights.balance_weight_g()?)
@@ -126,7 +127,7 @@ impl Weights {
 }
 
 impl PartWeights {
-    /// R of the equation of balance at a balance weight.
+    /// R from the equation of balance at a balance weight.
     #[must_use]
     pub fn strike_weight_ratio(&self, balance_weight_g: f64) -> Option<f64> {
         let top = balance_weight_g + self.front_weight_g - self.key_ratio * self.whippen_weight_g;
@@ -151,20 +152,20 @@ pub fn weigh(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Wei
     Ok(Weights { free_way, pedal_down, dampers_down, parts, strike_ratio })
 }
 
-/// The way of the key on which its weights are found: from rest to where something ends it.
+/// Free travel of the key on which its weights are found: from rest to its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeWay {
     /// Key travel at its end, m.
     pub end_m: f64,
-    /// Whether let-off ends it, as it should: not the hammer against the string or the key on its punching.
+    /// Whether let-off ends it, as it should: not the hammer at the string or the key at its punching.
     pub let_off: bool,
 }
 
-/// Presses the key slowly until jack or lever reaches its stop; in an action that is out of order, until the hammer
-/// blocks against the string or the key is down.
+/// Presses the key slowly until jack or lever reaches its stop; in an action out of order, until the hammer blocks
+/// against the string or the key is down.
 ///
 /// # Errors
-/// When there is no such way, or the run fails.
+/// If there is no free travel, or the run fails.
 pub fn free_way(instrument: &Instrument, parts: &Parts, progress: &mut Progress<'_>) -> Result<FreeWay, MeasureError> {
     let roles = &instrument.roles;
     let zones = parts.let_off_stops.iter().copied().chain(roles.string).chain(roles.key_bottom).collect::<Vec<_>>();
@@ -180,19 +181,19 @@ pub fn free_way(instrument: &Instrument, parts: &Parts, progress: &mut Progress<
 /// Down-weight and up-weight from a slow loop.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LoopWeights {
-    /// Largest force of the way down, smallest of the way up.
+    /// Largest force of the press, smallest of the return.
     pub touch: Touch,
-    /// Key travel at which the way down is hardest, and the way up weakest, m.
+    /// Key travel at the largest force of the press and the smallest of the return, m.
     pub decided_m: [f64; 2],
     /// The loop between rest and just before let-off.
     pub slow: SlowLoop,
 }
 
-/// Down-weight and up-weight of an action as it stands from a slow loop alone: a tenth of the work of trials with
+/// Finds down-weight and up-weight of an action as it is from a slow loop alone: a tenth of the work of trials with
 /// weights.
 ///
 /// # Errors
-/// Where there is no gravity, and those of the run.
+/// If there is no gravity; errors of the run.
 pub(crate) fn by_loop(
     instrument: &Instrument,
     way_m: f64,
@@ -203,7 +204,7 @@ pub(crate) fn by_loop(
     }
     let turn_m = way_m - BEFORE_LET_OFF_M;
     let grams = |force: f64| force / instrument.gravity_m_s2 * G_PER_KG;
-    // The loop turns a little deeper than the weights are let go, for at its turning point the friction turns around.
+    // The loop turns a little deeper than the weights are let go, because friction reverses at its turning point.
     let slow = slow_loop(instrument, way_m, progress)?;
     let hardest = slow.down.smoothed(0.0, turn_m).max_by(|a, b| a.1.total_cmp(&b.1));
     let weakest = slow.up.smoothed(HOME_M, turn_m).min_by(|a, b| a.1.total_cmp(&b.1));
@@ -215,10 +216,10 @@ pub(crate) fn by_loop(
     Ok(LoopWeights { touch, decided_m, slow })
 }
 
-/// Finds down-weight and up-weight of an action as it is, with its damper as it hangs.
+/// Finds down-weight and up-weight of an action as it is, with its damper where it is.
 ///
 /// # Errors
-/// Where there is no gravity, and those of the runs.
+/// If there is no gravity; errors of the runs.
 pub fn on_the_key(
     instrument: &Instrument,
     way_m: f64,
@@ -236,12 +237,12 @@ pub fn on_the_key(
     Ok(KeyWeights { by_weights, by_loop, decided_m, slow })
 }
 
-/// Weighs the parts as they come off the action, without bending, from masses, centres of mass and contacts at rest.
-/// Finds the strike-weight ratio by the geometry; `decided_m` are the key travels at which down-weight and up-weight
-/// were decided.
+/// Weighs the parts off the action, without bending, from masses, centres of mass and contacts at rest, and finds the
+/// strike-weight ratio by the geometry; `decided_m` are the key travels at which down-weight and up-weight were
+/// decided.
 ///
 /// # Errors
-/// When it is no grand action, finds no rest, or its levers do not reach as far as let-off.
+/// If the instrument is no grand action, has no equilibrium, or its levers do not reach let-off.
 pub fn on_the_scale(
     instrument: &Instrument,
     way_m: f64,

@@ -1,21 +1,20 @@
-//! Screws that must follow: one screw turned alone disturbs what another one set.
+//! Screws that must follow: turning one screw disturbs the goals of others.
 
 use super::rounds::{Regulated, Status, regulate};
 use super::{Goal, Kind, RegulateError, Specification};
 use crate::distances::{Distances, Protocol};
 use erard::instrument::Instrument;
 
-/// A distance that has moved by more than this has been disturbed, m, or as a share of a speed, or of the dip: what a
-/// technician sees.
+/// Largest change of a distance, m, or as a share of a speed, or of the dip, that does not count as disturbed.
 const SEEN_M: f64 = 0.25e-3;
 const SEEN_OF_SPEED: f64 = 0.15;
 const SEEN_OF_DIP: f64 = 0.03;
-/// Passes in which what was newly disturbed is taken along.
+/// Most regulations, each with newly disturbed goals added.
 const PASSES: u32 = 4;
 
-/// Returns the goals that were not given and that a regulation has disturbed, each with its earlier value, which is to
-/// be restored. Goals without a screw of their own in this instrument are left out, and the repetition rise, whose
-/// screw is the check's.
+/// Returns the goals that were not given and that a regulation has disturbed, each with its earlier value to restore.
+/// Goals without a screw of their own in this instrument are left out, as is the repetition rise, whose screw is the
+/// check's.
 #[must_use]
 pub fn disturbed(regulated: &Regulated) -> Specification {
     let asked = |goal: Goal| regulated.achieved.iter().any(|achieved| achieved.goal == goal);
@@ -26,7 +25,7 @@ pub fn disturbed(regulated: &Regulated) -> Specification {
     goals.filter_map(|goal| Some((goal, moved(goal)?))).collect()
 }
 
-/// What a goal measured before, where it measures something else now.
+/// Earlier value of a goal, if it has changed.
 fn has_moved(goal: Goal, before: &Distances, after: &Distances) -> Option<f64> {
     let before = goal.of(before)?;
     let seen = match goal.kind() {
@@ -34,16 +33,16 @@ fn has_moved(goal: Goal, before: &Distances, after: &Distances) -> Option<f64> {
         Kind::Speed => SEEN_OF_SPEED * before,
         Kind::Share => SEEN_OF_DIP,
     };
-    // What does not happen any more has moved.
+    // An event that no longer happens counts as changed.
     let is_there = goal.of(after).is_some_and(|after| (after - before).abs() <= seen);
     (!is_there).then_some(before)
 }
 
-/// [`regulate`], and again with what that disturbed kept as it was, until nothing else is disturbed: the screws that
-/// must follow, follow. Distances before are those before the first turn.
+/// Runs [`regulate`], and again with disturbed goals kept at their earlier values, until no other goal is disturbed.
+/// `before` holds the distances before the first turn.
 ///
 /// # Errors
-/// As [`regulate`].
+/// See [`regulate`].
 pub fn regulate_following(
     instrument: &Instrument,
     specification: &Specification,

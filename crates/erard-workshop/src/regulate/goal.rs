@@ -41,7 +41,7 @@ pub enum Kind {
     Share,
 }
 
-/// What the bench knows of a goal.
+/// Properties of a goal.
 struct Known {
     name: &'static str,
     kind: Kind,
@@ -60,7 +60,7 @@ const fn known(
     Known { name, kind, norm, limits, of }
 }
 
-/// One row a goal, in the order of [`Goal::ALL`].
+/// One row per goal, in the order of [`Goal::ALL`].
 const KNOWN: [Known; 10] = [
     known("jack position", Length, Some(1.5e-3), [-2e-3, 6e-3], |d| d.jack_position_m),
     known("lever height", Length, Some(0.1e-3), [-1e-3, 2e-3], |d| d.lever_height_m),
@@ -92,7 +92,7 @@ impl Goal {
         Goal::Damper,
     ];
 
-    /// Its row.
+    /// Row of the goal.
     fn known(self) -> &'static Known {
         &KNOWN[self as usize]
     }
@@ -102,36 +102,36 @@ impl Goal {
         self.known().name
     }
 
-    /// Kind of its number.
+    /// Kind of the goal's number.
     pub fn kind(self) -> Kind {
         self.known().kind
     }
 
-    /// What the trade asks for where nothing else is said, in m, m/s, or shares; `None` where it has no norm.
+    /// Default target in the trade, m, m/s, or share; `None` without a norm.
     ///
     /// Dip 10 (published 9.5-11), blow 46 (44-49), let-off 1.5, drop 1.5, check 15 (12-15): Brekne 2009, Gillespie et
     /// al. 2011. Jack position 1.5: the jack's rear edge flush with the rear of a knuckle core 3 mm thick. Lever height
     /// 0.1: the jack just below the lever. Damper 0.5: dampers rise from half stroke. Spring 0.25 m/s: an estimate;
-    /// technicians ask for a brisk rise without a kick and give no number. It is a compromise: with much less the
-    /// shipped actions miss strokes at 8 Hz, above about 0.22 m/s a hammer let up slowly from the check reaches the
-    /// string, and at 0.3 m/s the concert grand's soft notes strike twice, the second time at 0.24 m/s (`erard regulate
-    /// --spring 300mm/s`).
+    /// technicians want a brisk rise without a kick and give no number. It is a compromise: with much less the shipped
+    /// actions miss strokes at 8 Hz, above about 0.22 m/s a hammer let up slowly from the check reaches the string, and
+    /// at 0.3 m/s the concert grand's soft notes strike twice, the second time at 0.24 m/s (`erard regulate --spring
+    /// 300mm/s`).
     pub(crate) fn norm(self) -> Option<f64> {
         self.known().norm
     }
 
-    /// The whole specification of the trade.
+    /// The trade's complete specification.
     pub fn norms() -> Specification {
         Goal::ALL.into_iter().filter_map(|goal| Some((goal, goal.norm()?))).collect()
     }
 
-    /// The least and the most that make sense, in m, m/s, or shares.
+    /// Smallest and largest sensible target, m, m/s, or share.
     pub(crate) fn limits(self) -> [f64; 2] {
         self.known().limits
     }
 
-    /// How far from `target` still counts as met: 0.05 mm, 2 % of a speed, 1 % of the dip; lever height, which is a
-    /// tenth of a millimetre, 0.02 mm.
+    /// Tolerance of `target`: 0.05 mm, 2 % of a speed, 1 % of the dip; for the lever height, which is a tenth of a
+    /// millimetre, 0.02 mm.
     pub(crate) fn tolerance(self, target: f64) -> f64 {
         match self {
             Goal::LeverHeight => 2e-5,
@@ -141,12 +141,12 @@ impl Goal {
         }
     }
 
-    /// Measured value; `None` if it does not happen.
+    /// Measured value; `None` if the event does not happen.
     pub fn of(self, distances: &Distances) -> Option<f64> {
         (self.known().of)(distances)
     }
 
-    /// The trial that measures it.
+    /// Trial that measures the goal.
     pub(super) fn trial(self) -> Trial {
         match self {
             Goal::LeverHeight => Trial::LiftedHammer,
@@ -155,10 +155,10 @@ impl Goal {
         }
     }
 
-    /// The screws that do it, the usual one first; the next takes over where that one is at its end. With each, what it
-    /// does to the goal per m, rad or N m turned along its [`KnownScrew::reference`](super::KnownScrew): only a first
-    /// guess, which the first turn corrects. Sizes follow from lever arms (a hammer's head moves about ten times as far
-    /// as its knuckle).
+    /// Screws of the goal, the usual one first; the next takes over at the end of its range. Each with its effect on
+    /// the goal per m, rad or N m turned along its [`KnownScrew::reference`](super::KnownScrew): a first guess,
+    /// corrected by the first turn. Sizes follow from lever arms (a hammer's head moves about ten times as far as its
+    /// knuckle).
     pub(crate) fn screws(self) -> &'static [(&'static str, f64)] {
         match self {
             Goal::JackPosition => &[("jack_position", 1.8)],
@@ -168,16 +168,16 @@ impl Goal {
             Goal::Drop => &[("drop", 6.0)],
             Goal::Dip => &[("front_punching", -1.0), ("back_rail_cloth", -1.2)],
             Goal::Check => &[("back_check", -10.0)],
-            // The hammer rises to where the drop screw holds the lever: how far that is is decided by where it is
-            // checked. The check's angle decides how far the key has come up by then, which matters little.
+            // The hammer rises to where the drop screw holds the lever: the rise depends on where it is checked. The
+            // check's angle determines how far the key has come up by then, which matters little.
             Goal::RepetitionRise => &[("back_check", -10.0), ("back_check_angle", 3e-3)],
             Goal::Spring => &[("repetition_spring", 25.0)],
             Goal::Damper => &[("damper_timing", -110.0)],
         }
     }
 
-    /// What counts where it does not happen: a hammer that is not caught is caught infinitely low; what is not caught
-    /// does not rise; a key without a bottom is infinitely deep.
+    /// Value of a missing event: a hammer that is not caught is infinitely low and does not rise; a key without a
+    /// bottom is infinitely deep.
     pub(super) fn missing(self) -> f64 {
         match self {
             Goal::RepetitionRise | Goal::Spring => 0.0,
@@ -185,7 +185,7 @@ impl Goal {
         }
     }
 
-    /// The goal that has to be kept met while this one's screw is turned, because the same part decides both.
+    /// Goal that must stay met while this one's screw is turned, because the same part determines both.
     pub(super) fn keeps(self) -> Option<Goal> {
         (self == Goal::RepetitionRise).then_some(Goal::Check)
     }

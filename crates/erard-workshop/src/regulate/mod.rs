@@ -1,8 +1,8 @@
-//! Turning an action's own screws until it meets a specification, as a technician does.
+//! Regulation: turns an action's own screws until it meets a specification, as a technician does.
 //!
-//! `goal` is what can be asked for, `screw` what can be turned, `workshop` the action with its screws and what has been
-//! measured of it, `search` how one screw is turned until one goal is met, and `rounds` the order of work, done again
-//! until no goal is disturbed by another; `follow` takes along the screws that must follow.
+//! `goal` holds the possible targets, `screw` the known screws, `workshop` the action with its screws and measurements,
+//! `search` the search for one screw's setting, and `rounds` the order of work, repeated until no goal is disturbed by
+//! another; `follow` adds the screws that must follow.
 
 mod follow;
 mod goal;
@@ -25,7 +25,7 @@ use thiserror::Error;
 
 use crate::distances::DistanceError;
 
-/// Why an action could not be regulated.
+/// Reason why an action could not be regulated.
 #[derive(Debug, Error)]
 pub enum RegulateError {
     /// A goal needs a screw that the instrument does not have.
@@ -36,7 +36,7 @@ pub enum RegulateError {
         /// Screws that could reach it.
         needs: String,
     },
-    /// Not measured at all.
+    /// The distances could not be measured.
     #[error(transparent)]
     Measure(#[from] DistanceError),
 }

@@ -1,4 +1,4 @@
-//! The report of a regulation, in the units that people use: for a file, a page, a notebook.
+//! Report of a regulation, in display units: for a file, a page, a notebook.
 
 use erard::instrument::RewriteError;
 use serde_json::{Value, json};
@@ -7,7 +7,7 @@ use super::{Achieved, Goal, Handwork, Miss, Regulated, Turned, known_screw, scre
 use crate::distances::Distances;
 
 impl Regulated {
-    /// The report.
+    /// Returns the report.
     #[must_use]
     pub fn report(&self) -> Value {
         let goals = self.achieved.iter().map(|a| {
@@ -25,7 +25,7 @@ impl Regulated {
         });
         let screws = self.turned.iter().map(|turned| {
             let (factor, unit) = screw_unit(&turned.action);
-            // To a millionth of the unit, as the file has it.
+            // To a millionth of the unit, as in the file.
             let [from, to] = turned.setting.map(|s| (s * factor * 1e6).round() / 1e6);
             let by = ((to - from) * 1e6).round() / 1e6;
             let turns = match known_screw(&turned.name).map(|known| known.work) {
@@ -47,15 +47,15 @@ impl Regulated {
         })
     }
 
-    /// The screws that were turned for a goal, as far as one alone is turned for it.
+    /// Screws turned for a goal.
     pub fn screws_of(&self, goal: Goal) -> impl Iterator<Item = &Turned> {
-        // A screw that could serve two goals served the first of them that was asked for.
+        // A screw of two goals served the first of them that was requested.
         let asked =
             |name: &str| self.achieved.iter().map(|a| a.goal).find(|g| g.screws().iter().any(|(n, _)| *n == name));
         self.turned.iter().filter(move |turned| asked(&turned.name) == Some(goal))
     }
 
-    /// `text`, the file that was regulated, with the settings that its screws have now, each cited as regulated in
+    /// Returns `text`, the file that was regulated, with the new settings of its screws, each cited as regulated in
     /// simulation.
     ///
     /// # Errors
@@ -74,7 +74,7 @@ impl Regulated {
 }
 
 impl Achieved {
-    /// Why it was missed.
+    /// Reason why the goal was missed.
     #[must_use]
     pub fn reason(&self) -> Option<String> {
         Some(match self.miss.as_ref()? {

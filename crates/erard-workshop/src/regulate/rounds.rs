@@ -1,4 +1,4 @@
-//! The order of work, and round after round of it until no goal is disturbed by another.
+//! Order of work, repeated in rounds until no goal is disturbed by another.
 
 use std::cell::Cell;
 
@@ -9,22 +9,21 @@ use super::{Goal, RegulateError, Specification};
 use crate::distances::{Distances, Protocol};
 use erard::instrument::{Instrument, ScrewAction};
 
-/// Most rounds: what has not settled by then will not.
+/// Most rounds: goals not settled by then will not settle.
 const MOST_ROUNDS: u32 = 8;
 /// Most measurements for one goal in one round.
 const MOST_TRIES: u32 = 14;
 /// Most measurements to meet a goal again while another's screw is turned.
 const MOST_TRIES_TO_KEEP: u32 = 6;
-/// A screw is turned until its goal is met to this share of its tolerance, so that what comes after may disturb it a
-/// little.
+/// Share of its tolerance to which a goal is met, so that later work may disturb it a little.
 const WORKING_SHARE: f64 = 0.3;
-/// Rounds that an end of the work is guessed at, for the share that progress shows.
+/// Assumed number of rounds, for the progress.
 const USUAL_ROUNDS: f64 = 4.0;
-/// How far the drop screw is turned out of the way at once, m, and how many times at most.
+/// Step by which the drop screw is turned out of the way, m, and most such steps.
 const OUT_OF_THE_WAY_M: f64 = 0.3e-3;
 /// See [`OUT_OF_THE_WAY_M`].
 const MOST_OUT_OF_THE_WAY: u32 = 5;
-/// A drop that tells that the drop screw is out of the way, m: more than twice the usual one.
+/// Drop that shows that the drop screw is out of the way, m: more than twice the usual one.
 const FAR_DROP_M: f64 = 3.5e-3;
 
 /// Progress of the work.
@@ -51,16 +50,16 @@ pub struct Achieved {
     pub before: Option<f64>,
     /// Value after.
     pub after: Option<f64>,
-    /// Why it is not met, if it is not; `after` is then the nearest found.
+    /// Reason of a miss; `after` is then the nearest value found.
     pub miss: Option<Miss>,
 }
 
-/// Why a goal is not met.
+/// Reason why a goal is not met.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Miss {
     /// These screws are at the end of their range.
     EndOfRange(Vec<&'static str>),
-    /// No setting of these screws gives it: it jumps past the goal, does not happen, or does not answer to them.
+    /// No setting of these screws reaches the goal: it jumps past it, does not happen, or does not react to them.
     NoSetting(Vec<&'static str>),
     /// The goal can be met, but not together with the others.
     Disturbed,
@@ -111,19 +110,18 @@ impl Regulated {
 struct Task {
     goal: Goal,
     target: f64,
-    /// Screws, what is known of each, and the effect on the goal per unit of setting: expected, then found.
+    /// Screws with their properties, and their effect on the goal per unit of setting: expected, then found.
     screws: Vec<(usize, &'static KnownScrew, f64, Option<f64>)>,
     miss: Option<Miss>,
-    /// The nearest that was found when it was missed last.
+    /// The nearest value found at the last miss.
     nearest: Option<f64>,
 }
 
-/// Regulates a copy of an instrument. `progress` receives now and then the share that is done, and ends it by returning
-/// false.
+/// Regulates a copy of an instrument. `progress` receives the share done, and ends the work by returning false.
 ///
-/// Goals are worked on in the order of [`Goal::ALL`], whatever the order of the specification; of a goal that is named
-/// twice the last counts. Before let-off is set for the first time, a drop screw that keeps the lever from carrying the
-/// hammer too late is turned out of the way, as on the bench.
+/// Goals are worked on in the order of [`Goal::ALL`], whatever the order of the specification; the last of repeated
+/// goals counts. Before let-off is set for the first time, a drop screw that lets the lever carry the hammer too long
+/// is turned out of the way, as on the bench.
 ///
 /// # Errors
 /// See [`RegulateError`]. A goal that cannot be met is no error: see [`Achieved::miss`].
@@ -195,7 +193,7 @@ pub fn regulate(
     Ok(Regulated { instrument: shop.instrument, achieved, turned, before, after, rounds, simulations })
 }
 
-/// The goals in the order of work, each with those of its screws that the instrument has.
+/// The goals in the order of work, each with the instrument's screws for it.
 fn tasks(instrument: &Instrument, specification: &Specification) -> Result<Vec<Task>, RegulateError> {
     let mut tasks = Vec::new();
     for goal in Goal::ALL {
@@ -226,7 +224,7 @@ fn is_met(task: &Task, shop: &mut Workshop<'_>) -> Result<bool, RegulateError> {
     Ok(value.is_some_and(|value| (value - task.target).abs() <= task.goal.tolerance(task.target)))
 }
 
-/// How far all goals are off beyond their tolerances, in tolerances; infinitely for one that does not happen.
+/// Sum of the goals' errors beyond their tolerances, in tolerances; a missing event counts as an error of 1e6.
 fn total_error(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<f64, RegulateError> {
     let mut total = 0.0;
     for task in tasks {
@@ -237,8 +235,8 @@ fn total_error(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<f64, RegulateE
 }
 
 /// A repetition lever that is not stopped in time carries the hammer on after the jack has gone, and let-off cannot be
-/// seen: as on the bench, the drop screw is turned out of the way until the hammer drops far. Where the drop is not to
-/// be set afterwards, it is turned only as far as the hammer drops at all.
+/// seen: as on the bench, the drop screw is turned out of the way until the hammer drops far. If the drop is not set
+/// afterwards, it is turned only until the hammer drops at all.
 fn clear_the_drop_screw(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
     let Some(screw) = shop.instrument.screw("drop") else { return Ok(()) };
     let Some(known) = known_screw("drop") else { return Ok(()) };
@@ -254,19 +252,19 @@ fn clear_the_drop_screw(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<(), R
         shop.turn(screw, (shop.setting(screw) + sense * OUT_OF_THE_WAY_M).clamp(from, to));
     }
     if !is_set_afterwards && shop.value(Goal::Drop)? == Some(0.0) {
-        // It was not the drop screw that kept the hammer up.
+        // The drop screw did not keep the hammer up.
         shop.turn(screw, began_at);
     }
     Ok(())
 }
 
-/// Turns the screws of task `n` until its goal is met, or as near as it gets in so many tries for each. A goal that has
-/// to be kept meanwhile is met again after every turn.
+/// Turns the screws of task `n` until its goal is met, or as near as possible in `tries` measurements for each. A goal
+/// that must be kept is met again after every turn.
 fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Result<(), RegulateError> {
     let (goal, target) = (tasks[n].goal, tasks[n].target);
     let near_enough = WORKING_SHARE * goal.tolerance(target);
     let tolerance = goal.tolerance(target);
-    // What has been tried in vain is not tried again unless something has moved it.
+    // A goal missed earlier is not tried again unless its value has moved.
     let value = shop.value(goal)?;
     if let (Some(value), Some(nearest)) = (value, tasks[n].nearest)
         && (value - nearest).abs() <= tolerance
@@ -281,7 +279,7 @@ fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Re
         let turning = Turning { slope: expected, limits, stride: (limits[1] - limits[0]) / 8.0 };
         let mut search = Search::new(turning, found, target);
         let began = shop.value(goal)?.unwrap_or(goal.missing());
-        // The nearest so far with the settings of all screws, because what is kept meanwhile belongs to it.
+        // The nearest value with the settings of all screws, including those of the kept goal.
         let (mut nearest, mut nearest_with) = (began, shop.settings());
         for _ in 0..tries {
             let (setting, value) = (shop.setting(screw), shop.value(goal)?.unwrap_or(goal.missing()));
@@ -295,7 +293,7 @@ fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Re
                 (tasks[n].miss, tasks[n].nearest) = (None, None);
                 return Ok(());
             }
-            // A screw that hardly helps is left where it was.
+            // A screw that hardly helps stays where it was.
             let helps = off < (nearest - target).abs() && off + tolerance <= (began - target).abs();
             if is_kept && helps {
                 (nearest, nearest_with) = (value, shop.settings());

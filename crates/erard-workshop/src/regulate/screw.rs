@@ -1,36 +1,36 @@
-//! The screws that can be turned: those of a grand action by the names that instrument files give them.
+//! Known screws of a grand action, by their names in instrument files.
 
 use erard::instrument::{Instrument, Screw, ScrewAction, Vec2};
 
 /// Range of a screw, counted from the drawn geometry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
-    /// From so much to so much, m.
+    /// From the first to the second, m.
     Length(f64, f64),
-    /// From so much to so much, rad.
+    /// From the first to the second, rad.
     Angle(f64, f64),
-    /// As shares of the spring's torque as drawn.
+    /// Shares of the spring's drawn torque.
     Torque(f64, f64),
 }
 
 /// Work at the bench that corresponds to a screw of the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Handwork {
-    /// A thread is turned; it goes so far in a turn, m.
+    /// A thread is turned, with this travel per turn, m.
     Thread(f64),
     /// Punchings or cloth are put under or taken out.
     Layers,
     /// A wire or a spring is bent.
     Bent,
-    /// Nothing that is done at one key: the height of the stack under the strings.
+    /// Height of the stack under the strings, which is not set at one key.
     Stack,
 }
 
-/// Threads of capstans and let-off screws, m a turn: about a 10-24 machine screw's 1.06 mm, which R. Nossaman puts in
-/// as damper capstans (Caut list, 23 March 2007). An estimate; D. Nereson calls most capstans' threads "fairly fine
+/// Threads of capstans and let-off screws, m a turn: about a 10-24 machine screw's 1.06 mm, which R. Nossaman uses as
+/// damper capstans (Caut list, 23 March 2007). An estimate; D. Nereson calls most capstans' threads "fairly fine
 /// machine threads" (Pianotech list, 28 February 2008).
 pub const CAPSTAN_THREAD_M: f64 = 1.0e-3;
-/// Threads of the small screws in whippens, hammer flanges and shanks, m a turn: an estimate, as of 4-40 and 5-40
+/// Threads of the small screws in whippens, hammer flanges and shanks, m a turn: an estimate, similar to 4-40 and 5-40
 /// machine screws (0.64 mm).
 pub const SMALL_THREAD_M: f64 = 0.65e-3;
 
@@ -39,10 +39,10 @@ pub const SMALL_THREAD_M: f64 = 0.65e-3;
 pub struct KnownScrew {
     /// Name in instrument files.
     pub name: &'static str,
-    /// The direction in which a technician's usual words turn it; a file may count the other way.
+    /// Direction of a technician's words for its turns; a file may count the other way.
     pub reference: Vec2,
-    /// Plausible range. These are estimates: the thread of a capstan or button, a stack of punchings, what a
-    /// wire bends and what a spring takes.
+    /// Plausible range, an estimate: the thread of a capstan or button, a stack of punchings, the bending of a wire,
+    /// the range of a spring.
     pub range: Range,
     /// The work at the bench.
     pub work: Handwork,
@@ -53,7 +53,7 @@ const DOWN: Vec2 = [0.0, -1.0];
 const TO_THE_BACK: Vec2 = [1.0, 0.0];
 const TO_THE_PLAYER: Vec2 = [-1.0, 0.0];
 
-/// All of them.
+/// All known screws.
 pub(crate) const KNOWN_SCREWS: [KnownScrew; 12] = [
     known("jack_position", TO_THE_BACK, Range::Length(-2e-3, 2e-3), Handwork::Thread(SMALL_THREAD_M)),
     known("lever_height", DOWN, Range::Length(-1e-3, 1e-3), Handwork::Thread(SMALL_THREAD_M)),
@@ -73,13 +73,13 @@ const fn known(name: &'static str, reference: Vec2, range: Range, work: Handwork
     KnownScrew { name, reference, range, work }
 }
 
-/// The screw of a name.
+/// Finds a screw by its name.
 pub fn known_screw(name: &str) -> Option<&'static KnownScrew> {
     KNOWN_SCREWS.iter().find(|screw| screw.name == name)
 }
 
 impl KnownScrew {
-    /// +1 where a positive setting turns the way of the reference, -1 where the file counts the other way.
+    /// +1 if a positive setting turns along the reference, -1 if the file counts the other way.
     pub(crate) fn sense(&self, screw: &Screw) -> f64 {
         match screw.action {
             ScrewAction::Disc { direction, .. } | ScrewAction::Curve { direction, .. } => {
@@ -90,7 +90,7 @@ impl KnownScrew {
         }
     }
 
-    /// The least and most setting, m, rad or N m.
+    /// Least and largest setting, m, rad or N m.
     pub fn limits(&self, instrument: &Instrument, screw: &Screw) -> [f64; 2] {
         match self.range {
             Range::Length(from, to) | Range::Angle(from, to) if self.sense(screw) > 0.0 => [from, to],
@@ -104,9 +104,9 @@ impl KnownScrew {
     }
 }
 
-/// The setting that a file would hold: 0.1 um, a ten-thousandth of a degree, 1 uN m.
+/// Rounds a setting as in files: 0.1 um, a ten-thousandth of a degree, 1 uN m.
 pub(super) fn rounded(action: &ScrewAction, setting: f64) -> f64 {
-    // Multiplied and divided as reading the file does, so that both give the same bits.
+    // Multiplied and divided as in reading the file, so that both give the same bits.
     match action {
         ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => ((setting * 1e7).round() / 1e4) / 1e3,
         ScrewAction::Turn { .. } => ((setting.to_degrees() * 1e4).round() / 1e4).to_radians(),
@@ -114,7 +114,7 @@ pub(super) fn rounded(action: &ScrewAction, setting: f64) -> f64 {
     }
 }
 
-/// Which way a screw has been turned, in words.
+/// Direction of a turn, in words.
 pub(crate) fn way(action: &ScrewAction, by: f64) -> &'static str {
     if by == 0.0 {
         return "not turned";
@@ -136,7 +136,7 @@ pub(crate) fn way(action: &ScrewAction, by: f64) -> &'static str {
     }
 }
 
-/// A number of turns in words, to an eighth: `3/8 turn`, `1 1/4 turns`.
+/// Formats a number of turns in eighths: `3/8 turn`, `1 1/4 turns`.
 #[must_use]
 pub fn turns_text(turns: f64) -> String {
     let eighths = (turns.abs() * 8.0).round();

@@ -1,17 +1,17 @@
-//! One screw, one goal: the secant, kept inside a bracket once there is one.
+//! Search for one screw's setting: the secant method, kept inside a bracket once there is one.
 //!
-//! Two things keep the plain secant from working. Distances saturate (a hammer that blocks has no let-off, a lever that
+//! The plain secant method fails for two reasons. Distances saturate (a hammer that blocks has no let-off, a lever that
 //! is not stopped no drop, a weak spring does not lift), so that two turns may show no difference; then the expected
-//! effect is used. And dry friction makes distances rough by some micrometres; so slopes are taken over turns that
-//! matter only.
+//! effect is used. And dry friction makes distances rough by some micrometres; so slopes are taken over large turns
+//! only.
 
-/// How far the slope may be from the expected effect, as a factor: beyond it a difference is roughness or saturation.
+/// Largest factor between slope and expected effect: beyond it a difference is roughness or saturation.
 const SLOPE_FACTOR: f64 = 8.0;
 
-/// Everything a search needs to know about its screw.
+/// Properties of a screw for its search.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Turning {
-    /// The goal's change per unit of setting that is expected, never 0.
+    /// Expected change of the goal per unit of setting, never 0.
     pub slope: f64,
     /// Lowest and highest setting.
     pub limits: [f64; 2],
@@ -19,14 +19,14 @@ pub(super) struct Turning {
     pub stride: f64,
 }
 
-/// A search under way. Tell it what was measured, and it says what to try.
+/// A search in progress. It receives measured values and returns the settings to try.
 #[derive(Debug, Clone)]
 pub(super) struct Search {
     turning: Turning,
-    /// The slope believed in now.
+    /// The present slope.
     slope: f64,
     target: f64,
-    /// Settings known to give too little and too much.
+    /// Settings that give too little and too much.
     too_little: Option<f64>,
     too_much: Option<f64>,
     previous: Option<(f64, f64)>,
@@ -35,19 +35,18 @@ pub(super) struct Search {
 }
 
 impl Search {
-    /// A search for `target`, believing in `slope` (the one found last time) unless that is far from the expected one.
+    /// A search for `target` with `slope` (the one found last time), unless it is far from the expected one.
     pub(crate) fn new(turning: Turning, slope: Option<f64>, target: f64) -> Self {
         let slope = slope.filter(|&slope| plausible(slope, turning.slope)).unwrap_or(turning.slope);
         Search { turning, slope, target, too_little: None, too_much: None, previous: None, best: None }
     }
 
-    /// The slope found.
+    /// Returns the slope found.
     pub(crate) fn slope(&self) -> f64 {
         self.slope
     }
 
-    /// Tells that `setting` gives `value`, and gets the next setting to try; `None` where there is none that could be
-    /// better.
+    /// Records that `setting` gives `value` and returns the next setting to try; `None` if none can be better.
     pub(crate) fn next(&mut self, setting: f64, value: f64) -> Option<f64> {
         let error = value - self.target;
         if self.best.is_none_or(|(_, best)| error.abs() < (best - self.target).abs()) {
@@ -68,12 +67,12 @@ impl Search {
             self.too_much = Some(setting);
         }
         let [from, to] = self.turning.limits;
-        // Not caught by the check at all is infinitely far: a full stride.
+        // A hammer that the check does not catch is infinitely far: a full stride.
         let step = (-error / self.slope).clamp(-self.turning.stride, self.turning.stride);
         let mut next = (setting + step).clamp(from, to);
         if let (Some(a), Some(b)) = (self.too_little, self.too_much) {
             let (low, high) = (a.min(b), a.max(b));
-            // Near an end of the bracket the secant creeps; halving does not.
+            // Near an end of the bracket the secant method is slow; bisection is not.
             let margin = 0.02 * (high - low);
             if !(low + margin..=high - margin).contains(&next) {
                 next = 0.5 * (low + high);
@@ -92,7 +91,7 @@ fn plausible(slope: f64, expected: f64) -> bool {
 mod tests {
     use super::*;
 
-    /// Runs a search on a known function; how many evaluations it takes to come within 1e-6, and where it ends.
+    /// Runs a search on a known function. Returns the evaluations to come within 1e-6, and the end point.
     fn run(f: impl Fn(f64) -> f64, slope: f64, target: f64) -> (u32, f64) {
         let mut search = Search::new(Turning { slope, limits: [-4.0, 4.0], stride: 1.0 }, None, target);
         let mut x = 0.0;
@@ -109,8 +108,8 @@ mod tests {
         (60, x)
     }
 
-    /// A line whose slope was guessed three times too small is met in four evaluations; what saturates, or jumps to
-    /// infinity, is met too; what lies out of range ends at the end of the range.
+    /// A line with a slope guessed three times too small is met in four evaluations; saturating functions and jumps to
+    /// infinity are met too; targets out of range end at the end of the range.
     #[test]
     fn known_functions() {
         let (n, x) = run(|x| 3.0 * x - 1.0, 1.0, 0.5);
@@ -123,7 +122,7 @@ mod tests {
         assert_eq!(x, 4.0);
     }
 
-    /// A jump across the target: the search closes in on it and keeps the better side.
+    /// A jump across the target: the search converges to it and keeps the better side.
     #[test]
     fn a_jump_is_closed_in_on() {
         let f = |x: f64| if x < 0.3 { 0.0 } else { 1.5 };

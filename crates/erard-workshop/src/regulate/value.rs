@@ -1,4 +1,4 @@
-//! Values of goals as people write them, and the units of screws.
+//! Display of goals' values and screws' units.
 
 use erard::instrument::ScrewAction;
 
@@ -13,16 +13,16 @@ pub fn unit(kind: Kind) -> (f64, &'static str) {
     }
 }
 
-/// A goal's value as people write it.
+/// Formats a goal's value with its unit.
 pub fn show(goal: Goal, value: f64) -> String {
     let (factor, unit) = unit(goal.kind());
     format!("{} {unit}", (value * factor * 1e4).round() / 1e4)
 }
 
-/// Reads a value with or without a unit; into m, m/s, or a share.
+/// Reads a value with or without a unit, to m, m/s, or a share.
 ///
 /// # Errors
-/// What was expected instead.
+/// The expected text.
 pub fn parse_value(goal: Goal, text: &str) -> Result<f64, String> {
     let units: &[(&str, f64)] = match goal.kind() {
         Kind::Length => &[("mm", 1e-3), ("cm", 1e-2), ("in", 25.4e-3), ("m", 1.0)],

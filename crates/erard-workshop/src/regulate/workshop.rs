@@ -1,4 +1,4 @@
-//! The action with its screws, and what has been measured of it since they were last turned.
+//! The action with its screws, and its measurements since they were last turned.
 
 use super::screw::rounded;
 use super::{Goal, RegulateError};
@@ -9,11 +9,11 @@ pub(super) struct Workshop<'a> {
     pub instrument: Instrument,
     protocol: Protocol,
     distances: Distances,
-    /// The trials that are still true: no screw has been turned since.
+    /// Trials that are still valid: no screw has been turned since.
     fresh: Vec<Trial>,
     /// Trials made so far.
     pub simulations: u32,
-    /// Asked now and then whether to go on.
+    /// Returns whether to go on; called now and then.
     go_on: &'a mut dyn FnMut(u32) -> bool,
 }
 
@@ -29,13 +29,13 @@ impl<'a> Workshop<'a> {
         }
     }
 
-    /// What the goal measures now.
+    /// Returns the present value of a goal.
     pub(crate) fn value(&mut self, goal: Goal) -> Result<Option<f64>, DistanceError> {
         self.make(goal.trial())?;
         Ok(goal.of(&self.distances))
     }
 
-    /// All distances as they are now.
+    /// Returns all present distances.
     pub(crate) fn all(&mut self) -> Result<Distances, RegulateError> {
         for trial in Trial::ALL {
             self.make(trial)?;
@@ -58,7 +58,7 @@ impl<'a> Workshop<'a> {
         self.instrument.screws[screw].setting
     }
 
-    /// Turns a screw to a setting, as a file would hold it; what was measured is then out of date.
+    /// Turns a screw to a setting, rounded as in a file; earlier measurements become invalid.
     pub(crate) fn turn(&mut self, screw: usize, setting: f64) {
         let setting = rounded(&self.instrument.screws[screw].action, setting);
         if setting != self.setting(screw) && self.instrument.turn(screw, setting) {
@@ -66,7 +66,7 @@ impl<'a> Workshop<'a> {
         }
     }
 
-    /// The settings of all screws.
+    /// Returns the settings of all screws.
     pub(crate) fn settings(&self) -> Vec<f64> {
         self.instrument.screws.iter().map(|screw| screw.setting).collect()
     }

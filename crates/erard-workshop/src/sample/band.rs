@@ -1,4 +1,4 @@
-//! The band of a value over many samples.
+//! Band of a value over many samples.
 
 /// Range of a value in nine of ten samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,8 +13,8 @@ pub struct Band {
 
 const SHARES: [f64; 2] = [0.05, 0.95];
 
-/// The 5 to 95 % band of those values that came about, by straight lines between the sorted ones; `None` of fewer than
-/// two.
+/// Returns the 5 to 95 % band of the values that exist, with linear interpolation of the quantiles; `None` for fewer
+/// than two.
 #[must_use]
 pub fn band(values: impl IntoIterator<Item = Option<f64>>) -> Option<Band> {
     let mut sorted: Vec<f64> = values.into_iter().flatten().filter(|x| x.is_finite()).collect();
@@ -34,7 +34,7 @@ pub fn band(values: impl IntoIterator<Item = Option<f64>>) -> Option<Band> {
 mod tests {
     use super::*;
 
-    /// Of 0 to 100 the band is 5 to 95, in any order; what did not come about does not count.
+    /// For 0 to 100 in any order the band is 5 to 95; missing values do not count.
     #[test]
     fn quantiles_of_a_ramp() {
         let ramp = (0..=100).rev().map(|n| Some(f64::from(n)));

@@ -1,5 +1,4 @@
-//! A sample on the bench: regulated to the distances of the instrument that it is a sample of, its friction and its
-//! leads put right.
+//! A sample on the bench: regulated to the distances of its base instrument, with friction and leads adjusted.
 
 use crate::distances::{self, Distances, Protocol};
 use crate::measure::MeasureError;
@@ -12,20 +11,19 @@ use erard::grand::Parts;
 use erard::instrument::{Instrument, InstrumentFile, with_numbers};
 
 const MM_PER_M: f64 = 1e3;
-/// Where leads are put, mm before the balance pin.
+/// Place of the leads, mm in front of the balance pin.
 const LEADS_AT_MM: f64 = 165.0;
-/// The most that leads may be changed, g: two of 14 g out, or four in.
+/// Range of the change of leads, g: two of 14 g out, or four in.
 const LEADS_G: [f64; 2] = [-28.0, 56.0];
-/// Weights and distances are put so far inside their usual ranges, g and mm.
+/// Margin of weights and distances inside their usual ranges, g and mm.
 const INSIDE_G: f64 = 0.2;
 const INSIDE_MM: f64 = 0.05;
-/// A pin rubs at least by this share of what was drawn.
+/// Least friction of a pin, as a share of its drawn value.
 const LEAST_FRICTION: f64 = 0.1;
-/// How far the key goes down for each millimetre of the hammer on its way to let-off.
+/// Key travel per hammer travel on the way to let-off.
 const KEY_PER_HAMMER: f64 = 0.19;
 
-/// What a sample is put right to: the distances and the balance weight of the instrument that it is a sample of, and
-/// the key whose usual ranges hold.
+/// Target of a sample: distances and balance weight of its base instrument, and the key whose usual ranges hold.
 #[derive(Debug, Clone)]
 pub(super) struct Aim {
     goals: Specification,
@@ -33,12 +31,12 @@ pub(super) struct Aim {
     key: usize,
 }
 
-/// Why a sample stays as it is.
+/// Reason why a sample is not put right.
 #[derive(Debug)]
 pub(super) enum Unfit {
-    /// Nobody would keep this grand: redrawn.
+    /// The sample cannot be regulated or weighed to the usual ranges: redrawn.
     Implausible,
-    /// It was not measured at all.
+    /// The caller asked to stop.
     Stopped,
 }
 
@@ -57,7 +55,7 @@ impl From<RegulateError> for Unfit {
     }
 }
 
-/// What keeps a value inside its usual range.
+/// Range of a value.
 #[derive(Debug, Clone, Copy)]
 struct Range {
     low: f64,
@@ -78,7 +76,7 @@ impl Range {
         Range { low: self.low.max(low), high: self.high.min(high) }
     }
 
-    /// The nearest within; `None` where it is empty.
+    /// Nearest value in the range; `None` if it is empty.
     fn nearest(self, x: f64) -> Option<f64> {
         (self.low <= self.high).then(|| x.clamp(self.low, self.high))
     }
@@ -99,7 +97,7 @@ impl Aim {
         Ok(Aim { goals: goals.collect(), balance_g, key })
     }
 
-    /// The text of a drawn file with screws, friction and leads put right.
+    /// Returns the text of a drawn file with screws, friction and leads adjusted.
     pub(super) fn put_right(&self, text: &str, progress: &mut Progress<'_>) -> Result<String, Unfit> {
         let (text, found) = regulated(text, &self.goals, progress)?;
         let (text, found) = match self.for_aftertouch(&found)? {
@@ -125,7 +123,8 @@ impl Aim {
         if is_usual { Ok(text) } else { Err(Unfit::Implausible) }
     }
 
-    /// Where the aftertouch is not usual, other goals: the dip does it, and where that is at its end the blow.
+    /// Returns other goals if the aftertouch is out of its usual range: first another dip, at the end of its range
+    /// another blow.
     fn for_aftertouch(&self, found: &Distances) -> Result<Option<Specification>, Unfit> {
         let mm = |distance: Option<f64>| distance.map(|m| MM_PER_M * m).ok_or(Unfit::Implausible);
         let range = |line: &str| Range::of(line, self.key).within(INSIDE_MM);
@@ -145,8 +144,8 @@ impl Aim {
         Ok(Some(self.goals.iter().map(other).collect()))
     }
 
-    /// Friction of the key's pins and leads, for friction, balance, down- and up-weight within their usual ranges:
-    /// friction as near to what was drawn, and balance as near to the file's, as they allow.
+    /// Adjusts friction of the key's pins and leads so that friction, balance, down- and up-weight are in their usual
+    /// ranges: friction as near as possible to the drawn one, and balance to the file's.
     fn weighed(&self, text: &str, progress: &mut Progress<'_>) -> Result<String, Unfit> {
         let instrument = parsed(text)?;
         let found = touch(&instrument, progress)?;
@@ -155,7 +154,7 @@ impl Aim {
         };
         let range = |line: &str| Range::of(line, self.key).within(INSIDE_G);
         let (down, up) = (range("down_weight_g"), range("up_weight_g"));
-        // D = B + F and U = B - F: no B goes with an F below half of what parts the lowest D from the highest U.
+        // D = B + F and U = B - F: no B goes with an F below half the distance of the lowest D and the highest U.
         let parting = 0.5 * (down.low - up.high);
         let friction = range("friction_weight_g").and(parting, f64::INFINITY);
         let wanted_g = friction.nearest(friction_g).ok_or(Unfit::Implausible)?;
@@ -166,7 +165,7 @@ impl Aim {
         let parts = Parts::of(&instrument).map_err(|_| Unfit::Implausible)?;
         let front_mm = MM_PER_M * instrument.roles.key_front_m[0].abs();
         let key = &instrument.bodies[parts.key];
-        // The pins carry what stands on the ground.
+        // The pins belong to the piece on the ground.
         let pinned = key.parent.map_or(key, |under| &instrument.bodies[under]);
         let old = pinned.friction_torque_n_m;
         let torque = old + 1e-6 * (wanted_g - friction_g) * front_mm * instrument.gravity_m_s2;
@@ -189,7 +188,7 @@ impl Aim {
     }
 }
 
-/// The text of a file with its screws turned, and what is then measured.
+/// Returns the text of a file with its screws turned, and the distances measured then.
 fn regulated(text: &str, goals: &Specification, progress: &mut Progress<'_>) -> Result<(String, Distances), Unfit> {
     let mut going = |status: &Status| progress(status.share);
     let found = regulate(&parsed(text)?, goals, &Protocol::default(), &mut going)?;

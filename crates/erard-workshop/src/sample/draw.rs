@@ -1,17 +1,16 @@
-//! The numbers of a sample: each that has a spread deviates from its file's.
+//! Numbers of a sample: each with a spread deviates from the file's.
 
 use super::random::deviation;
 use crate::study::ten_digits;
 use erard::instrument::{CitedNumber, InstrumentFile, Spread, with_numbers};
 
-/// A felt's stiffness was sized by the force at this share of its thickness; where the exponent deviates, that force is
-/// kept.
+/// Share of its thickness at which a felt's force is kept when its exponent deviates.
 const SIZED_AT: f64 = 0.05;
-/// The compression at which that force is taken where the file states no thickness, m.
+/// Compression at which that force is kept if the file has no thickness, m.
 const SIZED_AT_M: f64 = 1e-4;
 
-/// The text of a file with its numbers drawn; `None` where no number has a spread. The same deviation serves all
-/// numbers that are `together`.
+/// Returns the text of a file with its numbers drawn; `None` if no number has a spread. All numbers that are `together`
+/// get the same deviation.
 pub(super) fn drawn(file: &InstrumentFile, text: &str, sample: u32, attempt: u32) -> Option<String> {
     let numbers = &file.provenance.numbers;
     let mut changes: Vec<(&str, usize, f64)> = Vec::new();
@@ -44,7 +43,7 @@ fn is_exact(spread: Spread) -> bool {
     }
 }
 
-/// F = k g^r: with another r another k gives the same force where the felt was sized.
+/// F = k g^r: with another r, k changes so that the force at that compression stays.
 fn keep_the_sizing<'a>(numbers: &'a [CitedNumber], changes: &mut Vec<(&'a str, usize, f64)>) {
     let value =
         |key: &str| numbers.iter().find(|number| number.key == key).and_then(|number| number.values.first().copied());

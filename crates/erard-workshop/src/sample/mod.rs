@@ -1,13 +1,13 @@
-//! Not one piano but many: plausible grands around an instrument file.
+//! Many pianos instead of one: plausible grands around an instrument file.
 //!
-//! A sample is one grand. Every number of the file that has a spread deviates, numbers that are `together` by the same
-//! share of theirs (`draw`, `random`); then screws, friction and leads are put right on the bench (`bench`), as a
+//! A sample is one grand. Every number of the file with a spread deviates, numbers that are `together` by the same
+//! share of theirs (`draw`, `random`); then screws, friction and leads are adjusted on the bench (`bench`), as a
 //! technician would: the drawn piano has the distances and the balance weight of the file's, and a friction weight
-//! within the usual range. A grand that cannot be put right nobody would keep; it is drawn again.
+//! within the usual range. A grand that cannot be adjusted so is drawn again.
 //!
-//! A sample is decided by its number and the file alone, and has the same bits on every machine: integers, `libm` and
-//! the engine. Keys of one keyboard are one piano: its base instrument is drawn, graded over the keys, and each key put
-//! right by itself. [`technicians_scatter`] then puts keys off within what a technician can read.
+//! A sample depends on its number and the file alone, and has the same bits on every machine: integers, `libm` and the
+//! engine. Keys of one keyboard are one piano: its base instrument is drawn, graded over the keys, and each key is
+//! adjusted by itself. [`technicians_scatter`] then varies keys within what a technician can read.
 
 mod band;
 mod bench;
@@ -29,7 +29,7 @@ use crate::measure::MeasureError;
 use crate::measure::norms::MIDDLE_C;
 use bench::{Aim, Unfit};
 
-/// How often a grand that cannot be put right is drawn again.
+/// Most draws of a sample until a grand can be adjusted.
 const ATTEMPTS: u32 = 40;
 
 /// Reason why there is no sample.
@@ -41,7 +41,7 @@ pub enum SampleError {
         /// The file.
         file: String,
     },
-    /// Too many grands in a row that cannot be put right.
+    /// Too many grands in a row that cannot be adjusted.
     #[error(
         "{file}: none of {ATTEMPTS} samples could be regulated and weighed to the usual ranges; expected smaller spreads"
     )]
@@ -52,7 +52,7 @@ pub enum SampleError {
     /// The instrument is no piano action.
     #[error(transparent)]
     Measure(#[from] MeasureError),
-    /// The file, or a key of it, does not read.
+    /// The file, or a key of it, cannot be read.
     #[error(transparent)]
     File(#[from] Box<FileError>),
     /// The caller asked to stop.
@@ -87,12 +87,12 @@ pub struct Sampled {
     base: InstrumentFile,
     base_text: String,
     base_aim: Aim,
-    /// Where a key of it is asked for: the keyboard, the key, and what it is put right to.
+    /// For samples of a key: the keyboard, the key, and its target.
     key: Option<(Keyboard, usize, Aim)>,
 }
 
 impl Sampled {
-    /// Samples of an instrument file.
+    /// Makes samples of an instrument file.
     ///
     /// # Errors
     /// See [`SampleError`].
@@ -102,7 +102,7 @@ impl Sampled {
         Ok(Sampled { name: name.to_owned(), base, base_text: text.to_owned(), base_aim, key: None })
     }
 
-    /// Samples of a key: of the whole keyboard's piano.
+    /// Makes samples of a key, as part of the whole keyboard's piano.
     ///
     /// # Errors
     /// See [`SampleError`].
@@ -112,7 +112,7 @@ impl Sampled {
         Ok(Sampled { key: Some((keyboard.clone(), key, aim)), ..of_base })
     }
 
-    /// The text of a sample's instrument file, from 1. `progress` ends the work by returning false.
+    /// Returns the text of a sample's instrument file, counted from 1. `progress` ends the work by returning false.
     ///
     /// # Errors
     /// See [`SampleError`].
@@ -129,8 +129,8 @@ impl Sampled {
         }
     }
 
-    /// The same of the base instrument, where a key is asked for. Whether a piano is drawn again is decided by it, so
-    /// that all keys are one piano's.
+    /// Returns the text of the base instrument's sample. It alone decides whether a piano is drawn again, so that all
+    /// keys belong to one piano.
     fn base_text(&self, sample: u32, progress: &mut Progress<'_>) -> Result<String, SampleError> {
         for attempt in 0..ATTEMPTS {
             if !progress(0.0) {
@@ -149,7 +149,7 @@ impl Sampled {
     }
 }
 
-/// The same text under a name that says which sample it is.
+/// Returns the text under a name with the sample's number.
 fn named(text: &str, sample: u32) -> String {
     let name = text.lines().find(|line| line.starts_with("name = \""));
     name.map_or_else(

@@ -1,14 +1,13 @@
-//! Deviations that depend on a sample's number and a name, and on nothing else: a number more in a file changes no
-//! other's.
+//! Deviations that depend only on a sample's number and a name: a new number in a file does not change the others.
 
 use erard::saved::{FNV1A, fnv1a};
 
-/// Nine tenths of all sums of four uniform numbers lie so near to two: the root of d^4 - 4 (d - 1)^4 = 1.2, less from
-/// 2.
+/// Distance from 2 that contains nine tenths of all sums of four uniform numbers: 2 less the root of d^4 - 4 (d - 1)^4
+/// = 1.2.
 const NINE_TENTHS: f64 = 0.9534;
 
-/// A deviation, bell-shaped, nine tenths of the time within -1 and 1, never beyond 2.1. Integers, sums and one
-/// division: the same bits everywhere.
+/// Returns a bell-shaped deviation, nine tenths of the time within -1 and 1, never beyond 2.1. Uses integers, sums and
+/// one division: the same bits everywhere.
 pub(super) fn deviation(sample: u32, attempt: u32, name: &str, component: usize) -> f64 {
     let mut state =
         mixed(fnv1a(FNV1A, name.bytes()) ^ mixed(u64::from(sample) << 32 | u64::from(attempt)) ^ component as u64);
@@ -33,8 +32,8 @@ fn mixed(mut z: u64) -> u64 {
 mod tests {
     use super::*;
 
-    /// Mean 0, nine tenths within 1, variance that of four uniform numbers; other names, samples, attempts and
-    /// components are independent.
+    /// Mean 0, nine tenths within 1, variance of four uniform numbers; other names, samples, attempts and components
+    /// are independent.
     #[test]
     fn deviations_are_distributed_as_said() {
         const N: u32 = 20_000;
@@ -55,7 +54,7 @@ mod tests {
         }
     }
 
-    /// The bits that every machine has, computed by another program.
+    /// Expected bits, computed by another program.
     #[test]
     fn deviations_have_their_bits() {
         let found = [deviation(17, 0, "cloth: stiffness", 0), deviation(200, 3, "body.hammer.mass_g", 1)];

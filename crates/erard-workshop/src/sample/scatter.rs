@@ -1,4 +1,4 @@
-//! What a technician leaves: keys of one piano that differ within what can be read and set on the bench.
+//! Scatter that a technician leaves: keys of one piano differ within what can be read and set on the bench.
 
 use super::random::deviation;
 use crate::measure::MeasureError;
@@ -7,16 +7,16 @@ use crate::worklist::{Quantity, Work};
 use erard::Progress;
 use erard::instrument::Instrument;
 
-/// Puts a key off by what a technician leaves, in place: every distance that a screw sets, the strike weight and the
-/// friction weight deviate by about the precision with which a technician reads them ([`Quantity::precision`]: let-off
-/// and drop 0.25 mm, dip 0.1 mm, strike weight 0.1 g), nine times out of ten by less. How far a screw has to be turned
-/// for that is the first guess of the regulation, so the distances themselves scatter somewhat more or less.
+/// Varies a key in place as a technician would leave it: every distance set by a screw, the strike weight and the
+/// friction weight deviate by about the precision of a technician's reading ([`Quantity::precision`]: let-off and drop
+/// 0.25 mm, dip 0.1 mm, strike weight 0.1 g), nine times out of ten by less. The turn of a screw is the first guess of
+/// the regulation, so the distances themselves scatter somewhat more or less.
 ///
 /// The deviations depend on the sample's number, the key and the quantity only, and have the same bits on every
 /// machine. Screws that an instrument does not have are left out.
 ///
 /// # Errors
-/// Those of weighing, for friction is set with a weight on the key; an interruption by `progress`.
+/// Errors of weighing, because friction is set with a weight on the key; an interruption by `progress`.
 pub fn technicians_scatter(
     instrument: &mut Instrument,
     sample: u32,
@@ -34,7 +34,7 @@ pub fn technicians_scatter(
     Ok(())
 }
 
-/// Turns the screw of a quantity so that it changes by about so much, in the sheet's unit.
+/// Turns the screw of a quantity to change it by about `by`, in the sheet's unit.
 fn turn(instrument: &mut Instrument, quantity: Quantity, by: f64) {
     let Some((name, effect)) = quantity.goal().and_then(|goal| goal.screws().first().copied()) else { return };
     let (Some(screw), Some(known)) = (instrument.screw(name), known_screw(name)) else { return };
@@ -42,6 +42,6 @@ fn turn(instrument: &mut Instrument, quantity: Quantity, by: f64) {
     let [least, most] = known.limits(instrument, turned);
     let by = by / quantity.factor() / effect * known.sense(turned);
     let setting = (turned.setting + by).clamp(least.min(turned.setting), most.max(turned.setting));
-    // A spring is not turned around: its range ends before.
+    // A spring's range ends before it is turned around.
     let _ = instrument.turn(screw, setting);
 }

@@ -1,5 +1,5 @@
-//! Differences over windows that are wide against what one step resolves: what derivatives are held against, and what
-//! touch weights have instead.
+//! Differences over windows wide against the resolution of a step: compared with derivatives, and used for touch
+//! weights.
 
 use erard::Progress;
 use erard::instrument::Instrument;
@@ -14,11 +14,11 @@ use crate::measure::weights::Touch;
 use crate::study::{Job, JobResult, OUTCOMES, Played, Stroke, Workers, play_all};
 use crate::weighing::touch;
 
-/// Where the quantity is looked at: so many windows from where the number stands.
+/// Places at which the quantity is evaluated, in half windows from the number's value.
 const PLACES: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
-/// A change that differences see: a share of the quantity.
+/// Least change visible in differences, as a share of the quantity.
 const SEEN: f64 = 2e-5;
-/// Two slopes to the two sides whose difference is more than this share of the larger one are not one slope.
+/// Two one-sided slopes that differ by more than this share of the larger one are not one slope.
 const ONE_SLOPE: f64 = 0.5;
 
 /// A slope over a window.
@@ -28,15 +28,15 @@ pub(super) struct Differences {
     pub slope: f64,
     /// Difference between the two windows' results.
     pub error: f64,
-    /// Differences to below and to above.
+    /// Differences downward and upward.
     pub sides: [f64; 2],
-    /// Residual of the five values about their parabola.
+    /// Deviation of the five values from a cubic: a sixteenth of their fourth difference.
     left: f64,
     window: f64,
 }
 
 impl Differences {
-    /// From the values at two windows below to two above, and in the middle.
+    /// Differences of the values at -2, -1, 0, 1 and 2 times `window`.
     fn of([a, b, m, c, d]: [f64; 5], window: f64) -> Self {
         let (near, far) = ((c - b) / (2.0 * window), (d - a) / (4.0 * window));
         Differences {
@@ -48,12 +48,12 @@ impl Differences {
         }
     }
 
-    /// Whether it changes the quantity by something that differences see.
+    /// Whether the change of the quantity is visible in differences.
     pub(crate) fn matters(&self, value: f64) -> bool {
         self.slope.abs() * self.window > SEEN * value.abs()
     }
 
-    /// Whether the two sides have slopes of their own, and no parabola has the values between.
+    /// Whether the two sides have different slopes, and no smooth curve fits the values.
     pub(crate) fn jumps(&self) -> bool {
         let [below, above] = self.sides;
         let larger = below.abs().max(above.abs());
@@ -61,13 +61,13 @@ impl Differences {
     }
 }
 
-/// The variants that differences need.
+/// The variants needed for differences.
 pub(super) struct Window<'a> {
     by: &'a [Variable],
     instruments: Vec<Instrument>,
-    /// Of every variable, which instruments; `None` where it cannot be changed so.
+    /// Indices of each variable's instruments; `None` if it cannot be changed to both sides.
     places: Vec<Option<[usize; 4]>>,
-    /// Half the window of every variable.
+    /// Half the window of each variable.
     half: Vec<f64>,
 }
 
@@ -89,7 +89,7 @@ impl<'a> Window<'a> {
         Window { by, instruments, places, half: by.iter().map(half).collect() }
     }
 
-    /// Plays the stroke on all of them.
+    /// Plays the stroke on all variants.
     pub(crate) fn play<'s>(
         &self,
         stroke: &(dyn Fn() -> Stroke<'s> + Sync),
@@ -119,23 +119,23 @@ impl<'a> Window<'a> {
         play_all(&self.instruments, jobs.collect(), &setup, workers, progress)
     }
 
-    /// Weighs all of them, by slow loops.
+    /// Weighs all variants by slow loops.
     pub(crate) fn weigh(&self, threads: usize, progress: &mut Progress<'_>) -> Result<Vec<Touch>, SensitivityError> {
         let numbered: Vec<(usize, &Instrument)> = self.instruments.iter().enumerate().collect();
         cores::map(&numbered, threads, progress, |(k, instrument), progress| match touch(instrument, progress) {
-            // A variant that cannot be weighed has no differences; the instrument itself must be.
+            // A variant that cannot be weighed gives no differences; the instrument itself must be weighed.
             Err(error) if *k == 0 || error.is_interruption() => Err(error.into()),
             touch => Ok(touch.unwrap_or_default()),
         })
     }
 
-    /// Of a quantity of the strokes by a variable.
+    /// Differences of a stroke's quantity by a variable.
     pub(crate) fn of_events(&self, played: &[JobResult], variable: usize, key: &str) -> Option<Differences> {
         let value = |index: usize| played.get(index)?.as_ref().ok().and_then(|one| event(one, key));
         self.of(variable, value)
     }
 
-    /// Of a weight by a variable.
+    /// Differences of a weight by a variable.
     pub(crate) fn of_weights(&self, weighed: &[Touch], variable: usize, key: &str) -> Option<Differences> {
         self.of(variable, |index| weight(weighed.get(index)?, key))
     }
@@ -147,7 +147,7 @@ impl<'a> Window<'a> {
     }
 }
 
-/// A weight by its key, g.
+/// Weight by its key, g.
 pub(super) fn weight(touch: &Touch, key: &str) -> Option<f64> {
     match key {
         "down_weight_g" => touch.down_weight_g,
@@ -156,7 +156,7 @@ pub(super) fn weight(touch: &Touch, key: &str) -> Option<f64> {
     }
 }
 
-/// A quantity of a stroke by its key.
+/// Quantity of a stroke by its key.
 fn event(played: &Played, key: &str) -> Option<f64> {
     let events: &Events = &played.events;
     match key {

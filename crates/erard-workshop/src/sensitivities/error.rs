@@ -1,4 +1,4 @@
-//! Why derivatives cannot be computed.
+//! Errors of derivatives.
 
 use erard::gradient::GradientError;
 use erard::run::SimulationError;
@@ -7,13 +7,13 @@ use thiserror::Error;
 use crate::cores::Ending;
 use crate::measure::MeasureError;
 
-/// Why there are none.
+/// Reason why there are no derivatives.
 #[derive(Debug, Error)]
 pub enum SensitivityError {
-    /// Not differentiated.
+    /// Differentiation failed.
     #[error(transparent)]
     Gradient(#[from] GradientError),
-    /// Not played.
+    /// The press could not be played.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
     /// A derivative does not converge.
@@ -24,7 +24,7 @@ pub enum SensitivityError {
         /// Number of others that fail too.
         more: usize,
     },
-    /// Not weighed.
+    /// The key could not be weighed.
     #[error(transparent)]
     Measure(#[from] MeasureError),
 }

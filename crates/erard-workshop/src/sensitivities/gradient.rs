@@ -1,4 +1,4 @@
-//! One press and its derivatives by an instrument's numbers.
+//! A press and its derivatives by an instrument's numbers.
 
 use erard::Progress;
 use erard::gradient::{DIRECTIONS, Followed, Number, QUANTITIES};
@@ -12,9 +12,9 @@ use super::passes::{How, Passes, Rest, passes};
 use super::variable::Variable;
 use crate::study::Stroke;
 
-/// A usual change of a number that changes a quantity by less than this share of it does not matter.
+/// A change of a quantity below this share, for the number's usual change, does not matter.
 pub(super) const NEGLIGIBLE: f64 = 1e-5;
-/// Derivatives in steps of different lengths that differ by more than this share of the larger one do not converge.
+/// Derivatives that differ between step lengths by more than this share of the larger one do not converge.
 const CONVERGED: f64 = 0.1;
 
 /// Press with its derivatives.
@@ -57,7 +57,7 @@ pub struct Sampled {
     pub slopes: Vec<Vec<f64>>,
 }
 
-/// The step with which derivatives are compared, as a share of the setup's.
+/// Shorter step for the comparison of derivatives, as a share of the setup's.
 pub const SHORTER: f64 = 0.8;
 
 /// Settings of the differentiation of a press.
@@ -69,21 +69,21 @@ pub struct Differentiation {
     pub sample_every: Option<u64>,
     /// Plays the press once more in shorter steps, compares the derivatives, and refuses those that do not converge.
     pub compares: bool,
-    /// Whether one that does not converge is an error, or is listed.
+    /// Whether a derivative that does not converge is an error; otherwise it is listed.
     pub refuses: bool,
-    /// The quantities whose derivatives are compared, by the names of [`QUANTITIES`]; all of them if there are none.
+    /// Quantities whose derivatives are compared, by the names of [`QUANTITIES`]; empty for all.
     pub of: Vec<String>,
     /// Threads.
     pub threads: usize,
 }
 
-/// Plays a press with its derivatives by an instrument's numbers: of its instants and speeds, and of key travel, rise
-/// of the hammer's head and finger's force after every so many steps, if asked for.
+/// Plays a press with its derivatives by an instrument's numbers: of its instants and speeds and, if requested, of
+/// sampled key travel, hammer rise and finger force.
 ///
-/// `stroke` makes what drives the key. `progress` receives the share done and ends the work by returning false.
+/// `stroke` makes the drive of the key. `progress` receives the share done and ends the work by returning false.
 ///
 /// # Errors
-/// What cannot be differentiated or played; a derivative that does not converge.
+/// A press that cannot be differentiated or played; a derivative that does not converge.
 pub fn gradient<'a>(
     instrument: &Instrument,
     by: Vec<Variable>,
@@ -156,13 +156,13 @@ fn collected(found: &Passes, by: Vec<Variable>, how: &Differentiation) -> Gradie
     Gradient { of, sampled, switches: found.switches(), by, refused: Vec::new() }
 }
 
-/// Whether two derivatives of a value are one, as far as what the number usually changes by matters to the value.
+/// Whether two derivatives of a value agree, or differ by too little to matter for the number's usual change.
 pub(super) fn converges(a: f64, b: f64, usual: f64, value: f64) -> bool {
     let (larger, apart) = (a.abs().max(b.abs()), (a - b).abs());
     apart <= CONVERGED * larger || apart * usual <= NEGLIGIBLE * value.abs()
 }
 
-/// What does not converge, with the event from which on it does not.
+/// Returns the derivatives that do not converge, each with the event where this begins.
 fn refusals(found: &Passes, all: &Gradient, asked: &[String]) -> Vec<Refusal> {
     let mut refused = Vec::new();
     for (of, (key, one)) in all.of.iter().enumerate() {
@@ -198,7 +198,7 @@ fn refusals(found: &Passes, all: &Gradient, asked: &[String]) -> Vec<Refusal> {
     refused
 }
 
-/// Plays the strokes of differences to both sides of the numbers that have a derivative refused.
+/// Plays the strokes for one-sided differences of numbers with a refused derivative.
 fn look_to_both_sides<'a>(
     instrument: &Instrument,
     all: &mut Gradient,

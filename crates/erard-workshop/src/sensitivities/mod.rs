@@ -1,12 +1,12 @@
-//! Which parameters of an instrument matter, and how much: the derivatives of a stroke's outcome by them.
+//! Influence of an instrument's parameters: derivatives of a stroke's results by them.
 //!
-//! Speeds and instants are differentiated in one pass each ([`erard::gradient`]): exact to first order, errors of the
-//! steps' length apart. It is done with three steps, `SHARES` of the stroke's: the middle result is reported, and half
-//! of their range beside it, which is no error bar. Where they do not agree there is no derivative, and the row names
-//! the switch of friction from which on they part. Beside it stand differences over a window that is wide against
-//! anything that one step resolves: where they say something else, or something else to either side, the solution jumps
+//! Speeds and instants are differentiated in one pass each ([`erard::gradient`]): exact to first order, apart from
+//! errors of the step length. This is done with three steps, `SHARES` of the stroke's. The middle result is reported
+//! with half the range of all three, which is no error bar. Where they do not agree there is no derivative, and the row
+//! names the friction switch at which they begin to differ. They are compared with differences over a window that is
+//! wide against the resolution of a step: where these disagree, or differ between the two sides, the solution jumps
 //! nearby, and the row is marked. Touch weights are the largest and the smallest force of a slow loop, and have
-//! differences alone.
+//! differences only.
 
 mod differences;
 mod error;
@@ -33,16 +33,16 @@ use gradient::{NEGLIGIBLE, converges};
 use parting::parting;
 use passes::{How, Passes, passes};
 
-/// A quantity that is differentiated.
+/// A quantity that can be differentiated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quantity {
     /// Name of the quantity, which ends with its unit.
     pub key: &'static str,
     /// Label of the quantity.
     pub label: &'static str,
-    /// Unit in which it is shown, and how many of these an SI unit (a gram, of a weight) is.
+    /// Unit for display.
     pub unit: &'static str,
-    /// Thousandths: whether it is shown in them.
+    /// Whether that unit is a thousandth of the SI unit.
     pub thousandths: bool,
     /// Method of differentiation.
     pub method: Method,
@@ -51,7 +51,7 @@ pub struct Quantity {
 /// Origin of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// In numbers that carry derivatives.
+    /// By numbers that carry derivatives.
     Gradient,
     /// By differences.
     Differences,
@@ -67,7 +67,7 @@ impl Method {
     }
 }
 
-/// The results that are computed by default.
+/// Default results.
 pub const USUAL: [&str; 5] =
     ["hammer_speed_m_per_s", "let_off_s", "key_bottom_after_impact_s", "down_weight_g", "balance_weight_g"];
 
@@ -100,18 +100,18 @@ pub fn quantities() -> Vec<Quantity> {
     followed.into_iter().chain(weights).collect()
 }
 
-/// Reservation about a derivative.
+/// Remark on a derivative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
-    /// Nothing.
+    /// No remark.
     None,
-    /// Steps of different lengths have different derivatives: there is none.
+    /// Derivatives differ between step lengths: there is none.
     Unconverged,
-    /// Differences to the two sides are not those of one slope: the solution jumps or has a corner within the window.
+    /// Differences to the two sides have different slopes: the solution jumps or has a corner within the window.
     Jumps,
-    /// Differences over the window are not what the derivative says: it holds for a smaller neighbourhood only.
+    /// Differences over the window disagree with the derivative: it holds for a smaller neighbourhood only.
     Local,
-    /// The number cannot be changed so to both sides.
+    /// The number cannot be changed to both sides.
     OneSided,
 }
 
@@ -135,20 +135,19 @@ pub struct Sensitivity {
     pub of: usize,
     /// Variable: index in [`Sensitivities::by`].
     pub by: usize,
-    /// Change of the quantity (SI units, or g) per unit of the number ([`Variable::per`]). No number where it does not
-    /// converge.
+    /// Change of the quantity (SI units, or g) per unit of the number ([`Variable::per`]); NaN if it does not converge.
     pub derivative: f64,
-    /// Half the range of the derivatives in steps of three lengths, and what switches of friction that could not be
-    /// told from others make uncertain; or how far differences over two windows are apart. No error bar: what all
-    /// lengths of step have wrong alike is not in it.
+    /// Half the range of the derivatives for three step lengths, plus the uncertainty from unresolved friction
+    /// switches; or the difference between two windows. No error bar: it lacks errors common to all step lengths.
     pub spread: f64,
-    /// Differences over the window, and how far two windows are apart; `None` where the number cannot be changed so.
+    /// Differences over the window, and their change between two windows; `None` if the number cannot be changed to
+    /// both sides.
     pub differences: Option<[f64; 2]>,
-    /// Differences to below and to above.
+    /// Differences downward and upward.
     pub sides: Option<[f64; 2]>,
-    /// Friction switch at which derivatives that do not converge begin to differ.
+    /// Friction switch from which on derivatives that do not converge differ.
     pub event: Option<String>,
-    /// Reservation about it.
+    /// Remark on the derivative.
     pub mark: Mark,
 }
 
@@ -158,7 +157,7 @@ impl Sensitivity {
         self.derivative * all.by[self.by].usual
     }
 
-    /// Relative change of the quantity over relative change of the number; `None` where either has no relative change.
+    /// Relative change of the quantity over relative change of the number; `None` if either is undefined.
     pub fn elasticity(&self, all: &Sensitivities) -> Option<f64> {
         let value = all.values[self.of]?;
         let own = all.by[self.by].relative()?;
@@ -175,22 +174,21 @@ pub struct Sensitivities {
     pub values: Vec<Option<f64>>,
     /// Variables of the derivatives.
     pub by: Vec<Variable>,
-    /// Derivatives of every quantity that happened, by quantity, the largest effect first.
+    /// Derivatives of every quantity that occurred, by quantity, the largest effect first.
     pub rows: Vec<Sensitivity>,
-    /// Instants at which derivatives jump, from the pose as drawn to the impact, and those that could not be
-    /// distinguished.
+    /// Friction switches from the pose as drawn to the impact: those at which derivatives jumped, and unresolved ones.
     pub switches: [u32; 2],
 }
 
-/// Parts of the progress: gradients, strokes for differences, weights.
+/// Weights of the progress: gradients, strokes for differences, weighing.
 const PARTS: [f64; 3] = [1.0, 1.0, 20.0];
 
 /// Computes the derivatives of a stroke's results by an instrument's parameters.
 ///
-/// `stroke` makes what drives the key. `progress` receives the share done and ends the work by returning false.
+/// `stroke` makes the drive of the key. `progress` receives the share done and ends the work by returning false.
 ///
 /// # Errors
-/// What cannot be differentiated or played as it stands; a number that cannot be changed has a mark.
+/// A press that cannot be differentiated or played. A number that cannot be changed is no error but marked.
 #[allow(clippy::too_many_arguments)]
 pub fn sensitivities<'a>(
     instrument: &Instrument,
@@ -222,7 +220,7 @@ pub fn sensitivities<'a>(
     let variables = by.clone();
     let window = Window::new(instrument, &variables, |one| one.window);
     let heavy = Window::new(instrument, &variables, |one| one.weighing);
-    // Differences move the rest.
+    // Differences include the change of the rest.
     let played = match followed && rest == Rest::Moves {
         true => window.play(stroke, setup, threads, &mut |share| tell(1, share))?,
         false => Vec::new(),
@@ -272,7 +270,7 @@ pub fn sensitivities<'a>(
                 }
             }
         }
-        // What does not converge stands where its differences put it.
+        // Rows that do not converge are sorted by their differences.
         let slope = |row: &Sensitivity| match row.mark {
             Mark::Unconverged => row.differences.map_or(0.0, |[slope, _]| slope),
             _ => row.derivative,
@@ -296,7 +294,7 @@ fn row_of(
     Sensitivity { of, by, derivative, spread, differences, sides, event: None, mark }
 }
 
-/// Derivatives in steps of three lengths beside differences.
+/// Judges derivatives for three step lengths by differences.
 fn judged(
     place: [usize; 2],
     mut slopes: [f64; 3],
@@ -311,7 +309,7 @@ fn judged(
     let mark = if !converges(slope - spread, slope + spread, usual, value) {
         Mark::Unconverged
     } else if let Some(found) = differences {
-        // What does not change the quantity by a hundred-thousandth does not matter, whatever its mark.
+        // A change of the quantity below a hundred-thousandth does not matter, whatever its mark.
         let matters = (slope * usual).abs() > NEGLIGIBLE * value.abs() || found.matters(value);
         let apart = (slope - found.slope).abs();
         if !matters {
@@ -329,8 +327,8 @@ fn judged(
     row_of(place, slope, spread, differences, mark)
 }
 
-/// Derivative and differences are the same where they differ by less than this share, beyond what either errs by.
+/// Derivative and differences agree if they differ by less than this share, beyond their errors.
 const SAME: f64 = 0.1;
 
-/// Steps of the press that is differentiated, as shares of the stroke's own.
+/// Steps of the differentiated press, as shares of the stroke's own.
 pub(crate) const SHARES: [f64; 3] = [0.5, 0.4, 0.25];

@@ -1,18 +1,18 @@
-//! Where the derivatives of two presses in steps of two lengths part.
+//! The point at which derivatives of two presses with different steps begin to differ.
 
 use erard::gradient::{Followed, SwitchAt};
 use erard::instrument::Instrument;
 use moreau::{SwitchKind, SwitchingLaw};
 
-/// Derivatives of velocities that differ by more than this share of the largest one have parted.
+/// Velocity derivatives differ if their distance exceeds this share of the largest one.
 const PARTED: f64 = 0.1;
-/// Switches of one law that are farther apart than this, s, are two.
+/// Switches of one law farther apart than this are different ones, s.
 const SAME_INSTANT_S: f64 = 1e-4;
 
 /// A derivative that does not converge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refusal {
-    /// Places of quantity and number.
+    /// Indices of quantity and number.
     pub(super) place: [usize; 2],
     /// Quantity.
     pub of: &'static str,
@@ -20,11 +20,10 @@ pub struct Refusal {
     pub by: String,
     /// Derivative with the given steps, and with shorter ones, per bare number.
     pub slopes: [f64; 2],
-    /// The switch of friction from which on the two differ; `None` where it is the rest that does not move by one slope
-    /// to both sides.
+    /// Friction switch from which on the two differ; `None` if the rest has different slopes to the two sides.
     pub event: Option<Event>,
-    /// Differences to below and to above, per bare number, in steps of the press; `None` where the number cannot be
-    /// changed so.
+    /// Differences downward and upward, per bare number, with the press's steps; `None` if the number cannot be changed
+    /// to both sides.
     pub sides: Option<[f64; 2]>,
     /// Complete description in words.
     pub told: String,
@@ -67,7 +66,7 @@ impl Event {
 }
 
 impl Refusal {
-    /// In words. `steps_s`: the two lengths of step, s.
+    /// Describes the refusal in words. `steps_s`: the two step lengths, s.
     pub(super) fn tell(&self, instrument: &Instrument, steps_s: [f64; 2]) -> String {
         let ([a, b], [h, shorter]) = (self.slopes, steps_s.map(|step| 1e6 * step));
         let (of, by) = (self.of, &self.by);
@@ -86,7 +85,7 @@ impl Refusal {
     }
 }
 
-/// The switch after which the derivatives in a direction differ between two presses, and do not agree again.
+/// Returns the switch after which the derivatives in a direction differ between two presses and do not agree again.
 pub(super) fn parting(first: &Followed, second: &Followed, direction: usize) -> Option<Event> {
     let (mut parted, mut next) = (None, 0);
     for one in &first.switches {
@@ -106,7 +105,7 @@ pub(super) fn parting(first: &Followed, second: &Followed, direction: usize) -> 
     parted.or(first.switches.last()).map(Event::of)
 }
 
-/// Whether the derivatives of all velocities are near each other.
+/// Whether the derivatives of all velocities agree.
 fn are_near(one: &SwitchAt, other: &SwitchAt, direction: usize) -> bool {
     let (mut largest, mut apart) = (0.0_f64, 0.0_f64);
     for (a, b) in one.slopes.iter().zip(&other.slopes) {

@@ -1,5 +1,4 @@
-//! A press in numbers that carry derivatives, as often as there are groups of directions and lengths of step, on all
-//! cores.
+//! A press in numbers that carry derivatives, for each group of directions and each step length, on all cores.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -15,32 +14,32 @@ use super::variable::Variable;
 use crate::cores::{do_all, job};
 use crate::study::{Stroke, rests};
 
-/// The pose in which the action rests, while a number changes a little.
+/// Treatment of the rest while a number changes a little.
 ///
-/// With dry friction an action can rest in a whole range of poses; it depends on the way there which one it is in.
+/// With dry friction an action can rest in a whole range of poses; which one depends on the way there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Rest {
-    /// It moves as the rest of [`erard::simulate`] does, which lets every variant come to rest from the pose as drawn.
+    /// The rest moves like that of [`erard::simulate`], in which every variant comes to rest from the pose as drawn.
     #[default]
     Moves,
-    /// Friction holds it: the angles are those of the unchanged action, whatever felts and screws then do.
+    /// Friction holds the rest: the angles are those of the unchanged action, despite changed felts and screws.
     Held,
 }
 
-/// Two slopes of the rest to the two sides that differ by more than this share of the larger one are not one slope.
+/// Two one-sided slopes of the rest that differ by more than this share of the larger one are not one slope.
 const ONE_SLOPE: f64 = 0.1;
 /// Slopes of the rest below this, rad per unit, come from rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Presses in numbers that carry derivatives, with every length of step.
+/// Presses in numbers that carry derivatives, for every step length.
 #[derive(Default)]
 pub(super) struct Passes {
-    /// Of every length of step: of every eight numbers, one after the other.
+    /// By step length, then by group of eight numbers.
     each: Vec<Vec<Followed>>,
-    /// With the first length of step once more, where derivatives pass switches that could not be told from others; of
-    /// those presses that have any.
+    /// Presses with the first step length repeated, with derivatives passing unresolved switches; by group, `None`
+    /// without such switches.
     passing: Vec<Option<Followed>>,
-    /// Of every number: whether the rest moves by one slope to either side.
+    /// By number: whether the rest has the same slope to both sides.
     rests: Vec<bool>,
 }
 
@@ -49,19 +48,19 @@ impl Passes {
         self.each.get(which)?.get(variable / DIRECTIONS)
     }
 
-    /// The press with the first length of step, its derivatives passing unresolved switches; the same one where it has
+    /// The press with the first step length, with derivatives passing unresolved switches; the plain one if it has
     /// none.
     pub(crate) fn passing(&self, variable: usize) -> Option<&Followed> {
         let own = self.passing.get(variable / DIRECTIONS)?;
         own.as_ref().or_else(|| self.one(0, variable))
     }
 
-    /// Whether the rest has one slope by this number.
+    /// Whether the rest has the same slope to both sides of this number.
     pub(crate) fn has_rest(&self, variable: usize) -> bool {
         self.rests.get(variable).copied().unwrap_or(true)
     }
 
-    /// Switches in the last stroke: those at which derivatives jumped, and those that could not be told from others.
+    /// Switches in the last stroke: those at which derivatives jumped, and unresolved ones.
     pub(crate) fn switches(&self) -> [u32; 2] {
         self.each.last().and_then(|all| all.last()).map_or([0; 2], Followed::counts)
     }
@@ -70,13 +69,13 @@ impl Passes {
 /// How a press is differentiated.
 pub(super) struct How<'a> {
     pub rest: Rest,
-    /// Lengths of step, as shares of the setup's.
+    /// Step lengths, as shares of the setup's.
     pub shares: &'a [f64],
     pub sample_every: Option<u64>,
     pub threads: usize,
 }
 
-/// The press with every length of step.
+/// Plays the press with every step length.
 pub(super) fn passes<'a>(
     instrument: &Instrument,
     by: &[Variable],
@@ -86,11 +85,11 @@ pub(super) fn passes<'a>(
     progress: &mut Progress<'_>,
 ) -> Result<Passes, SensitivityError> {
     on_a_deep_stack(progress, &|_| check(instrument))?;
-    // A hand begins where it is placed, and not where it aims.
+    // With a hand, the fingertip begins where it is placed, not where it aims.
     let begins_at_m = if setup.hand.is_some() { 0.0 } else { stroke()(setup.start_s).position_m().max(0.0) };
     let poses = Poses::of(instrument, begins_at_m, progress)?;
     let (directions, one_slope) = directions(instrument, by, begins_at_m, how, progress)?;
-    // Without a number to differentiate by there is the press itself.
+    // Without numbers only the press itself is played.
     let groups: Vec<&[Direction]> =
         if directions.is_empty() { vec![&[]] } else { directions.chunks(DIRECTIONS).collect() };
     let shares = how.shares;
@@ -116,7 +115,7 @@ pub(super) fn passes<'a>(
         each[k % shares.len()].push(one.ok_or(SimulationError::Interrupted)?);
     }
     let mut passing: Vec<Option<Followed>> = vec![None; groups.len()];
-    // One length of step is not judged.
+    // A single step length needs no comparison.
     if shares.len() > 1 {
         let own = gradient::How { sample_every: None, passes_unresolved: true };
         let doubtful = passing.iter_mut().zip(&groups).zip(&each[0]).filter(|(_, one)| one.counts()[1] > 0);
@@ -127,9 +126,9 @@ pub(super) fn passes<'a>(
     Ok(Passes { each, passing, rests: one_slope })
 }
 
-/// The directions of the numbers, with the slopes of the rest if it moves, and whether these are the same to both
-/// sides. They are differences over so narrow a window that the search for the rest goes through the same switches:
-/// some ten times what rounding leaves of a slope's digits.
+/// Returns the directions of the numbers, with the slopes of the rest if it moves, and whether these are the same to
+/// both sides. The window of these differences is so narrow that the search for the rest goes through the same
+/// switches: about ten times the limit set by rounding.
 fn directions(
     instrument: &Instrument,
     by: &[Variable],
@@ -175,7 +174,7 @@ fn directions(
     Ok((moved, one_slope))
 }
 
-/// Whether the rest moves by the same slope from the lower number to the own one as from there to the higher one.
+/// Whether the rest has the same slope below and above the number's own value.
 fn are_one_slope(low: &Poses, own: &Poses, high: &Poses, half: f64) -> bool {
     let slope = |a: &Poses, b: &Poses, i: usize| (b.start.angle[i] - a.start.angle[i]) / half;
     let (mut largest, mut apart) = (0.0_f64, 0.0_f64);
@@ -187,11 +186,11 @@ fn are_one_slope(low: &Poses, own: &Poses, high: &Poses, half: f64) -> bool {
     apart <= ONE_SLOPE * largest || apart < ROUNDING / half.min(1.0)
 }
 
-/// How often the caller is asked whether to go on.
+/// Interval at which the caller is asked whether to go on.
 const ASK_EVERY: Duration = Duration::from_millis(2);
 
-/// Does work on a thread with a deep stack; on the caller's own where no thread is available. The caller's thread asks
-/// on whether to go on.
+/// Runs work on a thread with a deep stack, or on the caller's own if threads are not available. The caller's thread
+/// keeps asking whether to go on.
 fn on_a_deep_stack<T: Send>(progress: &mut Progress<'_>, work: &(dyn Fn(&mut Progress<'_>) -> T + Sync)) -> T {
     let stop = AtomicBool::new(false);
     let found = std::thread::scope(|scope| {

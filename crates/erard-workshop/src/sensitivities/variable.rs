@@ -1,4 +1,4 @@
-//! A number of an instrument that something is differentiated by.
+//! A number of an instrument as a variable of derivatives.
 
 use erard::gradient::{Direction, GradientError};
 use erard::instrument::{Instrument, ScrewAction, with_numbers};
@@ -7,33 +7,33 @@ use thiserror::Error;
 use crate::regulate::screw_unit;
 use crate::study::{Parameter, known_name, number_of};
 
-/// Half the way, in the units that [`Parameter::vary`] takes, over which the map from a number to the mechanism's
-/// numbers is differenced. It is smooth, and mostly linear.
+/// Half the difference, in units of [`Parameter::vary`], for the map from a number to the mechanism's numbers, which is
+/// smooth and mostly linear. Of a factor.
 const HALF: f64 = 1e-4;
-/// The same for a screw, m, rad or N m.
+/// Half the difference for a screw, m, rad or N m.
 const HALF_TURN: f64 = 1e-5;
-/// Half the window over which the rest is differenced: of a factor, and of a screw, m, rad or N m.
+/// Half the window for differences of the rest: of a factor, and of a screw, m, rad or N m.
 const REST: f64 = 1e-5;
 /// See [`REST`].
 const REST_TURN: f64 = 1e-7;
 
-/// A number of an instrument, and how it is counted.
+/// A number of an instrument, with its unit and its usual change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
     /// Name in `study --vary`.
     pub name: String,
-    /// The unit of the derivatives: `mm`, `degrees` or `N mm` of a screw, `%` of a parameter, the file's own
-    /// unit of a number of the file, `N` of the force.
+    /// Unit of the derivatives: `mm`, `degrees` or `N mm` of a screw, `%` of a parameter, the file's own unit of a
+    /// number of the file, `N` of the force.
     pub per: &'static str,
     /// Value in that unit, if there is one; a parameter is 100 %.
     pub value: Option<f64>,
-    /// Usual change in that unit; effects are compared by it.
+    /// Usual change in that unit, by which effects are compared.
     pub usual: f64,
-    /// Half the window of the differences, and that of weighing, which is coarser.
+    /// Half the window of the differences, and the coarser one for weighing.
     pub window: f64,
     /// See `window`.
     pub weighing: f64,
-    /// To first order.
+    /// Direction to first order.
     pub(super) direction: Direction,
     target: Target,
 }
@@ -48,14 +48,14 @@ enum Target {
         value: f64,
     },
     Force,
-    /// Two instruments, and how far each is from the own one.
+    /// Two instruments, and the distance of each from the own one.
     Between(Box<[Instrument; 2]>, f64),
 }
 
-/// Why nothing can be differentiated by a number.
+/// Reason why a number cannot be a variable.
 #[derive(Debug, Error)]
 pub enum VariableError {
-    /// No such number.
+    /// The name is unknown.
     #[error(
         "unknown name `{name}`; expected {known}, force (with a constant force), or the path of a number in the file, e.g. `body.hammer.mass_g` or `zone.string.disc.center_mm.x`"
     )]
@@ -70,14 +70,13 @@ pub enum VariableError {
     Stuck {
         /// Name of the number.
         name: String,
-        /// Why.
+        /// Reason.
         why: String,
     },
 }
 
 impl Variable {
-    /// Returns all named parameters of an instrument ([`Parameter::all`]), except those that cannot be changed to both
-    /// sides.
+    /// Returns all named parameters of an instrument ([`Parameter::all`]) that can be changed to both sides.
     pub fn all(instrument: &Instrument) -> Vec<Variable> {
         let plain = without_outlines(instrument.clone());
         let all = Parameter::all(&plain).into_iter();
@@ -115,10 +114,10 @@ impl Variable {
         })
     }
 
-    /// The direction between two instruments, the second being so many units `apart` from the first.
+    /// Makes the direction between two instruments whose numbers are `apart` units from each other.
     ///
     /// # Errors
-    /// [`VariableError::Stuck`], where they are not made of the same things.
+    /// [`VariableError::Stuck`], if they have different parts.
     pub fn between(name: &str, low: &Instrument, high: &Instrument, apart: f64) -> Result<Variable, VariableError> {
         let direction = Direction::between(low, high, apart)
             .map_err(|error| VariableError::Stuck { name: name.to_owned(), why: error.to_string() })?;
@@ -195,8 +194,8 @@ impl Variable {
         Some(made)
     }
 
-    /// A bare number in its units ([`Variable::per`]): what `study --vary` takes for a parameter (a turn in
-    /// m, rad or N m; a factor), the number itself of the file, and 1 N.
+    /// A bare number in units of [`Variable::per`]: for a parameter the value of `study --vary` (a turn in m, rad or N
+    /// m; a factor), for a number of the file the number itself, for the force 1 N.
     pub fn per_bare_number(&self) -> f64 {
         match &self.target {
             Target::Parameter(_, per_si) => *per_si,
@@ -204,12 +203,12 @@ impl Variable {
         }
     }
 
-    /// The number that elasticities take it for, in its unit; `None` where a share of it means nothing.
+    /// Value for elasticities, in its unit; `None` if a relative change is meaningless.
     pub(crate) fn relative(&self) -> Option<f64> {
         self.value.filter(|value| *value != 0.0 && self.per != "mm" && self.per != "deg")
     }
 
-    /// Half the window, in its unit, over which the rest is differenced: so narrow that the search for the rest goes
+    /// Half the window for differences of the rest, in the variable's unit: so narrow that the search for the rest goes
     /// through the same switches at both ends, and wide against rounding.
     pub(super) fn rest_half(&self) -> f64 {
         match &self.target {
@@ -221,12 +220,12 @@ impl Variable {
         }
     }
 
-    /// Whether it is the force, and no number of the instrument.
+    /// Whether the variable is the force, not a number of the instrument.
     pub(crate) fn is_force(&self) -> bool {
         self.target == Target::Force
     }
 
-    /// The instrument with the number so many units more; `None` where that cannot be.
+    /// The instrument with the number changed by `by` units; `None` if that is impossible.
     pub(super) fn at(&self, instrument: &Instrument, by: f64) -> Option<Instrument> {
         match &self.target {
             Target::Parameter(parameter, per_si) => {
@@ -244,7 +243,7 @@ impl Variable {
     }
 }
 
-/// The instrument of a text with a number of it changed.
+/// The instrument of a text with one number changed.
 fn read(target: &Target, by: f64) -> Result<Instrument, String> {
     let Target::Number { text, path, which, value } = target else {
         return Err("it names no number of the file".to_owned());
@@ -259,7 +258,7 @@ fn without_outlines(instrument: Instrument) -> Instrument {
     Instrument { parts: Vec::new(), ..instrument }
 }
 
-/// The unit at the end of a key of the file.
+/// Unit at the end of a key in the file.
 fn unit_of(name: &str) -> &'static str {
     let key = name.trim_end_matches(".x").trim_end_matches(".y");
     const UNITS: [(&str, &str); 8] = [

@@ -1,4 +1,4 @@
-//! Parameters of an instrument changed by what a person writes: `+0.8 g`, `8.7 g`, `*1.5`.
+//! Changes of an instrument's parameters as typed: `+0.8 g`, `8.7 g`, `*1.5`.
 
 use erard::instrument::{
     Certainty, FileError, Instrument, InstrumentFile, ScrewAction, Spread, numbers_at, with_numbers,
@@ -11,18 +11,18 @@ use crate::regional::ours;
 /// Change of a number.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Change {
-    /// As `study --vary`: a screw is turned by so many m, rad or N m; another parameter is multiplied by it; a number
-    /// of the file takes its place.
+    /// As in `study --vary`: the turn of a screw, m, rad or N m; the factor of another parameter; the new value of a
+    /// number of the file.
     Number(f64),
-    /// As a person writes it: `8.7 g` is what it shall be, `+0.8 g` and `-0.2 mm` what is added, `*1.5` a factor, and
-    /// `= -0.2 mm` what it shall be where that has a sign or no unit.
+    /// As typed: `8.7 g` is the new value, `+0.8 g` and `-0.2 mm` are added, `*1.5` is a factor, and `= -0.2 mm` is a
+    /// new value with a sign or without a unit.
     Text(String),
 }
 
-/// Why a number cannot be changed so.
+/// Reason why a number cannot be changed so.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ChangeError {
-    /// No such number.
+    /// The name is unknown.
     #[error("unknown name `{name}`; {nearest}, or the path of a number in the file, e.g. `body.hammer.mass_g`")]
     Unknown {
         /// Requested name.
@@ -30,7 +30,7 @@ pub enum ChangeError {
         /// Similar names.
         nearest: String,
     },
-    /// Not understood.
+    /// The text cannot be read.
     #[error("`{name}`: found `{found}`, expected {expected}")]
     Value {
         /// Name of the changed number.
@@ -73,12 +73,12 @@ pub struct Quantity {
     pub parameter: Parameter,
     /// Value of the parameter, in `unit`.
     pub value: f64,
-    /// SI; empty for a coefficient.
+    /// SI unit; empty for a coefficient.
     pub unit: &'static str,
-    /// Uncertainty that the file states, in the form of [`Change::Number`]: turns in m, rad or N m, or factors. `None`
-    /// if the file states none.
+    /// Uncertainty stated in the file, in the form of [`Change::Number`]: turns in m, rad or N m, or factors. `None` if
+    /// the file states none.
     pub spread: Option<[f64; 2]>,
-    /// Certainty that the file gives; `None` for a bare number.
+    /// Certainty stated in the file; `None` for a bare number.
     pub certainty: Option<Certainty>,
     /// Path in the file.
     pub path: String,
@@ -109,7 +109,7 @@ pub fn quantities(file: &InstrumentFile) -> Vec<Quantity> {
     .collect()
 }
 
-/// The file's spread, in the file's unit about its own number, as turns or as factors.
+/// Converts the file's spread, in the file's unit about its own number, to turns or factors.
 fn spread_of(parameter: &Parameter, spread: Spread, own: f64) -> Option<[f64; 2]> {
     match (parameter, spread) {
         (Parameter::Screw { action, .. }, Spread::PlusMinus(by)) => {
@@ -130,7 +130,7 @@ fn spread_of(parameter: &Parameter, spread: Spread, own: f64) -> Option<[f64; 2]
     }
 }
 
-/// The units in which a parameter may be written, and the SI value of each, its SI unit first.
+/// Accepted units of a parameter, with the SI value of each, the SI unit first.
 fn units(instrument: &Instrument, parameter: &Parameter) -> &'static [(&'static str, f64)] {
     const LENGTHS: &[(&str, f64)] = &[("m", 1.0), ("mm", 1e-3), ("cm", 1e-2), ("um", 1e-6), ("in", 25.4e-3)];
     const ANGLES: &[(&str, f64)] = &[
@@ -160,7 +160,7 @@ fn units(instrument: &Instrument, parameter: &Parameter) -> &'static [(&'static 
     }
 }
 
-/// What a text asks for.
+/// Change requested by a text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Wanted {
     Value(f64),
@@ -169,7 +169,7 @@ enum Wanted {
 }
 
 impl Wanted {
-    /// Reads it; a value without a unit needs `=`, so that nobody takes a coefficient for a factor.
+    /// Reads a change; a value without a unit needs `=`, so that a coefficient is not mistaken for a factor.
     fn read(text: &str, units: &[(&str, f64)]) -> Option<Self> {
         let text = text.trim();
         if let Some(factor) = text.strip_prefix('*') {
@@ -179,7 +179,7 @@ impl Wanted {
             Some(rest) => (true, rest.trim()),
             None => (false, text),
         };
-        // The longest beginning that is a number: units begin with letters that numbers have, too.
+        // The longest prefix that is a number: units begin with letters that also occur in numbers.
         let (value, unit) = (1..=rest.len())
             .rev()
             .filter(|end| rest.is_char_boundary(*end))
@@ -194,7 +194,7 @@ impl Wanted {
         Some(if !absolute && rest.starts_with(['+', '-']) { Wanted::Difference(value) } else { Wanted::Value(value) })
     }
 
-    /// From a value to a value.
+    /// Applies the change to a value.
     fn from(self, value: f64) -> f64 {
         match self {
             Wanted::Value(wanted) => wanted,
@@ -208,8 +208,8 @@ fn number(text: &str) -> Option<f64> {
     text.trim_end().parse().ok().filter(|x: &f64| x.is_finite())
 }
 
-/// The instrument of a file's text with some numbers changed, one after the other: screws and parameters by their names
-/// ([`Parameter::all`]), any other number by its path in the file.
+/// Returns the instrument of a file's text with some numbers changed, one after the other: screws and parameters by
+/// their names ([`Parameter::all`]), any other number by its path in the file.
 ///
 /// # Errors
 /// See [`ChangeError`].
@@ -217,8 +217,7 @@ pub fn varied(text: &str, file_name: &str, changes: &[(String, Change)]) -> Resu
     varied_of(&InstrumentFile::parse(text, file_name)?, text, file_name, changes)
 }
 
-/// [`varied`] of a file that has been read from this text: parameters by their names are changed without reading it
-/// again.
+/// [`varied`] for a file already read from this text: named parameters are changed without reading it again.
 ///
 /// # Errors
 /// See [`ChangeError`].
@@ -252,7 +251,7 @@ pub fn varied_of(
     Ok(file)
 }
 
-/// A number of the file by its path; of two (a point), by `.x` or `.y` behind it: path, which, and its value.
+/// Finds a number of the file by its path, of a point by `.x` or `.y` after it: path, component and value.
 pub fn number_of(text: &str, name: &str) -> Option<(String, usize, f64)> {
     if let Some([value]) = numbers_at(text, name).as_deref() {
         return Some((name.to_owned(), 0, *value));
@@ -263,7 +262,7 @@ pub fn number_of(text: &str, name: &str) -> Option<(String, usize, f64)> {
     Some((path.to_owned(), which, values[which]))
 }
 
-/// Units that a number of the file may be given in: only its own, at the end of its key.
+/// Units accepted for a number of the file: only its own, at the end of its key.
 fn own_unit(name: &str) -> &'static [(&'static str, f64)] {
     let key = name.trim_end_matches(".x").trim_end_matches(".y");
     const UNITS: [(&str, &[(&str, f64)]); 6] = [
@@ -277,7 +276,7 @@ fn own_unit(name: &str) -> &'static [(&'static str, f64)] {
     UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map_or(&[], |(_, units)| units)
 }
 
-/// A number of the file, changed, in the file's unit.
+/// Changes a number of the file, in the file's unit.
 fn of_file(name: &str, change: &Change, now: f64) -> Result<f64, ChangeError> {
     let text = match change {
         Change::Number(value) if value.is_finite() => return Ok(*value),
@@ -291,10 +290,10 @@ fn of_file(name: &str, change: &Change, now: f64) -> Result<f64, ChangeError> {
     }
 }
 
-/// What may be written.
+/// Describes the accepted text.
 fn expected(units: &[(&str, f64)]) -> String {
     let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
-    // The trade's own unit stands second where there is one.
+    // The trade's own unit is second where there is one.
     match names.get(1).or(names.first()) {
         Some(unit) => format!(
             "a value with its unit (`2 {unit}`), a difference with its sign (`+2 {unit}`) or a factor (`*1.5`); units: {}",
@@ -304,7 +303,7 @@ fn expected(units: &[(&str, f64)]) -> String {
     }
 }
 
-/// The text of an instrument's file with one number changed as [`varied`] changes it, to ten digits: the mass of a body
+/// Returns the text of an instrument's file with one number changed as by [`varied`], to ten digits: the mass of a body
 /// with its inertia (`body.hammer.mass`), all numbers of a felt's damping, a screw, or a number by its path.
 ///
 /// # Errors
@@ -334,7 +333,7 @@ pub fn varied_text(text: &str, file_name: &str, name: &str, change: &Change) -> 
     Ok(new)
 }
 
-/// Changes a parameter of an instrument. Returns what [`Parameter::vary`] was given.
+/// Changes a parameter of an instrument. Returns the argument of [`Parameter::vary`].
 fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, change: &Change) -> Result<f64, ChangeError> {
     let units = units(instrument, parameter);
     let now = parameter.value(instrument);
@@ -367,8 +366,8 @@ fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, change: 
     Ok(by)
 }
 
-/// The name of a parameter, or the path of a number in a file's text: as it is written where there is one, else with
-/// this program's words for those of other regions.
+/// Returns a name as typed if it is a parameter's, or the path of a number in the file's text; else with regional words
+/// replaced by this program's.
 #[must_use]
 pub fn known_name(name: &str, all: &[(String, Parameter)], text: &str) -> String {
     let name = name.trim();
@@ -384,7 +383,7 @@ fn unknown(name: &str, all: &[(String, Parameter)]) -> ChangeError {
     }
 }
 
-/// The three names that are most like one.
+/// Returns the three known names most similar to one.
 pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a String>) -> String {
     let mut near: Vec<(f64, &String)> = known.map(|known| (strsim::jaro_winkler(name, known), known)).collect();
     near.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -409,11 +408,11 @@ mod tests {
         with(&[(name, Change::Text(text.to_owned()))])
     }
 
-    /// Values, differences and factors come out as they say; a bare number does what a study does with it, to the bit.
+    /// Values, differences and factors are applied as typed; a bare number does the same as in a study, to the bit.
     #[test]
     fn numbers_change_as_they_say() {
         let grand = Instrument::builtin("concert-grand").unwrap();
-        // Words of other regions; what a file itself calls so stays.
+        // Regional words; what a file itself calls so stays.
         assert_eq!(written("set_off", "-0.2 mm").unwrap(), written("let_off", "-0.2 mm").unwrap());
         let mass = |name: &str| with(&[(name, Change::Text("= 10 g".to_owned()))]);
         assert_eq!(mass("body.wippen.mass_g").unwrap(), mass("body.whippen.mass_g").unwrap());
@@ -444,7 +443,7 @@ mod tests {
             assert!(parameter.vary(&mut studied, by));
             assert_eq!(with(&[(name, Change::Number(by))]).unwrap(), studied, "{name}");
         }
-        // Twice the same is done twice; numbers of the file go by their paths.
+        // The same change twice is applied twice; numbers of the file go by their paths.
         let twice = Change::Text("+0.5 g".into());
         let heavy = with(&[("body.hammer.mass", twice.clone()), ("body.hammer.mass", twice)]).unwrap();
         assert!((value(&heavy, "body.hammer.mass") - mass - 1e-3).abs() < 1e-15);
@@ -452,7 +451,7 @@ mod tests {
         assert!((value(&own, "body.hammer.mass") - mass - 0.5e-3).abs() < 1e-15);
     }
 
-    /// A text in which a parameter was changed reads as the instrument that was varied: the mass with its inertia.
+    /// A text with a changed parameter reads as the varied instrument: the mass with its inertia.
     #[test]
     fn a_changed_text_is_the_varied_instrument() {
         for (name, change) in [
@@ -497,7 +496,7 @@ mod tests {
         assert!(all.iter().filter(|quantity| quantity.spread.is_some()).count() > 10);
     }
 
-    /// What is wrong is named, and what would be right.
+    /// Errors state what was found and what is expected.
     #[test]
     fn what_is_wrong_is_named() {
         for (name, text, told) in [

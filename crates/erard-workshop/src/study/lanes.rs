@@ -1,4 +1,4 @@
-//! Mechanisms side by side: brought to rest, and played.
+//! Mechanisms stepped in lanes: brought to rest, and played.
 
 use moreau::{Input, Ledger, ModelError, Outcome, SavedState, Settings};
 use moreau_kernels::{EveryBody, LaneObserver, Lanes, OwnedDescription, SideBySide, Size, lane_observer, side_by_side};
@@ -15,37 +15,37 @@ use erard::player::{self, Action, ActionError};
 use erard::run::{Setup, SimulationError};
 use erard::trust::{self, Extremes};
 
-/// Every so many steps the caller is asked whether to go on.
+/// Steps between questions to the caller whether to go on.
 const ASK_EVERY: u64 = 1024;
-/// Places for a mechanism's angles.
+/// Room for a mechanism's angles.
 const BODIES: usize = Size::Most.holds()[0];
 
-/// A state, whatever the mechanism's size.
+/// A state of any size of mechanism.
 type State = SavedState<f64, 12, 32>;
 
-/// An instrument described, undriven and at rest.
+/// An instrument's description with its undriven equilibrium.
 pub(super) struct AtRest {
     description: OwnedDescription,
     pub state: State,
 }
 
-/// The same, or why there is none.
+/// The equilibrium, or the reason why there is none.
 pub(super) type Rested = Result<AtRest, ActionError>;
 
-/// What is played in one lane.
+/// Instrument and stroke of one lane.
 pub(super) struct Player<'a> {
     pub instrument: &'a Instrument,
     pub rest: &'a Rested,
     pub stroke: Stroke<'a>,
 }
 
-/// Standing still at these angles.
+/// State at rest at these angles.
 fn standing(angles: &[f64], pivot_friction: &[f64]) -> State {
     let of = |values: &[f64]| std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0));
     State { pivot_friction: of(pivot_friction), ..State::at_rest(of(angles)) }
 }
 
-/// A group of the mechanisms of some lanes; where there are fewer than lanes, the last one is there several times.
+/// Makes a group of the mechanisms of some lanes; spare lanes repeat the last one.
 fn group(
     mut descriptions: Vec<&OwnedDescription>,
     mut states: Vec<State>,
@@ -60,7 +60,7 @@ fn group(
     side_by_side(&descriptions, &states, settings, lanes)
 }
 
-/// Inputs for all lanes of a group: the last one for those that are filled up.
+/// Sets the inputs of all lanes of a group; spare lanes repeat the last one.
 fn inputs_of(own: impl Iterator<Item = Input<f64>>, inputs: &mut [Input<f64>]) {
     let mut from = 0;
     for (i, input) in own.enumerate() {
@@ -87,7 +87,7 @@ pub(super) fn settle(
     let states = match rests_of(&descriptions.iter().collect::<Vec<_>>(), &drawn, &free, lanes, progress) {
         Ok(states) => states,
         Err(SimulationError::Interrupted) => return Err(SimulationError::Interrupted),
-        // One that cannot be assembled: each says so for itself.
+        // If one cannot be assembled, each is settled alone and reports its own error.
         Err(_) => vec![None; instruments.len()],
     };
     let each = instruments.iter().zip(descriptions).zip(states);
@@ -98,9 +98,9 @@ pub(super) fn settle(
     Ok(rested.collect())
 }
 
-/// Where mechanisms rest; `None` for one that [`equilibrium::settle`] would have to slow down, that flies apart, or
-/// whose steps find no solution. Lanes wait for each other's iterations: the others begin anew without a hopeless one,
-/// and come out as if it had never been there.
+/// Finds the equilibria of mechanisms; `None` for one that [`equilibrium::settle`] would have to slow down, that flies
+/// apart, or whose steps find no solution. Lanes wait for each other's iterations: the others start again without a
+/// hopeless one, with the same results as if it had never been there.
 fn rests_of(
     descriptions: &[&OwnedDescription],
     from: &[State],
@@ -124,11 +124,11 @@ fn rests_of(
     Ok(states)
 }
 
-/// How a search for the rests of several mechanisms ends.
+/// Result of a search for several equilibria.
 enum Together {
-    /// With the state of each, or `None` for one that [`equilibrium::settle`] would have to slow down.
+    /// The state of each, or `None` for one that [`equilibrium::settle`] would have to slow down.
     Ended(Vec<Option<State>>),
-    /// With the lane of one that flies apart or whose steps find no solution.
+    /// The lane of one that flies apart or whose steps find no solution.
     Hopeless(usize),
 }
 
@@ -178,19 +178,19 @@ fn come_to_rest(
     Ok(Together::Ended(rested))
 }
 
-/// Brings one instrument to rest by itself, first undriven and then, if it begins there, under a finger so far down.
+/// Brings one instrument to rest alone, first undriven and then, if it begins there, under a finger at this depth.
 fn alone(instrument: &Instrument, settings: Settings<f64>, begins_at_m: f64) -> Result<State, ActionError> {
     let mut action = Action::with(instrument, settings)?;
     if begins_at_m > 0.0 {
         let finger = player::Input::Motion { position_m: begins_at_m, velocity_m_per_s: 0.0 };
         action.settle(instrument, finger, &mut |_| true)?;
     }
-    // What the felts remember belongs to the pose.
+    // The felts' internal state belongs to the pose.
     let memory = action.mechanism().save().state.memory;
     Ok(State { memory, ..standing(action.angles(), action.mechanism().readout().pivot_friction) })
 }
 
-/// One lane while it is played.
+/// One lane during play.
 struct Lane<'a> {
     player: &'a Player<'a>,
     drive: Box<player::Drive<'a>>,
@@ -234,7 +234,7 @@ impl<'a> Lane<'a> {
         })
     }
 
-    /// Observes the mechanism where it is now, as a run does.
+    /// Observes the present mechanism, as in a run.
     fn observe(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody) {
         self.observer.update(time_s, angles, velocities);
         if self.observer.is_far() && self.detector.awaits_impacts_only() {
@@ -252,7 +252,7 @@ impl<'a> Lane<'a> {
         self.highest_m = self.highest_m.max(hammer_m);
     }
 
-    /// Takes a row of samples, where the mechanism was looked at last.
+    /// Takes a row of samples at the last observed pose.
     fn sample(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody) {
         let Some(sampled) = &mut self.sampled else { return };
         let now = Rest::of(self.player.instrument, self.observer.as_ref());
@@ -272,7 +272,7 @@ impl<'a> Lane<'a> {
         sampled.push(travels, angles, velocities);
     }
 
-    /// The input of the step from t0; of a mechanism that has failed, one of the same kind that does no harm.
+    /// The input of the step from t0; a failed mechanism gets a harmless one of the same kind.
     fn input(&self, t0: f64, settings: &Settings<f64>) -> Input<f64> {
         let Settings { step: h, theta, .. } = *settings;
         let input = self.rest.input(&self.drive, t0, h, theta, h, &|| self.observer.site_position());
@@ -290,20 +290,20 @@ impl<'a> Lane<'a> {
         }
     }
 
-    /// Begins where the mechanism is in its group, with the energy balance open if it is to be kept.
+    /// Begins at the mechanism's state in its group, with the energy balance opened if it is kept.
     fn begin(&mut self, group: &dyn SideBySide, index: usize, keeps_ledger: bool) {
         self.observer.begin(group, index);
         self.ledger = keeps_ledger.then(|| Ledger::open_at(self.observer.energies(), 0.0, 0.0));
     }
 
-    /// Works out the step's forces and books its energy. To be called before the step's end is observed. Returns
-    /// whether the step changed anything that is looked at.
+    /// Computes the step's forces and adds its energy to the balance. Call it before observing the end of the step.
+    /// Returns whether the step changed any observed value.
     fn retrace(&mut self, input: &Input<f64>, settings: &Settings<f64>, group: &dyn SideBySide, index: usize) -> bool {
-        // Without a ledger nobody asks for forces, nor for states, once the string is struck.
+        // Without a ledger, neither forces nor states are needed once the string is struck.
         if self.ledger.is_none() && !self.detector.awaits_let_off() {
             return false;
         }
-        // A step that changed nothing has nothing to book.
+        // A step without change adds no energy.
         if !self.observer.retrace(settings, input, group, index) {
             return false;
         }
@@ -313,7 +313,7 @@ impl<'a> Lane<'a> {
         true
     }
 
-    /// Notes how far bodies turned and felts were pressed.
+    /// Records extreme angles of bodies and compressions of felts.
     fn note_extremes(&mut self, time_s: f64, angles: &[f64], changed: bool) {
         self.extremes.note_angles(time_s, angles);
         if self.ledger.is_none() || !changed {
@@ -348,7 +348,7 @@ impl<'a> Lane<'a> {
     }
 }
 
-/// Plays strokes side by side, all of one kind on one topology, at most as many as there are lanes.
+/// Plays strokes in lanes, all of one kind on one topology, at most as many as there are lanes.
 ///
 /// # Errors
 /// [`SimulationError::Interrupted`].
@@ -368,7 +368,7 @@ pub(super) fn play(
     Ok(begun.into_iter().map(|lane| lane.and_then(Lane::finish)).collect())
 }
 
-/// Steps mechanisms side by side to the end of their strokes.
+/// Steps mechanisms in lanes to the end of their strokes.
 fn step_all(
     own: &mut [&mut Lane<'_>],
     setup: &Setup,
@@ -424,7 +424,7 @@ fn step_all(
     Ok(())
 }
 
-/// Where the lanes begin: at rest, or under a finger that is already down.
+/// Initial states of the lanes: at rest, or under a finger that is already down.
 fn first_states(
     own: &mut [&mut Lane<'_>],
     setup: &Setup,
@@ -440,7 +440,7 @@ fn first_states(
     }
     let begins_at_m: Vec<f64> =
         own.iter().map(|lane| (lane.player.stroke)(setup.start_s).position_m().max(0.0)).collect();
-    // They are grouped so that all begin at rest or none does.
+    // The groups are formed so that all lanes begin at rest or none does.
     if begins_at_m.iter().all(|at| *at <= 0.0) {
         return Ok(at_rest);
     }

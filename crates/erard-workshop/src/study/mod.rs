@@ -1,11 +1,11 @@
-//! A parameter study: many strokes on many variants of an instrument, in the lanes of the processor's vectors and on
-//! all its cores.
+//! Parameter study: many strokes on many variants of an instrument, in the processor's vector lanes and on all its
+//! cores.
 //!
-//! Mechanisms alike in topology go side by side, as many as the processor has lanes for; their results are the same as
-//! from [`simulate`], to rounding (of single precision, if that is asked for), and the same bits however many threads
-//! there are. Nothing is recorded but the instants of each stroke. Instruments of six to nine bodies and up to twenty
-//! zones go in lanes; the others on all cores, but one by one. So do instruments whose strings yield, and steps whose
-//! error is controlled, for lanes share their steps.
+//! Mechanisms of the same topology are stepped together, as many as the processor has lanes; their results agree with
+//! [`simulate`] to rounding (of single precision, if requested), and have the same bits for any number of threads. Only
+//! the instants of each stroke are recorded. Instruments of up to nine bodies and twenty zones go in lanes, except
+//! single bodies with up to four zones; the others are played one by one on all cores. So are instruments with modal
+//! strings, and adaptive steps, because lanes share their steps.
 
 mod change;
 mod lanes;
@@ -37,7 +37,7 @@ use erard::trust::{Warning, energy_residual};
 use lanes::{Player, Rested, play, settle};
 use topology::{Topology, groups};
 
-/// The drive of the key in a job: as [`erard::Drive`], but owned, so that another thread can take it.
+/// Drive of the key in a job: like [`erard::Drive`], but owned, so that another thread can take it.
 pub type Stroke<'a> = Box<dyn Fn(f64) -> Input + Send + 'a>;
 
 /// Stroke on an instrument.
@@ -48,13 +48,12 @@ pub struct Job<'a> {
     pub stroke: Stroke<'a>,
 }
 
-/// Threads that do the work.
+/// Threads and lanes for the work.
 #[derive(Debug, Clone, Copy)]
 pub struct Workers {
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Strokes side by side in each. In single precision hammer speeds are right to some 1e-4; rests are found in
-    /// doubles.
+    /// Lanes per thread. In single precision hammer speeds are accurate to some 1e-4; equilibria are found in doubles.
     pub lanes: Lanes,
 }
 
@@ -84,16 +83,16 @@ pub struct Played {
     pub highest_m: f64,
     /// Steps that reached an iteration limit.
     pub unconverged_steps: u64,
-    /// Error of the energy balance, a share of the energy turned over ([`erard::trust`]); `None` without the setup's
+    /// Error of the energy balance, as a share of the energy turned over ([`erard::trust`]); `None` without the setup's
     /// ledger.
     pub energy_residual: Option<f64>,
-    /// Why the stroke cannot be trusted; without the setup's ledger neither energy nor felts are judged.
+    /// Reasons why the stroke cannot be trusted; without the setup's ledger neither energy nor felts are judged.
     pub warnings: Vec<Warning>,
     /// Samples, column by column ([`sample_all`]); empty without sampling, or if the run ended early.
     pub samples: Vec<Vec<f64>>,
 }
 
-/// A number of what came of a job; `None` is what did not happen.
+/// A number of a job's result; `None` if the event did not happen.
 pub(crate) type Outcome = fn(&Played) -> Option<f64>;
 
 /// Results of a stroke, by the names of a study's columns, in SI units. Instants count from the stroke's start.
@@ -113,14 +112,14 @@ pub const OUTCOMES: [(&str, Outcome); 10] = [
 /// Result of a job; a failed job does not stop the others.
 pub type JobResult = Result<Played, SimulationError>;
 
-/// Plays all jobs; results stand in the order of the jobs. `setup` holds for all of them (nothing is recorded).
-/// `progress` receives the share done and ends the work by returning false.
+/// Plays all jobs and returns their results in order. `setup` applies to all of them (nothing is recorded). `progress`
+/// receives the share done and ends the work by returning false.
 ///
 /// # Errors
-/// A setup out of range, or [`SimulationError::Interrupted`]; what goes wrong in one job is that job's result.
+/// A setup out of range, or [`SimulationError::Interrupted`]; an error of one job is that job's result.
 ///
 /// # Panics
-/// If a job names an instrument that is not there.
+/// If a job's instrument does not exist.
 pub fn play_all(
     instruments: &[Instrument],
     jobs: Vec<Job<'_>>,
@@ -134,15 +133,15 @@ pub fn play_all(
 /// Result of a stroke, or its error.
 pub type OwnResult = Result<Played, String>;
 
-/// Makes the stroke of an instrument's own.
+/// Makes the stroke for an instrument.
 pub type MakeStroke<'a> =
     dyn Fn(&Instrument, &mut Progress<'_>) -> Result<erard::stroke::Stroke, LevelError> + Sync + 'a;
 
-/// Plays on each instrument the stroke that `make` makes for it, one after the other on every core. A level out of
-/// reach is that instrument's result.
+/// Plays on each instrument the stroke that `make` makes for it, one by one on every core. A level out of reach is that
+/// instrument's result.
 ///
 /// # Errors
-/// As [`play_all`].
+/// See [`play_all`].
 pub fn play_each(
     instruments: &[Instrument],
     make: &MakeStroke<'_>,
@@ -170,10 +169,10 @@ pub fn play_each(
 /// Plays all jobs as [`play_all`] does, and samples every stroke if requested ([`Played::samples`]).
 ///
 /// # Errors
-/// As [`play_all`].
+/// See [`play_all`].
 ///
 /// # Panics
-/// As [`play_all`].
+/// See [`play_all`].
 pub fn sample_all(
     instruments: &[Instrument],
     jobs: Vec<Job<'_>>,
@@ -200,7 +199,7 @@ pub fn sample_all(
     Ok(results.into_iter().map(|result| result.unwrap_or(Err(SimulationError::Interrupted))).collect())
 }
 
-/// Plays jobs one by one, on several threads.
+/// Plays jobs one by one on several threads.
 fn play_alone(
     instruments: &[Instrument],
     jobs: Vec<(usize, Job<'_>)>,
@@ -234,11 +233,10 @@ fn play_alone(
     Ok(())
 }
 
-/// How long finding a rest is taken to last, in seconds of stroke that could be played in the same time. Progress
-/// counts with it.
+/// Assumed cost of an equilibrium, in seconds of stroke played in the same time, for the progress.
 const REST_S: f64 = 0.3;
 
-/// Plays jobs in lanes: first every instrument used comes to rest, then all strokes.
+/// Plays jobs in lanes: first all instruments in use come to rest, then all strokes are played.
 fn play_in_lanes(
     instruments: &[Instrument],
     jobs: Vec<(usize, Job<'_>)>,
@@ -306,7 +304,7 @@ fn play_in_lanes(
     Ok(())
 }
 
-/// The kind of an input: lanes share one.
+/// Kind of an input, which lanes must share.
 fn kind(input: &Input) -> u8 {
     match input {
         Input::Free => 0,

@@ -1,24 +1,24 @@
-//! The parameters of an instrument that a study varies.
+//! Parameters of an instrument that a study varies.
 
 use erard::instrument::{Instrument, ScrewAction, numbers_at};
 use moreau::LawNumber;
 
-/// As far as a screw turns a curve, rad.
+/// Largest turn of a curve by a screw, rad.
 const FARTHEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
-/// As far as one moves something, m, or changes a spring's torque, N m.
+/// Largest displacement by a screw, m, or change of a spring's torque, N m.
 const FARTHEST_SCREW: f64 = 0.1;
 
 /// A number of an instrument that a study varies.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Parameter {
-    /// A screw, turned from where it is by so many m, rad or N m.
+    /// A screw, turned from its setting, m, rad or N m.
     Screw {
         /// Index.
         screw: usize,
-        /// What it moves, which tells the unit.
+        /// Part that it moves, which determines the unit.
         action: ScrewAction,
     },
-    /// A body's mass, and its inertia with it, times a factor.
+    /// A body's mass and inertia, times a factor.
     Mass(usize),
     /// The dry friction torque of a body's pivot, times a factor.
     PivotFriction(usize),
@@ -35,7 +35,7 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// Returns every parameter of an instrument with its name: a screw has its own, the others are called
+    /// Returns every parameter of an instrument with its name: screws by their own, the others as in
     /// `body.hammer.mass`, `body.key.friction`, `spring.repetition.torque`, `spring.key_bending.stiffness`,
     /// `zone.string.stiffness`, `zone.check.damping`, `zone.check.friction`.
     pub fn all(instrument: &Instrument) -> Vec<(String, Parameter)> {
@@ -74,13 +74,12 @@ impl Parameter {
         !matches!(self, Parameter::Screw { .. })
     }
 
-    /// Range in which it may be varied: what [`Parameter::vary`] is given, in SI units or as a factor. The reader of
-    /// files knows narrower limits.
+    /// Range of arguments for [`Parameter::vary`], in SI units or as a factor. The reader of files has narrower limits.
     pub fn range(&self) -> [f64; 2] {
         match self {
-            // As far as a file's own setting may turn a curve.
+            // The largest turn of a curve by a file's own setting.
             Parameter::Screw { action: ScrewAction::Turn { .. }, .. } => [-FARTHEST_TURN_RAD, FARTHEST_TURN_RAD],
-            // Metres; a spring's torque has its own limit beside this one, its sign.
+            // Metres; a spring's torque is also limited by its sign.
             Parameter::Screw { .. } => [-FARTHEST_SCREW, FARTHEST_SCREW],
             _ => [1e-3, 1e3],
         }
@@ -101,7 +100,7 @@ impl Parameter {
         }
     }
 
-    /// The path of its number in the instrument's file.
+    /// Path of the parameter's number in the instrument's file.
     pub(crate) fn path(&self, instrument: &Instrument) -> String {
         let (body, zone) = (|i: usize| &instrument.bodies[i].name, |i: usize| &instrument.zones[i].name);
         match *self {
@@ -126,8 +125,8 @@ impl Parameter {
         }
     }
 
-    /// The numbers of its file that [`Parameter::vary`] comes to, by their paths, with their values in the file's
-    /// units, to ten digits. `text` is the file of this instrument.
+    /// Returns the numbers of the file after [`Parameter::vary`], by their paths, in the file's units, to ten digits.
+    /// `text` is the file of this instrument.
     pub(crate) fn numbers(&self, instrument: &Instrument, value: f64, text: &str) -> Vec<(String, f64)> {
         let path = self.path(instrument);
         let own = |path: &str| numbers_at(text, path).and_then(|numbers| numbers.first().copied());
@@ -141,7 +140,7 @@ impl Parameter {
                 };
                 vec![(path, ten_digits((self.value(instrument) + value) * unit))]
             }
-            // A screw may have its part in it, which the file tells apart.
+            // The torque may include a screw's part, which the file states separately.
             Parameter::Torque(_) => {
                 let more = self.value(instrument) * (value - 1.0);
                 vec![(path.clone(), ten_digits(own(&path).unwrap_or(0.0) + more))]
@@ -166,8 +165,8 @@ impl Parameter {
 
     /// Varies an instrument: turns the screw by `value` (m, rad, N m) or multiplies by it.
     ///
-    /// Returns whether it could be done. It cannot when a spring's torque would turn around or a factor is not a
-    /// positive number; the instrument is then unchanged.
+    /// Returns whether it was possible. It is not if a spring's torque would change its sign or a factor is not
+    /// positive; the instrument is then unchanged.
     #[must_use]
     pub fn vary(&self, instrument: &mut Instrument, value: f64) -> bool {
         if self.is_factor() && !(value.is_finite() && value > 0.0) {
@@ -193,7 +192,7 @@ impl Parameter {
     }
 }
 
-/// Rounded, so that products read as people write them.
+/// Rounds to ten digits, so that products look as typed.
 pub(crate) fn ten_digits(x: f64) -> f64 {
     format!("{x:.9e}").parse().unwrap_or(x)
 }
@@ -203,8 +202,8 @@ mod tests {
     use super::*;
     use erard::instrument::cited;
 
-    /// Numbers in the file are what varying the instrument is, for every parameter of every built-in instrument that is
-    /// played.
+    /// Changing the numbers in the file equals varying the instrument, for every parameter of every built-in instrument
+    /// that is played.
     #[test]
     fn numbers_of_the_file_are_what_is_varied() {
         for name in ["concert-grand", "concert-grand-rigid", "concert-grand-strings"] {

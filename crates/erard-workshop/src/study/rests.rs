@@ -1,4 +1,4 @@
-//! Where many variants of an instrument rest, side by side in lanes.
+//! Equilibria of many variants of an instrument, found in lanes.
 
 use erard::Progress;
 use erard::gradient::Poses;
@@ -11,8 +11,8 @@ use super::topology::{Topology, groups};
 use super::{Lanes, cores};
 use crate::cores::{do_all, job};
 
-/// Where the presses of these instruments start, undriven or under a finger that begins so far down, m; `None` for one
-/// that does not come to rest.
+/// Returns where the presses of these instruments start, undriven or under a finger at this depth, m; `None` for one
+/// that finds no equilibrium.
 ///
 /// # Errors
 /// [`SimulationError::Interrupted`].

@@ -24,11 +24,11 @@ pub struct SamplingError {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
-    /// Travel of the finger, the key front and the strike point, and the speed of the strike point.
+    /// Finger force, travel of the key front or strike point, or the strike point's speed, by index in [`TRAVELS`].
     Travel(usize),
     Angle(usize),
     Rate(usize),
-    /// Only a run knows it.
+    /// Known from a run only.
     OfRun,
 }
 
@@ -38,7 +38,7 @@ const HEAD: [usize; 2] = [2, 3];
 
 impl Sampling {
     /// Samples these columns of [`Run::columns`], one row every `every` steps, the first at the start. Bodies and zones
-    /// are those of an instrument; other instruments that are played must have the same.
+    /// are those of an instrument; all played instruments must have the same.
     ///
     /// # Errors
     /// [`SamplingError`].
@@ -64,7 +64,7 @@ impl Sampling {
         Ok(Sampling { every: every.max(1), columns: columns.iter().map(find).collect::<Result<_, _>>()? })
     }
 
-    /// Whether all of it is seen in lanes: a motion's force, and the contacts' forces, are not.
+    /// Whether lanes can sample all columns: the force of a motion, and contact forces, they cannot.
     pub(super) fn is_seen_in_lanes(&self, by_force: bool) -> bool {
         self.columns.iter().all(|(_, column)| match column {
             Column::Travel(FORCE) => by_force,
@@ -73,7 +73,7 @@ impl Sampling {
         })
     }
 
-    /// The samples of a run that kept every step.
+    /// Returns the samples of a run that recorded every step.
     pub(super) fn of_run(&self, run: &Run) -> Vec<Vec<f64>> {
         let all = run.columns();
         let values = |name: &String| all.iter().find(|(known, _)| known == name).map_or(&[][..], |(_, values)| values);
@@ -84,7 +84,7 @@ impl Sampling {
     }
 }
 
-/// Samples of a stroke as they are taken.
+/// Samples collected during a stroke.
 pub(super) struct Sampled<'a> {
     sampling: &'a Sampling,
     columns: Vec<Vec<f64>>,
@@ -100,7 +100,7 @@ impl<'a> Sampled<'a> {
         }
     }
 
-    /// Whether a row stands after so many steps.
+    /// Whether a row is due after this number of steps.
     pub(crate) fn is_row(&self, steps: u64) -> bool {
         steps.is_multiple_of(self.sampling.every)
     }

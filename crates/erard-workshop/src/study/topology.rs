@@ -1,4 +1,4 @@
-//! The topology that mechanisms must share to be stepped side by side.
+//! Topology that mechanisms must share to be stepped in lanes.
 
 use std::collections::BTreeMap;
 
@@ -7,10 +7,10 @@ use erard::assembly;
 use erard::instrument::{Curve, Instrument};
 use moreau::{Felt, FeltKind};
 
-/// A zone but for its numbers: its bodies, its kind of curve and of felt, whether it has friction.
+/// A zone without its numbers: its bodies, the kinds of its curve and felt, and whether it has friction.
 type ZoneKind = (Option<usize>, Option<usize>, u8, FeltKind, bool);
 
-/// An instrument but for its numbers.
+/// An instrument without its numbers.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Topology {
     parents: Vec<Option<usize>>,
@@ -40,7 +40,7 @@ impl Topology {
     }
 }
 
-/// Groups of so many places of one kind, as they come; the last group of a kind may be smaller.
+/// Groups places of one kind, at most `width` each; the last group of a kind may be smaller.
 pub(super) fn groups<K: Ord>(kinds: impl Iterator<Item = (K, usize)>, width: usize) -> Vec<Vec<usize>> {
     let mut places: BTreeMap<K, Vec<usize>> = BTreeMap::new();
     for (kind, place) in kinds {

@@ -1,4 +1,4 @@
-//! Keys of bass and treble beside middle C, on the keyboard: the mass that a player feels there.
+//! Effective inertia of keys in bass and treble, from the keyboard of middle C.
 
 use super::Skipped;
 use crate::measure::norms::lines;
@@ -9,7 +9,7 @@ use erard::keyboard::Keyboard;
 /// E2 and E7.
 const PLACES: [usize; 2] = [20, 80];
 
-/// The names that rows may ask for; the unit ends the name.
+/// Names for rows; each ends with its unit.
 pub(super) const NAMES: [&str; 2] = ["effective_inertia_e2_kg", "effective_inertia_e7_kg"];
 
 /// Effective inertias, kg, in the order of [`NAMES`]; `None` without a keyboard.
@@ -28,7 +28,7 @@ pub(super) fn measure(
     Ok(Some(found))
 }
 
-/// The value of one of [`NAMES`]; why it is not asked for; `None` for another name.
+/// Value of one of [`NAMES`], or why it is skipped; `None` for another name.
 pub(super) fn value(name: &str, found: Option<[Option<f64>; 2]>) -> Option<Result<Option<f64>, Skipped>> {
     let which = NAMES.iter().position(|known| *known == name)?;
     Some(found.map(|found| found[which]).ok_or(Skipped::NoKeyboard))

@@ -1,9 +1,9 @@
-//! An instrument against what has been measured on real pianos.
+//! Comparison of an instrument with measurements on real pianos.
 //!
-//! `published` is the table: one row per published number, with its source, its certainty and the range in which a
-//! simulated value meets it. `presses` and `touches` simulate what the technician's sheet ([`crate::measure`]) does not
-//! hold: the order of events against loudness, under constant forces and under a hand, and pressed against struck keys.
-//! [`validate`] puts both beside each other; what misses is said to miss.
+//! `published` is the table: one row per published number, with its source, its certainty and the range that counts as
+//! met. `presses` and `touches` simulate what the technician's sheet ([`crate::measure`]) lacks: the order of events
+//! against loudness, under constant forces and under a hand, and pressed against struck keys. [`validate`] compares
+//! both, and reports misses as misses.
 
 mod keys;
 mod presses;
@@ -26,12 +26,12 @@ use erard::keyboard::Keyboard;
 use strings::Strung;
 use values::{Flex, Simulated};
 
-/// Rows of one group and one kind that are met, of those that were judged.
+/// Number of met rows of one group and kind, and of those judged.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Met.
+    /// Rows met.
     pub met: usize,
-    /// Met or missed, or did not happen.
+    /// Rows met or missed, or whose event did not happen.
     pub judged: usize,
 }
 
@@ -42,12 +42,12 @@ pub struct GroupResult {
     pub name: String,
     /// Title.
     pub title: String,
-    /// Rows that the instrument was set to.
+    /// Rows to which the instrument was set.
     pub set: Tally,
     /// Rows that follow from the model.
     pub predicted: Tally,
-    /// Root mean square of z over its predicted rows with two ends: the distance from the middle of the range over half
-    /// its width, 1 at its ends.
+    /// Root mean square of z over its predicted rows with two ends: distance from the middle of the range over half its
+    /// width, 1 at its ends.
     pub z: Option<f64>,
 }
 
@@ -59,23 +59,23 @@ pub enum Verdict {
         /// Simulated value, in the row's unit.
         simulated: f64,
     },
-    /// Outside of it.
+    /// Outside the published range.
     Missed {
         /// Simulated value, in the row's unit.
         simulated: f64,
-        /// By how much, in the row's unit: negative is too small.
+        /// Distance from the range, in the row's unit; negative if too small.
         by: f64,
     },
     /// The event did not happen in the simulation.
     Absent,
-    /// Nothing was published that it could be held against.
+    /// No range was published.
     Open {
         /// Simulated value, in the row's unit.
         simulated: f64,
     },
-    /// The model has nothing that could be compared.
+    /// The model has no corresponding value.
     Silent,
-    /// This instrument has nothing that could be compared.
+    /// This instrument has no corresponding value.
     Skipped(Skipped),
 }
 
@@ -107,18 +107,17 @@ pub struct Validation {
     pub pressed: Vec<SimulatedPress>,
 }
 
-/// Shares of the work: the technician's sheet, and what comes after it.
+/// Shares of the work: the technician's sheet, and the work after it.
 const SHEET: f64 = 0.5;
 const PRESSES: f64 = 0.25;
 const TOUCHES: f64 = 0.05;
 const KEYS: f64 = 0.05;
 
-/// Simulates everything that the table asks about. `keyboard`: whose middle C the instrument is, for the rows that are
-/// about other keys. `progress` receives the share that is done and ends the work by returning false.
+/// Simulates all values needed by the table. `keyboard`: the one whose middle C is the instrument, for rows about other
+/// keys. `progress` receives the share done and ends the work by returning false.
 ///
 /// # Errors
-/// See [`MeasureError`]: the instrument is no piano action, or a run failed. A value that does not come about is no
-/// error.
+/// See [`MeasureError`]: the instrument is no piano action, or a run failed. A missing event is no error.
 pub fn validate(
     instrument: &Instrument,
     keyboard: Option<&Keyboard>,

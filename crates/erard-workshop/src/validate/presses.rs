@@ -1,19 +1,19 @@
-//! Presses from the softest to the loudest: when the key is down and when the hammer is there.
+//! Presses from the softest to the loudest: times of key bottom and of the impact.
 //!
-//! Five protocols, fixed before any number of an instrument was moved for them:
+//! Five protocols, fixed before any parameter of an instrument was changed for them:
 //!
-//! - *constant*: a force that is there at once and stays. Nobody plays so; it is the plainest of drives.
-//! - *ramped*: a force that rises within 10 ms by half a cosine and stays. Under a step the front of a key that bends
+//! - *constant*: a force that acts at once and stays. Nobody plays like this; it is the simplest drive.
+//! - *ramped*: a force that rises within 10 ms by half a cosine and stays. Under a step, the front of a flexible key
 //!   trembles, and its largest speed is that of the trembling.
-//! - *struck*: a hand of 0.2 kg arrives with a speed, and its muscle presses on ([`HandStroke::struck`]).
+//! - *struck*: a hand of 0.2 kg arrives with a speed, and its muscle continues to press ([`HandStroke::struck`]).
 //! - *pressed*: a hand of 0.2 kg rests on the key, and its muscle's force rises within 40 ms and stays, to the end of
 //!   the run ([`HandStroke::pressed`]). The loudest is that of 100 N: 50 N within 20 ms, which Timmermans and Fisette
 //!   (Machines 8 (2020) 76) ask of an actuator that is to play as a pianist does.
-//! - *led*: the same hand is led to 10.5 mm below the key's rest along the path of least jerk, by muscle of 1500 N/m
+//! - *led*: the same hand moves to 10.5 mm below the key's rest along the path of least jerk, by a muscle of 1500 N/m
 //!   and 14 N s/m, and stays there ([`HandStroke::led`]). The slowest that sounds is the softest.
 //!
 //! Key bottom is the first touch of the front punching, and the key starts when its front is 0.1 mm down
-//! ([`erard::events`]). Accelerometers see key bottom where the key is slowed down most, a millisecond or more later.
+//! ([`erard::events`]). Accelerometers show key bottom at the key's largest deceleration, a millisecond or more later.
 
 use std::f64::consts::PI;
 
@@ -28,45 +28,45 @@ use moreau::Settings;
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
-/// A press is over after this time, s: twice the slowest published.
+/// Duration of a press, s: twice the slowest published.
 const DURATION_S: f64 = 0.5;
-/// The forces of published playing, N: 0.5 starts a key, 15 is ff, and 35 is more than any.
+/// Range of forces in published playing, N: 0.5 starts a key, 15 is ff, and 35 is more than any.
 const FORCES_N: [f64; 2] = [0.3, 35.0];
-/// Times within which a hand is led down, s: twice the longest published key stroke, and one that no led hand keeps.
+/// Slowest and quickest led stroke, s: twice the longest published key stroke, and one that no led hand can follow.
 const SLOWEST_S: f64 = 0.5;
 const QUICKEST_S: f64 = 0.02;
-/// A ramped force rises within this time, s.
+/// Rise time of a ramped force, s.
 const RAMP_S: f64 = 0.010;
-/// Fortissimo, by a paper that gives its force, N, and by others that give the hammer's speed, m/s.
+/// Fortissimo: the force given by one paper, N, and the hammer speed given by others, m/s.
 const FF_FORCE_N: f64 = 15.0;
 const FF_LEAST_M_PER_S: f64 = 4.5;
-/// A force is found when it is known to this share.
+/// Relative tolerance of a force found by bisection.
 const CLOSE: f64 = 1e-3;
-/// A key that has gone so far has started, m: past the cloths on which it breathes.
+/// Travel at which a key has started, m: beyond the compression of its cloths.
 const STARTED_M: f64 = 1e-3;
-/// Forces of the curve against loudness, from the softest to the largest.
+/// Number of forces in the curve against loudness, from the softest to the largest.
 const POINTS: usize = 25;
-/// Hammer speeds of the marks, m/s: equal ratios from pp, 0.5, to ff, 5 (see the published table).
+/// Hammer speeds of the levels, m/s: equal ratios from pp, 0.5, to ff, 5 (see the published table).
 pub(super) const PP_M_PER_S: f64 = 0.5;
 pub(super) const FF_M_PER_S: f64 = 5.0;
 pub(super) const MF_M_PER_S: f64 = 1.99;
 const P_M_PER_S: f64 = 0.79;
 const F_M_PER_S: f64 = 3.15;
-/// The key stroke that a published f has, s.
+/// Published duration of an f key stroke, s.
 const F_STROKE_S: f64 = 0.025;
 
 /// Drive of the key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drive {
-    /// By a constant force, N, that is there at once.
+    /// Constant force, N, from the start.
     Constant(f64),
-    /// By a force, N, that rises within 10 ms and stays.
+    /// Force, N, that rises within 10 ms and stays.
     Ramped(f64),
-    /// By a hand that arrives with so many m/s ([`HandStroke::struck`]).
+    /// Hand that arrives at this speed, m/s ([`HandStroke::struck`]).
     Struck(f64),
-    /// By a hand whose muscle's force rises to so many N ([`HandStroke::pressed`]).
+    /// Hand whose muscle's force rises to this, N ([`HandStroke::pressed`]).
     Pressed(f64),
-    /// By a hand that is led down within so many s ([`HandStroke::led`]).
+    /// Hand that moves down within this time, s ([`HandStroke::led`]).
     Led(f64),
 }
 
@@ -79,13 +79,13 @@ pub struct SimulatedPress {
     pub key_stroke_s: Option<f64>,
     /// Time from key start to the impact on the string, s.
     pub to_string_s: Option<f64>,
-    /// Time from the impact to key bottom, s; negative where the key is down first.
+    /// Time from the impact to key bottom, s; negative if the key is down first.
     pub hammer_ahead_s: Option<f64>,
     /// Speed of the hammer at the string, m/s.
     pub hammer_speed_m_per_s: Option<f64>,
-    /// Largest speed of the key front before the hammer meets the string, m/s.
+    /// Largest speed of the key front before the impact, m/s.
     pub key_speed_m_per_s: f64,
-    /// Largest force of the finger before the hammer meets the string, N.
+    /// Largest force of the finger before the impact, N.
     pub peak_n: f64,
     /// Duration of the first contact of hammer and string, s.
     pub contact_s: Option<f64>,
@@ -100,27 +100,27 @@ pub struct Loudness {
     pub starting_force_n: Option<f64>,
     /// Constant force of a key stroke of 20 ms, N.
     pub force_of_a_20_ms_stroke_n: Option<f64>,
-    /// The softest constant force that sounds and reaches key bottom.
+    /// Press with the softest constant force that sounds and reaches key bottom.
     pub softest: Option<SimulatedPress>,
-    /// At 0.8, 15 and 35 N.
+    /// Press under 0.8 N.
     pub at_0_8_n: SimulatedPress,
-    /// A press under 15 N.
+    /// Press under 15 N.
     pub at_15_n: SimulatedPress,
-    /// A press under 35 N.
+    /// Press under 35 N.
     pub at_35_n: SimulatedPress,
-    /// Under a force that rises to 15 N.
+    /// Press under a force that rises to 15 N.
     pub ramped_15_n: SimulatedPress,
     /// Smallest force with such a rise for a hammer speed of 4.5 m/s, N.
     pub force_for_ff_n: Option<f64>,
-    /// Constant forces for the hammer speeds of the marks.
+    /// Press with the constant force for the hammer speed of mf.
     pub mf: Option<SimulatedPress>,
-    /// At f.
+    /// Press with the constant force for the hammer speed of f.
     pub f: Option<SimulatedPress>,
-    /// The constant force with the key stroke of a published f.
+    /// Press with the constant force for the published duration of an f key stroke.
     pub f_by_stroke: Option<SimulatedPress>,
-    /// Hammer speed where hammer and key bottom come together under constant forces, m/s.
+    /// Hammer speed at which impact and key bottom coincide under constant forces, m/s.
     pub crossover_m_per_s: Option<f64>,
-    /// The curve of constant forces against loudness.
+    /// Curve of constant forces against loudness.
     pub constant_force: Vec<SimulatedPress>,
     /// Results of hands.
     pub by_hand: ByHand,
@@ -129,11 +129,11 @@ pub struct Loudness {
 /// Presses by hands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ByHand {
-    /// Led so slowly that it just sounds.
+    /// Led as slowly as still sounds.
     pub softest: Option<SimulatedPress>,
     /// Led, at the hammer speed of pp.
     pub pp: Option<SimulatedPress>,
-    /// Pressed, with the key stroke of a published f.
+    /// Pressed, with the published duration of an f key stroke.
     pub f_by_stroke: Option<SimulatedPress>,
     /// Pressed, at the hammer speed of ff.
     pub ff: Option<SimulatedPress>,
@@ -141,13 +141,13 @@ pub struct ByHand {
     pub struck: [Option<SimulatedPress>; 4],
     /// Pressed as fast as a hand can.
     pub loudest: SimulatedPress,
-    /// Hammer speed where hammer and key bottom come together, pressed, m/s.
+    /// Hammer speed at which impact and key bottom coincide, pressed, m/s.
     pub crossover_m_per_s: Option<f64>,
     /// The curve of pressed touches against loudness.
     pub pressed: Vec<SimulatedPress>,
 }
 
-/// One press.
+/// Simulates one press.
 fn press(
     instrument: &Instrument,
     drive: Drive,
@@ -168,7 +168,7 @@ fn press(
 }
 
 impl SimulatedPress {
-    /// What a run shows.
+    /// Makes the results of a run.
     pub(super) fn of(instrument: &Instrument, run: &Run, drive: Drive) -> Self {
         let e = &run.events;
         let between = |from: Option<f64>, to: Option<f64>| Some(to? - from?);
@@ -178,7 +178,7 @@ impl SimulatedPress {
         let peak_n = run.force_n[..until].iter().copied().fold(0.0, f64::max);
         let string = instrument.roles.string.map(|zone| &run.zones[zone].normal_n[until.min(run.time_s.len())..]);
         let contact_s = string.filter(|_| e.hammer_contact_s().is_some()).map(|normal| {
-            // The row of the first touch may still be without force.
+            // The first row of contact may still be without force.
             let first = normal.iter().position(|n| *n > 0.0).unwrap_or(0);
             let rows = normal[first..].iter().take_while(|n| **n > 0.0).count();
             rows as f64 * run.work.record_every as f64 * STEP_S
@@ -196,13 +196,13 @@ impl SimulatedPress {
         }
     }
 
-    /// Sounds, and goes all the way.
+    /// Whether the key sounds and reaches its bottom.
     fn whole(&self) -> bool {
         self.hammer_ahead_s.is_some()
     }
 }
 
-/// A family of drives from soft to loud, by one number within its ends.
+/// A family of drives from soft to loud, by one parameter with its range.
 struct Family {
     drive: fn(f64) -> Drive,
     ends: [f64; 2],
@@ -211,11 +211,11 @@ struct Family {
 const CONSTANT: Family = Family { drive: Drive::Constant, ends: FORCES_N };
 const RAMPED: Family = Family { drive: Drive::Ramped, ends: FORCES_N };
 const PRESSED: Family = Family { drive: Drive::Pressed, ends: HAND_FORCES_N };
-/// By the inverse of its time, 1/s, so that more is louder.
+/// By the inverse of the duration, 1/s, so that larger is louder.
 const LED: Family = Family { drive: |per_s| Drive::Led(1.0 / per_s), ends: [1.0 / SLOWEST_S, 1.0 / QUICKEST_S] };
 
-/// The smallest number of the family from which on `holds`, by bisection on the logarithm, and its press; `None` when
-/// it does not hold at the largest.
+/// Finds the family's smallest parameter from which on `holds` is true, by bisection on the logarithm, and returns its
+/// press; `None` if it is false at the largest.
 fn smallest(
     instrument: &Instrument,
     family: &Family,
@@ -239,7 +239,7 @@ fn smallest(
     Ok(Some(found))
 }
 
-/// The hand of a touch whose hammer has a speed; `None` where none does.
+/// Finds the hand of a touch with this hammer speed; `None` if there is none.
 pub(super) fn hand_at(
     instrument: &Instrument,
     touch: Touch,
@@ -256,19 +256,19 @@ pub(super) fn hand_at(
     }
 }
 
-/// The press of the struck hand whose hammer has a speed; `None` where no hand strikes so. Searched from below: a hand
+/// Returns the press of the struck hand with this hammer speed; `None` if there is none. Searched from below: a hand
 /// that arrives too fast throws the hammer off the jack, and is softer.
 fn struck_at(
     instrument: &Instrument,
     speed_m_per_s: f64,
     progress: &mut Progress<'_>,
 ) -> Result<Option<SimulatedPress>, SimulationError> {
-    // The search is not counted: its trials end at the impact.
+    // The search does not count as progress: its trials end at the impact.
     let Some(found) = hand_at(instrument, Touch::Struck, speed_m_per_s, &mut |_| true)? else { return Ok(None) };
     press(instrument, Drive::Struck(found.louder), progress).map(Some)
 }
 
-/// The presses of a family from a number to its end, in equal ratios.
+/// Returns the presses of a family from a parameter to its end, in equal ratios.
 fn curve(
     instrument: &Instrument,
     family: &Family,
@@ -281,9 +281,9 @@ fn curve(
         .collect()
 }
 
-/// Simulates everything that the table asks for.
+/// Simulates all presses needed by the table.
 pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Loudness, MeasureError> {
-    // Counted in presses: eleven searches of about 13, two curves and five more.
+    // Number of presses: eleven searches of about 13, two curves and five more.
     const PRESSES: f64 = 11.0 * 13.0 + 2.0 * POINTS as f64 + 5.0;
     let mut done = 0.0;
     let progress = &mut |_: f64| {
@@ -337,7 +337,7 @@ pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<L
     })
 }
 
-/// Hammer speed at which the last change from hammer first to key bottom first lies, m/s: by linear interpolation.
+/// Hammer speed at the last change from hammer first to key bottom first, m/s, by linear interpolation.
 fn crossover(presses: &[SimulatedPress]) -> Option<f64> {
     let points: Vec<[f64; 2]> =
         presses.iter().filter_map(|b| Some([b.hammer_speed_m_per_s?, b.hammer_ahead_s?])).collect();
@@ -364,8 +364,7 @@ mod tests {
         }
     }
 
-    /// A straight line through zero at 2.5 m/s is found to rounding; one that does not change its sign has no
-    /// crossover.
+    /// A straight line through zero at 2.5 m/s is found to rounding; one without change of sign has no crossover.
     #[test]
     fn a_line_crosses_where_it_does() {
         let line: Vec<SimulatedPress> = [1.0, 2.0, 3.0, 4.0].iter().map(|v| at(*v, 1e-3 * (2.5 - v))).collect();

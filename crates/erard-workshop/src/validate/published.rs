@@ -10,7 +10,7 @@ use crate::measure::norms::MIDDLE_C;
 use crate::measure::usual::usual;
 use erard::instrument::{Certainty, Source};
 
-/// What comes with the program.
+/// The built-in table.
 const BUILTIN: &str = include_str!("../../validation/published.toml");
 const FORMAT: &str = "erard-published/2";
 
@@ -18,7 +18,7 @@ const FORMAT: &str = "erard-published/2";
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Published {
-    /// `erard-published/2`.
+    /// Format, `erard-published/2`.
     pub format: String,
     /// Groups of rows by name, in words. Groups are independent of one another; rows of one group are not.
     pub groups: BTreeMap<String, String>,
@@ -33,7 +33,7 @@ pub struct Published {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// The instrument was built, weighed or regulated to it.
+    /// The instrument was built, weighed or regulated to this number.
     Set,
     /// A prediction of the model.
     Predicted,
@@ -60,38 +60,38 @@ pub struct Row {
     pub quantity: String,
     /// Name of its group.
     pub group: String,
-    /// Whether it tests the model.
+    /// Whether the row tests the model.
     pub kind: Kind,
     /// Quantity by which the instrument was set to the number; only for [`Kind::Set`].
     pub set_by: Option<String>,
-    /// Simulated value that it is compared with, one of [`super::names`]; `None` if the model has none.
+    /// Simulated value for the comparison, one of [`super::names`]; `None` if the model has none.
     pub measure: Option<String>,
     /// The quantity under a constant force, one of [`super::names`]: shown with the row, not counted.
     pub beside: Option<String>,
     /// Unit of all its numbers; empty for ratios.
     pub unit: String,
-    /// The one number that was published, where it is not a range.
+    /// Single published number, if it is not a range.
     pub number: Option<f64>,
     /// Published value in words, if neither range nor number gives it.
     pub published: Option<String>,
     /// The range is the usual one of middle C ([`crate::measure::usual`]).
     #[serde(default)]
     pub usual: bool,
-    /// Lower end of what counts as met.
+    /// Lower end of the range that counts as met.
     pub at_least: Option<f64>,
-    /// Upper end.
+    /// Upper end of the range that counts as met.
     pub at_most: Option<f64>,
     /// Name of its source.
     pub source: String,
     /// Certainty.
     pub certainty: Certainty,
-    /// Method of the simulation, and the part of the range that is ours.
+    /// Method of the simulation, and any part of the range that is our own.
     pub how: String,
     /// Likely reason of a miss.
     pub if_missed: Option<String>,
 }
 
-/// Why a table cannot be read.
+/// Reason why a table cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum PublishedError {
     /// The file is not a table of this format.
@@ -100,15 +100,15 @@ pub enum PublishedError {
     /// A row contradicts itself or the rest of the table.
     #[error("row `{row}`: {what}")]
     Row {
-        /// Its name.
+        /// Name of the row.
         row: String,
-        /// Fault and expected text.
+        /// Error and expected text.
         what: String,
     },
 }
 
 impl Published {
-    /// The table that comes with the program.
+    /// Returns the built-in table.
     ///
     /// # Panics
     /// Never: a test reads it.
@@ -168,7 +168,7 @@ impl Published {
 }
 
 impl Row {
-    /// Takes the range from the table of usual ones.
+    /// Takes ranges from the table of usual ranges.
     fn take_usual(&mut self) -> Result<(), PublishedError> {
         let wrong = |what: &str| Err(PublishedError::Row { row: self.name.clone(), what: what.into() });
         if !self.is_open() {
@@ -183,13 +183,13 @@ impl Row {
         Ok(())
     }
 
-    /// No range was published.
+    /// Whether no range was published.
     #[must_use]
     pub(crate) fn is_open(&self) -> bool {
         self.at_least.is_none() && self.at_most.is_none()
     }
 
-    /// Verdict on a simulated value against this row.
+    /// Returns the verdict on a simulated value.
     #[must_use]
     pub fn judge(&self, simulated: Option<f64>) -> Verdict {
         let Some(simulated) = simulated.filter(|x| x.is_finite()) else { return Verdict::Absent };
@@ -201,9 +201,8 @@ impl Row {
         }
     }
 
-    /// Whether a band of values, from low to high, is too wide to say whether the row is met: wider than a range with
-    /// two ends that it overlaps, or across the only end of one. A band that lies within the range, or beside it,
-    /// decides.
+    /// Whether a band of values, from low to high, is too wide to decide whether the row is met: wider than a two-sided
+    /// range that it overlaps, or across the end of a one-sided one. A band inside the range, or outside it, decides.
     #[must_use]
     pub fn is_undecided(&self, [low, high]: [f64; 2]) -> bool {
         match (self.at_least, self.at_most) {

@@ -1,6 +1,6 @@
-//! A key let go: how long it takes home, and how far it comes back from its felt.
+//! A released key: time to return home, and rebound from its felt.
 //!
-//! Recorded releases give these two numbers, too (`recordings/releases.py`).
+//! Recorded releases also give these two numbers (`recordings/releases.py`).
 
 use moreau::Settings;
 
@@ -10,22 +10,22 @@ use erard::run::{Run, Setup, SimulationError, simulate};
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
-/// The finger's force, N; until when it holds, and within what time it is gone, s.
+/// Force of the finger, N; time until which it holds, and time in which it vanishes, s.
 const HELD_N: f64 = 5.0;
 const HELD_S: f64 = 0.4;
 const GONE_S: f64 = 2e-3;
-/// How long the key is followed, s.
+/// Time after which recording ends, s.
 const FOLLOWED_S: f64 = 0.3;
-/// The key has left where it was held when it is so far above it, m, and is home when it is so far below its rest, m.
+/// Rise from the held position at which a key has left it, m, and travel below which it is home, m.
 const LEFT_M: f64 = 1e-3;
 const HOME_M: f64 = 0.5e-3;
 
-/// A release; `None` where the key does not come home.
+/// A release; `None` if the key does not come home.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Release {
     /// Time from leaving the held position to home, s.
     pub home_s: Option<f64>,
-    /// The largest travel after it came home until it is home again, m.
+    /// Largest travel between coming home and being home again, m.
     pub rebound_m: Option<f64>,
 }
 

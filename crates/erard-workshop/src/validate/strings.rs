@@ -1,4 +1,4 @@
-//! Hammer and strings over the compass: contact, largest force, return, inharmonicity.
+//! Hammer and strings over the compass: contact time, largest force, return speed, inharmonicity.
 
 use super::presses::{FF_M_PER_S, MF_M_PER_S, PP_M_PER_S};
 use crate::measure::MeasureError;
@@ -10,17 +10,17 @@ use erard::run::SimulationError;
 use erard::strings::Strings;
 use erard::{Action, Input};
 
-/// The keys beside the instrument, which is middle C: A0, C6, C8.
+/// Keys other than the instrument, which is middle C: A0, C6, C8.
 const A0: usize = 1;
 const C6: usize = 64;
 const C8: usize = 88;
-/// Impacts that are looked for, and about how many tries each takes.
+/// Number of searches for impacts, and about how many tries each takes.
 const SEARCHES: f64 = 5.0;
 const TRIES: f64 = 11.0;
 /// Cents of the second partial per B: 1200/ln 2 times B n^2/2.
 const CENTS_PER_B: f64 = 1200.0 / std::f64::consts::LN_2 * 0.5 * 4.0;
 
-/// The names that rows may ask for; the unit ends the name.
+/// Names for rows; each ends with its unit.
 pub(super) const NAMES: [&str; 15] = [
     "contact_a0_mf_ms",
     "contact_c8_mf_ms",
@@ -39,16 +39,16 @@ pub(super) const NAMES: [&str; 15] = [
     "t60_c6_s",
 ];
 
-/// What a rigid string answers, too: a felt of middle C's that represents string and felt has been given to it. Those
-/// of other keys are not graded for that, and it has no partials.
+/// Whether a rigid string also has this value: its felt represents hammer felt and string of middle C. The felts of
+/// other keys are not graded for that, and a rigid string has no partials.
 fn asks_no_string(name: &str) -> bool {
     name.starts_with("peak_c4") || name.starts_with("return_c4")
 }
 
-/// Why a row on strings is not asked of an instrument.
+/// Reason why a row on strings is skipped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Skipped {
-    /// Its string does not yield.
+    /// The instrument's string is rigid.
     RigidString,
     /// The row is about another key, and no keyboard is known.
     NoKeyboard,
@@ -67,19 +67,19 @@ impl Skipped {
     }
 }
 
-/// What was found; `None` did not come about.
+/// Results; `None` if an event did not happen.
 #[derive(Debug, Clone, Default)]
 struct Found {
     c4: [Option<FirstImpact>; 3],
     a0: Option<FirstImpact>,
     c8: Option<FirstImpact>,
-    /// C4, C6, C8.
+    /// Sharpness of the second partial of C4, C6, C8, cents.
     cents: [Option<f64>; 3],
-    /// A0, C4, C6, under their dampers, s.
+    /// Decay times of A0, C4, C6 under their dampers, s.
     t60_s: [Option<f64>; 3],
 }
 
-/// The rows on strings for one instrument.
+/// Values of the rows on strings for one instrument.
 #[derive(Debug, Clone)]
 pub(super) struct Strung {
     found: Found,
@@ -88,7 +88,7 @@ pub(super) struct Strung {
 }
 
 impl Strung {
-    /// Plays what rows ask for: middle C on the instrument, other keys on its keyboard.
+    /// Simulates the rows: middle C on the instrument, other keys on its keyboard.
     pub(crate) fn measure(
         instrument: &Instrument,
         keyboard: Option<&Keyboard>,
@@ -132,7 +132,7 @@ impl Strung {
         Ok(Strung { found, yields, keyboard: keyboard.is_some() })
     }
 
-    /// The value of one of [`NAMES`], in the unit that ends it; why it is not asked for; `None` for another name.
+    /// Value of one of [`NAMES`], in the unit that ends it, or why it is skipped; `None` for another name.
     pub(crate) fn value(&self, name: &str) -> Option<Result<Option<f64>, Skipped>> {
         if !NAMES.contains(&name) {
             return None;
@@ -168,23 +168,23 @@ impl Strung {
     }
 }
 
-/// By how much the last of a note's strings has its second partial above twice its first's ideal, cents.
+/// Second partial of the note's last string above twice its ideal fundamental, cents.
 fn cents(instrument: &Instrument) -> Option<f64> {
     instrument.strings.last().map(|string| CENTS_PER_B * string.inharmonicity())
 }
 
-/// A note under its damper: force that strikes it, N; how long it is held, and how long after it was let go the damper
-/// is taken to lie still, s.
+/// A note under its damper: force of its stroke, N, time held, s, and time after the release at which the damper is
+/// taken to lie still, s.
 const STRUCK_N: f64 = 5.0;
 const HELD_S: f64 = 0.3;
 const LIES_S: f64 = 0.1;
-/// Levels are means over this time, s; the first 20 dB are waited for so long, s.
+/// Averaging time of levels, s; level of the fall, dB, and longest wait for it, s.
 const WINDOW_S: f64 = 20e-3;
 const FALL_DB: f64 = 20.0;
 const PATIENCE_S: f64 = 2.0;
 
-/// How long the force on the bridge takes to fall by 60 dB under the damper, at the rate at which it falls by 20 or as
-/// far as it does in two seconds, s; `None` where the note has no damper.
+/// Time in which the force on the bridge falls by 60 dB under the damper, from its rate over the first 20 dB or two
+/// seconds, s; `None` without a damper or a fall.
 fn t60_s(instrument: &Instrument) -> Result<Option<f64>, MeasureError> {
     if instrument.strings.iter().all(|string| string.damper.is_none()) {
         return Ok(None);

@@ -1,8 +1,8 @@
-//! Pressed against struck at equal loudness: the hands that play mf on this instrument ([`erard::level`]); and how soon
-//! the damper is back after a hand has left.
+//! Pressed against struck at equal loudness, with the hands that play mf on this instrument ([`erard::level`]); and the
+//! return of the damper after a hand has left.
 //!
-//! The release: a hand presses with 100 N/s up to 5 N and holds; after a quarter of a second it leaves, its force gone
-//! within 30 ms ([`HandStroke::leaving`]). The key is released when the finger pushes no longer.
+//! Release: a hand presses with 100 N/s up to 5 N and holds; after a quarter of a second it leaves, its force vanishing
+//! within 30 ms ([`HandStroke::leaving`]). The key is released when the finger's force reaches zero.
 
 use moreau::Settings;
 
@@ -16,19 +16,19 @@ use erard::stroke::{HandStroke, Muscle, Touch};
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
-/// The hammer is at the string before this time, s.
+/// Duration, s: the hammer reaches the string before.
 const DURATION_S: f64 = 0.4;
-/// The released hand: N/s, N, s and s.
+/// The released hand: rate of force, N/s, force held, N, start and duration of its leaving, s.
 const RISE_N_S: f64 = 100.0;
 const HELD_N: f64 = 5.0;
 const LEAVES_S: [f64; 2] = [0.25, 0.03];
-/// The key's speed is a mean over this time, s: the fingertip's and the felts' trembling goes out of it.
+/// Averaging time of the key's speed, s: removes the trembling of fingertip and felts.
 const MEAN_S: f64 = 1e-3;
 
-/// What the two touches show; `None` where one of them does not sound.
+/// Results of the two touches; `None` if one of them does not sound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Touches {
-    /// Lead of the struck key's hammer at the string, counted from key start, s; positive when it is sooner.
+    /// Lead of the struck key's impact over the pressed key's, counted from key start, s; positive if it is sooner.
     pub struck_sooner_s: Option<f64>,
     /// Key travel at which the struck key is slowest after its first surge, m.
     pub plateau_m: Option<f64>,
@@ -48,7 +48,7 @@ pub(super) fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> R
     Ok(Touches { struck_sooner_s, plateau_m: plateau(&struck), release_to_damper_s })
 }
 
-/// The hand that plays mf; `None` where none does.
+/// Plays mf by a hand; `None` if no hand does.
 fn mezzo_forte(
     instrument: &Instrument,
     touch: Touch,
@@ -59,7 +59,7 @@ fn mezzo_forte(
     press_by_hand(instrument, &found.held(), &setup, progress).map(Some)
 }
 
-/// From the release of the key to its damper on what it rests on, s.
+/// Time from the release of the key until its damper touches its rest, s.
 fn release_to_damper(instrument: &Instrument) -> Result<Option<f64>, MeasureError> {
     let Some(damper) = Anatomy::find(instrument)?.damper else { return Ok(None) };
     let hand = HandStroke::ramped(RISE_N_S);
@@ -80,19 +80,19 @@ fn release_to_damper(instrument: &Instrument) -> Result<Option<f64>, MeasureErro
     Ok(down.map(|rows| run.time_s[released + rows] - run.time_s[released]))
 }
 
-/// Key travel at the slowest instant between the first surge of the key and the hammer's impact, m; `None` where the
-/// key does not slow down by a tenth.
+/// Key travel at the slowest instant between the first surge of the key and the impact, m; `None` if the key does not
+/// slow down by a tenth.
 fn plateau(run: &Run) -> Option<f64> {
     let until = run.time_s.partition_point(|&t| t < run.events.hammer_contact_s().unwrap_or(0.0));
     let wide = (MEAN_S / STEP_S) as usize;
     let speed: Vec<f64> = run.key_m[..until].windows(wide + 1).map(|y| (y[wide] - y[0]) / MEAN_S).collect();
-    // The first surge: from where on it gets slower than nine tenths of the fastest so far.
+    // The first surge ends where the speed falls below nine tenths of the fastest so far.
     let mut fastest = 0.0_f64;
     let over = speed.iter().position(|v| {
         fastest = fastest.max(*v);
         *v < 0.9 * fastest
     })?;
-    // The valley behind it ends where the key has gained a tenth again.
+    // The minimum after it ends where the speed has risen by a tenth again.
     let (mut slowest, mut at) = (f64::INFINITY, over);
     for (row, v) in speed.iter().enumerate().skip(over) {
         if *v < slowest {

@@ -1,4 +1,4 @@
-//! The simulated values by the names that rows of the table use. The unit ends the name.
+//! Simulated values by the names in the table's rows. Each name ends with its unit.
 
 use super::presses::{Loudness, SimulatedPress};
 use super::release::Release;
@@ -11,12 +11,12 @@ const MM_PER_M: f64 = 1e3;
 /// The weight of a kilogram, N.
 const KG_N: f64 = 9.81;
 
-/// Iterates over all names that a row may ask for.
+/// Iterates over all names for rows.
 pub fn names() -> impl Iterator<Item = &'static str> {
     NAMES.into_iter().chain(super::strings::NAMES).chain(super::keys::NAMES)
 }
 
-/// The names that are no business of strings.
+/// Names of values without strings.
 const NAMES: [&str; 57] = [
     "down_weight_g",
     "up_weight_g",
@@ -77,16 +77,16 @@ const NAMES: [&str; 57] = [
     "release_home_ms",
 ];
 
-/// What the parts give on the bench, m/N; `None` without the part.
+/// Compliance of parts on the bench, m/N; `None` without the part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Flex {
-    /// The key at its playing end.
+    /// Of the key at its playing end.
     pub key_m_per_n: Option<f64>,
-    /// The shank where the pound hangs.
+    /// Of the shank at the pound.
     pub shank_m_per_n: Option<f64>,
 }
 
-/// What was simulated of an instrument.
+/// Simulated results of an instrument.
 #[derive(Debug)]
 pub(super) struct Simulated {
     pub sheet: Sheet,
@@ -96,11 +96,11 @@ pub(super) struct Simulated {
     pub flex: Flex,
 }
 
-/// The damper's share of a slow key counts from so far below where it starts to so far above the bottom, mm: the
-/// let-off between them is in both ways.
+/// Distance from the damper's start, and from the bottom, within which the damper's share does not count, mm: let-off
+/// between them is in both loops.
 const AWAY_MM: f64 = 1.0;
 
-/// What the damper adds to the force of a slow key on its way down, N.
+/// Contribution of the damper to the force of a slow press, N.
 fn damper_resistance(sheet: &Sheet) -> Option<f64> {
     let with = sheet.hysteresis_dampers_down.as_ref()?;
     let from = sheet.damper_start_share? * sheet.dip_mm? + AWAY_MM;
@@ -113,7 +113,7 @@ fn damper_resistance(sheet: &Sheet) -> Option<f64> {
     Some(mean(with)? - mean(&sheet.hysteresis)?)
 }
 
-/// The value of one of them, in the unit that ends it; `None` where it did not come about (or there is no such name).
+/// Value of a name, in the unit that ends it; `None` if the event did not happen or the name is unknown.
 pub(super) fn value(name: &str, found: &Simulated) -> Option<f64> {
     let Simulated { sheet, loudness, touches, release, flex } = found;
     let ms = |seconds: Option<f64>| seconds.map(|s| s * MS_PER_S);

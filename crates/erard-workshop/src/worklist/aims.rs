@@ -1,5 +1,4 @@
-//! The aims of the screws' lines: each the middle of its range, but for dip and blow, of which the aftertouch
-//! is made.
+//! Targets of the screws' lines: the middle of each range, except dip and blow, which determine the aftertouch.
 
 use super::Worked;
 use super::plan::{Planner, Priority};
@@ -8,31 +7,31 @@ use crate::regulate::Specification;
 
 use Quantity::{Aftertouch, Blow, Check, Damper, Dip, Drop, JackPosition, LetOff, LeverHeight, Spring};
 
-/// The screws' lines in the trade's order of work. Aftertouch has no screw: it follows from dip and blow.
+/// Lines with screws, in the trade's order of work. Aftertouch has no screw: it follows from dip and blow.
 pub(super) const REGULATION: [Quantity; 9] =
     [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop, Check, Spring, Damper];
-/// The lines that decide the aftertouch.
+/// Lines that determine the aftertouch.
 const DECIDE: [Quantity; 6] = [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop];
-/// How far the key goes for each millimetre of the hammer, where a blow is to change the aftertouch.
+/// Key travel per hammer travel, for changes of the aftertouch by the blow.
 pub(super) const KEY_PER_HAMMER: f64 = 0.19;
-/// Times that dip and blow are tried on the copy and found anew.
+/// Trials of dip and blow on the copy.
 const TRIALS: u32 = 2;
-/// Inside its range by so much, mm, a line bears what hand and reading are off by: a paper and a reading; 1/8 turn of
-/// the capstan and a reading; both for the aftertouch; a bend of the back check's wire and a reading; 1/8
-/// turn of the lever's screw and a reading.
+/// Distance from the ends of its range, mm, at which a line tolerates the errors of hand and reading: a paper and a
+/// reading; 1/8 turn of the capstan and a reading; both for the aftertouch; a bend of the back check's wire and a
+/// reading; 1/8 turn of the lever's screw and a reading.
 const ROOM_DIP_MM: f64 = 0.3;
 const ROOM_BLOW_MM: f64 = 1.5;
 const ROOM_AFTERTOUCH_MM: f64 = 0.3;
 const ROOM_CHECK_MM: f64 = 0.7;
 const ROOM_LEVER_MM: f64 = 0.15;
-/// What a millimetre of dip and of blow must gain of that room, to be worth the work.
+/// Gain of that distance that makes a millimetre of dip and blow worth the work.
 const WORK: f64 = 0.1;
 
-/// What lines are to come to.
+/// Targets by line.
 pub(super) type Aims = Vec<(Quantity, f64)>;
 
 impl Planner<'_, '_> {
-    /// What the lines that are out, or have been brought close to it, are to come to.
+    /// Returns the targets of the lines that are out of range, or have been brought close to its end.
     pub(super) fn aims(&mut self) -> Worked<Aims> {
         let mut aims: Aims = REGULATION
             .into_iter()
@@ -66,9 +65,9 @@ impl Planner<'_, '_> {
         Ok(aims)
     }
 
-    /// The aims of let-off and drop where the hammer does not fall. The jack lets off where the reading says, or
-    /// farther from the string: the button may bring it nearer, and never takes it away. The lever is not lowered below
-    /// the end of the let-off's range, or below where it is: whatever the jack does, the hammer then comes as near as
+    /// Sets the targets of let-off and drop if the hammer does not fall. The jack lets off where the reading says, or
+    /// farther from the string: the button may bring it nearer, never farther away. The lever is not lowered below the
+    /// end of the let-off's range, or below its present height: for any jack position, the hammer then comes as near as
     /// before.
     fn without_a_fall(&self, aims: &mut Aims) {
         let Some(read) = self.now.get(LetOff) else { return };
@@ -81,11 +80,11 @@ impl Planner<'_, '_> {
         aims.push((Drop, Drop.aim(self.key).min(lowest - nearest)));
     }
 
-    /// What a line is to come to.
+    /// Returns the target of a line.
     ///
     /// A millimetre of the back check's wire moves the check distance by 7 to 11 mm on seven of eight drawn grands, and
-    /// by up to 28 mm on the eighth: the copy's may be another than the piano's. The aim is where it may be wrong by
-    /// the same factor either way. The change is the geometric mean of those to the two ends of the range.
+    /// by up to 28 mm on the eighth: copy and piano may differ. The target tolerates the same factor of error either
+    /// way. The change is the geometric mean of those to the two ends of the range.
     pub(super) fn aim(&self, quantity: Quantity) -> f64 {
         let middle = quantity.aim(self.key);
         let [low, high] = quantity.range(self.key);
@@ -96,7 +95,7 @@ impl Planner<'_, '_> {
                     if now < middle { now + mean(low - now, high - now) } else { now - mean(now - high, now - low) };
                 aim.clamp(low + ROOM_CHECK_MM, high - ROOM_CHECK_MM)
             }
-            // Not farther than needed: a lever goes into friction and leverage, and so into every weight.
+            // No farther than needed: a lever affects friction and leverage, and so every weight.
             Some(now) if quantity == LeverHeight => {
                 now.clamp(low + ROOM_LEVER_MM, (high - ROOM_LEVER_MM).max(low + ROOM_LEVER_MM))
             }
@@ -104,10 +103,10 @@ impl Planner<'_, '_> {
         }
     }
 
-    /// Whether other lines of this list have brought one so near to the end of its range that its reading cannot say
+    /// Whether other lines of this list have brought one so near to the end of its range that its reading cannot tell
     /// on which side it is.
     pub(super) fn is_at_risk(&self, quantity: Quantity) -> bool {
-        // A check that is read inside is left alone: how far a bend of its wire moves it is not known well enough.
+        // A check that is read inside is left alone: the effect of a bend of its wire is not known well enough.
         if quantity == Check {
             return false;
         }
@@ -116,7 +115,7 @@ impl Planner<'_, '_> {
         self.is_moved(quantity) && (now - low).min(high - now) < quantity.precision()
     }
 
-    /// What is expected once these lines have come to their aims; weights are not taken.
+    /// Returns the readings expected with these lines at their targets, without weighing.
     fn with_distances_at(&mut self, aims: &Aims) -> Worked<Readings> {
         let asked: Specification = aims
             .iter()
@@ -130,10 +129,10 @@ impl Planner<'_, '_> {
         Ok(self.now.moved(&self.own, &self.own.regulated(&regulated, self.progress)?))
     }
 
-    /// Dip and blow that bring the aftertouch right, from a dip, a blow, and the aftertouch that they give.
+    /// Returns dip and blow that bring the aftertouch into range, from a dip, a blow and their aftertouch.
     ///
-    /// Where the aftertouch comes first, both are chosen so that all three lie as far inside their ranges as a hand
-    /// needs, with little work. Where the dip comes first it stays if it is in its range, or goes to the middle.
+    /// With aftertouch first, both are chosen so that all three lie as far inside their ranges as a hand needs, with
+    /// little work. With dip first, the dip stays if it is in its range, or goes to the middle.
     fn dip_and_blow(&self, [dip, blow]: [f64; 2], aftertouch: f64) -> [f64; 2] {
         let room = |quantity: Quantity, value: f64, room: f64| {
             let [low, high] = quantity.range(self.key);

@@ -1,4 +1,4 @@
-//! Works of a hand on a key, and how fine they are.
+//! Pieces of work on a key, and their steps.
 
 use crate::balance::{Lead, LeadWork, add_mass};
 use crate::measure::MeasureError;
@@ -8,25 +8,25 @@ use erard::Progress;
 use erard::grand::{Anatomy, Parts, strike_weight_g};
 use erard::instrument::Instrument;
 
-/// The least that a line asks for, and the step in which it asks, g and mm: friction, which is weighed as D and U in
-/// steps of 2 g; hammers and front weights, on the scale; the capstan line; paper under the key; the back check's wire
-/// (1 mm of checking distance is a tenth of it).
+/// Smallest changes and steps of lines, g and mm: friction, weighed as D and U in steps of 2 g; hammers and front
+/// weights, on the scale; the capstan line; paper under the key; the back check's wire (1 mm of checking distance is a
+/// tenth of it).
 const FRICTION_G: f64 = 2.0;
 const HAMMER_G: f64 = 0.1;
 pub(super) const FRONT_G: f64 = 0.5;
 const CAPSTAN_MM: f64 = 0.5;
 const PAPER_M: f64 = 1e-4;
 const CHECK_WIRE_M: f64 = 1e-4;
-/// Turns of a screw.
+/// Step of a screw, turns.
 const TURN: f64 = 0.125;
-/// Bending of a spring, N m, and of a check's wire, rad.
+/// Steps of bending a spring, N m, and a check's wire, rad.
 const SPRING_N_M: f64 = 5e-4;
 const CHECK_ANGLE_RAD: f64 = 0.017_453_292_519_943_295;
-/// Where front weight is put or taken where no leads are named, as a share of the key's front arm.
+/// Place of front weight put or taken if no leads are named, as a share of the key's front arm.
 const LEADS_AT: f64 = 0.6;
-/// Bushings and pins are never eased to less than this share of their friction.
+/// Bushings and pins are not eased below this share of their friction.
 const LEAST_FRICTION: f64 = 0.1;
-/// Friction is found to this, g, in so many weighings.
+/// Tolerance of a friction weight, g, and most weighings to reach it.
 const FRICTION_FOUND_G: f64 = 0.05;
 const WEIGHINGS: u32 = 8;
 
@@ -43,7 +43,7 @@ pub enum Work {
         /// mm.
         by_mm: f64,
     },
-    /// Weight put on the hammer head, or taken off, g of strike weight.
+    /// Weight added to the hammer head, g of strike weight; negative if removed.
     Hammer {
         /// g.
         by_g: f64,
@@ -55,9 +55,9 @@ pub enum Work {
         /// m, rad, or N m.
         by: f64,
     },
-    /// Leads that are known are moved, taken out, or added.
+    /// Known leads moved, taken out, or added.
     Leads(LeadWork),
-    /// Front weight changed where no leads are known, g.
+    /// Front weight changed without known leads, g.
     FrontWeight {
         /// g.
         by_g: f64,
@@ -65,7 +65,7 @@ pub enum Work {
 }
 
 impl Work {
-    /// The step in which a hand does it, in its own unit (g, mm, m, rad, N m).
+    /// Returns the step of the hand, in the work's unit (g, mm, m, rad, N m).
     #[must_use]
     pub fn step(&self) -> f64 {
         match self {
@@ -88,8 +88,8 @@ impl Work {
         }
     }
 
-    /// This work with another amount. Of leads the last that is put in, or else the last that comes out, weighs more or
-    /// less, as if it stood a little further out or in.
+    /// Returns this work with another amount. For leads, the last one put in, or else the last one taken out, stands a
+    /// little further out or in.
     #[must_use]
     pub fn with_amount(&self, amount: f64, key_front_mm: f64) -> Work {
         match self {
@@ -113,7 +113,7 @@ impl Work {
         }
     }
 
-    /// The same in whole steps; `None` where it is less than half of one.
+    /// Returns the work in whole steps; `None` if it is less than half a step.
     #[must_use]
     pub(super) fn in_steps(&self) -> Option<Work> {
         let steps = (self.amount() / self.step()).round();
@@ -137,10 +137,10 @@ impl Work {
         }
     }
 
-    /// Does it to an instrument.
+    /// Carries out the work on an instrument.
     ///
     /// # Errors
-    /// Those of weighing, for friction is eased with a weight on the key.
+    /// Errors of weighing, because friction is eased with a weight on the key.
     pub fn carry_out(&self, instrument: &mut Instrument, progress: &mut Progress<'_>) -> Result<(), MeasureError> {
         match self {
             Work::Friction { by_g } => return ease(instrument, Rubs::Everywhere, *by_g, progress),
@@ -171,7 +171,7 @@ impl Work {
     }
 }
 
-/// The step of a screw, in SI units.
+/// Step of a screw, SI units.
 pub(super) fn screw_step(name: &str) -> f64 {
     match known_screw(name).map(|known| known.work) {
         Some(Handwork::Thread(pitch_m)) => TURN * pitch_m,
@@ -182,7 +182,7 @@ pub(super) fn screw_step(name: &str) -> f64 {
     }
 }
 
-/// The zone of capstan and heel.
+/// Zone of capstan and heel.
 fn capstan(instrument: &Instrument) -> Result<Option<usize>, MeasureError> {
     let parts = Parts::of(instrument)?;
     let key = instrument.first_piece(parts.key);
@@ -192,17 +192,17 @@ fn capstan(instrument: &Instrument) -> Result<Option<usize>, MeasureError> {
     }))
 }
 
-/// A mass put into the key, so far before its pin.
+/// Adds a mass to the key, at this distance in front of its pin.
 fn front(instrument: &mut Instrument, mass_g: f64, at_mm: f64) -> Result<(), MeasureError> {
     let parts = Parts::of(instrument)?;
-    // Behind the pin lies the piece that rests on it.
+    // The piece behind the pin rests on it.
     let body = if at_mm > 0.0 { parts.key } else { instrument.first_piece(parts.key) };
     let height_m = instrument.bodies[body].center_of_mass_m[1];
     add_mass(instrument, body, 1e-3 * mass_g, [-1e-3 * at_mm, height_m]);
     Ok(())
 }
 
-/// Strike weight put on the hammer's head, at the strike point's place along the shank.
+/// Adds strike weight to the hammer's head, at the strike point's place along the shank.
 fn hammer(instrument: &mut Instrument, by_g: f64) -> Result<(), MeasureError> {
     let parts = Parts::of(instrument)?;
     let weighed = |instrument: &Instrument| -> Result<f64, MeasureError> {
@@ -216,16 +216,16 @@ fn hammer(instrument: &mut Instrument, by_g: f64) -> Result<(), MeasureError> {
     Ok(())
 }
 
-/// Where friction changes.
+/// Place where friction changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rubs {
-    /// At every pin and bushing between finger and string: where it rubs is not known from a weight.
+    /// All pins between finger and string: a weight does not show where it rubs.
     Everywhere,
     /// At the key's pins.
     Key,
 }
 
-/// Pins and bushings eased by one factor until the friction weight has changed by so much.
+/// Eases pins and bushings by one factor until the friction weight has changed by `by_g`.
 pub(super) fn ease(
     instrument: &mut Instrument,
     rubs: Rubs,
@@ -244,7 +244,7 @@ pub(super) fn ease(
     };
     let Some(before_g) = touch(instrument, progress)?.friction_weight_g() else { return Ok(()) };
     let wanted_g = before_g + by_g;
-    // Three quarters of the friction weight are these pins'.
+    // These pins make up three quarters of the friction weight.
     let mut factor = (1.0 + by_g / (0.75 * before_g)).max(LEAST_FRICTION);
     let (mut last, mut slope) = ((1.0, before_g), 0.75 * before_g);
     for _ in 0..WEIGHINGS {

@@ -1,8 +1,8 @@
-//! What to do over a keyboard that has been weighed: a list by operation, friction first, then hammers, then leads.
+//! Work list of a weighed keyboard, by operation: friction first, then hammers, then leads.
 //!
-//! Friction is in every weight. So a key whose friction is out of its range gets no line but that one, and is weighed
-//! again before anything else is done to it. In each operation the first and the last key of every section come first:
-//! samples, which show whether the operation does what it should before the rest follows.
+//! Friction is in every weight. A key whose friction is out of range therefore gets this line only, and is weighed
+//! again before other work. In each operation the first and the last key of every section come first: these samples
+//! show whether the operation works before the rest follows.
 
 use erard::keyboard::KEYS;
 
@@ -14,22 +14,23 @@ use crate::balance::{BalancedKey, KeyModel, LEAST_BALANCE_G, MeasuredKey, Plan, 
 
 use Quantity::FrictionWeight;
 
-/// Fewest keys whose median says what balance weight a keyboard has.
+/// Fewest keys for a median balance weight.
 const FEWEST: usize = 4;
-/// The last keys of the sections of strings but the highest: an estimate for a concert grand. Every piano has its own.
+/// Last keys of the string sections except the highest: an estimate for a concert grand. Every piano has its own.
 pub const SECTION_ENDS: [usize; 3] = [20, 50, 70];
 
 /// Source of the target balance weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AimFrom {
-    /// It was asked for.
+    /// The caller's target.
     Asked,
-    /// The median of the keys that were weighed.
+    /// The median of the weighed keys.
     Median,
-    /// The balance weight nearest to that median with which D, U and balance weight are usual at every key, where the
+    /// The balance weight nearest to that median for which D, U and balance weight are usual at every key, if the
     /// median is farther from it than a hand can weigh.
     NearMedian,
-    /// The balance weight that leaves D, U and balance weight most room, for too few keys were weighed for a median.
+    /// The balance weight with the largest margins of D, U and balance weight, if too few keys were weighed for a
+    /// median.
     MostRoom,
 }
 
@@ -49,7 +50,7 @@ impl Operation {
     pub const ALL: [Operation; 3] = [Operation::Friction, Operation::Hammers, Operation::Leads];
 }
 
-/// Weights of a key, g; `None` is not known.
+/// Weights of a key, g; `None` if unknown.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Weights {
     /// D.
@@ -69,37 +70,37 @@ pub struct KeyLine {
     pub operation: Operation,
     /// The key.
     pub key: usize,
-    /// Whether it is the first or the last of its section in this operation.
+    /// Whether the key is the first or the last of its section in this operation.
     pub is_sample: bool,
     /// The work.
     pub work: Work,
-    /// Leads that would be added, where the work moves some or takes some out.
+    /// Leads to add instead, if the work moves or takes out leads.
     pub instead: Option<Work>,
-    /// Weights that are expected after it.
+    /// Weights expected after it.
     pub after: Weights,
 }
 
 /// Work list of a keyboard.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyboardList {
-    /// Results of the weights, key by key.
+    /// Plan with the results of the weights, key by key.
     pub plan: Plan,
     /// Source of the plan's target balance weight.
     pub aim_from: AimFrom,
     /// The lines, in the order of work.
     pub lines: Vec<KeyLine>,
-    /// Keys at which something stays out of its aim or range, and why.
+    /// Keys with a quantity that stays off its target or out of range, and the reason.
     pub left: Vec<(usize, Why)>,
 }
 
 impl KeyboardList {
-    /// Whether the friction of a key is out of its range by more than its reading may be off.
+    /// Whether the friction of a key is out of its range by more than the reading's error.
     #[must_use]
     pub fn is_friction_out(key: &BalancedKey) -> bool {
         beyond_g(key).is_some_and(|by_g| by_g > FrictionWeight.precision())
     }
 
-    /// Whether it is out by less: the reading cannot say.
+    /// Whether it is out of range by less than the reading's error.
     #[must_use]
     pub fn is_friction_doubtful(key: &BalancedKey) -> bool {
         beyond_g(key).is_some_and(|by_g| by_g > 0.0) && !Self::is_friction_out(key)
@@ -112,7 +113,7 @@ impl KeyboardList {
     }
 }
 
-/// How far the friction of a key is out of its range as it is read, g: 0 inside.
+/// Distance of a key's friction reading from its range, g: 0 inside.
 fn beyond_g(key: &BalancedKey) -> Option<f64> {
     let [low, high] = FrictionWeight.range(key.measured.key);
     let friction_g = key.friction_weight_g?;
@@ -129,14 +130,14 @@ pub struct KeyboardGoal {
     pub inertia_kg: Option<f64>,
     /// Whether hammers are weighed first, as in [`Target`].
     pub hammers: bool,
-    /// Masses of the leads at hand, g.
+    /// Masses of available leads, g.
     pub leads_g: Vec<f64>,
-    /// The last keys of the sections of strings; the highest section needs none.
+    /// Last keys of the string sections, without the highest section.
     pub section_ends: Vec<usize>,
 }
 
-/// Works out what to do. `models` has every key's model, the first key at index 0. `None` where no balance weight was
-/// asked for and no key has both weights.
+/// Makes the work list. `models` has every key's model, the first key at index 0. `None` if no balance weight was
+/// requested and no key has both weights.
 #[must_use]
 pub fn keyboard_list(measured: &[MeasuredKey], models: &[KeyModel; KEYS], goal: &KeyboardGoal) -> Option<KeyboardList> {
     let (balance_weight_g, aim_from) = match goal.balance_weight_g {
@@ -165,8 +166,8 @@ pub fn keyboard_list(measured: &[MeasuredKey], models: &[KeyModel; KEYS], goal: 
     Some(KeyboardList { plan, aim_from, lines, left })
 }
 
-/// The balance weight that keys come to where nobody says, g. Each key bears those with which D, U and balance weight
-/// are all usual, its friction being what it should be.
+/// Returns the default target balance weight, g. Each key allows those for which D, U and balance weight are all usual
+/// at the best friction.
 fn aim(measured: &[MeasuredKey]) -> Option<(f64, AimFrom)> {
     let own = |key: &MeasuredKey| Some((key.key, key.balance_weight_g()?));
     let balances: Vec<(usize, f64)> = measured.iter().filter_map(own).collect();
@@ -180,12 +181,12 @@ fn aim(measured: &[MeasuredKey]) -> Option<(f64, AimFrom)> {
         return Some((most_room_g, AimFrom::MostRoom));
     }
     let near_g = if low <= high { middle.clamp(low, high) } else { most_room_g };
-    // An aim less than that away would move some keys and leave their neighbours.
+    // A target nearer than that would move some keys and leave their neighbours.
     let is_near = (middle - near_g).abs() < LEAST_BALANCE_G;
     Some(if is_near { (middle, AimFrom::Median) } else { (near_g, AimFrom::NearMedian) })
 }
 
-/// What a key needs, in the order of work.
+/// Returns the lines of a key, in the order of work.
 fn lines_of(key: &BalancedKey) -> Vec<KeyLine> {
     let number = key.measured.key;
     let mut now = Weights {
@@ -228,7 +229,7 @@ fn lines_of(key: &BalancedKey) -> Vec<KeyLine> {
     lines
 }
 
-/// Says which lines are of the first and the last key of every section, operation by operation.
+/// Flags the lines of the first and the last key of every section, operation by operation.
 fn samples(lines: &mut [KeyLine], section_ends: &[usize]) {
     let section = |key: usize| section_ends.iter().filter(|end| key > **end).count();
     let places: Vec<(Operation, usize, usize)> =
@@ -262,7 +263,7 @@ mod tests {
     }
 
     /// D 58 and U 18 at middle C: 20 g of friction are 7.5 over the range. 8 g less come nearest to the best, D 50 and
-    /// U 26; its own balance weight is not the aim, and no lead moves before it has been weighed again.
+    /// U 26; its own balance weight is not the target, and no lead moves before it has been weighed again.
     #[test]
     fn a_lone_key_with_friction() {
         let list = keyboard_list(&[weighed(40, 58.0, 18.0)], &MODELS, &goal(None)).unwrap();
@@ -272,7 +273,7 @@ mod tests {
         assert_eq!((list.aim_from, list.left.as_slice()), (AimFrom::MostRoom, &[(40, Why::Friction)][..]));
         // D from 45, U to 25 and a balance weight from 34 g leave 34 to 36.4 g at the best friction.
         assert!((list.plan.target.balance_weight_g - 35.2).abs() < 0.1, "{list:?}");
-        // A lone key of 44 g that rubs as it should: the aim is not its own.
+        // A lone key of 44 g with usual friction: the target is not its own balance weight.
         let list = keyboard_list(&[weighed(40, 55.0, 33.0)], &MODELS, &goal(None)).unwrap();
         assert!(matches!(list.lines[0].work, Work::Leads(_)), "{list:?}");
         let after_g = list.lines[0].after;
@@ -280,7 +281,7 @@ mod tests {
         assert!(keyboard_list(&[MeasuredKey { key: 3, ..MeasuredKey::default() }], &MODELS, &goal(None)).is_none());
     }
 
-    /// Friction before hammers before leads, and in each the ends of the sections first.
+    /// Friction before hammers before leads, and the ends of the sections first in each.
     #[test]
     fn operations_and_their_samples() {
         let mut keys: Vec<MeasuredKey> = (1..=88).map(|key| weighed(key, 53.0, 31.0)).collect();
@@ -298,7 +299,7 @@ mod tests {
         assert_eq!(keys_of(Operation::Friction), [30, 34, 31, 32, 33]);
         assert_eq!(keys_of(Operation::Hammers), [60]);
         assert_eq!(&keys_of(Operation::Leads)[..8], &[1, 20, 21, 50, 51, 70, 71, 88]);
-        // A gram of hammer is R grams at the key, and the leads do the rest.
+        // A gram of hammer is R grams at the key; the leads do the rest.
         let hammer = of(Operation::Hammers).next().unwrap();
         assert!((hammer.work.amount() + 1.0).abs() < 1e-9, "{hammer:?}");
         let ratio = list.plan.keys[59].ratio.unwrap();
@@ -307,20 +308,20 @@ mod tests {
             let after_g = 0.5 * (line.after.down_g.unwrap() + line.after.up_g.unwrap());
             assert!((after_g - 38.0).abs() < 0.3, "{line:?}");
         }
-        // Keys that rub wait for their leads.
+        // Keys with too much friction wait for their leads.
         assert_eq!(list.left, (30..=34).map(|key| (key, Why::Friction)).collect::<Vec<_>>());
-        // The order of the operations is that of the work.
+        // Operations come in the order of work.
         assert!(list.lines.is_sorted_by_key(|line| line.operation));
     }
 
-    /// What nobody can weigh is not asked for, a key has no more lead than is usual, and a median that leaves U no room
-    /// is not followed.
+    /// Changes too small to weigh are not requested, a key gets no more lead than usual, and a median that leaves U no
+    /// room is not followed.
     #[test]
     fn what_is_not_asked_for() {
         let keys: Vec<MeasuredKey> = (38..=42).map(|key| weighed(key, 49.0, 26.0)).collect();
         let list = keyboard_list(&keys, &MODELS, &goal(Some(39.0))).unwrap();
         assert!(list.lines.is_empty() && list.left.is_empty(), "{list:?}");
-        // 37.5 g is 1.1 g over what leaves U its range: not worth a lead at every key. 40 g is.
+        // 37.5 g is 1.1 g over the balance weight that leaves U its range: not worth a lead at every key. 40 g is.
         let list = keyboard_list(&keys, &MODELS, &goal(None)).unwrap();
         assert_eq!((list.aim_from, list.plan.target.balance_weight_g), (AimFrom::Median, 37.5));
         assert!(list.lines.is_empty(), "{list:?}");
@@ -328,7 +329,7 @@ mod tests {
         let list = keyboard_list(&keys, &MODELS, &goal(None)).unwrap();
         assert_eq!((list.aim_from, list.lines.len()), (AimFrom::NearMedian, 5));
         assert!((list.plan.target.balance_weight_g - 36.4).abs() < 0.1, "{list:?}");
-        // 13 g of friction are half a gram over: less than a reading is off by.
+        // 13 g of friction are half a gram over: less than the error of a reading.
         let list = keyboard_list(&[weighed(40, 48.5, 22.5)], &MODELS, &goal(None)).unwrap();
         assert!(list.lines.is_empty() && KeyboardList::is_friction_doubtful(&list.plan.keys[0]), "{list:?}");
         let mut full = weighed(40, 56.0, 33.0);
@@ -338,7 +339,7 @@ mod tests {
         assert_eq!(list.left, [(40, Why::Ceiling)]);
     }
 
-    /// Leads that are there move; where nobody said which they are, none is put behind the pin to take weight away.
+    /// Present leads move; if they are unknown, none is put behind the pin to take weight away.
     #[test]
     fn leads_that_are_there() {
         let mut key = weighed(40, 42.0, 21.0);

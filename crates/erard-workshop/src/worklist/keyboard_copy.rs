@@ -1,4 +1,4 @@
-//! The list of a keyboard carried out on simulated copies of its keys, and the copies weighed again.
+//! The list of a keyboard carried out on simulated copies of its keys, which are weighed again.
 
 use super::hand::Work;
 use super::keyboard::{KeyLine, KeyboardList, Operation};
@@ -10,10 +10,10 @@ use crate::weighing::touch;
 use erard::Progress;
 use erard::instrument::Instrument;
 
-/// Carries a list out and weighs again: the table that a technician would bring back from the piano. `instruments` has
-/// every key's model, the first key at index 0. Each key with work is copied from its model, which gets the key's
-/// strike weight, front weight and, where it is to be eased, friction. What the work changes of the copy's weights, it
-/// changes of the key's. `progress` receives the share that is done, and ends the work by returning false.
+/// Carries out a list and returns the weights that a technician would measure afterwards. `instruments` has every key's
+/// model, the first key at index 0. Each key with work is copied from its model, adjusted to the key's strike weight,
+/// front weight and, where it is to be eased, friction. The work changes the key's weights as it changes the copy's.
+/// `progress` receives the share done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].
@@ -46,7 +46,7 @@ fn worked_on(
     if let Some(front_g) = key.measured.front_weight_g {
         Work::FrontWeight { by_g: front_g - scale.front_weight_g }.carry_out(&mut copy, progress)?;
     }
-    // Hammers and leads change a key alike however it rubs.
+    // The effect of hammers and leads does not depend on friction.
     if lines.iter().any(|line| line.operation == Operation::Friction)
         && let Some(friction_g) = key.friction_weight_g
         && let Some(now_g) = touch(&copy, progress)?.friction_weight_g()
@@ -67,7 +67,7 @@ fn worked_on(
     for line in lines {
         if let Work::Leads(work) = &line.work {
             leads.retain(|lead| !work.out.contains(lead));
-            // Where nobody said which leads there are, the new ones are not all of them.
+            // If the present leads are unknown, the new ones are not all of them.
             if !own.leads.is_empty() {
                 leads.extend(&work.put);
             }

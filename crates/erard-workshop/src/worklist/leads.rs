@@ -1,4 +1,4 @@
-//! Leads: what is there is moved or taken out before any is added.
+//! Leads: present ones are moved or taken out before any is added.
 
 use super::Worked;
 use super::hand::{FRONT_G, Work};
@@ -10,12 +10,12 @@ use crate::balance::{LEADS_G, Lead, lead_work};
 use Quantity::{BalanceWeight, DownWeight, FrictionWeight, FrontWeight, Ratio, StrikeWeight, UpWeight};
 
 impl Planner<'_, '_> {
-    /// Leads for the balance weight with the most room, its front weight under the ceiling.
+    /// Chooses leads for the balance weight with the largest margin, with the front weight under its ceiling.
     pub(super) fn leads(&mut self, leads: &[Lead]) -> Worked<()> {
         self.weigh()?;
         let out: Vec<Quantity> =
             [DownWeight, UpWeight, BalanceWeight].into_iter().filter(|quantity| self.is_out(*quantity)).collect();
-        // A front weight alone above its ceiling stays: the weights leave no room for less lead.
+        // A front weight above its ceiling alone stays: the weights leave no room for less lead.
         if out.is_empty() {
             return Ok(());
         }
@@ -33,7 +33,7 @@ impl Planner<'_, '_> {
         let wanted_g = balance_g - best.balance_g;
         let by_g = wanted_g.min(ceiling_g - front_g);
         let by_g = (by_g / FRONT_G).round() * FRONT_G;
-        // Down-weight and up-weight are weighed in steps: leads that change them by less are not asked for.
+        // Down-weight and up-weight are weighed in steps: leads that change them by less are not requested.
         let by_g = if by_g.abs() < BalanceWeight.least_change() { 0.0 } else { by_g };
         let key_front_mm = 1e3 * self.copy.roles.key_front_m[0].abs();
         let ratio = self.now.get(Ratio);
@@ -44,7 +44,7 @@ impl Planner<'_, '_> {
         });
         if by_g != 0.0 {
             let work = if leads.is_empty() && by_g < 0.0 && front_g + by_g > 0.0 {
-                // Some stand in front; which is for the eye.
+                // Some leads stand in front; the technician must see which.
                 Some(Work::FrontWeight { by_g })
             } else {
                 lead_work(by_g, key_front_mm, &LEADS_G, leads).map(Work::Leads)

@@ -1,12 +1,11 @@
-//! The to-do list of a key, worked out line by line, each after the ones before it.
+//! Work list of a key, worked out line by line, each after the ones before it.
 //!
-//! `readings` is what a technician reads off the key, `hand` what a hand does to it and how finely, `twin` a model that
-//! has been brought to the readings, `weights` which balance weight goes with a friction weight, `plan` the order of
-//! work, `aims` what the screws' lines are to come to, `leads` which leads, `written` the file on which it has been
-//! done, and `settle` a regulation that ends with the aftertouch in its range. Over all keys that were weighed,
-//! `keyboard` is the list by operation, and `keyboard_copy` carries it out on copies. A line is tried on a simulated
-//! copy before the next is worked out; what it changes of the copy's readings is what it is expected to change of the
-//! piano's.
+//! `readings` is what a technician reads off the key, `hand` what a hand does to it and in which steps, `twin` a model
+//! adjusted to the readings, `weights` the balance weight for a friction weight, `plan` the order of work, `aims` the
+//! targets of the screws' lines, `leads` the choice of leads, `written` the file with the work done, and `settle` a
+//! regulation that ends with the aftertouch in its range. For all weighed keys, `keyboard` is the list by operation,
+//! and `keyboard_copy` carries it out on copies. A line is tried on a simulated copy before the next is worked out; its
+//! effect on the copy's readings is what is expected on the piano.
 
 mod aims;
 mod hand;
@@ -33,7 +32,7 @@ use thiserror::Error;
 use crate::measure::MeasureError;
 use crate::regulate::RegulateError;
 
-/// Why no list could be worked out.
+/// Reason why no list could be worked out.
 #[derive(Debug, Error)]
 pub enum WorklistError {
     /// The screws could not be tried.
@@ -44,5 +43,5 @@ pub enum WorklistError {
     Measure(#[from] MeasureError),
 }
 
-/// What working on a list gives.
+/// Result of work on a list.
 pub(crate) type Worked<T> = Result<T, WorklistError>;

@@ -1,4 +1,4 @@
-//! The order of work: friction first, for it is in every weight; then what decides the leverage, for it undoes every
+//! Order of work: friction first, because it is in every weight; then hammer and capstan line, because they undo every
 //! screw; then the screws in the trade's order; the leads last.
 
 use super::Worked;
@@ -14,20 +14,20 @@ use erard::instrument::Instrument;
 
 use Quantity::{Aftertouch, Blow, Check, Dip, Drop, FrictionWeight, LetOff, Ratio, StrikeWeight};
 
-/// Times that what a later line has disturbed is worked on again.
+/// Most repetitions of lines that later ones have disturbed.
 const ROUNDS: u32 = 3;
-/// A change that earlier lines are expected to make of a reading may be wrong by this share. (Of drawn grands, worked
-/// on by their lists: a check distance moved by twice what was expected, a drop by 1.7 times.)
+/// Relative error of the change that earlier lines are expected to make of a reading. (On drawn grands worked on by
+/// their lists, a check distance moved by twice the expected change, a drop by 1.7 times.)
 const DOUBT: f64 = 0.5;
-/// The farthest that a capstan line is moved, mm: more takes other parts.
+/// Largest move of a capstan line, mm: more needs other parts.
 const MOST_CAPSTAN_MM: f64 = 8.0;
 
 /// Priority of dip and aftertouch if not both can be in range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Priority {
-    /// Dip stays: the blow gives.
+    /// Dip stays: the blow changes.
     Dip,
-    /// Aftertouch comes right: the dip gives, within its range, then the blow.
+    /// Aftertouch comes right: the dip changes, within its range, then the blow.
     #[default]
     Aftertouch,
 }
@@ -41,21 +41,21 @@ pub struct Item {
     pub work: Work,
     /// Alternative work.
     pub instead: Option<Work>,
-    /// Readings that are expected before it,
+    /// Readings expected before it.
     pub before: Readings,
-    /// and after it.
+    /// Readings expected after it.
     pub after: Readings,
 }
 
-/// Why a line stays out of its range.
+/// Reason why a line stays out of its range.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Why {
-    /// The correction is less than a hand can do.
+    /// The correction is finer than a hand can make.
     TooFine,
     /// These screws are at the end of their range.
     EndOfRange(Vec<&'static str>),
-    /// No setting of these screws gives it.
+    /// No setting of these screws reaches it.
     NoSetting(Vec<&'static str>),
     /// The file has no screw for it.
     NoScrew,
@@ -63,9 +63,9 @@ pub enum Why {
     Friction,
     /// The quantity cannot be read before the hammer drops.
     Unreadable,
-    /// Lines before it change it, by more than the model can be trusted to tell: it is to be read again.
+    /// Earlier lines change it, by more than the model can predict: it must be read again.
     ReadAgain,
-    /// With so much friction weight no balance weight has every weight in its range.
+    /// At this friction weight no balance weight has every weight in its range.
     NoBalance,
     /// The front weight is at its ceiling.
     Ceiling,
@@ -78,11 +78,11 @@ pub enum Why {
 pub struct Left {
     /// The line.
     pub quantity: Quantity,
-    /// Why.
+    /// Reason.
     pub why: Why,
 }
 
-/// Work to do, in its order.
+/// Work to do, in order.
 #[derive(Debug, Clone)]
 pub struct Worklist {
     /// The key whose usual ranges hold.
@@ -91,7 +91,7 @@ pub struct Worklist {
     pub before: Readings,
     /// The lines.
     pub items: Vec<Item>,
-    /// Readings that are expected after the last.
+    /// Readings expected after the last line.
     pub after: Readings,
     /// Quantities that stay out of range.
     pub left: Vec<Left>,
@@ -100,14 +100,14 @@ pub struct Worklist {
 }
 
 impl Worklist {
-    /// Whether a line of some readings is out of its range.
+    /// Whether a line of these readings is out of its range.
     #[must_use]
     pub fn is_out(&self, quantity: Quantity, readings: &Readings) -> bool {
         readings.is_out(quantity, self.key)
     }
 
     /// Returns the list with its first `lines` lines only, carried out on `begun`, from which the list was made.
-    /// `progress` receives the share that is done, and ends the work by returning false.
+    /// `progress` receives the share done, and ends the work by returning false.
     ///
     /// # Errors
     /// See [`super::WorklistError`].
@@ -122,9 +122,9 @@ impl Worklist {
     }
 }
 
-/// Works out what to do about a key. `copy` is the instrument itself, or a [`super::twin`] of a piano; `readings` are
-/// what was read, `leads` the key's leads where they are known, `key` is the key whose usual ranges hold. `progress`
-/// receives the share that is done, and ends the work by returning false.
+/// Works out the list of a key. `copy` is the instrument itself, or a [`super::twin`] of a piano; `readings` are the
+/// piano's, `leads` the key's leads where known, `key` is the key whose usual ranges hold. `progress` receives the
+/// share done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`super::WorklistError`].
@@ -153,7 +153,7 @@ pub fn worklist(
     let aims = planner.aims()?;
     planner.friction(&aims)?;
     planner.leverage(&aims)?;
-    // What decides the leverage has undone the screws.
+    // Changes of the leverage have undone the screws.
     let aims = if planner.done.is_empty() { aims } else { planner.aims()? };
     planner.regulation(&aims)?;
     planner.leads(leads)?;
@@ -165,7 +165,7 @@ pub fn worklist(
     planner.finish(copy, own, *readings)
 }
 
-/// Work that is done on the copy, in the order in which it is to be done.
+/// Work done on the copy, in order.
 struct Done {
     quantity: Quantity,
     work: Work,
@@ -195,7 +195,7 @@ impl Planner<'_, '_> {
         self.now.is_out(quantity, self.key)
     }
 
-    /// A work tried on the copy, with the copy's readings after it; screws are not weighed.
+    /// Tries a piece of work on the copy and returns the copy's readings after it; screws do not need weighing.
     fn tried(&mut self, work: &Work) -> Worked<(Instrument, Readings)> {
         let mut copy = self.copy.clone();
         work.carry_out(&mut copy, self.progress)?;
@@ -212,7 +212,7 @@ impl Planner<'_, '_> {
         self.weighed &= !matches!(work, Work::Screw { .. });
     }
 
-    /// Does a work, in whole steps.
+    /// Carries out a piece of work, in whole steps.
     pub(super) fn do_it(&mut self, quantity: Quantity, work: &Work, instead: Option<Work>) -> Worked<()> {
         if let Some(work) = work.in_steps() {
             if !matches!(work, Work::Screw { .. }) {
@@ -229,7 +229,7 @@ impl Planner<'_, '_> {
         Ok(())
     }
 
-    /// Weighs the copy, where screws have been turned since.
+    /// Weighs the copy if screws have been turned since.
     pub(super) fn weigh(&mut self) -> Worked<()> {
         if !self.weighed {
             let own = Readings::of(&self.copy, self.progress)?;
@@ -246,13 +246,13 @@ impl Planner<'_, '_> {
         }
     }
 
-    /// Forgets why a line stays out. What cannot be read stays so, whatever is done.
+    /// Forgets why a line stays out. An unreadable line stays unreadable.
     fn clear(&mut self, quantity: Quantity) {
         self.why.retain(|left| left.quantity != quantity || left.why == Why::Unreadable);
     }
 
-    /// Where the hammer does not drop, the lever carries it on beyond let-off: the jack lets off at the distance that
-    /// is read, or farther from the string. How much farther, and the aftertouch, cannot be seen.
+    /// Flags lines as unreadable if the hammer does not drop: the lever carries it beyond let-off, and the jack lets
+    /// off at the distance read, or farther from the string. How much farther, and the aftertouch, cannot be seen.
     fn unreadable(&mut self) {
         if self.now.get(Drop).is_none_or(|drop| drop <= Drop.precision()) {
             self.now.set(Aftertouch, None);
@@ -264,8 +264,8 @@ impl Planner<'_, '_> {
         self.why.iter().any(|left| left.quantity == quantity && left.why == Why::Unreadable)
     }
 
-    /// What the readings would be with every screw at its aim: a jack or a lever out of its place shows as friction and
-    /// as leverage.
+    /// Returns the readings with every screw at its target: a jack or a lever out of place shows as friction and
+    /// leverage.
     fn as_if_regulated(&mut self, aims: &Aims) -> Worked<Readings> {
         let asked: Specification = aims.iter().filter_map(|(quantity, aim)| self.target(*quantity, *aim)).collect();
         if asked.is_empty() {
@@ -275,13 +275,13 @@ impl Planner<'_, '_> {
         Ok(self.now.moved(&self.own, &Readings::of(&regulated, self.progress)?))
     }
 
-    /// Friction to where all weights have room, with regard to what screws and lighter parts will take away or add.
+    /// Changes friction to where all weights have room, allowing for the effects of screws and lighter parts.
     fn friction(&mut self, aims: &Aims) -> Worked<()> {
         let then = self.as_if_regulated(aims)?;
         let (Some(now_g), Some(then_g)) = (self.now.get(FrictionWeight), then.get(FrictionWeight)) else {
             return Ok(());
         };
-        // What only the copy says is out must be so beyond a reading's doubt.
+        // If only the copy says that a line is out, it must be so beyond a reading's error.
         let is_out = if self.is_out(FrictionWeight) {
             then.is_out(FrictionWeight, self.key)
         } else {
@@ -292,15 +292,15 @@ impl Planner<'_, '_> {
         }
         let [_, high] = FrictionWeight.range(self.key);
         let best_g = best_friction_g(self.key);
-        // What goes with hammer and leverage goes after this line, and until then friction is to be in its range.
+        // Friction from hammer and leverage changes after this line; until then friction must be in its range.
         let later_g = self.friction_of_parts(&then)?;
         let aim_g = if then_g > high { (best_g + later_g).clamp(best_g, high) } else { best_g };
         let by_g = friction_change_g(then_g, aim_g, self.key);
-        // Nothing rubs less than nothing.
+        // Friction cannot be negative.
         if now_g + by_g > 0.0 { self.do_it(FrictionWeight, &Work::Friction { by_g }, None) } else { Ok(()) }
     }
 
-    /// How much friction weight goes with the hammer and the leverage that are to be changed, g.
+    /// Friction weight that will go with changes of hammer and leverage, g.
     fn friction_of_parts(&mut self, then: &Readings) -> Worked<f64> {
         let before = (self.copy.clone(), self.own, self.now, self.done.len());
         self.parts(then)?;
@@ -310,7 +310,7 @@ impl Planner<'_, '_> {
         Ok(later_g.unwrap_or_default().max(0.0))
     }
 
-    /// Hammer and capstan line, once friction is in its range.
+    /// Corrects hammer and capstan line, once friction is in its range.
     fn leverage(&mut self, aims: &Aims) -> Worked<()> {
         let then = self.as_if_regulated(aims)?;
         if !self.is_out(FrictionWeight) {
@@ -324,13 +324,13 @@ impl Planner<'_, '_> {
         Ok(())
     }
 
-    /// Hammer and capstan line, where they are out beyond doubt once the screws are at their aims.
+    /// Corrects hammer and capstan line if they are surely out once the screws are at their targets.
     fn parts(&mut self, then: &Readings) -> Worked<()> {
         if is_surely_out(StrikeWeight, then, self.key)
             && let Some(strike_g) = then.get(StrikeWeight)
         {
             let [low, high] = StrikeWeight.range(self.key);
-            // To the nearest that is usual, and not to the middle: what is filed off does not come back.
+            // To the nearest usual weight, not to the middle: filing cannot be undone.
             let by_g = strike_g.clamp(low + StrikeWeight.precision(), high - StrikeWeight.precision()) - strike_g;
             self.do_it(StrikeWeight, &Work::Hammer { by_g }, None)?;
         }
@@ -345,42 +345,42 @@ impl Planner<'_, '_> {
         Ok(())
     }
 
-    /// Whether a line is out, if at all, because of what earlier lines are expected to do to it, and by less than they
-    /// may be wrong.
+    /// Whether a line is out, if at all, because of the expected effects of earlier lines, and by less than their
+    /// error.
     fn is_doubtful(&self, quantity: Quantity) -> bool {
         let beyond = self.now.beyond(quantity, self.key);
         self.is_moved(quantity) && beyond > 0.0 && beyond < DOUBT * self.moved(quantity)
     }
 
-    /// By how much earlier lines are expected to change a reading; 0 where there is none before or after.
+    /// Change of a reading expected from earlier lines; 0 without a reading before or after.
     fn moved(&self, quantity: Quantity) -> f64 {
         self.read.get(quantity).zip(self.now.get(quantity)).map_or(0.0, |(read, now)| (now - read).abs())
     }
 
-    /// Whether that is more than it is read to.
+    /// Whether that exceeds the reading's precision.
     pub(super) fn is_moved(&self, quantity: Quantity) -> bool {
         self.moved(quantity) > quantity.precision()
     }
 
-    /// The screws, in the trade's order.
+    /// Sets the screws, in the trade's order.
     fn regulation(&mut self, aims: &Aims) -> Worked<()> {
         for quantity in REGULATION {
             let chosen = aims.iter().find(|(other, _)| *other == quantity).map(|(_, aim)| *aim);
             let aim = match quantity {
                 Dip | Blow | LetOff | Drop if chosen.is_some() => chosen,
                 LetOff | Drop if self.is_unreadable(LetOff) => None,
-                // Lines before it may have brought it right.
+                // Earlier lines may have brought it right.
                 _ => (self.is_out(quantity) || self.is_at_risk(quantity)).then(|| self.aim(quantity)),
             };
             let Some(aim) = aim else { continue };
-            // What is chosen together cannot be left in part. Dip moves the check by 5 to 10 mm for each mm: more than
-            // it is in doubt.
+            // Lines chosen together are all carried out. Dip moves the check by 5 to 10 mm for each mm: more than its
+            // uncertainty.
             let is_due = [Dip, Blow, Check].contains(&quantity) || self.is_unreadable(LetOff);
             if !is_due && self.is_doubtful(quantity) {
                 self.leave(quantity, Why::ReadAgain);
                 continue;
             }
-            // A bend of the check's wire may move it through the whole range: none for what is read almost in it.
+            // A bend of the check's wire may move it through the whole range: none if the reading is almost in it.
             let is_read = quantity == Check && self.now.get(Check).is_some() && !self.is_moved(Check);
             if is_read && !is_surely_out(Check, &self.now, self.key) {
                 self.leave(Check, Why::TooFine);
@@ -391,7 +391,7 @@ impl Planner<'_, '_> {
         Ok(())
     }
 
-    /// What a screw of the copy is to be set for, so that the piano's reading comes to its aim, in SI units.
+    /// Setting of the copy's screw that brings the piano's reading to its target, in SI units.
     pub(super) fn target(&self, quantity: Quantity, aim: f64) -> Option<(Goal, f64)> {
         let goal = quantity.goal()?;
         goal.screws().iter().any(|(name, _)| self.copy.screw(name).is_some()).then_some(())?;
@@ -405,7 +405,7 @@ impl Planner<'_, '_> {
         Ok(regulate(copy, asked, &Protocol::default(), &mut going)?.instrument)
     }
 
-    /// Sets a line to its aim with its own screw, in steps of the hand; says why where it stays out.
+    /// Sets a line to its target with its own screw, in steps of the hand, or records why it stays out.
     fn set(&mut self, quantity: Quantity, aim: f64) -> Worked<()> {
         let Some((goal, value)) = self.target(quantity, aim) else {
             if self.is_out(quantity) {
@@ -420,7 +420,7 @@ impl Planner<'_, '_> {
             let work = Work::Screw { name: known.name, by: turned.setting[1] - turned.setting[0] };
             self.do_it(quantity, &work, None)?;
         }
-        // The step nearest to the setting need not be the one nearest to the aim, for distances are no straight lines.
+        // The step nearest to the setting may not be nearest to the target, because distances are not linear.
         if let Some(name) = goal.screws().iter().map(|(name, _)| *name).find(|name| {
             self.done.last().is_some_and(|done| matches!(done.work, Work::Screw { name: last, .. } if last == *name))
         }) {
@@ -439,7 +439,7 @@ impl Planner<'_, '_> {
         Ok(())
     }
 
-    /// One step more or less where the line is out, if that brings it in or else nearer to the aim.
+    /// Tries one step more or less if the line is out, and keeps it if that brings it in or nearer to the target.
     fn step_nearer(&mut self, quantity: Quantity, aim: f64, name: &'static str) -> Worked<()> {
         let key = self.key;
         let off = |now: &Readings| {
@@ -461,7 +461,7 @@ impl Planner<'_, '_> {
         Ok(())
     }
 
-    /// Works again on what later lines have disturbed; whether there was anything.
+    /// Repeats lines that later ones have disturbed. Returns whether there were any.
     fn again(&mut self) -> Worked<bool> {
         let count = self.done.len();
         let given_up = |planner: &Self, quantity| planner.why.iter().any(|left| left.quantity == quantity);
@@ -473,7 +473,7 @@ impl Planner<'_, '_> {
         Ok(self.done.len() > count)
     }
 
-    /// The list: works on one screw as one line, carried out anew one after the other for what each is expected to do.
+    /// Makes the list: work on one screw becomes one line, and each line is carried out anew for its expected effect.
     fn finish(self, begun: &Instrument, own: Readings, readings: Readings) -> Worked<Worklist> {
         let mut merged: Vec<Done> = Vec::new();
         for done in self.done {
@@ -494,11 +494,11 @@ impl Planner<'_, '_> {
             work.carry_out(&mut worked, self.progress)?;
             let own_after = Readings::of(&worked, self.progress)?;
             let after = now.moved(&own_now, &own_after);
-            // What was turned after another line, which then came to nothing, is not needed any more.
+            // A turn made after a line that came to nothing is no longer needed.
             if after.beyond(quantity, self.key) > now.beyond(quantity, self.key) {
                 continue;
             }
-            // Turns in both directions may cancel.
+            // Turns in opposite directions may cancel.
             if can_be_seen(quantity, &now, &after) {
                 items.push(Item { quantity, work, instead, before: now, after });
                 (copy, own_now, now) = (worked, own_after, after);
@@ -507,7 +507,7 @@ impl Planner<'_, '_> {
         let mut left = Vec::new();
         for quantity in Quantity::ALL {
             let why = self.why.iter().find(|left| left.quantity == quantity).map(|left| left.why.clone());
-            // What could not be read is known by the copy alone.
+            // Only the copy knows what could not be read.
             if now.is_out(quantity, self.key) || why == Some(Why::Unreadable) {
                 left.push(Left { quantity, why: why.unwrap_or(Why::Follows) });
             }
@@ -516,14 +516,14 @@ impl Planner<'_, '_> {
     }
 }
 
-/// Whether a line's reading changes by as much as can be asked for; true where there is none before or after. (A
-/// thousandth of it is what rounding leaves.)
+/// Whether a line's reading changes by at least its least change; true without a reading before or after. (A thousandth
+/// of it allows for rounding.)
 fn can_be_seen(quantity: Quantity, before: &Readings, after: &Readings) -> bool {
     let change = before.get(quantity).zip(after.get(quantity)).map(|(before, after)| (after - before).abs());
     change.is_none_or(|change| change >= 0.999 * quantity.least_change())
 }
 
-/// Whether one is out by more than its reading may be off: for work that cannot be taken back.
+/// Whether a line is out by more than the reading's error: for work that cannot be undone.
 fn is_surely_out(quantity: Quantity, readings: &Readings, key: usize) -> bool {
     let beyond = readings.beyond(quantity, key);
     beyond.is_finite() && beyond > quantity.precision()

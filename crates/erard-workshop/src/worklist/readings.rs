@@ -32,21 +32,21 @@ pub enum Quantity {
     FrontWeight,
     /// R by the equation of balance.
     Ratio,
-    /// mm.
+    /// Dip, mm.
     Dip,
-    /// mm.
+    /// Blow, mm.
     Blow,
-    /// mm.
+    /// Jack position, mm.
     JackPosition,
-    /// mm.
+    /// Lever height, mm.
     LeverHeight,
-    /// mm.
+    /// Let-off, mm.
     LetOff,
-    /// mm.
+    /// Drop, mm.
     Drop,
-    /// mm.
+    /// Aftertouch, mm.
     Aftertouch,
-    /// mm.
+    /// Check distance, mm.
     Check,
     /// Speed of the rise from the check, m/s.
     Spring,
@@ -76,8 +76,7 @@ impl Quantity {
         Damper,
     ];
 
-    /// Its key in `measure.json`, how exactly it is read (the reading is within so much of the truth), and the middle
-    /// that work aims at where it is not that of the usual range.
+    /// Key in `measure.json`, largest error of a reading, and the target if it is not the middle of the usual range.
     fn known(self) -> (&'static str, f64, Option<f64>) {
         match self {
             DownWeight => ("down_weight_g", 1.0, None),
@@ -93,10 +92,10 @@ impl Quantity {
             LeverHeight => ("lever_height_mm", 0.05, None),
             LetOff => ("let_off_mm", 0.25, None),
             Drop => ("drop_mm", 0.25, None),
-            // Travel of the key, as dip: felt and seen with strips of a known thickness under the key.
+            // Key travel, like dip: felt and seen with strips of known thickness under the key.
             Aftertouch => ("aftertouch_mm", 0.1, None),
             Check => ("check_mm", 0.25, None),
-            // Not the middle: a spring that is brisker makes soft notes strike twice.
+            // Not the middle: a brisker spring makes soft notes strike twice.
             Spring => ("repetition_spring_m_per_s", 0.02, Some(0.25)),
             Damper => ("damper_start_share", 0.025, None),
         }
@@ -114,8 +113,8 @@ impl Quantity {
         self.known().1
     }
 
-    /// Smallest change that a line of work requests, in the line's unit: the least that a hand can do and a scale or a
-    /// rule can show. Smaller changes are not requested.
+    /// Smallest change that a line of work requests, in the line's unit: the least that a hand can do and a scale or
+    /// rule can show.
     #[must_use]
     pub fn least_change(self) -> f64 {
         match self {
@@ -137,21 +136,21 @@ impl Quantity {
         lines().find(|line| line.key == self.key()).expect("every quantity is a line of the sheet")
     }
 
-    /// The usual range of a key, ends that are open as infinite.
+    /// Usual range of a key, open ends infinite.
     #[must_use]
     pub(crate) fn range(self, key: usize) -> [f64; 2] {
         let [low, high] = self.line().range(key);
         [low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)]
     }
 
-    /// What work aims at.
+    /// Target of the work.
     #[must_use]
     pub(super) fn aim(self, key: usize) -> f64 {
         let [low, high] = self.range(key);
         self.known().2.unwrap_or(0.5 * (low + high))
     }
 
-    /// The goal of regulation that sets it.
+    /// Goal of regulation for this line.
     #[must_use]
     pub(crate) fn goal(self) -> Option<Goal> {
         Some(match self {
@@ -168,7 +167,7 @@ impl Quantity {
         })
     }
 
-    /// From SI to the sheet's unit.
+    /// Factor from SI to the sheet's unit.
     #[must_use]
     pub(crate) fn factor(self) -> f64 {
         if matches!(self, Spring | Damper) { 1.0 } else { 1e3 }
@@ -179,13 +178,13 @@ impl Quantity {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Readings {
     values: [Option<f64>; Quantity::ALL.len()],
-    /// KR WW: what the whippen weighs at the key's front, g. It is needed for the ratio, and no work changes it but
-    /// that of the capstan.
+    /// KR WW, weight of the whippen at the key's front, g. It is needed for the ratio; only work on the capstan changes
+    /// it.
     whippen_at_front_g: f64,
 }
 
 impl Readings {
-    /// No reading, and what the whippen weighs at the key's front, g.
+    /// Empty readings, with the weight of the whippen at the key's front, g.
     #[must_use]
     pub(crate) fn none(whippen_at_front_g: f64) -> Self {
         Readings { values: [None; Quantity::ALL.len()], whippen_at_front_g }
@@ -204,7 +203,7 @@ impl Readings {
         Ok(readings)
     }
 
-    /// These readings with the distances of an instrument as it stands: two trials with the key. Weights stay.
+    /// Returns these readings with the distances of an instrument, from two trials with the key. Weights stay.
     ///
     /// # Errors
     /// See [`MeasureError`].
@@ -255,20 +254,20 @@ impl Readings {
         }
     }
 
-    /// Sets one of them. Balance weight, friction weight and ratio follow from the others, and are not set.
+    /// Sets a reading. Balance weight, friction weight and ratio follow from the others and cannot be set.
     pub fn set(&mut self, quantity: Quantity, value: Option<f64>) {
         if !matches!(quantity, BalanceWeight | FrictionWeight | Ratio) {
             self.values[quantity as usize] = value;
         }
     }
 
-    /// Whether one is out of its usual range at a key, as it is read.
+    /// Whether a reading is out of its usual range at a key.
     #[must_use]
     pub fn is_out(&self, quantity: Quantity, key: usize) -> bool {
         quantity.line().is_out_at(self.get(quantity), key)
     }
 
-    /// Returns how far a reading is out of its range, in the line's unit: 0 inside, infinite if it is missing and
+    /// Returns the distance of a reading from its range, in the line's unit: 0 inside, infinite if it is missing and
     /// should not be.
     #[must_use]
     pub fn beyond(&self, quantity: Quantity, key: usize) -> f64 {
@@ -280,7 +279,7 @@ impl Readings {
         }
     }
 
-    /// These readings after a change that took a copy from `before` to `after`.
+    /// Returns these readings with the change of a copy from `before` to `after`.
     #[must_use]
     pub(super) fn moved(&self, before: &Readings, after: &Readings) -> Readings {
         let mut moved = *self;
@@ -289,7 +288,7 @@ impl Readings {
             let at = quantity as usize;
             let falls = |drop: Option<f64>| drop.is_some_and(|drop| drop > quantity.precision());
             *value = match (*value, before.values[at], after.values[at]) {
-                // A copy whose hammer does not fall cannot tell how far one falls.
+                // A copy whose hammer does not drop gives no change of a drop.
                 (value, before, _) if quantity == Drop && falls(value) && !falls(before) => value,
                 (Some(value), Some(before), Some(after)) => Some(value + after - before),
                 (.., after) => after,

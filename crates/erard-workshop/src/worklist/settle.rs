@@ -8,9 +8,9 @@ use crate::measure::norms::MIDDLE_C;
 use crate::regulate::{Goal, RegulateError, Regulated, Specification, Status, regulate, regulate_following};
 use erard::instrument::Instrument;
 
-/// Times that dip and blow are changed and the action is regulated again.
+/// Most changes of dip and blow, each followed by a regulation.
 const PASSES: u32 = 4;
-/// Steps in which dip and blow change, m: a paper, and what can be seen of a blow.
+/// Steps of dip and blow, m: a paper, and the visible change of a blow.
 const DIP_STEP_M: f64 = 1e-4;
 const BLOW_STEP_M: f64 = 5e-4;
 
@@ -19,16 +19,16 @@ const BLOW_STEP_M: f64 = 5e-4;
 pub struct GaveUp {
     /// Dip or blow.
     pub goal: Goal,
-    /// Value asked for, or found, m.
+    /// Value requested, or found, m.
     pub asked_m: f64,
     /// Value set instead, m.
     pub instead_m: f64,
 }
 
-/// A regulation that has the aftertouch in mind.
+/// A regulation that ends with the aftertouch in its usual range, if possible.
 #[derive(Debug, Clone)]
 pub struct Settled {
-    /// The action. Its goals have the values that they were set to in the end.
+    /// The action. Its goals have their final values.
     pub regulated: Regulated,
     /// The goals that changed for the aftertouch.
     pub gave_up: Vec<GaveUp>,
@@ -49,11 +49,11 @@ pub fn is_usual_aftertouch(distances: &Distances) -> bool {
 }
 
 /// Regulates a copy of an instrument, and again with another blow ([`Priority::Dip`]), or another dip and then another
-/// blow ([`Priority::Aftertouch`]), until the aftertouch is in its usual range. Both change by no more than that takes
-/// and stay in their own usual ranges. `follow` is as in [`regulate_following`].
+/// blow ([`Priority::Aftertouch`]), until the aftertouch is in its usual range. Both change no more than needed and
+/// stay in their own usual ranges. `follow` is as in [`regulate_following`].
 ///
 /// # Errors
-/// As [`regulate`].
+/// See [`regulate`].
 pub fn regulate_to_aftertouch(
     instrument: &Instrument,
     specification: &Specification,
@@ -101,8 +101,8 @@ fn range_m(quantity: Quantity) -> [f64; 2] {
     quantity.range(MIDDLE_C).map(|end| end / quantity.factor())
 }
 
-/// Dip and blow for an aftertouch that is in its range by as much as its reading may be off, from the dip and the blow
-/// that gave `aftertouch`, m.
+/// Returns dip and blow for an aftertouch inside its range by the reading's error, from the dip and the blow that gave
+/// `aftertouch`, m.
 fn dip_and_blow(priority: Priority, asked: (f64, f64), set: (f64, f64), aftertouch: f64) -> (f64, f64) {
     let room_m = Quantity::Aftertouch.precision() / Quantity::Aftertouch.factor();
     let [low, high] = usual_aftertouch_m();
@@ -112,19 +112,19 @@ fn dip_and_blow(priority: Priority, asked: (f64, f64), set: (f64, f64), aftertou
         dip = within(Quantity::Dip, asked.0, set.0 + whole(missing, DIP_STEP_M));
         missing -= dip - set.0;
     }
-    // Less blow is more aftertouch. What a paper more than covers needs no other blow.
+    // Less blow is more aftertouch. A difference below one paper needs no other blow.
     if missing.abs() > DIP_STEP_M {
         blow = within(Quantity::Blow, asked.1, set.1 - whole(missing / KEY_PER_HAMMER, BLOW_STEP_M));
     }
     (dip, blow)
 }
 
-/// In whole steps, away from nought.
+/// Rounds to whole steps, away from zero.
 fn whole(value: f64, step: f64) -> f64 {
     value.signum() * (value.abs() / step - 1e-6).ceil() * step
 }
 
-/// Within the usual range, or no farther out of it than it was asked for.
+/// Clamps to the usual range, widened to the requested value.
 fn within(quantity: Quantity, asked_m: f64, value_m: f64) -> f64 {
     let [low, high] = range_m(quantity);
     value_m.clamp(low.min(asked_m), high.max(asked_m))
@@ -134,8 +134,8 @@ fn within(quantity: Quantity, asked_m: f64, value_m: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The usual range begins at 0.67 mm, and 0.1 mm inside is wanted. 0.34 mm lack 0.43: five papers, or
-    /// 0.43 / 0.19 = 2.3 mm of blow, which is 2.5 in halves, of which 2 mm are there.
+    /// The usual range begins at 0.67 mm, and 0.1 mm inside is wanted. 0.34 mm lack 0.43: five papers, or 0.43 / 0.19 =
+    /// 2.3 mm of blow, which is 2.5 in halves, of which 2 mm are available.
     #[test]
     fn steps_by_hand() {
         let near = |(dip, blow): (f64, f64), expected: (f64, f64)| {
@@ -147,7 +147,7 @@ mod tests {
         // 0.57 mm lack. The dip ends at 11 mm, and the blow has to do the rest: 0.27 mm are 1.4 mm, in halves 1.5.
         let deep = (10.7e-3, 48e-3);
         near(dip_and_blow(Priority::Aftertouch, deep, deep, 0.2e-3), (11e-3, 46.5e-3));
-        // A dip that was asked for outside of the usual range is not drawn into it.
+        // A requested dip outside the usual range is not drawn into it.
         let shallow = (9e-3, 46e-3);
         near(dip_and_blow(Priority::Dip, shallow, shallow, 0.6e-3), (9e-3, 45e-3));
     }

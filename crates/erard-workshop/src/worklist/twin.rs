@@ -1,4 +1,4 @@
-//! A model brought to the readings of a piano that nobody has the numbers of.
+//! A model adjusted to the readings of a piano whose parameters are unknown.
 
 use super::Worked;
 use super::hand::{Rubs, Work, ease};
@@ -9,13 +9,13 @@ use crate::regulate::{Specification, Status, regulate};
 use erard::Progress;
 use erard::instrument::Instrument;
 
-/// A friction weight is not brought nearer than this, g.
+/// Tolerance of the friction weight, g.
 const FRICTION_CLOSE_G: f64 = 0.5;
-/// The smallest drop that a screw is set to, mm: one that is seen as a drop.
+/// Smallest drop that a screw is set to, mm: it must be visible as a drop.
 const LEAST_DROP_MM: f64 = 0.3;
 
-/// A copy of a model with hammer, front weight, friction and screws as they were read on a piano. It answers one
-/// question: how much does a reading change by a line of work. What it reads by itself may differ.
+/// Returns a copy of a model with the hammer, front weight, friction and screws read on a piano. It predicts how a line
+/// of work changes a reading; its own readings may differ.
 ///
 /// # Errors
 /// See [`super::WorklistError`].
@@ -33,8 +33,8 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
         .filter_map(|quantity| {
             let goal = quantity.goal()?;
             let has_screw = goal.screws().iter().any(|(name, _)| model.screw(name).is_some());
-            // What did not happen is not asked for: its screw stays, and the other goals decide. A hammer that does not
-            // drop is held up: by a screw that stands at least so far out of its place.
+            // Missing readings are no goals: their screw stays, and the other goals decide. A hammer that does not drop
+            // is held up by a screw at least so far out of place.
             let value = readings.get(quantity).filter(|_| has_screw)?;
             let value = if quantity == Quantity::Drop { value.max(LEAST_DROP_MM) } else { value };
             Some((goal, value / quantity.factor()))
@@ -49,7 +49,7 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
         && (friction_g - own_g).abs() > FRICTION_CLOSE_G
     {
         let by_g = friction_g - own_g;
-        // What is too much goes to the key, whose bushings swell: at the hammer's pin it would hold up a hammer that is
+        // Excess friction goes to the key, whose bushings swell: at the hammer's pin it would hold up a hammer that is
         // read to drop.
         let rubs = if by_g > 0.0 { Rubs::Key } else { Rubs::Everywhere };
         ease(&mut twin, rubs, by_g, progress)?;

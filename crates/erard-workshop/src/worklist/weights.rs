@@ -1,17 +1,16 @@
-//! The weights that a key can have: where down-weight, up-weight, balance weight and friction weight are all in their
-//! ranges.
+//! Possible weights of a key: down-weight, up-weight, balance weight and friction weight all in their ranges.
 
 use super::hand::Work;
 use super::readings::Quantity;
 
-/// A balance weight, and how far it keeps every reading that depends on it inside its range (negative: so far outside).
+/// A balance weight, and the least margin of the readings that depend on it inside their ranges (negative: outside).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Balance {
     pub balance_g: f64,
     pub margin_g: f64,
 }
 
-/// The balance weight farthest from every end of the ranges of D = B + F, U = B - F and B, at a friction weight.
+/// Returns the balance weight farthest from the ends of the ranges of D = B + F, U = B - F and B, at a friction weight.
 #[must_use]
 pub(super) fn balance_for(friction_g: f64, key: usize) -> Balance {
     let of = |quantity: Quantity| quantity.range(key);
@@ -22,7 +21,7 @@ pub(super) fn balance_for(friction_g: f64, key: usize) -> Balance {
     Balance { balance_g: 0.5 * (low + high), margin_g: 0.5 * (high - low) }
 }
 
-/// The friction weight farthest from every end of the ranges, its own and those of the weights that go with it.
+/// Returns the friction weight farthest from the ends of its own range and those of the weights that go with it.
 #[must_use]
 pub(super) fn best_friction_g(key: usize) -> f64 {
     let [low, high] = Quantity::FrictionWeight.range(key);
@@ -34,8 +33,8 @@ pub(super) fn best_friction_g(key: usize) -> f64 {
         .unwrap_or(0.5 * (low + high))
 }
 
-/// How much a friction weight changes toward an aim, g: of the hand's steps on either side of the aim, the one that
-/// ends in the range, or else nearest to it.
+/// Returns the change of a friction weight toward a target, g: of the hand's steps on either side of the target, the
+/// one that ends in the range, or else nearest to it.
 #[must_use]
 pub(super) fn friction_change_g(friction_g: f64, aim_g: f64, key: usize) -> f64 {
     let [low, high] = Quantity::FrictionWeight.range(key);

@@ -1,4 +1,4 @@
-//! The instrument file on which a list has been carried out: the same text with other numbers.
+//! Instrument file after a work list: the same text with other numbers.
 
 use super::Worklist;
 use erard::instrument::{Instrument, RewriteError, numbers_at, with_numbers};
@@ -7,8 +7,8 @@ const G: f64 = 1e3;
 const MM: f64 = 1e3;
 
 impl Worklist {
-    /// `text`, the file that `begun` was read from, with the numbers of the copy on which the list was carried out:
-    /// screws, masses, friction, the capstan line.
+    /// Returns `text`, the file that `begun` was read from, with the numbers of the copy on which the list was carried
+    /// out: screws, masses, friction, the capstan line.
     ///
     /// # Errors
     /// See [`RewriteError`].
@@ -34,7 +34,7 @@ impl Worklist {
                 number("center_of_mass_mm", component, place);
             }
         }
-        // A zone's place in the file is the drawn one, which the screws' settings are counted from.
+        // A zone's place in the file is the drawn one, from which the screws' settings are counted.
         let by_screws = |instrument: &Instrument| {
             let mut drawn = instrument.clone();
             for screw in 0..drawn.screws.len() {

@@ -1,4 +1,4 @@
-//! A grand whose key and shank bend is measured, reduced and derived like the rigid one that it was made from.
+//! A grand with flexible key and shank is measured, reduced and derived like the rigid one it was made from.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ fn near(a: f64, b: f64, within: f64, what: &str) {
     assert!((a - b).abs() <= within, "{what}: {a} beside {b}");
 }
 
-/// The parts on the scale are those of the rigid action; the pieces' masses are rounded in their file.
+/// The parts on the scale are those of the rigid action; masses of the pieces are rounded in their file.
 #[test]
 fn the_scale_sees_whole_parts() {
     let [rigid, bent] = both().map(|i| on_the_scale(&i, 6e-3, [1e-3, 5e-3]).unwrap());
@@ -49,7 +49,7 @@ fn geometry_is_rigid() {
     near(bent.moment_n_m, rigid.moment_n_m, 5e-3 * rigid.moment_n_m.abs(), "moment");
 }
 
-/// Roles that name the end of a chain are found; distances are those that the screws set, though the key gives under
+/// Roles that name the end of a chain are found; distances are those set by the screws, although the key bends under
 /// the finger.
 #[test]
 fn distances_are_found_in_what_bends() {
@@ -65,8 +65,8 @@ fn distances_are_found_in_what_bends() {
     near(soft.let_off_speed_m_per_s, soft.fall_speed_m_per_s, 0.02, "what the flight takes");
 }
 
-/// The ratios that the sheet's geometry gives by the engine's own contacts are those of the linkage that follows from
-/// the levers' graph, solved by Newton's method: two derivations of one kinematics. Rounding of compressions over lever
+/// The ratios of the sheet's geometry, from the engine's own contacts, equal those of the linkage derived from the
+/// levers' graph, solved by Newton's method: two derivations of one kinematics. Rounding of compressions over lever
 /// arms and of residuals: 1e-9 is generous, and any wrong sign or contact fails by far.
 #[test]
 fn the_sheet_s_geometry_is_the_linkage_s() {

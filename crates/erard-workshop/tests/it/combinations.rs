@@ -1,4 +1,4 @@
-//! Which features of a run combine: every line of the book's table, played.
+//! Combinations of features in a run: plays every line of the book's table.
 
 use erard::gradient::{Direction, GradientError, How, Poses, STACK_BYTES, check, follow};
 use erard::instrument::Dwell;
@@ -10,7 +10,7 @@ use erard_workshop::study::{Job, Lanes, Workers, play_all};
 const FEATURES: [&str; 8] =
     ["strings", "hand", "adaptive steps", "lanes", "derivatives", "dwell", "losses", "reactions"];
 
-/// No function takes both.
+/// Combinations that no function accepts.
 const ABSENT: [[&str; 2]; 5] = [
     ["lanes", "derivatives"],
     ["lanes", "losses"],
@@ -56,7 +56,7 @@ impl Asked {
         erard::press(&self.instrument, &stroke, &self.setup).map(|run| run.events).map_err(|error| error.to_string())
     }
 
-    /// What the table has to say of both.
+    /// The table's entry for both.
     fn answer(&self) -> String {
         if ABSENT.contains(&self.both) {
             return "absent".to_owned();
@@ -78,7 +78,7 @@ impl Asked {
                 losses: self.has("losses").then(|| LossRecorder::new(&self.instrument)),
             };
             let run = simulate_observed(&self.instrument, &stroke, &self.setup, &mut inside, &mut |_| true).unwrap();
-            // Observers change nothing, and have something to report.
+            // Observers change nothing, and report something.
             assert_eq!(run.events, alone, "{:?}", self.both);
             if let Some(losses) = &inside.losses {
                 let lost: f64 = losses.losses().unwrap().by_size().iter().map(|loss| loss.all_j()).sum();
@@ -103,8 +103,8 @@ impl Asked {
         };
         let [here, there] = [alone.unwrap(), events].map(|events| events.hammer_speed_m_per_s().unwrap());
         assert!((here / there - 1.0).abs() < 1e-6, "{:?}: {here} {there}", self.both);
-        // Lanes round products and sums at once; what is played alone has the bits of a press. Where the processor has
-        // no lanes, nothing can be told.
+        // Lanes round products and sums at once; an action played alone has the bits of a press. Without lanes in the
+        // processor this cannot be checked.
         let in_lanes =
             here != there || (Lanes::most() == Lanes::One && !self.has("strings") && !self.has("adaptive steps"));
         if in_lanes { "yes" } else { "one by one" }.to_owned()

@@ -1,4 +1,4 @@
-//! Comparison with a series whose errors are known: a finer run of the same instrument, with sensor noise added.
+//! Comparison with a series of known errors: a finer run of the same instrument, with sensor noise added.
 
 use erard::instrument::Instrument;
 use erard::player::{self, Input};
@@ -16,7 +16,7 @@ fn force(t: f64) -> f64 {
     FORCE_N * (0.5 - 0.5 * (std::f64::consts::PI * (t / 0.02).min(1.0)).cos())
 }
 
-/// The key is on its way until here, s.
+/// Time until which the key is on its way, s.
 const BEFORE_THE_STOPS_S: f64 = 0.046;
 
 fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
@@ -37,7 +37,7 @@ fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
     }
 }
 
-/// The way up ends at the hammer's first top, or, without it, where the key is down.
+/// The upward motion ends at the hammer's first top, or, without it, where the key is down.
 #[test]
 fn the_way_up_ends_at_the_top() {
     let series = measured(&Instrument::builtin("concert-grand").unwrap(), 0.15, 0.0);
@@ -56,11 +56,11 @@ fn setup() -> Setup {
     Setup { settings: Settings::new(50e-6), ..Setup::new(1.0) }
 }
 
-/// Force driven, the only error of the action is the noise (its standard deviation within a tenth: 300 samples, and the
-/// spline between them smooths a little), and it explains the motion; the one-degree-of-freedom model explains most of
-/// it before the stops: the papers' second-order low-pass. Motion driven (rigidly, without noise) the action has the
-/// force up to 200 Hz to a few per cent, while the one-degree-of-freedom model misses it altogether: the papers'
-/// contrast.
+/// Driven by force, the only error of the action is the noise (its standard deviation within a tenth: 300 samples, and
+/// the spline between them smooths a little), and the action explains the motion; the one-degree-of-freedom model
+/// explains most of it before the stops, as the papers' second-order low-pass. Driven by motion (rigidly, without
+/// noise), the action gives the force up to 200 Hz to a few per cent, while the one-degree-of-freedom model misses it
+/// altogether, as in the papers.
 #[test]
 fn known_errors_are_found() {
     let grand = Instrument::builtin("concert-grand").unwrap();
@@ -79,14 +79,14 @@ fn known_errors_are_found() {
         c.trial(driven, which).unwrap().errors.clone().unwrap()
     };
     let one_dof = errors(BEFORE_THE_STOPS_S, Prescribed::Force, Which::OneDof);
-    // The softer the felts of the train, the less of its motion one degree of freedom has: 0.78.
+    // The softer the felts of the train, the less of its motion one degree of freedom explains: 0.78.
     assert!(one_dof.explained > 0.75, "force driven, one degree of freedom: {one_dof:?}");
-    // A series that ends in motion would end with a jerk (a position is held where its series ends): wait until the key
-    // rests.
+    // A series that ends in motion would end with a jerk (a position is held at the end of its series): wait until the
+    // key rests.
     let action = errors(0.4, Prescribed::Rigid, Which::Action);
     let one_dof = errors(0.4, Prescribed::Rigid, Which::OneDof);
-    // Samples at 2 kHz and a spline between them carry the motion well below 200 Hz, and the impacts' content beyond it
-    // not.
+    // Samples at 2 kHz and a spline between them carry the motion well below 200 Hz, but not the impacts' content
+    // beyond it.
     for band in &action.bands[..3] {
         assert!(band.error_rms < 0.1 * band.measured_rms, "rigid, action: {band:?}");
     }
@@ -96,7 +96,7 @@ fn known_errors_are_found() {
     assert!(action.explained > 0.9 && one_dof.explained < 0.0, "{} {}", action.explained, one_dof.explained);
 }
 
-/// A file with one of the two columns is driven by that one, and nothing is compared with what is not there.
+/// A file with one of the two columns is driven by that one, without comparison with the missing one.
 #[test]
 fn half_a_file_is_enough() {
     let grand = Instrument::builtin("concert-grand").unwrap();
@@ -112,8 +112,8 @@ fn half_a_file_is_enough() {
     assert!(c.trials.iter().all(|t| t.errors.is_none() && t.force_n.iter().any(|&f| f > 1.0)));
 }
 
-/// The key's trace, played back on the model that made it through the fingertip that the force gives: the force comes
-/// out again. Read as the fingertip's it lags by F/k, and most of the force is missed.
+/// The key's trace, played back on its own model through the fingertip derived from the force, gives the force again.
+/// Taken as the fingertip's it lags by F/k, and most of the force is missed.
 #[test]
 fn whose_position_it_is() {
     let grand = Instrument::builtin("concert-grand").unwrap();
@@ -125,13 +125,13 @@ fn whose_position_it_is() {
         c.trials[0].errors.as_ref().unwrap().explained
     };
     let [motion, rigid] = [Prescribed::Motion, Prescribed::Rigid].map(|driven| explained(PositionOf::Key, driven));
-    // Sampled at 2 kHz, what is imposed on the key lacks what is above.
+    // At 2 kHz the motion imposed on the key lacks higher frequencies.
     assert!(motion > 0.99 && rigid > 0.98, "{motion} {rigid}");
     let misread = explained(PositionOf::Fingertip, Prescribed::Motion);
     assert!(misread < 0.9, "{misread}");
 }
 
-/// Nothing beyond a limit is reported, and nothing at all where the limit leaves nothing.
+/// Nothing beyond a limit is reported, and nothing at all if the limit leaves nothing.
 #[test]
 fn limits_of_what_is_told() {
     let grand = Instrument::builtin("concert-grand").unwrap();
@@ -140,7 +140,7 @@ fn limits_of_what_is_told() {
         let choice = Choice { tells_to_hz: [f64::INFINITY, position_hz, f64::INFINITY], ..Choice::default() };
         compare_chosen(&grand, &series, &choice, &setup(), &mut |_| true).unwrap()
     };
-    // Of the noise, white up to 1 kHz, a low-pass at 70 Hz leaves about sqrt(70/1000): the errors are those below it.
+    // Of noise white up to 1 kHz, a low-pass at 70 Hz leaves about sqrt(70/1000): the errors are those below it.
     let c = told(70.0);
     let trial = c.trial(Prescribed::Force, Which::Action).unwrap();
     assert!((trial.told_to_hz - 70.0).abs() < 1e-9);
@@ -157,16 +157,15 @@ fn limits_of_what_is_told() {
     assert!(matches!(none, Err(CompareError::NoDrive)));
 }
 
-/// An end on request ends it.
+/// A requested interruption ends the work.
 #[test]
 fn can_be_interrupted() {
     let grand = Instrument::builtin("concert-grand").unwrap();
     assert!(compare(&grand, &measured(&grand, 0.05, 0.0), &setup(), &mut |_| false).is_err());
 }
 
-/// What a recorded key's force is worth: of a stroke whose force is known, with the key's noise of 2 and 10 um at 4
-/// kHz, the error that the noise makes is the one that is said, within what eight drawings tell, and in proportion to
-/// the noise.
+/// Accuracy of a recorded key's force: for a stroke of known force, with key noise of 2 and 10 um at 4 kHz, the actual
+/// error is the reported one, within the scatter of eight drawings, and proportional to the noise.
 #[test]
 fn the_force_under_a_recorded_key_is_worth_what_is_said() {
     let grand = Instrument::builtin("concert-grand-rigid").unwrap();
@@ -188,7 +187,7 @@ fn the_force_under_a_recorded_key_is_worth_what_is_said() {
     };
     let mut said = Vec::new();
     for sigma_m in [2e-6, 10e-6] {
-        // One filter for all, so that what it takes from the motion is no noise.
+        // One filter for all, so that the motion it removes is not counted as noise.
         let low_pass = LowPass::At(300.0);
         let (quiet, _) = played(0, 0.0, low_pass);
         for seed in 1..4 {
@@ -205,7 +204,7 @@ fn the_force_under_a_recorded_key_is_worth_what_is_said() {
             assert!(noisy.worths()[0].contains("driven by key motion: the position's noise"), "{:?}", noisy.worths());
         }
     }
-    // In proportion, as far as felts let it be.
+    // Proportional, as far as felts allow.
     let [small, large] = [&said[..3], &said[3..]].map(|all| all.iter().sum::<f64>() / 3.0);
     assert!((2.5..8.0).contains(&(large / small)), "{small} N and {large} N");
 }

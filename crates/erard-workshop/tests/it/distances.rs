@@ -1,4 +1,4 @@
-//! The technician's distances against what geometry and felts say without any simulation.
+//! The technician's distances against values computed from geometry and felts without simulation.
 
 use crate::common::rigid_grand;
 use erard::instrument::{Curve, Felt, Instrument};
@@ -25,8 +25,8 @@ fn line(instrument: &Instrument, name: &str) -> ([f64; 2], Felt) {
     (point_m, zone.felt)
 }
 
-/// Dip: to the punching's line, and as far as a firm 5 N, less what the action takes of it (0.3 to 1.1 N), compresses
-/// its felt by F = k g^r; the key's own rest is within 0.03 mm of its drawn one.
+/// Dip: to the punching's line, plus the compression of its felt, by F = k g^r, under a firm 5 N less the force taken
+/// by the action (0.3 to 1.1 N); the key's rest is within 0.03 mm of its drawn one.
 #[test]
 fn dip_is_the_punching_and_its_felt() {
     let (point_m, felt) = line(&rigid_grand(), "key_front");
@@ -35,14 +35,14 @@ fn dip_is_the_punching_and_its_felt() {
     let [least, most] = [compressed(3.9) - 0.03e-3, compressed(4.7) + 0.03e-3].map(|g| g - point_m[1]);
     assert!((least..most).contains(&dip_m), "{least} {dip_m} {most}");
     let thicker = measured(&[("front_punching", 0.5)]).dip_m.unwrap();
-    // Punching and finger have the same arm, so that the dip shrinks by what the punching grows, but for what the
-    // action takes of the 5 N at another depth: 0.3 N more or less are 6 % of the force, and of the felt's compression
-    // 6 % / r.
+    // Punching and finger have the same arm: the dip decreases by the punching's increase, except for the action's
+    // share of the 5 N at another depth: 0.3 N more or less are 6 % of the force, and of the felt's compression 6 % /
+    // r.
     let breathing = compressed(5.0) * 0.06 / felt.exponent;
     assert!((dip_m - thicker - 0.5e-3).abs() < breathing, "{dip_m} {thicker} {breathing}");
 }
 
-/// The string is not touched on a slow key: raising it adds as much to blow and let-off, and moves nothing else.
+/// A slow key does not touch the string: raising it increases blow and let-off equally, and changes nothing else.
 #[test]
 fn the_string_moves_blow_and_let_off_alone() {
     let before = measured(&[("drop", 0.6)]);
@@ -66,9 +66,9 @@ fn the_drop_screw_lowers_the_hammer_by_its_levers() {
     assert_eq!(measured(&[("drop", -2.0)]).drop_m, Some(0.0), "out of reach, it leaves the hammer up");
 }
 
-/// The knuckle's middle and the jack's edge where the file draws them: the hammer's pin and the shank's direction, and
-/// the chain whippen - jack, which stands upright. Felts give a few hundredths. A screw that moves the jack's rest by
-/// 0.2 mm, 28 mm up from the jack's pivot, moves its top, 45 mm up, by 0.32 mm.
+/// The knuckle's middle and the jack's edge from the file's drawing: the hammer's pin and the shank's direction, and
+/// the chain whippen - jack, which is upright. Felts yield a few hundredths. A screw that moves the jack's rest by 0.2
+/// mm, 28 mm up from the jack's pivot, moves its top, 45 mm up, by 0.32 mm.
 #[test]
 fn the_jack_stands_where_it_is_drawn() {
     let grand = rigid_grand();
@@ -86,8 +86,8 @@ fn the_jack_stands_where_it_is_drawn() {
     assert!((0.25e-3..0.6e-3).contains(&by), "further under the knuckle, and the knuckle a little with it: {by}");
 }
 
-/// With the hammer lifted off, the lever stands on its stop alone. Its tail is drawn 20 mm and its contact with the
-/// knuckle 37 mm from its pivot: the stop 0.1 mm lower lets the contact rise by 0.185 mm.
+/// With the hammer lifted off, the lever rests on its stop alone. Its tail is drawn 20 mm and its contact with the
+/// knuckle 37 mm from its pivot: a stop 0.1 mm lower lets the contact rise by 0.185 mm.
 #[test]
 fn the_lever_rises_as_its_stop_is_lowered() {
     let (before, after) = (measured(&[]), measured(&[("lever_height", 0.1)]));

@@ -1,4 +1,4 @@
-//! The instruments beside the concert grand: their published arms, their regulation, and how they play.
+//! The other built-in instruments: their published arms, regulation and playing.
 
 use crate::common::{Play, USUAL_STEP_S};
 use erard::instrument::{Curve, Instrument, Vec2};
@@ -17,9 +17,9 @@ fn length([x, y]: Vec2) -> f64 {
 }
 
 /// The six lever arms as drawn (screws turned back), m: key to the capstan's contact and to its front, whippen to the
-/// knuckle's contact on the jack and to the heel, hammer to the strike point and to the knuckle's contact, the last
-/// laid out as the concert grand lays out the published 20.5 mm: the jack pushes one millimetre behind the middle of
-/// the knuckle.
+/// knuckle's contact on the jack and to the heel, hammer to the strike point and to the knuckle's contact. The last is
+/// laid out like the published 20.5 mm in the concert grand: the jack pushes one millimetre behind the middle of the
+/// knuckle.
 fn arms(instrument: &Instrument) -> [f64; 6] {
     let mut drawn = instrument.clone();
     for screw in 0..drawn.screws.len() {
@@ -55,13 +55,13 @@ fn the_steinway_has_its_published_arms() {
     }
     let leverage = |arms: [f64; 6]| arms[0] / arms[1] * arms[2] / arms[3] * arms[4] / arms[5];
     assert!((leverage(found) - 4.97).abs() < 0.03, "{}", leverage(found));
-    // 6.5 half-way, where the grand's 5.24 make 5.6: 12 to 18 % more.
+    // 6.5 half-way, where the grand's 5.24 give 5.6: 12 to 18 % more.
     let [grand, heavy] = ["concert-grand", "heavy-touch"].map(|name| leverage(arms(&builtin(name).locked())));
     assert!((grand - 5.24).abs() < 0.05, "{grand}: Overs gives 5.24");
     assert!((1.12..1.18).contains(&(heavy / grand)), "{heavy} {grand}");
 }
 
-/// Both ship regulated: every norm is met without turning a screw.
+/// Both are shipped regulated: every norm is met without turning a screw.
 #[test]
 fn they_ship_regulated() {
     for name in FURTHER {
@@ -89,7 +89,7 @@ fn they_play() {
             let run = Play::ForceStep(force, 0.5).run(&instrument, Settings::new(USUAL_STEP_S), 0.5);
             let e = &run.events;
             assert!(e.toe_contact_s.is_some() && e.toe_contact_s < e.hammer_contact_s(), "{name}, {force} N: {e:?}");
-            // 20 N at once wind knuckle and shank up so far that the jack still pushes when the hammer is there.
+            // 20 N at once compress the knuckle and bend the shank so far that the jack still pushes at the impact.
             let let_off_s = e.let_off_s.or(e.hammer_contact_s()).unwrap();
             let most = if force > 19.0 { 2e-4 } else { 0.0 };
             assert!(let_off_s - e.hammer_contact_s().unwrap() <= most, "{name}, {force} N: {e:?}");

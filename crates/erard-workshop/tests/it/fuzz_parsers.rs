@@ -1,4 +1,4 @@
-//! Tens of thousands of damaged files: nothing panics, every error points into its text, and what still reads is sound.
+//! Tens of thousands of damaged files: nothing panics, every error points into its text, and accepted files are sound.
 //!
 //! The damage is deterministic, so that a failure repeats; `fuzz/` holds the same targets for a coverage-guided fuzzer.
 
@@ -14,7 +14,7 @@ const CLOCK: &str = include_str!("../../../erard/tests/instruments/escapement.to
 const STROKE: &str = "# a short stroke\ntime_s,force_N,position_m,note\n0,0,0,\n0.001,0.5,0.0002,on\n0.0025,1.25,0.001,\n\
                       0.01,3e0,0.004,\"a, b\"\n0.02,5,0.009,\n0.05,0,0.0098,off\n";
 
-/// Chance, the same every time.
+/// Random numbers, the same every time.
 struct Chance(Rng);
 
 impl Chance {
@@ -31,7 +31,7 @@ impl Chance {
     }
 }
 
-/// What tends to hurt parsers.
+/// Tokens that often break parsers.
 const NASTY: [&str; 40] = [
     "nan",
     "inf",
@@ -75,7 +75,8 @@ const NASTY: [&str; 40] = [
     "\t",
 ];
 
-/// One to eight random injuries: bytes flipped, inserted, deleted; tokens and lines swapped, doubled, replaced.
+/// Damages a text in one to eight places: bytes flipped, inserted, deleted; tokens and lines swapped, doubled,
+/// replaced.
 fn damaged(good: &str, chance: &mut Chance) -> Vec<u8> {
     let mut bytes = good.as_bytes().to_vec();
     for _ in 0..=chance.below(8) {
@@ -90,7 +91,7 @@ fn damaged(good: &str, chance: &mut Chance) -> Vec<u8> {
                 bytes.splice(at..at, nasty.bytes());
             }
             5 | 6 => {
-                // A whole token: from here to the next separator.
+                // A whole token: up to the next separator.
                 let separator = |byte: &u8| b" \n,=[]{}\"".contains(byte);
                 let start = bytes[..at].iter().rposition(separator).map_or(0, |i| i + 1);
                 let end = bytes[at..].iter().position(separator).map_or(bytes.len(), |i| at + i);
@@ -117,7 +118,7 @@ fn damaged(good: &str, chance: &mut Chance) -> Vec<u8> {
     bytes
 }
 
-/// What [`Instrument`] promises.
+/// The guarantees of [`Instrument`].
 fn assert_sound(instrument: &Instrument) {
     let finite = |numbers: &[f64]| assert!(numbers.iter().all(|x| x.is_finite()), "{instrument:?}");
     let bodies = instrument.bodies.len();
@@ -183,7 +184,7 @@ fn assert_helpful(error: &FileError) {
     assert!(!error.message.is_empty() && !error.to_string().contains('\n'), "{error}");
 }
 
-/// Returns how many of the mutants read.
+/// Returns how many of the mutants can be read.
 fn damage_instrument(good: &str, mutants: usize, seed: u64) -> usize {
     let mut chance = Chance::new(seed);
     (0..mutants)
@@ -214,7 +215,7 @@ fn many_damaged_clocks() {
 
 fn damage_clocks(mutants: usize) {
     let read = damage_instrument(CLOCK, mutants, 0x9e37_79b9_7f4a_7c15);
-    // Both kinds must occur, or the damage is too light or too heavy to test anything.
+    // Both kinds must occur, or the damage is too light or too heavy for a test.
     assert!((mutants / 100..mutants * 29 / 30).contains(&read), "{read} of {mutants} read");
 }
 
@@ -235,7 +236,7 @@ fn damage_grands(mutants: usize) {
     assert!((mutants / 100..mutants * 39 / 40).contains(&read), "{read} of {mutants} read");
 }
 
-/// What still reads has finite levers, and either goes through its stroke or says where it stops.
+/// Accepted linkages have finite levers, and either complete their stroke or report where it stops.
 #[test]
 fn damaged_linkages() {
     damage_linkages(2_000);
@@ -274,7 +275,7 @@ fn damage_linkages(mutants: usize) {
     assert!(fair.contains(&read) && moved > mutants / 200, "{read} of {mutants} read, {moved} moved");
 }
 
-/// A keyboard of clocks: every kind of grading, on an instrument that is read quickly.
+/// A keyboard of clocks: every kind of grading, on an instrument that is quick to read.
 const KEYBOARD: &str = r#"format = "erard-keyboard/1"
 name = "Clocks"
 instrument = "escapement.toml"
@@ -297,8 +298,7 @@ direction = [0, 1]
 by_mm = [{ key = 1, value = -1.5 }, { key = 40, value = 0 }]
 "#;
 
-/// What still reads has curves that are finite at every key, and gives sound instruments or says what is wrong with
-/// them.
+/// Accepted keyboards have curves that are finite at every key, and give sound instruments or report the error.
 #[test]
 fn damaged_keyboards() {
     damage_keyboards(1_000);
@@ -389,15 +389,15 @@ fn assert_stroke_error_helpful(error: &StrokeError, bytes: &[u8]) {
     assert!(!error.message.is_empty() && !error.to_string().contains('\n'), "{error}");
 }
 
-/// The seeds of the fuzzers' corpus: files that once meant something else to each parser, one for every message and a
-/// few that read. They are what a coverage-guided fuzzer begins with, and here they are ordinary tests.
-/// `ERARD_CORPUS=write` makes the folder anew.
+/// Seeds of the fuzzers' corpus: files that were special for each parser, one for every message and a few that can be
+/// read. A coverage-guided fuzzer starts with them; here they are ordinary tests. `ERARD_CORPUS=write` rewrites the
+/// folder.
 #[test]
 fn the_corpus_reads_or_is_refused_with_a_reason() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let (corpus, instruments) = (here.join("../../fuzz/seeds"), here.join("../erard/tests/instruments"));
     let linkage = LinkageFile::builtin_text("c7f-like").expect("a text");
-    // The report on an input; `read` where it reads.
+    // The report on an input; `read` if it can be read.
     let told = |target: &str, bytes: &[u8]| -> String {
         let of = |error: Box<FileError>| {
             assert_helpful(&error);
@@ -439,7 +439,7 @@ fn the_corpus_reads_or_is_refused_with_a_reason() {
             let (mut chance, mut messages) = (Chance::new(0x00c0_ffee), std::collections::BTreeMap::new());
             for _ in 0..20_000 {
                 let bytes = damaged(good, &mut chance);
-                // Without numbers and names, which differ from one to the next.
+                // Without digits and names, which vary.
                 let kind: String = told(target, &bytes).chars().filter(|c| !c.is_ascii_digit()).take(24).collect();
                 let kept = messages.entry(kind).or_insert_with(|| bytes.clone());
                 if bytes.len() < kept.len() {

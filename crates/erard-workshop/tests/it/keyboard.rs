@@ -1,4 +1,4 @@
-//! The keyboard file: 88 graded actions, each of which plays as a piano's does.
+//! The keyboard file: 88 graded actions, each playing like a piano's.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -25,7 +25,7 @@ fn concert_grand() -> &'static (Keyboard, Vec<Instrument>) {
 }
 
 /// Key 40 is the instrument file itself, to the bit; every other key differs from it and from its neighbours; and every
-/// number that differs says that it was graded.
+/// number that differs is marked as graded.
 #[test]
 fn the_base_key_is_the_instrument() {
     let (keyboard, instruments) = concert_grand();
@@ -44,8 +44,8 @@ fn the_base_key_is_the_instrument() {
     assert!(citation.note.as_deref().is_some_and(|note| note.contains("hammer head")), "{citation:?}");
 }
 
-/// A point mass added to a body changes mass, centre of mass and inertia as mechanics has it: computed here from the
-/// base's numbers, to 1e-5, because numbers are written to six digits.
+/// A point mass added to a body changes mass, centre of mass and inertia by the laws of mechanics: computed here from
+/// the base's numbers, to 1e-5, because numbers are written to six digits.
 #[test]
 fn added_masses_obey_mechanics() {
     let (_, instruments) = concert_grand();
@@ -63,8 +63,8 @@ fn added_masses_obey_mechanics() {
     }
 }
 
-/// Every one of the 88 keys, played mf twice by a finger that lifts off in between: it escapes (the knuckle is let go
-/// before the string), strikes once a stroke, is caught by its check, and strikes again from where it is.
+/// Each of the 88 keys, played mf twice by a finger that lifts off in between: it lets off (the knuckle is released
+/// before the string), strikes once a stroke, is caught by its check, and strikes again from there.
 #[test]
 #[ignore = "ci: all 88 keys"]
 fn every_key_escapes_checks_and_repeats() {
@@ -85,22 +85,22 @@ fn every_key_escapes_checks_and_repeats() {
         assert!(strikes.len() == 2 && strikes[0] < 0.12 && strikes[1] > 0.22, "{name} repeats: {strikes:?}");
         let (let_off, contact) = (events.let_off_s.expect("escapes"), events.hammer_contact_s().expect("strikes"));
         let toe = events.toe_contact_s.expect("meets the button");
-        // The heavy hammers of the bass wind knuckle and shank up: theirs are pushed until they are there, to some
-        // hundredths of a millisecond.
+        // The heavy hammers of the bass compress the knuckle and bend the shank: they are pushed until the impact, to
+        // some hundredths of a millisecond.
         assert!(toe < let_off && let_off < contact + 5e-5, "{name} flies free: {toe} {let_off} {contact}");
         assert!(events.check_s.is_some_and(|check| (0.0..0.06).contains(&(check - contact))), "{name} is caught");
         assert_eq!(run.work.unconverged_steps, 0, "{name}");
-        // The hammers get lighter toward the treble, and faster for the same finger: mf is 1.5 to 3.5 m/s.
+        // Hammers get lighter toward the treble, and faster for the same finger: mf is 1.5 to 3.5 m/s.
         let speed = events.hammer_speed_m_per_s().expect("strikes");
         assert!((1.5..3.5).contains(&speed) && speed > before - 0.01, "{name}: {speed} m/s after {before}");
         before = speed;
     }
 }
 
-/// Touch weights, measured key by key as a technician measures them, follow what the gradings aim at: the norms'
-/// friction weight of 16 g in the bass and 10 g in the treble, one balance weight of 34 to 40 g everywhere (the leads
-/// are worked out from the equation of balance, not from these measurements), down-weight 45 to 55 g, up-weight from 20
-/// g; strike weights between Stanwood's bounds.
+/// Touch weights, measured key by key as by a technician, follow the aims of the gradings: the norms' friction weight
+/// of 16 g in the bass and 10 g in the treble, one balance weight of 34 to 40 g everywhere (the leads are computed from
+/// the equation of balance, not from these measurements), down-weight 45 to 55 g, up-weight from 20 g; strike weights
+/// between Stanwood's bounds.
 #[test]
 #[ignore = "ci: five keys weighed"]
 fn touch_weights_follow_the_norms() {
@@ -132,9 +132,9 @@ fn touch_weights_follow_the_norms() {
     assert!((friction[0] - 16.0).abs() < 1.0 && (friction[4] - 10.0).abs() < 1.0, "{friction:?}");
 }
 
-/// Nobody regulates the graded keys one by one, and none of them needs it: all distances stay within the published
-/// regulation (blow 44 to 49 mm, let-off and drop about 1.5 mm, aftertouch about 1 mm, check 12 to 15 mm) and the
-/// spring lifts the hammer as briskly as in the instrument.
+/// The graded keys are not regulated one by one, and none needs it: all distances stay within the published regulation
+/// (blow 44 to 49 mm, let-off and drop about 1.5 mm, aftertouch about 1 mm, check 12 to 15 mm) and the spring lifts the
+/// hammer as briskly as in the instrument.
 #[test]
 fn both_ends_are_in_regulation() {
     in_regulation(&[1, 88]);
@@ -165,7 +165,7 @@ fn in_regulation(keys: &[usize]) {
     }
 }
 
-/// From key 69 up there is no damper: the key passes below it, and its damper never moves; key 68 lifts its own.
+/// From key 69 up there is no damper: the key passes below the model's, which never moves; key 68 lifts its own.
 #[test]
 fn the_top_keys_have_no_damper() {
     let (_, instruments) = concert_grand();
@@ -232,7 +232,7 @@ fn wrong_files_are_told() {
         let error = told(from, to);
         assert!(error.contains(expected), "{to}: {error}");
     }
-    // A grading that leads to an impossible instrument is that key's fault.
+    // A grading that leads to an impossible instrument is an error of that key.
     let heavy = text.replace("key = 88, value = -4.05", "key = 88, value = -14.05");
     let keyboard = Keyboard::parse(&heavy, "my.toml", Path::new("")).expect("well formed");
     assert!(keyboard.key(40).is_ok());
@@ -240,7 +240,7 @@ fn wrong_files_are_told() {
     assert!(error.starts_with("my.toml, key 88:") && error.contains("body.hammer.mass_g"), "{error}");
 }
 
-/// The schema that lies beside the keyboards is the one that the reader's structs give.
+/// The schema in the keyboards' folder is that of the reader's structs.
 #[test]
 fn the_schema_is_up_to_date() {
     let committed = include_str!("../../../erard/keyboards/keyboard.schema.json");
@@ -253,8 +253,8 @@ fn the_schema_is_up_to_date() {
 mod nightly {
     use super::*;
 
-    /// The keys with strings check, too, between those at which the check was regulated; light hammers are thrown back
-    /// fastest, and those of keys that lift a damper are caught lowest.
+    /// The keys with strings also check between those at which the check was regulated; light hammers are thrown back
+    /// fastest, and those of keys with dampers are caught lowest.
     #[test]
     #[ignore = "nightly: seven keys with strings"]
     fn keys_with_strings_check_between_regulated_ones() {

@@ -1,4 +1,4 @@
-//! The tests of the workshop: one program, so that it is linked once.
+//! Tests of the workshop: one program, so that it is linked once.
 
 #[path = "../../../erard/tests/common/mod.rs"]
 mod common;

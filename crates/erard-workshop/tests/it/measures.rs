@@ -1,5 +1,4 @@
-//! A technician's measurements obey the laws that a technician knows: those of weights and levers, of friction, of
-//! let-off.
+//! A technician's measurements obey the known laws of weights and levers, of friction, and of let-off.
 //!
 //! Where a law is a formula, the number comes from masses and arms of the instrument file, not from the measuring code.
 
@@ -19,18 +18,17 @@ use erard_workshop::measure::weights::{HOME_M, Weights, weigh};
 use erard_workshop::measure::{measure, slow_loop};
 use moreau::Settings;
 
-/// Two weights are searched to a fiftieth of a gram each, and a key that is caught at a millimetre per second is
-/// carried over a tenth of a gram for a sixth of a millimetre: g.
+/// Error of a balance weight, g: two weights are searched to a fiftieth of a gram each, and a key caught at a
+/// millimetre per second is carried over a deficit of a tenth of a gram for a sixth of a millimetre.
 const SCALE_G: f64 = 0.1;
-/// What is left of the hammer's swing in the curve of a slow loop, whose largest and smallest force are read: a
-/// millinewton, g.
+/// Remainder of the hammer's swing in a slow loop, whose largest and smallest force are read: a millinewton, g.
 const SWING_G: f64 = 0.1;
 
 fn go(_: f64) -> bool {
     true
 }
 
-/// Weights with the pedal down: the damper taken away, which is the same and saves half of the runs.
+/// Weights with the pedal down: the damper is removed, which is equivalent and saves half of the runs.
 fn weighed(instrument: &Instrument) -> Weights {
     weigh(&without_damper(instrument), &mut go).unwrap()
 }
@@ -90,7 +88,7 @@ fn hammer_at_rest(instrument: &Instrument) -> f64 {
     Action::new(instrument).unwrap().angles()[body(instrument, "hammer")]
 }
 
-/// Screws the capstan until the hammer rests where it rests in `model`: the blow is kept.
+/// Sets the capstan so that the hammer rests where it rests in `model`: this keeps the blow.
 fn keep_the_blow(instrument: &mut Instrument, model: &Instrument) {
     let goal = hammer_at_rest(model);
     let capstan = zone(instrument, "capstan_heel");
@@ -99,7 +97,7 @@ fn keep_the_blow(instrument: &mut Instrument, model: &Instrument) {
         instrument.zones[capstan].disc_center_m[1] = height;
         hammer_at_rest(instrument) - goal
     };
-    // Secant: the hammer's angle grows almost evenly with the capstan's height.
+    // Secant method: the hammer's angle is almost linear in the capstan's height.
     let (mut a, mut b) = (drawn, drawn + 1e-4);
     let (mut at_a, mut at_b) = (miss(instrument, a), miss(instrument, b));
     for _ in 0..20 {
@@ -117,7 +115,7 @@ fn effective_kg(instrument: &Instrument, w: &Weights) -> f64 {
     inertia(instrument, w.free_way.end_m, &mut go).unwrap().half_way.total_kg()
 }
 
-/// Weights tried one by one and the force of a slow loop are two ways to the same down-weight and up-weight.
+/// Trials with weights and the force of a slow loop give the same down-weight and up-weight.
 #[test]
 fn weights_and_loop_agree() {
     let w = grand_weighed();
@@ -148,16 +146,16 @@ fn the_concert_grand_is_within_the_norms() {
     within("R by weights", weights, 5.0, 6.1);
     within("R by kinematics", kinematics, 5.0, 6.1);
     near("R by weights over R by kinematics", weights / kinematics, 1.0, 0.02);
-    // At one place both ways the friction goes out, whatever it is.
+    // At one place, friction cancels between the two directions, whatever its size.
     let half_way = w.pedal_down.balance_weight_at(0.5 * w.free_way.end_m, grand.gravity_m_s2).unwrap();
     let ratio = w.parts.strike_weight_ratio(half_way).unwrap() / w.strike_ratio.half_way;
     near("R by weights over R by kinematics, half-way", ratio, 1.0, 0.01);
     within("effective inertia", effective_kg(&grand, w), 0.2, 0.35);
 }
 
-/// The detached parts weigh what their masses and arms make of them: key 140 g at 39.75 of 265 mm, hammer 11.2 g at 101
-/// of 130 mm, whippen, jack and lever 11, 4 and 5 g at 50, 85 and 65 mm, on a heel that is touched at 63 mm of the
-/// whippen and 142 mm of the key (which felts and the dome shift by some tenths of a millimetre).
+/// The detached parts have the weights of their masses and arms: key 140 g at 39.75 of 265 mm, hammer 11.2 g at 101 of
+/// 130 mm, whippen, jack and lever 11, 4 and 5 g at 50, 85 and 65 mm, on a heel touched at 63 mm of the whippen and 142
+/// mm of the key (which felts and the dome shift by some tenths of a millimetre).
 #[test]
 fn the_parts_weigh_what_they_are() {
     let grand = rigid_grand();
@@ -185,7 +183,7 @@ fn show_change(before: &Weights, after: &Weights) {
 }
 
 /// Toward the player the capstan's arm on the key shrinks and the heel's on the whippen grows: less leverage, so that
-/// everything behind it weighs less at the key, still and in motion. The blow is kept by the capstan's height.
+/// everything beyond it weighs less at the key, at rest and in motion. The capstan's height keeps the blow.
 #[test]
 fn capstan_toward_the_player_is_lighter() {
     let grand = rigid_grand();
@@ -202,7 +200,7 @@ fn capstan_toward_the_player_is_lighter() {
     assert!(effective_kg(&moved, &after) < 0.8 * effective_kg(&grand, before));
 }
 
-/// The knuckle nearer to the hammer's centre: a shorter arm drives the same hammer.
+/// A knuckle nearer to the hammer's pin: a shorter arm drives the same hammer.
 #[test]
 fn knuckle_in_is_heavier() {
     let grand = rigid_grand();
@@ -219,13 +217,13 @@ fn knuckle_in_is_heavier() {
     assert!(effective_kg(&moved, &after) > 1.05 * effective_kg(&grand, before));
 }
 
-/// A gram at the hammer's head raises the strike weight by a gram and the balance weight by R grams, whichever way R is
-/// found. The head's centre stands 18 mm above the shank's line: above the weighing place when the shank hangs by 8
-/// degrees, as it does in the middle of the way, so that its arm is 130 mm there within a hundredth.
+/// A gram at the hammer's head raises the strike weight by a gram and the balance weight by R grams, for both ways to
+/// find R. The head's centre is 18 mm above the shank's line: above the weighing place when the shank hangs by 8
+/// degrees, as in the middle of the stroke, so that its arm is 130 mm there within a hundredth.
 ///
-/// The law is one of levers. It needs the hammer at the height that it had (a heavier one sinks into its felts and is
-/// screwed up again), and a knuckle without friction: as it is, jack and lever share a heavier hammer in another way,
-/// and the balance weight, a mean of two ways, sees half of what one of them rubs more than the other.
+/// The law is one of levers. It needs the hammer at its earlier height (a heavier one sinks into its felts and is
+/// screwed up again), and a knuckle without friction: with it, jack and lever share a heavier hammer differently, and
+/// the balance weight, a mean of two directions, contains half of the difference in their friction.
 #[test]
 fn a_gram_at_the_hammer_is_r_grams_at_the_key() {
     let mut smooth = rigid_grand();
@@ -252,14 +250,13 @@ fn a_gram_at_the_hammer_with_a_knuckle_that_rubs() {
     let (before, after) = with_a_gram(&rigid_grand());
     let raised = balance(&after) - balance(&before);
     let ratio = before.strike_ratio.where_weighed;
-    // The whole hammer on the jack: 9.7 g times 138/21 by the arms, times 0.25, times what the knuckle slides of the
-    // key's way.
+    // The whole hammer on the jack: 9.7 g times 138/21 by the arms, times 0.25, times the knuckle's sliding per key
+    // travel.
     let rubs = 9.7 * (138.0 / 21.0) * 0.25 * (0.87 / 5.54);
     near("balance weight, with a knuckle that rubs", raised, ratio, SCALE_G + 0.5 * rubs);
 }
 
-/// A key lead of 14 g at 147 of 265 mm in front of the balance rail: 7.8 g less at the front, of down-weight and
-/// up-weight.
+/// A key lead of 14 g at 147 of 265 mm in front of the balance rail: 7.8 g less down-weight and up-weight at the front.
 #[test]
 #[ignore = "ci: actions weighed anew"]
 fn a_lead_lowers_the_balance_weight_by_its_lever() {
@@ -276,7 +273,7 @@ fn a_lead_lowers_the_balance_weight_by_its_lever() {
     near("R", after.strike_weight_ratio().unwrap(), before.strike_weight_ratio().unwrap(), 0.02);
 }
 
-/// More friction in the key's bushings, 5 mN m at an arm of 265 mm: 1.9 g more to go down, 1.9 g less to come up.
+/// More friction in the key's bushings, 5 mN m at an arm of 265 mm: 1.9 g more down-weight, 1.9 g less up-weight.
 #[test]
 fn friction_raises_one_weight_and_lowers_the_other_by_the_same() {
     let grand = rigid_grand();
@@ -292,9 +289,9 @@ fn friction_raises_one_weight_and_lowers_the_other_by_the_same() {
     near("friction weight", friction(&after) - friction(before), grams, SCALE_G);
 }
 
-/// What the damper weighs on the key: 34 g at 36 mm of its pin, lifted at 65 mm of it and 235 mm of the key, is 16.7 g
-/// at 265 mm; the key lifts it late in its way, where it decides the down-weight, so that friction weight alone does
-/// not see all of it.
+/// Weight of the damper on the key: 34 g at 36 mm of its pin, lifted at 65 mm of it and 235 mm of the key, is 16.7 g at
+/// 265 mm; the key lifts it late in its stroke, where it decides the down-weight, so that friction weight does not
+/// contain all of it.
 #[test]
 fn dampers_down_are_heavier() {
     let grand = rigid_grand();
@@ -304,14 +301,14 @@ fn dampers_down_are_heavier() {
     let force = |key: &erard_workshop::measure::weights::KeyWeights| {
         key.slow.down.force(at).unwrap() / grand.gravity_m_s2 * 1e3
     };
-    // Its pin's friction, 1 mN m, works against the way down.
+    // Its pin's friction, 1 mN m, acts against the press.
     let weight = (34e-3 * 36e-3 * grand.gravity_m_s2 + 1e-3) / 65e-3 * 235.0 / 265.0 / grand.gravity_m_s2 * 1e3;
     near("the damper at the key", force(with) - force(&w.pedal_down), weight, 0.05 * weight);
     assert!(with.by_weights.down_weight_g.unwrap() > down(w) + 5.0);
 }
 
 /// Inertia from the geometry of three levers and, at rest, from the closed contacts of the one-degree-of-freedom model:
-/// 3 % apart at most, which is what the levers take as closed and the other as it stands.
+/// at most 3 % apart, because the levers assume closed contacts and the other model takes them as they are.
 #[test]
 fn inertia_is_that_of_the_reduced_model() {
     let grand = rigid_grand();
@@ -325,9 +322,9 @@ fn inertia_is_that_of_the_reduced_model() {
     assert!(curve.pedal_down_kg.is_sorted_by(|a, b| a > b), "leverage falls through the stroke, and inertia with it");
 }
 
-/// Effective inertia is what a force accelerates: what a force's work leaves over the slow way's is half the effective
-/// mass times the square of the key front's speed. With felts a thousand times stiffer, a repetition lever that no
-/// hammer presses off its stop and a force that swells, for otherwise the hammer lags behind and swings ahead.
+/// Effective inertia is what a force accelerates: the work of a force beyond that of a slow press is half the effective
+/// mass times the square of the key front's speed. Tested with felts a thousand times stiffer, a repetition lever that
+/// no hammer presses off its stop and a smoothly rising force, so that the hammer does not lag and swing ahead.
 #[test]
 fn inertia_is_what_a_force_accelerates() {
     let mut stiff = rigid_grand();
@@ -369,23 +366,24 @@ fn lower_let_off(instrument: &mut Instrument, by_m: f64) {
     }
 }
 
-/// From how far below the string a slow press lets the hammer fall, m.
+/// Distance below the string at which a slow press lets the hammer fall, m.
 fn let_off_distance(instrument: &Instrument) -> f64 {
     let press = slow_loop(instrument, 10e-3, &mut go).unwrap();
     let string = instrument.roles.string.unwrap();
     -Action::new(instrument).unwrap().compression(string) - press.down.head_m.iter().copied().fold(0.0, f64::max)
 }
 
-/// From twice as far the hammer flies longer, and has to be let go faster, to reach the string at all: v = sqrt(2 a d),
-/// with a the slowing of a freely rising hammer, from its weight, pin friction and inertia, and d the way that it
-/// flies.
+/// From twice the distance the hammer flies longer, and must be released faster to reach the string: v = sqrt(2 a d),
+/// with a the deceleration of a freely rising hammer, from its weight, pin friction and inertia, and d the distance of
+/// flight.
 #[test]
 #[ignore = "ci: searches for the softest blow"]
 fn twice_the_let_off_needs_a_faster_hammer() {
     let near_string = rigid_grand();
     let distance = let_off_distance(&near_string);
     let mut far = near_string.clone();
-    // Button and hammer move in the ratio of their arms: found by secant, and what is reached is measured.
+    // Button and hammer move in the ratio of their arms: found by the secant method, with the reached distance
+    // measured.
     let (mut by, mut reached) = (1e-4, distance);
     for _ in 0..6 {
         far = near_string.clone();
@@ -402,8 +400,8 @@ fn twice_the_let_off_needs_a_faster_hammer() {
     assert!(b.flight_s > a.flight_s && b.flight_m > a.flight_m && b.let_off_speed_m_per_s > a.let_off_speed_m_per_s);
 }
 
-/// The double escapement is worth its name: from half-way the note repeats faster than fully released, and as fast as
-/// the twelve to fourteen per second that are published for grands, or nearly.
+/// The double escapement works: from half-way the note repeats faster than fully released, and nearly as fast as the
+/// twelve to fourteen strokes per second published for grands.
 #[test]
 fn half_way_repeats_faster() {
     let grand = rigid_grand();
@@ -412,7 +410,7 @@ fn half_way_repeats_faster() {
     println!("{full:?}\n{half:?}");
     assert!(half.rate_hz > full.rate_hz && full.rate_hz > 8.0, "{full:?} {half:?}");
     assert!(half.return_s < full.return_s);
-    // An action whose lever has no spring cannot lift the hammer for the jack to slip under it.
+    // A lever without a spring cannot lift the hammer for the jack to slip under it.
     let mut slack = grand.clone();
     for spring in &mut slack.springs {
         if spring.name == "repetition" {
@@ -424,8 +422,8 @@ fn half_way_repeats_faster() {
     assert!(slack.is_none_or(|slack| slack.rate_hz < 0.8 * half.rate_hz), "{slack:?}");
 }
 
-/// The whole sheet of an action without a damper: what needs one is missing, everything else is there, and the same as
-/// with the pedal down. Measured on several threads, the sheet is the same, bit for bit.
+/// The whole sheet of an action without a damper: lines that need one are missing, all others are present and equal
+/// those with the pedal down. Measured on several threads, the sheet is the same, bit for bit.
 #[test]
 #[ignore = "ci: another sheet"]
 fn an_action_without_a_damper_has_a_sheet() {
@@ -433,14 +431,14 @@ fn an_action_without_a_damper_has_a_sheet() {
     let sheet = measure(&bare, &mut |_| true).unwrap();
     assert!(sheet.dampers_down.is_none() && sheet.hysteresis_dampers_down.is_none());
     near("down-weight", sheet.down_weight_g.unwrap(), down(grand_weighed()), SCALE_G);
-    // Every row is its level.
+    // Every row has its level's speed.
     let levels = erard::level::LEVELS.iter().cycle();
     for (row, (name, speed_m_per_s)) in sheet.timing.iter().zip(levels) {
         assert_eq!(row.nuance, *name);
         near(name, row.hammer_speed_m_per_s.unwrap(), *speed_m_per_s, 2e-3 * speed_m_per_s);
     }
     assert_eq!(sheet.timing.len(), 10);
-    // Every line of the printed sheet stands in the JSON under its key, with the same value.
+    // Every line of the printed sheet is in the JSON under its key, with the same value.
     let json = serde_json::to_value(&sheet).unwrap();
     for line in lines() {
         let found = line.key.split('.').try_fold(&json, |at, key| at.get(key).filter(|_| !at.is_null()));
@@ -454,7 +452,7 @@ fn an_action_without_a_damper_has_a_sheet() {
     assert_eq!(json, serde_json::to_value(&again).unwrap());
 }
 
-/// An instrument that is no action is refused, and work that is to end ends.
+/// An instrument that is no action is refused, and an interruption ends the work.
 #[test]
 fn what_cannot_be_measured_is_said() {
     let mut no_hammer = rigid_grand();
@@ -467,8 +465,8 @@ fn what_cannot_be_measured_is_said() {
     assert!(measure(&rigid_grand(), &mut |_| false).unwrap_err().is_interruption());
 }
 
-/// An action that blocks, its let-off button and drop screw turned out of reach, is measured all the same: up to where
-/// the hammer meets the string, and let-off, drop and aftertouch are red flags.
+/// An action that blocks, with let-off button and drop screw turned out of reach, is still measured: up to where the
+/// hammer reaches the string, with flags for let-off, drop and aftertouch.
 #[test]
 #[ignore = "ci: a sheet whose searches go to their ends"]
 fn a_blocking_action_has_a_sheet() {

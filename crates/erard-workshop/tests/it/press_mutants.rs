@@ -1,11 +1,11 @@
-//! Property tests that go on where the parser ends: instruments, strokes, keyboards and options are changed at random,
-//! and whatever is accepted is PRESSED. Nothing panics, every number is finite, energy is bounded or the run says that
-//! it cannot be trusted.
+//! Property tests beyond the parser: instruments, strokes, keyboards and options are changed at random, and accepted
+//! ones are PRESSED. Nothing panics, every number is finite, energy is bounded or the run says that it cannot be
+//! trusted.
 //!
-//! Every mutant is made from one number, which a failure prints: `ERARD_MUTANT=17 cargo test --release -p
-//! erard-workshop --test it press_mutants` presses that one again and tells what it is. Some are pressed in every run
-//! of the tests, 500 that were accepted by the ignored test, and `ERARD_MUTANTS=20000 cargo test --release -p
-//! erard-workshop --test it press_mutants -- --ignored` presses as many as that.
+//! Every mutant is made from one seed, which a failure prints: `ERARD_MUTANT=17 cargo test --release -p erard-workshop
+//! --test it press_mutants` presses that one again and describes it. Some are pressed in every run of the tests, 500
+//! accepted ones by the ignored test, and `ERARD_MUTANTS=20000 cargo test --release -p erard-workshop --test it
+//! press_mutants -- --ignored` presses that many.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,31 +26,31 @@ use fastrand::Rng;
 use moreau::{FrictionLaw, Settings, Solver};
 
 const CLOCK: &str = include_str!("../../../erard/tests/instruments/escapement.toml");
-/// Most steps of a run: the parser's last door is far behind, and what is absurd shows soon.
+/// Most steps of a run: far beyond the parser's last check; absurd mutants fail soon.
 const STEPS: u64 = 1200;
-/// Progress is asked every 512 steps: a rest that is sought for so many is given up, as by Control-C.
+/// Progress is asked every 512 steps: a search for the rest is interrupted after this many calls, as by Control-C.
 const PATIENCE: u32 = 60;
-/// So is a run under error control, whose steps may be as short as they like.
+/// The same limit for adaptive steps, which may be arbitrarily short.
 const LONG_PATIENCE: u32 = 400;
 
-/// What came of a mutant.
+/// Outcome of a mutant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Fate {
-    /// Not accepted: the file, the stroke or the options.
+    /// The file, the stroke or the options were refused.
     Refused,
-    /// Accepted, and no rest found to press it from, or none in the time there was.
+    /// Accepted, but no equilibrium was found, or not in time.
     Restless,
-    /// Accepted; its error control asked for more steps than there was time for.
+    /// Accepted; adaptive steps needed more time than allowed.
     Long,
     /// Accepted; a number became infinite, which is reported.
     Infinite,
-    /// Pressed, and cannot be trusted.
+    /// Pressed, but cannot be trusted.
     Doubtful,
-    /// Pressed, and nothing speaks against it.
+    /// Pressed, without warnings.
     Trusted,
 }
 
-/// Where the numbers of a TOML text stand: not in comments, and not in words.
+/// Ranges of the numbers in a TOML text, without comments and words.
 fn numbers(text: &str) -> Vec<std::ops::Range<usize>> {
     let (mut found, mut offset) = (Vec::new(), 0);
     for line in text.split_inclusive('\n') {
@@ -80,8 +80,8 @@ fn numbers(text: &str) -> Vec<std::ops::Range<usize>> {
     found
 }
 
-/// Changes one to five numbers of a text: by a factor, by sign, to nothing, to another number of the same text, or to
-/// what nobody means.
+/// Changes one to five numbers of a text: by a factor, by sign, to zero, to another number of the same text, or to an
+/// absurd value.
 fn mutated(text: &str, rng: &mut Rng) -> String {
     let mut text = text.to_owned();
     for _ in 0..rng.usize(1..=5) {
@@ -100,7 +100,7 @@ fn mutated(text: &str, rng: &mut Rng) -> String {
         };
         text.replace_range(place, &format!("{new:?}"));
     }
-    // A file need not say how thick its felts are and how far its bodies turn.
+    // Thickness of felts and range of bodies are optional in a file.
     if rng.u8(..4) == 0 {
         text = text
             .lines()
@@ -111,8 +111,7 @@ fn mutated(text: &str, rng: &mut Rng) -> String {
     text
 }
 
-/// A random instrument, from one of the built-in ones, a clock, or a key of a random keyboard; `None` where the reader
-/// refuses it.
+/// A random instrument, from a built-in one, a clock, or a key of a random keyboard; `None` if the reader refuses it.
 fn instrument(rng: &mut Rng) -> Option<Instrument> {
     match rng.u8(..8) {
         0 => InstrumentFile::parse(&mutated(CLOCK, rng), "mutant.toml").ok().map(|file| file.instrument),
@@ -134,7 +133,7 @@ fn instrument(rng: &mut Rng) -> Option<Instrument> {
     }
 }
 
-/// A keyboard whose gradings go anywhere.
+/// A keyboard with arbitrary gradings.
 fn erard_keyboard(rng: &mut Rng) -> String {
     let mut factor = |most: f64| 10f64.powf(most * (2.0 * rng.f64() - 1.0));
     let (mass, felt, arm) = (8.0 * factor(1.5) - 8.0, factor(3.0), factor(2.0));
@@ -175,7 +174,7 @@ fn stroke(rng: &mut Rng) -> Option<Series> {
     Series::read(text.as_bytes(), "mutant.csv").ok()
 }
 
-/// Random options, good ones mostly.
+/// Random options, mostly valid.
 fn setup(rng: &mut Rng) -> Setup {
     let step = if rng.bool() { 50e-6 } else { 10f64.powf(-5.5 + 2.6 * rng.f64()) };
     let mut settings = Settings { theta: [0.5, 0.5, 0.5, 0.6, 1.0, 0.49][rng.usize(..6)], ..Settings::new(step) };
@@ -190,7 +189,7 @@ fn setup(rng: &mut Rng) -> Setup {
     let tolerance = (rng.u8(..10) == 0).then(|| 10f64.powf(-8.0 + 8.0 * rng.f64()));
     Setup {
         settings,
-        // Adaptive steps may be far shorter than those that are asked for.
+        // Adaptive steps may be far shorter than requested.
         duration_s: if tolerance.is_some() { (steps as f64 * step).min(0.02) } else { steps as f64 * step },
         record_every: [None, Some(1), Some(7)][rng.usize(..3)],
         tolerance,
@@ -198,8 +197,8 @@ fn setup(rng: &mut Rng) -> Setup {
     }
 }
 
-/// The energy of all bodies and springs at a row, worked out here and nowhere else, J: moving, lifted, wound up.
-/// Compressed felts are left out.
+/// Energy of all bodies and springs at a row, computed independently, J: kinetic, gravity, springs. Compressed felts
+/// are left out.
 fn energy_j(instrument: &Instrument, run: &Run, row: usize) -> f64 {
     let angle = |i: usize| run.bodies[i].angle_rad[row];
     let rate = |i: usize| run.bodies[i].rate_rad_per_s[row];
@@ -207,7 +206,7 @@ fn energy_j(instrument: &Instrument, run: &Run, row: usize) -> f64 {
         let (sin, cos) = angle(i).sin_cos();
         [cos * x - sin * y, sin * x + cos * y]
     };
-    // Place and velocity of every pivot, parents first.
+    // Position and velocity of every pivot, parents first.
     let mut pivots: Vec<[[f64; 2]; 2]> = Vec::new();
     let mut energy = 0.0;
     for (i, body) in instrument.bodies.iter().enumerate() {
@@ -233,7 +232,7 @@ fn energy_j(instrument: &Instrument, run: &Run, row: usize) -> f64 {
     energy
 }
 
-/// What must hold of every run.
+/// Checks the guarantees for every run.
 fn assert_sane(instrument: &Instrument, run: &Run) -> Fate {
     let rows = run.time_s.len();
     let series = run
@@ -262,8 +261,8 @@ fn assert_sane(instrument: &Instrument, run: &Run) -> Fate {
     if !run.is_trusted() {
         return Fate::Doubtful;
     }
-    // Nothing speaks against it. Then no body and spring ever holds more than was there, what the drive has put in, and
-    // what the felts held at the start: the energy balance must include it.
+    // Without warnings, no body and spring ever holds more than the initial energy, the drive's work, and the felts'
+    // initial energy: the energy balance must include it.
     let ledger = run.ledger.as_ref().expect("it was kept");
     let held = ledger.start.felt.max(0.0);
     let allowed = (ledger.drive_work_in + held).max(1e-6);
@@ -318,7 +317,7 @@ fn press(seed: u64) -> (Fate, Option<Instrument>) {
     (fate, Some(instrument))
 }
 
-/// Presses mutants until so many were accepted; the first that breaks a promise ends it, by its seed.
+/// Presses mutants until enough were accepted; the first violation ends it and names its seed.
 fn press_all(wanted: u64) -> BTreeMap<Fate, u64> {
     let (next, accepted) = (AtomicU64::new(0), AtomicU64::new(0));
     let work = || {
@@ -377,13 +376,13 @@ fn can_be_pressed(wanted: u64) {
     let fates = press_all(wanted);
     println!("{fates:?}");
     let of = |fate| fates.get(&fate).copied().unwrap_or_default();
-    // All kinds occur, or the mutants are too tame or too wild to test anything.
+    // All kinds must occur, or the mutants are too tame or too wild for a test.
     assert!(of(Fate::Refused) > wanted / 20, "{fates:?}");
     assert!(of(Fate::Long) < wanted.div_ceil(50).max(2), "{fates:?}");
     assert!(of(Fate::Doubtful) > wanted / 20 && of(Fate::Trusted) > wanted / 20, "{fates:?}");
 }
 
-/// The same mutant twice is the same mutant, with the same fate.
+/// The same seed gives the same mutant with the same outcome.
 #[test]
 fn a_seed_names_a_mutant() {
     names_its_mutant(0..8);
@@ -401,8 +400,8 @@ fn names_its_mutant(seeds: std::ops::Range<u64>) {
     }
 }
 
-/// Lanes tell the same warnings as a press does: their books are the engine's, worked out again from the ends of every
-/// step. Books that are kept from outside, in other arithmetic, say the same. Bounds are far apart from where runs lie.
+/// Lanes report the same warnings as a press: their energy balance is the engine's, recomputed from the ends of every
+/// step. A balance kept from outside, in other arithmetic, agrees. Bounds are far from the usual values of runs.
 #[test]
 fn a_study_distrusts_what_a_press_does() {
     distrusts_alike(56..72);
@@ -435,14 +434,13 @@ fn distrusts_alike(seeds: std::ops::Range<u64>) {
         let lanes = played.energy_residual.unwrap();
         let kinds = |warnings: &[erard::trust::Warning]| {
             let mut kinds: Vec<_> = warnings.iter().map(|w| (w.kind, w.part.clone())).collect();
-            // Where lanes round otherwise, what is chaotic goes another way; so may a count of steps that did not
-            // converge.
+            // Where lanes round differently, chaotic motion diverges; so may the count of unconverged steps.
             kinds.retain(|(kind, _)| *kind != erard::trust::Kind::UnconvergedSteps);
             kinds
         };
         compared += 1;
         doubtful += u64::from(!alone.is_trusted());
-        // Near the bound either may lie on its other side.
+        // Near the bound either may be on its other side.
         let outside = audit.residual();
         if [residual, lanes, outside].iter().any(|residual| (5e-3..2e-2).contains(residual)) {
             continue;

@@ -1,5 +1,5 @@
-//! Beside a real action: a Kawai KG-3C's key, recorded by somebody else (`recordings/README.md`), drives the model, and
-//! its hammer is compared. Of the model only the screws were turned, to the distances that the slow stroke shows.
+//! Comparison with a real action: the recorded key of a Kawai KG-3C (`recordings/README.md`) drives the model, and its
+//! hammer is compared. Only the model's screws were turned, to the distances of the slow stroke.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use erard_workshop::regulate::{Goal, regulate};
 use erard_workshop::validate::Published;
 use moreau::Settings;
 
-/// Turned as the recorded one was found. No mass, felt or friction is touched.
+/// Regulated like the recorded one. No mass, felt or friction is changed.
 fn regulated() -> Instrument {
     let steinway = Instrument::builtin("steinway-o").unwrap();
     let found = [(Goal::Blow, 50.8), (Goal::Dip, 11.9), (Goal::LetOff, 3.8), (Goal::Drop, 2.8), (Goal::Check, 18.0)];
@@ -21,7 +21,7 @@ fn regulated() -> Instrument {
     regulate(&steinway, &goals, &Protocol::default(), &mut |_| true).unwrap().instrument
 }
 
-/// The recorded key leads the model's.
+/// The recorded key drives the model's.
 fn led(instrument: &Instrument, stroke: &str, low_pass_hz: f64) -> Comparison {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../erard/recordings/kawai-kg-3c-{stroke}.csv"));
     let text = std::fs::read(file).unwrap();
@@ -40,7 +40,7 @@ fn hammers(comparison: &Comparison) -> [Vec<f64>; 2] {
     [measured, &trial.hammer_m].map(|metres| metres.iter().map(|rise| 1e3 * rise).collect())
 }
 
-/// The instant at which a series first reaches a value, ms.
+/// Time at which a series first reaches a value, ms.
 fn reaches(comparison: &Comparison, series: &[f64], value: f64) -> f64 {
     1e3 * comparison.time_s[series.iter().position(|at| *at >= value).unwrap()]
 }
@@ -50,7 +50,7 @@ fn a_slow_press_lifts_the_hammer_as_far() {
     let comparison = led(&regulated(), "slow", 20.0);
     let [measured, simulated] = hammers(&comparison);
     let key_mm: Vec<f64> = comparison.measured_position_m.as_ref().unwrap().iter().map(|at| 1e3 * at).collect();
-    // Where the key's sensor is sure of itself, and before let-off.
+    // Where the key's sensor is reliable, and before let-off.
     let until = key_mm.iter().position(|at| *at > 7.0).unwrap();
     let rows = || (0..until).filter(|row| key_mm[*row] > 2.0);
     let ratio = |hammer: &[f64]| {
@@ -67,7 +67,7 @@ fn a_slow_press_lifts_the_hammer_as_far() {
     );
     assert!((ratios[1] / ratios[0] - 1.0).abs() < 0.03, "{ratios:?}");
     assert!(rms < 1.0, "{rms}");
-    // That is what let-off was regulated for; that it is found here, with the recorded key, too, is not.
+    // Let-off was regulated for this; finding it with the recorded key as well is not implied.
     assert!((top(&measured) - top(&simulated)).abs() < 0.5);
 }
 
@@ -88,7 +88,7 @@ fn medium_and_fast_strokes_throw_the_hammer() {
         assert!(explained > 0.99, "{stroke}: {explained}");
         assert!((to[0] - to[1]).abs() < early_ms, "{stroke}: {to:?}");
         assert!((0.9..faster).contains(&(speeds[1] / speeds[0])), "{stroke}: {speeds:?}");
-        // Held by the back check, each where it is.
+        // Held by the back check, each at its own place.
         let held = |hammer: &[f64]| hammer[hammer.len() - 800];
         assert!((held(&measured) - held(&simulated)).abs() < 2.0, "{} {}", held(&measured), held(&simulated));
     }
@@ -104,7 +104,7 @@ fn cells(text: &str) -> impl Iterator<Item = Vec<&str>> {
     text.lines().skip(1).map(|line| line.split(',').collect())
 }
 
-/// By linear interpolation between the sorted values.
+/// Quantile by linear interpolation between the sorted values.
 fn quantile(values: &mut [f64], share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let at = share * (values.len() - 1) as f64;
@@ -112,7 +112,7 @@ fn quantile(values: &mut [f64], share: f64) -> f64 {
     values[below] + (at - below as f64) * (values[(below + 1).min(values.len() - 1)] - values[below])
 }
 
-/// The ranges of the rows on releases are the 10 to 90 % of the recorded releases that judge.
+/// The ranges of the rows on releases are the 10 to 90 % of the recorded releases used for judging.
 #[test]
 fn recorded_releases_give_the_published_ranges() {
     let text = recorded("kawai-kg-3c-releases.csv");
@@ -127,8 +127,8 @@ fn recorded_releases_give_the_published_ranges() {
     }
 }
 
-/// Every recorded stroke either chooses or judges; what judges was cut out of the source where the list says, and
-/// nothing is in both.
+/// Every recorded stroke is used either to choose or to judge; those for judging are cut from the source at the listed
+/// places, and none has both uses.
 #[test]
 fn strokes_choose_or_judge() {
     let split = recorded("split.csv");

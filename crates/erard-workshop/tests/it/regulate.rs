@@ -1,4 +1,4 @@
-//! Regulation as the trade does it: a mis-set action is put right, and what cannot be put right is said so.
+//! Regulation as in the trade: a mis-set action is put right, and unreachable goals are reported.
 
 use std::sync::LazyLock;
 
@@ -8,7 +8,7 @@ use erard_workshop::distances::{DistanceError, Protocol, measure};
 use erard_workshop::regulate::{Goal, Miss, RegulateError, Regulated, Specification, known_screw, regulate};
 use moreau::Settings;
 
-/// Turns screws on by so much: mm, or a share of the torque for the spring.
+/// Turns screws by these amounts: mm, or a share of the torque for the spring.
 fn turn_on(instrument: &mut Instrument, turns: &[(&str, f64)]) {
     for &(name, by) in turns {
         let screw = instrument.screw(name).unwrap();
@@ -22,7 +22,7 @@ fn regulated(instrument: &Instrument, specification: &Specification) -> Regulate
     regulate(instrument, specification, &Protocol::default(), &mut |_| true).unwrap()
 }
 
-/// The grand regulated to the norms, from which several tests begin.
+/// The grand regulated to the norms, the start of several tests.
 static NORMAL: LazyLock<Regulated> = LazyLock::new(|| regulated(&rigid_grand(), &Goal::norms()));
 
 /// A regulated grand mis-set: let-off 5 mm or more, no drop to speak of, dip 8 mm, a spring too weak to lift the
@@ -42,15 +42,14 @@ fn mis_set() -> Instrument {
     instrument
 }
 
-/// Blows in two seconds at eight strokes a second, from 3 mm to the bottom (and a tenth of a millimetre of fingertip
-/// further): the key does not come home. The margin is small: a finger that stops short of the bottom by a tenth misses
-/// some.
+/// Impacts in two seconds at eight strokes a second, from 3 mm to the bottom (and a tenth of a millimetre of fingertip
+/// further), without full release. The margin is small: a finger that stops a tenth short of the bottom misses some.
 fn blows_at_eight_hertz(instrument: &Instrument, dip_m: f64) -> usize {
     let play = Play::Tremolo { top: 3e-3, bottom: dip_m + 0.1e-3, frequency: 8.0 };
     play.run(instrument, Settings::new(USUAL_STEP_S), 2.0).events.impacts.len()
 }
 
-/// A mis-set action meets every norm again, to 0.05 mm and 2 %, and repeats at 8 Hz as it did not before.
+/// A mis-set action meets every norm again, to 0.05 mm and 2 %, and repeats at 8 Hz, which it did not before.
 #[test]
 fn a_mis_set_action_is_put_right() {
     let wrong = mis_set();
@@ -66,7 +65,7 @@ fn a_mis_set_action_is_put_right() {
     let regulated = regulated(&wrong, &Goal::norms());
     println!("{} simulations in {} rounds: {:?}", regulated.simulations, regulated.rounds, regulated.after);
     assert!(regulated.all_met(), "{:?}", regulated.achieved);
-    // Measured anew, by nothing that the search has kept.
+    // Measured anew, without values kept by the search.
     let after = measure(&regulated.instrument, &Protocol::default(), &mut |_| true).unwrap();
     for (goal, target) in Goal::norms() {
         let off = (goal.of(&after).unwrap() - target).abs();
@@ -81,7 +80,7 @@ fn a_mis_set_action_is_put_right() {
     assert_eq!(blows_at_eight_hertz(&regulated.instrument, after.dip_m.unwrap()), 16);
 }
 
-/// What is regulated already is left alone: one round, no screw.
+/// A regulated action is left alone: one round, no screw.
 #[test]
 fn a_regulated_action_is_left_alone() {
     let once = &*NORMAL;
@@ -91,8 +90,8 @@ fn a_regulated_action_is_left_alone() {
     assert!(twice.simulations < once.simulations);
 }
 
-/// Only what is asked for is regulated. A string 1 mm higher adds 1 mm to blow and let-off; the let-off button alone
-/// takes the let-off back.
+/// Only the given goals are regulated. A string 1 mm higher adds 1 mm to blow and let-off; the let-off button alone
+/// restores the let-off.
 #[test]
 fn one_goal_turns_one_screw() {
     let mut instrument = NORMAL.instrument.clone();
@@ -105,7 +104,7 @@ fn one_goal_turns_one_screw() {
     assert!((regulated.after.blow_m.unwrap() - 47e-3).abs() < 0.1e-3);
 }
 
-/// A screw that a file counts the other way is turned the other way, and the distances come out the same.
+/// A screw counted the other way in a file is turned the other way, with the same distances.
 #[test]
 #[ignore = "ci: another regulation"]
 fn a_file_may_count_the_other_way() {
@@ -120,8 +119,8 @@ fn a_file_may_count_the_other_way() {
     assert_eq!(drop(a).way, drop(b).way);
 }
 
-/// What geometry does not give is said so, with the nearest: a dip of 3 mm needs more than 3 mm of punchings and 2 mm
-/// of cloth; a hammer checked 15 mm below the string has no 20 mm to rise.
+/// Goals that geometry does not allow are reported, with the nearest value: a dip of 3 mm needs more than 3 mm of
+/// punchings and 2 mm of cloth; a hammer checked 15 mm below the string has no 20 mm to rise.
 #[test]
 fn a_dip_that_cannot_be_met_is_said_so() {
     let far = regulated(&rigid_grand(), &vec![(Goal::Dip, 3e-3), (Goal::Blow, 46e-3)]);

@@ -1,4 +1,4 @@
-//! Plausible grands around a file: complete spreads, one piano for all keys, put right, the same every time.
+//! Plausible grands around a file: complete spreads, one piano for all keys, regulated, the same every time.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ fn grand() -> &'static str {
     Instrument::builtin_text(GRAND).unwrap()
 }
 
-/// Every estimate of both concert grands says how far it may be off, and what cloth, leather or wood it shares.
+/// Every estimate of both concert grands has a spread, and the cloth, leather or wood that it shares.
 #[test]
 fn every_estimate_has_a_spread() {
     for name in [GRAND, "concert-grand-strings"] {
@@ -39,13 +39,13 @@ fn every_estimate_has_a_spread() {
     }
 }
 
-/// A sample is another grand than its file's, within its spreads' reach, put right; its number is in its name. What is
-/// together moves together.
+/// A sample is another grand than its file's, within the reach of its spreads, and regulated; its number is in its
+/// name. Numbers that are together move together.
 #[test]
 #[ignore = "ci: a sample is drawn, regulated and measured"]
 fn a_sample_is_one_plausible_grand() {
     let sampled = Sampled::of_file(grand(), GRAND, &mut |_| true).unwrap();
-    // One that is plausible as it is drawn first: others take several draws.
+    // One that is plausible at the first draw: others need several.
     let text = sampled.text(8, &mut |_| true).unwrap();
     let file = InstrumentFile::parse(&text, "sample").unwrap();
     assert!(file.instrument.name.ends_with(", sample 8"), "{}", file.instrument.name);
@@ -53,8 +53,8 @@ fn a_sample_is_one_plausible_grand() {
         let of = |text: &str| numbers_at(text, path).unwrap()[0];
         of(&text) / of(grand())
     };
-    // Woods: one factor for mass and inertia of three parts. Cloths of one batch share stiffness but for what the
-    // exponent, theirs too, changes with thickness.
+    // Woods: one factor for mass and inertia of three parts. Cloths of one batch share stiffness, except for the change
+    // of their common exponent with thickness.
     let whippen = factor("body.whippen.mass_g");
     for path in ["body.whippen.inertia_kg_m2", "body.jack.mass_g", "body.lever.inertia_kg_m2"] {
         assert!((factor(path) / whippen - 1.0).abs() < 1e-9, "{path}");
@@ -69,7 +69,7 @@ fn a_sample_is_one_plausible_grand() {
     let found = measure_some(&file.instrument, &asked, &mut |_| true).unwrap();
     for (line, value) in asked.iter().zip(found) {
         let [low, high] = line.range(40).map(Option::unwrap);
-        // Weights by trial lie within half a gram of those of the slow loop that put them right.
+        // Weights by trial are within half a gram of those of the slow loop used for the adjustment.
         let margin = if line.unit == "g" { 0.5 } else { 1e-9 };
         assert!(((low - margin)..=(high + margin)).contains(&value.unwrap()), "{} {value:?}", line.key);
     }
@@ -78,8 +78,8 @@ fn a_sample_is_one_plausible_grand() {
 mod nightly {
     use super::*;
 
-    /// A sample is the same every time. Its key is a key of that sample's piano: numbers that are not graded and not
-    /// put right are those of its base.
+    /// A sample is the same every time. Its key belongs to that sample's piano: numbers neither graded nor adjusted are
+    /// those of its base.
     #[test]
     #[ignore = "nightly: three samples"]
     fn keys_of_a_sample_are_one_piano() {
@@ -104,7 +104,7 @@ mod nightly {
     }
 }
 
-/// What cannot be drawn says why; who interrupts is heard.
+/// Files without samples report why; an interruption ends the work.
 #[test]
 fn what_has_no_samples_says_so() {
     let rigid = Instrument::builtin_text("concert-grand-rigid").unwrap();
@@ -132,7 +132,7 @@ fn what_has_no_samples_says_so() {
     assert!(matches!(stopped, Err(SampleError::Interrupted)), "{stopped:?}");
 }
 
-/// A band decides where it is narrower than the range, or lies beside it.
+/// A band decides if it is narrower than the range, or outside it.
 #[test]
 fn a_band_that_is_wider_than_what_was_published_cannot_tell() {
     let published = Published::builtin();

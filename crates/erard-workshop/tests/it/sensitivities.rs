@@ -1,6 +1,6 @@
-//! Derivatives of a press against differences, against each other, and what has none.
+//! Derivatives of a press against differences, against each other, and cases without derivatives.
 
-// The example prints what the test does not read.
+// The example prints results that the test does not read.
 #[path = "../../examples/derivatives/compare.rs"]
 #[allow(dead_code)]
 mod compare;
@@ -23,7 +23,7 @@ fn found(name: &str, by: &[&str], of: &[&str], force_n: f64) -> Sensitivities {
     sensitivities(&instrument, by, of, &stroke, &setup, Rest::Moves, 2, &mut |_| true).unwrap()
 }
 
-/// Two threads, nothing compared.
+/// Two threads, no comparison.
 fn plainly(sample_every: Option<u64>) -> Differentiation {
     Differentiation { rest: Rest::Moves, sample_every, compares: false, refuses: false, of: Vec::new(), threads: 2 }
 }
@@ -32,8 +32,8 @@ fn by<'a>(all: &'a Sensitivities, name: &str, of: &str) -> &'a Sensitivity {
     all.rows.iter().find(|row| all.by[row.by].name == name && all.of[row.of].key == of).unwrap()
 }
 
-/// What matters most for a blow has the slope that differences over a window see, which is thousands of times wider
-/// than what one step resolves.
+/// The parameters that matter most for an impact have the slope given by differences over a window thousands of times
+/// wider than a step's resolution.
 #[test]
 fn derivatives_are_what_wide_differences_see() {
     derivatives_are_differences(&["concert-grand-rigid"]);
@@ -66,9 +66,9 @@ fn derivatives_are_differences(instruments: &[&str]) {
     }
 }
 
-/// A press depends twice on a friction that holds the rest: by the rest at which it starts, and by its own motion. Both
-/// derivatives are those of the same presses, by differences: of `simulate`, and of presses that start where the
-/// unchanged action rests. They once were those of a rest that no press had, 6 % off by the jack's friction.
+/// A friction that holds the rest affects a press twice: by the rest at which it starts, and in its motion. Both
+/// derivatives are those of the same presses, by differences: of `simulate`, and of presses that start at the unchanged
+/// action's rest. They once belonged to a rest that no press had, 6 % off by the jack's friction.
 #[test]
 fn the_rest_moves_as_that_of_a_press_or_is_held() {
     const HALF: f64 = 1e-2;
@@ -107,10 +107,9 @@ fn the_rest_moves_as_that_of_a_press_or_is_held() {
     }
 }
 
-/// Where steps of two lengths have different derivatives there is none: the call names the switch of friction from
-/// which on they part, and what differences give to both sides. Quantities that were not asked for are not judged. A
-/// zone that is pressed and stuck switches nothing, however its load is shared: it once gave 40 unresolved switches at
-/// the first motion.
+/// If two step lengths give different derivatives there is none: the call names the friction switch from which on they
+/// differ, and the differences to both sides. Other quantities are not judged. A zone that is pressed and stuck
+/// switches nothing, however its load is shared: it once gave 40 unresolved switches at the first motion.
 #[test]
 fn what_does_not_converge_is_refused() {
     let name = "concert-grand";
@@ -135,8 +134,8 @@ fn what_does_not_converge_is_refused() {
     gradient(&instrument, by(), &stroke, &setup, asked("hammer_contact_s", true), &mut |_| true).unwrap();
 }
 
-/// A parameter by its name and the same number by its path in the file have one derivative; what a blow is over before
-/// has none.
+/// A parameter by its name and the same number by its path have the same derivative; numbers that act only after the
+/// impact have derivative 0.
 #[test]
 fn a_number_has_one_derivative_whatever_it_is_called() {
     let (name, path) = ("zone.jack_knuckle.friction", "zone.jack_knuckle.friction_coefficient");
@@ -152,7 +151,7 @@ fn a_number_has_one_derivative_whatever_it_is_called() {
     }
 }
 
-/// Touch weights: a percent more hammer weighs what the ratio of the parts says, about; what is lead in the key helps.
+/// Touch weights: a percent more hammer weighs about what the parts' ratio predicts; lead in the key helps.
 #[test]
 fn touch_weights_have_differences() {
     let all = found("concert-grand-rigid", &["body.hammer.mass"], &["down_weight_g", "balance_weight_g"], 5.0);
@@ -162,15 +161,15 @@ fn touch_weights_have_differences() {
     assert_eq!(all.rows.len(), 2);
 }
 
-/// A derivative does not hang on the length of the step: at some lengths a step across a reversal ends at rest, at some
-/// two laws switch within a few nanoseconds. The first case once gave 1.2e-3 for 4.2e-4, the second -1.18e-3 for
-/// -1.15e-3, the third 3e-4 for 2.5e-5.
+/// A derivative does not depend on the step length: at some lengths a step across a reversal ends at rest, at some two
+/// laws switch within a few nanoseconds. The first case once gave 1.2e-3 for 4.2e-4, the second -1.18e-3 for -1.15e-3,
+/// the third 3e-4 for 2.5e-5.
 ///
 /// One length in twenty (14.903 us) gives 3.77e-2 for 4.26e-2 in the first case. That tenth is 0.4 % of each of two
-/// parts that cancel: a heavier hammer is slower at a fixed instant, but arrives later, and is pushed longer. At the
-/// blow the hammer's own slope is -9.60 rad/s for -9.56 in steps of 14.3 us. The two part after 61.84 ms, at let-off,
-/// where the jack's pivot reverses and 15 ns later the jack sticks to the knuckle: the step across has two switches
-/// within its resolution. The comparison with shorter steps must refuse it.
+/// parts that cancel: a heavier hammer is slower at a fixed time, but arrives later, and is pushed longer. At the
+/// impact the hammer's own slope is -9.60 rad/s for -9.56 in steps of 14.3 us. The two differ after 61.84 ms, at
+/// let-off, where the jack's pivot reverses and 15 ns later the jack sticks to the knuckle: the step across has two
+/// switches within its resolution. The comparison with shorter steps must refuse it.
 #[test]
 #[ignore = "ci: derivatives in steps of several lengths"]
 fn a_derivative_is_the_same_whatever_the_step() {
@@ -209,7 +208,7 @@ fn a_derivative_is_the_same_whatever_the_step() {
     }
 }
 
-/// Sampled columns have the derivatives that differences of sampled runs have, and the values of a run; also by a felt
+/// Sampled columns have the values of a run and the derivatives given by differences of sampled runs; also by a felt
 /// under the whippen, which moves the rest.
 #[test]
 fn columns_have_derivatives() {
@@ -266,7 +265,7 @@ fn columns_have_derivatives() {
     }
 }
 
-/// Static friction is not derived, and says so.
+/// Static friction has no derivatives, which is reported.
 #[test]
 fn what_is_not_derived_is_refused() {
     let deep = std::thread::Builder::new().stack_size(erard::gradient::STACK_BYTES);
@@ -291,8 +290,8 @@ fn refusals() {
     assert!(stopped.is_err_and(|error| error.is_interruption()));
 }
 
-/// What the book's page lists is all that is apart: every derivative of the concert grand's numbers at pp, mf and ff is
-/// within 2 % of differences whose steps have converged, or within their own scatter, or listed.
+/// The book's page lists all disagreements: every derivative of the concert grand's numbers at pp, mf and ff is within
+/// 2 % of differences in converged steps, or within their own scatter, or listed.
 mod nightly {
     use super::compare::{LEVELS, Verdict, first_cases, level, line};
     use erard::Instrument;

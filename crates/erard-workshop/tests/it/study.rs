@@ -1,4 +1,4 @@
-//! Many strokes side by side and on several cores come out as each of them alone.
+//! Many strokes in lanes and on several cores give the same results as each of them alone.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -12,7 +12,7 @@ use erard::run::{Setup, SimulationError, simulate};
 use erard_workshop::study::{Job, JobResult, Lanes, Played, Sampling, Stroke, Workers, play_all, sample_all};
 use moreau::{Elastoplastic, Settings};
 
-/// Variants of the grand that a study would ask for, another action, and models of other sizes.
+/// Variants of the grand as in a study, another action, and models of other sizes.
 fn instruments() -> Vec<Instrument> {
     let mut all: Vec<Instrument> = [-0.4e-3, 0.0, 0.3e-3, 0.6e-3, 0.9e-3]
         .into_iter()
@@ -33,7 +33,7 @@ fn instruments() -> Vec<Instrument> {
     all
 }
 
-/// A stroke made anew each time, for a study takes it away: forces, a finger's motion from rest and from half-way, an
+/// A stroke made anew each time, because a study consumes it: forces, a finger's motion from rest and from half-way, an
 /// imposed motion.
 fn stroke(kind: usize, strength: f64) -> Stroke<'static> {
     match kind {
@@ -47,7 +47,7 @@ fn stroke(kind: usize, strength: f64) -> Stroke<'static> {
     }
 }
 
-/// Which instrument, which kind of stroke, and how strong: in an order in which neighbours are not alike.
+/// Instrument, kind of stroke, and strength of each job: ordered so that neighbours differ.
 fn plan() -> Vec<(usize, usize, f64)> {
     let mut plan = Vec::new();
     for (k, strength) in [3.0, 5.0, 8.0].into_iter().enumerate() {
@@ -61,7 +61,7 @@ fn jobs(plan: &[(usize, usize, f64)]) -> Vec<Job<'static>> {
     plan.iter().map(|&(instrument, kind, strength)| Job { instrument, stroke: stroke(kind, strength) }).collect()
 }
 
-/// Newton's iteration goes to its end: a run reports the forces of its last iteration, lanes work theirs out from the
+/// Newton's iteration runs to its end: a run reports the forces of its last iteration, lanes compute theirs from the
 /// states.
 const SETUP: fn() -> Setup = || Setup {
     settings: Settings { tolerance: 1e-10, ..Settings::new(50e-6) },
@@ -73,7 +73,7 @@ fn study(plan: &[(usize, usize, f64)], workers: Workers) -> Vec<JobResult> {
     play_all(&instruments(), jobs(plan), &SETUP(), workers, &mut |_| true).expect("nobody interrupts")
 }
 
-/// So many threads, and the lanes that there are.
+/// These threads, with the available lanes.
 fn threads(threads: usize) -> Workers {
     Workers { threads, ..Workers::all() }
 }
@@ -82,8 +82,8 @@ fn played(results: Vec<JobResult>) -> Vec<Played> {
     results.into_iter().map(|result| result.expect("plays")).collect()
 }
 
-/// The events of a study are those of `simulate`. Lanes and scalars sum in the same order, so that only rounding is
-/// between them; blows and releases multiply it, and instants inherit it through the speeds there.
+/// The events of a study are those of `simulate`. Lanes and scalars sum in the same order, so that only rounding
+/// differs; impacts and releases amplify it, and times inherit it through the speeds there.
 #[test]
 fn a_study_gives_what_simulate_gives() {
     let plan = plan();
@@ -93,7 +93,7 @@ fn a_study_gives_what_simulate_gives() {
     }
 }
 
-/// In single precision, too, but for its own rounding: angles are known to 3e-8 rad, which is 4 nm at the string.
+/// In single precision, too, except for its own rounding: angles are known to 3e-8 rad, which is 4 nm at the string.
 #[test]
 fn in_single_precision_the_same_to_its_rounding() {
     let plan = plan();
@@ -103,12 +103,12 @@ fn in_single_precision_the_same_to_its_rounding() {
     }
 }
 
-/// Felts with an internal state, and friction that grows at rest, are the same in lanes; the energy balance of the
-/// lanes closes as the engine's does.
+/// Felts with an internal state, and friction that grows at rest, are the same in lanes; the lanes' energy balance
+/// closes like the engine's.
 #[test]
 fn what_is_remembered_is_remembered_in_lanes() {
     // The elastoplastic one. The set-valued loss does not converge in every step of a whole action (`felt_laws.rs` has
-    // the number); Stulov's and friction that dwells are not held to this in lanes yet.
+    // the number); Stulov's felt and friction that grows at rest are not tested in lanes yet.
     let laws: [fn(&mut Instrument); 1] = [|i| {
         for felt in i.zones.iter_mut().map(|zone| &mut zone.felt) {
             felt.loss = Elastoplastic { damping: felt.loss.viscous(1.0, 0.0), eta: 0.3, slip: 0.2 }.into();
@@ -159,8 +159,7 @@ fn alone(instrument: &Instrument, kind: usize, strength: f64) -> Run {
     simulate(instrument, own.as_ref(), &setup, &mut |_| true).expect("plays")
 }
 
-/// Largest differences between a study's strokes and the same ones alone: of instants, of hammer speeds (relative), of
-/// rises.
+/// Largest differences between a study's strokes and single runs: of times, of hammer speeds (relative), of rises.
 #[derive(Debug)]
 struct Apart {
     seconds: f64,
@@ -196,7 +195,7 @@ fn compare(lanes: Lanes, plan: &[(usize, usize, f64)], runs: &[Run]) -> Apart {
     apart
 }
 
-/// Threads decide who works, not what comes out.
+/// The number of threads does not change the results.
 #[test]
 fn the_same_bits_with_several_threads() {
     same_bits_with_threads(&[3]);
@@ -219,7 +218,7 @@ fn same_bits_with_threads(numbers: &[usize]) {
     }
 }
 
-/// A job is the same to rounding whoever its neighbours are: here in the opposite order.
+/// A job is the same to rounding with any neighbours: here in the opposite order.
 #[test]
 fn the_order_does_not_matter() {
     let plan = plan();
@@ -237,8 +236,8 @@ fn the_order_does_not_matter() {
     }
 }
 
-/// A force that is not a number, a spring without bounds: the job says so, and its neighbours get the bits that they
-/// get beside a job that does not fail.
+/// A force that is NaN, a spring without bounds: the job reports it, and its neighbours get the same bits as beside a
+/// job that does not fail.
 #[test]
 fn a_job_that_fails_fails_alone() {
     let mut instruments = vec![grand(); 3];
@@ -276,8 +275,8 @@ fn nothing_to_do_a_wrong_setup_and_an_interruption() {
     ));
 }
 
-/// What is sampled in lanes, or of runs where lanes do not see it, is the run's own rows: to rounding of its size, and
-/// the instants are what they are without samples.
+/// Samples in lanes, or from runs where lanes cannot sample, are the run's own rows, to rounding of their size, and
+/// times are the same as without samples.
 #[test]
 fn samples_are_the_rows_of_the_run() {
     let every = 20;

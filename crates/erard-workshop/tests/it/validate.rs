@@ -1,4 +1,4 @@
-//! The concert grand beside the published measurements: which rows are met, so that a change that loses one shows.
+//! The concert grand compared with published measurements: the test lists which rows are met, so that a lost one shows.
 
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
@@ -7,7 +7,7 @@ use erard_workshop::validate::{
     GroupResult, Kind, Published, PublishedError, Row, Skipped, Tally, Validation, Verdict, names, validate,
 };
 
-/// Rows that the shipped grands do not meet; the table says why. Everything else is met.
+/// Rows that the shipped grands miss, with reasons in the table. All others are met.
 const MISSED: [(&str, &[&str]); 3] = [
     (
         "concert-grand",
@@ -60,13 +60,13 @@ const MISSED: [(&str, &[&str]); 3] = [
         ],
     ),
 ];
-/// Rows that the model cannot speak to.
+/// Rows without a corresponding value in the model.
 const SILENT: [&str; 1] = ["shank_modes"];
 
-/// How the values of rows on strings begin.
+/// Beginnings of the names of rows on strings.
 const STRING_ROWS: [&str; 5] = ["contact_", "peak_", "return_", "second_partial_", "t60_"];
 
-// That the grand misses no other rows is seen in every run of the tests by those of the command (`validate`).
+// The tests of the command (`validate`) check in every run that the grand misses no other rows.
 #[test]
 #[ignore = "ci: a validation"]
 fn the_grand_meets_what_it_met() {
@@ -95,8 +95,8 @@ fn meets(grand: usize) {
     };
     assert_eq!(those(|v| matches!(v, Verdict::Missed { .. } | Verdict::Absent)), missed, "{name}");
     assert_eq!(those(|v| *v == Verdict::Silent), SILENT);
-    // Rows on strings are asked of an instrument with strings alone, but for the largest force and the return at middle
-    // C, which a rigid string has, too; what nothing published was found for is shown, and is neither met nor missed.
+    // Only instruments with strings have the rows on strings, except the largest force and the return at middle C,
+    // which a rigid string has, too; rows without a published number are shown, and neither met nor missed.
     let (skipped, open) = (those(|v| matches!(v, Verdict::Skipped(_))), those(|v| matches!(v, Verdict::Open { .. })));
     let on_strings =
         |row: &&Row| row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)));
@@ -118,12 +118,12 @@ fn meets(grand: usize) {
         let expected: Vec<&str> = other_keys.chain(of_strings.filter(|row| !at_c4.contains(row))).collect();
         assert_eq!(skipped, expected, "{name}");
     }
-    // A miss without a reason is no use to anybody.
+    // Every miss needs a reason.
     let silent_about =
         published.rows.iter().filter(|row| missed.contains(&row.name.as_str()) && row.if_missed.is_none());
     assert_eq!(silent_about.count(), 0);
-    // The order of events reverses once, from the hammer first to the key first, as loudness grows: under constant
-    // forces and pressed by a hand.
+    // The order of events reverses once, from hammer first to key first, as loudness grows: under constant forces and
+    // pressed by a hand.
     for presses in [&validation.constant_force, &validation.pressed] {
         let ahead: Vec<f64> = presses.iter().filter_map(|press| press.hammer_ahead_s).collect();
         let changes = ahead.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count();
@@ -131,7 +131,7 @@ fn meets(grand: usize) {
     }
 }
 
-/// The rows on strings without a keyboard, by the key that they are about.
+/// Rows on strings without a keyboard, by their key.
 fn validate_strings_alone(grand: &Instrument, published: &Published) -> Vec<(&'static str, Verdict)> {
     let only =
         |row: &&Row| row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)));
@@ -146,7 +146,7 @@ fn validate_strings_alone(grand: &Instrument, published: &Published) -> Vec<(&'s
     keys.into_iter().zip(found.verdicts).collect()
 }
 
-/// Every value that can be simulated is asked for, and asked for once; every source is used.
+/// Every value that can be simulated is used once; every source is used.
 #[test]
 fn the_table_uses_all_it_has() {
     let published = Published::builtin();
@@ -162,7 +162,7 @@ fn the_table_uses_all_it_has() {
     }
 }
 
-/// The rows of a technician's numbers take the ranges of the sheet, those of middle C; no other row does.
+/// Rows with a technician's numbers take the sheet's ranges at middle C; no other row does.
 #[test]
 fn usual_ranges_are_those_of_the_sheet() {
     let published = Published::builtin();
@@ -176,8 +176,7 @@ fn usual_ranges_are_those_of_the_sheet() {
     }
 }
 
-/// Rows are counted in their groups, what an instrument was set to apart from what it predicts; z is 1 at an end of a
-/// range.
+/// Rows are counted in their groups, set ones apart from predicted ones; z is 1 at an end of a range.
 #[test]
 fn groups_are_counted_apart() {
     let published = Published::builtin();
@@ -209,7 +208,7 @@ fn groups_are_counted_apart() {
     assert!(judged(|group| group.predicted) >= published.rows.iter().filter(ranged).count());
 }
 
-/// Within, below, above, at the very end, and nothing there.
+/// Within, below, above, at the very end, and missing.
 #[test]
 fn a_row_judges() {
     let published = Published::builtin();
@@ -221,7 +220,7 @@ fn a_row_judges() {
     assert_eq!(row.judge(Some(f64::NAN)), Verdict::Absent);
 }
 
-/// A damaged table says which row is wrong and what was expected.
+/// Errors of a damaged table state the row and the expected text.
 #[test]
 fn damaged_tables_are_refused() {
     let written = |row: &str, kind: &str| {

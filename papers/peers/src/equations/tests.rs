@@ -5,7 +5,7 @@ use crate::number::Dual;
 const B: usize = 6;
 const S: usize = 12;
 
-/// A chain of three and three single bodies, with every kind of curve; not a piano, so that nothing cancels by luck.
+/// A chain of three and three single bodies, with every kind of curve; not a piano, so that no terms cancel by chance.
 fn mechanism() -> Mechanism {
     let body = |parent, x: f64, dry_friction| Body {
         parent,
@@ -64,7 +64,7 @@ fn states() -> impl Iterator<Item = [f64; S]> {
     (0..40).map(|n| std::array::from_fn(|i| ((1 + n * S + i) as f64 * 2.399).sin() * 1.5))
 }
 
-/// Kinetic energy from the velocities of points, and what gravity, springs and felts store.
+/// Kinetic energy from point velocities, plus the potential energy of gravity, springs and felts.
 fn energy<T: Number>(mechanism: &Mechanism, y: &[T; S]) -> T {
     let pose = Pose::<T, B>::of(mechanism, y);
     let mut sum = T::constant(0.0);
@@ -97,8 +97,8 @@ fn power(mechanism: &Mechanism, y: &[f64; S], force: f64) -> f64 {
     energy(mechanism, &std::array::from_fn(|i| Dual { value: y[i], slope: rates[i] })).slope
 }
 
-/// Without losses nothing changes the energy but the finger, whose power is force times velocity. Rounding of terms of
-/// order 10.
+/// Without losses only the finger changes the energy, with a power of force times velocity. Rounding of terms of order
+/// 10.
 #[test]
 fn power_is_what_the_finger_gives() {
     let mut mechanism = mechanism();
@@ -117,8 +117,7 @@ fn power_is_what_the_finger_gives() {
     }
 }
 
-/// Every kind of loss takes energy and none gives any. (A felt's damping is left out: unclamped it gives back when it
-/// opens.)
+/// Every kind of loss takes energy. (A felt's damping is left out: unclamped it returns energy when the felt opens.)
 #[test]
 fn friction_takes_energy() {
     for (dry, viscous, sliding) in [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)] {
@@ -166,8 +165,7 @@ fn force_pieces() {
     assert_eq!((blow.force(-1.0), blow.force(9.0)), (1.0, 0.0));
 }
 
-/// The strike point's speed and its coordinate toward the string agree: what one gains per second is the other's part
-/// in that direction.
+/// The strike point's speed equals the rate of its coordinate toward the string, projected on that direction.
 #[test]
 fn the_strike_point_moves_as_its_speed_says() {
     let mut mechanism = mechanism();

@@ -1,4 +1,4 @@
-//! Bushings: pivots that give, and what that does to the order of events.
+//! Compliant bushings of pivots, and their effect on the order of events.
 
 use moreau::Settings;
 
@@ -6,12 +6,12 @@ use super::impact::{Play, tell};
 use super::{Claim, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 
-/// N/m. Wool cloth of 0.6 mm under interference, 2 to 10 MPa on 1.3 x 6.4 mm: 0.5e5 to 3e5 N/m, both sides together. An
-/// estimate; none is published.
+/// Stiffnesses, N/m. Wool cloth of 0.6 mm under interference, 2 to 10 MPa on 1.3 x 6.4 mm: 0.5e5 to 3e5 N/m, both sides
+/// together. An estimate; none is published.
 const STIFFNESSES: [f64; 4] = [1e6, 3e5, 1e5, 3e4];
 /// Damping ratio of 10 g on the bushing.
 const RATIO: f64 = 0.1;
-/// N; forte, a constant force.
+/// Constant force of a forte, N.
 const FORTE_N: f64 = 9.0;
 
 /// Key bottom minus hammer contact, ms, and the hammer's speed, m/s.
@@ -35,7 +35,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     );
     let rigid = forte(instrument)?.ok_or_else(missing)?;
     table.row(["rigid".into(), format!("{:.3}", rigid[0]), "0".into(), format!("{:.3}", rigid[1])]);
-    // The hammer's own pivot: of a shank that bends, the first piece's.
+    // The hammer's own pivot: for a flexible shank, the first piece's.
     let hammer = instrument.roles.hammer.map(|hammer| instrument.first_piece(hammer)).ok_or_else(missing)?;
     let whippen = instrument
         .bodies

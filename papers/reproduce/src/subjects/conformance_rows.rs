@@ -1,4 +1,4 @@
-//! All textbook problems: each a row of reference, ours, error.
+//! All textbook problems, in rows of reference, result and error.
 
 use moreau::Settings;
 use moreau_conformance::{Expected, problems};
@@ -85,7 +85,7 @@ fn held_note(instrument: &Instrument) -> Result<(Claim, Table), ReproduceError> 
     Ok((Claim::new("textbook", "8. The held note does not drift", measured, still), table))
 }
 
-/// Twelve digits where they matter.
+/// Formats a number with twelve digits where they matter.
 fn number(x: f64) -> String {
     if x == 0.0 {
         "0".into()

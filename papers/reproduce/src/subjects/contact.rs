@@ -1,4 +1,4 @@
-//! How long the hammer touches the string: beside published times, and what decides it.
+//! Contact time of hammer and string: compared with published times, and what determines it.
 
 use super::impact::tell;
 use super::strings::head;
@@ -7,21 +7,20 @@ use erard::instrument::Instrument;
 use erard::keyboard::{Keyboard, note_name};
 use erard::{Action, Input};
 
-/// The keyboard that this is about.
+/// Keyboard of this subject.
 const NAME: &str = "concert-grand-strings";
 const MIDDLE: usize = 40;
 /// Keys: A0, C1, C4, C7, C8.
 const KEYS: [usize; 5] = [1, 4, MIDDLE, 76, 88];
-/// The marks' hammer speeds, m/s: pp, mf, ff of `validation/published.toml`.
+/// Hammer speeds of pp, mf, ff in `validation/published.toml`, m/s.
 const SPEEDS_M_PER_S: [f64; 3] = [0.5, 1.99, 5.0];
-/// A contact is followed for so long after the first touch, s.
+/// Time after the first touch over which a contact is recorded, s.
 const FOLLOWED_S: f64 = 10e-3;
-/// A contact may also be counted while the force is above this share of its peak.
+/// Share of the peak force above which contact is also counted.
 const LEVEL: f64 = 0.1;
 /// Step of a head alone, s.
 const HEAD_STEP_S: f64 = 2e-6;
-/// What was published: key, mark (its place above), words, range, ms, and whether the felt was chosen by it. The second
-/// is a ratio of ff to mf.
+/// Published contact times: key, text, range, ms. The constant after it is the ratio of ff to mf.
 const PUBLISHED_MS: [(usize, &str, [f64; 2]); 5] = [
     (1, "3.7 (A0's felt was chosen by it)", [3.33, 4.07]),
     (4, "4 to 5", [4.0, 5.0]),
@@ -35,7 +34,7 @@ fn wrong(error: impl ToString) -> ReproduceError {
     ReproduceError::Instrument(error.to_string())
 }
 
-/// From the first touch to the last within 10 ms, and while the force is above a tenth of its peak, s.
+/// Contact times, s: from the first touch to the last within 10 ms, and while the force is above a tenth of its peak.
 #[derive(Debug, Clone, Copy)]
 struct Contact {
     touch_s: f64,
@@ -43,7 +42,7 @@ struct Contact {
 }
 
 impl Contact {
-    /// From the ends of steps and the forces in them.
+    /// Computes them from the ends of steps and the forces in them.
     fn of(series: &[[f64; 2]]) -> Option<Contact> {
         let peak_n = series.iter().fold(0.0, |most: f64, [_, n]| most.max(*n));
         let lasts = |least_n: f64| {
@@ -57,14 +56,15 @@ impl Contact {
     }
 }
 
-/// The hammer of a key at rest, its dampers up, thrown so that it meets the string at about a speed; that speed.
+/// Throws the hammer of a key at rest, its dampers up, to reach the string at about this speed. Returns the actual
+/// speed and the contact.
 fn thrown(instrument: &Instrument, speed_m_per_s: f64) -> Result<(f64, Contact), ReproduceError> {
     let mut action = Action::new(instrument).map_err(wrong)?;
     if action.strings().is_some_and(|strings| strings.pedal_m().is_some()) {
         action.set_pedal(7e-3);
         action.settle(instrument, Input::Free, &mut |_| true).map_err(wrong)?;
     }
-    // What gravity and friction take on the way up is made up for, roughly; the head turns about the shank's pin.
+    // Compensates roughly for gravity and friction on the way up; the head turns about the shank's pin.
     let rad_s = (1.04 * speed_m_per_s * speed_m_per_s + 1.22).sqrt() / 0.1386;
     let mut body = instrument.roles.hammer;
     while let Some(one) = body {
@@ -151,12 +151,12 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
 /// A change of the head before C4's strings.
 type Change = (&'static str, fn(&mut Instrument));
 
-/// What C4's contact depends on.
+/// Changes with a possible effect on C4's contact.
 const CHANGES: [Change; 12] = [
     ("as in the file", |_| {}),
     ("felt half as stiff", |head| head.zones[0].felt.stiffness *= 0.5),
     ("felt four times as stiff", |head| head.zones[0].felt.stiffness *= 4.0),
-    // As stiff at 0.4 mm.
+    // Same stiffness at 0.4 mm.
     ("exponent 3.5", |head| {
         head.zones[0].felt.stiffness *= 0.4e-3_f64.powf(2.5 - 3.5);
         head.zones[0].felt.exponent = 3.5;
@@ -209,7 +209,7 @@ fn variants(c4: &Instrument, section: &mut Section, progress: &mut Progress) -> 
     Ok(())
 }
 
-/// What A0's and C1's felts would have to be.
+/// The felts that A0 and C1 would need.
 fn felts_of_a0(a0: &Instrument, section: &mut Section, progress: &mut Progress) -> Result<(), ReproduceError> {
     let zone = a0.roles.string.ok_or_else(|| wrong("there is no string"))?;
     let mut table = Table::new("A0's contact at mf over its felt's stiffness", &["stiffness", "contact, ms"]);

@@ -12,25 +12,25 @@ use erard::run::Run;
 use erard::run::{Setup, simulate};
 use erard::stroke::{ForceSeries, Touch};
 
-/// Fixed steps: the first, s, and how many halvings. The last is 0.39 us.
+/// Fixed steps: the first, s, and their number, each half of the one before. The last is 0.39 us.
 const STEPS: (f64, i32) = (800e-6, 12);
 /// Tolerances of adaptive steps.
 const TOLERANCES: [f64; 8] = [3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
-/// The press lasts until the hammer rests in its check, s.
+/// Duration of the press, s: the hammer then rests in its check.
 const UNTIL_S: f64 = 0.12;
-/// Each run begins at another instant before the stroke, s, so that contacts meet its steps in other phases. No step of
-/// the ladder is a multiple of it.
+/// Shift of each run's start against the stroke, s, so that contacts meet its steps in other phases. No step of the
+/// ladder is a multiple of it.
 const PHASE_S: f64 = 8.563e-6;
 const PHASES: u32 = 8;
-/// Rows that are compared, s.
+/// Interval of compared rows, s.
 const ROW_S: f64 = 2e-3;
 /// Fixed steps of the reference, s: Richardson's extrapolation of two, of order one (see the text).
 const REFERENCE_S: [f64; 2] = [0.2e-6, 0.1e-6];
 const REFERENCE_ROW_S: f64 = 25e-6;
-/// What precision's price is asked for.
+/// Precisions whose price is computed.
 const WANTED: [f64; 2] = [1e-3, 1e-6];
 
-/// One press, as far as it is compared.
+/// Results of one press for the comparison.
 struct Press {
     speed: f64,
     time_s: Vec<f64>,
@@ -42,13 +42,13 @@ struct Press {
     seconds: f64,
 }
 
-/// The bodies compared: key and hammer, with the words for an instrument that lacks them.
+/// Bodies compared: key and hammer; an error if the instrument lacks them.
 fn compared(instrument: &Instrument) -> Result<[usize; 2], ReproduceError> {
     let missing = |what: &str| ReproduceError::Instrument(format!("the instrument names no {what}"));
     Ok([instrument.roles.key.ok_or_else(|| missing("key"))?, instrument.roles.hammer.ok_or_else(|| missing("hammer"))?])
 }
 
-/// How steps are taken.
+/// Kind of steps.
 #[derive(Clone, Copy)]
 enum Steps {
     Fixed(f64),
@@ -99,7 +99,7 @@ impl Press {
         }
     }
 
-    /// This press with its step halved, extrapolated to order two. Both have the same rows.
+    /// This press and one with half its step, extrapolated to order two. Both have the same rows.
     fn extrapolated(self, finer: &Press) -> Self {
         let twice = |a: f64, b: f64| 2.0 * b - a;
         let motion = self
@@ -110,7 +110,7 @@ impl Press {
         Press { speed: twice(self.speed, finer.speed), motion: motion.collect(), ..self }
     }
 
-    /// Angle of a compared body, between rows by the cubic that has their angles and velocities.
+    /// Angle of a compared body, between rows by the cubic through their angles and velocities.
     fn angle(&self, body: usize, t: f64) -> f64 {
         let i = self.time_s.partition_point(|x| *x <= t).clamp(1, self.time_s.len() - 1);
         let h = self.time_s[i] - self.time_s[i - 1];
@@ -145,7 +145,7 @@ struct Rung {
     newton: f64,
     inner_steps: f64,
     rejected: f64,
-    /// Of the least disturbed phase, s.
+    /// Time of the least disturbed phase, s.
     seconds: f64,
 }
 
@@ -182,7 +182,7 @@ fn rung(
     Ok(rung)
 }
 
-/// Work at which an error has come down to a wanted one for good, between two rungs by a straight line in logarithms;
+/// Work at which an error falls below a wanted one for good, interpolated between two rungs linearly in logarithms;
 /// `None` if the last one is above.
 fn price(rungs: &[Rung], wanted: f64, error: usize, work: fn(&Rung) -> f64) -> Option<f64> {
     let above = rungs.iter().rposition(|r| r.errors[error] > wanted);
@@ -309,7 +309,7 @@ fn chart(fixed: &[Rung], controlled: &[Rung]) -> Chart {
     }
 }
 
-/// What precisions cost, by a kind of work.
+/// Table of the prices of precision, by a kind of work.
 fn prices(caption: &str, fixed: &[Rung], controlled: &[Rung], work: fn(&Rung) -> f64) -> Table {
     let mut table = Table::new(caption, &["what", "right to", "fixed steps", "adaptive steps", "fixed over adaptive"]);
     for (error, name) in NAMES.into_iter().enumerate() {

@@ -9,13 +9,13 @@ use erard::stroke::Touch;
 
 /// Widths of the regularised law at the pivots, rad/s.
 pub(super) const WIDTHS: [f64; 3] = [0.1, 0.01, 0.001];
-/// Steps, s, and the reference's as a part of the smallest.
+/// First step, s, and number of steps, each half of the one before; divisor of the smallest for the reference.
 const LADDER: (f64, i32) = (400e-6, 8);
 const REFERENCE: f64 = 16.0;
-/// What is played and until when, s.
+/// Stroke played, and its end, s.
 const PLAY: Play = Play::Stroke("mf", Touch::Pressed);
 const UNTIL_S: f64 = 0.06;
-/// The precision whose price is asked for.
+/// Precision whose price is computed.
 const WANTED: f64 = 1e-3;
 
 /// A law with its ladder of steps, errors against the set-valued law's finest run, and its own limit.

@@ -1,5 +1,5 @@
-//! Dampers over the compass: what lies on each string, how soon it silences it, and how far the pedal's rail goes
-//! between a damped string and a free one.
+//! Dampers over the compass: weight on each string, time to silence it, and travel of the pedal's rail between a damped
+//! string and a free one.
 
 use std::f64::consts::PI;
 
@@ -11,50 +11,48 @@ use erard::player::Snapshot;
 use erard::strings::Strings;
 use erard::{Action, Input};
 
-/// The keyboard and the instrument that this is about.
+/// Keyboard and instrument of this subject.
 const NAME: &str = "concert-grand-strings";
-/// The key of the instrument file.
+/// Key of the instrument file.
 const MIDDLE: usize = 40;
-/// Keys, one of each number of strings beside its neighbour, up to the last damper.
+/// Keys: neighbours with different numbers of strings, up to the last damper.
 const KEYS: [usize; 9] = [1, 8, 9, 20, 21, 30, MIDDLE, 54, 68];
-/// Keys at which the pedal is half pressed, and lifts of its rail, mm.
+/// Keys for half-pedalling, and lifts of the rail, mm.
 const HALF_KEYS: [usize; 3] = [1, MIDDLE, 68];
 const LIFTS_MM: [f64; 15] = [0.0, 1.8, 1.9, 2.0, 2.04, 2.1, 2.2, 2.3, 2.4, 2.5, 2.6, 2.7, 2.8, 3.0, 4.0];
-/// The felt that all strings had before: N/m^2 and N s/m^3.
+/// Earlier felt of all strings: N/m^2 and N s/m^3.
 const STIFF: [f64; 2] = [6.667e6, 2.667e7];
-/// The rail with the dampers off the strings, m.
+/// Lift of the rail that takes the dampers off the strings, m.
 const UP_M: f64 = 7e-3;
-/// Force of the stroke, N; when the key is let go and when the rail goes down, s.
+/// Force of the stroke, N; times at which the key is released and the rail goes down, s.
 const FORCE_N: f64 = 5.0;
 const RELEASED_S: f64 = 0.25;
 const LOWERED_S: f64 = 0.35;
-/// A note is followed for so long at most, s.
+/// Longest recordings of a note, s.
 const MOST_S: [f64; 2] = [2.5, 0.8];
-/// Partials up to this count, Hz.
+/// Highest partials counted, Hz.
 const UP_TO_HZ: f64 = 5e3;
-/// A tone is gone when it is so far down, dB.
+/// Decay at which a tone is gone, dB.
 const GONE_DB: f64 = 60.0;
-/// Partials are compared that begin so near to the strongest, dB.
+/// Partials that begin within this of the strongest are compared, dB.
 const HEARD_DB: f64 = 40.0;
-/// What is usable of the travel of the rail: where T60 is more than so many times the damped one, and less than this
-/// share of the free one.
+/// Usable travel of the rail: T60 above this multiple of the damped one, and below this share of the free one.
 const USABLE: [f64; 2] = [2.0, 0.5];
-/// General experience with bass strings; T60, s.
+/// T60 of bass strings from general experience, s.
 const BASS_S: [f64; 2] = [0.5, 1.5];
 
 fn wrong(error: impl ToString) -> ReproduceError {
     ReproduceError::Instrument(error.to_string())
 }
 
-/// A note whose dampers are up, a moment before they fall.
+/// A note with raised dampers, just before they fall.
 struct Note {
     action: Action,
     sounding: Snapshot,
 }
 
-/// How a note dies: T60 of all partials and of the first alone, s; the number of the partial that lasts longest of
-/// those that began within 40 dB of the strongest; and whether it was gone in the time that there was, else T60 is what
-/// its fall until then leads to.
+/// Decay of a note: T60 of all partials and of the first alone, s; the number of the longest partial among those that
+/// began within 40 dB of the strongest; and whether it was gone in the recorded time, else T60 is extrapolated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Decay {
     all_s: f64,
@@ -78,7 +76,7 @@ impl Note {
         Ok(Note { action, sounding })
     }
 
-    /// Its decay once the rail has gone to a lift: from the dampers' first touch, or from the rail's arrival.
+    /// Returns the decay once the rail is at a lift: from the dampers' first touch, or from the rail's arrival.
     fn decay(&mut self, instrument: &Instrument, lift_m: f64, most_s: f64) -> Result<Decay, ReproduceError> {
         let action = &mut self.action;
         action.restore(&self.sounding).map_err(wrong)?;
@@ -95,7 +93,7 @@ impl Note {
         let partials = partials(strings);
         let window_s = 1.0 / strings.strings()[0].partial_hz(1);
         let steps = (window_s / step_s).ceil() as u32;
-        // All partials, and each number's.
+        // Levels of all partials, and of each number.
         let most = partials.iter().map(|partial| partial.n as usize).max().unwrap_or(0);
         let mut levels: Vec<Vec<f64>> = vec![Vec::new(); most + 1];
         while levels[0].len() as f64 * window_s < most_s {
@@ -133,14 +131,14 @@ struct Partial {
 }
 
 impl Partial {
-    /// The square of its force on the bridge, N^2, by its velocity: where it rests plays no part.
+    /// Squared force on the bridge, N^2, by its velocity, so that its rest position has no effect.
     fn squared_n2(&self, strings: &Strings) -> f64 {
         let [_, v] = strings.partial(self.string, self.n).unwrap_or_default();
         (self.per_m_per_s * v) * (self.per_m_per_s * v)
     }
 }
 
-/// All strings' partials up to 5 kHz.
+/// Returns all strings' partials up to 5 kHz.
 fn partials(strings: &Strings) -> Vec<Partial> {
     let of = |(index, string): (usize, &PianoString)| {
         let string = string.clone();
@@ -154,7 +152,8 @@ fn partials(strings: &Strings) -> Vec<Partial> {
     strings.strings().iter().enumerate().flat_map(of).collect()
 }
 
-/// After what time levels, each of a window of a period, stay 60 dB below the first one, s, and whether they do.
+/// Time after which levels, each over a window of one period, stay 60 dB below the first one, s, and whether they do;
+/// else extrapolated.
 fn t60_s(levels: &[f64], window_s: f64) -> (f64, bool) {
     let gone = levels[0] - GONE_DB;
     let above = levels.iter().rposition(|db| *db > gone).unwrap_or(0);
@@ -166,7 +165,7 @@ fn t60_s(levels: &[f64], window_s: f64) -> (f64, bool) {
     (GONE_DB * above as f64 * window_s / fell.max(1e-3), false)
 }
 
-/// The same key with the damper of another: its weight, felts and their length, its lever hanging alike.
+/// The same key with another's damper: its weight, felts and their length, its lever hanging alike.
 fn with_damper_of(own: &Instrument, other: &Instrument) -> Instrument {
     let mut changed = own.clone();
     if let Some(damper) = own.bodies.iter().position(|body| body.name == "damper") {
@@ -182,7 +181,7 @@ fn with_damper_of(own: &Instrument, other: &Instrument) -> Instrument {
     changed
 }
 
-/// What lies on a string at rest: N, how far its felt is pressed, m, and its dashpot, N s/m.
+/// Damper on a string at rest: force, N, compression of its felt, m, and its dashpot, N s/m.
 fn lying(instrument: &Instrument) -> Result<[f64; 3], ReproduceError> {
     let action = Action::new(instrument).map_err(wrong)?;
     let found = action.strings().and_then(|strings| strings.damper_n().next());
@@ -294,7 +293,7 @@ fn half_pedal(
     for number in HALF_KEYS {
         instruments.push((note_name(number), key(number)?));
     }
-    // The felt that all strings had, with the string as much lower as it is pressed less.
+    // The earlier felt of all strings, with the string lower by the difference in compression.
     let mut stiff = key(MIDDLE)?;
     let [force_n, pressed_m, _] = lying(&stiff)?;
     let dampers: Vec<usize> = stiff.strings.iter().filter_map(|string| string.damper).map(|one| one.zone).collect();

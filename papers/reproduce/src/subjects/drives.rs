@@ -1,4 +1,4 @@
-//! [T12] figure 3: p and f, force-driven and motion-driven, six bodies beside one degree of freedom.
+//! [T12] figure 3: p and f, force-driven and motion-driven, six bodies compared with one degree of freedom.
 
 use fastrand::Rng;
 use moreau::Settings;
@@ -17,14 +17,13 @@ use erard_workshop::compare::{Errors, RATE_HZ};
 const REFERENCE_STEP_S: f64 = 6.25e-6;
 /// Sampling of the reference series, s.
 const SAMPLE_S: f64 = 0.5e-3;
-/// Sensor noise added to them, uniform with this root mean square: a load cell's, N, and a laser vibrometer's, m. Both
-/// assumed.
+/// Root mean square of added sensor noise, uniform: a load cell's, N, and a laser vibrometer's, m. Both assumed.
 const FORCE_NOISE_N: f64 = 0.01;
 const POSITION_NOISE_M: f64 = 0.02e-6;
-/// s.
+/// Duration, s.
 const DURATION_S: f64 = 0.35;
 
-/// A sensor's noise: uniform, with unit variance, and the same every time.
+/// Sensor noise: uniform, with unit variance, the same every time.
 struct Noise(Rng);
 
 impl Noise {
@@ -33,11 +32,11 @@ impl Noise {
     }
 }
 
-/// The models' step, s: five of them make a row.
+/// Step of the models, s: five of them make a row.
 const STEP_S: f64 = 50e-6;
 const ROW_STEPS: u64 = (1.0 / (RATE_HZ * STEP_S)) as u64;
 
-/// A soft finger's stroke as sensors between finger and key would have seen it on the six-body model, run with a finer
+/// A soft finger's stroke as sensors between finger and key would record it on the six-body model, run with a finer
 /// step.
 struct Reference {
     nuance: &'static str,
@@ -47,7 +46,7 @@ struct Reference {
     time_s: Vec<f64>,
     force_n: Vec<f64>,
     key_m: Vec<f64>,
-    /// Rows before the key lands.
+    /// Number of rows before the key lands.
     way_down: usize,
 }
 
@@ -72,8 +71,7 @@ impl Reference {
         Ok(Reference { nuance, force, position, time_s, force_n, key_m, way_down })
     }
 
-    /// What comes out of a model: the key's position (m) if the force drives it, the force (N) if the key's motion
-    /// does.
+    /// Result of a model: the key's position (m) if the force drives it, the force (N) if the key's motion does.
     fn outcome(&self, model: &Instrument, by_force: bool) -> Result<Vec<f64>, ReproduceError> {
         let (force, position) = (self.force.drive(), self.position.drive());
         let drive: &Drive<'_> = if by_force { &player::force(&force) } else { &player::rigid(&position) };
@@ -81,7 +79,7 @@ impl Reference {
         Ok(if by_force { run.key_m } else { run.force_n })
     }
 
-    /// A run over the common time axis.
+    /// Runs a model over the common time axis.
     fn run(&self, model: &Instrument, drive: &Drive<'_>) -> Result<Run, ReproduceError> {
         let duration_s = (self.time_s.len() - 1) as f64 / RATE_HZ;
         let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(ROW_STEPS), ..Setup::new(duration_s) };
@@ -93,7 +91,7 @@ impl Reference {
     }
 }
 
-/// A model with its name and how it is drawn.
+/// A model with its name and line style.
 struct Compared {
     name: &'static str,
     instrument: Instrument,
@@ -102,7 +100,7 @@ struct Compared {
 }
 
 /// The one-degree-of-freedom model with inertia and viscous friction fitted to the force-driven positions of all
-/// references: the least sum of squared errors, each relative to its variance, found along one parameter after the
+/// references: least sum of squared errors, each relative to its variance, by search along one parameter after the
 /// other.
 fn fitted(derived: &Instrument, references: &[Reference]) -> Result<Instrument, ReproduceError> {
     let with = |x: [f64; 2]| {
@@ -123,7 +121,7 @@ fn fitted(derived: &Instrument, references: &[Reference]) -> Result<Instrument, 
     let mut best = [0.0, 1e-3_f64.ln()];
     for round in 0..3 {
         for k in 0..2 {
-            // A grid over the whole range first, then golden section between the neighbours of its best point.
+            // A grid over the whole range, then golden section around its best point.
             let at = |v: f64| {
                 let mut x = best;
                 x[k] = v;
@@ -226,7 +224,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
         for by_force in [true, false] {
             let mut curves =
                 vec![curve(reference, "reference (stand-in)", reference.own(by_force), by_force, 6, Dash::Solid)];
-            // Of the whole stroke and of the way down, by model.
+            // Of the whole stroke and of the press down, by model.
             let mut explained = [[f64::NAN; 3]; 2];
             for (k, model) in models.iter().enumerate() {
                 let ours = reference.outcome(&model.instrument, by_force)?;
@@ -239,7 +237,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
             }
             claims(reference.nuance, by_force, &explained, &mut section);
             let y_label = if by_force { "force-driven: key (mm)" } else { "motion-driven: force (N)" };
-            // One degree of freedom goes far outside, and would flatten everything else.
+            // One degree of freedom is far out of range, and would flatten all other curves.
             let y_range = (!by_force).then(|| range(&reference.force_n));
             panels.push(ChartPanel { y_label: y_label.into(), y_log: false, y_range, curves });
         }
@@ -258,7 +256,8 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     Ok(section)
 }
 
-/// The key's trace of each reference as it may be read, and what the six bodies then explain of the force.
+/// Plays the key's trace of each reference in its possible meanings, and returns how much of the force the six bodies
+/// explain.
 fn whose(instrument: &Instrument, references: &[Reference]) -> Result<Table, ReproduceError> {
     let mut table = Table::new(
         "Whose position it is: the key's trace, played on the six bodies in three ways",
@@ -357,7 +356,7 @@ fn claims(nuance: &str, by_force: bool, explained: &[[f64; 3]; 2], section: &mut
     }
 }
 
-/// The range of a series, and as much again on either side.
+/// The range of a series, extended by its width on either side.
 fn range(y: &[f64]) -> (f64, f64) {
     let (low, high) = y.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));
     (low - (high - low), high + (high - low))

@@ -1,5 +1,5 @@
-//! The built-in touches from gentle to loud, by hands of 50, 200 and 1000 g: how long the hammer takes, whether it
-//! strikes once, and what depends on the hand.
+//! Built-in touches from gentle to loud, by hands of 50, 200 and 1000 g: travel time of the hammer, single impacts, and
+//! the influence of the hand.
 
 use moreau::Settings;
 
@@ -10,32 +10,31 @@ use erard::level::{HOLD_N, Kind, LevelError, Reference};
 use erard::run::{Run, Setup, SimulationError, press_by_hand};
 use erard::stroke::{RISE_S, Touch};
 
-/// s.
+/// Step, s.
 const STEP_S: f64 = 50e-6;
-/// Held so long, s.
+/// Duration, s.
 const HELD_S: f64 = 0.7;
 /// Levels from gentle to loud.
 const STEPS: usize = 24;
 /// The gentlest and the loudest hammer speed, m/s.
 const SPEEDS_M_PER_S: [f64; 2] = [0.4, 5.0];
-/// The hands, kg. That of 200 g is the built-in one.
+/// Masses of the hands, kg. 200 g is the built-in one.
 const MASSES_KG: [f64; 3] = [0.05, 0.2, 1.0];
 const OWN_KG: f64 = 0.2;
-/// A second impact is heard from this speed on, m/s.
+/// Audible speed of a second impact, m/s.
 const HEARD_M_PER_S: f64 = 0.1;
-/// What two neighbouring steps may differ by more than the mean of their own neighbours' differences, for a curve that
-/// is called smooth: a tenth of its whole range.
+/// Limit of [`roughness`] for a smooth curve: a tenth of its whole range.
 const SMOOTH: f64 = 0.1;
-/// A hammer that flies for so long was thrown, ms: let off at a millimetre or two it takes a few.
+/// Flight time of a thrown hammer, ms: a hammer let off at a millimetre or two needs a few.
 const THROWN_MS: f64 = 8.0;
 
-/// What came of a touch.
+/// Results of a touch.
 struct Touched {
     louder: f64,
     speed_m_per_s: f64,
     travel_ms: f64,
     ahead_ms: f64,
-    /// From let-off to the string.
+    /// Time from let-off to the string, ms.
     flight_ms: f64,
     /// The fastest impact after the first, m/s.
     second_m_per_s: f64,
@@ -58,7 +57,7 @@ impl Touched {
     }
 }
 
-/// The level of a kind of hand, played; `None` where no hand of the kind reaches it.
+/// Plays a level by a kind of hand; `None` if no hand of the kind reaches it.
 fn played(
     instrument: &Instrument,
     reference: &mut Reference,
@@ -103,7 +102,7 @@ fn claims(kind: &str, steps: &[Touched]) -> [Claim; 2] {
     ]
 }
 
-/// Where the hammer is thrown off the jack, and no longer carried to let-off.
+/// Describes levels at which the hammer is thrown off the jack instead of carried to let-off.
 fn thrown(kind: &str, steps: &[Touched]) -> Option<String> {
     let thrown: Vec<&Touched> = steps.iter().filter(|touched| touched.flight_ms > THROWN_MS).collect();
     let longest_ms = thrown.iter().map(|touched| touched.flight_ms).fold(0.0, f64::max);
@@ -117,14 +116,14 @@ fn thrown(kind: &str, steps: &[Touched]) -> Option<String> {
     ))
 }
 
-/// The largest departure of a value from the middle of its neighbours, as a share of the whole range.
+/// Largest departure of a value from the mean of its neighbours, as a share of the whole range.
 fn roughness(values: &[f64]) -> f64 {
     let (least, most) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
     let bend = values.windows(3).map(|w| (w[1] - 0.5 * (w[0] + w[2])).abs()).fold(0.0, f64::max);
     bend / (most - least)
 }
 
-/// Travel times at a hammer speed, between the two nearest levels, ms.
+/// Travel time at a hammer speed, interpolated between the two nearest levels, ms.
 fn travel_at(steps: &[Touched], speed_m_per_s: f64) -> Option<f64> {
     let pair = steps
         .windows(2)
@@ -133,7 +132,7 @@ fn travel_at(steps: &[Touched], speed_m_per_s: f64) -> Option<f64> {
     Some(pair[0].travel_ms + share * (pair[1].travel_ms - pair[0].travel_ms))
 }
 
-/// The hammer speeds of the comparison, m/s.
+/// Hammer speeds of the comparison, m/s.
 const COMPARED_M_PER_S: [f64; 5] = [0.5, 0.79, 1.99, 3.15, 4.9];
 
 pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
@@ -226,7 +225,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
     Ok(section)
 }
 
-/// Travel times of all hands at the speeds of the levels.
+/// Table of travel times of all hands at the speeds of the levels.
 fn compared(all: &[(Kind, Vec<Touched>)]) -> Table {
     let mut table = Table::new(
         "Travel time from key start to the string, ms; published: 20 to some 200, struck about 20 sooner at mf",

@@ -1,8 +1,7 @@
-//! When the events of a note happen: how they converge as the step shrinks, and what a hundredth more or less of the
-//! hand's force does to them.
+//! Times of a note's events: their convergence with the step, and their sensitivity to a hundredth of the hand's force.
 //!
-//! After the impact felts open and close in an order that small differences may decide. If they did, only a
-//! distribution would be a result there, and no number.
+//! After the impact felts open and close in an order that small differences may decide. If they do, only a distribution
+//! is a result there, not a number.
 
 use moreau::Settings;
 
@@ -13,28 +12,28 @@ use erard::level::{Kind, LEVELS, LevelError, MASS_KG, Reference};
 use erard::run::{Events, Run, Setup, SimulationError, press_by_hand};
 use erard::stroke::{HandStroke, Muscle, Touch};
 
-/// The usual step, s, and how often it is halved; the reference's is the smallest over the last.
+/// The usual step, s, and number of steps, each half of the one before; divisor of the smallest for the reference.
 const STEPS: (f64, i32) = (50e-6, 5);
 const REFERENCE: f64 = 8.0;
-/// Followed so long after the impact, s: a checked hammer hangs still.
+/// Duration after the impact, s: a checked hammer then hangs still.
 const AFTER_S: f64 = 0.2;
-/// The levels that are played: pp, mf and ff.
+/// Indices of the levels played: pp, mf and ff.
 const PLAYED: [usize; 3] = [0, 2, 4];
-/// The hand's force varies by so much, as a whole, and in so many steps.
+/// Total relative variation of the hand's force, and number of notes.
 const INPUT: f64 = 0.01;
 const DRAWS: usize = 201;
-/// Neighbouring notes of a smooth result differ by a two-hundredth of its spread where it is straight, and by no more
-/// than this.
+/// Largest jump of a smooth result between neighbouring notes, as a share of its spread; a linear one jumps by a
+/// two-hundredth.
 const SMOOTH: f64 = 0.25;
-/// Every so many steps of these notes are kept.
+/// Steps per recorded row of these notes.
 const KEPT: u64 = 20;
-/// An event whose error shrinks more slowly than the step to this power does not converge.
+/// An event does not converge if its error shrinks more slowly than the step to this power.
 const LEAST_ORDER: f64 = 0.87;
 
-/// When an event happens, s; `None` where it does not.
+/// Time of an event, s; `None` if it does not happen.
 type Instant = fn(&Events) -> Option<f64>;
 
-/// The events, by the words of the book.
+/// Events, in the words of the book.
 const EVENTS: [(&str, Instant); 5] = [
     ("key start", |e| e.key_start_s),
     ("last push", |e| e.let_off_s),
@@ -42,10 +41,10 @@ const EVENTS: [(&str, Instant); 5] = [
     ("key bottom", |e| e.key_bottom_s),
     ("check", |e| e.check_s),
 ];
-/// Its instant of every event, s.
+/// Times of all events, s.
 type Instants = [f64; EVENTS.len()];
 
-/// A level's hand, and how long it is followed, s.
+/// A level's hand, and the end of its run, s.
 struct Played {
     name: &'static str,
     stroke: HandStroke,
@@ -169,12 +168,12 @@ fn converge(
     Ok(())
 }
 
-/// A number, or a dash where there is none.
+/// Formats a number; a dash if it is not finite.
 fn shown(value: f64, digits: usize) -> String {
     if value.is_finite() { format!("{value:.digits$}") } else { "-".into() }
 }
 
-/// The slope of a straight line through the logarithms, by least squares.
+/// Slope of a straight line through the logarithms, by least squares.
 fn order(steps: &[f64], errors: &[f64]) -> f64 {
     let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / steps.len() as f64;
     let [x, y] = [steps, errors].map(|values| values.iter().map(|v| v.ln()).collect::<Vec<_>>());
@@ -183,10 +182,10 @@ fn order(steps: &[f64], errors: &[f64]) -> f64 {
     both / x.iter().map(|x| (x - mx) * (x - mx)).sum::<f64>()
 }
 
-/// What a note of a slightly different force comes to.
+/// A result of a note of slightly different force.
 type Outcome = fn(&Run) -> Option<f64>;
 
-/// The first so many belong to the note up to impact and key bottom.
+/// Number of results that belong to the note up to impact and key bottom.
 const UP_TO_IMPACT: usize = 4;
 const RESULTS: [(&str, &str, Outcome); 7] = [
     ("hammer speed", "m/s", |run| run.events.hammer_speed_m_per_s()),
@@ -206,11 +205,11 @@ fn after_start_ms(run: &Run, at_s: Option<f64>) -> Option<f64> {
     Some(1e3 * (at_s? - run.events.key_start_s?))
 }
 
-/// How a result is spread over the inputs.
+/// Spread of a result over the inputs.
 struct Spread {
-    /// 5 %, 50 % and 95 %.
+    /// Quantiles at 5 %, 50 % and 95 %.
     quantiles: [f64; 3],
-    /// The largest difference of neighbouring inputs over that from 5 to 95 %.
+    /// Largest difference between neighbouring inputs over the spread from 5 to 95 %.
     jump: f64,
     came_about: usize,
 }
@@ -227,13 +226,13 @@ impl Spread {
         Spread { quantiles, jump, came_about }
     }
 
-    /// 5 to 95 % over the middle.
+    /// Spread from 5 to 95 % over the median.
     fn relative(&self) -> f64 {
         (self.quantiles[2] - self.quantiles[0]) / self.quantiles[1]
     }
 }
 
-/// Results over a hundredth of the input.
+/// Computes results over a hundredth of the force.
 fn scatter(
     instrument: &Instrument,
     levels: &[Played],

@@ -1,8 +1,8 @@
-//! Which loss the felts of an action should have: an experiment with the four laws that are at hand.
+//! Suitable loss for the felts of an action: an experiment with the four available laws.
 //!
-//! The felts of the instrument, the hammer's on the string excepted, are given another loss in place of b g^2 dg/dt or
-//! beside it. What is asked: does a slow contact lose energy, does a held action go on vibrating, what becomes of a
-//! impact and of the released key, how much work is it.
+//! The felts of the instrument, except the hammer's on the string, get another loss in place of b g^2 dg/dt or beside
+//! it. Questions: whether a slow contact loses energy, whether a held action keeps vibrating, the effects on an impact
+//! and on the released key, and the work.
 
 use moreau::{Elastoplastic, Loss, SetValued, Settings};
 use moreau_conformance::thrown_back;
@@ -13,7 +13,7 @@ use erard::instrument::{Felt, Instrument};
 use erard::player::{Action, Input};
 use erard::stroke::Touch;
 
-/// eta and s of the dry losses here.
+/// eta and s of the dry losses.
 pub(super) const ETA: f64 = 0.3;
 pub(super) const SLIP: f64 = 0.2;
 /// Usual step, s.
@@ -33,12 +33,12 @@ const LAWS: [Law; 5] = [
     Law { name: "b and elastoplastic", give: |felt| felt.loss = dry(felt.loss.viscous(1.0, 0.0)) },
 ];
 
-/// The dry loss that slips, beside b.
+/// Dry loss with slip, beside b.
 fn dry(damping: f64) -> Loss<f64> {
     Elastoplastic { damping, eta: ETA, slip: SLIP }.into()
 }
 
-/// The instrument with its felts so, the string's excepted.
+/// The instrument with this loss in its felts, except the string's.
 fn with(instrument: &Instrument, law: &Law) -> Instrument {
     let mut other = instrument.clone();
     for (z, zone) in other.zones.iter_mut().enumerate() {
@@ -49,9 +49,8 @@ fn with(instrument: &Instrument, law: &Law) -> Instrument {
     other
 }
 
-/// How the hammer rocks on the felts that hold it up at rest, after a push so small that it moves by micrometres:
-/// frequency, Hz, and the part of its swing that is left after a quarter of a second. The pivots' dry friction would
-/// stop it, whatever the felts do, and is taken away for this.
+/// Rocking of the hammer on its felts at rest, after a push of micrometres: frequency, Hz, and the share of its swing
+/// left after a quarter of a second. The pivots' dry friction would stop it with any felts, and is therefore removed.
 fn rocking(instrument: &Instrument) -> Result<Option<[f64; 2]>, ReproduceError> {
     let mut free = instrument.clone();
     for body in &mut free.bodies {
@@ -87,7 +86,7 @@ fn rocking(instrument: &Instrument) -> Result<Option<[f64; 2]>, ReproduceError> 
     Ok(Some([frequency, swings[1] / swings[0]]))
 }
 
-/// How far the key falls again after it has come back to its rest for the first time, mm, the finger having left.
+/// Travel of the key after it has first come back to rest, mm, with the finger gone.
 fn key_rebound_mm(run: &erard::run::Run, released_s: f64) -> f64 {
     let rows = run.time_s.iter().zip(&run.key_m).filter(|(t, _)| **t > released_s);
     let (mut back, mut most) = (false, 0.0_f64);
@@ -100,7 +99,7 @@ fn key_rebound_mm(run: &erard::run::Run, released_s: f64) -> f64 {
     1e3 * most
 }
 
-/// Speed of rebound over speed of arrival on a felt with a dry loss alone, eta and s, at any speed: in closed form.
+/// Speed of rebound over speed of arrival on a felt with a dry loss alone, eta and s, at any speed: closed form.
 pub(super) fn restitution([eta, slip]: [f64; 2]) -> f64 {
     (1.0 - 2.0 * eta * (1.0 - slip) / ((1.0 + slip) * (1.0 + eta))).sqrt()
 }

@@ -1,4 +1,4 @@
-//! [T13]'s felt law, rest under friction, the finger's softness and the run time.
+//! [T13]'s felt law, equilibrium under friction, the finger's softness and the run time.
 
 use moreau::{
     Body, Curve, Description, FrictionLaw, GROUND, Input, Pose, Settings, Solver, State, Workspace, Zone, step,
@@ -14,7 +14,7 @@ use erard::stroke::Touch;
 const THROWN_KG: f64 = 0.010;
 const ARM_M: f64 = 100.0;
 
-/// The felt of the string's zone hit at three speeds: force over compression.
+/// Force over compression of the felt in the string's zone, hit at three speeds.
 pub(super) fn felt(instrument: &Instrument, _: &mut Progress) -> Result<Section, ReproduceError> {
     let index = instrument.roles.string.unwrap_or(0);
     let zone =
@@ -115,7 +115,7 @@ fn throw(felt: erard::instrument::Felt, speed: f64) -> Result<Hit, ReproduceErro
     Ok(Hit { compression, force, after: -state.velocity[0] * ARM_M })
 }
 
-/// Equilibrium and the held note under dry and under regularised friction.
+/// Equilibrium and held note under dry and under regularised friction.
 pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let mut laws = vec![("set-valued".to_owned(), FrictionLaw::SetValued)];
     laws.extend(WIDTHS.map(|w| (format!("tanh, {w} rad/s"), regularised(w))));
@@ -217,12 +217,12 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
     })
 }
 
-/// The largest departure of a series from its value at a row.
+/// Largest departure of a series from its value at a row.
 fn departure(series: &[f64], from: usize) -> f64 {
     series[from..].iter().fold(0.0, |m: f64, q| m.max((q - series[from]).abs()))
 }
 
-/// The largest step from which on a pressed mf is right.
+/// Finds the largest step below which a pressed mf is right.
 fn largest_step(
     instrument: &Instrument,
     friction: FrictionLaw<f64>,
@@ -230,7 +230,7 @@ fn largest_step(
 ) -> Result<Option<f64>, ReproduceError> {
     let mut largest = None;
     for h in halvings(400e-6, 8).into_iter().rev() {
-        // At every phase: at a single one a coarse step may happen to be right.
+        // At every phase: at a single one a coarse step may be right by chance.
         for k in 0..NEIGHBOURS {
             let settings = Settings { friction, ..Settings::new(h * (1.0 - f64::from(k) / 64.0)) };
             let b = impact(instrument, Play::Stroke("mf", Touch::Pressed), settings, 0.06)?;
@@ -243,7 +243,7 @@ fn largest_step(
     Ok(largest)
 }
 
-/// The finger's softness: the same motion through fingers of several stiffnesses.
+/// Effect of the finger's softness: the same motion through fingers of several stiffnesses.
 pub(super) fn finger(instrument: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let own = instrument.finger;
     let mut table = Table::new(

@@ -1,4 +1,4 @@
-//! Compliance in a loud note: how far key, shank, heel and knuckle yield at each instant, and what each does to timing.
+//! Compliance in a loud note: deflection of key, shank, heel and knuckle over time, and the effect of each on timing.
 
 use moreau::Settings;
 
@@ -13,16 +13,16 @@ use erard::run::press_by_hand;
 use erard::stroke::HandStroke;
 use erard_workshop::validate::{Loudness, loudness};
 
-/// What a row shows, in the unit that its name ends with.
+/// Value of a row, in the unit that ends its name.
 type Value = fn(&Loudness) -> Option<f64>;
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
-/// How fast the force of the pressed f rises, N/s: the built-in f's.
+/// Rate of force of the pressed f, N/s: the built-in f's.
 const RATE_N_S: f64 = 333.0;
-/// What is shown, s before and after the hammer meets the string.
+/// Window shown before and after the impact, s.
 const WINDOW_S: [f64; 2] = [0.040, 0.008];
-/// A bend that is stiffer by so much bends by a micrometre.
+/// Factor by which a bend is stiffened, so that it bends by a micrometre.
 const LOCKED: f64 = 1e3;
 const MM_PER_M: f64 = 1e3;
 const MS_PER_S: f64 = 1e3;
@@ -106,7 +106,7 @@ fn ms(seconds: Option<f64>) -> Option<f64> {
     seconds.map(|s| s * MS_PER_S)
 }
 
-/// The bends of a part made so stiff that they play no role.
+/// Stiffens the bends of a part so much that they have no effect.
 pub(super) fn stiffen(instrument: &mut Instrument, piece: Option<usize>) {
     let Some(piece) = piece else { return };
     for spring in &mut instrument.springs {
@@ -116,7 +116,7 @@ pub(super) fn stiffen(instrument: &mut Instrument, piece: Option<usize>) {
     }
 }
 
-/// How far each part yields, stacked.
+/// Deflection of each part, stacked.
 fn chart(instrument: &Instrument) -> Result<Chart, ReproduceError> {
     let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(1), ..Setup::new(0.12) };
     let run = press_by_hand(instrument, &HandStroke::ramped(RATE_N_S), &setup, &mut |_| true)?;
@@ -149,7 +149,7 @@ fn chart(instrument: &Instrument) -> Result<Chart, ReproduceError> {
     })
 }
 
-/// What gives, from the finger up, m at the key's front, every row of the run.
+/// Deflections from the finger up, m at the key's front, in every row of the run.
 fn parts(instrument: &Instrument, run: &Run) -> Result<Vec<(&'static str, Vec<f64>)>, ReproduceError> {
     let anatomy = Anatomy::find(instrument).map_err(|e| ReproduceError::Instrument(e.to_string()))?;
     let one = one_dof::reduce(instrument)?;
@@ -160,7 +160,7 @@ fn parts(instrument: &Instrument, run: &Run) -> Result<Vec<(&'static str, Vec<f6
     // Metres there per metre of the key's front.
     let head = one.ratios[hammer].abs() * length(rigid.roles.hammer_head_m) / front_m;
     let knuckle = one.ratios[hammer].abs() * length(rigid.zones[anatomy.jack_knuckle].disc_center_m) / front_m;
-    // An arm below zero: the piece lags behind.
+    // A negative arm: the piece lags behind.
     let bend = |piece: usize, arm_m: f64, lever: f64| -> Vec<f64> {
         let Some(parent) = instrument.bodies[piece].parent.filter(|_| instrument.bodies[piece].is_bend) else {
             return vec![0.0; run.time_s.len()];

@@ -1,7 +1,7 @@
-//! Runs that the subjects have in common: a stroke or a force step, and the impact that comes of it.
+//! Runs shared by the subjects: a stroke or a force step, and its impact.
 //!
-//! A felt is touched at some phase between two instants of the grid, and the error of a single run depends on that
-//! phase. The root mean square over steps that are nearly the same, with phases that are not, is what follows a law.
+//! Felts are touched at random phases between two steps, and the error of a single run depends on that phase. The root
+//! mean square over nearly equal steps with different phases follows a law.
 
 use moreau::{FrictionLaw, Settings};
 
@@ -14,13 +14,13 @@ use erard::run::Run;
 use erard::run::{Setup, simulate};
 use erard::stroke::{Series, Touch};
 
-/// Steps that an error is averaged over: h, and 1/64, 2/64 ... less.
+/// Number of steps for an averaged error: h, and 1/64, 2/64 ... less.
 pub(crate) const NEIGHBOURS: u32 = 8;
 
-/// What is played.
+/// Stroke of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Play {
-    /// Nothing.
+    /// No force.
     Free,
     /// A constant force, N.
     Force(f64),
@@ -31,7 +31,7 @@ pub(crate) enum Play {
 }
 
 impl Play {
-    /// Runs it, keeping every so many steps.
+    /// Runs it, recording every `record_every`-th step.
     pub(crate) fn run(
         self,
         instrument: &Instrument,
@@ -42,7 +42,7 @@ impl Play {
         self.run_told(instrument, settings, duration_s, record_every, &mut |_| true)
     }
 
-    /// The same for runs that take seconds, with progress.
+    /// Runs it with progress, for runs that take seconds.
     pub(crate) fn run_told(
         self,
         instrument: &Instrument,
@@ -68,7 +68,7 @@ impl Play {
         }
     }
 
-    /// Its name.
+    /// Returns its name.
     pub(crate) fn label(self) -> String {
         match self {
             Play::Free => "nothing".into(),
@@ -79,7 +79,7 @@ impl Play {
     }
 }
 
-/// The stroke that belongs to an instrument: six rigid bodies have their own.
+/// Returns the stroke for an instrument: six rigid bodies have their own.
 pub(super) fn own(instrument: &Instrument, name: &str, touch: Touch) -> Option<Series> {
     if instrument.has_bends() { Series::builtin(name, touch) } else { Series::rigid(name, touch) }
 }
@@ -91,7 +91,7 @@ fn touched(touch: Touch) -> &'static str {
     }
 }
 
-/// tanh-regularised friction of a width in rad/s, a tenth of it in m/s at sliding contacts.
+/// Friction regularised by tanh, with a width in rad/s, a tenth of it in m/s at sliding contacts.
 pub(crate) fn regularised(width: f64) -> FrictionLaw<f64> {
     FrictionLaw::Regularised { pivot_width: width, sliding_width: 0.1 * width }
 }
@@ -99,13 +99,13 @@ pub(crate) fn regularised(width: f64) -> FrictionLaw<f64> {
 /// An impact on the string.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FirstImpact {
-    /// Speed of the strike point, m/s; not a number if the string was not struck.
+    /// Speed of the strike point, m/s; NaN without an impact.
     pub speed: f64,
-    /// Instant, s.
+    /// Time of the impact, s.
     pub contact: f64,
     /// Newton iterations.
     pub newton: f64,
-    /// Steps that did not converge, and all steps.
+    /// Steps that did not converge.
     pub unconverged: u64,
     /// All steps.
     pub steps: u64,
@@ -113,7 +113,7 @@ pub(crate) struct FirstImpact {
     pub of_real_time: f64,
 }
 
-/// The first impact of a run.
+/// Returns the first impact of a run.
 pub(crate) fn impact(
     instrument: &Instrument,
     play: Play,
@@ -142,7 +142,7 @@ pub(crate) struct Rung {
     pub impact: FirstImpact,
     /// Root mean square of the relative error of the hammer speed over the neighbouring steps.
     pub speed: f64,
-    /// That of the contact instant, s.
+    /// Root mean square error of the contact time, s.
     pub contact: f64,
 }
 
@@ -159,7 +159,7 @@ pub(crate) fn ladder(
     let mut impacts: Vec<Option<FirstImpact>> = vec![None; steps.len()];
     let mut errors = |rung: usize, h: f64| {
         let b = impact(instrument, play, Settings { step: h, ..settings }, until)?;
-        // The clock is read on all of them: the least disturbed counts.
+        // The clock is read on all of them: the shortest time counts.
         let own: &mut FirstImpact = impacts[rung].get_or_insert(b);
         own.of_real_time = own.of_real_time.min(b.of_real_time);
         Ok([b.speed / exact.speed - 1.0, b.contact - exact.contact])
@@ -171,8 +171,8 @@ pub(crate) fn ladder(
     Ok(steps.iter().zip(impacts).zip(errors).filter_map(rung).collect())
 }
 
-/// Errors at several steps, each the root mean square over steps that are nearly the same. `errors`: at a step near one
-/// of these, which is named by its place.
+/// Errors at several steps, each the root mean square over nearly equal steps. `errors` returns those at a step near
+/// one of these, named by its index.
 pub(crate) fn neighbouring<const N: usize>(
     steps: &[f64],
     errors: &mut dyn FnMut(usize, f64) -> Result<[f64; N], ReproduceError>,
@@ -203,12 +203,12 @@ pub(crate) fn order(rungs: &[Rung], error: fn(&Rung) -> f64) -> f64 {
     }
 }
 
-/// `count` steps from `first` on, each half of the one before, s.
+/// `count` steps, s: `first`, and each half of the one before.
 pub(crate) fn halvings(first: f64, count: i32) -> Vec<f64> {
     (0..count).map(|k| first * 0.5_f64.powi(k)).collect()
 }
 
-/// Passes progress on; an error if the work is to end.
+/// Passes progress on; an error if the caller ends the work.
 pub(crate) fn tell(progress: &mut Progress, share: f64) -> Result<(), ReproduceError> {
     if progress(share.clamp(0.0, 1.0)) { Ok(()) } else { Err(erard::run::SimulationError::Interrupted.into()) }
 }

@@ -1,46 +1,48 @@
-//! A release beside recorded ones: where the hammer is when the key comes home, how far the key comes back, and until
-//! when.
+//! A release compared with recorded ones: place of the hammer when the key comes home, rebound of the key, and its
+//! duration.
 //!
-//! A hammer that was checked hangs some 30 mm above its rest and falls freely as soon as the repetition lever has met
-//! its stop. Nothing can bring it down sooner than its weight does.
+//! A checked hammer hangs some 30 mm above its rest and falls freely as soon as the repetition lever has met its stop.
+//! It cannot come down faster than by its weight.
 
 use super::release::Released;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Section, Table};
 use erard::instrument::Instrument;
 use moreau::Loss;
 
-/// Two recorded releases, key and hammer: the author's action stands in a frame of its own, and the hammer has 50.8 mm
+/// Two recorded releases, key and hammer: the author's action is mounted in its own frame, and the hammer has 50.8 mm
 /// from rest to its stop (`recordings/README.md`).
 const RECORDED: &str = include_str!("../../../../crates/erard/recordings/kawai-kg-3c-repeated.csv");
-/// Where they are in it, s.
+/// Times of the releases in it, s.
 const RELEASES_S: [[f64; 2]; 2] = [[0.185, 0.37], [0.42, 0.60]];
-/// Means of so many of its samples.
+/// Number of samples averaged.
 const MEAN: usize = 5;
-/// A key this far above where it was held has been let go, m, and one this near to its rest is home; so is a hammer.
+/// Travel above the held position at which a key has been released, m, and distance from rest at which key and hammer
+/// are home, m.
 const LEFT_M: f64 = 1e-3;
 const HOME_M: f64 = 0.5e-3;
-/// The key's speed is taken over this time, s: before it is home, and from this long after its back has met the cloth.
+/// Time over which the key's speed is measured, s: before it is home, and beginning this long after its back has met
+/// the cloth.
 const SPEED_S: f64 = 2e-3;
 const BOUNCED_S: f64 = 12e-3;
 
-/// The course of a release; instants after the key has left, s.
+/// Course of a release; times after the key has left, s.
 struct Course {
     left_s: f64,
     home_s: f64,
-    /// How high the hammer hung when the key was half-way, m, and when it was home.
+    /// Height of the hammer when the key was half-way, m, and when it was home.
     hung_m: f64,
     head_m: f64,
-    /// The hammer is home.
+    /// Time at which the hammer is home.
     landed_s: f64,
-    /// How far the key comes back, m, and when it is home again.
+    /// Rebound of the key, m, and time at which it is home again.
     rebound_m: f64,
     again_s: f64,
-    /// Its speeds at its cloth, m/s: up, and down again.
+    /// Speeds of the key at its cloth, m/s: up, and down again.
     speeds_m_per_s: [f64; 2],
 }
 
 impl Course {
-    /// `None` where the key does not leave, come home, and come back.
+    /// Returns `None` if the key does not leave, come home, and come back.
     fn of(released: &Released) -> Option<Self> {
         let Released { time_s, key_m, head_m } = released;
         let from = |row: usize, is_it: &dyn Fn(f64) -> bool| Some(row + key_m[row..].iter().position(|&y| is_it(y))?);
@@ -87,8 +89,8 @@ fn recorded([from_s, to_s]: [f64; 2]) -> Released {
     Released { time_s: mean(0, 1.0), key_m: mean(1, 1e-3), head_m: mean(2, 1e-3) }
 }
 
-/// A free hammer's acceleration at its head, m/s2: weight less friction over inertia, with the line from pin to centre
-/// of mass level and the bends locked.
+/// Acceleration of a free hammer at its head, m/s2: moments of weight less friction over inertia, with the line from
+/// pin to centre of mass level and the bends locked.
 fn free_fall(instrument: &Instrument) -> Option<f64> {
     let rigid = instrument.locked();
     let hammer = &rigid.bodies[rigid.roles.hammer?];
@@ -97,8 +99,8 @@ fn free_fall(instrument: &Instrument) -> Option<f64> {
     Some(torque_n_m / hammer.inertia_kg_m2 * head_m)
 }
 
-/// The part of its speed that the back-rail cloth alone gives back, in closed form: a rebound loses 2 eta / (1 + eta)
-/// of its energy, times the mean of (1 - s_i)/(1 + s_i) over four sliders that give one after the other; b apart.
+/// Share of its speed returned by the back-rail cloth alone, in closed form: a rebound loses 2 eta / (1 + eta) of its
+/// energy, times the mean of (1 - s_i)/(1 + s_i) over four sliders that slip one after the other; without b.
 fn given_back(instrument: &Instrument) -> Option<f64> {
     let cloth = instrument.zones.iter().find(|zone| zone.name == "key_back_rail")?;
     let Loss::Iwan(law) = cloth.felt.loss else { return None };

@@ -1,4 +1,4 @@
-//! [H] figures 3 and 4, its equations, and what it concludes for the designer.
+//! [H] figures 3 and 4, its equations, and its conclusions for the designer.
 
 use moreau_linkage::three_lever::{Drive, Levers, Move, Regulation, StrokePose};
 
@@ -147,7 +147,7 @@ fn conclusions(cases: &[(&str, Case, Digest)], section: &mut Section) {
     }
 }
 
-/// What the dynamic model says of the geometry: leverage of a slow press.
+/// Compares the geometry with the dynamic model: leverage of a slow press.
 fn slow(instrument: &Instrument, section: &mut Section) -> Result<(), ReproduceError> {
     let derived = derive(instrument)?;
     let wrong = |e: &dyn std::fmt::Display| ReproduceError::Instrument(e.to_string());

@@ -1,11 +1,11 @@
-//! The papers' figures and claims, computed anew: numbers and verdicts, no pictures.
+//! The papers' figures and claims, recomputed: numbers and verdicts, no pictures.
 //!
 //! \[T12\] Thorin, Boutillon, Lozada, Merlhiot, *Simulation of a non-smooth dynamical model of the piano key*; \[T13\]
 //! Thorin, Boutillon, Merlhiot, Lozada, *A non-smooth simulation of the dynamics of the grand piano action*, Waves
 //! 2013; \[H\] Hirschkorn, Birkett, McPhee, *Kinematic model of a piano action mechanism*.
 //!
-//! [`subjects`] lists what can be reproduced; each is computed by itself, from nothing, and gives a [`Section`]. All
-//! numbers are the same every time, but for times on the clock, which stand in tables that say so and in no figure.
+//! [`subjects`] lists them; each is computed independently and gives a [`Section`]. All numbers are reproducible except
+//! clock times, which are in marked tables and in no figure.
 
 mod bushings;
 mod conformance_rows;
@@ -42,27 +42,27 @@ use erard::run::SimulationError;
 use erard_levers::DeriveError;
 use erard_workshop::compare::CompareError;
 
-/// Something to reproduce.
+/// A subject to reproduce.
 #[derive(Clone, Copy)]
 pub struct Subject {
-    /// Its name on the command line, e.g. `paper2-convergence`.
+    /// Name on the command line, e.g. `paper2-convergence`.
     pub name: &'static str,
-    /// Its headline.
+    /// Headline.
     pub title: &'static str,
     /// Share of the whole work, for progress.
     pub weight: f64,
-    /// Computes it.
+    /// Computes the section.
     pub run: fn(&Instrument, &mut Progress) -> Result<Section, ReproduceError>,
 }
 
 pub use erard::Progress;
 
-/// The section of the report on a subject.
+/// Section of the report on a subject.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Section {
-    /// The method, in paragraphs.
+    /// Method, in paragraphs.
     pub text: Vec<String>,
-    /// The claims, each with its verdict.
+    /// Claims, each with its verdict.
     pub claims: Vec<Claim>,
     /// Figures.
     pub charts: Vec<Chart>,
@@ -72,14 +72,14 @@ pub struct Section {
     pub listings: Vec<(String, String)>,
 }
 
-/// A claim of a paper (or of this program about itself), and what was measured.
+/// A claim of a paper (or of this program about itself), with the measured value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
-    /// Who says it, e.g. `[T12] fig. 3`.
+    /// Source, e.g. `[T12] fig. 3`.
     pub source: &'static str,
     /// The claim.
     pub says: String,
-    /// The value measured here.
+    /// Value measured here.
     pub measured: String,
     /// Whether it holds.
     pub holds: bool,
@@ -94,13 +94,13 @@ impl Claim {
 /// A table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// The caption.
+    /// Caption.
     pub caption: String,
     /// Column names.
     pub header: Vec<String>,
     /// Cells.
     pub rows: Vec<Vec<String>>,
-    /// Times on the clock, which differ from run to run.
+    /// Whether it holds clock times, which differ from run to run.
     pub clock: bool,
 }
 
@@ -115,22 +115,22 @@ impl Table {
     }
 }
 
-/// Why a subject cannot be computed.
+/// Reason why a subject cannot be computed.
 #[derive(Debug, Error)]
 pub enum ReproduceError {
-    /// A run.
+    /// A run failed.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// A comparison.
+    /// A comparison failed.
     #[error(transparent)]
     Compare(#[from] CompareError),
-    /// The one-degree-of-freedom model.
+    /// The one-degree-of-freedom model failed.
     #[error(transparent)]
     OneDof(#[from] OneDofError),
-    /// The levers.
+    /// The levers failed.
     #[error(transparent)]
     Levers(#[from] DeriveError),
-    /// The instrument does not do what the subject is about.
+    /// The instrument does not show the subject's behaviour.
     #[error("{0}")]
     Instrument(String),
 }
@@ -184,12 +184,12 @@ fn builtin(name: &str) -> Result<Instrument, ReproduceError> {
     Instrument::builtin(name).map_err(|e| ReproduceError::Instrument(e.to_string()))
 }
 
-/// The instrument asked for, or the concert grand where that does not bend.
+/// The requested instrument, or the concert grand if that has no bends.
 fn bending(asked: &Instrument) -> Result<Instrument, ReproduceError> {
     if asked.has_bends() { Ok(asked.clone()) } else { builtin("concert-grand") }
 }
 
-/// Two digits, and a plain zero.
+/// Formats two digits, and a plain zero.
 fn small(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }

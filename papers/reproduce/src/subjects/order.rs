@@ -7,9 +7,9 @@ use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError
 use erard::instrument::Instrument;
 use erard::stroke::Touch;
 
-/// Where the ladders begin and how many halvings they have.
+/// First step, s, and number of steps, each half of the one before.
 const LADDER: (f64, i32) = (200e-6, 6);
-/// The reference's step is the smallest one over this.
+/// Divisor of the smallest step for the reference.
 const REFERENCE: f64 = 32.0;
 
 pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {

@@ -1,4 +1,4 @@
-//! Work that the papers leave for later, and how much of it is here.
+//! Work that the papers leave for later, and its state here.
 
 use super::{Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;

@@ -1,6 +1,6 @@
-//! The released key comes up and rebounds from its back-rail cloth. How much of that is the finger's way of leaving,
-//! the cloth, the key that is heavier in front while the hammer still falls, and the key's front that swings on when
-//! its back has stopped? `landing.rs` puts recorded releases beside it.
+//! The released key comes up and rebounds from its back-rail cloth. The cases separate the effects of the finger's
+//! leaving, the cloth, the key that is heavier in front while the hammer still falls, and the key's front that swings
+//! on when its back has stopped. `landing.rs` compares recorded releases.
 
 use moreau::Settings;
 
@@ -14,21 +14,21 @@ use erard::run::Setup;
 use erard::run::press_by_hand;
 use erard::stroke::{HandStroke, Muscle};
 
-/// s.
+/// Step, s.
 const STEP_S: f64 = 50e-6;
-/// The key is held with so much, N, and let go at this instant, s.
+/// Force of the hold, N, and times of release and end, s.
 const HOLD_N: f64 = 4.0;
 const LET_GO_S: f64 = 0.4;
 const END_S: f64 = 0.9;
-/// A key this near to its rest is up, m, and one that comes down by more than that rebounds.
+/// Distance from rest at which a key is up, m; one that then falls below twice that rebounds.
 const UP_M: f64 = 0.1e-3;
-/// So many cases are in the picture; the others are in the table only.
+/// Number of cases in the picture; the others are in the table only.
 const SHOWN: usize = 9;
 /// Losses of the cloth, compared with b, eta and s of the elastoplastic felt: those of `felt-losses`, and one that
-/// gives little back.
+/// returns little.
 const LOSSES: [[f64; 2]; 2] = [[ETA, SLIP], [0.9, 0.02]];
 
-/// One way of letting a key go.
+/// One way of releasing a key.
 struct Case {
     name: &'static str,
     instrument: Instrument,
@@ -37,7 +37,7 @@ struct Case {
     mark: Dash,
 }
 
-/// What key and hammer do over time.
+/// Motion of key and hammer.
 pub(super) struct Released {
     pub time_s: Vec<f64>,
     pub key_m: Vec<f64>,
@@ -53,12 +53,12 @@ impl Released {
         Ok(Released { time_s, key_m, head_m })
     }
 
-    /// When it is up first, s after it is let go.
+    /// Time at which the key is first up, s after the release.
     fn up_s(&self) -> Option<f64> {
         self.key_m.iter().position(|&y| y < UP_M).map(|row| self.time_s[row] - LET_GO_S)
     }
 
-    /// How far it comes down again after it was up, every time that is seen, m.
+    /// Depths of all recorded rebounds after it was up, m.
     fn rebounds_m(&self) -> Vec<f64> {
         let first = self.key_m.iter().position(|&y| y < UP_M).unwrap_or(self.key_m.len());
         let (mut rebounds, mut deepest) = (Vec::new(), 0.0_f64);
@@ -73,7 +73,7 @@ impl Released {
     }
 }
 
-/// The same key, no heavier in front than behind: the mass of its piece behind the pin moved back.
+/// The same key, balanced: the mass of its piece behind the pin moved back.
 fn balanced(instrument: &Instrument) -> Option<Instrument> {
     let key = instrument.roles.key?;
     let back = instrument.first_piece(key);
@@ -98,7 +98,7 @@ fn lossy(instrument: &Instrument, [eta, slip]: [f64; 2]) -> Instrument {
     other
 }
 
-/// A cloth that is softer and gives less back.
+/// A softer cloth that returns less.
 fn softer(instrument: &Instrument) -> Instrument {
     let mut other = instrument.clone();
     for zone in other.zones.iter_mut().filter(|zone| zone.name == "key_back_rail") {
@@ -110,7 +110,7 @@ fn softer(instrument: &Instrument) -> Instrument {
     other
 }
 
-/// A key whose bend loses more than wood does: cloth under the balance rail would.
+/// A key whose bend loses more than wood does, as with cloth under the balance rail.
 fn dull(instrument: &Instrument) -> Instrument {
     let mut other = instrument.clone();
     for body in other.bodies.iter_mut().filter(|body| body.is_bend && body.name == "key") {
@@ -145,7 +145,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
     stiffen(&mut stiff, grand.roles.key);
     let held = HandStroke { muscle: Muscle::Steady { force_n: HOLD_N }, ..HandStroke::ramped(1.0) };
     let [at_once, usual] = [1e-3, 0.030].map(|within_s| held.leaving(LET_GO_S, within_s));
-    // A hand that leads goes up within twice the time.
+    // A led hand goes up within twice the time.
     let [led, slowly] = [0.060, 0.120].map(|within_s| HandStroke::led(0.2).leaving(LET_GO_S, within_s));
     let case = |name, instrument: &Instrument, touch, colour, mark| Case {
         name,

@@ -1,21 +1,20 @@
-//! Touch and control: how much of the mechanism a finger could feel, and how well it controls the impact; the papers'
-//! two remarks, as numbers.
+//! Touch and control: how much of the mechanism a finger can feel, and how well it controls the impact; numbers for the
+//! papers' two remarks.
 //!
-//! **The fine structure of the force.** The whole action and one degree of freedom are led through the same motion of
-//! the key; the difference of the forces that this takes is what the mechanism adds to the touch beyond inertia and
-//! weight. Its spectrum is compared with what fingers feel:
+//! **The fine structure of the force.** The whole action and one degree of freedom are driven by the same prescribed
+//! key motion; the difference of their forces is the mechanism's contribution to the touch beyond inertia and weight.
+//! Its spectrum is compared with what fingers feel:
 //!
-//! - a steady force is distinguished from another when they differ by about 7 % (Pang, Tan and Durlach, Manual
-//!   discrimination of force using active finger motion, Percept. Psychophys. 49 (1991) 531, its abstract: 2.5 to 10
-//!   N);
-//! - a steady vibration is felt from about 0.1 um on at 250 Hz, four times as much for every octave below, down to 40
-//!   Hz, and less below than that slope says (Verrillo, J. Acoust. Soc. Am. 77 (1985) 225, a large contactor; from
-//!   memory). Through the fingertip's own stiffness that is a force. Active pressing lowers these thresholds (Papetti,
+//! - two steady forces are distinguished when they differ by about 7 % (Pang, Tan and Durlach, Manual discrimination of
+//!   force using active finger motion, Percept. Psychophys. 49 (1991) 531, its abstract: 2.5 to 10 N);
+//! - a steady vibration is felt from about 0.1 um at 250 Hz, four times as much for every octave below, down to 40 Hz,
+//!   and with a smaller slope below that (Verrillo, J. Acoust. Soc. Am. 77 (1985) 225, a large contactor; from memory).
+//!   Through the fingertip's own stiffness that is a force. Active pressing lowers these thresholds (Papetti,
 //!   Järveläinen, Giordano, Schiesser, Fröhlich, IEEE Trans. Haptics 10 (2017) 113, its abstract), a transient of some
 //!   tens of milliseconds raises them: an estimate.
 //!
-//! **The scatter of the impact.** A touch is never twice the same. How much of its scatter comes out as scatter of the
-//! hammer's speed and instant?
+//! **The scatter of the impact.** A touch never repeats exactly. How much of its scatter appears in the hammer's speed
+//! and time?
 
 use std::f64::consts::PI;
 
@@ -35,37 +34,36 @@ use erard::run::{Setup, simulate};
 use erard::stroke::HandStroke;
 use erard::stroke::PositionSeries;
 
-/// s.
+/// Step, s.
 const STEP_S: f64 = 50e-6;
 /// The smallest distinguishable difference of a force, as a share (Pang, Tan and Durlach 1991).
 const FORCE_JND: f64 = 0.07;
-/// The smallest vibration that is felt, m root mean square, at the frequency where the skin is most sensitive, Hz
-/// (Verrillo 1985, from memory).
+/// Threshold of vibration, m root mean square, at the most sensitive frequency of the skin, Hz (Verrillo 1985, from
+/// memory).
 const FELT_M: f64 = 0.1e-6;
 const MOST_SENSITIVE_HZ: f64 = 250.0;
-/// Below, the slope ends.
+/// Lower end of the slope, Hz.
 const SLOPE_FROM_HZ: f64 = 40.0;
-/// A hand is led down within so many s: p to mf.
+/// Durations of led hands, s: p to mf.
 const WITHIN_S: [f64; 3] = [0.2, 0.12, 0.08];
 /// Third-octave bands: of 1 kHz times 10^(n/10).
 const BANDS: std::ops::RangeInclusive<i32> = -17..=0;
 
-/// The smallest amplitude of a steady vibration that is felt, m root mean square.
+/// Threshold amplitude of a steady vibration, m root mean square.
 fn felt_m(hz: f64) -> f64 {
     FELT_M * (MOST_SENSITIVE_HZ / hz.clamp(SLOPE_FROM_HZ, MOST_SENSITIVE_HZ)).powi(2)
 }
 
-/// The difference of the forces under one motion.
+/// Difference of the forces under one motion.
 struct FineStructure {
     within_s: f64,
     speed_m_per_s: f64,
     time_s: Vec<f64>,
     whole_n: Vec<f64>,
     one_n: Vec<f64>,
-    /// Rows of the way down: from where the key moves to where it lands.
+    /// Rows of the press: from where the key moves to where it lands.
     down: std::ops::Range<usize>,
-    /// The row in which the key meets the damper, the lever its drop screw, or the jack's toe its button: the first of
-    /// them.
+    /// First row in which the key meets the damper, the lever its drop screw, or the jack's toe its button.
     met: usize,
 }
 
@@ -109,8 +107,8 @@ impl FineStructure {
         self.down.clone().map(|row| self.whole_n[row] - self.one_n[row]).collect()
     }
 
-    /// Root mean square of the difference over the way down in each band, N. The slow part, a cosine over the whole
-    /// way, is taken out before a Hann window, whose loss of power is made good.
+    /// Root mean square of the difference during the press in each band, N. The mean is removed before a Hann window,
+    /// whose loss of power is corrected.
     fn bands(&self) -> Vec<(f64, f64)> {
         let difference = self.difference();
         let count = difference.len();
@@ -131,7 +129,7 @@ impl FineStructure {
                 let edge = 10f64.powf(0.05);
                 let within = |k: &usize| (centre / edge..centre * edge).contains(&(*k as f64 * line_hz));
                 let lines: Vec<f64> = (1..count / 2).filter(within).map(|k| 2.0 * spectrum[k].norm_sqr()).collect();
-                // Of a short touch the low bands hold no line of the spectrum.
+                // In a short touch the low bands contain no line of the spectrum.
                 (!lines.is_empty()).then(|| (centre, lines.iter().sum::<f64>().sqrt() / count as f64))
             })
             .collect()
@@ -269,24 +267,24 @@ pub(super) fn fine_structure(instrument: &Instrument, progress: &mut Progress) -
     Ok(section)
 }
 
-/// Touches of a kind.
+/// Number of touches of a kind.
 const TOUCHES: usize = 64;
-/// Their scatter, as a share: of how fast the force rises, and of the hand's mass. Both assumed.
+/// Relative scatter of the rate of force, and of the hand's mass. Both assumed.
 const SCATTER: f64 = 0.05;
-/// How fast the force rises, N/s: soft to loud.
+/// Rates of force, N/s: soft to loud.
 const RATES_N_S: [f64; 3] = [40.0, 150.0, 600.0];
 
-/// An impact: when, s after the force begins to rise, and how fast, m/s.
+/// An impact: time after the force begins to rise, s, and speed, m/s.
 #[derive(Clone, Copy)]
 struct Hit {
     at_s: f64,
     speed_m_per_s: f64,
 }
 
-/// What is played: an action, or one degree of freedom, whose hammer goes with the key.
+/// Model that is played: an action, or one degree of freedom, whose hammer moves with the key.
 enum Model<'a> {
     Action(&'a Instrument),
-    /// With how far the strike point goes per metre of the key's front, and how far it has to, m.
+    /// With the travel of the strike point per metre of the key's front, and its distance to the string, m.
     OneDegree {
         one: &'a Instrument,
         ratio: f64,
@@ -322,7 +320,7 @@ impl Model<'_> {
     }
 }
 
-/// A touch that scatters: normal, from uniform numbers (Box and Muller).
+/// A touch with normal scatter, from uniform numbers (Box and Muller).
 fn touch(rate_n_s: f64, rng: &mut Rng) -> HandStroke {
     let [u, v] = [1.0 - rng.f64(), rng.f64()];
     let radius = SCATTER * (-2.0 * u.ln()).sqrt();

@@ -1,7 +1,7 @@
 //! The mechanism as a filter: from force to displacement and back, identified from a broad-band tremble of the finger.
 //!
-//! The finger presses slowly, so that pivots and contacts slide one way, and trembles a little on top. The difference
-//! to the same press without trembling is the response: at every frequency, H = sum conj(dF) dy / sum |dF|^2 over
+//! The finger presses slowly, so that pivots and contacts slide in one direction, with a small added tremble. The
+//! difference from the same press without it is the response: at every frequency, H = sum conj(dF) dy / sum |dF|^2 over
 //! several trembles.
 
 use std::f64::consts::{PI, TAU};
@@ -18,27 +18,27 @@ use erard::player;
 use erard::run::Run;
 use erard::run::{Setup, simulate};
 
-/// Step, s: the sampling too.
+/// Step, s, and sampling interval.
 const STEP_S: f64 = 50e-6;
 /// Speed of the slow press, m/s.
 const SPEED_M_PER_S: f64 = 0.02;
-/// How far the finger goes, m.
+/// Travel of the finger, m.
 const DEPTH_M: f64 = 9.0e-3;
-/// Length of the windows, s; half of it is 1 mm of the key's way.
+/// Length of the windows, s; half of it is 1 mm of key travel.
 const WINDOW_S: f64 = 0.1;
 /// Amplitude of the tremble, m (root mean square), and its band, Hz.
 const TREMBLE_M: f64 = 2e-6;
 const BAND_HZ: (f64, f64) = (20.0, 2000.0);
-/// How many trembles.
+/// Number of trembles.
 const TREMBLES: usize = 6;
-/// Where the windows' middles are: key travel of the slow finger, m.
+/// Centres of the windows: key travel of the slow finger, m.
 const PLACES_M: [f64; 3] = [2.0e-3, 4.5e-3, 7.0e-3];
 /// Band in which slopes are read, Hz.
 const SLOPE_HZ: (f64, f64) = (300.0, 1500.0);
-/// The models part where they differ by more than this factor (3 dB).
+/// The models differ if their ratio exceeds this factor (3 dB).
 const PART: f64 = 1.412_537_544_622_754_4;
 
-/// A response at some place: frequencies, Hz, and displacement over force, m/N.
+/// A response at one place: frequencies, Hz, and displacement over force, m/N.
 struct Response {
     frequency: Vec<f64>,
     admittance: Vec<Complex<f64>>,
@@ -62,7 +62,7 @@ impl Tremble {
         Tremble { phases: (0..count).map(|_| next()).collect() }
     }
 
-    /// Position and velocity of all instants of a run's steps, starting at 0, by rotating each cosine on.
+    /// Position and velocity at all times of a run's steps, from 0 on, by rotating each cosine.
     fn series(&self, instants: usize, dt: f64) -> Vec<[f64; 2]> {
         let amplitude = TREMBLE_M * (2.0 / self.phases.len() as f64).sqrt();
         let mut out = vec![[0.0; 2]; instants];
@@ -80,7 +80,7 @@ impl Tremble {
     }
 }
 
-/// The slow press with or without a tremble; forces are read in the middle of steps, so the tremble is tabled there.
+/// The slow press with or without a tremble; forces are read in the middle of steps, so the tremble is tabulated there.
 fn press(instrument: &Instrument, tremble: Option<&Tremble>) -> Result<Run, ReproduceError> {
     let duration_s = DEPTH_M / SPEED_M_PER_S;
     let instants = (duration_s / STEP_S).ceil() as usize + 2;
@@ -108,7 +108,7 @@ fn press(instrument: &Instrument, tremble: Option<&Tremble>) -> Result<Run, Repr
     Ok(simulate(instrument, &player::motion(&finger), &setup, &mut |_| true)?)
 }
 
-/// The responses at all places.
+/// Responses at all places.
 fn responses(instrument: &Instrument, progress: &mut Progress) -> Result<Vec<Response>, ReproduceError> {
     let slow = press(instrument, None)?;
     let samples = (WINDOW_S / STEP_S).round() as usize;
@@ -161,7 +161,7 @@ impl Response {
             / points.iter().map(|(x, _)| (x - mx).powi(2)).sum::<f64>()
     }
 
-    /// The mass that moves at the top of the slope band, as felt at the key's front, kg: 1 / (w^2 |H|).
+    /// Effective mass at the top of the slope band, at the key's front, kg: 1 / (w^2 |H|).
     fn mass(&self) -> f64 {
         let n = self.frequency.partition_point(|f| *f < SLOPE_HZ.1).min(self.frequency.len() - 1);
         1.0 / ((TAU * self.frequency[n]).powi(2) * self.admittance[n].norm())

@@ -1,5 +1,5 @@
-//! A weight laid on the key and taken off: no muscle, and nothing that anybody must believe of a hand. Whoever has a
-//! grand and a telephone can film it.
+//! A weight laid on the key and taken off: without muscle or assumptions about a hand. It can be filmed on any grand
+//! with a telephone.
 
 use moreau::Settings;
 
@@ -10,27 +10,27 @@ use erard::player::Hand;
 use erard::run::{Run, Setup, press_by_hand};
 use erard::stroke::{HandStroke, Muscle};
 
-/// s.
+/// Step, s.
 const STEP_S: f64 = 50e-6;
 /// Weights, kg.
 const WEIGHTS_KG: [f64; 5] = [0.1, 0.15, 0.2, 0.3, 0.5];
 const SHOWN_KG: f64 = 0.3;
-/// Taken off at this instant, and followed until then, s.
+/// Time at which the weight is taken off, and end, s.
 const OFF_S: f64 = 0.5;
 const END_S: f64 = 0.9;
-/// A key that is farther than this above its last place has not come to it, m.
+/// Distance above its last place at which a key has not reached it, m.
 const LEFT_M: f64 = 0.05e-3;
-/// Asked of a good key: so far from its punching at most, m, and in its last place after so long, s.
+/// Requirements of a good key: largest distance from its punching, m, and time to its last place, s.
 const ASKED: (f64, f64) = (0.3e-3, 0.030);
 
-/// What a weight does.
+/// Effect of a weight.
 struct Laid {
     run: Run,
-    /// How far the key comes up from where it meets its punching, m; 0 where it stays.
+    /// Rise of the key from its first contact with the punching, m; 0 if it stays.
     leaves_m: f64,
-    /// How far it stays off it until the weight is taken away, m.
+    /// Its distance from there until the weight is taken off, m.
     stays_m: f64,
-    /// How long after it first met it the key is in that place, s.
+    /// Time from the first contact until the key is in that place, s.
     until_s: f64,
 }
 

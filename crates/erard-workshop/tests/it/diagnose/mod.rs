@@ -1,4 +1,4 @@
-//! One's own piano: what is read, what is made of it, and whether it holds on pianos that the program does not know.
+//! Diagnosis of one's own piano: reading, answer, and proof on pianos unknown to the program.
 
 mod proof;
 
@@ -23,8 +23,8 @@ fn standing<'a>(diagnosis: &'a Diagnosis, name: &str) -> &'a Standing {
     &diagnosis.lines.iter().find(|line| line.name == name).unwrap().standing
 }
 
-/// D 58, U 18, let-off 3.5, drop 0.2 mm: 20 g of friction and a balance weight of 38 g, which is as it should be. It
-/// rubs somewhere, and button or hammer line is low, which takes the drop with it; no cause is a weight.
+/// D 58, U 18, let-off 3.5, drop 0.2 mm: 20 g of friction and a correct balance weight of 38 g. It rubs somewhere, and
+/// button or hammer line is low, which reduces the drop as well; no cause is a weight.
 #[test]
 fn friction_let_off_and_drop() {
     let found =
@@ -38,13 +38,13 @@ fn friction_let_off_and_drop() {
     assert!(causes.iter().any(|cause| cause.ends_with("friction")), "{causes:?}");
     let weights = ["hammer_heavy", "hammer_light", "leads_", "ratio_"];
     assert!(!causes.iter().any(|cause| weights.iter().any(|weight| cause.starts_with(weight))), "{causes:?}");
-    // Where it rubs, weights cannot say, nor whether the line is low: a measurement is asked for that is not here.
+    // Weights show neither the place of friction nor a low hammer line: a further measurement is requested.
     let next = found.next.unwrap().name;
     assert!(!["down_weight_g", "let_off_mm", "drop_mm"].contains(&next), "{next}");
     assert!(found.geometry.ratio.is_none() && found.geometry.inertia_kg.is_none());
 }
 
-/// The test that was asked for settles it, whichever way it comes out.
+/// The requested test decides, whatever its result.
 #[test]
 fn the_quick_test_tells_places_of_friction_apart() {
     let weights = [("down_weight_g", 58.0), ("up_weight_g", 18.0)];
@@ -61,13 +61,13 @@ fn the_quick_test_tells_places_of_friction_apart() {
         let (first, probability) = with(name, value);
         assert!(first == cause && probability > 0.8, "{name} {value}: {first} {probability}");
     }
-    // A dry knuckle does not show in the weights: let-off, drop and aftertouch get short together.
+    // A dry knuckle does not show in the weights: let-off, drop and aftertouch become smaller together.
     let knuckle = [("let_off_mm", 0.8), ("drop_mm", 0.1), ("aftertouch_mm", 0.5), ("dip_mm", 10.0), ("blow_mm", 46.0)];
     assert_eq!(named(&diagnose(&known(&knuckle), 40))[0], "knuckle_friction");
 }
 
-/// What is within its reading's error of the range is no work; what is missing is not judged; a sharp's dip is not held
-/// against a natural's.
+/// A reading outside by less than its error needs no work; a missing one is not judged; a sharp's dip is not compared
+/// with a natural's.
 #[test]
 fn nothing_is_made_of_nothing() {
     let near = diagnose(&known(&[("let_off_mm", 2.2), ("dip_mm", 9.4)]), 40);
@@ -81,7 +81,7 @@ fn nothing_is_made_of_nothing() {
     assert_eq!(named(&diagnose(&open, 40))[0], "check_far");
 }
 
-/// The inertia of the sheet is inside the band that weights alone give, and the leads' places narrow it.
+/// The sheet's inertia is inside the band from weights alone, and known places of the leads narrow the band.
 #[test]
 #[ignore = "ci: two sheets"]
 fn the_band_of_inertia_holds_the_sheet_s() {
@@ -100,7 +100,7 @@ fn the_band_of_inertia_holds_the_sheet_s() {
     }
 }
 
-/// The heavy action of the book: its leverage is what was made wrong, and what decides the other readings.
+/// The heavy action of the book: its leverage was made wrong, and explains the other readings.
 #[test]
 fn heavy_touch_is_seen_through() {
     let heavy = Instrument::builtin("heavy-touch").unwrap();
@@ -111,7 +111,7 @@ fn heavy_touch_is_seen_through() {
     assert!((ratio.low..=ratio.high).contains(&6.7), "{ratio:?}");
 }
 
-/// What is named is undone on a piano that the program does not know, and it reads as it should.
+/// Undoing the named cause on an unknown piano brings its readings back in range.
 #[test]
 #[ignore = "ci: a drawn grand"]
 fn undoing_what_is_named_cures() {
@@ -128,7 +128,7 @@ fn undoing_what_is_named_cures() {
 mod nightly {
     use super::{GRAND, Instrument, Sampled, causes, check_effects};
 
-    /// A file's numbers are those that simulation gives: one case of one cause on the grands of the file.
+    /// The file's numbers are those of the simulation: one case of one cause on the grands of the file.
     #[test]
     #[ignore = "nightly: five drawn grands, measured twice"]
     fn effects_are_what_is_simulated() {
@@ -144,7 +144,7 @@ mod nightly {
         assert!(off < 0.02, "{off}");
     }
 
-    /// 60 pianos of one fault each, on copies of 8 drawn grands, and 20 readings of these as they are.
+    /// 60 pianos of one fault each, on copies of 8 drawn grands, and 20 readings of the sound grands.
     #[test]
     #[ignore = "nightly: 8 drawn grands, 60 planted faults"]
     fn sixty_planted_faults_are_found() {

@@ -1,8 +1,8 @@
-//! Pianos that the program does not know, with one fault each.
+//! Pianos unknown to the program, with one fault each.
 //!
-//! A sound grand of the ensemble gets one cause of the table, with an amount by chance between its light and its heavy
-//! case. Only readings are seen, each off by up to its precision. Where a measurement is asked for, it is taken, too,
-//! at most twice. What is named first is undone on the piano, and all is measured again.
+//! A sound grand of the ensemble gets one cause of the table, with a random amount between its light and its heavy
+//! case. The program gets readings only, each off by up to its precision. A requested measurement is taken, too, at
+//! most twice. The cause named first is undone on the piano, and all is measured again.
 
 use std::fmt::Write as _;
 use std::sync::Mutex;
@@ -16,14 +16,14 @@ use erard_workshop::worklist::{Quantity, Readings};
 use crate::worklist::proof::Chance;
 
 pub const GRAND: &str = "concert-grand";
-/// The key whose ranges hold.
+/// Key whose usual ranges hold.
 pub const KEY: usize = 40;
-/// Tests at the bench: taken only where they are asked for.
+/// Bench tests, taken on request only.
 const ASKED: [&str; 3] = ["key_alone_friction_g", "hammer_flange_g", "whippen_flange_g"];
-/// Measurements that are asked for and taken, at most.
+/// Most requested measurements that are taken.
 const TIMES: usize = 2;
 
-/// A sample, where it is sound.
+/// Returns a sample if it is sound.
 pub fn sound_sample(sampled: &Sampled, number: u32) -> Option<Instrument> {
     let go_on = &mut |_: f64| true;
     let text = sampled.text(number, go_on).unwrap();
@@ -32,7 +32,7 @@ pub fn sound_sample(sampled: &Sampled, number: u32) -> Option<Instrument> {
     Quantity::ALL.into_iter().all(|quantity| !readings.is_out(quantity, KEY)).then_some(grand)
 }
 
-/// The truth as it is read: each number off by up to its precision.
+/// Returns the readings of the truth: each off by up to its precision.
 fn read(truth: &Known, chance: &mut Chance) -> Known {
     let mut read = truth.clone();
     for entry in entries() {
@@ -46,15 +46,14 @@ fn read(truth: &Known, chance: &mut Chance) -> Known {
 pub struct Course {
     at: usize,
     number: u32,
-    /// The planted cause; `None` of a sound piano.
+    /// Planted cause; `None` for a sound piano.
     cause: Option<usize>,
     case: f64,
-    /// At which place the planted cause was named, from 1, before a measurement was asked for, after one, after two;
-    /// 0: it was not named.
+    /// Rank of the planted cause, from 1, before a requested measurement, after one, after two; 0 if it was not named.
     ranks: [usize; TIMES + 1],
     is_work: bool,
     asked: Vec<&'static str>,
-    /// Lines out of their ranges beyond their reading's error, before and after the first cause was undone.
+    /// Lines out of range by more than their reading's error, before and after the first cause was undone.
     out: [usize; 2],
     named: String,
 }
@@ -63,7 +62,7 @@ fn out(known: &Known) -> usize {
     diagnose(known, KEY).lines.iter().filter(|line| line.standing == Standing::Out).count()
 }
 
-/// A piano with its fault: what it is, and what is true of it.
+/// A piano with its fault, and its true readings.
 pub struct Planted {
     pub at: usize,
     pub number: u32,
@@ -73,13 +72,13 @@ pub struct Planted {
     pub truth: Known,
 }
 
-/// Plants a cause, so much that a line is out.
+/// Plants a cause, large enough to bring a line out of range.
 pub fn planted(at: usize, number: u32, sound: &Instrument, cause: Option<usize>) -> Planted {
     let go_on = &mut |_: f64| true;
     let mut case = chance_of(at, number).between(1.0, 3.0);
     let mut ill = with(sound, cause, case);
     let mut truth = Known::measured(&ill, go_on).unwrap();
-    // A fault that nobody can read is none: a little more of it.
+    // A fault must show in the readings: otherwise it is increased.
     while cause.is_some() && out(&truth) == 0 && case < 3.0 {
         case = (case + 0.5).min(3.0);
         ill = with(sound, cause, case);
@@ -92,7 +91,7 @@ fn chance_of(at: usize, number: u32) -> Chance {
     Chance::new(1000 * u64::from(number) + at as u64)
 }
 
-/// A case of a cause put into a sound piano.
+/// Puts a case of a cause into a sound piano.
 pub fn with(sound: &Instrument, cause: Option<usize>, case: f64) -> Instrument {
     match cause.map(|at| &causes()[at]) {
         Some(cause) => plant(sound, cause, plant_amount(cause, case), false, &mut |_| true).unwrap(),
@@ -100,12 +99,12 @@ pub fn with(sound: &Instrument, cause: Option<usize>, case: f64) -> Instrument {
     }
 }
 
-/// Reads a piano, diagnoses, measures what is asked for, and acts on the answer.
+/// Reads a piano, diagnoses it, takes requested measurements, and acts on the answer.
 pub fn course(planted: &Planted) -> Course {
     let go_on = &mut |_: f64| true;
     let Planted { at, number, cause, case, ill, truth } = planted;
     let (at, number, cause, case) = (*at, *number, *cause, *case);
-    // Other chances than the case's.
+    // Random numbers independent of the case's.
     let mut chance = chance_of(at + 500, number);
     let seen = read(truth, &mut chance);
     let mut known = seen.clone();
@@ -141,7 +140,7 @@ pub fn course(planted: &Planted) -> Course {
 #[derive(Debug, Default)]
 pub struct Tally {
     pub courses: Vec<Course>,
-    /// Sound pianos: without work, and all.
+    /// Sound pianos: those without work, and all.
     pub healthy: [usize; 2],
 }
 
@@ -162,12 +161,12 @@ impl Tally {
         self.ill().count()
     }
 
-    /// In how many the planted cause was named first, after so many measurements that were asked for.
+    /// Number of pianos whose planted cause was named first, after this number of requested measurements.
     pub fn first(&self, time: usize) -> usize {
         self.ill().filter(|course| course.ranks[time] == 1).count()
     }
 
-    /// The table of planted cause against rank, and what was not found.
+    /// Table of planted causes and ranks, and the causes not found.
     pub fn report(&self) -> String {
         let sum = |at: usize| -> usize { self.ill().map(|course| course.out[at]).sum() };
         let mut text = format!(
@@ -201,7 +200,7 @@ impl Tally {
     }
 }
 
-/// The first so many sound samples from a number on. All cores draw; which they are does not depend on how many.
+/// Returns the first sound samples from a number on. All cores draw; the result does not depend on their number.
 pub fn sound_samples(grands: usize, from: u32) -> Vec<(u32, Instrument)> {
     let go_on = &mut |_: f64| true;
     let sampled = Sampled::of_file(Instrument::builtin_text(GRAND).unwrap(), GRAND, go_on).unwrap();
@@ -226,8 +225,8 @@ fn on_all_cores(work: impl Fn() + Sync) {
     std::thread::scope(|scope| (0..cores).for_each(|_| drop(scope.spawn(&work))));
 }
 
-/// So many faults, each on a copy of one of the grands, the kinds in turn from `first_cause` on; and so many readings
-/// of sound ones.
+/// Tests faults, each on a copy of one of the grands, kinds in turn from `first_cause` on, and readings of sound
+/// grands.
 pub fn tally(sound: &[(u32, Instrument)], faults: usize, healthy: usize, first_cause: usize) -> Tally {
     let (place, courses) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     on_all_cores(|| {
@@ -244,7 +243,7 @@ pub fn tally(sound: &[(u32, Instrument)], faults: usize, healthy: usize, first_c
     Tally::of(courses.into_inner().unwrap())
 }
 
-/// Which grand and which cause piano number `at` is made of.
+/// Grand and cause of piano number `at`.
 pub fn dealt(
     sound: &[(u32, Instrument)],
     faults: usize,

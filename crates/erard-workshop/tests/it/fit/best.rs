@@ -1,5 +1,4 @@
-//! No result is worse than the best point that was ever played: not than the start, nor than a place that a solver
-//! passed by.
+//! No result is worse than the best point ever played, neither the start nor a point that a solver passed.
 
 use erard_workshop::fit::{
     Columns, DoubtKind, FitResult, FittedChannel, LeastSquares, Solution, Solver, TrustRegion, fit_by,
@@ -7,7 +6,7 @@ use erard_workshop::fit::{
 
 use super::*;
 
-/// Solves as another solver does, and notes where it was.
+/// Runs another solver and records its points.
 struct Noting {
     inner: TrustRegion,
     points: Vec<Vec<f64>>,
@@ -41,7 +40,7 @@ impl Solver for Noting {
     }
 }
 
-/// Passes by some places, and always ends at another one.
+/// Passes some points, and always ends at another one.
 struct Astray {
     by: Vec<Vec<f64>>,
     end: Vec<f64>,
@@ -64,8 +63,8 @@ impl Solver for Astray {
     }
 }
 
-/// What speaks against points, computed here: the negative log-likelihood of independent normal noise of every channel,
-/// known or, with the deviation that makes it largest, not known.
+/// Negative log-likelihood of points, computed here: independent normal noise of every channel, known or, if unknown,
+/// with the deviation that maximises the likelihood.
 fn against(problem: &mut Problem, points: &[Vec<f64>]) -> Vec<f64> {
     let all = problem.residuals_at(points).unwrap();
     let rows: Vec<usize> = problem.channels().map(|(recording, _)| problem.data[recording].rows()).collect();
@@ -86,8 +85,8 @@ fn against(problem: &mut Problem, points: &[Vec<f64>]) -> Vec<f64> {
     all.iter().map(of).collect()
 }
 
-/// Over whole fits, noise told and not, from one start and from several: nothing that the solver ever tried is better
-/// than the result, and the start is one of these.
+/// In whole fits, with known and unknown noise, from one start and from several: no point that the solver tried,
+/// including the start, is better than the result.
 fn nothing_is_better(restarts: usize) {
     let data = [recorded(&varied(&[("body.hammer.mass", 1.05), ("body.key.friction", 0.8)]), "mf", 0, NOISE, 0.0)];
     for told in [true, false] {
@@ -137,8 +136,8 @@ fn astray(data: &[Recording], restarts: usize, by: Vec<Vec<f64>>, end: f64) -> (
     (found, problem)
 }
 
-/// A fit that begins 291 um off and whose solver ends 1804 um off ends where it began, with restarts or without, and
-/// although a noise that is estimated from what is left over makes chi2 1 in both places.
+/// A fit that begins 291 um off and whose solver ends 1804 um off ends where it began, with or without restarts,
+/// although noise estimated from the residuals makes chi2 1 at both points.
 #[test]
 fn a_fit_from_291_um_does_not_end_at_1804() {
     let data = [recorded(&varied(&[("body.hammer.mass", 1.0166)]), "mf", 0, NOISE, 0.0)];
@@ -168,7 +167,7 @@ fn the_start_is_a_candidate() {
     assert!((end / start - 1.0).abs() < 1e-12, "{start} {end}");
 }
 
-/// What a solver only passes by is the result where it is the best.
+/// A point that a solver only passes is the result if it is the best.
 #[test]
 fn what_a_solver_passes_by_is_a_candidate() {
     let data = [recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, NOISE, 0.0)];

@@ -1,4 +1,4 @@
-//! Columns that are fitted, and what fitted numbers mean on the bench.
+//! Columns of a fit, and the meaning of fitted parameters on the bench.
 
 use erard_workshop::distances;
 use erard_workshop::fit::DoubtKind;
@@ -8,7 +8,7 @@ use super::*;
 /// Noise of a vibrometer on the hammer's head, m/s.
 const SPEED_NOISE: f64 = 0.01;
 
-/// A stroke of a grand with a heavier hammer, of which force and the hammer's speed were recorded.
+/// A stroke of a grand with a heavier hammer; force and hammer speed were recorded.
 fn speeds(until_s: f64) -> Recording {
     let heavier = varied(&[("body.hammer.mass", 1.05)]);
     let (stroke, _) = Stroke::curve("mf", Touch::Pressed, None).unwrap().unwrap();
@@ -24,8 +24,8 @@ fn speeds(until_s: f64) -> Recording {
     Recording::read(text.as_bytes(), "synthetic", &Columns::default()).unwrap()
 }
 
-/// The speed of a run is the rate of its rise: central differences of the rise, to second order in the step, where
-/// nothing hits anything.
+/// The speed in a run is the rate of the rise: central differences of the rise, to second order in the step, away from
+/// impacts.
 #[test]
 fn the_hammer_s_speed_is_the_rate_of_its_rise() {
     let (stroke, _) = Stroke::curve("mf", Touch::Pressed, None).unwrap().unwrap();
@@ -44,12 +44,12 @@ fn the_hammer_s_speed_is_the_rate_of_its_rise() {
         assert!((rate - run.hammer_head_m_per_s[row]).abs() < 0.02, "{}: {rate}", run.time_s[row]);
         fastest = fastest.max(rate);
     }
-    // What the event says of the impact's speed is the speed at the string.
+    // The event's impact speed is the speed at the string.
     let impact = run.events.hammer_speed_m_per_s().unwrap();
     assert!(fastest > 0.9 * impact && fastest < 1.1 * impact, "{fastest} {impact}");
 }
 
-/// Fitted to the hammer's speed alone, the mass is found; the impact is seen in the speed, too.
+/// Fitted to the hammer's speed alone, the mass is found; the impact is found in the speed, too.
 #[test]
 fn the_hammer_s_speed_is_a_column() {
     let mut asks = asks(&["body.hammer.mass"]);
@@ -69,8 +69,8 @@ fn the_hammer_s_speed_is_a_column() {
     assert_eq!(found.doubts, []);
 }
 
-/// `body.hammer.mass` is not a strike weight and `let_off` not a distance: what is reported in their place is what the
-/// fitted instrument shows on the bench.
+/// `body.hammer.mass` is not a strike weight and `let_off` not a distance: the report gives the bench values of the
+/// fitted instrument instead.
 #[test]
 fn names_that_mislead_are_explained() {
     let (_, _, found) = &*FITTED;

@@ -10,7 +10,7 @@ fn kinds(found: &FitResult) -> Vec<DoubtKind> {
     kinds
 }
 
-/// Up to 3 ms after the first impact.
+/// The recording up to 3 ms after the first impact.
 fn until_the_impact(mut recording: Recording) -> Recording {
     let hammer = &recording.channels[2].values;
     let highest = hammer.iter().fold(0.0, |most: f64, x| most.max(*x));
@@ -30,7 +30,7 @@ fn said(found: &FitResult, kind: DoubtKind) -> &str {
     doubt.map(|doubt| doubt.text.as_str()).unwrap_or_else(|| panic!("{kind:?} is not among {:?}", found.doubts))
 }
 
-/// The model that made the data, noise that is known, and data up to the impact: nothing is doubtful.
+/// The model that made the data, known noise, and data up to the impact: nothing is doubtful.
 #[test]
 fn a_good_fit_has_none() {
     let found = fit(&[heavier_until_the_impact()], &quiet(&["body.hammer.mass"])).unwrap();
@@ -38,7 +38,7 @@ fn a_good_fit_has_none() {
     assert!((found.x[0] - 1.05).abs() < 4.0 * found.std[0], "{} {}", found.x[0], found.std[0]);
 }
 
-/// The grand that was recorded has a capstan's felt half as stiff, and only the hammer's mass is fitted.
+/// The recorded grand has a capstan felt half as stiff, and only the hammer's mass is fitted.
 #[test]
 fn misfit_beyond_the_noise() {
     let other = varied(&[("zone.capstan_heel.stiffness", 0.5)]);
@@ -51,7 +51,7 @@ fn misfit_beyond_the_noise() {
     assert!(text.starts_with("key_m differs from the model by ") && text.contains("um rms; its noise exp"), "{text}");
 }
 
-/// A hammer whose mass is not what the bounds allow.
+/// A hammer whose mass is outside the bounds.
 #[test]
 fn a_parameter_at_its_bound() {
     let mut asks = quiet(&["body.hammer.mass"]);
@@ -61,7 +61,7 @@ fn a_parameter_at_its_bound() {
     assert_eq!(said(&found, DoubtKind::Bound), "body.hammer.mass ended at its upper bound");
 }
 
-/// Bounds that leave only hammers too heavy for this touch: the recording's reached the string.
+/// Bounds that allow only hammers too heavy for this touch, while the recorded one reached the string.
 #[test]
 fn a_hammer_that_never_reaches_the_string() {
     let data = until_the_impact(recorded(&file().instrument, "mf", 0, NOISE, 0.0));
@@ -73,7 +73,7 @@ fn a_hammer_that_never_reaches_the_string() {
     assert!(said(&found, DoubtKind::NoImpact).contains("in the fitted model it never does"));
 }
 
-/// Stays where it begins.
+/// A solver that stays at its start.
 struct Idle;
 
 impl Solver for Idle {
@@ -89,7 +89,7 @@ impl Solver for Idle {
     }
 }
 
-/// A solver that stays where it begins ends at as many places as it has starts.
+/// A solver that stays at its start ends at as many points as it has starts.
 #[test]
 fn restarts_that_disagree() {
     let asks = quiet(&["body.hammer.mass"]);
@@ -99,7 +99,7 @@ fn restarts_that_disagree() {
     assert!(text.starts_with("6 starts led to different results"), "{text}");
 }
 
-/// Data beyond the impact: the advice, carried out, takes the doubt away.
+/// Data beyond the impact: following the advice removes the doubt.
 #[test]
 fn data_beyond_the_impact() {
     let [whole] = heavier();
@@ -118,7 +118,7 @@ fn data_beyond_the_impact() {
     assert!((found.x[0] - 1.05).abs() < 4.0 * found.std[0], "{} {}", found.x[0], found.std[0]);
 }
 
-/// At 1 kHz nothing shows the noise of the force, and that of the key cannot be read from data without any.
+/// At 1 kHz the noise of the force cannot be read, nor that of the key from data without noise.
 #[test]
 fn noise_that_is_not_known() {
     let mut coarse = heavier_until_the_impact();
@@ -141,9 +141,9 @@ fn noise_that_is_not_known() {
     }
 }
 
-/// Where noise is estimated from the residuals chi2 is 1 and shows no misfit, but residuals that are no noise follow
-/// each other: those of data without noise that were made in shorter steps, in which a friction that hardly acts would
-/// be found many of its errors off. White noise does not.
+/// If noise is estimated from the residuals, chi2 is 1 and shows no misfit, but residuals that are not noise are
+/// correlated: those of noise-free data made with shorter steps, in which a friction with hardly any effect would be
+/// many of its errors off. White noise is not correlated.
 #[test]
 fn misfit_that_passes_for_noise() {
     let other = varied(&[("body.key.friction", 0.7)]);

@@ -1,4 +1,4 @@
-//! Fits find what made the data, and say what the data do not tell.
+//! Fits find the parameters that made the data, and report what the data do not determine.
 
 #[allow(dead_code)]
 #[path = "../../../examples/recordings.rs"]
@@ -20,7 +20,7 @@ use erard_workshop::study::Parameter;
 use fastrand::Rng;
 use moreau::Settings;
 
-/// What good sensors leave, N and m: the force, the key, the hammer.
+/// Noise of good sensors, N and m: force, key, hammer.
 const NOISE: [f64; 3] = [0.0, 1e-5, 5e-5];
 const TRUE: [(&str, f64); 4] =
     [("body.hammer.mass", 1.05), ("body.key.friction", 0.8), ("zone.capstan_heel.stiffness", 1.3), ("let_off", 2e-4)];
@@ -44,7 +44,7 @@ fn normal(rng: &mut Rng) -> f64 {
     (0..12).map(|_| rng.f64()).sum::<f64>() - 6.0
 }
 
-/// A stroke as sensors see it at 4 kHz: force, key and hammer with noise, key and hammer written down so much later.
+/// A stroke as recorded by sensors at 4 kHz: force, key and hammer with noise, key and hammer with a delay.
 fn recorded(instrument: &Instrument, nuance: &str, seed: u64, noise: [f64; 3], late_s: f64) -> Recording {
     let (stroke, _) = Stroke::curve(nuance, Touch::Pressed, None).unwrap().unwrap();
     let inputs = stroke.inputs(&instrument.finger).unwrap();
@@ -62,7 +62,7 @@ fn recorded(instrument: &Instrument, nuance: &str, seed: u64, noise: [f64; 3], l
     Recording::read(text.as_bytes(), "synthetic", &Columns::default()).unwrap()
 }
 
-/// What is asked of a fit here.
+/// Options of a fit in these tests.
 struct Asks<'a> {
     vary: &'a [&'a str],
     bounds: Asked<[f64; 2]>,
@@ -111,15 +111,15 @@ fn both_strokes() -> [Recording; 2] {
     [recorded(&true_one, "p", 0, NOISE, 0.0), recorded(&true_one, "f", 1, NOISE, 0.0)]
 }
 
-/// What is asked of two strokes whose force has no noise.
+/// Options for two strokes without noise of the force.
 fn quiet<'a>(vary: &'a [&'a str]) -> Asks<'a> {
     let mut asks = asks(vary);
     asks.sigma.push(("force_N".to_owned(), 0.0));
     asks
 }
 
-/// Names of the parameters, two strokes of the grand that has the true ones, and the fit to them by differences:
-/// several tests look at it.
+/// Names of the parameters, two strokes of the grand with the true ones, and the fit to them by differences, shared by
+/// several tests.
 static FITTED: LazyLock<(Vec<&str>, [Recording; 2], FitResult)> = LazyLock::new(|| {
     let (vary, data) = (names(), both_strokes());
     let found = fit(&data, &quiet(&vary)).unwrap();
@@ -146,7 +146,7 @@ fn the_truth_is_found_within_its_errors() {
     let (hammer, value, error) = found.values().next().unwrap();
     assert!((value - hammer.value * found.x[0]).abs() < 1e-12 && (error - hammer.value * found.std[0]).abs() < 1e-12);
 
-    // The fitted instrument as a file has the fitted numbers.
+    // The file of the fitted instrument has the fitted numbers.
     let text = Instrument::builtin_text("concert-grand-rigid").unwrap();
     let written = found.rewrite(text, &["p.csv", "f.csv"]).unwrap();
     let read = Instrument::parse(&written, "fitted").unwrap();
@@ -158,7 +158,7 @@ fn the_truth_is_found_within_its_errors() {
     }
 }
 
-/// The model's own derivatives end at the same place as differences do, and say the same errors.
+/// The model's own derivatives end at the same point as differences, with the same errors.
 fn same_by_derivatives(vary: &[&str], data: &[Recording], found: &FitResult) {
     let mut exact = quiet(vary);
     exact.plan.jacobian = Jacobian::Gradient;
@@ -183,9 +183,9 @@ fn derivatives_find_the_mass_too() {
     same_by_derivatives(&vary, &data, &fit(&data, &quiet(&vary)).unwrap());
 }
 
-/// The synthetic recordings that lie beside the book are what their example makes; the flexible grand that made them is
-/// found in them: hammer, balance pin, capstan's felt and let-off, with offsets and noise on all three sensors, the
-/// load cell's on what drives included.
+/// The synthetic recordings in the repository are those of their example; a fit finds the flexible grand that made
+/// them: hammer, balance pin, capstan felt and let-off, with offsets and noise on all three sensors, including the load
+/// cell's on the drive.
 #[test]
 #[ignore = "ci: a fit of four parameters to recordings with noise on the force"]
 fn the_recordings_tell_the_grand_that_made_them() {
@@ -221,7 +221,7 @@ fn the_recordings_tell_the_grand_that_made_them() {
     assert!(found.unseen().is_empty() && found.silent.is_empty() && found.doubts.is_empty(), "{:?}", found.doubts);
 }
 
-/// Column by column, delays included, up to the blow, where the truth is.
+/// Jacobians agree column by column, delays included, up to the impact, at the truth.
 #[test]
 fn both_jacobians_are_one() {
     let vary = names();
@@ -240,7 +240,7 @@ fn both_jacobians_are_one() {
     }
 }
 
-/// A soft stroke that never reaches the check tells nothing of its felt.
+/// A soft stroke that never reaches the check does not determine its felt.
 #[test]
 fn what_is_not_seen_is_said() {
     let mut short = recorded(&file().instrument, "pp", 0, NOISE, 0.0);
@@ -263,7 +263,7 @@ fn heavier() -> [Recording; 1] {
     [recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, NOISE, 0.0)]
 }
 
-/// Noise is read from the recording where nobody says it.
+/// Noise that is not given is read from the recording.
 #[test]
 fn noise_is_read() {
     reads_noise(0);
@@ -286,7 +286,7 @@ fn reads_noise(restarts: usize) {
     }
 }
 
-/// Noise of what drives makes errors larger; where it cannot be told the report says so.
+/// Noise of the drive enlarges the errors; if it cannot be read, the report says so.
 #[test]
 #[ignore = "ci: three fits, one with noise on the force"]
 fn noise_of_the_drive_is_told_or_asked_for() {
@@ -299,7 +299,7 @@ fn noise_of_the_drive_is_told_or_asked_for() {
     let (still, noisy) = (with(0.0), with(0.05));
     assert!(noisy.std[0] > 3.0 * still.std[0], "{} {}", noisy.std[0], still.std[0]);
     assert!(still.chi2_expected == 1.0 && noisy.chi2_expected > 1.0 && still.silent.is_empty());
-    // At 1 kHz neither rest nor spectrum tells it.
+    // At 1 kHz neither rest nor spectrum shows it.
     let mut coarse = data[0].clone();
     coarse.time_s = coarse.time_s.into_iter().step_by(4).collect();
     for channel in &mut coarse.channels {
@@ -310,7 +310,7 @@ fn noise_of_the_drive_is_told_or_asked_for() {
     assert!(unknown.doubts.iter().any(|doubt| doubt.text.contains("force_N, which drives the model, is unknown")));
 }
 
-/// What was written down later is found out, and does not disturb the rest.
+/// Delays are found, and do not disturb the other parameters.
 #[test]
 fn delays_are_estimated() {
     let late = [recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, NOISE, 0.4e-3)];
@@ -340,7 +340,7 @@ fn a_motion_drives_and_the_force_is_fitted() {
     assert!(fit(&[run], &asks).unwrap_err().to_string().contains("expected differences"));
 }
 
-/// Outliers (a sensor that drops out) move plain squares, and hardly those that give them less weight.
+/// Outliers (a sensor that drops out) shift the fit with plain squares, and hardly with robust losses.
 #[test]
 fn outliers_are_heeded_less() {
     let mut data = recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, NOISE, 0.0);
@@ -357,7 +357,7 @@ fn outliers_are_heeded_less() {
     assert!(cauchy < 0.01 && cauchy < 0.2 * plain, "{plain} {cauchy}");
 }
 
-/// What is wrong is named; an interruption ends at once.
+/// Errors name the argument; an interruption ends at once.
 #[test]
 fn what_is_wrong_is_said() {
     let data = [recorded(&file().instrument, "mf", 0, NOISE, 0.0)];
@@ -402,8 +402,8 @@ fn same_on_cores(restarts: usize) {
 mod nightly {
     use super::*;
 
-    /// With a load cell's noise on what drives, the truth is where the errors say, over several drawings: their mean
-    /// square deviation is about one error.
+    /// With a load cell's noise on the drive, the errors are right over several drawings: the mean square deviation of
+    /// the truth is about one error.
     #[test]
     #[ignore = "nightly: four fits to recordings with noise on the force"]
     fn errors_are_true_with_a_noisy_drive() {
@@ -421,7 +421,7 @@ mod nightly {
                 squares += ((x - truth) / std).powi(2);
             }
         }
-        // Eight numbers of variance one: chi2 of eight degrees lies between 1 and 22 with 99.3 %.
+        // Eight numbers of variance one: chi2 of eight degrees of freedom lies between 1 and 22 with 99.3 %.
         assert!((1.0..22.0).contains(&squares), "{squares}");
     }
 

@@ -1,7 +1,7 @@
-//! A keyboard that the program does not know, put out of order, weighed by hand, and worked on by its list.
+//! A keyboard unknown to the program, put out of order, weighed by hand, and worked on by its list.
 //!
-//! Its keys have other levers and hammers than the model's. Some rub, some have lost or got a lead, one hammer is too
-//! heavy. Each weight that is read is off by up to its precision; the hand is off by up to half of its step.
+//! Its keys have other levers and hammers than the model's. Some rub, some have lost or gained a lead, one hammer is
+//! too heavy. Each weight read is off by up to its precision; the hand is off by up to half its step.
 
 use erard::instrument::Instrument;
 use erard::keyboard::{KEYS, Keyboard};
@@ -11,7 +11,7 @@ use erard_workshop::worklist::{KeyboardGoal, KeyboardList, Operation, SECTION_EN
 
 use super::proof::Chance;
 
-/// The keys that are weighed; their disturbances, g of friction, front weight and strike weight.
+/// Weighed keys; their disturbances, g of friction, front weight and strike weight.
 const PIANO: [(usize, f64, f64, f64); 14] = [
     (1, 0.0, 0.0, 0.0),
     (9, 8.0, 0.0, 0.0),
@@ -28,7 +28,7 @@ const PIANO: [(usize, f64, f64, f64); 14] = [
     (80, 0.0, 0.0, 0.0),
     (88, 0.0, 0.0, 0.0),
 ];
-/// Balance weight of the keys that are left alone, g.
+/// Balance weight of the undisturbed keys, g.
 const BALANCE_G: f64 = 36.5;
 
 fn does(work: &Work, key: &mut Instrument) {
@@ -39,7 +39,7 @@ fn all_weighed(piano: &[(usize, Instrument)]) -> Vec<WeighedKey> {
     weigh(piano, &mut |_| true).unwrap()
 }
 
-/// Other levers, heavier hammers, leads for one balance weight; then what is wrong with them.
+/// Other levers, heavier hammers, leads for one balance weight; then the disturbances.
 fn piano(grand: &Keyboard) -> Vec<(usize, Instrument)> {
     let mut piano: Vec<(usize, Instrument)> = PIANO.iter().map(|(key, ..)| (*key, grand.key(*key).unwrap())).collect();
     for (_, key) in &mut piano {
@@ -58,7 +58,7 @@ fn piano(grand: &Keyboard) -> Vec<(usize, Instrument)> {
     piano
 }
 
-/// What a technician writes down: D and U in whole grams, strike weights in tenths, front weights in halves.
+/// A technician's notes: D and U in whole grams, strike weights in tenths, front weights in halves.
 fn read(weighed: &[WeighedKey], chance: &mut Chance) -> Vec<MeasuredKey> {
     let mut off = |value: f64, by: f64, step: f64| Some(((value + by * chance.either_way()) / step).round() * step);
     let key = |one: &WeighedKey| MeasuredKey {
@@ -72,8 +72,8 @@ fn read(weighed: &[WeighedKey], chance: &mut Chance) -> Vec<MeasuredKey> {
     weighed.iter().map(key).collect()
 }
 
-/// Keys whose friction is out of its range, or whose balance weight is farther from the aim than a hand can weigh, as
-/// the truth has it; beside each range as much as a reading is off by.
+/// Keys whose friction is truly out of its range, or whose balance weight is farther from the target than a hand can
+/// weigh; ranges are widened by a reading's error.
 fn out(weighed: &[WeighedKey], aim_g: f64) -> Vec<usize> {
     let is_out = |one: &&WeighedKey| {
         let [low, high] = KeyboardList::usual_friction_g(one.key);
@@ -86,8 +86,8 @@ fn out(weighed: &[WeighedKey], aim_g: f64) -> Vec<usize> {
 mod nightly {
     use super::*;
 
-    /// After two passes every key is in order. The first eases friction and sets what does not rub; the second sets
-    /// what had to be weighed again. Keys that were in order get no work.
+    /// After two passes every key is in order. The first eases friction and adjusts the keys that do not rub; the
+    /// second adjusts those weighed again. Keys in order get no work.
     #[test]
     #[ignore = "nightly: fourteen keys weighed four times"]
     fn a_keyboard_that_is_not_known_is_put_right() {
@@ -119,7 +119,7 @@ mod nightly {
                 let amount = line.work.amount() + 0.5 * line.work.step() * chance.either_way();
                 does(&line.work.with_amount(amount, front_mm), key);
             }
-            // What rubs waits: a key has its friction eased, or something else done to it, never both in one pass.
+            // Keys that rub wait: in one pass a key has its friction eased or other work done, never both.
             for key in &disturbed {
                 let of_key = list.lines.iter().filter(|line| line.key == *key);
                 let friction = of_key.clone().filter(|line| line.operation == Operation::Friction).count();
@@ -130,7 +130,7 @@ mod nightly {
         counts.push(out(&weighed, BALANCE_G));
         println!("out before, after one pass, after two: {counts:?}");
         assert!(counts[0].len() >= 6 && counts[1].len() < counts[0].len() && counts[2].is_empty(), "{counts:?}");
-        // The heavy hammer is its neighbours' again.
+        // The heavy hammer again matches its neighbours.
         let strike_g = |key: usize| weighed.iter().find(|one| one.key == key).unwrap().strike_weight_g;
         assert!((strike_g(58) - 0.5 * (strike_g(51) + strike_g(64))).abs() < 0.4, "{}", strike_g(58));
     }

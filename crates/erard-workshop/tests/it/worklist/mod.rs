@@ -1,4 +1,4 @@
-//! The list of work: each line stands on a copy that has been worked on.
+//! Work list: each line is worked out on a copy with the lines before it done.
 
 mod keyboard;
 pub mod proof;
@@ -18,7 +18,7 @@ fn list_of(instrument: &Instrument) -> Worklist {
     worklist(instrument, &readings, &[], KEY, Priority::Aftertouch, go_on).unwrap()
 }
 
-/// No line asks for less than a hand can do and a scale can show.
+/// No line requests less than a hand can do and a scale can show.
 fn assert_lines_can_be_seen(list: &Worklist) {
     for item in &list.items {
         let change = item.before.get(item.quantity).zip(item.after.get(item.quantity)).map(|(a, b)| (b - a).abs());
@@ -28,8 +28,8 @@ fn assert_lines_can_be_seen(list: &Worklist) {
     }
 }
 
-/// A front punching too few: the list puts paper under, and nothing that is in its range leaves it. What it promises
-/// is what the copy reads.
+/// One front punching too few: the list adds paper, and nothing in range leaves it. Its predictions are the copy's
+/// readings.
 #[test]
 #[ignore = "ci: a list carried out"]
 fn a_dip_too_deep_gets_paper() {
@@ -54,8 +54,8 @@ fn a_dip_too_deep_gets_paper() {
     }
 }
 
-/// The heavy action of the book, whose old list made a dead key: friction first, and all inside but the front weight,
-/// which the list says it leaves.
+/// The heavy action of the book, whose old list made a dead key: friction first, and all lines inside except the front
+/// weight, which the list reports as left.
 #[test]
 #[ignore = "ci: some twenty regulations"]
 fn heavy_touch_is_put_right() {
@@ -71,8 +71,8 @@ fn heavy_touch_is_put_right() {
     }
 }
 
-/// Pianos that the program does not know: so many samples that are healthy, from a number on, are put out of order, and
-/// worked on twice. All cores work; the tally does not depend on how many there are.
+/// Pianos unknown to the program: healthy samples, from a number on, are put out of order, and worked on twice. All
+/// cores work; the tally does not depend on their number.
 fn tally(pianos: usize, first: u32) -> Tally {
     const GRAND: &str = "concert-grand";
     let go_on = &mut |_: f64| true;
@@ -112,22 +112,22 @@ fn tally(pianos: usize, first: u32) -> Tally {
     tally
 }
 
-/// One piano, on both passes.
+/// One piano, with both passes.
 #[test]
 #[ignore = "ci: a drawn piano, regulated some forty times"]
 fn a_piano_that_is_not_known_is_put_right() {
     let tally = tally(1, 1);
     let [before, one, two] = tally.inside;
-    // A second pass may end a line outside by less than it is read to: that has a reason, as is asked below.
+    // A second pass may end a line outside by less than its precision; the checks below require a reason.
     assert!(tally.pianos == 1 && before < one && before < two, "{}", tally.report());
     assert!(tally.without_reason.is_empty() && tally.made_worse.is_empty(), "{}", tally.report());
 }
 
 mod nightly {
-    /// 200 pianos: 95 % of all lines are inside their ranges after one pass, after two all that are not have a reason,
+    /// 200 pianos: 95 % of all lines are inside their ranges after one pass, after two every line outside has a reason,
     /// and no pass moves a line out of its range, or further out, by more than its reading's precision.
     ///
-    /// They take hours: `ERARD_PIANOS=50 ERARD_FIRST_SAMPLE=200` works on fifty, from sample 200 on.
+    /// This takes hours: `ERARD_PIANOS=50 ERARD_FIRST_SAMPLE=200` tests fifty, from sample 200 on.
     #[test]
     #[ignore = "nightly: 200 drawn pianos, each regulated some forty times"]
     fn pianos_that_are_not_known_are_put_right() {

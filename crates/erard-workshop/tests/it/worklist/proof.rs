@@ -1,17 +1,17 @@
-//! Pianos that the program does not know, put out of order, and put right again by its list.
+//! Pianos unknown to the program, put out of order, and put right again by its list.
 //!
-//! A healthy grand of the ensemble is disturbed as pianos are. Only readings of it are seen, each off by as much as a
-//! hand and an eye may be. The list is worked out on a twin of the built-in grand, which is another instrument, and
-//! carried out on the disturbed one by a hand that is off by up to half of its step; then all is measured again.
+//! A healthy grand of the ensemble is disturbed as pianos are. The program gets readings only, each off by the error of
+//! a hand and an eye. The list is worked out on a twin of the built-in grand, which is another instrument, and carried
+//! out on the disturbed one by a hand that is off by up to half its step; then all is measured again.
 
 use erard::instrument::Instrument;
 use erard_workshop::balance::Lead;
 use erard_workshop::worklist::{Left, Priority, Quantity, Readings, Why, Work, twin, worklist};
 
-/// The key whose ranges hold.
+/// Key whose usual ranges hold.
 pub const KEY: usize = 40;
 
-/// Numbers by chance, the same every time (Vigna's splitmix64).
+/// Random numbers, the same every time (Vigna's splitmix64).
 pub struct Chance(u64);
 
 impl Chance {
@@ -26,12 +26,12 @@ impl Chance {
         z ^ (z >> 31)
     }
 
-    /// From 0 to 1.
+    /// Number from 0 to 1.
     pub fn share(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// From -1 to 1.
+    /// Number from -1 to 1.
     pub fn either_way(&mut self) -> f64 {
         2.0 * self.share() - 1.0
     }
@@ -53,14 +53,14 @@ pub struct Disturbed {
     pub what: Vec<String>,
 }
 
-/// Each of these happens to two pianos of five, and one of them at least.
+/// Applies each disturbance to two pianos of five, and at least one to each piano.
 pub fn disturb(healthy: &Instrument, chance: &mut Chance) -> Disturbed {
     const SHARE: f64 = 0.4;
     // The file's own two, 0.62 and 0.55 of the key's front arm.
     let mut leads = vec![Lead { mass_g: 14.0, at_mm: 164.0 }, Lead { mass_g: 14.0, at_mm: 146.0 }];
     let (mut instrument, mut what) = (healthy.clone(), Vec::new());
     while what.is_empty() {
-        // Screws that have worked loose or were turned by somebody, mm.
+        // Screws worked loose or turned by somebody, mm.
         for (screw, most_mm) in [
             ("capstan_height", 0.4),
             ("let_off", 0.5),
@@ -76,7 +76,7 @@ pub fn disturb(healthy: &Instrument, chance: &mut Chance) -> Disturbed {
                 what.push(format!("{screw} {by_mm:+.2} mm"));
             }
         }
-        // Cloths that have packed down, mm: front punchings, back rail, the whippen's heel.
+        // Packed cloths, mm: front punchings, back rail, the whippen's heel.
         for (screw, most_mm) in [("front_punching", 0.8), ("back_rail_cloth", 0.6), ("capstan_height", 0.3)] {
             if chance.happens(SHARE / 2.0) {
                 let by_mm = -most_mm * chance.share();
@@ -84,13 +84,13 @@ pub fn disturb(healthy: &Instrument, chance: &mut Chance) -> Disturbed {
                 what.push(format!("cloth at {screw} {by_mm:.2} mm"));
             }
         }
-        // A spring that has weakened, or was bent.
+        // A weakened or bent spring.
         if chance.happens(SHARE) {
             let by = chance.between(-0.25, 0.15) * instrument.springs[0].torque_n_m.abs();
             turn(&mut instrument, "repetition_spring", by);
             what.push(format!("spring {:+.1} N mm", 1e3 * by));
         }
-        // Pins and bushings: swollen, or worn.
+        // Swollen or worn pins and bushings.
         for (body, most) in [("key", 4.0), ("key_back", 4.0), ("whippen", 4.0), ("shank", 3.0), ("hammer", 3.0)] {
             let pinned = instrument.bodies.iter_mut().find(|own| own.name == body && own.parent.is_none());
             if let Some(pinned) = pinned
@@ -101,7 +101,7 @@ pub fn disturb(healthy: &Instrument, chance: &mut Chance) -> Disturbed {
                 what.push(format!("friction of {body} x {factor:.1}"));
             }
         }
-        // Leads: one has been put in, taken out, or moved.
+        // A lead put in, taken out, or moved.
         if chance.happens(SHARE) {
             let work = match chance.next() % 3 {
                 0 => {
@@ -131,7 +131,7 @@ fn turn(instrument: &mut Instrument, name: &str, by: f64) {
     }
 }
 
-/// What is read, each number off by up to its precision.
+/// Readings of the truth, each off by up to its precision.
 fn seen(truth: &Readings, chance: &mut Chance) -> Readings {
     let mut seen = *truth;
     for quantity in Quantity::ALL {
@@ -140,15 +140,15 @@ fn seen(truth: &Readings, chance: &mut Chance) -> Readings {
     seen
 }
 
-/// One pass: what is left is said, and the truth after it.
+/// Result of one pass: the lines left, and the truth after it.
 pub struct Pass {
-    /// The lines, as they were carried out.
+    /// Lines as carried out.
     pub lines: Vec<String>,
-    /// The lines that were left, and why.
+    /// Lines left, and why.
     pub left: Vec<Left>,
-    /// The readings before it.
+    /// Readings before the pass.
     pub read: Readings,
-    /// The truth after it.
+    /// Truth after the pass.
     pub truth: Readings,
 }
 
@@ -181,7 +181,7 @@ pub struct Course {
     pub passes: Vec<Pass>,
 }
 
-/// Whether all is in order, as the truth has it.
+/// Whether all true values are in order.
 pub fn is_healthy(readings: &Readings) -> bool {
     Quantity::ALL.into_iter().all(|quantity| !readings.is_out(quantity, KEY))
 }
@@ -200,7 +200,7 @@ pub fn course(healthy: &Instrument, model: &Instrument, seed: u64) -> Course {
 pub struct Tally {
     pub pianos: usize,
     pub lines: usize,
-    /// Inside before, after one pass, after two.
+    /// Lines inside before, after one pass, after two.
     pub inside: [usize; 3],
     /// Outside after two passes, with a reason stated or read as inside.
     pub with_reason: usize,
@@ -222,8 +222,8 @@ impl Tally {
             for (pass, pair) in truths.windows(2).enumerate() {
                 let [before, after] = [pair[0], pair[1]].map(|truth| truth.beyond(quantity, KEY));
                 let worked = &course.passes[pass];
-                // What the list says cannot be read has no reading before it: where the hammer does not drop, its
-                // nearest approach is the lever's, and the jack's let-off shows once it drops.
+                // An unreadable line has no reading before the pass: if the hammer does not drop, its nearest approach
+                // is the lever's, and the jack's let-off shows once it drops.
                 let stated = worked.left.iter().any(|left| left.quantity == quantity && left.why == Why::Unreadable);
                 if after > before + quantity.precision() && !stated {
                     self.made_worse.push(format!(
@@ -250,7 +250,7 @@ impl Tally {
         }
     }
 
-    /// The figures.
+    /// Counts in words.
     pub fn counts(&self) -> String {
         let share = |count: usize| 100.0 * count as f64 / self.lines.max(1) as f64;
         let [before, one, two] = self.inside;
@@ -268,12 +268,12 @@ impl Tally {
         )
     }
 
-    /// What went wrong.
+    /// Failures.
     pub fn wrong(&self) -> impl Iterator<Item = &String> {
         self.without_reason.iter().chain(&self.made_worse)
     }
 
-    /// The figures, and what went wrong.
+    /// Counts and failures in words.
     pub fn report(&self) -> String {
         self.wrong().fold(self.counts(), |report, line| format!("{report}\n  {line}"))
     }

@@ -1,4 +1,4 @@
-//! Whether energy is gained: the energy balance of whole notes, and of a hammer that stays on the strings.
+//! Check for energy gains: the energy balance of whole notes, and of a hammer that stays on the strings.
 
 use erard::instrument::Instrument;
 use erard::mechanism::{open_ledger, take_stock};
@@ -10,16 +10,16 @@ use super::super::{Claim, Progress, ReproduceError, Section};
 use super::head;
 use erard_workshop::struck::STEP_S;
 
-/// The work that the energy balance may leave unexplained.
+/// Largest unexplained share of the work.
 const RESIDUAL: f64 = 1e-4;
-/// The head falls on the strings at this speed, m/s, and is kept there by a weight of 2 N.
+/// Speed at which the head falls on the strings, m/s; a weight of 2 N keeps it there.
 const FALLS_M_PER_S: f64 = 2.0;
 const GRAVITY_M_S2: f64 = 225.0;
-/// Steps at which it stays there, s, and how long.
+/// Steps for this, s, and duration, s.
 const STEPS_S: [f64; 3] = [20e-6, 50e-6, 200e-6];
 const STAYS_S: f64 = 1.0;
 
-/// Adds its claims.
+/// Adds the claims.
 pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Progress) -> Result<(), ReproduceError> {
     let mut told = Vec::new();
     let (mut worst, mut least) = (0.0_f64, 0.0_f64);
@@ -55,7 +55,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
         take_stock(head.as_ref(), &mut ledger);
         let residual = ledger.residual_relative();
         told.push(format!("{:.0} us: {residual:.1e}, {:.2} mJ lost in the strings", 1e6 * step_s, 1e3 * lost));
-        // Losses are a difference of work and energy: what these round by is no gain.
+        // Losses are differences of work and energy: their rounding is no gain.
         holds &= residual < RESIDUAL && won < 1e-15 && ledger.smallest_term >= 0.0 && lost > 0.0;
     }
     section.claims.push(Claim::new(

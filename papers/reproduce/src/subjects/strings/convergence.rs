@@ -1,4 +1,4 @@
-//! Whether an impact converges as the step shrinks, and with which order: a head alone, and the whole action.
+//! Convergence of an impact with the step, and its order: a head alone, and the whole action.
 
 use erard::instrument::Instrument;
 use erard::mechanism::Halving;
@@ -10,36 +10,36 @@ use super::super::impact::{halvings, neighbouring};
 use super::super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use super::head;
 
-/// Steps, s, and the reference's as a part of the smallest.
+/// First step, s, and number of steps, each half of the one before; divisor of the smallest for the reference.
 const LADDER: (f64, i32) = (100e-6, 6);
 const REFERENCE: f64 = 4.0;
-/// Of these steps so many from the largest on tell one order, and the others, with the last of these, another.
+/// The largest steps, this many, give one order; the others, with the last of these, another.
 const COARSE: usize = 4;
 /// The step for which errors are reported.
 const USUAL_STEP_S: f64 = 50e-6;
 /// Speed of the head, m/s, and force on the key, N: mf.
 const SPEED_M_PER_S: f64 = 2.0;
 const FORCE_N: f64 = 4.0;
-/// When the partials are taken, s: the head has left; the key of the action is at its bottom and the hammer in the
-/// check.
+/// Time at which partials are measured, s: the head has left; the key of the action is at its bottom and the hammer in
+/// the check.
 const HEAD_S: f64 = 8e-3;
 const ACTION_S: f64 = 0.1;
-/// Partials up to this are looked at, Hz.
+/// Highest partial compared, Hz.
 const UP_TO_HZ: f64 = 5e3;
 /// A contact lasts while the force is above this share of its peak.
 const LEVEL: f64 = 0.1;
-/// Orders of at least this are a second and a first one: errors hang on how contacts lie between the steps, and each is
-/// the sum of several.
+/// Least orders that count as second and as first: errors depend on the contacts' phases in the steps, and each is a
+/// sum of several.
 const SECOND_ORDER: f64 = 1.6;
 const FIRST_ORDER: f64 = 0.7;
 
 /// Errors at a step.
 type Rung = (f64, [f64; 4]);
 
-/// What is compared, in the order of [`Impact::errors`].
+/// Quantities compared, in the order of [`Impact::errors`].
 const QUANTITIES: [&str; 4] = ["contact time", "largest force", "return", "partials to 5 kHz"];
 
-/// What an impact is looked at for.
+/// Results of an impact.
 struct Impact {
     contact_s: f64,
     peak_n: f64,
@@ -49,15 +49,16 @@ struct Impact {
 }
 
 impl Impact {
-    /// From the force of every step, and the speed upward at the end of every step. Times lie between the steps'
-    /// middles by straight lines, the peak on a parabola through three, so that nothing hangs on where the grid lies.
+    /// From the force of every step, and the upward speed at the end of every step. Times are interpolated linearly
+    /// between the steps' middles, the peak by a parabola through three, so that the result does not depend on the
+    /// grid's phase.
     fn of(forces_n: &[f64], speeds_m_per_s: &[f64], step_s: f64, partials: Vec<f64>) -> Option<Impact> {
         let top = (1..forces_n.len() - 1).max_by(|&a, &b| forces_n[a].total_cmp(&forces_n[b]))?;
         let [a, b, c] = [forces_n[top - 1], forces_n[top], forces_n[top + 1]];
         let bend = a - 2.0 * b + c;
         let peak_n = if bend < 0.0 { b - (c - a) * (c - a) / (8.0 * bend) } else { b };
         let level = LEVEL * peak_n;
-        // Steps from the first one's middle on.
+        // Counted in steps from the first one's middle.
         let crossing = |i: usize| i as f64 + (level - forces_n[i]) / (forces_n[i + 1] - forces_n[i]);
         let first = (0..top).find(|&i| forces_n[i] < level && forces_n[i + 1] >= level).map_or(0.0, crossing);
         let last = (top..forces_n.len() - 1).rev().find(|&i| forces_n[i] >= level && forces_n[i + 1] < level)?;
@@ -69,7 +70,7 @@ impl Impact {
         Some(Impact { contact_s: (last - first) * step_s, peak_n, back_m_per_s, partials })
     }
 
-    /// Relative errors against an exact one.
+    /// Relative errors against an exact result.
     fn errors(&self, exact: &Impact) -> [f64; 4] {
         let norm = |of: &mut dyn Iterator<Item = f64>| of.map(|x| x * x).sum::<f64>().sqrt();
         let apart = norm(&mut self.partials.iter().zip(&exact.partials).map(|(a, b)| a - b));
@@ -82,8 +83,7 @@ impl Impact {
     }
 }
 
-/// Amplitudes of all strings' partials up to 5 kHz, m/s, brought to an instant that is `late_s` before now: they decay
-/// meanwhile.
+/// Amplitudes of all strings' partials up to 5 kHz, m/s, corrected for decay to a time `late_s` before now.
 fn amplitudes(strings: &Strings, late_s: f64) -> Vec<f64> {
     let mut found = Vec::new();
     for (index, string) in strings.strings().iter().enumerate() {
@@ -124,8 +124,7 @@ fn whole_action(grand: &Instrument, step_s: f64) -> Result<Option<Impact>, Repro
     Ok(partials.and_then(|partials| Impact::of(&forces_n, &speeds_m_per_s, step_s, partials)))
 }
 
-/// Errors of what is compared at every step of the ladder, each the root mean square over eight steps that are nearly
-/// the same.
+/// Errors at every step of the ladder, each the root mean square over eight nearly equal steps.
 fn climb(
     play: &dyn Fn(f64) -> Result<Option<Impact>, ReproduceError>,
     progress: &mut Progress,
@@ -138,7 +137,7 @@ fn climb(
     Ok(steps.into_iter().zip(errors).collect())
 }
 
-/// Observed order over a ladder, by least squares: one error that is small by chance does not decide it.
+/// Observed order over a ladder, by least squares, so that one small error by chance does not decide it.
 fn order(rungs: &[Rung], quantity: usize) -> f64 {
     let points: Vec<[f64; 2]> = rungs.iter().map(|(step, errors)| [step.ln(), errors[quantity].ln()]).collect();
     let count = points.len() as f64;
@@ -149,7 +148,7 @@ fn order(rungs: &[Rung], quantity: usize) -> f64 {
     above / below
 }
 
-/// The orders of all quantities over the large steps, and over the small ones.
+/// Orders of all quantities over the large steps, and over the small ones.
 fn orders(rungs: &[Rung]) -> [[f64; 4]; 2] {
     [&rungs[..COARSE], &rungs[COARSE - 1..]].map(|part| [0, 1, 2, 3].map(|k| order(part, k)))
 }
@@ -168,7 +167,7 @@ fn converges(rungs: &[Rung]) -> (String, bool) {
     (format!("orders from {from:.0} to {knee:.1} us, then to {to:.1} us: {}", told.join("; ")), holds)
 }
 
-/// The part of an impact's energy that the scheme itself takes: from a head whose felt and strings lose nothing.
+/// Share of an impact's energy lost by the scheme itself: from a head with lossless felt and strings.
 fn taken(head: &Instrument, step_s: f64) -> Result<f64, ReproduceError> {
     let mut head = head.clone();
     head.zones[0].felt.loss = moreau::Loss::none();
@@ -181,7 +180,7 @@ fn taken(head: &Instrument, step_s: f64) -> Result<f64, ReproduceError> {
     Ok(thrown.readout().surfaces.map_or(f64::NAN, |surfaces| surfaces.lost()) / whole_j)
 }
 
-/// Adds its figure, table and claims.
+/// Adds figure, table and claims.
 pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Progress) -> Result<(), ReproduceError> {
     let head = head::before(grand)?;
     let alone = climb(&|step_s| head_alone(&head, step_s), &mut |share| progress(0.2 * share))?;
@@ -212,7 +211,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
     let lost = steps.iter().map(|step| taken(&head, *step)).collect::<Result<Vec<f64>, _>>()?;
     let told: Vec<String> =
         steps.iter().zip(&lost).map(|(step, lost)| format!("{lost:.1e} at {:.1} us", 1e6 * step)).collect();
-    // In steps of 100 us the modes up to 20 kHz, which are stepped whatever the step, turn too far for any order.
+    // In steps of 100 us the modes up to 20 kHz, which are included at any step, turn too far for any order.
     let halves = lost[1..].windows(2).all(|pair| pair[1] > 0.0 && pair[0] / pair[1] > f64::exp2(FIRST_ORDER));
     section.claims.push(Claim::new(
         "this program",

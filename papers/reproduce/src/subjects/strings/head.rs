@@ -1,4 +1,4 @@
-//! A hammer's head alone, thrown at the strings of middle C: as simple as an impact can be.
+//! A hammer's head alone, thrown at the strings of middle C: the simplest impact.
 
 use erard::instrument::{Curve, Instrument, InstrumentFile};
 use erard::mechanism::{Halving, Mechanism, Stepping, mechanism};
@@ -36,7 +36,7 @@ hammer_head_mm = [1000, 0]
 string = "string"
 "#;
 
-/// The head before the strings of a grand, with the felt of its hammer, nothing lying on them.
+/// The head in front of a grand's strings, with the felt of its hammer, without dampers.
 pub(crate) fn before(grand: &Instrument) -> Result<Instrument, ReproduceError> {
     let wrong = |text: String| ReproduceError::Instrument(text);
     let mut head = InstrumentFile::parse(FILE, "head").map_err(|error| wrong(error.to_string()))?.instrument;
@@ -47,7 +47,7 @@ pub(crate) fn before(grand: &Instrument) -> Result<Instrument, ReproduceError> {
     Ok(head)
 }
 
-/// The same turned over, with a weight that keeps it on the strings.
+/// The head turned over, with a weight that keeps it on the strings.
 pub(super) fn falling(grand: &Instrument, gravity_m_s2: f64) -> Result<Instrument, ReproduceError> {
     let mut head = before(grand)?;
     head.gravity_m_s2 = gravity_m_s2;
@@ -55,11 +55,11 @@ pub(super) fn falling(grand: &Instrument, gravity_m_s2: f64) -> Result<Instrumen
     Ok(head)
 }
 
-/// In flight, at the strings, at a speed upward, m/s.
+/// The head in flight, at the strings, with this upward speed, m/s.
 pub(crate) fn thrown(head: &Instrument, step_s: f64, speed_m_per_s: f64) -> Result<Box<dyn Mechanism>, ReproduceError> {
     let settings = Settings { tolerance: 1e-10, ..Settings::new(step_s) };
     let mut thrown = mechanism(head, settings).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
-    // The scheme itself is looked at.
+    // To show the scheme itself.
     thrown.configure(Stepping { halving: Halving::Never, ..*thrown.readout().stepping });
     let mut saved = thrown.save();
     saved.state.velocity[0] = speed_m_per_s;

@@ -1,5 +1,5 @@
-//! Strings that throw the hammer back, over the compass and the loudness; two stages of decay over a bridge that moves;
-//! how an impact converges, and what its energy balance lacks.
+//! Strings that throw the hammer back, over the compass and the loudness; two stages of decay over a moving bridge;
+//! convergence of an impact, and its energy balance.
 
 mod books;
 mod convergence;
@@ -13,15 +13,15 @@ use erard::keyboard::{Keyboard, note_name};
 use erard::{Action, Input};
 use erard_workshop::struck::{self, STEP_S, impact};
 
-/// The keyboard and the instrument that this is about.
+/// Keyboard and instrument of this subject.
 const NAME: &str = "concert-grand-strings";
 /// Keys: A0, C2, C4, C6, C8.
 const KEYS: [usize; 5] = [1, 16, 40, 64, 88];
 /// Constant forces on the key, N: pp to ff.
 const FORCES: [(&str, f64); 5] = [("pp", 0.8), ("p", 2.0), ("mf", 4.0), ("f", 8.0), ("ff", 18.0)];
-/// What was published of contact at mf, ms: key, words, range (a third about a single number, or what the source says),
-/// source. For contact at other marks, for the largest force and for the return over the compass no number was found
-/// (`validate` has the same rows).
+/// Published contact times at mf, ms: key, text, range (a third about a single number, or the source's own), source. No
+/// numbers were found for other levels, for the largest force or for the return over the compass (`validate` has the
+/// same rows).
 const PUBLISHED: [(usize, &str, [f64; 2], &str); 3] = [
     (1, "about 3.7, bass 4 to 5", [3.0, 5.0], "KTH lectures; A. Chaigne's measurements"),
     (40, "about 2", [1.33, 2.67], "KTH lectures"),
@@ -158,7 +158,7 @@ fn level_db(action: &mut Action, input: Input) -> f64 {
     10.0 * (squares / steps as f64 - mean * mean).max(1e-30).log10()
 }
 
-/// Decay of C4's first second and of its fifth, over a bridge that stands still and over one that moves.
+/// Decay of C4's first second and of its fifth, over a fixed and over a moving bridge.
 fn bridge(section: &mut Section, progress: &mut Progress) -> Result<(), ReproduceError> {
     let mut instrument = super::builtin(NAME)?;
     let mut table = Table::new("Decay of C4, held, dB/s", &["bridge", "from 0.3 s to 0.8 s", "from 4.5 s to 5 s"]);

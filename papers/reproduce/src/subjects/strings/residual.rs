@@ -1,4 +1,4 @@
-//! How the energy balance of a note with strings closes as the step shrinks.
+//! Residual of the energy balance of a note with strings, over the step.
 
 use erard::instrument::Instrument;
 use erard::mechanism::{Halving, open_ledger, take_stock};
@@ -9,26 +9,26 @@ use super::super::impact::{halvings, neighbouring, tell};
 use super::super::{Claim, Progress, ReproduceError, Section, Table, builtin};
 use super::head;
 
-/// The instrument that this is about.
+/// Instrument of this subject.
 const NAME: &str = "concert-grand-strings";
-/// The longest step, s, and how many: each half of the one before.
+/// The longest step, s, and number of steps: each half of the one before.
 const LADDER: (f64, i32) = (1.0 / 24e3, 4);
-/// The key is pressed with so many N, mf, let go after so many s, and followed for so many.
+/// Force on the key, N, mf; time of release, and end, s.
 const FORCE_N: f64 = 4.0;
 const HELD_S: f64 = 0.15;
 const FOLLOWED_S: f64 = 0.3;
-/// Of the solver: what it leaves unsolved is no error of the scheme.
+/// Tolerance of the solver: its residual is no error of the scheme.
 const TOLERANCE: f64 = 1e-12;
-/// At least this order is expected: the scheme is of the second order on smooth motion, and of the first across
-/// contacts that open and close.
+/// Least expected order: the scheme is of second order on smooth motion, and of first order across contacts that open
+/// and close.
 const ORDER: f64 = 1.0;
-/// The work that the balance may leave unexplained at the usual step; and what rounding and the solver leave.
+/// Largest unexplained share of the work at the usual step; and share left by rounding and solver.
 const RESIDUAL: f64 = 1e-4;
 const ROUNDING: f64 = 1e-9;
-/// A head alone, m/s, followed for so long, s.
+/// Speed of a head alone, m/s, and its duration, s.
 const HEAD_M_PER_S: f64 = 2.0;
 const HEAD_S: f64 = 20e-3;
-/// What is changed of the grand, and how steps are taken.
+/// Change of the grand, and halving of steps.
 type Way = (&'static str, fn(&mut Instrument), Halving);
 const WAYS: [Way; 3] = [
     ("halved near the string", |_| {}, Halving::AsAsked),
@@ -36,7 +36,7 @@ const WAYS: [Way; 3] = [
     ("felts without sliders", without_sliders, Halving::AsAsked),
 ];
 
-/// Felts that lose by their rate alone.
+/// Felts with a rate-dependent loss only.
 fn without_sliders(grand: &mut Instrument) {
     for zone in &mut grand.zones {
         zone.felt.loss = moreau::Loss::quadratic(zone.felt.loss.viscous(1.0, 0.0));
@@ -105,7 +105,7 @@ fn order(steps: &[f64], found: &[[f64; 1]]) -> f64 {
     above / below
 }
 
-/// What the balance of a head alone that strikes C4's strings lacks, as a share of its energy.
+/// Residual of the energy balance of a head alone that strikes C4's strings, as a share of its energy.
 fn of_a_head(head: &Instrument, step_s: f64) -> Result<f64, ReproduceError> {
     let mut m = head::thrown(head, step_s, HEAD_M_PER_S)?;
     let mut ledger = open_ledger(m.as_mut());
