@@ -33,8 +33,8 @@ const LONGEST: usize = 1 << 17;
 /// Parts of the half rate between which the spectrum is compared: noise is as strong in both.
 const LOWER: [f64; 2] = [0.4, 0.6];
 const UPPER: [f64; 2] = [0.8, 0.95];
-/// Largest ratio that counts as equally strong: that of a long series, and that of a short one, whose two levels scatter.
-/// The spectrum of a smooth motion without noise falls by 29 between the two parts.
+/// Largest ratio that counts as equally strong: that of a long series, and that of a short one, whose two levels
+/// scatter. The spectrum of a smooth motion without noise falls by 29 between the two parts.
 const FLAT: [f64; 2] = [2.0, 6.0];
 /// Bands are a third of an octave, from this frequency on, Hz.
 const LOWEST_HZ: f64 = 8.0;
