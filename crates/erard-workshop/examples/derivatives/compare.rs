@@ -251,6 +251,18 @@ impl<'a> Press<'a> {
         gradient(self.instrument, by, &stroke, &self.setup(step_s), how, &mut |_| true).unwrap()
     }
 
+    /// Plays one number's variants; returns the differences of a result to below and to above, window by window.
+    fn sides<const N: usize>(&self, k: usize, of: &str, windows: &[f64; N], step_s: f64) -> [[f64; 2]; N] {
+        let own = self.instrument;
+        let changed = windows.iter().flat_map(|&window| [-window, window].map(|by| self.numbers.varied(own, k, by)));
+        let instruments: Vec<Instrument> = std::iter::once(own.clone()).chain(changed).collect();
+        let played = self.played(&instruments, step_s, Workers::all());
+        core::array::from_fn(|n| {
+            let [own, low, high] = [0, 2 * n + 1, 2 * n + 2].map(|place| value(&played[place], of));
+            [(own - low) / windows[n], (high - own) / windows[n]]
+        })
+    }
+
     fn played(&self, instruments: &[Instrument], step_s: f64, workers: Workers) -> Vec<JobResult> {
         play(instruments, &self.hand, &self.setup(step_s), workers)
     }
@@ -302,18 +314,12 @@ pub fn closely(instrument: &Instrument, name: &str, of: &str, by: &str) -> Vec<C
     let press = Press::new(instrument, name);
     let numbers = &press.numbers;
     let k = numbers.variables.iter().position(|one| one.name == by).expect("a number of the instrument");
-    let changed = CLOSE.iter().flat_map(|&window| [-window, window].map(|by| numbers.varied(instrument, k, by)));
-    let instruments: Vec<Instrument> = std::iter::once(instrument.clone()).chain(changed).collect();
     let look = |step_s: f64| {
         let by = vec![numbers.variables[k].clone()];
         let derived = press.derived(by, step_s, Differentiation { compares: false, ..compared() });
         let (_, derived) = derived.of.into_iter().find(|(key, _)| *key == of).expect("a result that is compared");
-        let played = press.played(&instruments, step_s, Workers::all());
-        let slopes = CLOSE.iter().enumerate().map(|(n, window)| {
-            let [own, low, high] = [0, 2 * n + 1, 2 * n + 2].map(|place| value(&played[place], of));
-            (*window, [(own - low) / window, (high - own) / window])
-        });
-        Closely { step_s, derivative: derived.unwrap().slopes[0] * numbers.usual(k), differences: slopes.collect() }
+        let differences = CLOSE.into_iter().zip(press.sides(k, of, &CLOSE, step_s)).collect();
+        Closely { step_s, derivative: derived.unwrap().slopes[0] * numbers.usual(k), differences }
     };
     TRAP_S.into_iter().map(look).collect()
 }
@@ -363,16 +369,9 @@ pub fn level(instrument: &Instrument, name: &'static str) -> Level {
 
 /// Plays the rows that are apart in the shortest steps.
 fn look_again(press: &Press, rows: &mut [Row]) {
-    let own = press.instrument;
     for row in rows.iter_mut().filter(|row| matches!(row.verdict, Verdict::Apart | Verdict::Refused)) {
         let k = press.numbers.variables.iter().position(|one| one.name == row.by).unwrap();
-        let changed = AGAIN.iter().flat_map(|&window| [-window, window].map(|by| press.numbers.varied(own, k, by)));
-        let instruments: Vec<Instrument> = std::iter::once(own.clone()).chain(changed).collect();
-        let played = press.played(&instruments, SHORTEST_S, Workers::all());
-        let slopes: [[f64; 2]; AGAIN.len()] = core::array::from_fn(|n| {
-            let [own, low, high] = [0, 2 * n + 1, 2 * n + 2].map(|place| value(&played[place], row.of));
-            [(own - low) / AGAIN[n], (high - own) / AGAIN[n]]
-        });
+        let slopes = press.sides(k, row.of, &AGAIN, SHORTEST_S);
         row.again = Sides::best(&slopes.map(|of| [of; 2]), &AGAIN).slope;
         row.narrowest = [slopes[0], slopes[1], slopes[2]];
     }
