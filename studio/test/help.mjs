@@ -5,12 +5,20 @@ export { assert };
 /** Goals of time that were missed. What else the machine does decides them, too, so they fail with `--timed` only. */
 export const missed = [];
 export const goal = (holds, text) => { if (!holds) missed.push(text); };
-/** Waits until something holds in the page. */
+/** Waits until something holds in the page. What is not there yet (a figure before its first picture) is waited for, too. */
 export const until = async (page, holds, given, timeout = 30_000) => {
-  try {
-    await page.waitForFunction(holds, given, { timeout, polling: 50 });
-  } catch (error) {
-    throw new Error(`waited in vain for ${holds.toString().replace(/\s+/g, " ").slice(0, 200)}: ${error.message.split("\n")[0]}`);
+  const end = performance.now() + timeout;
+  for (;;) {
+    try {
+      await page.waitForFunction(holds, given, { timeout: Math.max(end - performance.now(), 1), polling: 50 });
+      return;
+    } catch (error) {
+      if (/TypeError/.test(error.message) && performance.now() < end) {
+        await page.waitForTimeout(50);
+        continue;
+      }
+      throw new Error(`waited in vain for ${holds.toString().replace(/\s+/g, " ").slice(0, 200)}: ${error.message.split("\n")[0]}`);
+    }
   }
 };
 /** Hammer speed at the last impact of action A, m/s; undefined before the first. */
