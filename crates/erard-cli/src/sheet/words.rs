@@ -199,7 +199,10 @@ fn why_words(quantity: Quantity, why: &Why) -> String {
         Why::NoScrew => "no screw in this file; set it by hand".to_owned(),
         Why::Friction => "friction must come right first".to_owned(),
         Why::ReadAgain => "earlier lines change it by an uncertain amount; read it again after this list".to_owned(),
-        Why::Unreadable => "it cannot be read before the hammer drops; measure again after this list".to_owned(),
+        Why::Unreadable if [Quantity::Check, Quantity::Spring].contains(&quantity) => {
+            "it cannot be read before the check catches the hammer; measure again after this list".to_owned()
+        }
+        Why::Unreadable => "it cannot be known before the hammer drops; measure again after this list".to_owned(),
         Why::NoBalance => {
             "with this friction no balance weight brings both down-weight and up-weight into range".to_owned()
         }

@@ -12,7 +12,7 @@ use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
 use erard::Progress;
 use erard::instrument::Instrument;
 
-use Quantity::{Aftertouch, Blow, Check, Dip, Drop, FrictionWeight, LetOff, Ratio, StrikeWeight};
+use Quantity::{Aftertouch, Blow, Check, Dip, Drop, FrictionWeight, LetOff, Ratio, Spring, StrikeWeight};
 
 /// Most repetitions of lines that later ones have disturbed.
 const ROUNDS: u32 = 3;
@@ -61,7 +61,7 @@ pub enum Why {
     NoScrew,
     /// Friction must come right first.
     Friction,
-    /// The quantity cannot be read before the hammer drops.
+    /// The quantity cannot be known before the hammer drops, or before the check catches it.
     Unreadable,
     /// Earlier lines change it, by more than the model can predict: it must be read again.
     ReadAgain,
@@ -251,13 +251,21 @@ impl Planner<'_, '_> {
         self.why.retain(|left| left.quantity != quantity || left.why == Why::Unreadable);
     }
 
-    /// Flags lines as unreadable if the hammer does not drop: the lever carries it beyond let-off, and the jack lets
-    /// off at the distance read, or farther from the string. How much farther, and the aftertouch, cannot be seen.
+    /// Flags lines that cannot be known before this list is done.
+    ///
+    /// If the hammer does not drop, the lever carries it beyond let-off, and the jack lets off at the distance read, or
+    /// farther from the string. How much farther, the aftertouch, and the drop to come cannot be seen. If the check does
+    /// not catch the hammer, but catches the copy's, how far away it stands cannot be seen.
     fn unreadable(&mut self) {
+        let mut lines = Vec::new();
         if self.now.get(Drop).is_none_or(|drop| drop <= Drop.precision()) {
             self.now.set(Aftertouch, None);
-            self.why = [LetOff, Aftertouch].map(|quantity| Left { quantity, why: Why::Unreadable }).into();
+            lines.extend([LetOff, Drop, Aftertouch]);
         }
+        if self.now.get(Check).is_none() && self.own.get(Check).is_some() {
+            lines.extend([Check, Spring]);
+        }
+        self.why = lines.into_iter().map(|quantity| Left { quantity, why: Why::Unreadable }).collect();
     }
 
     pub(super) fn is_unreadable(&self, quantity: Quantity) -> bool {
@@ -365,6 +373,12 @@ impl Planner<'_, '_> {
     /// Sets the screws, in the trade's order.
     fn regulation(&mut self, aims: &Aims) -> Worked<()> {
         for quantity in REGULATION {
+            if quantity == Check && self.is_unreadable(Check) {
+                self.bend_toward_the_hammer()?;
+            }
+            if [Check, Spring].contains(&quantity) && self.is_unreadable(quantity) {
+                continue;
+            }
             let chosen = aims.iter().find(|(other, _)| *other == quantity).map(|(_, aim)| *aim);
             let aim = match quantity {
                 Dip | Blow | LetOff | Drop if chosen.is_some() => chosen,
@@ -382,13 +396,22 @@ impl Planner<'_, '_> {
             }
             // A bend of the check's wire may move it through the whole range: none if the reading is almost in it.
             let is_read = quantity == Check && self.now.get(Check).is_some() && !self.is_moved(Check);
-            if is_read && !is_surely_out(Check, &self.now, self.key) {
+            if is_read && ![&self.read, &self.now].iter().any(|now| is_surely_out(Check, now, self.key)) {
                 self.leave(Check, Why::TooFine);
                 continue;
             }
             self.set(quantity, aim)?;
         }
         Ok(())
+    }
+
+    /// Bends the check's wire by a little toward a hammer that drops and is not caught, once in a list.
+    fn bend_toward_the_hammer(&mut self) -> Worked<()> {
+        let is_bent = self.done.iter().any(|done| done.quantity == Check);
+        if is_bent || self.is_unreadable(LetOff) || self.copy.screw("back_check").is_none() {
+            return Ok(());
+        }
+        self.do_it(Check, &Work::Screw { name: "back_check", by: 2.0 * screw_step("back_check") }, None)
     }
 
     /// Setting of the copy's screw that brings the piano's reading to its target, in SI units.

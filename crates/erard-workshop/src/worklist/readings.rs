@@ -291,6 +291,8 @@ impl Readings {
                 // A copy whose hammer does not drop gives no change of a drop.
                 (value, before, _) if quantity == Drop && falls(value) && !falls(before) => value,
                 (Some(value), Some(before), Some(after)) => Some(value + after - before),
+                // What the copy shows before and after, and the piano does not, stays unknown.
+                (None, Some(_), Some(_)) => None,
                 (.., after) => after,
             };
         }
