@@ -24,6 +24,8 @@ const ROOM_BLOW_MM: f64 = 1.5;
 const ROOM_AFTERTOUCH_MM: f64 = 0.3;
 const ROOM_CHECK_MM: f64 = 0.7;
 const ROOM_LEVER_MM: f64 = 0.15;
+/// Smallest change of the check distance that is aimed at, mm: two bends of its wire by 0.1 mm, for one cannot be seen.
+const LEAST_CHECK_MM: f64 = 1.5;
 /// Gain of that distance that makes a millimetre of dip and blow worth the work.
 const WORK: f64 = 0.1;
 
@@ -94,10 +96,16 @@ impl Planner<'_, '_> {
             _ => Drop.precision(),
         };
         match self.now.get(quantity) {
+            // Inside, but at risk.
+            Some(_) if quantity == Check && !self.is_out(Check) => middle,
             Some(now) if [Check, Drop].contains(&quantity) => {
-                let mean = |near: f64, far: f64| (near.max(0.0) * far).sqrt();
-                let aim =
-                    if now < middle { now + mean(low - now, high - now) } else { now - mean(now - high, now - low) };
+                let least = if quantity == Check { LEAST_CHECK_MM } else { 0.0 };
+                let change = |near: f64, far: f64| (near.max(0.0) * far).sqrt().max(least);
+                let aim = if now < middle {
+                    now + change(low - now, high - now)
+                } else {
+                    now - change(now - high, now - low)
+                };
                 aim.clamp(low + room, high - room)
             }
             // No farther than needed: a lever affects friction and leverage, and so every weight.
@@ -110,14 +118,17 @@ impl Planner<'_, '_> {
 
     /// Whether other lines of this list have brought one so near to the end of its range that its reading cannot tell
     /// on which side it is.
+    ///
+    /// Dip and blow move the check distance, and on a piano by a millimetre more or less than on the copy: after them it
+    /// needs more room.
     pub(super) fn is_at_risk(&self, quantity: Quantity) -> bool {
-        // A check that is read inside is left alone: the effect of a bend of its wire is not known well enough.
-        if quantity == Check {
-            return false;
-        }
         let Some(now) = self.now.get(quantity) else { return false };
         let [low, high] = quantity.range(self.key);
-        self.is_moved(quantity) && (now - low).min(high - now) < quantity.precision()
+        let room = (now - low).min(high - now);
+        match quantity {
+            Check => self.has_done(&[Dip, Blow]) && room < ROOM_CHECK_MM,
+            _ => self.is_moved(quantity) && room < quantity.precision(),
+        }
     }
 
     /// Returns the readings expected with these lines at their targets, without weighing.

@@ -370,6 +370,11 @@ impl Planner<'_, '_> {
         self.moved(quantity) > quantity.precision()
     }
 
+    /// Whether work on one of these lines has been done.
+    pub(super) fn has_done(&self, quantities: &[Quantity]) -> bool {
+        self.done.iter().any(|done| quantities.contains(&done.quantity))
+    }
+
     /// Sets the screws, in the trade's order.
     fn regulation(&mut self, aims: &Aims) -> Worked<()> {
         for quantity in REGULATION {
@@ -395,7 +400,7 @@ impl Planner<'_, '_> {
                 continue;
             }
             // A bend of the check's wire may move it through the whole range: none if the reading is almost in it.
-            let is_read = quantity == Check && self.now.get(Check).is_some() && !self.is_moved(Check);
+            let is_read = quantity == Check && !self.is_moved(Check) && !self.is_at_risk(Check);
             if is_read && ![&self.read, &self.now].iter().any(|now| is_surely_out(Check, now, self.key)) {
                 self.leave(Check, Why::TooFine);
                 continue;
@@ -407,8 +412,7 @@ impl Planner<'_, '_> {
 
     /// Bends the check's wire by a little toward a hammer that drops and is not caught, once in a list.
     fn bend_toward_the_hammer(&mut self) -> Worked<()> {
-        let is_bent = self.done.iter().any(|done| done.quantity == Check);
-        if is_bent || self.is_unreadable(LetOff) || self.copy.screw("back_check").is_none() {
+        if self.has_done(&[Check]) || self.is_unreadable(LetOff) || self.copy.screw("back_check").is_none() {
             return Ok(());
         }
         self.do_it(Check, &Work::Screw { name: "back_check", by: 2.0 * screw_step("back_check") }, None)

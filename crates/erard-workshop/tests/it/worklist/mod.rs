@@ -91,7 +91,7 @@ fn tally(pianos: usize, first: u32) -> Tally {
             let number = next.fetch_add(1, Ordering::SeqCst);
             let text = sampled.text(number, go_on).unwrap();
             let healthy = InstrumentFile::parse(&text, GRAND).unwrap().instrument;
-            if is_healthy(&healthy) {
+            if is_healthy(&Readings::of(&healthy, go_on).unwrap()) {
                 let course = course(&healthy, &model, u64::from(number));
                 let mut courses = courses.lock().unwrap();
                 courses.insert(number, course);
