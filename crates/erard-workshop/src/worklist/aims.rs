@@ -26,6 +26,9 @@ const ROOM_CHECK_MM: f64 = 0.7;
 const ROOM_LEVER_MM: f64 = 0.15;
 /// Smallest change of the check distance that is aimed at, mm: two bends of its wire by 0.1 mm, for one cannot be seen.
 const LEAST_CHECK_MM: f64 = 1.5;
+/// Share of a bend that the copy asks for: on eight of nine drawn grands a bend moved the check by 1.2 to 1.5 times what
+/// it does on the copy.
+const CHECK_GAIN: f64 = 0.8;
 /// Gain of that distance that makes a millimetre of dip and blow worth the work.
 const WORK: f64 = 0.1;
 
@@ -51,7 +54,7 @@ impl Planner<'_, '_> {
                 break;
             };
             let is_asked = aims.iter().any(|(quantity, _)| [Dip, Blow].contains(quantity));
-            if !is_asked && then.beyond(Aftertouch, self.key) <= Aftertouch.precision() {
+            if !is_asked && !then.is_out(Aftertouch, self.key) {
                 break;
             }
             let [new_dip, new_blow] = self.dip_and_blow([dip, blow], aftertouch);
@@ -99,8 +102,8 @@ impl Planner<'_, '_> {
             // Inside, but at risk.
             Some(_) if quantity == Check && !self.is_out(Check) => middle,
             Some(now) if [Check, Drop].contains(&quantity) => {
-                let least = if quantity == Check { LEAST_CHECK_MM } else { 0.0 };
-                let change = |near: f64, far: f64| (near.max(0.0) * far).sqrt().max(least);
+                let (factor, least) = if quantity == Check { (CHECK_GAIN, LEAST_CHECK_MM) } else { (1.0, 0.0) };
+                let change = |near: f64, far: f64| (factor * (near.max(0.0) * far).sqrt()).max(least);
                 let aim = if now < middle {
                     now + change(low - now, high - now)
                 } else {
@@ -165,16 +168,18 @@ impl Planner<'_, '_> {
             let work = (new_dip - here(Dip, dip)).abs() + KEY_PER_HAMMER * (new_blow - here(Blow, blow)).abs();
             least - WORK * work
         };
-        let steps = |quantity: Quantity, step: f64| {
-            let [low, high] = quantity.range(self.key);
-            (0..=((high - low) / step).round() as u32).map(move |n| low + step * f64::from(n))
+        // Only changes that a hand makes, from where they are.
+        let reachable = |quantity: Quantity, here: f64| {
+            let ([low, high], step) = (quantity.range(self.key), quantity.least_change());
+            let [from, to] = [((low - here) / step).ceil(), ((high - here) / step).floor()];
+            (from as i32..=to as i32).map(move |n| here + step * f64::from(n)).chain([here])
         };
         let dips: Vec<f64> = match self.priority {
-            Priority::Aftertouch => steps(Dip, 0.5 * Dip.least_change()).chain([here(Dip, dip)]).collect(),
+            Priority::Aftertouch => reachable(Dip, here(Dip, dip)).collect(),
             Priority::Dip if self.is_out(Dip) => vec![Dip.aim(self.key)],
             Priority::Dip => vec![here(Dip, dip)],
         };
-        let blows: Vec<f64> = steps(Blow, 0.5 * Blow.least_change()).chain([here(Blow, blow)]).collect();
+        let blows: Vec<f64> = reachable(Blow, here(Blow, blow)).collect();
         let pairs = dips.iter().flat_map(|dip| blows.iter().map(|blow| [*dip, *blow]));
         pairs.max_by(|a, b| gain(a[0], a[1]).total_cmp(&gain(b[0], b[1]))).unwrap_or([dip, blow])
     }

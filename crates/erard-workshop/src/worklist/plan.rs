@@ -12,7 +12,9 @@ use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
 use erard::Progress;
 use erard::instrument::Instrument;
 
-use Quantity::{Aftertouch, Blow, Check, Dip, Drop, FrictionWeight, LetOff, Ratio, Spring, StrikeWeight};
+use Quantity::{
+    Aftertouch, Blow, Check, Dip, DownWeight, Drop, FrictionWeight, LetOff, Ratio, Spring, StrikeWeight, UpWeight,
+};
 
 /// Most repetitions of lines that later ones have disturbed.
 const ROUNDS: u32 = 3;
@@ -166,10 +168,10 @@ pub fn worklist(
 }
 
 /// Work done on the copy, in order.
-struct Done {
-    quantity: Quantity,
-    work: Work,
-    instead: Option<Work>,
+pub(super) struct Done {
+    pub quantity: Quantity,
+    pub work: Work,
+    pub instead: Option<Work>,
 }
 
 /// Works out a list on a copy.
@@ -185,8 +187,8 @@ pub(super) struct Planner<'a, 'p> {
     weighed: bool,
     pub key: usize,
     pub priority: Priority,
-    done: Vec<Done>,
-    why: Vec<Left>,
+    pub done: Vec<Done>,
+    pub why: Vec<Left>,
     pub progress: &'a mut Progress<'p>,
 }
 
@@ -304,6 +306,16 @@ impl Planner<'_, '_> {
         let later_g = self.friction_of_parts(&then)?;
         let aim_g = if then_g > high { (best_g + later_g).clamp(best_g, high) } else { best_g };
         let by_g = friction_change_g(then_g, aim_g, self.key);
+        // Not to where another weight is out of its range, if a reading's error is all that makes it necessary.
+        let moves_out = [(DownWeight, by_g), (UpWeight, -by_g)].iter().any(|(weight, by_g)| {
+            let mut eased = then;
+            eased.set(*weight, then.get(*weight).map(|now| now + by_g));
+            eased.beyond(*weight, self.key) > then.beyond(*weight, self.key)
+        });
+        if moves_out && !is_surely_out(FrictionWeight, &then, self.key) {
+            self.leave(FrictionWeight, Why::TooFine);
+            return Ok(());
+        }
         // Friction cannot be negative.
         if now_g + by_g > 0.0 { self.do_it(FrictionWeight, &Work::Friction { by_g }, None) } else { Ok(()) }
     }
@@ -499,53 +511,11 @@ impl Planner<'_, '_> {
         }
         Ok(self.done.len() > count)
     }
-
-    /// Makes the list: work on one screw becomes one line, and each line is carried out anew for its expected effect.
-    fn finish(self, begun: &Instrument, own: Readings, readings: Readings) -> Worked<Worklist> {
-        let mut merged: Vec<Done> = Vec::new();
-        for done in self.done {
-            let same = |other: &&mut Done| match (&other.work, &done.work) {
-                (Work::Screw { name: a, .. }, Work::Screw { name: b, .. }) => a == b,
-                _ => false,
-            };
-            match merged.iter_mut().find(same) {
-                Some(other) => other.work = other.work.with_amount(other.work.amount() + done.work.amount(), 0.0),
-                None => merged.push(done),
-            }
-        }
-        let (mut copy, mut own_now, mut now) = (begun.clone(), own, readings);
-        let mut items = Vec::new();
-        for Done { quantity, work, instead } in merged {
-            let Some(work) = work.in_steps() else { continue };
-            let mut worked = copy.clone();
-            work.carry_out(&mut worked, self.progress)?;
-            let own_after = Readings::of(&worked, self.progress)?;
-            let after = now.moved(&own_now, &own_after);
-            // A turn made after a line that came to nothing is no longer needed.
-            if after.beyond(quantity, self.key) > now.beyond(quantity, self.key) {
-                continue;
-            }
-            // Turns in opposite directions may cancel.
-            if can_be_seen(quantity, &now, &after) {
-                items.push(Item { quantity, work, instead, before: now, after });
-                (copy, own_now, now) = (worked, own_after, after);
-            }
-        }
-        let mut left = Vec::new();
-        for quantity in Quantity::ALL {
-            let why = self.why.iter().find(|left| left.quantity == quantity).map(|left| left.why.clone());
-            // Only the copy knows what could not be read.
-            if now.is_out(quantity, self.key) || why == Some(Why::Unreadable) {
-                left.push(Left { quantity, why: why.unwrap_or(Why::Follows) });
-            }
-        }
-        Ok(Worklist { key: self.key, before: readings, items, after: now, left, copy })
-    }
 }
 
 /// Whether a line's reading changes by at least its least change; true without a reading before or after. (A thousandth
 /// of it allows for rounding.)
-fn can_be_seen(quantity: Quantity, before: &Readings, after: &Readings) -> bool {
+pub(super) fn can_be_seen(quantity: Quantity, before: &Readings, after: &Readings) -> bool {
     let change = before.get(quantity).zip(after.get(quantity)).map(|(before, after)| (after - before).abs());
     change.is_none_or(|change| change >= 0.999 * quantity.least_change())
 }
