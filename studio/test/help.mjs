@@ -5,7 +5,8 @@ export { assert };
 /** Goals of time that were missed. What else the machine does decides them, too, so they fail with `--timed` only. */
 export const missed = [];
 export const goal = (holds, text) => { if (!holds) missed.push(text); };
-/** Waits until something holds in the page. What is not there yet (a figure before its first picture) is waited for, too. */
+/** Waits until something holds in the page. What is not there yet (a figure before its first picture) is waited for,
+ * too. */
 export const until = async (page, holds, given, timeout = 30_000) => {
   const end = performance.now() + timeout;
   for (;;) {

@@ -1,8 +1,8 @@
 // node test/run.mjs [--seconds N] [--shots FOLDER] [--only WORD] [--lanes N] [--timed]: the pages in a real browser, N
-// tests at a time, each lane in a browser of its own; tests of time run alone at the end. What did not hold is tried once
-// more then; exit code 1 where it fails again. Missed goals of time are listed; with --timed, for a machine that does
-// nothing else, they fail, too.
-// ERARD names the command whose bits the page is compared with; CHROMIUM the browser.
+// tests at a time, each lane in a browser of its own; tests of time run alone at the end. What did not hold is tried
+// once more then; exit code 1 where it fails again. Missed goals of time are listed; with --timed, for a machine that
+// does nothing else, they fail, too. ERARD names the command whose bits the page is compared with; CHROMIUM the
+// browser.
 import { mkdirSync } from "node:fs";
 import { parseArgs } from "node:util";
 import { open } from "./browser.mjs";

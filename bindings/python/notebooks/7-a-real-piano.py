@@ -36,7 +36,7 @@ top = slow.hammer_head_mm[: len(slow) // 2].idxmax()
 blow = max(frame.hammer_head_mm.max() for frame in strokes.values())
 after = slow.hammer_head_mm[top + 60 : top + 160].median()
 print(f"let-off {blow - slow.hammer_head_mm[top]:.1f} mm, drop {slow.hammer_head_mm[top] - after:.1f} mm, dip {slow.key_mm.max():.1f} mm")
-like = erard.load("steinway-o").regulate(blow="50.8 mm", dip="11.9 mm", let_off="3.8 mm", drop="2.8 mm", check="18 mm")
+like = erard.load("steinway-o").regulate(blow="50.8 mm", dip="11.7 mm", let_off="3.8 mm", drop="2.2 mm", check="18 mm")
 
 # %% [markdown]
 # The recorded key leads the model's. What the hammer does is then the model's answer.
@@ -49,17 +49,16 @@ for name, low_pass in (("slow", 20.0), ("medium", 250.0), ("fast", 250.0)):
     assert found.explained > 0.97
 
 # %% [markdown] Good, but not perfect. A fit of the fast stroke will turn whatever it is given. Here that is let-off
-# and the hammer's mass. The mass stays what the model has, within twice its error; heel and knuckle felts were chosen
-# by this stroke among others. Let-off ends at its bound, and the misfit is several times what noise explains: the
-# model is wrong somewhere else (that action stood in a frame of its own, its masses are not known), and the errors
-# are too small.
+# and the hammer's mass. Let-off ends at its bound, the mass a sixth above the model's, and the misfit is more than
+# twice what noise explains: the model is wrong somewhere else (that action stood in a frame of its own, its masses are
+# not known). The fit says so itself, and its errors are too small.
 
 # %%
 fast = strokes["fast"]
 rise = fast[(fast.time_s > 0.2) & (fast.time_s < 0.34)].assign(time_s=lambda rows: rows.time_s - 0.2)
 fit = erard.fit(like, rise, vary=["let_off", "body.hammer.mass"], restarts=1)
 print(f"misfit {fit.chi2_reduced:.1f}, explained by noise {fit.chi2_expected:.1f}")
-assert fit.chi2_reduced > 3 * fit.chi2_expected and abs(fit.x["body.hammer.mass"] - 1.0) < 0.15
+assert fit.chi2_reduced > 2 * fit.chi2_expected and fit.doubts
 fit
 
 # %%

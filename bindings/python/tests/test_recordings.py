@@ -1,5 +1,6 @@
 """The recordings of a real piano are what their script makes of what was read."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +9,14 @@ import numpy as np
 import pytest
 
 RECORDINGS = Path(__file__).parents[3] / "recordings"
+
+
+def test_the_law_of_the_sensor_is_the_scripts() -> None:
+    pytest.importorskip("scipy")
+    made = subprocess.run([sys.executable, "-c", "import calibrate; print(calibrate.law())"], cwd=RECORDINGS, check=True, capture_output=True, text=True).stdout
+    source = (Path(__file__).parents[3] / "crates/erard-live/src/sensor.rs").read_text()
+    kept = source.split("pub const CNY70: [f64; 16] = [")[1].split("]")[0]
+    np.testing.assert_allclose(json.loads(made), [float(one) for one in kept.split(",") if one.strip()], atol=1.1e-4)
 
 
 @pytest.mark.parametrize("stroke", ["slow", "medium", "fast", "repeated"])

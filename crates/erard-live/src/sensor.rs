@@ -15,8 +15,8 @@ pub type FixedLaw = LawOf<&'static [[f64; 2]]>;
 pub enum LawOf<P> {
     /// Travel in proportion to the reading.
     Linear {},
-    /// A reflective optical sensor CNY-70 under the back of a key, as read at marks of a ruler ([`CNY70`]). The curve
-    /// depends on the mounting, so a table of your own is better.
+    /// A reflective optical sensor CNY-70 under the back of a key, on the smooth curve through marks of a ruler
+    /// ([`CNY70`]). The curve depends on the mounting, so a table of your own is better.
     Cny70 {},
     /// A Hall sensor on the axis of a small magnet, whose field falls with the third power of the distance.
     Hall {
@@ -32,11 +32,13 @@ pub enum LawOf<P> {
     },
 }
 
-/// Share of a CNY-70's range at marks 1/32 inch apart, 0 to 15: what Greg Zweigle read on a Kawai KG-3C, its key E4
-/// (Piano-Data, `https://github.com/gzweigle/Piano-Data`, commit c7224eb, MIT licence: `damper_cal_points`).
+/// Share of a CNY-70's range at even shares of the travel, 0 to 15 fifteenths, read by Greg Zweigle at marks of a ruler
+/// on a Kawai KG-3C, its key E4 (Piano-Data, `https://github.com/gzweigle/Piano-Data`, commit c7224eb, MIT licence:
+/// `damper_cal_points`). His marks are irregular by up to 0.25 mm, which makes local speeds wrong by a quarter; these
+/// lie on the smooth curve through them (`recordings/calibrate.py`, `law`).
 pub const CNY70: [f64; 16] = [
-    0.0, 0.0015, 0.0035, 0.0064, 0.0115, 0.0165, 0.0260, 0.0365, 0.0570, 0.0810, 0.1450, 0.2250, 0.3650, 0.5700,
-    0.8100, 1.0,
+    0.0, 0.0011, 0.0024, 0.0051, 0.0084, 0.0134, 0.0214, 0.0339, 0.0536, 0.0843, 0.1317, 0.2036, 0.3105, 0.4665,
+    0.6890, 1.0,
 ];
 
 /// Fault of a sensor's law.

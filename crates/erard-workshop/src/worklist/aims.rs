@@ -26,8 +26,8 @@ const ROOM_CHECK_MM: f64 = 0.7;
 const ROOM_LEVER_MM: f64 = 0.15;
 /// Smallest change of the check distance that is aimed at, mm: two bends of its wire by 0.1 mm, for one cannot be seen.
 const LEAST_CHECK_MM: f64 = 1.5;
-/// Share of a bend that the copy asks for: on eight of nine drawn grands a bend moved the check by 1.2 to 1.5 times what
-/// it does on the copy.
+/// Share of a bend that the copy asks for: on eight of nine drawn grands a bend moved the check by 1.2 to 1.5 times
+/// what it does on the copy.
 const CHECK_GAIN: f64 = 0.8;
 /// Gain of that distance that makes a millimetre of dip and blow worth the work.
 const WORK: f64 = 0.1;
@@ -122,8 +122,8 @@ impl Planner<'_, '_> {
     /// Whether other lines of this list have brought one so near to the end of its range that its reading cannot tell
     /// on which side it is.
     ///
-    /// Dip and blow move the check distance, and on a piano by a millimetre more or less than on the copy: after them it
-    /// needs more room.
+    /// Dip and blow move the check distance, and on a piano by a millimetre more or less than on the copy: after them
+    /// it needs more room.
     pub(super) fn is_at_risk(&self, quantity: Quantity) -> bool {
         let Some(now) = self.now.get(quantity) else { return false };
         let [low, high] = quantity.range(self.key);

@@ -2,10 +2,10 @@
 //!
 //! `readings` is what a technician reads off the key, `hand` what a hand does to it and in which steps, `twin` a model
 //! adjusted to the readings, `weights` the balance weight for a friction weight, `plan` the order of work, `aims` the
-//! targets of the screws' lines, `leads` the choice of leads, `finish` the list as it is carried out, `written` the file with the work done, and `settle` a
-//! regulation that ends with the aftertouch in its range. For all weighed keys, `keyboard` is the list by operation,
-//! and `keyboard_copy` carries it out on copies. A line is tried on a simulated copy before the next is worked out; its
-//! effect on the copy's readings is what is expected on the piano.
+//! targets of the screws' lines, `leads` the choice of leads, `finish` the list as it is carried out, `written` the
+//! file with the work done, and `settle` a regulation that ends with the aftertouch in its range. For all weighed keys,
+//! `keyboard` is the list by operation, and `keyboard_copy` carries it out on copies. A line is tried on a simulated
+//! copy before the next is worked out; its effect on the copy's readings is what is expected on the piano.
 
 mod aims;
 mod finish;

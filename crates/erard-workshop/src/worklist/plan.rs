@@ -256,8 +256,8 @@ impl Planner<'_, '_> {
     /// Flags lines that cannot be known before this list is done.
     ///
     /// If the hammer does not drop, the lever carries it beyond let-off, and the jack lets off at the distance read, or
-    /// farther from the string. How much farther, the aftertouch, and the drop to come cannot be seen. If the check does
-    /// not catch the hammer, but catches the copy's, how far away it stands cannot be seen.
+    /// farther from the string. How much farther, the aftertouch, and the drop to come cannot be seen. If the check
+    /// does not catch the hammer, but catches the copy's, how far away it stands cannot be seen.
     fn unreadable(&mut self) {
         let mut lines = Vec::new();
         if self.now.get(Drop).is_none_or(|drop| drop <= Drop.precision()) {

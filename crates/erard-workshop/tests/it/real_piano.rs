@@ -16,7 +16,7 @@ use moreau::Settings;
 /// Regulated like the recorded one. No mass, felt or friction is changed.
 fn regulated() -> Instrument {
     let steinway = Instrument::builtin("steinway-o").unwrap();
-    let found = [(Goal::Blow, 50.8), (Goal::Dip, 11.9), (Goal::LetOff, 3.8), (Goal::Drop, 2.8), (Goal::Check, 18.0)];
+    let found = [(Goal::Blow, 50.8), (Goal::Dip, 11.7), (Goal::LetOff, 3.8), (Goal::Drop, 2.2), (Goal::Check, 18.0)];
     let goals = found.map(|(goal, mm)| (goal, 1e-3 * mm)).to_vec();
     regulate(&steinway, &goals, &Protocol::default(), &mut |_| true).unwrap().instrument
 }
@@ -74,7 +74,7 @@ fn a_slow_press_lifts_the_hammer_as_far() {
 #[test]
 fn medium_and_fast_strokes_throw_the_hammer() {
     let instrument = regulated();
-    for (stroke, early_ms, faster) in [("medium", 4.0, 1.2), ("fast", 5.0, 1.4)] {
+    for (stroke, least, early_ms, faster) in [("medium", 0.99, 1.5, 1.1), ("fast", 0.985, 1.5, 1.2)] {
         let comparison = led(&instrument, stroke, 250.0);
         let explained =
             comparison.trial(Prescribed::Rigid, Which::Action).unwrap().hammer_errors.as_ref().unwrap().explained;
@@ -85,7 +85,7 @@ fn medium_and_fast_strokes_throw_the_hammer() {
             "{stroke}: {:.1} % of the hammer's variance explained; 45 mm at {to:.1?} ms, 10 to 45 mm at {speeds:.2?} m/s",
             100.0 * explained
         );
-        assert!(explained > 0.99, "{stroke}: {explained}");
+        assert!(explained > least, "{stroke}: {explained}");
         assert!((to[0] - to[1]).abs() < early_ms, "{stroke}: {to:?}");
         assert!((0.9..faster).contains(&(speeds[1] / speeds[0])), "{stroke}: {speeds:?}");
         // Held by the back check, each at its own place.

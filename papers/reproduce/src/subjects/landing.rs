@@ -211,7 +211,7 @@ fn chart(all: &[&Released; 3], names: &[&str; 3], courses: &[Course; 3]) -> Char
     };
     Chart {
         title: "A key let go, recorded and modelled".into(),
-        caption: "0 ms: the key is a millimetre above where it was held. The recorded blow is 50.8 mm, the dip 11.9"
+        caption: "0 ms: the key is a millimetre above where it was held. The recorded blow is 50.8 mm, the dip 11.7"
             .into(),
         x_label: "time (ms)".into(),
         x_log: false,
