@@ -4,6 +4,8 @@
 //! a hand and an eye. The list is worked out on a twin of the built-in grand, which is another instrument, and carried
 //! out on the disturbed one by a hand that is off by up to half its step; then all is measured again.
 
+use std::collections::BTreeMap;
+
 use erard::instrument::Instrument;
 use erard_workshop::balance::Lead;
 use erard_workshop::worklist::{Left, Priority, Quantity, Readings, Why, Work, twin, worklist};
@@ -202,6 +204,8 @@ pub struct Tally {
     pub lines: usize,
     /// Lines inside before, after one pass, after two.
     pub inside: [usize; 3],
+    /// Lines outside after one pass, and after two, by quantity.
+    pub outside: BTreeMap<Quantity, [usize; 2]>,
     /// Outside after two passes, with a reason stated or read as inside.
     pub with_reason: usize,
     /// Outside after two passes without a reason.
@@ -220,6 +224,7 @@ impl Tally {
                 *count += usize::from(!truth.is_out(quantity, KEY));
             }
             for (pass, pair) in truths.windows(2).enumerate() {
+                self.outside.entry(quantity).or_default()[pass] += usize::from(pair[1].is_out(quantity, KEY));
                 let [before, after] = [pair[0], pair[1]].map(|truth| truth.beyond(quantity, KEY));
                 let worked = &course.passes[pass];
                 // An unreadable line has no reading before the pass: if the hammer does not drop, its nearest approach
@@ -275,6 +280,10 @@ impl Tally {
 
     /// Counts and failures in words.
     pub fn report(&self) -> String {
-        self.wrong().fold(self.counts(), |report, line| format!("{report}\n  {line}"))
+        let outside = self.outside.iter().filter(|(_, count)| **count != [0; 2]);
+        let counts = outside.fold(self.counts(), |text, (quantity, [one, two])| {
+            format!("{text}\n  {quantity:?} outside: {one} after one pass, {two} after two")
+        });
+        self.wrong().fold(counts, |report, line| format!("{report}\n  {line}"))
     }
 }
