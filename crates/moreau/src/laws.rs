@@ -292,10 +292,12 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Aside for KeepMemo
             while all.get(next).is_some_and(|&other| other < z) {
                 next += 1;
             }
-            if all.get(next) != Some(&z) && state.memory[z].iter().all(|x| x.is_zero()) {
+            let is_near = all.get(next) == Some(&z);
+            if !is_near && state.memory[z].iter().all(|x| x.is_zero()) {
                 continue;
             }
-            let (compiled, touched) = (&model.compiled[z], workspace.touched_in(z));
+            let compiled = &model.compiled[z];
+            let touched = if is_near { workspace.contacts.active[z] } else { T::Mask::splat(false) };
             let memory = if compiled.dry {
                 let mut memory = [T::ZERO; MEMORY];
                 memory[0] = T::only(touched, workspace.dry.force[z]);
