@@ -179,7 +179,13 @@ impl Planner<'_, '_> {
             Priority::Dip if self.is_out(Dip) => vec![Dip.aim(self.key)],
             Priority::Dip => vec![here(Dip, dip)],
         };
-        let blows: Vec<f64> = reachable(Blow, here(Blow, blow)).collect();
+        // A turn of the capstan is coarser than a paper: no other blow for what may be a reading's error.
+        let is_small = self.now.beyond(Aftertouch, self.key) <= Aftertouch.precision();
+        let blows: Vec<f64> = if is_small && !self.is_out(Blow) && self.priority == Priority::Aftertouch {
+            vec![here(Blow, blow)]
+        } else {
+            reachable(Blow, here(Blow, blow)).collect()
+        };
         let pairs = dips.iter().flat_map(|dip| blows.iter().map(|blow| [*dip, *blow]));
         pairs.max_by(|a, b| gain(a[0], a[1]).total_cmp(&gain(b[0], b[1]))).unwrap_or([dip, blow])
     }
