@@ -67,7 +67,7 @@ const names = Object.keys(tests).filter((name) => !asked.only || name.includes(a
 const together = names.filter((name) => !ALONE.has(name)).sort((a, b) => (b === LONG) - (a === LONG));
 const failed = [];
 /** Runs tests one after the other in a browser of its own, until none is left; `fail` is given the name of each that
- * does not hold, and why. */
+ * does not hold, and returns the word that is printed for it. */
 const lane = async (left, fail) => {
   if (!left.length) return;
   const browser = await open();

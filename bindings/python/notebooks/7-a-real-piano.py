@@ -49,8 +49,8 @@ for name, low_pass in (("slow", 20.0), ("medium", 250.0), ("fast", 250.0)):
     assert found.explained > 0.97
 
 # %% [markdown] Good, but not perfect. A fit of the fast stroke will turn whatever it is given. Here that is let-off
-# and the hammer's mass. Let-off ends at its bound, the mass a sixth above the model's, and the misfit is more than
-# twice what noise explains: the model is wrong somewhere else (that action stood in a frame of its own, its masses are
+# and the hammer's mass. Let-off ends at its bound, the mass a sixth above the model's, and the misfit is three
+# times what noise explains: the model is wrong somewhere else (that action stood in a frame of its own, its masses are
 # not known). The fit says so itself, and its errors are too small.
 
 # %%
@@ -58,7 +58,8 @@ fast = strokes["fast"]
 rise = fast[(fast.time_s > 0.2) & (fast.time_s < 0.34)].assign(time_s=lambda rows: rows.time_s - 0.2)
 fit = erard.fit(like, rise, vary=["let_off", "body.hammer.mass"], restarts=1)
 print(f"misfit {fit.chi2_reduced:.1f}, explained by noise {fit.chi2_expected:.1f}")
-assert fit.chi2_reduced > 2 * fit.chi2_expected and fit.doubts
+assert fit.chi2_reduced > 2.7 * fit.chi2_expected and abs(fit.x["body.hammer.mass"] - 1.16) < 0.05
+assert {"misfit", "bound"} <= {doubt.kind for doubt in fit.doubts}
 fit
 
 # %%

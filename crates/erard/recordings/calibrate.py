@@ -36,11 +36,10 @@ STROKES = {"slow": ("raw", 10), "medium": ("raw", 10), "fast": ("raw", 10), "rep
 
 def key_curve() -> PchipInterpolator:
     """The key at its front, mm, over the logarithm of its reading: a cubic through the author's marks, and below them the slow press."""
-    cubic = np.polynomial.Polynomial.fit(np.log(releases.READ), releases.MARKS_MM, 3)
     seen = np.linspace(np.log(releases.FIRST[1, 0]), 0.0, 400)
-    seen = seen[cubic(seen) >= KEY_MARKS_MM]
-    first = releases.FIRST[(releases.FIRST[:, 1] < KEY_MARKS_MM - 0.3)]
-    return PchipInterpolator([*np.log(first[:, 0]), *seen], [*first[:, 1], *cubic(seen)])
+    seen = seen[releases.CURVE(seen) >= KEY_MARKS_MM]
+    first = releases.FIRST[releases.FIRST[:, 1] < KEY_MARKS_MM - 0.3]
+    return PchipInterpolator([*np.log(first[:, 0]), *seen], [*first[:, 1], *releases.CURVE(seen)])
 
 
 def shank_mm(read: np.ndarray) -> np.ndarray:

@@ -15,6 +15,9 @@ HERE = Path(__file__).parent
 OFFSET, GAIN = 0.3, 0.58
 READ = np.array([0.0064, 0.0115, 0.0165, 0.0260, 0.0365, 0.0570, 0.0810, 0.1450, 0.2250, 0.3650, 0.5700, 0.8100, 1.0])
 MARKS_MM = np.arange(3, 16) / 32 * 25.4
+#: The key, mm, over the logarithm of its reading: a smooth curve through the marks, for their own irregularity makes
+#: local speeds wrong by a quarter.
+CURVE = np.polynomial.Polynomial.fit(np.log(READ), MARKS_MM, 3)
 #: The first millimetres, which the sensor hardly sees: reading and mm, from the slow press of the file with two
 #: sensors, head over kinematic ratio. The first is what it reads at rest.
 FIRST = np.array([[0.0017, 0], [0.0025, 0.5], [0.003, 0.9], [0.004, 1.5], [0.0058, 2.2], [0.0089, 3.0]])
@@ -28,11 +31,10 @@ PRESSED_MM = 5.0
 
 
 def place_mm(raw: np.ndarray) -> np.ndarray:
-    """The key at its front, mm below its rest: a smooth curve through the marks, for their own irregularity makes local speeds wrong by a quarter."""
+    """The key at its front, mm below its rest."""
     read = (raw - OFFSET) / GAIN
-    curve = np.polynomial.Polynomial.fit(np.log(READ), MARKS_MM, 3)
     join = FIRST[-1]
-    return np.where(read < join[0], np.interp(read, *FIRST.T), curve(np.log(np.maximum(read, join[0]))))
+    return np.where(read < join[0], np.interp(read, *FIRST.T), CURVE(np.log(np.maximum(read, join[0]))))
 
 
 def release(time_s: np.ndarray, key_mm: np.ndarray) -> tuple[float, float] | None:
