@@ -279,7 +279,7 @@ fn a_strung_keyboard_goes_on() {
     press(&second, 12.0);
     second.step(300);
     assert_eq!(unsafe { erard_keyboard_restore(second.0, bytes.as_ptr(), bytes.len()) }, ErardStatus::Ok);
-    for round in 0..6 {
+    for round in 0..3 {
         let force_n = if round % 2 == 0 { 9.0 } else { 0.0 };
         press(&first, force_n);
         press(&second, force_n);
@@ -326,8 +326,8 @@ fn a_chord_is_heard_at_the_bridge() {
     let mut beside = erard::Action::with(&own, erard::Settings::new(STEP_S)).unwrap();
     beside.set_pedal(0.007);
     let (mut impacts, mut loudest_n, mut force_n) = (0, 0.0_f64, f64::NAN);
-    for n in 0..4800 {
-        let finger_n = if n < 2400 { 6.0 } else { 0.0 };
+    for n in 0..2700 {
+        let finger_n = if n < 2000 { 6.0 } else { 0.0 };
         for key in [40, 44, 47] {
             keyboard.drive(key, finger_n);
             keys.drive(key as usize, Input::Force(finger_n));

@@ -68,7 +68,7 @@ fn heard(everywhere: bool) {
     for (arguments, delays_ms) in [
         (&["press", "--drive", "force", "--instrument", "mill.toml"][..], &[30_u64][..]),
         (&["press", "--duration", "100000"], &[50, 300]),
-        (&["press", "--duration", "20", "--record-every", "1"], &[1500, 800, 2000]),
+        (&["press", "--duration", "20", "--record-every", "1"], &[800, 1500, 2000]),
         (&["study", "--vary", "let_off=-1mm..1mm:100000"], &[300]),
         (&["measure"], &[200]),
         // Strokes are prepared, played side by side, and with derivatives.
@@ -163,7 +163,7 @@ fn a_loop_in_a_shell_stops() {
 /// Asked twice in a row, and at every moment of a short run: the old results or the new ones, all of them.
 #[test]
 fn asked_again_and_at_any_moment() {
-    at_moments(8, 40);
+    at_moments(4, 60);
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn leftovers(folder: &Path) -> usize {
 
 #[test]
 fn a_call_fails() {
-    calls_fail(&["shared"], 40);
+    calls_fail(&["shared"], 80);
 }
 
 #[test]

@@ -12,21 +12,34 @@ fn speed(summary: &Value) -> f64 {
     summary["hammer_speed_m_per_s"].as_f64().unwrap()
 }
 
-/// Each level comes out as it was named, by any hand and touch; the same force curve does not.
-#[test]
-fn a_level_is_a_hammer_speed() {
-    let folder = Folder::new("levels");
-    for (arguments, expected) in [
-        (&["--stroke", "p"][..], 0.79),
-        (&["--hammer-speed", "2m/s", "--touch", "struck"], 2.0),
-        (&["--hammer-speed", "3", "--hand=1000"], 3.0),
-        (&["--stroke", "pp", "--instrument", "heavy-touch"], 0.5),
-        (&["--instrument", "concert-grand:key=88"], 1.99),
-    ] {
-        let summary = summary(&folder, arguments);
+fn come_out(folder: &Folder, levels: &[(&[&str], f64)]) {
+    for (arguments, expected) in levels {
+        let summary = summary(folder, arguments);
         assert!((speed(&summary) / expected - 1.0).abs() <= 1e-3, "{arguments:?}: {}", speed(&summary));
         assert_eq!(summary["drive"], "hand");
     }
+}
+
+/// A level comes out by any hand and touch.
+#[test]
+#[ignore = "ci: other hands and instruments than in the short test"]
+fn levels_of_other_hands_are_hammer_speeds() {
+    let folder = Folder::new("levels-hands");
+    come_out(
+        &folder,
+        &[
+            (&["--hammer-speed", "3", "--hand=1000"], 3.0),
+            (&["--stroke", "pp", "--instrument", "heavy-touch"], 0.5),
+            (&["--instrument", "concert-grand:key=88"], 1.99),
+        ],
+    );
+}
+
+/// Each level comes out as it was named; the same force curve does not.
+#[test]
+fn a_level_is_a_hammer_speed() {
+    let folder = Folder::new("levels");
+    come_out(&folder, &[(&["--stroke", "p"], 0.79), (&["--hammer-speed", "2m/s", "--touch", "struck"], 2.0)]);
     let curve = summary(&folder, &["--stroke", "mf", "--drive", "force", "--instrument", "concert-grand:key=88"]);
     assert_eq!(curve["drive"], "force");
     assert!((speed(&curve) / 1.99 - 1.0).abs() > 0.02, "{}", speed(&curve));

@@ -147,11 +147,13 @@ fn faults_are_told() {
         })
         .chain(["\u{1}garbage\n".to_owned(), "1,2,3,4\n".to_owned(), "1900000,89,1\n".to_owned()])
         .collect();
-    let output = piped(&folder, &["live", "--bits", "16"], &coarse);
-    let said = Folder::words(&String::from_utf8(output.stderr).unwrap());
+    folder.file("coarse.csv", &coarse);
+    let output = folder.erard(&["live", "coarse.csv", "--bits", "16", "--out", "packets"]);
+    let said = Folder::words(&(String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap()));
     assert!(output.status.success() && said.contains("3 lines left out; the first, line"), "{said}");
     assert!(said.contains("warning: the sensor has") && said.contains("expected error of speed"), "{said}");
-    let packets: Vec<u8> = output.stdout.chunks(8).map(|packet| packet[1] >> 4).collect();
+    let bytes = std::fs::read(folder.0.join("packets")).unwrap();
+    let packets: Vec<u8> = bytes.chunks(8).map(|packet| packet[1] >> 4).collect();
     assert_eq!(packets.iter().filter(|opcode| **opcode == 9).count(), 3, "{packets:?}");
 }
 

@@ -130,8 +130,8 @@ fn rises(sensor: SensorKind, speeds: u32) {
 
 #[test]
 fn velocity_rises_with_the_sensed_speed() {
-    rises(SensorKind::Action, 25);
-    rises(SensorKind::Light, 25);
+    rises(SensorKind::Action, 9);
+    rises(SensorKind::Light, 9);
 }
 
 mod nightly {

@@ -198,19 +198,19 @@ fn compare(lanes: Lanes, plan: &[(usize, usize, f64)], runs: &[Run]) -> Apart {
 /// The number of threads does not change the results.
 #[test]
 fn the_same_bits_with_several_threads() {
-    same_bits_with_threads(&[3]);
+    same_bits_with_threads([Lanes::most()], &[3]);
 }
 
 #[test]
 #[ignore = "ci: one study on one, two and three threads"]
 fn the_same_bits_with_any_number_of_threads() {
-    same_bits_with_threads(&[2, 3]);
+    same_bits_with_threads(Lanes::here(), &[2, 3]);
 }
 
-fn same_bits_with_threads(numbers: &[usize]) {
+fn same_bits_with_threads(widths: impl IntoIterator<Item = Lanes>, numbers: &[usize]) {
     let plan = plan();
     assert!(plan.len() % 2 == 1, "the last groups are not full");
-    for lanes in Lanes::here() {
+    for lanes in widths {
         let alone = played(study(&plan, Workers { threads: 1, lanes }));
         for &threads in numbers {
             assert_eq!(played(study(&plan, Workers { threads, lanes })), alone, "{threads} threads, {lanes:?}");

@@ -1,5 +1,6 @@
 //! Converts a byte range of a text to line, column and dotted path of the key.
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -13,6 +14,8 @@ const LONGEST_EXCERPT: usize = 60;
 /// Every key of a document with the spans of its name and of its value.
 pub(crate) struct KeyMap {
     entries: Vec<(Range<usize>, Range<usize>, String)>,
+    /// The entry whose name or value has exactly this span: of equal spans the last, which is the deepest.
+    exact: HashMap<Range<usize>, usize>,
 }
 
 impl KeyMap {
@@ -22,11 +25,16 @@ impl KeyMap {
         if let Ok(table) = DeTable::parse(text) {
             walk_table(table.get_ref(), "", &mut entries);
         }
-        Self { entries }
+        let spans =
+            entries.iter().enumerate().flat_map(|(at, (name, value, _))| [name, value].map(|span| (span.clone(), at)));
+        Self { exact: spans.collect(), entries }
     }
 
     /// Path of the narrowest key or value that contains `span`, or an empty string.
     pub(crate) fn key_at(&self, span: &Range<usize>) -> String {
+        if let Some(&at) = self.exact.get(span) {
+            return self.entries[at].2.clone();
+        }
         let contains = |outer: &Range<usize>| outer.start <= span.start && span.end <= outer.end;
         self.entries
             .iter()

@@ -25,7 +25,7 @@ fn fates(grand: &Instrument, theta: f64, first: u64, count: u64) -> Vec<Fate> {
 /// not converged (1 in 180 000 of the 10 000).
 #[test]
 fn nothing_breaks_at_random() {
-    nothing_breaks(30);
+    nothing_breaks(12);
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn nothing_breaks(count: u64) {
 /// At theta = 1 the scheme takes energy of its own and gives none: no gain but rounding.
 #[test]
 fn nothing_breaks_at_random_with_theta_one() {
-    nothing_breaks_with_theta_one(30);
+    nothing_breaks_with_theta_one(12);
 }
 
 #[test]
