@@ -49,27 +49,27 @@ const fn entry(
 
 /// Indices into [`TABLE`] used by code.
 pub(super) mod at {
-    pub const DOWN: usize = 0;
-    pub const UP: usize = 1;
-    pub const STRIKE: usize = 2;
-    pub const FRONT: usize = 3;
-    pub const RATIO: usize = 4;
-    pub const DIP: usize = 5;
-    pub const BLOW: usize = 6;
-    pub const JACK: usize = 7;
-    pub const LEVER: usize = 8;
-    pub const LET_OFF: usize = 9;
-    pub const DROP: usize = 10;
-    pub const AFTERTOUCH: usize = 11;
-    pub const CHECK: usize = 12;
-    pub const SPRING: usize = 13;
-    pub const DAMPER: usize = 14;
-    pub const KEY_ALONE: usize = 15;
-    pub const HAMMER_FLANGE: usize = 16;
-    pub const WHIPPEN_FLANGE: usize = 17;
-    pub const SWINGS: usize = 18;
-    pub const WHIPPEN: usize = 19;
-    pub const KEY_RATIO: usize = 20;
+    pub(crate) const DOWN: usize = 0;
+    pub(crate) const UP: usize = 1;
+    pub(crate) const STRIKE: usize = 2;
+    pub(crate) const FRONT: usize = 3;
+    pub(crate) const RATIO: usize = 4;
+    pub(crate) const DIP: usize = 5;
+    pub(crate) const BLOW: usize = 6;
+    pub(crate) const JACK: usize = 7;
+    pub(crate) const LEVER: usize = 8;
+    pub(crate) const LET_OFF: usize = 9;
+    pub(crate) const DROP: usize = 10;
+    pub(crate) const AFTERTOUCH: usize = 11;
+    pub(crate) const CHECK: usize = 12;
+    pub(crate) const SPRING: usize = 13;
+    pub(crate) const DAMPER: usize = 14;
+    pub(crate) const KEY_ALONE: usize = 15;
+    pub(crate) const HAMMER_FLANGE: usize = 16;
+    pub(crate) const WHIPPEN_FLANGE: usize = 17;
+    pub(crate) const SWINGS: usize = 18;
+    pub(crate) const WHIPPEN: usize = 19;
+    pub(crate) const KEY_RATIO: usize = 20;
 }
 
 const TABLE: [Entry; ENTRIES] = [

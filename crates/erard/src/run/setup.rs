@@ -18,7 +18,7 @@ pub const MOST_ROWS_ASKED: u64 = 1_000_000;
 /// the error.
 pub const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
 /// Longest run, s: more than eleven days.
-pub const LONGEST_S: f64 = 1e6;
+pub(super) const LONGEST_S: f64 = 1e6;
 /// Settings of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Setup {
