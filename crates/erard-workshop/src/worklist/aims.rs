@@ -29,6 +29,9 @@ const LEAST_CHECK_MM: f64 = 1.5;
 /// Share of the change that is aimed at on the copy: on samples 4, 7 and 112 a bend moved the check by 1.25 to 1.45
 /// times what it did on the copy, with a hand's error of up to a quarter in it.
 const CHECK_GAIN: f64 = 0.8;
+/// Factors by which paper under the key and bends of the wire move a piano's check distance, over what they do on the
+/// copy: of samples 2, 4, 5, 7, 8 and 9, adjusted copies beside them, 0.65 to 1.6, about the same for both.
+const CHECK_MOVES: [f64; 2] = [0.65, 1.6];
 /// Gain of that distance that makes a millimetre of dip and blow worth the work.
 const WORK: f64 = 0.1;
 
@@ -99,15 +102,21 @@ impl Planner<'_, '_> {
             _ => Drop.precision(),
         };
         match self.now.get(quantity) {
-            // Inside, but at risk.
-            Some(_) if quantity == Check && !self.is_out(Check) => middle,
+            // Inside as read: whatever moves the check, and by however much more or less than on the copy, ends as far
+            // from one end of the range as from the other.
+            Some(now) if quantity == Check && !self.read.is_out(Check, self.key) => {
+                let read = self.read.get(Check).unwrap_or(now);
+                read + (low + high - 2.0 * read) / (CHECK_MOVES[0] + CHECK_MOVES[1])
+            }
             Some(now) if [Check, Drop].contains(&quantity) => {
                 let (factor, least) = if quantity == Check { (CHECK_GAIN, LEAST_CHECK_MM) } else { (1.0, 0.0) };
                 let change = |near: f64, far: f64| (factor * (near.max(0.0) * far).sqrt()).max(least);
-                let aim = if now < middle {
-                    now + change(low - now, high - now)
+                // What other lines do to the check is as uncertain as its own: from where it was read.
+                let from = self.read.get(Check).filter(|_| quantity == Check).unwrap_or(now);
+                let aim = if from < middle {
+                    from + change(low - from, high - from)
                 } else {
-                    now - change(now - high, now - low)
+                    from - change(from - high, from - low)
                 };
                 aim.clamp(low + room, high - room)
             }
@@ -122,16 +131,24 @@ impl Planner<'_, '_> {
     /// Whether other lines of this list have brought one so near to the end of its range that its reading cannot tell
     /// on which side it is.
     ///
-    /// Dip and blow move the check distance, and on a piano by a millimetre more or less than on the copy: after them
-    /// it needs more room.
+    /// Dip and blow move the check distance, and on a piano by more or less than on the copy.
     pub(super) fn is_at_risk(&self, quantity: Quantity) -> bool {
         let Some(now) = self.now.get(quantity) else { return false };
         let [low, high] = quantity.range(self.key);
-        let room = (now - low).min(high - now);
+        let room = |value: f64| (value - low).min(high - value);
         match quantity {
-            Check => self.has_done(&[Dip, Blow]) && room < ROOM_CHECK_MM,
-            _ => self.is_moved(quantity) && room < quantity.precision(),
+            Check => self.has_done(&[Dip, Blow]) && self.is_check_at_risk(now),
+            _ => self.is_moved(quantity) && room(now) < quantity.precision(),
         }
+    }
+
+    /// Whether a check distance of this expected value, mm, may turn out outside its range.
+    pub(super) fn is_check_at_risk(&self, now: f64) -> bool {
+        let [low, high] = Check.range(self.key);
+        let room = |value: f64| (value - low).min(high - value);
+        let is_near =
+            |share: f64| self.read.get(Check).is_some_and(|read| room(read + share * (now - read)) < Check.precision());
+        room(now) < ROOM_CHECK_MM || CHECK_MOVES.into_iter().any(is_near)
     }
 
     /// Returns the readings expected with these lines at their targets, without weighing.

@@ -50,6 +50,11 @@ impl Planner<'_, '_> {
                 continue;
             };
             let Some(work) = work.in_steps() else { continue };
+            // Its wire is bent for what dip and blow did when it was planned; they may have been planned anew.
+            let is_right = |check: f64| !list.after.is_out(quantity, self.key) && !self.is_check_at_risk(check);
+            if quantity == Quantity::Check && list.after.get(quantity).is_some_and(is_right) {
+                continue;
+            }
             let mut copy = list.copy.clone();
             work.carry_out(&mut copy, self.progress)?;
             let own_after = Readings::of(&copy, self.progress)?;

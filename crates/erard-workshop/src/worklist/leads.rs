@@ -31,7 +31,7 @@ impl Planner<'_, '_> {
         let best = balance_for(friction_g, self.key);
         let ceiling_g = FrontWeight.range(self.key)[1].max(front_g);
         let wanted_g = balance_g - best.balance_g;
-        let by_g = wanted_g.min(ceiling_g - front_g);
+        let by_g = self.bringing_none_out(wanted_g.min(ceiling_g - front_g));
         let by_g = (by_g / FRONT_G).round() * FRONT_G;
         // Down-weight and up-weight are weighed in steps: leads that change them by less are not requested.
         let by_g = if by_g.abs() < BalanceWeight.least_change() { 0.0 } else { by_g };
@@ -64,5 +64,16 @@ impl Planner<'_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Less of a front weight, g: down-weight, up-weight and balance weight fall by it, and none that is in its range may
+    /// leave it. Where no balance weight suits all three, the middle between them would bring another one out.
+    fn bringing_none_out(&self, by_g: f64) -> f64 {
+        let room = |quantity: Quantity| {
+            let [low, high] = quantity.range(self.key);
+            self.now.get(quantity).map_or(0.0, |now| if by_g > 0.0 { now - low } else { high - now })
+        };
+        let inside = [DownWeight, UpWeight, BalanceWeight].into_iter().filter(|quantity| !self.is_out(*quantity));
+        by_g.signum() * inside.map(room).fold(by_g.abs(), f64::min)
     }
 }
