@@ -66,8 +66,8 @@ impl Planner<'_, '_> {
         Ok(())
     }
 
-    /// Less of a front weight, g: down-weight, up-weight and balance weight fall by it, and none that is in its range may
-    /// leave it. Where no balance weight suits all three, the middle between them would bring another one out.
+    /// Less of a front weight, g: down-weight, up-weight and balance weight fall by it, and none that is in its range
+    /// may leave it. Where no balance weight suits all three, the middle between them would bring another one out.
     fn bringing_none_out(&self, by_g: f64) -> f64 {
         let room = |quantity: Quantity| {
             let [low, high] = quantity.range(self.key);
