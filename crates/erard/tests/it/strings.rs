@@ -324,11 +324,20 @@ fn partials_are_where_the_formula_has_them() {
     }
 }
 
-/// The whole action, softest to loudest: the energy balance closes to 1e-4, no step fails, and the hammer is caught as
-/// it is by a rigid string.
+/// The whole action, softest and loudest: the energy balance closes to 1e-4, and no step fails.
 #[test]
 fn the_balance_of_a_whole_action_closes() {
-    for nuance in erard::stroke::NUANCES {
+    balance_closes(&["pp", "ff"]);
+}
+
+#[test]
+#[ignore = "ci: every nuance"]
+fn the_balance_closes_at_every_nuance() {
+    balance_closes(&erard::stroke::NUANCES);
+}
+
+fn balance_closes(nuances: &[&'static str]) {
+    for &nuance in nuances {
         let run = Play::Stroke(nuance, Touch::Pressed).run(&strung(), Settings::new(USUAL_STEP_S), 1.0);
         let ledger = run.ledger.as_ref().unwrap();
         let string = strung().roles.string.unwrap();
