@@ -109,8 +109,15 @@ fn where_the_library_comes_from() {
     let folder = folder("beside");
     let command = folder.0.join("erard");
     std::fs::copy(env!("CARGO_BIN_EXE_erard"), &command).unwrap();
-    let run =
-        || std::process::Command::new(&command).current_dir(&folder.0).args(["fmu", "-o", "a.fmu"]).output().unwrap();
+    // A process that another test starts meanwhile holds the copy open for writing, until it is the program it becomes.
+    let run = || loop {
+        match std::process::Command::new(&command).current_dir(&folder.0).args(["fmu", "-o", "a.fmu"]).output() {
+            Err(error) if error.kind() == std::io::ErrorKind::ExecutableFileBusy => {
+                std::thread::sleep(std::time::Duration::from_millis(10));
+            }
+            ended => break ended.unwrap(),
+        }
+    };
     let said = String::from_utf8(run().stderr).unwrap();
     assert!(said.contains("cargo build --release -p erard-c") && said.contains("--library"), "{said}");
     assert!(!folder.0.join("a.fmu").exists());
