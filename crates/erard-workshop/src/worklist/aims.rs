@@ -92,8 +92,9 @@ impl Planner<'_, '_> {
     ///
     /// A millimetre of the back check's wire moves the check distance by 7 to 11 mm on seven of eight drawn grands, and
     /// by up to 28 mm on the eighth; a quarter turn of the drop's screw moves the drop of samples 112 and 122 by 1.2 to
-    /// 1.3 times what it does on their copies. The target tolerates the same factor of error either way. The change is
-    /// the geometric mean of those to the two ends of the range.
+    /// 1.3 times what it does on their copies. The target tolerates the same factor of error either way: the change is
+    /// the geometric mean of those to the two ends of the range. A check that was read inside, and that dip and blow
+    /// may bring out, goes where [`CHECK_MOVES`] leaves as much room at one end as at the other.
     pub(super) fn aim(&self, quantity: Quantity) -> f64 {
         let middle = quantity.aim(self.key);
         let [low, high] = quantity.range(self.key);
@@ -102,8 +103,6 @@ impl Planner<'_, '_> {
             _ => Drop.precision(),
         };
         match self.now.get(quantity) {
-            // Inside as read: whatever moves the check, and by however much more or less than on the copy, ends as far
-            // from one end of the range as from the other.
             Some(now) if quantity == Check && !self.read.is_out(Check, self.key) => {
                 let read = self.read.get(Check).unwrap_or(now);
                 read + (low + high - 2.0 * read) / (CHECK_MOVES[0] + CHECK_MOVES[1])
@@ -134,21 +133,24 @@ impl Planner<'_, '_> {
     /// Dip and blow move the check distance, and on a piano by more or less than on the copy.
     pub(super) fn is_at_risk(&self, quantity: Quantity) -> bool {
         let Some(now) = self.now.get(quantity) else { return false };
-        let [low, high] = quantity.range(self.key);
-        let room = |value: f64| (value - low).min(high - value);
         match quantity {
             Check => self.has_done(&[Dip, Blow]) && self.is_check_at_risk(now),
-            _ => self.is_moved(quantity) && room(now) < quantity.precision(),
+            _ => self.is_moved(quantity) && self.room(quantity, now) < quantity.precision(),
         }
     }
 
     /// Whether a check distance of this expected value, mm, may turn out outside its range.
     pub(super) fn is_check_at_risk(&self, now: f64) -> bool {
-        let [low, high] = Check.range(self.key);
-        let room = |value: f64| (value - low).min(high - value);
+        let room = |value: f64| self.room(Check, value);
         let is_near =
             |share: f64| self.read.get(Check).is_some_and(|read| room(read + share * (now - read)) < Check.precision());
         room(now) < ROOM_CHECK_MM || CHECK_MOVES.into_iter().any(is_near)
+    }
+
+    /// Distance of a value from the nearer end of its range; negative outside.
+    fn room(&self, quantity: Quantity, value: f64) -> f64 {
+        let [low, high] = quantity.range(self.key);
+        (value - low).min(high - value)
     }
 
     /// Returns the readings expected with these lines at their targets, without weighing.
@@ -170,10 +172,7 @@ impl Planner<'_, '_> {
     /// With aftertouch first, both are chosen so that all three lie as far inside their ranges as a hand needs, with
     /// little work. With dip first, the dip stays if it is in its range, or goes to the middle.
     fn dip_and_blow(&self, [dip, blow]: [f64; 2], aftertouch: f64) -> [f64; 2] {
-        let room = |quantity: Quantity, value: f64, room: f64| {
-            let [low, high] = quantity.range(self.key);
-            ((value - low).min(high - value) / room).min(1.0)
-        };
+        let room = |quantity: Quantity, value: f64, room: f64| (self.room(quantity, value) / room).min(1.0);
         let here = |quantity: Quantity, other: f64| self.now.get(quantity).unwrap_or(other);
         let gain = |new_dip: f64, new_blow: f64| {
             let new_aftertouch = aftertouch + (new_dip - dip) - KEY_PER_HAMMER * (new_blow - blow);

@@ -51,7 +51,7 @@ impl Planner<'_, '_> {
             };
             let Some(work) = work.in_steps() else { continue };
             // Its wire is bent for what dip and blow did when it was planned; they may have been planned anew.
-            let is_right = |check: f64| !list.after.is_out(quantity, self.key) && !self.is_check_at_risk(check);
+            let is_right = |check: f64| !self.is_check_at_risk(check);
             if quantity == Quantity::Check && list.after.get(quantity).is_some_and(is_right) {
                 continue;
             }
