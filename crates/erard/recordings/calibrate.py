@@ -32,6 +32,7 @@ KEY_MARKS_MM = 2.3
 REST_S = 0.1
 #: Where each stroke was read, and how much of it is made, s.
 STROKES = {"slow": ("raw", 10), "medium": ("raw", 10), "fast": ("raw", 10), "repeated": ("judge-raw", 0.6)}
+STROKES |= {f"struck-{n}": ("judge-raw", 10) for n in range(1, 5)}
 
 
 def key_curve() -> PchipInterpolator:

@@ -129,7 +129,7 @@ fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Len
     let amount = item.work.amount();
     match &item.work {
         Work::Friction { by_g } if *by_g < 0.0 => {
-            format!("ease it by {:.0} g (key bushings, centre pins, knuckle); weigh again before you go on", -by_g)
+            format!("ease it by {:.0} g (key bushings, centre pins, knuckle), with the weights on the key", -by_g)
         }
         Work::Friction { by_g } => {
             format!("{by_g:.0} g too little: are the centre pins loose? Weigh again before you go on")
@@ -154,10 +154,11 @@ fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Len
                 }
                 // A wire is bent until the hammer is caught where it should be: nobody sees how far it went.
                 Some(Handwork::Bent) if item.quantity == Quantity::Check => {
-                    format!(
-                        "bend it {way} until it catches the hammer at {}",
-                        reading(Quantity::Check, &item.after, lengths)
-                    )
+                    let caught = format!("bend it {way} until it catches the hammer");
+                    match item.after.get(Quantity::Check) {
+                        Some(_) => format!("{caught} at {}", reading(Quantity::Check, &item.after, lengths)),
+                        None => caught,
+                    }
                 }
                 Some(Handwork::Bent) => format!("bend it {} {way}", lengths.text(amount.abs() * 1e3, 1)),
                 Some(Handwork::Stack) | None => format!("{} {way}", lengths.text(amount.abs() * 1e3, 1)),

@@ -29,6 +29,7 @@ mod release;
 mod solvers;
 mod strings;
 mod touch;
+mod train;
 mod transfer;
 mod weight;
 
@@ -163,6 +164,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("bushings", "Pivots on compliant bushings", 1.0, bushings::section),
         subject("conformance", "Textbook problems with known answers", 40.0, conformance_rows::section),
         subject("what-gives", "What yields in a loud note, and what it does to timing", 8.0, gives::section),
+        subject("train-felts", "Stiffness and loss of heel and knuckle", 16.0, train::section),
         subject("dynamics", "From gentle to loud: touches, hands, travel times", 3.0, dynamics::section),
         subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
         subject("events", "How events converge, and which of them are chance", 6.0, events::section),

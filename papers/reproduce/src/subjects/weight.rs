@@ -1,11 +1,13 @@
 //! A weight laid on the key and taken off: without muscle or assumptions about a hand. It can be filmed on any grand
 //! with a telephone.
+//!
+//! The weight touches the key as metal does: on a fingertip it would bounce by itself.
 
 use moreau::Settings;
 
 use super::impact::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending};
-use erard::instrument::Instrument;
+use erard::instrument::{Finger, Instrument};
 use erard::player::Hand;
 use erard::run::{Run, Setup, press_by_hand};
 use erard::stroke::{HandStroke, Muscle};
@@ -15,6 +17,14 @@ const STEP_S: f64 = 50e-6;
 /// Weights, kg.
 const WEIGHTS_KG: [f64; 5] = [0.1, 0.15, 0.2, 0.3, 0.5];
 const SHOWN_KG: f64 = 0.3;
+/// Contact of a metal weight and the key's cover. An estimate; a stiffer one gives the same.
+const METAL: Finger = Finger { stiffness_n_per_m: 1e6, damping_n_s_per_m: 300.0 };
+/// Other contacts under the weight: a soft pad, a firm one, and one stiffer than the metal's.
+const CONTACTS: [(&str, Finger); 3] = [
+    ("a soft pad", Finger { stiffness_n_per_m: 1e5, damping_n_s_per_m: 100.0 }),
+    ("a firm pad", Finger { stiffness_n_per_m: 3e5, damping_n_s_per_m: 300.0 }),
+    ("ten times as stiff", Finger { stiffness_n_per_m: 1e7, damping_n_s_per_m: 1e3 }),
+];
 /// Time at which the weight is taken off, and end, s.
 const OFF_S: f64 = 0.5;
 const END_S: f64 = 0.9;
@@ -61,9 +71,10 @@ impl Laid {
 }
 
 pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
-    let instrument = bending(asked)?;
+    let grand = bending(asked)?;
     let header = [
         "weight (g)",
+        "contact",
         "hammer (m/s)",
         "key bottom (ms)",
         "leaves it by (mm)",
@@ -72,21 +83,25 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
     ];
     let mut table = Table::new("A weight laid on the key", &header);
     let mut section = Section::default();
-    for (n, weight_kg) in WEIGHTS_KG.into_iter().enumerate() {
-        tell(progress, n as f64 / WEIGHTS_KG.len() as f64)?;
-        let laid = Laid::new(&instrument, weight_kg)?;
+    let metal = WEIGHTS_KG.map(|weight_kg| (weight_kg, "metal", METAL));
+    let others = CONTACTS.map(|(name, contact)| (SHOWN_KG, name, contact));
+    let cases: Vec<_> = metal.into_iter().chain([(SHOWN_KG, "the fingertip", grand.finger)]).chain(others).collect();
+    for (n, (weight_kg, name, contact)) in cases.iter().copied().enumerate() {
+        tell(progress, n as f64 / cases.len() as f64)?;
+        let laid = Laid::new(&Instrument { finger: contact, ..grand.clone() }, weight_kg)?;
         let events = &laid.run.events;
         let shown = |value: Option<f64>, digits: usize| value.map_or("-".into(), |value| format!("{value:.digits$}"));
         let number = |value: f64| Some(value).filter(|value| value.is_finite());
         table.row([
             format!("{:.0}", 1e3 * weight_kg),
+            name.to_owned(),
             shown(events.hammer_speed_m_per_s(), 2),
             shown(events.key_bottom_s.map(|s| 1e3 * s), 0),
             shown(number(1e3 * laid.leaves_m), 2),
             shown(number(1e3 * laid.stays_m), 2),
             shown(number(1e3 * laid.until_s), 0),
         ]);
-        if weight_kg == SHOWN_KG {
+        if (weight_kg, contact) == (SHOWN_KG, METAL) {
             section.claims.push(Claim::new(
                 "asked of a good key",
                 format!(
@@ -107,8 +122,11 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         }
     }
     section.text.push(format!(
-        "The weight stands on the resting key and is let go; at {:.0} ms it is taken off within 2 ms. Distances are from where the key first meets its punching.",
-        1e3 * OFF_S
+        "The weight stands on the resting key and is let go; at {:.0} ms it is taken off within 2 ms. Distances are from where the key first meets its punching. \
+         Metal on the key's cover: {:.0} N/mm and {:.0} N s/m, an estimate.",
+        1e3 * OFF_S,
+        1e-3 * METAL.stiffness_n_per_m,
+        METAL.damping_n_s_per_m
     ));
     section.tables.push(table);
     Ok(section)

@@ -16,7 +16,7 @@ fn section(name: &str) -> Section {
 /// Claims of the papers (and of this program about itself) that hold on the shipped instrument.
 #[test]
 fn claims_hold() {
-    hold(&["paper2-felt", "paper3-levers", "released-key"]);
+    hold(&["paper2-felt", "paper3-levers", "released-key", "laid-weight"]);
 }
 
 #[test]
@@ -35,14 +35,6 @@ fn hold(names: &[&str]) {
             assert!(claim.holds, "{name}: {}: {}", claim.says, claim.measured);
         }
     }
-}
-
-/// A weight laid on the key still makes it leave its punching by more than it should. Whoever mends that changes the
-/// chapter that says so.
-#[test]
-fn a_laid_weight_bounces() {
-    let claims = section("laid-weight").claims;
-    assert!(claims.len() == 1 && !claims[0].holds, "{}", claims[0].measured);
 }
 
 /// Adaptive steps cost less at 1e-6, for the hammer's speed and for the trajectory, and keep to their tolerance. (At
@@ -111,9 +103,9 @@ mod nightly {
     use super::*;
 
     #[test]
-    #[ignore = "nightly: five subjects of the report"]
+    #[ignore = "nightly: six subjects of the report"]
     fn claims_of_the_slowest_subjects_hold() {
-        hold(&["paper1-fine-structure", "touch-scatter", "scheme-energy", "scheme-solvers", "strings"]);
+        hold(&["paper1-fine-structure", "touch-scatter", "scheme-energy", "scheme-solvers", "train-felts", "strings"]);
     }
 
     /// Claims about strings. Two do not hold, which the book explains: how C4's contact shortens, and how long bass

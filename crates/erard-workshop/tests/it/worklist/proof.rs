@@ -8,10 +8,12 @@ use std::collections::BTreeMap;
 
 use erard::instrument::Instrument;
 use erard_workshop::balance::Lead;
-use erard_workshop::worklist::{Left, Priority, Quantity, Readings, Why, Work, twin, worklist};
+use erard_workshop::worklist::{Item, Left, Priority, Quantity, Readings, Why, Work, twin, worklist};
 
 /// Key whose usual ranges hold.
 pub const KEY: usize = 40;
+/// Most bends of one wire.
+const BENDS: usize = 4;
 
 /// Random numbers, the same every time (Vigna's splitmix64).
 pub struct Chance(u64);
@@ -164,16 +166,59 @@ pub fn pass(piano: &mut Instrument, leads: &mut Vec<Lead>, model: &Instrument, c
     let front_mm = 1e3 * piano.roles.key_front_m[0].abs();
     let mut lines = Vec::new();
     for item in &list.items {
-        let amount = item.work.amount() + 0.5 * item.work.step() * chance.either_way();
-        let done = item.work.with_amount(amount, front_mm);
-        done.carry_out(piano, go_on).unwrap();
-        if let Work::Leads(work) = &done {
-            leads.retain(|lead| !work.out.contains(lead));
-            leads.extend(&work.put);
+        for done in by_hand(item, piano, front_mm, chance) {
+            if let Work::Leads(work) = &done {
+                leads.retain(|lead| !work.out.contains(lead));
+                leads.extend(&work.put);
+            }
         }
         lines.push(format!("{:?}: {:?}", item.quantity, item.work));
     }
     Pass { lines, left: list.left, read, truth: Readings::of(piano, go_on).unwrap() }
+}
+
+/// Carries out a line as the sheet says it, and returns what was done.
+///
+/// Screws, paper, leads and hammers: by the amount, off by up to half a step. Friction is eased with the weights on the
+/// key until it reads what the sheet expects; a check's wire is bent until it catches the hammer where the sheet says.
+fn by_hand(item: &Item, piano: &mut Instrument, front_mm: f64, chance: &mut Chance) -> Vec<Work> {
+    let go_on = &mut |_: f64| true;
+    let (mut next, mut done) = (Some(item.work.clone()), Vec::new());
+    while let Some(planned) = next.take().filter(|_| done.len() < BENDS) {
+        let amount = match (&planned, item.after.get(Quantity::FrictionWeight)) {
+            (Work::Friction { by_g }, Some(wanted_g)) => {
+                let read = seen(&Readings::of(piano, go_on).unwrap(), chance).get(Quantity::FrictionWeight);
+                let left_g = read.map_or(*by_g, |read| wanted_g - read);
+                // What is eased too far stays so.
+                if by_g.is_sign_negative() { left_g.min(0.0) } else { left_g.max(0.0) }
+            }
+            _ => planned.amount() + 0.5 * planned.step() * chance.either_way(),
+        };
+        let work = planned.with_amount(amount, front_mm);
+        work.carry_out(piano, go_on).unwrap();
+        done.push(work);
+        if item.quantity == Quantity::Check {
+            next = next_bend(item, &seen(&Readings::of(piano, go_on).unwrap(), chance));
+        }
+    }
+    done
+}
+
+/// Further bend of a check's wire after a reading, if one is needed that can be seen.
+fn next_bend(item: &Item, read: &Readings) -> Option<Work> {
+    let of = |readings: &Readings| readings.get(Quantity::Check);
+    let step = item.work.step().copysign(item.work.amount());
+    let by = match (of(read), of(&item.before), of(&item.after)) {
+        // Not caught yet: one bend more. No longer caught: one back.
+        (None, None, _) => step,
+        (None, Some(_), _) => -step,
+        (Some(read), Some(before), Some(after)) if (after - read).abs() >= Quantity::Check.least_change() => {
+            item.work.amount() * (after - read) / (after - before)
+        }
+        _ => return None,
+    };
+    let steps = (by / step.abs()).round();
+    (steps != 0.0).then(|| item.work.with_amount(steps * step.abs(), 0.0))
 }
 
 /// The outcome for one piano.
