@@ -1,5 +1,7 @@
 //! The built-in touches as options: which hand plays, and how loud.
 
+use std::path::Path;
+
 use clap::Args;
 use erard::level::{DURATION_S, Kind, LEVELS, LevelError, MASS_KG, Reference, named};
 use erard::player::Hand;
@@ -58,6 +60,16 @@ impl HandOptions {
 
     fn mass_kg(&self) -> f64 {
         self.hand.map_or(MASS_KG, |grams| grams * 1e-3)
+    }
+
+    /// Refuses a mass that was read as the stroke's file because the `=` before it is missing.
+    pub(crate) fn refuse_mass_as(&self, file: &Path) -> Result<(), Failure> {
+        let text = file.to_string_lossy();
+        let is_mass = text.strip_suffix('g').unwrap_or(&text).parse::<f64>().is_ok();
+        if self.hand.is_some() && is_mass && !file.exists() {
+            return Err(Failure::Usage(format!("--hand {text}: the mass follows an equals sign, --hand={text}")));
+        }
+        Ok(())
     }
 
     /// The hand between a file or a force and the key, where one was asked for.

@@ -412,6 +412,9 @@ impl StrokeOptions {
     }
 
     fn loaded(&self, reference: &Instrument, noise: &mut Option<(PathNoise, f64)>) -> Result<Stroke, Failure> {
+        if let Some(file) = &self.file {
+            self.hand.refuse_mass_as(file)?;
+        }
         if let Some(force_n) = self.force_step {
             if let Some(fault) = constant_force_fault(force_n) {
                 return Err(Failure::Usage(format!("--force-step {force_n}: {fault}")));

@@ -96,6 +96,7 @@ fn what_no_hand_reaches_is_refused() {
         (&["--hand-speed", "-1"], "--hand-speed"),
         (&["--hand-speed", "1", "--force-step", "3"], "needs --hand"),
         (&["--hand=0"], "--hand"),
+        (&["--hand", "300g"], "--hand=300g"),
     ] {
         let said = folder.bad(&[&["press"], arguments].concat());
         assert!(said.contains(expected), "{arguments:?}: {said}");
