@@ -49,6 +49,28 @@ pub(crate) fn touch(instrument: &Instrument, progress: &mut Progress<'_>) -> Res
     Ok(loop_weights(instrument, progress)?.0.touch)
 }
 
+/// A scale that remembers what it weighed: an action that comes back is not weighed again.
+#[derive(Debug, Default)]
+pub(crate) struct Scale {
+    known: Vec<(Instrument, Touch)>,
+}
+
+impl Scale {
+    /// Down-weight and up-weight as [`touch`] finds them.
+    pub(crate) fn touch(
+        &mut self,
+        instrument: &Instrument,
+        progress: &mut Progress<'_>,
+    ) -> Result<Touch, MeasureError> {
+        if let Some((_, known)) = self.known.iter().find(|(known, _)| known == instrument) {
+            return Ok(*known);
+        }
+        let found = touch(instrument, progress)?;
+        self.known.push((instrument.clone(), found));
+        Ok(found)
+    }
+}
+
 fn weigh_key(key: usize, instrument: &Instrument, progress: &mut Progress<'_>) -> Result<WeighedKey, MeasureError> {
     let (weights, way_m) = loop_weights(instrument, progress)?;
     let (scale, _) = on_the_scale(instrument, way_m, weights.decided_m)?;

@@ -56,8 +56,8 @@ impl Planner<'_, '_> {
                 continue;
             }
             let mut copy = list.copy.clone();
-            work.carry_out(&mut copy, self.progress)?;
-            let own_after = Readings::of(&copy, self.progress)?;
+            work.carry_out_on(&mut self.scale, &mut copy, self.progress)?;
+            let own_after = Readings::weighed(&copy, &mut self.scale, self.progress)?;
             let after = list.after.moved(&own, &own_after);
             if after.beyond(quantity, self.key) > list.after.beyond(quantity, self.key) {
                 waits.push(Done { quantity, work, instead });

@@ -3,7 +3,7 @@
 use crate::balance::{Lead, LeadWork, add_mass};
 use crate::measure::MeasureError;
 use crate::regulate::{Handwork, known_screw, way};
-use crate::weighing::touch;
+use crate::weighing::Scale;
 use erard::Progress;
 use erard::grand::{Anatomy, Parts, strike_weight_g};
 use erard::instrument::Instrument;
@@ -142,8 +142,21 @@ impl Work {
     /// # Errors
     /// Errors of weighing, because friction is eased with a weight on the key.
     pub fn carry_out(&self, instrument: &mut Instrument, progress: &mut Progress<'_>) -> Result<(), MeasureError> {
+        self.carry_out_on(&mut Scale::default(), instrument, progress)
+    }
+
+    /// The same with a scale that may know the action.
+    ///
+    /// # Errors
+    /// See [`MeasureError`].
+    pub(super) fn carry_out_on(
+        &self,
+        scale: &mut Scale,
+        instrument: &mut Instrument,
+        progress: &mut Progress<'_>,
+    ) -> Result<(), MeasureError> {
         match self {
-            Work::Friction { by_g } => return ease(instrument, Rubs::Everywhere, *by_g, progress),
+            Work::Friction { by_g } => return ease(instrument, Rubs::Everywhere, *by_g, scale, progress),
             Work::Capstan { by_mm } => {
                 if let Some(zone) = capstan(instrument)? {
                     instrument.zones[zone].disc_center_m[0] -= 1e-3 * by_mm;
@@ -230,6 +243,7 @@ pub(super) fn ease(
     instrument: &mut Instrument,
     rubs: Rubs,
     by_g: f64,
+    scale: &mut Scale,
     progress: &mut Progress<'_>,
 ) -> Result<(), MeasureError> {
     let anatomy = Anatomy::find(instrument)?;
@@ -242,13 +256,13 @@ pub(super) fn ease(
         }
         eased
     };
-    let Some(before_g) = touch(instrument, progress)?.friction_weight_g() else { return Ok(()) };
+    let Some(before_g) = scale.touch(instrument, progress)?.friction_weight_g() else { return Ok(()) };
     let wanted_g = before_g + by_g;
     // These pins make up three quarters of the friction weight.
     let mut factor = (1.0 + by_g / (0.75 * before_g)).max(LEAST_FRICTION);
     let (mut last, mut slope) = ((1.0, before_g), 0.75 * before_g);
     for _ in 0..WEIGHINGS {
-        let Some(found_g) = touch(&eased(factor), progress)?.friction_weight_g() else { break };
+        let Some(found_g) = scale.touch(&eased(factor), progress)?.friction_weight_g() else { break };
         if (found_g - wanted_g).abs() < FRICTION_FOUND_G {
             break;
         }

@@ -9,6 +9,7 @@ use super::weights::{best_friction_g, friction_change_g};
 use crate::balance::{KeyModel, Lead};
 use crate::distances::Protocol;
 use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
+use crate::weighing::Scale;
 use erard::Progress;
 use erard::instrument::Instrument;
 
@@ -138,12 +139,14 @@ pub fn worklist(
     priority: Priority,
     progress: &mut Progress<'_>,
 ) -> Worked<Worklist> {
-    let own = Readings::of(copy, progress)?;
+    let mut scale = Scale::default();
+    let own = Readings::weighed(copy, &mut scale, progress)?;
     let mut planner = Planner {
         copy: copy.clone(),
         own,
         read: *readings,
         now: *readings,
+        scale,
         weighed: true,
         key,
         priority,
@@ -183,6 +186,7 @@ pub(super) struct Planner<'a, 'p> {
     pub read: Readings,
     /// Expected readings now.
     pub now: Readings,
+    pub scale: Scale,
     /// Whether the copy has been weighed since a screw was turned.
     weighed: bool,
     pub key: usize,
@@ -200,10 +204,10 @@ impl Planner<'_, '_> {
     /// Tries a piece of work on the copy and returns the copy's readings after it; screws do not need weighing.
     fn tried(&mut self, work: &Work) -> Worked<(Instrument, Readings)> {
         let mut copy = self.copy.clone();
-        work.carry_out(&mut copy, self.progress)?;
+        work.carry_out_on(&mut self.scale, &mut copy, self.progress)?;
         let own = match work {
             Work::Screw { .. } => self.own.regulated(&copy, self.progress)?,
-            _ => Readings::of(&copy, self.progress)?,
+            _ => Readings::weighed(&copy, &mut self.scale, self.progress)?,
         };
         Ok((copy, own))
     }
@@ -234,7 +238,7 @@ impl Planner<'_, '_> {
     /// Weighs the copy if screws have been turned since.
     pub(super) fn weigh(&mut self) -> Worked<()> {
         if !self.weighed {
-            let own = Readings::of(&self.copy, self.progress)?;
+            let own = Readings::weighed(&self.copy, &mut self.scale, self.progress)?;
             self.now = self.now.moved(&self.own, &own);
             (self.own, self.weighed) = (own, true);
         }
@@ -282,7 +286,8 @@ impl Planner<'_, '_> {
             return Ok(self.now);
         }
         let regulated = self.regulated(&self.copy.clone(), &asked)?;
-        Ok(self.now.moved(&self.own, &Readings::of(&regulated, self.progress)?))
+        let own = Readings::weighed(&regulated, &mut self.scale, self.progress)?;
+        Ok(self.now.moved(&self.own, &own))
     }
 
     /// Changes friction to where all weights have room, allowing for the effects of screws and lighter parts.

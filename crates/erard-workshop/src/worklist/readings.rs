@@ -6,7 +6,7 @@ use crate::measure::MeasureError;
 use crate::measure::Sheet;
 use crate::measure::norms::{Line, lines};
 use crate::regulate::Goal;
-use crate::weighing::touch;
+use crate::weighing::Scale;
 use erard::Progress;
 use erard::instrument::Instrument;
 
@@ -195,9 +195,21 @@ impl Readings {
     /// # Errors
     /// See [`MeasureError`].
     pub fn of(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
+        Self::weighed(instrument, &mut Scale::default(), progress)
+    }
+
+    /// The same with a scale that may know the action.
+    ///
+    /// # Errors
+    /// See [`MeasureError`].
+    pub(super) fn weighed(
+        instrument: &Instrument,
+        scale: &mut Scale,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, MeasureError> {
         let distances = distances::measure(instrument, &Protocol::default(), progress)?;
         let mut readings = Self::on_the_scale(instrument)?.with_distances(&distances);
-        let touch = touch(instrument, progress)?;
+        let touch = scale.touch(instrument, progress)?;
         readings.set(DownWeight, touch.down_weight_g);
         readings.set(UpWeight, touch.up_weight_g);
         Ok(readings)

@@ -6,6 +6,7 @@ use super::readings::{Quantity, Readings};
 use crate::balance::KeyModel;
 use crate::distances::Protocol;
 use crate::regulate::{Specification, Status, regulate};
+use crate::weighing::Scale;
 use erard::Progress;
 use erard::instrument::Instrument;
 
@@ -44,15 +45,16 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
         let mut going = |status: &Status| progress(status.share);
         twin = regulate(&twin, &goals, &Protocol::default(), &mut going)?.instrument;
     }
+    let mut scale = Scale::default();
     if let Some(friction_g) = readings.get(Quantity::FrictionWeight)
-        && let Some(own_g) = Readings::of(&twin, progress)?.get(Quantity::FrictionWeight)
+        && let Some(own_g) = scale.touch(&twin, progress)?.friction_weight_g()
         && (friction_g - own_g).abs() > FRICTION_CLOSE_G
     {
         let by_g = friction_g - own_g;
         // Excess friction goes to the key, whose bushings swell: at the hammer's pin it would hold up a hammer that is
         // read to drop.
         let rubs = if by_g > 0.0 { Rubs::Key } else { Rubs::Everywhere };
-        ease(&mut twin, rubs, by_g, progress)?;
+        ease(&mut twin, rubs, by_g, &mut scale, progress)?;
     }
     Ok(twin)
 }
