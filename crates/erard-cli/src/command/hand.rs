@@ -35,7 +35,7 @@ pub(crate) struct HandOptions {
     pub touch: Touch,
     /// Mass of the hand at the fingertip, g. With a stroke file or --force-step it puts a hand before the key: its
     /// muscle has that force or follows that motion, and its fingertip presses the key [default: 200]
-    #[arg(long, value_name = "GRAMS", num_args = 0..=1, require_equals = true, default_missing_value = "200", value_parser = number("g", "a number of grams, e.g. 200g"))]
+    #[arg(long, value_name = "GRAMS", num_args = 0..=1, require_equals = true, default_missing_value = "200", value_parser = number("g", GRAMS))]
     pub hand: Option<f64>,
     /// Speed of the hand when it reaches the key, m/s. It replaces the level of a built-in touch. With a stroke file or
     /// --force-step it needs --hand
@@ -49,6 +49,8 @@ const TOUCHES: [Name<Touch>; 2] = [
     ("struck", "The hand is moving when it reaches the key", Touch::Struck),
 ];
 
+/// What the mass expects.
+const GRAMS: &str = "a number of grams, e.g. 200g";
 /// What a speed's option expects.
 const METRES_PER_SECOND: &str = "a number of m/s, e.g. 2m/s";
 
@@ -65,8 +67,7 @@ impl HandOptions {
     /// Refuses a mass that was read as the stroke's file because the `=` before it is missing.
     pub(crate) fn refuse_mass_as(&self, file: &Path) -> Result<(), Failure> {
         let text = file.to_string_lossy();
-        let is_mass = text.strip_suffix('g').unwrap_or(&text).parse::<f64>().is_ok();
-        if self.hand.is_some() && is_mass && !file.exists() {
+        if self.hand.is_some() && number("g", GRAMS)(&text).is_ok() && !file.exists() {
             return Err(Failure::Usage(format!("--hand {text}: the mass follows an equals sign, --hand={text}")));
         }
         Ok(())

@@ -186,6 +186,7 @@ pub(super) struct Planner<'a, 'p> {
     pub read: Readings,
     /// Expected readings now.
     pub now: Readings,
+    /// Copies weighed so far.
     pub scale: Scale,
     /// Whether the copy has been weighed since a screw was turned.
     weighed: bool,

@@ -113,6 +113,21 @@ fn the_held_key_does_not_rattle() {
     }
 }
 
+/// A struck hand bounces on its own fingertip: with twice the damping there, the end of its spread, the key stays on
+/// its punching.
+#[test]
+fn a_struck_key_stays_under_a_duller_fingertip() {
+    let mut firm = grand();
+    firm.finger.damping_n_s_per_m *= 2.0;
+    let mut reference = reference(&firm);
+    for (name, speed_m_per_s) in LEVELS.into_iter().filter(|(name, _)| ["p", "mf", "f"].contains(name)) {
+        let solved = solve(&mut reference, kind(Touch::Struck), speed_m_per_s);
+        let [farthest_m, last_s] = leaves(&firm, &played(&firm, &solved.whole(), LET_GO_S));
+        println!("{name}: {:.2} mm, {:.0} ms", farthest_m * 1e3, last_s * 1e3);
+        assert!(farthest_m < 0.01e-3, "{name}: {farthest_m}");
+    }
+}
+
 /// Struck hands reach the string sooner from key start at equal loudness.
 #[test]
 fn a_struck_touch_is_sooner_at_the_string() {

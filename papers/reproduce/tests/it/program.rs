@@ -99,7 +99,10 @@ fn the_list() {
 fn tables_in_place_of_claims() {
     let output = folder("tables").erard(&["--only", "laid-weight", "--tables"]);
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("contact") && text.contains(" 300 ") && !text.contains("asked of"), "{text}");
+    assert!(
+        text.contains("contact") && text.contains("it by") && text.contains(" 300 ") && !text.contains("asked of"),
+        "{text}"
+    );
 }
 
 /// The answer with `--json` has what its schema requires, of the types that it says, and names the program's own
