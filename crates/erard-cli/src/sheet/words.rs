@@ -5,6 +5,7 @@ use erard_workshop::regulate::{Handwork, known_screw, turns_text};
 use erard_workshop::worklist::{Item, Quantity, Readings, Why, Work, Worklist};
 
 use super::{Advised, Task};
+use crate::table::decimal;
 use crate::units::Lengths;
 
 /// What to do, in the order of work.
@@ -60,7 +61,7 @@ fn task(item: &Item, one: &Advised<'_>) -> Task {
         reading(item.quantity, &item.after, lengths)
     );
     let for_ = match item.work {
-        Work::Friction { .. } | Work::Leads(_) | Work::FrontWeight { .. } | Work::Hammer { .. } => {
+        Work::FrontWeight { .. } | Work::Hammer { .. } => {
             let weight = |quantity| reading(quantity, &item.after, lengths);
             format!("{from_to}; D {}, U {}", weight(Quantity::DownWeight), weight(Quantity::UpWeight))
         }
@@ -124,12 +125,19 @@ fn what(work: &Work) -> String {
     .to_owned()
 }
 
+/// What the weights on the key read after a line, in whole grams.
+fn weighed(item: &Item) -> String {
+    let [down, up] = [Quantity::DownWeight, Quantity::UpWeight].map(|weight| decimal(item.after.get(weight), 0));
+    format!("D is {down} g and U {up} g")
+}
+
 /// How far, in steps that a hand can do and a scale can show.
 fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Lengths) -> String {
     let amount = item.work.amount();
     match &item.work {
+        // Until the weights read it, in whole grams: nobody feels by how many grams a pin was eased.
         Work::Friction { by_g } if *by_g < 0.0 => {
-            format!("ease it by {:.0} g (key bushings, centre pins, knuckle), with the weights on the key", -by_g)
+            format!("ease it until {} (key bushings, centre pins, knuckle)", weighed(item))
         }
         Work::Friction { by_g } => {
             format!("{by_g:.0} g too little: are the centre pins loose? Weigh again before you go on")
@@ -138,7 +146,13 @@ fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Len
         Work::Capstan { by_mm } => {
             format!("move it {} {}", lengths.text(by_mm.abs(), 1), item.work.way(instrument))
         }
-        Work::Leads(leads) => crate::weigh::leads_text(leads, lengths),
+        Work::Leads(leads) if leads.put.is_empty() => crate::weigh::leads_text(leads, lengths),
+        // A lead is tried where it can still be shifted.
+        Work::Leads(leads) => {
+            let it = if leads.put.len() == 1 { "it" } else { "them" };
+            let leads = crate::weigh::leads_text(leads, lengths);
+            format!("{leads}; before you drill, lay {it} on the key and shift {it} until {}", weighed(item))
+        }
         Work::FrontWeight { by_g } => crate::weigh::front_weight_text(*by_g, front_mm(instrument), lengths),
         Work::Screw { name, by } => {
             let way = item.work.way(instrument);

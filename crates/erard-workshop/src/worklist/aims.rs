@@ -24,11 +24,6 @@ const ROOM_BLOW_MM: f64 = 1.5;
 const ROOM_AFTERTOUCH_MM: f64 = 0.3;
 const ROOM_CHECK_MM: f64 = 0.7;
 const ROOM_LEVER_MM: f64 = 0.15;
-/// Smallest change of the check distance that is aimed at, mm: two bends of its wire by 0.1 mm, for one cannot be seen.
-const LEAST_CHECK_MM: f64 = 1.5;
-/// Share of the change that is aimed at on the copy: on samples 4, 7 and 112 a bend moved the check by 1.25 to 1.45
-/// times what it did on the copy, with a hand's error of up to a quarter in it.
-const CHECK_GAIN: f64 = 0.8;
 /// Factors by which paper under the key and bends of the wire move a piano's check distance, over what they do on the
 /// copy: of samples 2, 4, 5, 7, 8 and 9, adjusted copies beside them, 0.65 to 1.6, about the same for both.
 const CHECK_MOVES: [f64; 2] = [0.65, 1.6];
@@ -90,32 +85,21 @@ impl Planner<'_, '_> {
 
     /// Returns the target of a line.
     ///
-    /// A millimetre of the back check's wire moves the check distance by 7 to 11 mm on seven of eight drawn grands, and
-    /// by up to 28 mm on the eighth; a quarter turn of the drop's screw moves the drop of samples 112 and 122 by 1.2 to
-    /// 1.3 times what it does on their copies. The target tolerates the same factor of error either way: the change is
-    /// the geometric mean of those to the two ends of the range. A check that was read inside, and that dip and blow
-    /// may bring out, goes where [`CHECK_MOVES`] leaves as much room at one end as at the other.
+    /// A quarter turn of the drop's screw moves the drop of samples 112 and 122 by 1.2 to 1.3 times what it does on
+    /// their copies. Its target tolerates the same factor of error either way: the change is the geometric mean of those
+    /// to the two ends of the range. A check's wire moves its distance by even more uncertain amounts, but is bent until
+    /// the hammer is caught where it should be: in the middle.
     pub(super) fn aim(&self, quantity: Quantity) -> f64 {
         let middle = quantity.aim(self.key);
         let [low, high] = quantity.range(self.key);
-        let room = match quantity {
-            Check => ROOM_CHECK_MM,
-            _ => Drop.precision(),
-        };
         match self.now.get(quantity) {
-            Some(now) if quantity == Check && !self.read.is_out(Check, self.key) => {
-                let read = self.read.get(Check).unwrap_or(now);
-                read + (low + high - 2.0 * read) / (CHECK_MOVES[0] + CHECK_MOVES[1])
-            }
-            Some(now) if [Check, Drop].contains(&quantity) => {
-                let (factor, least) = if quantity == Check { (CHECK_GAIN, LEAST_CHECK_MM) } else { (1.0, 0.0) };
-                let change = |near: f64, far: f64| (factor * (near.max(0.0) * far).sqrt()).max(least);
-                // What other lines do to the check is as uncertain as its own: from where it was read.
-                let from = self.read.get(Check).filter(|_| quantity == Check).unwrap_or(now);
-                let aim = if from < middle {
-                    from + change(low - from, high - from)
+            Some(now) if quantity == Drop => {
+                let room = Drop.precision();
+                let change = |near: f64, far: f64| (near.max(0.0) * far).sqrt();
+                let aim = if now < middle {
+                    now + change(low - now, high - now)
                 } else {
-                    from - change(from - high, from - low)
+                    now - change(now - high, now - low)
                 };
                 aim.clamp(low + room, high - room)
             }
@@ -174,11 +158,11 @@ impl Planner<'_, '_> {
     fn dip_and_blow(&self, [dip, blow]: [f64; 2], aftertouch: f64) -> [f64; 2] {
         let room = |quantity: Quantity, value: f64, room: f64| (self.room(quantity, value) / room).min(1.0);
         let here = |quantity: Quantity, other: f64| self.now.get(quantity).unwrap_or(other);
+        let after = |[new_dip, new_blow]: [f64; 2]| aftertouch + (new_dip - dip) - KEY_PER_HAMMER * (new_blow - blow);
         let gain = |new_dip: f64, new_blow: f64| {
-            let new_aftertouch = aftertouch + (new_dip - dip) - KEY_PER_HAMMER * (new_blow - blow);
             let least = room(Dip, new_dip, ROOM_DIP_MM).min(room(Blow, new_blow, ROOM_BLOW_MM)).min(room(
                 Aftertouch,
-                new_aftertouch,
+                after([new_dip, new_blow]),
                 ROOM_AFTERTOUCH_MM,
             ));
             let work = (new_dip - here(Dip, dip)).abs() + KEY_PER_HAMMER * (new_blow - here(Blow, blow)).abs();
@@ -195,14 +179,19 @@ impl Planner<'_, '_> {
             Priority::Dip if self.is_out(Dip) => vec![Dip.aim(self.key)],
             Priority::Dip => vec![here(Dip, dip)],
         };
-        // A turn of the capstan is coarser than a paper: no other blow for what may be a reading's error.
-        let is_small = self.now.beyond(Aftertouch, self.key) <= Aftertouch.precision();
-        let blows: Vec<f64> = if is_small && !self.is_out(Blow) && self.priority == Priority::Aftertouch {
-            vec![here(Blow, blow)]
-        } else {
-            reachable(Blow, here(Blow, blow)).collect()
+        let best = |blows: Vec<f64>| {
+            let pairs = dips.iter().flat_map(|dip| blows.iter().map(|blow| [*dip, *blow]));
+            pairs.max_by(|a, b| gain(a[0], a[1]).total_cmp(&gain(b[0], b[1]))).unwrap_or([dip, blow])
         };
-        let pairs = dips.iter().flat_map(|dip| blows.iter().map(|blow| [*dip, *blow]));
-        pairs.max_by(|a, b| gain(a[0], a[1]).total_cmp(&gain(b[0], b[1]))).unwrap_or([dip, blow])
+        // A turn of the capstan is coarser than a paper: no other blow for what may be a reading's error, unless paper
+        // alone leaves the aftertouch within that error of the end of its range.
+        let is_small = self.now.beyond(Aftertouch, self.key) <= Aftertouch.precision();
+        if is_small && !self.is_out(Blow) && self.priority == Priority::Aftertouch {
+            let papered = best(vec![here(Blow, blow)]);
+            if self.room(Aftertouch, after(papered)) >= Aftertouch.precision() {
+                return papered;
+            }
+        }
+        best(reachable(Blow, here(Blow, blow)).collect())
     }
 }

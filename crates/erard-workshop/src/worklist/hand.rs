@@ -27,7 +27,7 @@ const LEADS_AT: f64 = 0.6;
 /// Bushings and pins are not eased below this share of their friction.
 const LEAST_FRICTION: f64 = 0.1;
 /// Tolerance of a friction weight, g, and most weighings to reach it.
-const FRICTION_FOUND_G: f64 = 0.05;
+pub(super) const FRICTION_FOUND_G: f64 = 0.05;
 const WEIGHINGS: u32 = 8;
 
 /// Piece of work on a key.
@@ -118,8 +118,8 @@ impl Work {
     pub(super) fn in_steps(&self) -> Option<Work> {
         let steps = (self.amount() / self.step()).round();
         (steps != 0.0).then(|| match self {
-            // Leads stand at whole millimetres.
-            Work::Leads(_) => self.clone(),
+            // Leads stand at whole millimetres. Friction is eased with weights on the key, to what they read.
+            Work::Leads(_) | Work::Friction { .. } => self.clone(),
             _ => self.with_amount(steps * self.step(), 0.0),
         })
     }

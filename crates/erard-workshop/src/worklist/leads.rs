@@ -2,7 +2,7 @@
 
 use super::Worked;
 use super::hand::{FRONT_G, Work};
-use super::plan::{Planner, Why};
+use super::plan::{Planner, Why, is_surely_out};
 use super::readings::Quantity;
 use super::weights::balance_for;
 use crate::balance::{LEADS_G, Lead, lead_work};
@@ -19,7 +19,7 @@ impl Planner<'_, '_> {
         if out.is_empty() {
             return Ok(());
         }
-        if self.is_out(FrictionWeight) {
+        if is_surely_out(FrictionWeight, &self.now, self.key) {
             out.iter().for_each(|quantity| self.leave(*quantity, Why::Friction));
             return Ok(());
         }

@@ -5,7 +5,7 @@ use super::Worked;
 use super::aims::{Aims, REGULATION};
 use super::hand::{Work, screw_step};
 use super::readings::{Quantity, Readings};
-use super::weights::{best_friction_g, friction_change_g};
+use super::weights::{best_friction_g, eased_by_g};
 use crate::balance::{KeyModel, Lead};
 use crate::distances::Protocol;
 use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
@@ -311,12 +311,14 @@ impl Planner<'_, '_> {
         // Friction from hammer and leverage changes after this line; until then friction must be in its range.
         let later_g = self.friction_of_parts(&then)?;
         let aim_g = if then_g > high { (best_g + later_g).clamp(best_g, high) } else { best_g };
-        let by_g = friction_change_g(then_g, aim_g, self.key);
-        // Not to where another weight is out of its range, if a reading's error is all that makes it necessary.
+        let by_g = eased_by_g(then_g, aim_g);
+        // Not to where another weight is out of its range, if a reading's error is all that makes it necessary. Leads
+        // will bring in a weight that is surely out.
         let moves_out = [(DownWeight, by_g), (UpWeight, -by_g)].iter().any(|(weight, by_g)| {
             let mut eased = then;
             eased.set(*weight, then.get(*weight).map(|now| now + by_g));
-            eased.beyond(*weight, self.key) > then.beyond(*weight, self.key)
+            !is_surely_out(*weight, &then, self.key)
+                && eased.beyond(*weight, self.key) > then.beyond(*weight, self.key)
         });
         if moves_out && !is_surely_out(FrictionWeight, &then, self.key) {
             self.leave(FrictionWeight, Why::TooFine);
@@ -411,16 +413,12 @@ impl Planner<'_, '_> {
             };
             let Some(aim) = aim else { continue };
             // Lines chosen together are all carried out. Dip moves the check by 5 to 10 mm for each mm: more than its
-            // uncertainty.
-            let is_due = [Dip, Blow, Check].contains(&quantity) || self.is_unreadable(LetOff);
+            // uncertainty. A line that was read out of its range has to move anyway.
+            let is_due = [Dip, Blow, Check].contains(&quantity)
+                || self.is_unreadable(LetOff)
+                || self.read.is_out(quantity, self.key);
             if !is_due && self.is_doubtful(quantity) {
                 self.leave(quantity, Why::ReadAgain);
-                continue;
-            }
-            // A bend of the check's wire may move it through the whole range: none if the reading is almost in it.
-            let is_read = quantity == Check && !self.is_moved(Check) && !self.is_at_risk(Check);
-            if is_read && ![&self.read, &self.now].iter().any(|now| is_surely_out(Check, now, self.key)) {
-                self.leave(Check, Why::TooFine);
                 continue;
             }
             self.set(quantity, aim)?;
@@ -465,10 +463,9 @@ impl Planner<'_, '_> {
             let work = Work::Screw { name: known.name, by: turned.setting[1] - turned.setting[0] };
             self.do_it(quantity, &work, None)?;
         }
-        // The step nearest to the setting may not be nearest to the target, because distances are not linear.
-        if let Some(name) = goal.screws().iter().map(|(name, _)| *name).find(|name| {
-            self.done.last().is_some_and(|done| matches!(done.work, Work::Screw { name: last, .. } if last == *name))
-        }) {
+        // The step nearest to the setting may not be nearest to the target, because distances are not linear; and a line
+        // out by less than half a step comes in by a whole one.
+        if let Some(name) = goal.screws().iter().map(|(name, _)| *name).find(|name| self.copy.screw(name).is_some()) {
             self.step_nearer(quantity, aim, name)?;
         }
         if self.is_out(quantity) {
@@ -527,7 +524,7 @@ pub(super) fn can_be_seen(quantity: Quantity, before: &Readings, after: &Reading
 }
 
 /// Whether a line is out by more than the reading's error: for work that cannot be undone.
-fn is_surely_out(quantity: Quantity, readings: &Readings, key: usize) -> bool {
+pub(super) fn is_surely_out(quantity: Quantity, readings: &Readings, key: usize) -> bool {
     let beyond = readings.beyond(quantity, key);
     beyond.is_finite() && beyond > quantity.precision()
 }

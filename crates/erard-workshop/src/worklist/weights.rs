@@ -1,6 +1,6 @@
 //! Possible weights of a key: down-weight, up-weight, balance weight and friction weight all in their ranges.
 
-use super::hand::Work;
+use super::hand::{FRICTION_FOUND_G, Work};
 use super::readings::Quantity;
 
 /// A balance weight, and the least margin of the readings that depend on it inside their ranges (negative: outside).
@@ -33,8 +33,17 @@ pub(super) fn best_friction_g(key: usize) -> f64 {
         .unwrap_or(0.5 * (low + high))
 }
 
-/// Returns the change of a friction weight toward a target, g: of the hand's steps on either side of the target, the
-/// one that ends in the range, or else nearest to it.
+/// Returns the change of a friction weight to a target, g, with the weights on the key: at least the smallest change
+/// that they show.
+#[must_use]
+pub(super) fn eased_by_g(friction_g: f64, aim_g: f64) -> f64 {
+    let least_g = Work::Friction { by_g: 0.0 }.step() + 2.0 * FRICTION_FOUND_G;
+    let by_g = aim_g - friction_g;
+    by_g.abs().max(least_g).copysign(by_g)
+}
+
+/// Returns the change of a friction weight toward a target, g, for work away from the scale: of the hand's steps on
+/// either side of the target, the one that ends in the range, or else nearest to it.
 #[must_use]
 pub(super) fn friction_change_g(friction_g: f64, aim_g: f64, key: usize) -> f64 {
     let [low, high] = Quantity::FrictionWeight.range(key);

@@ -179,18 +179,23 @@ pub fn pass(piano: &mut Instrument, leads: &mut Vec<Lead>, model: &Instrument, c
 
 /// Carries out a line as the sheet says it, and returns what was done.
 ///
-/// Screws, paper, leads and hammers: by the amount, off by up to half a step. Friction is eased with the weights on the
-/// key until it reads what the sheet expects; a check's wire is bent until it catches the hammer where the sheet says.
+/// Screws, paper and hammers: by the amount, off by up to half a step. Friction is eased, and leads lying on the key are
+/// shifted, until the weights on the key read the whole grams on the sheet; a check's wire is bent until it catches the
+/// hammer where the sheet says.
 fn by_hand(item: &Item, piano: &mut Instrument, front_mm: f64, chance: &mut Chance) -> Vec<Work> {
     let go_on = &mut |_: f64| true;
-    let (mut next, mut done) = (Some(item.work.clone()), Vec::new());
+    let (mut next, mut done, mut is_back) = (Some(item.work.clone()), Vec::new(), false);
     while let Some(planned) = next.take().filter(|_| done.len() < BENDS) {
-        let amount = match (&planned, item.after.get(Quantity::FrictionWeight)) {
-            (Work::Friction { by_g }, Some(wanted_g)) => {
-                let read = seen(&Readings::of(piano, go_on).unwrap(), chance).get(Quantity::FrictionWeight);
-                let left_g = read.map_or(*by_g, |read| wanted_g - read);
+        let printed = [Quantity::DownWeight, Quantity::UpWeight].map(|weight| item.after.get(weight).map(f64::round));
+        let mut read = |quantity: Quantity| seen(&Readings::of(piano, go_on).unwrap(), chance).get(quantity);
+        let amount = match (&planned, printed) {
+            (Work::Friction { by_g }, [Some(down_g), Some(up_g)]) => {
+                let left_g = read(Quantity::FrictionWeight).map_or(*by_g, |read| 0.5 * (down_g - up_g) - read);
                 // What is eased too far stays so.
                 if by_g.is_sign_negative() { left_g.min(0.0) } else { left_g.max(0.0) }
+            }
+            (Work::Leads(leads), [Some(down_g), Some(up_g)]) if !leads.put.is_empty() => {
+                read(Quantity::BalanceWeight).map_or(planned.amount(), |read| read - 0.5 * (down_g + up_g))
             }
             _ => planned.amount() + 0.5 * planned.step() * chance.either_way(),
         };
@@ -198,13 +203,16 @@ fn by_hand(item: &Item, piano: &mut Instrument, front_mm: f64, chance: &mut Chan
         work.carry_out(piano, go_on).unwrap();
         done.push(work);
         if item.quantity == Quantity::Check {
-            next = next_bend(item, &seen(&Readings::of(piano, go_on).unwrap(), chance));
+            let read = seen(&Readings::of(piano, go_on).unwrap(), chance);
+            // A wire that had to be bent back stays where it catches again.
+            next = next_bend(item, &read).filter(|_| !is_back || read.get(Quantity::Check).is_none());
+            is_back |= read.get(Quantity::Check).is_none() && item.before.get(Quantity::Check).is_some();
         }
     }
     done
 }
 
-/// Further bend of a check's wire after a reading, if one is needed that can be seen.
+/// Further bend of a check's wire after a reading, if at least half a step is needed.
 fn next_bend(item: &Item, read: &Readings) -> Option<Work> {
     let of = |readings: &Readings| readings.get(Quantity::Check);
     let step = item.work.step().copysign(item.work.amount());
@@ -212,9 +220,7 @@ fn next_bend(item: &Item, read: &Readings) -> Option<Work> {
         // Not caught yet: one bend more. No longer caught: one back.
         (None, None, _) => step,
         (None, Some(_), _) => -step,
-        (Some(read), Some(before), Some(after)) if (after - read).abs() >= Quantity::Check.least_change() => {
-            item.work.amount() * (after - read) / (after - before)
-        }
+        (Some(read), Some(before), Some(after)) => item.work.amount() * (after - read) / (after - before),
         _ => return None,
     };
     let steps = (by / step.abs()).round();
