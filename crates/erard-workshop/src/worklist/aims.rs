@@ -86,9 +86,9 @@ impl Planner<'_, '_> {
     /// Returns the target of a line.
     ///
     /// A quarter turn of the drop's screw moves the drop of samples 112 and 122 by 1.2 to 1.3 times what it does on
-    /// their copies. Its target tolerates the same factor of error either way: the change is the geometric mean of those
-    /// to the two ends of the range. A check's wire moves its distance by even more uncertain amounts, but is bent until
-    /// the hammer is caught where it should be: in the middle.
+    /// their copies. Its target tolerates the same factor of error either way: the change is the geometric mean of
+    /// those to the two ends of the range. A check's wire moves its distance by even more uncertain amounts, but is
+    /// bent until the hammer is caught where it should be: in the middle.
     pub(super) fn aim(&self, quantity: Quantity) -> f64 {
         let middle = quantity.aim(self.key);
         let [low, high] = quantity.range(self.key);

@@ -463,8 +463,8 @@ impl Planner<'_, '_> {
             let work = Work::Screw { name: known.name, by: turned.setting[1] - turned.setting[0] };
             self.do_it(quantity, &work, None)?;
         }
-        // The step nearest to the setting may not be nearest to the target, because distances are not linear; and a line
-        // out by less than half a step comes in by a whole one.
+        // The step nearest to the setting may not be nearest to the target, because distances are not linear; and a
+        // line out by less than half a step comes in by a whole one.
         if let Some(name) = goal.screws().iter().map(|(name, _)| *name).find(|name| self.copy.screw(name).is_some()) {
             self.step_nearer(quantity, aim, name)?;
         }

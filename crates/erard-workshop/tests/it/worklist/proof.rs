@@ -179,9 +179,9 @@ pub fn pass(piano: &mut Instrument, leads: &mut Vec<Lead>, model: &Instrument, c
 
 /// Carries out a line as the sheet says it, and returns what was done.
 ///
-/// Screws, paper and hammers: by the amount, off by up to half a step. Friction is eased, and leads lying on the key are
-/// shifted, until the weights on the key read the whole grams on the sheet; a check's wire is bent until it catches the
-/// hammer where the sheet says.
+/// Screws, paper and hammers: by the amount, off by up to half a step. Friction is eased, and leads lying on the key
+/// are shifted, until the weights on the key read the whole grams on the sheet; a check's wire is bent until it catches
+/// the hammer where the sheet says.
 fn by_hand(item: &Item, piano: &mut Instrument, front_mm: f64, chance: &mut Chance) -> Vec<Work> {
     let go_on = &mut |_: f64| true;
     let (mut next, mut done, mut is_back) = (Some(item.work.clone()), Vec::new(), false);
