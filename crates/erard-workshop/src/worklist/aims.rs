@@ -1,9 +1,10 @@
 //! Targets of the screws' lines: the middle of each range, except dip and blow, which determine the aftertouch.
 
 use super::Worked;
+use super::hand::{Work, screw_step};
 use super::plan::{Planner, Priority};
 use super::readings::{Quantity, Readings};
-use crate::regulate::Specification;
+use crate::regulate::{Goal, Specification};
 
 use Quantity::{Aftertouch, Blow, Check, Damper, Dip, Drop, JackPosition, LetOff, LeverHeight, Spring};
 
@@ -30,6 +31,14 @@ const CHECK_MOVES: [f64; 2] = [0.65, 1.6];
 /// Gain of that distance that makes a millimetre of dip and blow worth the work.
 const WORK: f64 = 0.1;
 
+/// Smallest turn of the capstan, on the copy.
+struct CapstanStep {
+    /// Change of the blow, mm.
+    blow_mm: f64,
+    /// Loss of aftertouch per blow.
+    key_per_hammer: f64,
+}
+
 /// Targets by line.
 pub(super) type Aims = Vec<(Quantity, f64)>;
 
@@ -45,6 +54,7 @@ impl Planner<'_, '_> {
             self.without_a_fall(&mut aims);
             return Ok(aims);
         }
+        let mut capstan = None;
         for _ in 0..TRIALS {
             let then = self.with_distances_at(&aims)?;
             let (Some(aftertouch), Some(dip), Some(blow)) = (then.get(Aftertouch), then.get(Dip), then.get(Blow))
@@ -55,7 +65,11 @@ impl Planner<'_, '_> {
             if !is_asked && !then.is_out(Aftertouch, self.key) {
                 break;
             }
-            let [new_dip, new_blow] = self.dip_and_blow([dip, blow], aftertouch);
+            let capstan = match &capstan {
+                Some(known) => known,
+                None => capstan.insert(self.capstan_step()?),
+            };
+            let [new_dip, new_blow] = self.dip_and_blow([dip, blow], aftertouch, capstan);
             for (quantity, value) in [(Dip, new_dip), (Blow, new_blow)] {
                 aims.retain(|(other, _)| *other != quantity);
                 let is_far =
@@ -137,6 +151,21 @@ impl Planner<'_, '_> {
         (value - low).min(high - value)
     }
 
+    /// Turns the copy's capstan by one step.
+    fn capstan_step(&mut self) -> Worked<CapstanStep> {
+        let mut step = CapstanStep { blow_mm: Blow.least_change(), key_per_hammer: KEY_PER_HAMMER };
+        let screws = Goal::Blow.screws().iter().map(|(name, _)| *name);
+        if let Some(name) = screws.into_iter().find(|name| self.copy.screw(name).is_some()) {
+            let (_, turned) = self.tried(&Work::Screw { name, by: screw_step(name) })?;
+            let by = |quantity: Quantity| Some(turned.get(quantity)? - self.own.get(quantity)?);
+            if let Some(blow_mm) = by(Blow).filter(|by| by.abs() > Blow.precision()) {
+                step.blow_mm = blow_mm.abs();
+                step.key_per_hammer = by(Aftertouch).map_or(KEY_PER_HAMMER, |by| (-by / blow_mm).max(0.0));
+            }
+        }
+        Ok(step)
+    }
+
     /// Returns the readings expected with these lines at their targets, without weighing.
     fn with_distances_at(&mut self, aims: &Aims) -> Worked<Readings> {
         let asked: Specification = aims
@@ -155,10 +184,11 @@ impl Planner<'_, '_> {
     ///
     /// With aftertouch first, both are chosen so that all three lie as far inside their ranges as a hand needs, with
     /// little work. With dip first, the dip stays if it is in its range, or goes to the middle.
-    fn dip_and_blow(&self, [dip, blow]: [f64; 2], aftertouch: f64) -> [f64; 2] {
+    fn dip_and_blow(&self, [dip, blow]: [f64; 2], aftertouch: f64, capstan: &CapstanStep) -> [f64; 2] {
         let room = |quantity: Quantity, value: f64, room: f64| (self.room(quantity, value) / room).min(1.0);
         let here = |quantity: Quantity, other: f64| self.now.get(quantity).unwrap_or(other);
-        let after = |[new_dip, new_blow]: [f64; 2]| aftertouch + (new_dip - dip) - KEY_PER_HAMMER * (new_blow - blow);
+        let after =
+            |[new_dip, new_blow]: [f64; 2]| aftertouch + (new_dip - dip) - capstan.key_per_hammer * (new_blow - blow);
         let gain = |new_dip: f64, new_blow: f64| {
             let least = room(Dip, new_dip, ROOM_DIP_MM).min(room(Blow, new_blow, ROOM_BLOW_MM)).min(room(
                 Aftertouch,
@@ -170,7 +200,8 @@ impl Planner<'_, '_> {
         };
         // Only changes that a hand makes, from where they are.
         let reachable = |quantity: Quantity, here: f64| {
-            let ([low, high], step) = (quantity.range(self.key), quantity.least_change());
+            let [low, high] = quantity.range(self.key);
+            let step = if quantity == Blow { capstan.blow_mm } else { quantity.least_change() };
             let [from, to] = [((low - here) / step).ceil(), ((high - here) / step).floor()];
             (from as i32..=to as i32).map(move |n| here + step * f64::from(n)).chain([here])
         };

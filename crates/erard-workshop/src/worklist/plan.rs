@@ -5,7 +5,7 @@ use super::Worked;
 use super::aims::{Aims, REGULATION};
 use super::hand::{Work, screw_step};
 use super::readings::{Quantity, Readings};
-use super::weights::{best_friction_g, eased_by_g};
+use super::weights::{best_friction_g, eased_by_g, friction_with_g};
 use crate::balance::{KeyModel, Lead};
 use crate::distances::Protocol;
 use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
@@ -14,7 +14,8 @@ use erard::Progress;
 use erard::instrument::Instrument;
 
 use Quantity::{
-    Aftertouch, Blow, Check, Dip, DownWeight, Drop, FrictionWeight, LetOff, Ratio, Spring, StrikeWeight, UpWeight,
+    Aftertouch, BalanceWeight, Blow, Check, Dip, DownWeight, Drop, FrictionWeight, FrontWeight, LetOff, Ratio, Spring,
+    StrikeWeight, UpWeight,
 };
 
 /// Most repetitions of lines that later ones have disturbed.
@@ -203,7 +204,7 @@ impl Planner<'_, '_> {
     }
 
     /// Tries a piece of work on the copy and returns the copy's readings after it; screws do not need weighing.
-    fn tried(&mut self, work: &Work) -> Worked<(Instrument, Readings)> {
+    pub(super) fn tried(&mut self, work: &Work) -> Worked<(Instrument, Readings)> {
         let mut copy = self.copy.clone();
         work.carry_out_on(&mut self.scale, &mut copy, self.progress)?;
         let own = match work {
@@ -307,9 +308,15 @@ impl Planner<'_, '_> {
             return Ok(());
         }
         let [_, high] = FrictionWeight.range(self.key);
-        let best_g = best_friction_g(self.key);
         // Friction from hammer and leverage changes after this line; until then friction must be in its range.
         let later_g = self.friction_of_parts(&then)?;
+        let best_g = match (then.get(BalanceWeight), then.get(FrontWeight)) {
+            (Some(balance_g), Some(front_g)) if later_g == 0.0 => {
+                let ceiling_g = FrontWeight.range(self.key)[1];
+                friction_with_g(balance_g, (ceiling_g - front_g).max(0.0), self.key)
+            }
+            _ => best_friction_g(self.key),
+        };
         let aim_g = if then_g > high { (best_g + later_g).clamp(best_g, high) } else { best_g };
         let by_g = eased_by_g(then_g, aim_g);
         // Not to where another weight is out of its range, if a reading's error is all that makes it necessary. Leads
@@ -317,8 +324,7 @@ impl Planner<'_, '_> {
         let moves_out = [(DownWeight, by_g), (UpWeight, -by_g)].iter().any(|(weight, by_g)| {
             let mut eased = then;
             eased.set(*weight, then.get(*weight).map(|now| now + by_g));
-            !is_surely_out(*weight, &then, self.key)
-                && eased.beyond(*weight, self.key) > then.beyond(*weight, self.key)
+            !is_surely_out(*weight, &then, self.key) && eased.beyond(*weight, self.key) > then.beyond(*weight, self.key)
         });
         if moves_out && !is_surely_out(FrictionWeight, &then, self.key) {
             self.leave(FrictionWeight, Why::TooFine);

@@ -21,16 +21,34 @@ pub(super) fn balance_for(friction_g: f64, key: usize) -> Balance {
     Balance { balance_g: 0.5 * (low + high), margin_g: 0.5 * (high - low) }
 }
 
-/// Returns the friction weight farthest from the ends of its own range and those of the weights that go with it.
-#[must_use]
-pub(super) fn best_friction_g(key: usize) -> f64 {
+/// Friction weight in its range with the largest margin.
+fn best_of(key: usize, margin: impl Fn(f64) -> f64) -> f64 {
     let [low, high] = Quantity::FrictionWeight.range(key);
     const STEPS: u32 = 200;
-    let margin = |friction_g: f64| balance_for(friction_g, key).margin_g.min(friction_g - low).min(high - friction_g);
+    let margin = |friction_g: f64| margin(friction_g).min(friction_g - low).min(high - friction_g);
     (0..=STEPS)
         .map(|n| low + (high - low) * f64::from(n) / f64::from(STEPS))
         .max_by(|a, b| margin(*a).total_cmp(&margin(*b)))
         .unwrap_or(0.5 * (low + high))
+}
+
+/// Returns the friction weight farthest from the ends of its own range and those of the weights that go with it.
+#[must_use]
+pub(super) fn best_friction_g(key: usize) -> f64 {
+    best_of(key, |friction_g| balance_for(friction_g, key).margin_g)
+}
+
+/// Returns the same for a key whose balance weight stays, or comes down by what front weight may still be put in: at
+/// least what a scale shows.
+#[must_use]
+pub(super) fn friction_with_g(balance_g: f64, most_front_g: f64, key: usize) -> f64 {
+    let least_g = Quantity::BalanceWeight.least_change();
+    best_of(key, |friction_g| {
+        let best = balance_for(friction_g, key);
+        let with = |balance_g: f64| best.margin_g - (balance_g - best.balance_g).abs();
+        let leads_g = (balance_g - best.balance_g).min(most_front_g);
+        if leads_g.abs() < least_g { with(balance_g) } else { with(balance_g - leads_g).max(with(balance_g)) }
+    })
 }
 
 /// Returns the change of a friction weight to a target, g, with the weights on the key: at least the smallest change
