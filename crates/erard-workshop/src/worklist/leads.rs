@@ -33,8 +33,17 @@ impl Planner<'_, '_> {
         let wanted_g = balance_g - best.balance_g;
         let by_g = self.bringing_none_out(wanted_g.min(ceiling_g - front_g));
         let by_g = (by_g / FRONT_G).round() * FRONT_G;
-        // Down-weight and up-weight are weighed in steps: leads that change them by less are not requested.
-        let by_g = if by_g.abs() < BalanceWeight.least_change() { 0.0 } else { by_g };
+        // Down-weight and up-weight are weighed in steps: leads that change them by less are not requested. A whole
+        // step is, where it leaves more room than none.
+        let least_g = BalanceWeight.least_change();
+        let whole_g = self.bringing_none_out(least_g.copysign(wanted_g).min(ceiling_g - front_g));
+        let by_g = if by_g.abs() >= least_g {
+            by_g
+        } else if whole_g.abs() >= least_g && (whole_g - wanted_g).abs() < wanted_g.abs() {
+            whole_g
+        } else {
+            0.0
+        };
         let key_front_mm = 1e3 * self.copy.roles.key_front_m[0].abs();
         let ratio = self.now.get(Ratio);
         let instead = ratio.map(|ratio| Work::Hammer { by_g: -wanted_g / ratio }).and_then(|work| work.in_steps());

@@ -5,7 +5,7 @@ use super::Worked;
 use super::aims::{Aims, REGULATION};
 use super::hand::{Work, screw_step};
 use super::readings::{Quantity, Readings};
-use super::weights::{best_friction_g, eased_by_g, friction_with_g};
+use super::weights::{best_friction_g, eased_by_g, friction_under_ceiling_g};
 use crate::balance::{KeyModel, Lead};
 use crate::distances::Protocol;
 use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
@@ -313,7 +313,7 @@ impl Planner<'_, '_> {
         let best_g = match (then.get(BalanceWeight), then.get(FrontWeight)) {
             (Some(balance_g), Some(front_g)) if later_g == 0.0 => {
                 let ceiling_g = FrontWeight.range(self.key)[1];
-                friction_with_g(balance_g, (ceiling_g - front_g).max(0.0), self.key)
+                friction_under_ceiling_g(balance_g, (ceiling_g - front_g).max(0.0), self.key)
             }
             _ => best_friction_g(self.key),
         };

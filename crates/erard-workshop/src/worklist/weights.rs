@@ -38,16 +38,18 @@ pub(super) fn best_friction_g(key: usize) -> f64 {
     best_of(key, |friction_g| balance_for(friction_g, key).margin_g)
 }
 
-/// Returns the same for a key whose balance weight stays, or comes down by what front weight may still be put in: at
-/// least what a scale shows.
+/// Returns the same for a key whose balance weight comes down no farther than by `most_front_g` of front weight, its
+/// ceiling.
 #[must_use]
-pub(super) fn friction_with_g(balance_g: f64, most_front_g: f64, key: usize) -> f64 {
-    let least_g = Quantity::BalanceWeight.least_change();
+pub(super) fn friction_under_ceiling_g(balance_g: f64, most_front_g: f64, key: usize) -> f64 {
+    let usual_g = best_friction_g(key);
+    let lowest_g = balance_g - most_front_g;
+    if lowest_g <= balance_for(usual_g, key).balance_g {
+        return usual_g;
+    }
     best_of(key, |friction_g| {
         let best = balance_for(friction_g, key);
-        let with = |balance_g: f64| best.margin_g - (balance_g - best.balance_g).abs();
-        let leads_g = (balance_g - best.balance_g).min(most_front_g);
-        if leads_g.abs() < least_g { with(balance_g) } else { with(balance_g - leads_g).max(with(balance_g)) }
+        best.margin_g - (lowest_g - best.balance_g).max(0.0)
     })
 }
 

@@ -13,7 +13,7 @@ use erard_workshop::worklist::{Item, Left, Priority, Quantity, Readings, Why, Wo
 /// Key whose usual ranges hold.
 pub const KEY: usize = 40;
 /// Most bends of one wire.
-const BENDS: usize = 4;
+const BENDS: usize = 8;
 
 /// Random numbers, the same every time (Vigna's splitmix64).
 pub struct Chance(u64);
