@@ -206,10 +206,7 @@ impl Planner<'_, '_> {
             (from as i32..=to as i32).map(move |n| here + step * f64::from(n)).chain([here])
         };
         let dips: Vec<f64> = match self.priority {
-            // None that a reading's error and half a paper would bring out.
-            Priority::Aftertouch => reachable(Dip, here(Dip, dip))
-                .filter(|new| self.room(Dip, *new) >= (0.5 * ROOM_DIP_MM).min(self.room(Dip, here(Dip, dip))))
-                .collect(),
+            Priority::Aftertouch => reachable(Dip, here(Dip, dip)).collect(),
             Priority::Dip if self.is_out(Dip) => vec![Dip.aim(self.key)],
             Priority::Dip => vec![here(Dip, dip)],
         };

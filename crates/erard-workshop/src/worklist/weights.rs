@@ -96,4 +96,18 @@ mod tests {
         // Below 10 g of friction no balance weight has D from 45 and U to 25.
         assert!(balance_for(9.5, 40).margin_g < 0.0 && balance_for(10.1, 40).margin_g > 0.0);
     }
+
+    /// With the weights on the key friction comes to its target, by no less than they show. A balance weight of 37.3 g
+    /// that no lead can bring down leaves U 25 only from 12.3 g of friction on, and 12.5 g is the most.
+    #[test]
+    fn friction_by_the_weights() {
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 0.05, "{found} {expected}");
+        near(eased_by_g(20.0, 11.4), -8.6);
+        near(eased_by_g(12.6, 11.4), -2.1);
+        near(eased_by_g(8.0, 11.4), 3.4);
+        near(friction_under_ceiling_g(37.3, 0.0, 40), 12.4);
+        near(friction_under_ceiling_g(37.3, 0.5, 40), 12.15);
+        near(friction_under_ceiling_g(37.3, 5.0, 40), best_friction_g(40));
+        near(friction_under_ceiling_g(33.0, 0.0, 40), best_friction_g(40));
+    }
 }
