@@ -210,9 +210,17 @@ impl Planner<'_, '_> {
             Priority::Dip if self.is_out(Dip) => vec![Dip.aim(self.key)],
             Priority::Dip => vec![here(Dip, dip)],
         };
+        // What is inside stays inside, by a reading's error if it was.
+        let keeps = |new: &[f64; 2]| {
+            [(Dip, new[0]), (Blow, new[1]), (Aftertouch, after(*new))].into_iter().all(|(quantity, new)| {
+                let room = self.now.get(quantity).map_or(f64::NEG_INFINITY, |now| self.room(quantity, now));
+                room < 0.0 || self.room(quantity, new) >= room.min(quantity.precision()) - 1e-9
+            })
+        };
         let best = |blows: Vec<f64>| {
-            let pairs = dips.iter().flat_map(|dip| blows.iter().map(|blow| [*dip, *blow]));
-            pairs.max_by(|a, b| gain(a[0], a[1]).total_cmp(&gain(b[0], b[1]))).unwrap_or([dip, blow])
+            let pairs = || dips.iter().flat_map(|dip| blows.iter().map(|blow| [*dip, *blow]));
+            let by_gain = |a: &[f64; 2], b: &[f64; 2]| gain(a[0], a[1]).total_cmp(&gain(b[0], b[1]));
+            pairs().filter(keeps).max_by(by_gain).or_else(|| pairs().max_by(by_gain)).unwrap_or([dip, blow])
         };
         // A turn of the capstan is coarser than a paper: no other blow for what may be a reading's error, unless paper
         // alone leaves the aftertouch within that error of the end of its range.
