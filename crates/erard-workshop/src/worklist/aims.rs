@@ -2,7 +2,7 @@
 
 use super::Worked;
 use super::hand::{Work, screw_step};
-use super::plan::{Planner, Priority};
+use super::plan::{Planner, Priority, is_surely_out};
 use super::readings::{Quantity, Readings};
 use crate::regulate::{Goal, Specification};
 
@@ -30,6 +30,10 @@ const ROOM_LEVER_MM: f64 = 0.15;
 const CHECK_MOVES: [f64; 2] = [0.65, 1.6];
 /// Gain of that distance that makes a millimetre of dip and blow worth the work.
 const WORK: f64 = 0.1;
+
+/// Share of a reading's error that must remain of the room of dip, blow and aftertouch where one of them has to move: a
+/// paper laid by half a step too far, and a reading off by its whole error, then end within another such error.
+const ROOM_TO_MOVE: f64 = 0.6;
 
 /// Smallest turn of the capstan, on the copy.
 struct CapstanStep {
@@ -210,11 +214,15 @@ impl Planner<'_, '_> {
             Priority::Dip if self.is_out(Dip) => vec![Dip.aim(self.key)],
             Priority::Dip => vec![here(Dip, dip)],
         };
-        // What is inside stays inside, by a reading's error if it was.
+        // What is inside stays inside, by a reading's error if it was; by less, but surely, where one of the three has
+        // to move.
+        let must_move =
+            [Dip, Blow, Aftertouch].into_iter().any(|quantity| is_surely_out(quantity, &self.now, self.key));
+        let share = if must_move { ROOM_TO_MOVE } else { 1.0 };
         let keeps = |new: &[f64; 2]| {
             [(Dip, new[0]), (Blow, new[1]), (Aftertouch, after(*new))].into_iter().all(|(quantity, new)| {
                 let room = self.now.get(quantity).map_or(f64::NEG_INFINITY, |now| self.room(quantity, now));
-                room < 0.0 || self.room(quantity, new) >= room.min(quantity.precision()) - 1e-9
+                room < 0.0 || self.room(quantity, new) >= room.min(share * quantity.precision()) - 1e-9
             })
         };
         let best = |blows: Vec<f64>| {

@@ -325,12 +325,15 @@ impl Planner<'_, '_> {
         let aim_g = if then_g > high { (best_g + later_g).clamp(best_g, high) } else { best_g };
         let by_g = eased_by_g(then_g, aim_g);
         // Not to where another weight is out of its range, if a reading's error is all that makes it necessary. Leads
-        // will bring in a weight that is surely out.
-        let moves_out = [(DownWeight, by_g), (UpWeight, -by_g)].iter().any(|(weight, by_g)| {
-            let mut eased = then;
-            eased.set(*weight, then.get(*weight).map(|now| now + by_g));
-            !is_surely_out(*weight, &then, self.key) && eased.beyond(*weight, self.key) > then.beyond(*weight, self.key)
-        });
+        // will bring in a weight that is surely out, and with it the others.
+        let weights = [DownWeight, UpWeight, BalanceWeight];
+        let has_leads = weights.iter().any(|weight| is_surely_out(*weight, &then, self.key));
+        let moves_out = !has_leads
+            && [(DownWeight, by_g), (UpWeight, -by_g)].iter().any(|(weight, by_g)| {
+                let mut eased = then;
+                eased.set(*weight, then.get(*weight).map(|now| now + by_g));
+                eased.beyond(*weight, self.key) > then.beyond(*weight, self.key)
+            });
         if moves_out && !is_surely_out(FrictionWeight, &then, self.key) {
             self.leave(FrictionWeight, Why::TooFine);
             return Ok(());
