@@ -420,8 +420,8 @@ impl Planner<'_, '_> {
             }
             let chosen = aims.iter().find(|(other, _)| *other == quantity).map(|(_, aim)| *aim);
             let aim = match quantity {
-                Dip | Blow | LetOff | Drop if chosen.is_some() => chosen,
-                LetOff | Drop if self.is_unreadable(LetOff) => None,
+                Dip | Blow if chosen.is_some() => chosen,
+                LetOff | Drop if self.is_unreadable(LetOff) => chosen,
                 // Earlier lines may have brought it right.
                 _ => (self.is_out(quantity) || self.is_at_risk(quantity)).then(|| self.aim(quantity)),
             };
