@@ -5,7 +5,7 @@ use super::Worked;
 use super::aims::{Aims, REGULATION};
 use super::hand::{Work, screw_step};
 use super::readings::{Quantity, Readings};
-use super::weights::{best_friction_g, eased_by_g, friction_under_ceiling_g};
+use super::weights::{balance_for, best_friction_g, eased_by_g, friction_under_ceiling_g};
 use crate::balance::{KeyModel, Lead};
 use crate::distances::Protocol;
 use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
@@ -325,15 +325,21 @@ impl Planner<'_, '_> {
         let aim_g = if then_g > high { (best_g + later_g).clamp(best_g, high) } else { best_g };
         let by_g = eased_by_g(then_g, aim_g);
         // Not to where another weight is out of its range, if a reading's error is all that makes it necessary. Leads
-        // will bring in a weight that is surely out, and with it the others.
-        let weights = [DownWeight, UpWeight, BalanceWeight];
-        let has_leads = weights.iter().any(|weight| is_surely_out(*weight, &then, self.key));
-        let moves_out = !has_leads
-            && [(DownWeight, by_g), (UpWeight, -by_g)].iter().any(|(weight, by_g)| {
-                let mut eased = then;
-                eased.set(*weight, then.get(*weight).map(|now| now + by_g));
-                eased.beyond(*weight, self.key) > then.beyond(*weight, self.key)
-            });
+        // for a weight that is surely out bring in the others, too.
+        let has_leads =
+            [DownWeight, UpWeight, BalanceWeight].iter().any(|weight| is_surely_out(*weight, &then, self.key));
+        let leads_g = match then.get(BalanceWeight).filter(|_| has_leads) {
+            Some(balance_g) => {
+                let wanted_g = balance_g - balance_for(then_g + by_g, self.key).balance_g;
+                if wanted_g.abs() < BalanceWeight.least_change() { 0.0 } else { wanted_g }
+            }
+            None => 0.0,
+        };
+        let moves_out = [(DownWeight, by_g - leads_g), (UpWeight, -by_g - leads_g)].iter().any(|(weight, by_g)| {
+            let mut eased = then;
+            eased.set(*weight, then.get(*weight).map(|now| now + by_g));
+            eased.beyond(*weight, self.key) > then.beyond(*weight, self.key)
+        });
         if moves_out && !is_surely_out(FrictionWeight, &then, self.key) {
             self.leave(FrictionWeight, Why::TooFine);
             return Ok(());
