@@ -158,8 +158,7 @@ impl Planner<'_, '_> {
     /// Turns the copy's capstan by one step.
     fn capstan_step(&mut self) -> Worked<CapstanStep> {
         let mut step = CapstanStep { blow_mm: Blow.least_change(), key_per_hammer: KEY_PER_HAMMER };
-        let screws = Goal::Blow.screws().iter().map(|(name, _)| *name);
-        if let Some(name) = screws.into_iter().find(|name| self.copy.screw(name).is_some()) {
+        if let Some(name) = self.screw_of(Goal::Blow) {
             let (_, turned) = self.tried(&Work::Screw { name, by: screw_step(name) })?;
             let by = |quantity: Quantity| Some(turned.get(quantity)? - self.own.get(quantity)?);
             if let Some(blow_mm) = by(Blow).filter(|by| by.abs() > Blow.precision()) {

@@ -23,8 +23,8 @@ const ROUNDS: u32 = 3;
 /// Relative error of the change that earlier lines are expected to make of a reading. (On drawn grands worked on by
 /// their lists, a check distance moved by twice the expected change, a drop by 1.7 times.)
 const DOUBT: f64 = 0.5;
-/// Share of the friction that goes with the expected regulation that goes beside it: samples 13 and 17 lost 1.4 and 1.3
-/// times as much as their copies.
+/// Friction that regulation takes away beyond what it takes from the copy, as a share of that: samples 13 and 17 lost
+/// 1.4 and 1.3 times as much as their copies.
 const DOUBT_FRICTION: f64 = 0.3;
 /// Largest move of a capstan line, mm: more needs other parts.
 const MOST_CAPSTAN_MM: f64 = 8.0;
@@ -454,10 +454,15 @@ impl Planner<'_, '_> {
         self.do_it(Check, &Work::Screw { name: "back_check", by: 2.0 * screw_step("back_check") }, None)
     }
 
+    /// The copy's screw for a goal.
+    pub(super) fn screw_of(&self, goal: Goal) -> Option<&'static str> {
+        goal.screws().iter().map(|(name, _)| *name).find(|name| self.copy.screw(name).is_some())
+    }
+
     /// Setting of the copy's screw that brings the piano's reading to its target, in SI units.
     pub(super) fn target(&self, quantity: Quantity, aim: f64) -> Option<(Goal, f64)> {
         let goal = quantity.goal()?;
-        goal.screws().iter().any(|(name, _)| self.copy.screw(name).is_some()).then_some(())?;
+        self.screw_of(goal)?;
         let by = self.now.get(quantity).zip(self.own.get(quantity));
         let value = by.map_or(aim, |(now, own)| own + aim - now);
         Some((goal, value / quantity.factor()))
@@ -487,7 +492,7 @@ impl Planner<'_, '_> {
         // The step nearest to the setting may not be nearest to the target, because distances are not linear; and a
         // line out by less than half a step comes in by a whole one. Dip and blow have been chosen in steps.
         let has_done = self.done.len() > count;
-        if let Some(name) = goal.screws().iter().map(|(name, _)| *name).find(|name| self.copy.screw(name).is_some())
+        if let Some(name) = self.screw_of(goal)
             && (has_done || ![Dip, Blow].contains(&quantity))
         {
             self.step_nearer(quantity, aim, name)?;
