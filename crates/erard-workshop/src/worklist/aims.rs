@@ -12,18 +12,20 @@ use Quantity::{Aftertouch, Blow, Check, Damper, Dip, Drop, JackPosition, LetOff,
 pub(super) const REGULATION: [Quantity; 9] =
     [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop, Check, Spring, Damper];
 /// Lines that determine the aftertouch.
-const DECIDE: [Quantity; 6] = [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop];
+pub(super) const DECIDE: [Quantity; 6] = [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop];
 /// Key travel per hammer travel, for changes of the aftertouch by the blow.
 pub(super) const KEY_PER_HAMMER: f64 = 0.19;
-/// Trials of dip and blow on the copy.
-const TRIALS: u32 = 2;
+const MOST_KEY_PER_HAMMER: f64 = 2.0 * KEY_PER_HAMMER;
+/// Most trials of dip and blow on the copy.
+const TRIALS: u32 = 4;
 /// Distance from the ends of its range, mm, at which a line tolerates the errors of hand and reading: a paper and a
 /// reading; 1/8 turn of the capstan and a reading; both for the aftertouch; a bend of the back check's wire and a
-/// reading; 1/8 turn of the lever's screw and a reading.
+/// reading; 1/8 turn of the jack's or the lever's screw and a reading.
 const ROOM_DIP_MM: f64 = 0.3;
 const ROOM_BLOW_MM: f64 = 1.5;
 const ROOM_AFTERTOUCH_MM: f64 = 0.3;
 const ROOM_CHECK_MM: f64 = 0.7;
+const ROOM_JACK_MM: f64 = 0.35;
 const ROOM_LEVER_MM: f64 = 0.15;
 /// Factors by which paper under the key and bends of the wire move a piano's check distance, over what they do on the
 /// copy: of samples 2, 4, 5, 7, 8 and 9, adjusted copies beside them, 0.65 to 1.6, about the same for both.
@@ -43,6 +45,19 @@ struct CapstanStep {
     key_per_hammer: f64,
 }
 
+impl CapstanStep {
+    /// Takes the loss of aftertouch from two trials of dip, blow and aftertouch, mm, if their blows differ by a turn.
+    fn learn(&mut self, [dip, blow, aftertouch]: [f64; 3], then: [f64; 3]) {
+        let by = then[1] - blow;
+        if by.abs() > Blow.least_change() {
+            self.key_per_hammer = (((then[0] - dip) - (then[2] - aftertouch)) / by).clamp(0.0, MOST_KEY_PER_HAMMER);
+        }
+    }
+}
+
+/// Share of a reading's error by which jack and lever move each other noticeably.
+const NEAR: f64 = 0.3;
+
 /// Targets by line.
 pub(super) type Aims = Vec<(Quantity, f64)>;
 
@@ -58,7 +73,7 @@ impl Planner<'_, '_> {
             self.without_a_fall(&mut aims);
             return Ok(aims);
         }
-        let mut capstan = None;
+        let (mut capstan, mut tried): (Option<CapstanStep>, Option<[f64; 3]>) = (None, None);
         for _ in 0..TRIALS {
             let then = self.with_distances_at(&aims)?;
             let (Some(aftertouch), Some(dip), Some(blow)) = (then.get(Aftertouch), then.get(Dip), then.get(Blow))
@@ -69,18 +84,26 @@ impl Planner<'_, '_> {
             if !is_asked && !then.is_out(Aftertouch, self.key) {
                 break;
             }
-            let capstan = match &capstan {
+            let capstan = match &mut capstan {
                 Some(known) => known,
                 None => capstan.insert(self.capstan_step()?),
             };
-            let [new_dip, new_blow] = self.dip_and_blow([dip, blow], aftertouch, capstan);
-            for (quantity, value) in [(Dip, new_dip), (Blow, new_blow)] {
+            if let Some(last) = tried.replace([dip, blow, aftertouch]) {
+                capstan.learn(last, [dip, blow, aftertouch]);
+            }
+            let chosen = self.dip_and_blow([dip, blow], aftertouch, capstan);
+            let is_tried = (chosen[0] - dip).abs() < 0.5 * Dip.least_change()
+                && (chosen[1] - blow).abs() < 0.5 * Blow.least_change();
+            for (quantity, value) in [(Dip, chosen[0]), (Blow, chosen[1])] {
                 aims.retain(|(other, _)| *other != quantity);
                 let is_far =
                     self.now.get(quantity).is_none_or(|now| (now - value).abs() >= 0.999 * quantity.least_change());
                 if is_far || self.is_out(quantity) {
                     aims.push((quantity, value));
                 }
+            }
+            if is_tried {
+                break;
             }
         }
         Ok(aims)
@@ -106,7 +129,7 @@ impl Planner<'_, '_> {
     /// A quarter turn of the drop's screw moves the drop of samples 112 and 122 by 1.2 to 1.3 times what it does on
     /// their copies. Its target tolerates the same factor of error either way: the change is the geometric mean of
     /// those to the two ends of the range. A check's wire moves its distance by even more uncertain amounts, but is
-    /// bent until the hammer is caught where it should be: in the middle.
+    /// bent until the hammer is caught where it should be: in the middle, or as far from here as can be seen.
     pub(super) fn aim(&self, quantity: Quantity) -> f64 {
         let middle = quantity.aim(self.key);
         let [low, high] = quantity.range(self.key);
@@ -121,9 +144,15 @@ impl Planner<'_, '_> {
                 };
                 aim.clamp(low + room, high - room)
             }
-            // No farther than needed: a lever affects friction and leverage, and so every weight.
-            Some(now) if quantity == LeverHeight => {
-                now.clamp(low + ROOM_LEVER_MM, (high - ROOM_LEVER_MM).max(low + ROOM_LEVER_MM))
+            // No farther than needed: jack and lever affect friction and leverage, and so every weight.
+            Some(now) if [JackPosition, LeverHeight].contains(&quantity) => {
+                let room = if quantity == LeverHeight { ROOM_LEVER_MM } else { ROOM_JACK_MM };
+                now.clamp(low + room, (high - room).max(low + room))
+            }
+            Some(now) if quantity == Check && !self.is_out(Check) => {
+                // A step of the wire is less than that.
+                let least = 1.25 * Check.least_change();
+                if now > middle { middle.min(now - least) } else { middle.max(now + least) }
             }
             _ => middle,
         }
@@ -137,6 +166,10 @@ impl Planner<'_, '_> {
         let Some(now) = self.now.get(quantity) else { return false };
         match quantity {
             Check => self.has_done(&[Dip, Blow]) && self.is_check_at_risk(now),
+            // They move each other.
+            JackPosition | LeverHeight => {
+                self.moved(quantity) > NEAR * quantity.precision() && self.room(quantity, now) < quantity.precision()
+            }
             _ => self.is_moved(quantity) && self.room(quantity, now) < quantity.precision(),
         }
     }
@@ -205,8 +238,9 @@ impl Planner<'_, '_> {
         let reachable = |quantity: Quantity, here: f64| {
             let [low, high] = quantity.range(self.key);
             let step = if quantity == Blow { capstan.blow_mm } else { quantity.least_change() };
-            let [from, to] = [((low - here) / step).ceil(), ((high - here) / step).floor()];
-            (from as i32..=to as i32).map(move |n| here + step * f64::from(n)).chain([here])
+            // Where the range cannot be reached, nearer to it.
+            let [from, to] = [((low - here) / step).ceil().min(0.0), ((high - here) / step).floor().max(0.0)];
+            (from as i32..=to as i32).map(move |n| here + step * f64::from(n))
         };
         let dips: Vec<f64> = match self.priority {
             Priority::Aftertouch => reachable(Dip, here(Dip, dip)).collect(),

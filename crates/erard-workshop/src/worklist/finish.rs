@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::Worked;
+use super::aims::REGULATION;
 use super::hand::Work;
 use super::plan::{Done, Item, Left, Planner, Why, Worklist, can_be_seen};
 use super::readings::{Quantity, Readings};
@@ -12,8 +13,10 @@ impl Planner<'_, '_> {
     /// Makes the list, from the copy as it was when the work began, its own readings, and the piano's.
     pub(super) fn finish(mut self, begun: &Instrument, own: Readings, readings: Readings) -> Worked<Worklist> {
         let is_weight = |done: &Done| matches!(done.work, Work::Leads(_) | Work::FrontWeight { .. });
-        let (weights, others): (Vec<Done>, Vec<Done>) =
+        let (weights, mut others): (Vec<Done>, Vec<Done>) =
             merged(std::mem::take(&mut self.done)).into_iter().partition(is_weight);
+        // Lines done anew stand at their place in the trade's order.
+        others.sort_by_key(|done| REGULATION.iter().position(|quantity| *quantity == done.quantity));
         let mut list = Worklist {
             key: self.key,
             before: readings,

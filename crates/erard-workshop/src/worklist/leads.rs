@@ -3,18 +3,27 @@
 use super::Worked;
 use super::hand::{FRONT_G, Work};
 use super::plan::{Planner, Why, is_surely_out};
-use super::readings::Quantity;
-use super::weights::balance_for;
+use super::readings::{Quantity, Readings};
+use super::weights::{WEIGHED, balance_for};
 use crate::balance::{LEADS_G, Lead, lead_work};
 
-use Quantity::{BalanceWeight, DownWeight, FrictionWeight, FrontWeight, Ratio, StrikeWeight, UpWeight};
+use Quantity::{BalanceWeight, FrictionWeight, FrontWeight, Ratio, StrikeWeight};
+
+/// Change of a front weight, g.
+pub(super) struct Change {
+    /// To the balance weight with the largest margin.
+    wanted_g: f64,
+    /// As done: under the ceiling, in steps, and moving no weight out of its range.
+    pub by_g: f64,
+    /// That margin; negative where no balance weight suits all weights.
+    margin_g: f64,
+}
 
 impl Planner<'_, '_> {
     /// Chooses leads for the balance weight with the largest margin, with the front weight under its ceiling.
     pub(super) fn leads(&mut self, leads: &[Lead]) -> Worked<()> {
         self.weigh()?;
-        let out: Vec<Quantity> =
-            [DownWeight, UpWeight, BalanceWeight].into_iter().filter(|quantity| self.is_out(*quantity)).collect();
+        let out = self.out_of(&self.now);
         // A front weight above its ceiling alone stays: the weights leave no room for less lead.
         if out.is_empty() {
             return Ok(());
@@ -23,26 +32,10 @@ impl Planner<'_, '_> {
             out.iter().for_each(|quantity| self.leave(*quantity, Why::Friction));
             return Ok(());
         }
-        let (Some(friction_g), Some(balance_g), Some(front_g)) =
-            (self.now.get(FrictionWeight), self.now.get(BalanceWeight), self.now.get(FrontWeight))
+        let (Some(Change { wanted_g, by_g, margin_g }), Some(front_g)) =
+            (self.change_of_front_weight(&self.now), self.now.get(FrontWeight))
         else {
             return Ok(());
-        };
-        let best = balance_for(friction_g, self.key);
-        let ceiling_g = FrontWeight.range(self.key)[1].max(front_g);
-        let wanted_g = balance_g - best.balance_g;
-        let by_g = self.bringing_none_out(wanted_g.min(ceiling_g - front_g));
-        let by_g = (by_g / FRONT_G).round() * FRONT_G;
-        // Down-weight and up-weight are weighed in steps: leads that change them by less are not requested. A whole
-        // step is, where it leaves more room than none.
-        let least_g = BalanceWeight.least_change();
-        let whole_g = self.bringing_none_out(least_g.copysign(wanted_g).min(ceiling_g - front_g));
-        let by_g = if by_g.abs() >= least_g {
-            by_g
-        } else if whole_g.abs() >= least_g && (whole_g - wanted_g).abs() < wanted_g.abs() {
-            whole_g
-        } else {
-            0.0
         };
         let key_front_mm = 1e3 * self.copy.roles.key_front_m[0].abs();
         let ratio = self.now.get(Ratio);
@@ -60,11 +53,11 @@ impl Planner<'_, '_> {
             };
             self.do_it(BalanceWeight, &work.unwrap_or(Work::FrontWeight { by_g }), instead)?;
         }
-        for quantity in [DownWeight, UpWeight, BalanceWeight] {
+        for quantity in WEIGHED {
             if self.is_out(quantity) {
                 let why = if wanted_g > by_g + FRONT_G {
                     Why::Ceiling
-                } else if best.margin_g < 0.0 && self.now.beyond(quantity, self.key) > quantity.precision() {
+                } else if margin_g < 0.0 && self.now.beyond(quantity, self.key) > quantity.precision() {
                     Why::NoBalance
                 } else {
                     Why::TooFine
@@ -75,14 +68,46 @@ impl Planner<'_, '_> {
         Ok(())
     }
 
+    /// Down-weight, up-weight and balance weight, where these readings have them out of range.
+    fn out_of(&self, readings: &Readings) -> Vec<Quantity> {
+        WEIGHED.into_iter().filter(|quantity| readings.is_out(*quantity, self.key)).collect()
+    }
+
+    /// Returns the change of the front weight for these readings; `None` where one of them is missing, or all weights
+    /// are in range.
+    pub(super) fn change_of_front_weight(&self, now: &Readings) -> Option<Change> {
+        let (friction_g, balance_g, front_g) =
+            (now.get(FrictionWeight)?, now.get(BalanceWeight)?, now.get(FrontWeight)?);
+        if self.out_of(now).is_empty() {
+            return None;
+        }
+        let best = balance_for(friction_g, self.key);
+        let ceiling_g = FrontWeight.range(self.key)[1].max(front_g);
+        let wanted_g = balance_g - best.balance_g;
+        let by_g = self.bringing_none_out(now, wanted_g.min(ceiling_g - front_g));
+        let by_g = (by_g / FRONT_G).round() * FRONT_G;
+        // Down-weight and up-weight are weighed in steps: leads that change them by less are not requested. A whole
+        // step is, where it leaves more room than none.
+        let least_g = BalanceWeight.least_change();
+        let whole_g = self.bringing_none_out(now, least_g.copysign(wanted_g).min(ceiling_g - front_g));
+        let by_g = if by_g.abs() >= least_g {
+            by_g
+        } else if whole_g.abs() >= least_g && (whole_g - wanted_g).abs() < wanted_g.abs() {
+            whole_g
+        } else {
+            0.0
+        };
+        Some(Change { wanted_g, by_g, margin_g: best.margin_g })
+    }
+
     /// Less of a front weight, g: down-weight, up-weight and balance weight fall by it, and none that is in its range
     /// may leave it. Where no balance weight suits all three, the middle between them would bring another one out.
-    fn bringing_none_out(&self, by_g: f64) -> f64 {
+    fn bringing_none_out(&self, now: &Readings, by_g: f64) -> f64 {
         let room = |quantity: Quantity| {
             let [low, high] = quantity.range(self.key);
-            self.now.get(quantity).map_or(0.0, |now| if by_g > 0.0 { now - low } else { high - now })
+            now.get(quantity).map_or(0.0, |now| if by_g > 0.0 { now - low } else { high - now })
         };
-        let inside = [DownWeight, UpWeight, BalanceWeight].into_iter().filter(|quantity| !self.is_out(*quantity));
+        let inside = WEIGHED.into_iter().filter(|quantity| !now.is_out(*quantity, self.key));
         by_g.signum() * inside.map(room).fold(by_g.abs(), f64::min)
     }
 }

@@ -2,10 +2,10 @@
 //! screw; then the screws in the trade's order; the leads last.
 
 use super::Worked;
-use super::aims::{Aims, REGULATION};
+use super::aims::{Aims, DECIDE, REGULATION};
 use super::hand::{Work, screw_step};
 use super::readings::{Quantity, Readings};
-use super::weights::{balance_for, best_friction_g, eased_by_g, friction_under_ceiling_g};
+use super::weights::{WEIGHED, best_friction_g, eased_by_g, friction_under_ceiling_g};
 use crate::balance::{KeyModel, Lead};
 use crate::distances::Protocol;
 use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
@@ -14,8 +14,8 @@ use erard::Progress;
 use erard::instrument::Instrument;
 
 use Quantity::{
-    Aftertouch, BalanceWeight, Blow, Check, Dip, DownWeight, Drop, FrictionWeight, FrontWeight, LetOff, Ratio, Spring,
-    StrikeWeight, UpWeight,
+    Aftertouch, BalanceWeight, Blow, Check, Dip, DownWeight, Drop, FrictionWeight, FrontWeight, JackPosition, LetOff,
+    LeverHeight, Ratio, Spring, StrikeWeight, UpWeight,
 };
 
 /// Most repetitions of lines that later ones have disturbed.
@@ -54,6 +54,15 @@ pub struct Item {
     pub after: Readings,
 }
 
+impl Item {
+    /// Returns D and U that the key reads after this line, in the whole grams that a sheet prints; `None` without both.
+    #[must_use]
+    pub fn weighed_g(&self) -> Option<[f64; 2]> {
+        let [down_g, up_g] = [DownWeight, UpWeight].map(|weight| self.after.get(weight).map(f64::round));
+        Some([down_g?, up_g?])
+    }
+}
+
 /// Reason why a line stays out of its range.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -72,6 +81,8 @@ pub enum Why {
     Unreadable,
     /// Earlier lines change it, by more than the model can predict: it must be read again.
     ReadAgain,
+    /// No dip and blow bring dip, blow and aftertouch into their ranges.
+    NoRoom,
     /// At this friction weight no balance weight has every weight in its range.
     NoBalance,
     /// The front weight is at its ceiling.
@@ -111,6 +122,12 @@ impl Worklist {
     #[must_use]
     pub fn is_out(&self, quantity: Quantity, readings: &Readings) -> bool {
         readings.is_out(quantity, self.key)
+    }
+
+    /// Returns the place of the last line that decides the aftertouch, after which it has to be read.
+    #[must_use]
+    pub fn aftertouch_is_decided_by(&self) -> Option<usize> {
+        self.items.iter().rposition(|item| DECIDE.contains(&item.quantity))
     }
 
     /// Returns the list with its first `lines` lines only, carried out on `begun`, from which the list was made.
@@ -310,6 +327,12 @@ impl Planner<'_, '_> {
         if !is_out {
             return Ok(());
         }
+        // What is eased too far stays so: not before what regulation takes away can be read.
+        let beyond_g = then.beyond(FrictionWeight, self.key);
+        if then_g < now_g && beyond_g < FrictionWeight.precision().min(DOUBT * (now_g - then_g)) {
+            self.leave(FrictionWeight, Why::ReadAgain);
+            return Ok(());
+        }
         let [_, high] = FrictionWeight.range(self.key);
         // Friction from hammer and leverage changes after this line; until then friction must be in its range.
         let later_g = self.friction_of_parts(&then)?;
@@ -325,20 +348,17 @@ impl Planner<'_, '_> {
         let aim_g = if then_g > high { (best_g + later_g).clamp(best_g, high) } else { best_g };
         let by_g = eased_by_g(then_g, aim_g);
         // Not to where another weight is out of its range, if a reading's error is all that makes it necessary. Leads
-        // for a weight that is surely out bring in the others, too.
-        let has_leads =
-            [DownWeight, UpWeight, BalanceWeight].iter().any(|weight| is_surely_out(*weight, &then, self.key));
-        let leads_g = match then.get(BalanceWeight).filter(|_| has_leads) {
-            Some(balance_g) => {
-                let wanted_g = balance_g - balance_for(then_g + by_g, self.key).balance_g;
-                if wanted_g.abs() < BalanceWeight.least_change() { 0.0 } else { wanted_g }
-            }
-            None => 0.0,
-        };
-        let moves_out = [(DownWeight, by_g - leads_g), (UpWeight, -by_g - leads_g)].iter().any(|(weight, by_g)| {
-            let mut eased = then;
-            eased.set(*weight, then.get(*weight).map(|now| now + by_g));
-            eased.beyond(*weight, self.key) > then.beyond(*weight, self.key)
+        // will follow where a weight is surely out.
+        let mut eased = then;
+        eased.set(DownWeight, then.get(DownWeight).map(|down_g| down_g + by_g));
+        eased.set(UpWeight, then.get(UpWeight).map(|up_g| up_g - by_g));
+        let has_leads = WEIGHED.iter().any(|weight| is_surely_out(*weight, &then, self.key));
+        let leads = self.change_of_front_weight(&eased).filter(|_| has_leads);
+        let leads_g = leads.map_or(0.0, |change| change.by_g);
+        let moves_out = [DownWeight, UpWeight].into_iter().any(|weight| {
+            let mut leaded = eased;
+            leaded.set(weight, eased.get(weight).map(|now_g| now_g - leads_g));
+            leaded.beyond(weight, self.key) > then.beyond(weight, self.key)
         });
         if moves_out && !is_surely_out(FrictionWeight, &then, self.key) {
             self.leave(FrictionWeight, Why::TooFine);
@@ -401,7 +421,7 @@ impl Planner<'_, '_> {
     }
 
     /// Change of a reading expected from earlier lines; 0 without a reading before or after.
-    fn moved(&self, quantity: Quantity) -> f64 {
+    pub(super) fn moved(&self, quantity: Quantity) -> f64 {
         self.read.get(quantity).zip(self.now.get(quantity)).map_or(0.0, |(read, now)| (now - read).abs())
     }
 
@@ -426,15 +446,22 @@ impl Planner<'_, '_> {
             }
             let chosen = aims.iter().find(|(other, _)| *other == quantity).map(|(_, aim)| *aim);
             let aim = match quantity {
-                Dip | Blow if chosen.is_some() => chosen,
+                // Chosen together: neither goes anywhere alone.
+                Dip | Blow => chosen,
                 LetOff | Drop if self.is_unreadable(LetOff) => chosen,
                 // Earlier lines may have brought it right.
                 _ => (self.is_out(quantity) || self.is_at_risk(quantity)).then(|| self.aim(quantity)),
             };
-            let Some(aim) = aim else { continue };
+            let Some(aim) = aim else {
+                if [Dip, Blow].contains(&quantity) && self.is_out(quantity) {
+                    self.leave(quantity, Why::NoRoom);
+                }
+                continue;
+            };
             // Lines chosen together are all carried out. Dip moves the check by 5 to 10 mm for each mm: more than its
-            // uncertainty. A line that was read out of its range has to move anyway.
-            let is_due = [Dip, Blow, Check].contains(&quantity)
+            // uncertainty. Jack and lever move each other, and are set until they read right. A line that was read out
+            // of its range has to move anyway.
+            let is_due = [Dip, Blow, JackPosition, LeverHeight, Check].contains(&quantity)
                 || self.is_unreadable(LetOff)
                 || self.read.is_out(quantity, self.key);
             if !is_due && self.is_doubtful(quantity) {
@@ -501,6 +528,7 @@ impl Planner<'_, '_> {
             let why = match regulated.achieved.first().and_then(|achieved| achieved.miss.clone()) {
                 Some(Miss::EndOfRange(screws)) => Why::EndOfRange(screws),
                 Some(Miss::NoSetting(screws)) => Why::NoSetting(screws),
+                _ if [Dip, Blow].contains(&quantity) && !quantity.is_in_range(aim, self.key) => Why::NoRoom,
                 _ => Why::TooFine,
             };
             self.leave(quantity, why);

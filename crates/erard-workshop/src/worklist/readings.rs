@@ -143,6 +143,12 @@ impl Quantity {
         [low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)]
     }
 
+    /// Whether a value is in the usual range of a key.
+    #[must_use]
+    pub(super) fn is_in_range(self, value: f64, key: usize) -> bool {
+        !self.line().is_out_at(Some(value), key)
+    }
+
     /// Target of the work.
     #[must_use]
     pub(super) fn aim(self, key: usize) -> f64 {
@@ -300,8 +306,9 @@ impl Readings {
             let at = quantity as usize;
             let falls = |drop: Option<f64>| drop.is_some_and(|drop| drop > quantity.precision());
             *value = match (*value, before.values[at], after.values[at]) {
-                // A copy whose hammer does not drop gives no change of a drop.
+                // A copy whose hammer does not drop gives no change of a drop, or of an aftertouch.
                 (value, before, _) if quantity == Drop && falls(value) && !falls(before) => value,
+                (Some(value), None, _) if quantity == Aftertouch => Some(value),
                 (Some(value), Some(before), Some(after)) => Some(value + after - before),
                 // What the copy shows before and after, and the piano does not, stays unknown.
                 (None, Some(_), Some(_)) => None,

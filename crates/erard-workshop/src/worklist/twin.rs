@@ -4,8 +4,8 @@ use super::Worked;
 use super::hand::{Rubs, Work, ease};
 use super::readings::{Quantity, Readings};
 use crate::balance::KeyModel;
-use crate::distances::Protocol;
-use crate::regulate::{Specification, Status, regulate};
+use crate::distances::{Distances, Protocol};
+use crate::regulate::{Goal, Specification, Status, regulate};
 use crate::weighing::Scale;
 use erard::Progress;
 use erard::instrument::Instrument;
@@ -14,6 +14,10 @@ use erard::instrument::Instrument;
 const FRICTION_CLOSE_G: f64 = 0.5;
 /// Smallest drop that a screw is set to, mm: it must be visible as a drop.
 const LEAST_DROP_MM: f64 = 0.3;
+/// Steps, m, by which dip and blow of the copy differ from those read where they cannot be the same, and most of them.
+const DEEPER_M: f64 = 5e-4;
+const NEARER_M: f64 = -2e-3;
+const MOST_SHIFTS: u32 = 3;
 
 /// Returns a copy of a model with the hammer, front weight, friction and screws read on a piano. It predicts how a line
 /// of work changes a reading; its own readings may differ.
@@ -29,7 +33,7 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
     if let Some(front_g) = readings.get(Quantity::FrontWeight) {
         Work::FrontWeight { by_g: front_g - own.front_weight_g }.carry_out(&mut twin, progress)?;
     }
-    let goals: Specification = Quantity::ALL
+    let mut goals: Specification = Quantity::ALL
         .into_iter()
         .filter_map(|quantity| {
             let goal = quantity.goal()?;
@@ -42,8 +46,19 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
         })
         .collect();
     if !goals.is_empty() {
-        let mut going = |status: &Status| progress(status.share);
-        twin = regulate(&twin, &goals, &Protocol::default(), &mut going)?.instrument;
+        let (as_built, mut shifts) = (twin.clone(), 0);
+        loop {
+            let mut going = |status: &Status| progress(status.share);
+            let regulated = regulate(&as_built, &goals, &Protocol::default(), &mut going)?;
+            twin = regulated.instrument;
+            let Some((shifted, by_m)) = shift(&regulated.after, &goals, readings).filter(|_| shifts < MOST_SHIFTS)
+            else {
+                break;
+            };
+            let Some((_, value)) = goals.iter_mut().find(|(goal, _)| *goal == shifted) else { break };
+            *value += by_m;
+            shifts += 1;
+        }
     }
     let mut scale = Scale::default();
     if let Some(friction_g) = readings.get(Quantity::FrictionWeight)
@@ -57,4 +72,23 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
         ease(&mut twin, rubs, by_g, &mut scale, progress)?;
     }
     Ok(twin)
+}
+
+/// Returns the goal that the copy needs another value of, and by how much, m, if it does not come to its goals: on the
+/// copy, only changes have to be right.
+fn shift(copy: &Distances, goals: &Specification, readings: &Readings) -> Option<(Goal, f64)> {
+    let falls = |drop_mm: Option<f64>| drop_mm.is_some_and(|drop_mm| drop_mm > Quantity::Drop.precision());
+    let asked_m = goals.iter().find(|(goal, _)| *goal == Goal::Blow).map(|(_, value)| *value);
+    let is_short = asked_m
+        .zip(Goal::Blow.of(copy))
+        .is_some_and(|(asked_m, own_m)| 1e3 * (asked_m - own_m) > Quantity::Blow.precision());
+    if is_short {
+        // A hammer that already lies on its rail comes no farther down, and the capstan leaves the heel.
+        Some((Goal::Blow, NEARER_M))
+    } else if falls(readings.get(Quantity::Drop)) && !falls(Goal::Drop.of(copy).map(|drop_m| 1e3 * drop_m)) {
+        // Its key ends before the jack lets off, as the piano's does not.
+        Some((Goal::Dip, DEEPER_M))
+    } else {
+        None
+    }
 }

@@ -3,6 +3,9 @@
 use super::hand::{FRICTION_FOUND_G, Work};
 use super::readings::Quantity;
 
+/// Weights that leads change, all by as much.
+pub(super) const WEIGHED: [Quantity; 3] = [Quantity::DownWeight, Quantity::UpWeight, Quantity::BalanceWeight];
+
 /// A balance weight, and the least margin of the readings that depend on it inside their ranges (negative: outside).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Balance {
