@@ -27,7 +27,7 @@ use crate::number::whole;
 use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
-use crate::sheet::{self, Advised, before_and_after, beyond, left, tasks};
+use crate::sheet::{self, Advised, before_and_after, beyond, in_the_end, left, tasks};
 use crate::tell;
 use crate::units::Lengths;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
@@ -176,10 +176,11 @@ impl Measure {
             say!("{}", before_and_after(one).trim_end_matches('\n'));
             say!();
             let whose = if advised.len() > 1 { format!(" ({})", one.measured.label) } else { String::new() };
-            say!("  To do{whose}, each line after the ones before it:");
             let tasks = tasks(one);
             if tasks.is_empty() {
-                say!("    nothing");
+                say!("  To do{whose}: nothing");
+            } else {
+                say!("  To do{whose}, each line after the ones before it, until it reads what the line says:");
             }
             for (index, task) in tasks.iter().enumerate() {
                 say!("    {}. {}: {}", index + 1, task.what, task.by);
@@ -187,6 +188,12 @@ impl Measure {
                 if let Some(instead) = &task.instead {
                     say!("       or instead: {instead}");
                 }
+                if let Some(then) = &task.then {
+                    say!("       then {then}");
+                }
+            }
+            if let Some(in_the_end) = in_the_end(&one.list) {
+                say!("    in the end: {in_the_end}");
             }
             for line in left(&one.list, self.lengths) {
                 say!("    stays out: {line}");

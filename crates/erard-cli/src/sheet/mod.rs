@@ -4,7 +4,7 @@ mod page;
 mod words;
 
 pub(crate) use page::html;
-pub(crate) use words::{beyond, left, tasks};
+pub(crate) use words::{beyond, in_the_end, left, tasks};
 
 use erard_workshop::worklist::{Quantity, Worklist};
 
@@ -41,6 +41,8 @@ pub(crate) struct Task {
     pub for_: String,
     /// What could be done instead.
     pub instead: Option<String>,
+    /// What to read before the next line.
+    pub then: Option<String>,
     /// What every line reads then, by the keys of measure.json.
     #[serde(rename = "readings_after")]
     pub readings: serde_json::Value,

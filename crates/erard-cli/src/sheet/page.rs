@@ -6,7 +6,7 @@ use erard_workshop::regulate::{CAPSTAN_THREAD_M, SMALL_THREAD_M};
 use erard_workshop::worklist::Quantity;
 use maud::{Markup, html};
 
-use super::{Advised, beyond, left, tasks};
+use super::{Advised, beyond, in_the_end, left, tasks};
 use crate::measure::{shown, usual};
 use crate::paper::{page, picture};
 use crate::table::Table;
@@ -83,7 +83,7 @@ fn sheet(one: &Advised<'_>) -> Markup {
                 div { (values("Touch", &TOUCH, one)) (values("On the scale", &PARTS, one)) (values("Playing", &PLAYING, one)) }
                 div { (values("Regulation", &REGULATION, one)) }
             }
-            h2 { "To do, in this order: each line is worked out after the ones before it" }
+            h2 { "To do, in this order, each line until it reads what it says; each is worked out after the ones before it" }
             (to_do(one))
             figure.action {
                 (picture(&format!("{}, at rest", measured.label), one.drawing))
@@ -93,7 +93,7 @@ fn sheet(one: &Advised<'_>) -> Markup {
                  U the largest that it lifts again from just before let-off; its speed must not help it. Damper start is a share of the dip. "
                 "Measured in simulation of this file, as on the bench. Turns are estimates: " (pitch(CAPSTAN_THREAD_M, one.lengths))
                 " a turn for capstans, let-off and dampers (as a 10-24 machine screw, which Nossaman uses for dampers, Caut list 2007), "
-                (pitch(SMALL_THREAD_M, one.lengths)) " for the small screws; give a turn, measure, and go by that. Sources of the usual ranges, all values and the curves: measure.html, the appendix."
+                (pitch(SMALL_THREAD_M, one.lengths)) " for the small screws; give a turn, read the line, and turn on or back until it reads what is said above, or well inside its range. Sources of the usual ranges, all values and the curves: measure.html, the appendix."
             }
         }
     }
@@ -146,9 +146,13 @@ fn to_do(one: &Advised<'_>) -> Markup {
                 let number = (index + 1).to_string();
                 let line = [number, task.what, task.by, task.for_, "☐".to_owned()];
                 let or = task.instead.map(|instead| [String::new(), "or instead".to_owned(), instead, String::new(), String::new()]);
-                std::iter::once(line).chain(or)
+                let then = task.then.map(|then| [String::new(), "then".to_owned(), then, String::new(), "☐".to_owned()]);
+                std::iter::once(line).chain(or).chain(then)
             });
             table.list { (Table::of(["", "what", "how far", "for", "done"], rows).html()) }
+        }
+        @if let Some(in_the_end) = in_the_end(&one.list) {
+            p.soft { "In the end: " (in_the_end) "." }
         }
         @for line in stays {
             p.soft { "Stays out: " (line) "." }

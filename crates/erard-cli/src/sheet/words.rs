@@ -11,7 +11,19 @@ use crate::units::Lengths;
 /// What to do, in the order of work.
 pub(crate) fn tasks(one: &Advised<'_>) -> Vec<Task> {
     let list = &one.list;
-    list.items.iter().map(|item| task(item, one)).collect()
+    let mut tasks: Vec<Task> = list.items.iter().map(|item| task(item, one)).collect();
+    if let Some(task) = list.aftertouch_is_decided_by().and_then(|last| tasks.get_mut(last)) {
+        let read = "read the aftertouch; if it is out of its range, correct it by paper as far as the dip allows, then by the capstan";
+        task.then = Some(read.to_owned());
+    }
+    tasks
+}
+
+/// What to do after the last line, if screws were turned: they move each other.
+pub(crate) fn in_the_end(list: &Worklist) -> Option<&'static str> {
+    let has_turned = list.items.iter().any(|item| matches!(item.work, Work::Screw { .. }));
+    has_turned
+        .then_some("read the distances once more; set what is out of its range by its own screw, except what stays out")
 }
 
 /// What stays out of its range, and why: a line each.
@@ -71,6 +83,7 @@ fn task(item: &Item, one: &Advised<'_>) -> Task {
         what: what(&item.work),
         by: how_far(item, instrument, lengths),
         for_,
+        then: None,
         instead: item.instead.as_ref().map(|work| {
             let instead = Item { work: work.clone(), ..item.clone() };
             format!("{}: {}", what(work), how_far(&instead, instrument, lengths))
@@ -125,9 +138,9 @@ fn what(work: &Work) -> String {
     .to_owned()
 }
 
-/// What the weights on the key read after a line, in whole grams.
+/// What the weights on the key read after a line.
 fn weighed(item: &Item) -> String {
-    let [down, up] = [Quantity::DownWeight, Quantity::UpWeight].map(|weight| decimal(item.after.get(weight), 0));
+    let [down, up] = item.weighed_g().map_or([None; 2], |both| both.map(Some)).map(|g| decimal(g, 0));
     format!("D is {down} g and U {up} g")
 }
 
@@ -213,11 +226,16 @@ fn why_words(quantity: Quantity, why: &Why) -> String {
         Why::NoSetting(names) => format!("no setting of {} gives it", screws(names)),
         Why::NoScrew => "no screw in this file; set it by hand".to_owned(),
         Why::Friction => "friction must come right first".to_owned(),
-        Why::ReadAgain => "earlier lines change it by an uncertain amount; read it again after this list".to_owned(),
+        Why::ReadAgain => "other lines change it by an uncertain amount; read it again after this list".to_owned(),
         Why::Unreadable if [Quantity::Check, Quantity::Spring].contains(&quantity) => {
             "it cannot be read before the check catches the hammer; measure again after this list".to_owned()
         }
         Why::Unreadable => "it cannot be known before the hammer drops; measure again after this list".to_owned(),
+        Why::NoRoom => {
+            "no dip brings blow and aftertouch into their ranges together: look at the back rail cloth, and at the key's \
+             height"
+                .to_owned()
+        }
         Why::NoBalance => {
             "with this friction no balance weight brings both down-weight and up-weight into range".to_owned()
         }
@@ -227,5 +245,47 @@ fn why_words(quantity: Quantity, why: &Why) -> String {
                 .to_owned()
         }
         _ => "it follows from the lines above".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use erard::instrument::Instrument;
+    use erard_workshop::balance::{Lead, LeadWork};
+
+    use super::*;
+
+    /// Work that a hand does until something reads right says what reads how, in whole grams: friction and leads by the
+    /// weights on the key, a check by where it catches the hammer.
+    #[test]
+    fn work_is_done_until_a_reading() {
+        let grand = Instrument::builtin("concert-grand").unwrap();
+        let before = Readings::of(&grand, &mut |_| true).unwrap();
+        let mut after = before;
+        after.set(Quantity::DownWeight, Some(48.6));
+        after.set(Quantity::UpWeight, Some(25.4));
+        after.set(Quantity::Check, Some(13.14));
+        let said = |quantity: Quantity, work: Work, after: Readings| {
+            how_far(&Item { quantity, work, instead: None, before, after }, &grand, Lengths::default())
+        };
+        let friction = said(Quantity::FrictionWeight, Work::Friction { by_g: -4.3 }, after);
+        assert_eq!(friction, "ease it until D is 49 g and U 25 g (key bushings, centre pins, knuckle)");
+        let lead = |at_mm: f64| Lead { mass_g: 14.0, at_mm };
+        let moved = LeadWork { out: vec![lead(164.0)], put: vec![lead(120.0)], ..Default::default() };
+        let leads = said(Quantity::BalanceWeight, Work::Leads(moved.clone()), after);
+        let once = "move 14 g from 164 mm to 120 mm";
+        assert_eq!(
+            leads,
+            format!("{once}; before you drill, lay it on the key and shift it until D is 49 g and U 25 g")
+        );
+        // A lead that comes out is not laid anywhere.
+        let out = said(Quantity::BalanceWeight, Work::Leads(LeadWork { put: vec![], ..moved }), after);
+        assert_eq!(out, "out 14 g at 164 mm");
+        let wire = Work::Screw { name: "back_check", by: 3e-4 };
+        let check = said(Quantity::Check, wire.clone(), after);
+        assert!(check.ends_with("until it catches the hammer at 13.1 mm"), "{check}");
+        after.set(Quantity::Check, None);
+        let caught = said(Quantity::Check, wire, after);
+        assert!(caught.ends_with("until it catches the hammer"), "{caught}");
     }
 }
