@@ -13,7 +13,7 @@ use erard_workshop::diagnose::{Diagnosis, Known, Standing, causes, diagnose, ent
 use erard_workshop::sample::Sampled;
 use erard_workshop::worklist::{Quantity, Readings};
 
-use crate::worklist::proof::Chance;
+use crate::worklist::hand::Chance;
 
 pub const GRAND: &str = "concert-grand";
 /// Key whose usual ranges hold.

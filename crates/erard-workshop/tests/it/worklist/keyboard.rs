@@ -9,7 +9,7 @@ use erard_workshop::balance::{KeyModel, LEADS_G, MeasuredKey};
 use erard_workshop::weighing::{WeighedKey, weigh};
 use erard_workshop::worklist::{KeyboardGoal, KeyboardList, Operation, SECTION_ENDS, Work, keyboard_list};
 
-use super::proof::Chance;
+use super::hand::Chance;
 
 /// Weighed keys; their disturbances, g of friction, front weight and strike weight.
 const PIANO: [(usize, f64, f64, f64); 14] = [

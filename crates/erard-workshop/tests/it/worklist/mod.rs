@@ -1,7 +1,8 @@
 //! Work list: each line is worked out on a copy with the lines before it done.
 
+pub mod hand;
 mod keyboard;
-pub mod proof;
+mod proof;
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -10,7 +11,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use erard::instrument::{Instrument, InstrumentFile};
 use erard_workshop::sample::Sampled;
 use erard_workshop::worklist::{Left, Priority, Quantity, Readings, Work, Worklist, worklist};
-use proof::{Course, KEY, Tally, course, is_healthy};
+use hand::KEY;
+use proof::{Course, Tally, course, is_healthy};
 
 fn list_of(instrument: &Instrument) -> Worklist {
     let go_on = &mut |_: f64| true;

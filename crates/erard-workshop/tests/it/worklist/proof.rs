@@ -2,7 +2,8 @@
 //!
 //! A healthy grand of the ensemble is disturbed as pianos are. The program gets readings only, each off by the error of
 //! a hand and an eye. The list is worked out on a twin of the built-in grand, which is another instrument, and carried
-//! out on the disturbed one by a hand that is off by up to half its step; then all is measured again.
+//! out on the disturbed one by a hand that is off by up to half its step, and turns until it reads what the list
+//! promises; then all is measured again.
 
 use std::collections::BTreeMap;
 
@@ -10,44 +11,7 @@ use erard::instrument::Instrument;
 use erard_workshop::balance::Lead;
 use erard_workshop::worklist::{Item, Left, Priority, Quantity, Readings, Why, Work, twin, worklist};
 
-/// Key whose usual ranges hold.
-pub const KEY: usize = 40;
-/// Most bends of one wire.
-const BENDS: usize = 8;
-
-/// Random numbers, the same every time (Vigna's splitmix64).
-pub struct Chance(u64);
-
-impl Chance {
-    pub fn new(seed: u64) -> Self {
-        Chance(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5dee_ce66)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Number from 0 to 1.
-    pub fn share(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Number from -1 to 1.
-    pub fn either_way(&mut self) -> f64 {
-        2.0 * self.share() - 1.0
-    }
-
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.share()
-    }
-
-    fn happens(&mut self, share: f64) -> bool {
-        self.share() < share
-    }
-}
+use super::hand::{Chance, KEY, by_hand, correct_aftertouch, read_once_more, seen};
 
 /// The disturbances of a piano.
 #[derive(Debug, Clone)]
@@ -135,15 +99,6 @@ fn turn(instrument: &mut Instrument, name: &str, by: f64) {
     }
 }
 
-/// Readings of the truth, each off by up to its precision.
-fn seen(truth: &Readings, chance: &mut Chance) -> Readings {
-    let mut seen = *truth;
-    for quantity in Quantity::ALL {
-        seen.set(quantity, truth.get(quantity).map(|value| value + quantity.precision() * chance.either_way()));
-    }
-    seen
-}
-
 /// Result of one pass: the lines left, and the truth after it.
 pub struct Pass {
     /// Lines as carried out.
@@ -159,72 +114,34 @@ pub struct Pass {
 /// Reads the piano, works out its list, and carries it out by hand.
 pub fn pass(piano: &mut Instrument, leads: &mut Vec<Lead>, model: &Instrument, chance: &mut Chance) -> Pass {
     let go_on = &mut |_: f64| true;
-    let read = seen(&Readings::of(piano, go_on).unwrap(), chance);
+    let mut truth = Readings::of(piano, go_on).unwrap();
+    let read = seen(&truth, chance);
     let twin = twin(model, &read, go_on).unwrap();
     let list = worklist(&twin, &read, leads, KEY, Priority::Aftertouch, go_on).unwrap();
     super::assert_lines_can_be_seen(&list);
     let front_mm = 1e3 * piano.roles.key_front_m[0].abs();
     let mut lines = Vec::new();
-    for item in &list.items {
-        for done in by_hand(item, piano, front_mm, chance) {
+    let is_screw = |item: &Item| matches!(item.work, Work::Screw { .. });
+    let last_screw = list.items.iter().rposition(is_screw);
+    let decided = list.aftertouch_is_decided_by();
+    for (at, item) in list.items.iter().enumerate() {
+        let is_unreadable = |left: &Left| left.quantity == item.quantity && left.why == Why::Unreadable;
+        let can_be_read = !list.left.iter().any(is_unreadable) || item.quantity == Quantity::Check;
+        for done in by_hand(item, can_be_read, piano, &mut truth, front_mm, chance) {
             if let Work::Leads(work) = &done {
                 leads.retain(|lead| !work.out.contains(lead));
                 leads.extend(&work.put);
             }
         }
         lines.push(format!("{:?}: {:?}", item.quantity, item.work));
-    }
-    Pass { lines, left: list.left, read, truth: Readings::of(piano, go_on).unwrap() }
-}
-
-/// Carries out a line as the sheet says it, and returns what was done.
-///
-/// Screws, paper and hammers: by the amount, off by up to half a step. Friction is eased, and leads lying on the key
-/// are shifted, until the weights on the key read the whole grams on the sheet; a check's wire is bent until it catches
-/// the hammer where the sheet says.
-fn by_hand(item: &Item, piano: &mut Instrument, front_mm: f64, chance: &mut Chance) -> Vec<Work> {
-    let go_on = &mut |_: f64| true;
-    let (mut next, mut done, mut is_back) = (Some(item.work.clone()), Vec::new(), false);
-    while let Some(planned) = next.take().filter(|_| done.len() < BENDS) {
-        let printed = [Quantity::DownWeight, Quantity::UpWeight].map(|weight| item.after.get(weight).map(f64::round));
-        let mut read = |quantity: Quantity| seen(&Readings::of(piano, go_on).unwrap(), chance).get(quantity);
-        let amount = match (&planned, printed) {
-            (Work::Friction { by_g }, [Some(down_g), Some(up_g)]) => {
-                let left_g = read(Quantity::FrictionWeight).map_or(*by_g, |read| 0.5 * (down_g - up_g) - read);
-                // What is eased too far stays so.
-                if by_g.is_sign_negative() { left_g.min(0.0) } else { left_g.max(0.0) }
-            }
-            (Work::Leads(leads), [Some(down_g), Some(up_g)]) if !leads.put.is_empty() => {
-                read(Quantity::BalanceWeight).map_or(planned.amount(), |read| read - 0.5 * (down_g + up_g))
-            }
-            _ => planned.amount() + 0.5 * planned.step() * chance.either_way(),
-        };
-        let work = planned.with_amount(amount, front_mm);
-        work.carry_out(piano, go_on).unwrap();
-        done.push(work);
-        if item.quantity == Quantity::Check {
-            let read = seen(&Readings::of(piano, go_on).unwrap(), chance);
-            // A wire that had to be bent back stays where it catches again.
-            next = next_bend(item, &read).filter(|_| !is_back || read.get(Quantity::Check).is_none());
-            is_back |= read.get(Quantity::Check).is_none() && item.before.get(Quantity::Check).is_some();
+        if decided == Some(at) {
+            correct_aftertouch(piano, &mut truth, chance);
+        }
+        if last_screw == Some(at) {
+            read_once_more(&list, piano, &mut truth, front_mm, chance);
         }
     }
-    done
-}
-
-/// Further bend of a check's wire after a reading, if at least half a step is needed.
-fn next_bend(item: &Item, read: &Readings) -> Option<Work> {
-    let of = |readings: &Readings| readings.get(Quantity::Check);
-    let step = item.work.step().copysign(item.work.amount());
-    let by = match (of(read), of(&item.before), of(&item.after)) {
-        // Not caught yet: one bend more. No longer caught: one back.
-        (None, None, _) => step,
-        (None, Some(_), _) => -step,
-        (Some(read), Some(before), Some(after)) => item.work.amount() * (after - read) / (after - before),
-        _ => return None,
-    };
-    let steps = (by / step.abs()).round();
-    (steps != 0.0).then(|| item.work.with_amount(steps * step.abs(), 0.0))
+    Pass { lines, left: list.left, read, truth }
 }
 
 /// The outcome for one piano.
