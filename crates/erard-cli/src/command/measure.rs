@@ -27,7 +27,7 @@ use crate::number::whole;
 use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
-use crate::sheet::{self, Advised, before_and_after, beyond, in_the_end, left, tasks};
+use crate::sheet::{self, Advised, ORDER, before_and_after, beyond, in_the_end, left, tasks};
 use crate::tell;
 use crate::units::Lengths;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
@@ -180,7 +180,7 @@ impl Measure {
             if tasks.is_empty() {
                 say!("  To do{whose}: nothing");
             } else {
-                say!("  To do{whose}, each line after the ones before it, until it reads what the line says:");
+                say!("  To do{whose}, {ORDER}:");
             }
             for (index, task) in tasks.iter().enumerate() {
                 say!("    {}. {}: {}", index + 1, task.what, task.by);

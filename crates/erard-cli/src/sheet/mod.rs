@@ -4,7 +4,7 @@ mod page;
 mod words;
 
 pub(crate) use page::html;
-pub(crate) use words::{beyond, in_the_end, left, tasks};
+pub(crate) use words::{ORDER, beyond, in_the_end, left, tasks};
 
 use erard_workshop::worklist::{Quantity, Worklist};
 

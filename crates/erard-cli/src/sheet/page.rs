@@ -6,7 +6,7 @@ use erard_workshop::regulate::{CAPSTAN_THREAD_M, SMALL_THREAD_M};
 use erard_workshop::worklist::Quantity;
 use maud::{Markup, html};
 
-use super::{Advised, beyond, in_the_end, left, tasks};
+use super::{Advised, ORDER, beyond, in_the_end, left, tasks};
 use crate::measure::{shown, usual};
 use crate::paper::{page, picture};
 use crate::table::Table;
@@ -83,7 +83,7 @@ fn sheet(one: &Advised<'_>) -> Markup {
                 div { (values("Touch", &TOUCH, one)) (values("On the scale", &PARTS, one)) (values("Playing", &PLAYING, one)) }
                 div { (values("Regulation", &REGULATION, one)) }
             }
-            h2 { "To do, in this order: each line until it reads what it says" }
+            h2 { "To do, " (ORDER) }
             (to_do(one))
             figure.action {
                 (picture(&format!("{}, at rest", measured.label), one.drawing))
@@ -152,7 +152,7 @@ fn to_do(one: &Advised<'_>) -> Markup {
             table.list { (Table::of(["", "what", "how far", "for", "done"], rows).html()) }
         }
         @if let Some(in_the_end) = in_the_end(&one.list) {
-            p.soft { "Each line is worked out after the ones before it. In the end: " (in_the_end) "." }
+            p.soft { "In the end: " (in_the_end) "." }
         }
         @for line in stays {
             p.soft { "Stays out: " (line) "." }

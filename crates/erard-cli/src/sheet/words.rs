@@ -8,6 +8,9 @@ use super::{Advised, Task};
 use crate::table::decimal;
 use crate::units::Lengths;
 
+/// How the list is worked through.
+pub(crate) const ORDER: &str = "each line after the ones before it, until it reads what the line says";
+
 /// What to do, in the order of work.
 pub(crate) fn tasks(one: &Advised<'_>) -> Vec<Task> {
     let list = &one.list;

@@ -32,6 +32,8 @@ const ROOM_LEVER_MM: f64 = 0.15;
 const CHECK_MOVES: [f64; 2] = [0.65, 1.6];
 /// Gain of that distance that makes a millimetre of dip and blow worth the work.
 const WORK: f64 = 0.1;
+/// Share of a reading's error by which jack and lever move each other noticeably.
+const NEAR: f64 = 0.3;
 
 /// Share of a reading's error that must remain of the room of dip, blow and aftertouch where one of them has to move: a
 /// paper laid by half a step too far, and a reading off by its whole error, then end within another such error.
@@ -54,9 +56,6 @@ impl CapstanStep {
         }
     }
 }
-
-/// Share of a reading's error by which jack and lever move each other noticeably.
-const NEAR: f64 = 0.3;
 
 /// Targets by line.
 pub(super) type Aims = Vec<(Quantity, f64)>;

@@ -4,7 +4,7 @@
 use super::Worked;
 use super::aims::{Aims, DECIDE, REGULATION};
 use super::hand::{Work, screw_step};
-use super::readings::{Quantity, Readings};
+use super::readings::{Quantity, Readings, is_seen_to_drop};
 use super::weights::{WEIGHED, best_friction_g, eased_by_g, friction_under_ceiling_g};
 use crate::balance::{KeyModel, Lead};
 use crate::distances::Protocol;
@@ -286,7 +286,7 @@ impl Planner<'_, '_> {
     /// does not catch the hammer, but catches the copy's, how far away it stands cannot be seen.
     fn unreadable(&mut self) {
         let mut lines = Vec::new();
-        if self.now.get(Drop).is_none_or(|drop| drop <= Drop.precision()) {
+        if !is_seen_to_drop(self.now.get(Drop)) {
             self.now.set(Aftertouch, None);
             lines.extend([LetOff, Drop, Aftertouch]);
         }
@@ -528,7 +528,7 @@ impl Planner<'_, '_> {
             let why = match regulated.achieved.first().and_then(|achieved| achieved.miss.clone()) {
                 Some(Miss::EndOfRange(screws)) => Why::EndOfRange(screws),
                 Some(Miss::NoSetting(screws)) => Why::NoSetting(screws),
-                _ if [Dip, Blow].contains(&quantity) && !quantity.is_in_range(aim, self.key) => Why::NoRoom,
+                _ if [Dip, Blow].contains(&quantity) && quantity.line().is_out_at(Some(aim), self.key) => Why::NoRoom,
                 _ => Why::TooFine,
             };
             self.leave(quantity, why);

@@ -143,12 +143,6 @@ impl Quantity {
         [low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)]
     }
 
-    /// Whether a value is in the usual range of a key.
-    #[must_use]
-    pub(super) fn is_in_range(self, value: f64, key: usize) -> bool {
-        !self.line().is_out_at(Some(value), key)
-    }
-
     /// Target of the work.
     #[must_use]
     pub(super) fn aim(self, key: usize) -> f64 {
@@ -304,10 +298,9 @@ impl Readings {
         moved.whippen_at_front_g += after.whippen_at_front_g - before.whippen_at_front_g;
         for (quantity, value) in Quantity::ALL.into_iter().zip(&mut moved.values) {
             let at = quantity as usize;
-            let falls = |drop: Option<f64>| drop.is_some_and(|drop| drop > quantity.precision());
             *value = match (*value, before.values[at], after.values[at]) {
                 // A copy whose hammer does not drop gives no change of a drop, or of an aftertouch.
-                (value, before, _) if quantity == Drop && falls(value) && !falls(before) => value,
+                (value, before, _) if quantity == Drop && is_seen_to_drop(value) && !is_seen_to_drop(before) => value,
                 (Some(value), None, _) if quantity == Aftertouch => Some(value),
                 (Some(value), Some(before), Some(after)) => Some(value + after - before),
                 // What the copy shows before and after, and the piano does not, stays unknown.
@@ -317,4 +310,10 @@ impl Readings {
         }
         moved
     }
+}
+
+/// Whether a drop, mm, is more than a reading's error: the hammer is seen to drop.
+#[must_use]
+pub(super) fn is_seen_to_drop(drop_mm: Option<f64>) -> bool {
+    drop_mm.is_some_and(|drop_mm| drop_mm > Drop.precision())
 }

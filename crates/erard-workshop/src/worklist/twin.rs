@@ -2,7 +2,7 @@
 
 use super::Worked;
 use super::hand::{Rubs, Work, ease};
-use super::readings::{Quantity, Readings};
+use super::readings::{Quantity, Readings, is_seen_to_drop};
 use crate::balance::KeyModel;
 use crate::distances::{Distances, Protocol};
 use crate::regulate::{Goal, Specification, Status, regulate};
@@ -77,7 +77,7 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
 /// Returns the goal that the copy needs another value of, and by how much, m, if it does not come to its goals: on the
 /// copy, only changes have to be right.
 fn shift(copy: &Distances, goals: &Specification, readings: &Readings) -> Option<(Goal, f64)> {
-    let falls = |drop_mm: Option<f64>| drop_mm.is_some_and(|drop_mm| drop_mm > Quantity::Drop.precision());
+    let own_drop_mm = Goal::Drop.of(copy).map(|drop_m| 1e3 * drop_m);
     let asked_m = goals.iter().find(|(goal, _)| *goal == Goal::Blow).map(|(_, value)| *value);
     let is_short = asked_m
         .zip(Goal::Blow.of(copy))
@@ -85,7 +85,7 @@ fn shift(copy: &Distances, goals: &Specification, readings: &Readings) -> Option
     if is_short {
         // A hammer that already lies on its rail comes no farther down, and the capstan leaves the heel.
         Some((Goal::Blow, NEARER_M))
-    } else if falls(readings.get(Quantity::Drop)) && !falls(Goal::Drop.of(copy).map(|drop_m| 1e3 * drop_m)) {
+    } else if is_seen_to_drop(readings.get(Quantity::Drop)) && !is_seen_to_drop(own_drop_mm) {
         // Its key ends before the jack lets off, as the piano's does not.
         Some((Goal::Dip, DEEPER_M))
     } else {
