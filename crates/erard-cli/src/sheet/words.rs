@@ -25,8 +25,8 @@ pub(crate) fn tasks(one: &Advised<'_>) -> Vec<Task> {
 /// What to do after the last line, if screws were turned: they move each other.
 pub(crate) fn in_the_end(list: &Worklist) -> Option<&'static str> {
     let has_turned = list.items.iter().any(|item| matches!(item.work, Work::Screw { .. }));
-    has_turned
-        .then_some("read the distances once more; set what is out of its range by its own screw, except what stays out")
+    let again = "read the distances once more; set what is out of its range by its own screw, unless the list says why it cannot come in";
+    has_turned.then_some(again)
 }
 
 /// What stays out of its range, and why: a line each.
@@ -68,7 +68,6 @@ fn comes_from(key: &str) -> &'static str {
 
 fn task(item: &Item, one: &Advised<'_>) -> Task {
     let lengths = one.lengths;
-    let instrument = &one.list.copy;
     let from_to = format!(
         "{} from {} to {}",
         name(item.quantity),
@@ -84,12 +83,12 @@ fn task(item: &Item, one: &Advised<'_>) -> Task {
     };
     Task {
         what: what(&item.work),
-        by: how_far(item, instrument, lengths),
+        by: how_far(item, &one.list, lengths),
         for_,
         then: None,
         instead: item.instead.as_ref().map(|work| {
             let instead = Item { work: work.clone(), ..item.clone() };
-            format!("{}: {}", what(work), how_far(&instead, instrument, lengths))
+            format!("{}: {}", what(work), how_far(&instead, &one.list, lengths))
         }),
         readings: readings(&item.after),
     }
@@ -148,8 +147,8 @@ fn weighed(item: &Item) -> String {
 }
 
 /// How far, in steps that a hand can do and a scale can show.
-fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Lengths) -> String {
-    let amount = item.work.amount();
+fn how_far(item: &Item, list: &Worklist, lengths: Lengths) -> String {
+    let (amount, instrument) = (item.work.amount(), &list.copy);
     match &item.work {
         // Until the weights read it, in whole grams: nobody feels by how many grams a pin was eased.
         Work::Friction { by_g } if *by_g < 0.0 => {
@@ -167,7 +166,12 @@ fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Len
         Work::Leads(leads) => {
             let it = if leads.put.len() == 1 { "it" } else { "them" };
             let leads = crate::weigh::leads_text(leads, lengths);
-            format!("{leads}; before you drill, lay {it} on the key and shift {it} until {}", weighed(item))
+            let most = match item.shift_left_mm(list.key, front_mm(instrument)) {
+                Some(0.0) => ", but no farther out".to_owned(),
+                Some(most_mm) => format!(", but at most {} farther out", lengths.text(most_mm, 0)),
+                None => String::new(),
+            };
+            format!("{leads}; before you drill, lay {it} on the key and shift {it} until {}{most}", weighed(item))
         }
         Work::FrontWeight { by_g } => crate::weigh::front_weight_text(*by_g, front_mm(instrument), lengths),
         Work::Screw { name, by } => {
@@ -185,9 +189,13 @@ fn how_far(item: &Item, instrument: &erard::instrument::Instrument, lengths: Len
                 // A wire is bent until the hammer is caught where it should be: nobody sees how far it went.
                 Some(Handwork::Bent) if item.quantity == Quantity::Check => {
                     let caught = format!("bend it {way} until it catches the hammer");
-                    match item.after.get(Quantity::Check) {
-                        Some(_) => format!("{caught} at {}", reading(Quantity::Check, &item.after, lengths)),
-                        None => caught,
+                    let at = reading(Quantity::Check, &item.after, lengths);
+                    match [&item.before, &item.after].map(|readings| readings.get(Quantity::Check)) {
+                        [Some(before), Some(after)] if after > before => {
+                            format!("{caught} at {at}, or as near to that as it still catches")
+                        }
+                        [_, Some(_)] => format!("{caught} at {at}"),
+                        [_, None] => caught,
                     }
                 }
                 Some(Handwork::Bent) => format!("bend it {} {way}", lengths.text(amount.abs() * 1e3, 1)),
@@ -229,6 +237,9 @@ fn why_words(quantity: Quantity, why: &Why) -> String {
         Why::NoSetting(names) => format!("no setting of {} gives it", screws(names)),
         Why::NoScrew => "no screw in this file; set it by hand".to_owned(),
         Why::Friction => "friction must come right first".to_owned(),
+        Why::ReadAgain if quantity.has_screw() => {
+            "other lines change it by an uncertain amount; read it in the end, and set it if it is out".to_owned()
+        }
         Why::ReadAgain => "other lines change it by an uncertain amount; read it again after this list".to_owned(),
         Why::Unreadable if [Quantity::Check, Quantity::Spring].contains(&quantity) => {
             "it cannot be read before the check catches the hammer; measure again after this list".to_owned()
@@ -259,17 +270,21 @@ mod tests {
     use super::*;
 
     /// Work that a hand does until something reads right says what reads how, in whole grams: friction and leads by the
-    /// weights on the key, a check by where it catches the hammer.
+    /// weights on the key, but no farther than the front weight's ceiling, a check by where it catches the hammer, or
+    /// as near to that as it does.
     #[test]
     fn work_is_done_until_a_reading() {
         let grand = Instrument::builtin("concert-grand").unwrap();
-        let before = Readings::of(&grand, &mut |_| true).unwrap();
+        let mut before = Readings::of(&grand, &mut |_| true).unwrap();
+        before.set(Quantity::FrontWeight, Some(20.0));
+        before.set(Quantity::Check, Some(15.0));
         let mut after = before;
         after.set(Quantity::DownWeight, Some(48.6));
         after.set(Quantity::UpWeight, Some(25.4));
         after.set(Quantity::Check, Some(13.14));
+        let list = Worklist { key: 40, before, items: vec![], after, left: vec![], copy: grand };
         let said = |quantity: Quantity, work: Work, after: Readings| {
-            how_far(&Item { quantity, work, instead: None, before, after }, &grand, Lengths::default())
+            how_far(&Item { quantity, work, instead: None, before, after }, &list, Lengths::default())
         };
         let friction = said(Quantity::FrictionWeight, Work::Friction { by_g: -4.3 }, after);
         assert_eq!(friction, "ease it until D is 49 g and U 25 g (key bushings, centre pins, knuckle)");
@@ -281,12 +296,25 @@ mod tests {
             leads,
             format!("{once}; before you drill, lay it on the key and shift it until D is 49 g and U 25 g")
         );
+        // 14 g at the key's front are 14 g of front weight: 0.7 g under the ceiling are a twentieth of its front arm.
+        let ceiling_g = Quantity::FrontWeight.line().range(list.key)[1].unwrap();
+        after.set(Quantity::FrontWeight, Some(ceiling_g - 0.7));
+        let near = said(Quantity::BalanceWeight, Work::Leads(moved.clone()), after);
+        let most_mm = (0.05 * front_mm(&list.copy)).floor();
+        assert_eq!(near, format!("{leads}, but at most {most_mm} mm farther out"));
+        after.set(Quantity::FrontWeight, Some(ceiling_g));
+        let at_the_ceiling = said(Quantity::BalanceWeight, Work::Leads(moved.clone()), after);
+        assert_eq!(at_the_ceiling, format!("{leads}, but no farther out"));
         // A lead that comes out is not laid anywhere.
         let out = said(Quantity::BalanceWeight, Work::Leads(LeadWork { put: vec![], ..moved }), after);
         assert_eq!(out, "out 14 g at 164 mm");
         let wire = Work::Screw { name: "back_check", by: 3e-4 };
         let check = said(Quantity::Check, wire.clone(), after);
         assert!(check.ends_with("until it catches the hammer at 13.1 mm"), "{check}");
+        after.set(Quantity::Check, Some(16.0));
+        let farther = said(Quantity::Check, wire.clone(), after);
+        let nearest = "until it catches the hammer at 16.0 mm, or as near to that as it still catches";
+        assert!(farther.ends_with(nearest), "{farther}");
         after.set(Quantity::Check, None);
         let caught = said(Quantity::Check, wire, after);
         assert!(caught.ends_with("until it catches the hammer"), "{caught}");

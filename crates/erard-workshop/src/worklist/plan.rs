@@ -61,6 +61,19 @@ impl Item {
         let [down_g, up_g] = [DownWeight, UpWeight].map(|weight| self.after.get(weight).map(f64::round));
         Some([down_g?, up_g?])
     }
+
+    /// Returns how far, in whole mm, the leads of this line may be shifted toward the front beyond the places it names,
+    /// until the front weight of key `key` is at its ceiling, or as large as before; `None` where they have more room
+    /// than the readings can err, or where it puts no lead in. `key_front_mm` is the key's front arm.
+    #[must_use]
+    pub fn shift_left_mm(&self, key: usize, key_front_mm: f64) -> Option<f64> {
+        let Work::Leads(leads) = &self.work else { return None };
+        let (before_g, after_g) = (self.before.get(FrontWeight)?, self.after.get(FrontWeight)?);
+        let room_g = (FrontWeight.range(key)[1].max(before_g) - after_g).max(0.0);
+        let mass_g: f64 = leads.put.iter().map(|lead| lead.mass_g).sum();
+        let is_near = mass_g > 0.0 && room_g <= 2.0 * FrontWeight.precision();
+        is_near.then(|| (room_g * key_front_mm / mass_g).floor())
+    }
 }
 
 /// Reason why a line stays out of its range.

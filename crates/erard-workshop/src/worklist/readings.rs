@@ -150,6 +150,12 @@ impl Quantity {
         self.known().2.unwrap_or(0.5 * (low + high))
     }
 
+    /// Whether a screw, paper, a wire or a spring of its own sets this line.
+    #[must_use]
+    pub fn has_screw(self) -> bool {
+        self.goal().is_some()
+    }
+
     /// Goal of regulation for this line.
     #[must_use]
     pub(crate) fn goal(self) -> Option<Goal> {

@@ -1,7 +1,7 @@
 //! A technician who reads with an error, and turns with an error.
 
 use erard::instrument::Instrument;
-use erard_workshop::worklist::{Item, Quantity, Readings, Work, Worklist};
+use erard_workshop::worklist::{Item, Quantity, Readings, Why, Work, Worklist};
 
 /// Key whose usual ranges hold.
 pub const KEY: usize = 40;
@@ -55,12 +55,20 @@ pub fn seen(truth: &Readings, chance: &mut Chance) -> Readings {
     seen
 }
 
-/// Carries out a line as the sheet says it, and returns what was done. `truth` are the piano's own readings.
+/// A line as a hand has carried it out.
+pub struct Done {
+    /// The turns, one by one.
+    pub works: Vec<Work>,
+    /// Whether a check's wire was bent back, because the check caught the hammer no farther out.
+    pub caught_no_farther: bool,
+}
+
+/// Carries out a line as the sheet says it. `truth` are the piano's own readings.
 ///
 /// Screws, paper and wires are turned, laid and bent until the line reads what the sheet promises, or well inside its
 /// range, each time by whole steps and off by up to half of one; a line that cannot be read is done once, blind, and so
 /// are hammers. Friction is eased, and leads lying on the key are shifted, until the weights on the key read the whole
-/// grams on the sheet.
+/// grams on the sheet, but no farther than it allows.
 pub fn by_hand(
     item: &Item,
     can_be_read: bool,
@@ -68,9 +76,9 @@ pub fn by_hand(
     truth: &mut Readings,
     front_mm: f64,
     chance: &mut Chance,
-) -> Vec<Work> {
+) -> Done {
     let go_on = &mut |_: f64| true;
-    let (mut done, mut turning) = (Vec::new(), Turning::new(item, seen(truth, chance).get(item.quantity)));
+    let (mut works, mut turning) = (Vec::new(), Turning::new(item, seen(truth, chance).get(item.quantity)));
     let mut planned = if can_be_read { turning.first() } else { Some(item.work.clone()) };
     while let Some(work) = planned.take() {
         let read = seen(truth, chance);
@@ -81,19 +89,22 @@ pub fn by_hand(
                 if by_g.is_sign_negative() { left_g.min(0.0) } else { left_g.max(0.0) }
             }
             (Work::Leads(leads), Some([down_g, up_g])) if !leads.put.is_empty() => {
-                read.get(Quantity::BalanceWeight).map_or(work.amount(), |read| read - 0.5 * (down_g + up_g))
+                let mass_g: f64 = leads.put.iter().map(|lead| lead.mass_g).sum();
+                let most_mm = item.shift_left_mm(KEY, front_mm).unwrap_or(f64::INFINITY);
+                let wanted_g = read.get(Quantity::BalanceWeight).map(|read| read - 0.5 * (down_g + up_g));
+                wanted_g.unwrap_or(work.amount()).min(work.amount() + most_mm * mass_g / front_mm)
             }
             _ => work.amount() + 0.5 * work.step() * chance.either_way(),
         };
         let work = work.with_amount(amount, front_mm);
         work.carry_out(piano, go_on).unwrap();
         *truth = Readings::of(piano, go_on).unwrap();
-        if can_be_read && done.len() + 1 < TURNS {
+        if can_be_read && works.len() + 1 < TURNS {
             planned = turning.next(amount, seen(truth, chance).get(item.quantity));
         }
-        done.push(work);
+        works.push(work);
     }
-    done
+    Done { works, caught_no_farther: turning.is_back && item.quantity == Quantity::Check }
 }
 
 /// Lines with their screws, in the order of work, and whether a larger setting makes the reading larger.
@@ -110,23 +121,25 @@ const SCREWS: [(Quantity, &str, f64); 9] = [
 ];
 
 /// Reads the screws' lines once more after the last of them, as the sheet says, and sets what is out of its range: a
-/// line of the list as before, another one step by step with its own screw, unless the list leaves it for a reason.
+/// line of the list as before, another one step by step with its own screw, unless the list says why it stays out.
+/// Returns whether the check catches the hammer no farther out.
 pub fn read_once_more(
     list: &Worklist,
     piano: &mut Instrument,
     truth: &mut Readings,
     front_mm: f64,
     chance: &mut Chance,
-) {
+) -> bool {
     let go_on = &mut |_: f64| true;
+    let mut caught_no_farther = false;
     // Twice: let-off and drop move each other.
     for (quantity, name, sense) in SCREWS.into_iter().chain(SCREWS) {
         let is_own = |item: &&Item| item.quantity == quantity && matches!(item.work, Work::Screw { .. });
         if let Some(item) = list.items.iter().find(is_own) {
             if seen(truth, chance).is_out(quantity, KEY) {
-                by_hand(item, true, piano, truth, front_mm, chance);
+                caught_no_farther |= by_hand(item, true, piano, truth, front_mm, chance).caught_no_farther;
             }
-        } else if !list.left.iter().any(|left| left.quantity == quantity) {
+        } else if !list.left.iter().any(|left| left.quantity == quantity && left.why != Why::ReadAgain) {
             for _ in 0..TURNS {
                 let Some(read) = seen(truth, chance).get(quantity) else { break };
                 let [low, high] = quantity.line().range(KEY);
@@ -147,6 +160,7 @@ pub fn read_once_more(
             correct_aftertouch(piano, truth, chance);
         }
     }
+    caught_no_farther
 }
 
 /// Brings the aftertouch into its range by paper, as far as the dip allows, then by the capstan, as far as the blow

@@ -105,6 +105,8 @@ pub struct Pass {
     pub lines: Vec<String>,
     /// Lines left, and why.
     pub left: Vec<Left>,
+    /// Whether the check caught the hammer no farther out than it stands, as the sheet allows.
+    pub caught_no_farther: bool,
     /// Readings before the pass.
     pub read: Readings,
     /// Truth after the pass.
@@ -120,15 +122,17 @@ pub fn pass(piano: &mut Instrument, leads: &mut Vec<Lead>, model: &Instrument, c
     let list = worklist(&twin, &read, leads, KEY, Priority::Aftertouch, go_on).unwrap();
     super::assert_lines_can_be_seen(&list);
     let front_mm = 1e3 * piano.roles.key_front_m[0].abs();
-    let mut lines = Vec::new();
+    let (mut lines, mut caught_no_farther) = (Vec::new(), false);
     let is_screw = |item: &Item| matches!(item.work, Work::Screw { .. });
     let last_screw = list.items.iter().rposition(is_screw);
     let decided = list.aftertouch_is_decided_by();
     for (at, item) in list.items.iter().enumerate() {
         let is_unreadable = |left: &Left| left.quantity == item.quantity && left.why == Why::Unreadable;
         let can_be_read = !list.left.iter().any(is_unreadable) || item.quantity == Quantity::Check;
-        for done in by_hand(item, can_be_read, piano, &mut truth, front_mm, chance) {
-            if let Work::Leads(work) = &done {
+        let done = by_hand(item, can_be_read, piano, &mut truth, front_mm, chance);
+        caught_no_farther |= done.caught_no_farther;
+        for work in &done.works {
+            if let Work::Leads(work) = work {
                 leads.retain(|lead| !work.out.contains(lead));
                 leads.extend(&work.put);
             }
@@ -138,10 +142,10 @@ pub fn pass(piano: &mut Instrument, leads: &mut Vec<Lead>, model: &Instrument, c
             correct_aftertouch(piano, &mut truth, chance);
         }
         if last_screw == Some(at) {
-            read_once_more(&list, piano, &mut truth, front_mm, chance);
+            caught_no_farther |= read_once_more(&list, piano, &mut truth, front_mm, chance);
         }
     }
-    Pass { lines, left: list.left, read, truth }
+    Pass { lines, left: list.left, caught_no_farther, read, truth }
 }
 
 /// The outcome for one piano.
@@ -213,7 +217,8 @@ impl Tally {
             let last = &course.passes[1];
             if last.truth.is_out(quantity, KEY) {
                 let within_reading = last.truth.beyond(quantity, KEY) <= quantity.precision();
-                let stated = last.left.iter().any(|left| left.quantity == quantity);
+                let stated = last.left.iter().any(|left| left.quantity == quantity)
+                    || quantity == Quantity::Check && last.caught_no_farther;
                 if within_reading || stated {
                     self.with_reason += 1;
                 } else {
