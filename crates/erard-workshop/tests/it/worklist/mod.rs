@@ -129,7 +129,7 @@ mod nightly {
     /// 200 pianos: 95 % of all lines are inside their ranges after one pass, after two every line outside has a reason,
     /// and no pass moves a line out of its range, or further out, by more than its reading's precision.
     ///
-    /// This takes hours: `ERARD_PIANOS=50 ERARD_FIRST_SAMPLE=200` tests fifty, from sample 200 on.
+    /// This takes half an hour on two cores: `ERARD_PIANOS=50 ERARD_FIRST_SAMPLE=200` tests fifty, from sample 200 on.
     #[test]
     #[ignore = "nightly: 200 drawn pianos, each regulated some forty times"]
     fn pianos_that_are_not_known_are_put_right() {
