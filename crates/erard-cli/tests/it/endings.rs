@@ -6,6 +6,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::common::Folder;
+use crate::common::signals::until_it_listens;
 
 /// A request that was heard ends the process within this time, however busy the machine is: none of the commands here
 /// would be over by then. How long it takes on an idle machine, some hundredths of a second, is not for a test to say.
@@ -77,6 +78,7 @@ fn heard(everywhere: bool) {
     ] {
         for &delay_ms in delays_ms.iter().take(if everywhere { delays_ms.len() } else { 1 }) {
             let mut child = folder.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+            until_it_listens(&mut child);
             std::thread::sleep(Duration::from_millis(delay_ms));
             if let Some(status) = child.try_wait().unwrap() {
                 // A fast machine had finished: then there is nothing to interrupt. A mill finds no rest.

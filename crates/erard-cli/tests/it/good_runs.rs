@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::common::Folder;
+#[cfg(unix)]
+use crate::common::signals::until_it_listens;
 use serde_json::Value;
 
 const FILES: [&str; 6] = ["run.csv", "run.html", "run.parquet", "run.png", "run.svg", "summary.json"];
@@ -200,9 +202,9 @@ fn a_closed_pipe() {
 #[test]
 fn an_interrupted_run() {
     let folder = Folder::new("interrupted");
-    let child = folder.command(&["press", "--duration", "100000", "--record-every", "1000000"]).spawn().unwrap();
+    let mut child = folder.command(&["press", "--duration", "100000", "--record-every", "1000000"]).spawn().unwrap();
+    until_it_listens(&mut child);
     std::thread::sleep(std::time::Duration::from_millis(700));
-    let mut child = child;
     let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
     assert_eq!(child.wait().unwrap().code(), Some(130));

@@ -1,6 +1,8 @@
 //! `erard study` as a user runs it: what it writes is what `press` computes, and errors are reported.
 
 use crate::common::Folder;
+#[cfg(unix)]
+use crate::common::signals::until_it_listens;
 use erard_workshop::study::Lanes;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
@@ -226,6 +228,7 @@ fn what_matters_is_told() {
 fn interrupted() {
     let folder = Folder::for_command("study", "interrupted");
     let mut child = folder.command(&["--vary", "let_off=-1..1:50000", "--force-step", "5"]).spawn().unwrap();
+    until_it_listens(&mut child);
     std::thread::sleep(std::time::Duration::from_millis(700));
     let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(killed.success());

@@ -121,6 +121,7 @@ fn interrupted() {
     let folder = Folder::new("bench-interrupted");
     let mut command = folder.command(&["--json"]);
     let mut child = command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    crate::common::signals::until_it_listens(&mut child);
     std::thread::sleep(std::time::Duration::from_millis(300));
     let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(killed.success());

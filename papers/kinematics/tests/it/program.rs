@@ -397,6 +397,7 @@ fn control_c_is_heard() {
     for delay_ms in [100, 500, 900] {
         let mut command = folder.command(&["c7f-like", "--steps", "1000000"]);
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        crate::common::signals::until_it_listens(&mut child);
         std::thread::sleep(std::time::Duration::from_millis(delay_ms));
         assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
         assert_eq!(child.wait().unwrap().code(), Some(130), "after {delay_ms} ms");

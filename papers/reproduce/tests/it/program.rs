@@ -140,6 +140,7 @@ fn control_c_is_heard() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
+    crate::signals::until_it_listens(&mut child);
     std::thread::sleep(Duration::from_millis(300));
     assert!(child.try_wait().unwrap().is_none(), "it had finished");
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());

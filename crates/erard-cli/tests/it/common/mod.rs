@@ -4,7 +4,7 @@
 
 pub mod schema;
 #[cfg(unix)]
-mod signals;
+pub mod signals;
 pub mod tree;
 
 use std::fs;

@@ -1,8 +1,10 @@
 //! Commands under test receive signals as if they were started at a terminal.
 
 use std::fs;
+use std::process::Child;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Once};
+use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU};
 
@@ -15,14 +17,32 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU};
 pub fn as_at_a_terminal() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-        let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-        let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
         for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU] {
-            if ignored >> (signal - 1) & 1 == 1 {
+            if is_in("self", "SigIgn:", signal) {
                 signal_hook::flag::register(signal, Arc::new(AtomicBool::new(false)))
                     .expect("a signal that may be handled");
             }
         }
     });
+}
+
+/// Waits until a command handles Control-C: on a busy machine, a signal after a fixed time may come before its first
+/// line. Linux reports which signals are handled; elsewhere this returns at once.
+pub fn until_it_listens(child: &mut Child) {
+    let begun = Instant::now();
+    while cfg!(target_os = "linux")
+        && child.try_wait().unwrap().is_none()
+        && !is_in(&child.id().to_string(), "SigCgt:", SIGINT)
+    {
+        assert!(begun.elapsed() < Duration::from_secs(60), "it does not handle Control-C");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Whether a signal is in this mask of a process.
+fn is_in(process: &str, mask: &str, signal: i32) -> bool {
+    let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix(mask));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    mask >> (signal - 1) & 1 == 1
 }
