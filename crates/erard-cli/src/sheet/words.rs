@@ -166,7 +166,7 @@ fn how_far(item: &Item, list: &Worklist, lengths: Lengths) -> String {
         Work::Leads(leads) => {
             let it = if leads.put.len() == 1 { "it" } else { "them" };
             let leads = crate::weigh::leads_text(leads, lengths);
-            let most = match item.shift_left_mm(list.key, front_mm(instrument)) {
+            let most = match item.room_to_shift_mm(list.key, front_mm(instrument)) {
                 Some(0.0) => ", but no farther out".to_owned(),
                 Some(most_mm) => format!(", but at most {} farther out", lengths.text(most_mm, 0)),
                 None => String::new(),

@@ -66,7 +66,7 @@ impl Item {
     /// until the front weight of key `key` is at its ceiling, or as large as before; `None` where they have more room
     /// than the readings can err, or where it puts no lead in. `key_front_mm` is the key's front arm.
     #[must_use]
-    pub fn shift_left_mm(&self, key: usize, key_front_mm: f64) -> Option<f64> {
+    pub fn room_to_shift_mm(&self, key: usize, key_front_mm: f64) -> Option<f64> {
         let Work::Leads(leads) = &self.work else { return None };
         let (before_g, after_g) = (self.before.get(FrontWeight)?, self.after.get(FrontWeight)?);
         let room_g = (FrontWeight.range(key)[1].max(before_g) - after_g).max(0.0);

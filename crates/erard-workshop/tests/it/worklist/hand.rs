@@ -90,7 +90,7 @@ pub fn by_hand(
             }
             (Work::Leads(leads), Some([down_g, up_g])) if !leads.put.is_empty() => {
                 let mass_g: f64 = leads.put.iter().map(|lead| lead.mass_g).sum();
-                let most_mm = item.shift_left_mm(KEY, front_mm).unwrap_or(f64::INFINITY);
+                let most_mm = item.room_to_shift_mm(KEY, front_mm).unwrap_or(f64::INFINITY);
                 let wanted_g = read.get(Quantity::BalanceWeight).map(|read| read - 0.5 * (down_g + up_g));
                 wanted_g.unwrap_or(work.amount()).min(work.amount() + most_mm * mass_g / front_mm)
             }
