@@ -83,10 +83,8 @@ impl Check {
     /// What a text says that it is decides.
     fn toml(&self, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let text = String::from_utf8_lossy(bytes);
-        let says = |key: &str| {
-            let document = toml::from_str::<toml::Table>(&text).ok()?;
-            document.get(key)?.as_str().map(str::to_owned)
-        };
+        let document = toml::from_str::<toml::Table>(&text).unwrap_or_default();
+        let says = |key: &str| document.get(key).and_then(toml::Value::as_str);
         if is_keyboard(&text) {
             self.keyboard(name, bytes)
         } else if says("format").is_some_and(|format| format.starts_with("erard-published")) {

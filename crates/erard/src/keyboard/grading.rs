@@ -67,10 +67,9 @@ pub enum Graded {
     },
 }
 
-/// The text of a key's instrument file. Numbers that the key does not change keep their bits and their sources. `None`
-/// if a number that is graded is not there.
-pub(super) fn graded_text(keyboard: &Keyboard, key: usize) -> Option<String> {
-    let mut document: DocumentMut = keyboard.base_text.parse().ok()?;
+/// The text of a key's instrument file, from the base instrument's. Numbers that the key does not change keep their
+/// bits and their sources. `None` if a number that is graded is not there.
+pub(super) fn graded_text(keyboard: &Keyboard, mut document: DocumentMut, key: usize) -> Option<String> {
     document["name"] = value(format!("{}, key {key} ({})", keyboard.name, note_name(key)));
     if let Some(roles) = document.get_mut("roles").and_then(Item::as_table_like_mut) {
         // A file that says nothing has a natural.

@@ -18,6 +18,7 @@ pub use file::{UnknownKeyboard, is_keyboard, json_schema};
 pub use grading::{Absence, Graded, Grading};
 pub use grading_curve::{Between, GradingCurve, GradingPoint};
 pub use keys::{KeyImpact, Keys, KeysError, Tick};
+use toml_edit::DocumentMut;
 
 use crate::instrument::{FileError, Instrument, InstrumentFile, Source};
 
@@ -73,8 +74,17 @@ impl Keyboard {
     /// name is the keyboard's with number and note of the key.
     #[must_use]
     pub fn key_text(&self, key: usize) -> String {
+        self.graded(self.base(), key)
+    }
+
+    fn base(&self) -> DocumentMut {
+        // It was read with the file.
+        self.base_text.parse().unwrap_or_default()
+    }
+
+    fn graded(&self, base: DocumentMut, key: usize) -> String {
         // Every path was looked up when the file was read.
-        grading::graded_text(self, key).unwrap_or_default()
+        grading::graded_text(self, base, key).unwrap_or_default()
     }
 
     /// A key's instrument with its provenance.
@@ -103,7 +113,8 @@ impl Keyboard {
     /// # Errors
     /// As [`Keyboard::key_file`].
     pub fn instruments(&self) -> Result<Vec<Instrument>, Box<FileError>> {
-        (1..=KEYS).map(|key| self.key(key)).collect()
+        let base = self.base();
+        (1..=KEYS).map(|key| Instrument::parse(&self.graded(base.clone(), key), &self.key_name(key))).collect()
     }
 }
 
