@@ -52,7 +52,6 @@ problems_hold! {
     disc_from_sliding_to_rolling 11
     bouncing_ball 12
     painleves_rod 13
-    closed_loops 14
     steps_with_controlled_error 15
     stack_of_tilted_blocks 16
     rocking_block 17
@@ -66,6 +65,12 @@ problems_hold! {
     stulovs_hereditary_felt 25
     friction_that_grows_at_rest 26
     felt_with_sliders_in_parallel 27
+}
+
+#[test]
+#[ignore = "ci: two loops turn for a hundred seconds"]
+fn closed_loops() {
+    holds(14);
 }
 
 /// The references that the rows compute are these numbers, which were evaluated elsewhere to ten digits.

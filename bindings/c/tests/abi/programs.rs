@@ -313,13 +313,13 @@ int main() {
     erard::Action action(heavy);
     ErardReading r{};
     std::vector<unsigned char> saved;
-    for (int n = 0; n < 4000; n++) {
+    for (int n = 0; n < 2000; n++) {
         if (n == 400) saved = action.save();
         if (action.force(9.0, r) < 0) return 1;
     }
     double first = r.hammer_speed_m_per_s;
     if (action.restore(saved) < 0) return 2;
-    for (int n = 400; n < 4000; n++) if (action.force(9.0, r) < 0) return 3;
+    for (int n = 400; n < 2000; n++) if (action.force(9.0, r) < 0) return 3;
     if (r.impact_count != 1 || r.hammer_speed_m_per_s != first || !(first > 0)) return 4;
     try {
         heavy.set("body.hammer.mass_g", -1);
@@ -335,9 +335,9 @@ int main() {
     if (keyboard.drive(40, press) < 0) return 7;
     ErardImpact impacts[4];
     std::size_t count = 0;
-    if (keyboard.step(4000, impacts, 4, count) < 0 || count != 1 || impacts[0].key != 40) return 8;
+    if (keyboard.step(2000, impacts, 4, count) < 0 || count != 1 || impacts[0].key != 40) return 8;
     auto strung = erard::Keyboard::builtin("concert-grand-strings", 1.0 / 24000);
-    if (strung.set_pedal(0.007) < 0 || strung.drive(40, press) < 0 || strung.step(2400, impacts, 4, count) < 0) return 9;
+    if (strung.set_pedal(0.007) < 0 || strung.drive(40, press) < 0 || strung.step(1600, impacts, 4, count) < 0) return 9;
     double heard = strung.bridge_force(40);
     auto kept = strung.save();
     if (count != 1 || heard == 0.0 || strung.bridge_force(41) == heard) return 10;

@@ -13,7 +13,11 @@ fn numbers_are_refused_as_by_the_other_fronts() {
         let [quantity, value, accepted] = row.split(',').collect::<Vec<_>>().try_into().expect("three columns");
         let out = ["--out", "out", "--force"];
         let given = match quantity {
-            "step_s" => format!("press --dt {value} --force-step 5 --duration 1e-3"),
+            "step_s" => {
+                // The finest step of all, too, some hundred times.
+                let duration = if value.parse().is_ok_and(|step_s: f64| step_s < 1e-6) { "1e-6" } else { "1e-3" };
+                format!("press --dt {value} --force-step 5 --duration {duration}")
+            }
             "duration_s" => format!("press --force-step 5 --duration {value}"),
             "force_n" => format!("press --force-step {value} --duration 1e-3"),
             "hammer_speed_m_per_s" => format!("press --hammer-speed {value}"),

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
+use std::sync::LazyLock;
 
 use crate::common::Folder;
 use serde_json::Value;
@@ -30,7 +31,13 @@ impl Noise {
 }
 
 /// Time, force and key position of a run that `press` made with a fine step, sampled at 20 kHz, after a rest.
-fn played(folder: &Folder) -> Vec<[f64; 3]> {
+fn played() -> Vec<[f64; 3]> {
+    static PLAYED: LazyLock<Vec<[f64; 3]>> = LazyLock::new(play);
+    PLAYED.clone()
+}
+
+fn play() -> Vec<[f64; 3]> {
+    let folder = Folder::new("recordings-played");
     folder.good(&["press", "--stroke", "f", "--drive", "force", "--dt", "1e-5", "--record-every", "5", "--out", "run"]);
     let table = folder.read("run/run.csv");
     let rest = (REST_S * RATE_HZ) as usize;
@@ -75,7 +82,7 @@ fn of<'a>(report: &'a Value, channel: &str) -> &'a Value {
 #[test]
 fn a_laboratory_s_recording_in_one_command() {
     let folder = Folder::new("recordings-lab");
-    let rows = played(&folder);
+    let rows = played();
     folder.file("lab.csv", &handed_over(&rows, 1.0));
     let said = folder.good(&["compare", "lab.csv"]);
     let found = report(&folder);
@@ -146,7 +153,7 @@ fn a_laboratory_s_recording_in_one_command() {
 #[ignore = "ci: a comparison for each fault"]
 fn traces_that_are_wrong_are_noticed() {
     let folder = Folder::new("recordings-wrong");
-    let rows = played(&folder);
+    let rows = played();
     folder.file("up.csv", &handed_over(&rows, -1.0));
     let quick = ["--drive", "force", "--model", "action", "--no-pictures"];
     let compare = |arguments: &[&str]| folder.good(&[&["compare"], arguments, &quick[..]].concat());
@@ -385,7 +392,7 @@ fn positions(rows: &[[f64; 3]], mut at: impl FnMut(f64) -> f64) -> String {
 #[test]
 fn what_a_warning_says_of_a_zero_can_be_typed() {
     let folder = Folder::new("recordings-zero");
-    let rows = played(&folder);
+    let rows = played();
     let moving = &rows[(REST_S * RATE_HZ) as usize + 300..];
     let begins_m = moving[0][2];
     folder.file("true.csv", &positions(moving, |y| y - begins_m));
@@ -405,7 +412,7 @@ fn what_a_warning_says_of_a_zero_can_be_typed() {
 #[test]
 fn a_recorded_key_says_what_its_force_is_worth() {
     let folder = Folder::new("recordings-worth");
-    let rows = played(&folder);
+    let rows = played();
     let mut noise = Noise(5);
     folder.file("true.csv", &positions(&rows, |y| y));
     folder.file("noisy.csv", &positions(&rows, |y| y + 2e-6 * noise.next()));

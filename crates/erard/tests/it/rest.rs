@@ -88,6 +88,7 @@ fn a_held_note_does_not_drift() {
 /// hold. The rates are those of the first second after the catch (which is over after 0.15 s), while the hammer is
 /// still in the check.
 #[test]
+#[ignore = "ci: three hammers held for ten seconds"]
 fn a_held_note_creeps_when_regularised() {
     let grand = grand();
     let hammer = body(&grand, "hammer");

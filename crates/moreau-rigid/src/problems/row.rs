@@ -76,7 +76,8 @@ impl Order {
     }
 
     /// Errors at steps from `first` on, each half of the one before.
-    pub(crate) fn of(first: f64, errors: Vec<f64>) -> Self {
+    #[must_use]
+    pub fn of(first: f64, errors: Vec<f64>) -> Self {
         let steps = (0..errors.len()).map(|k| first * 0.5_f64.powi(k as i32)).collect();
         Order { steps, errors }
     }
