@@ -30,7 +30,7 @@ const check = async (page, name, { colorScheme }, places = null) => {
 export const axe = async ({ visit, read }) => {
   const source = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
   const of = async (look) => {
-    const options = { ...LOOKS[look], colorScheme: "light", bypassCSP: true, calm: true };
+    const options = { ...LOOKS[look], colorScheme: "light", bypassCSP: true };
     let checked = 0;
     // One page for all steps of the story: the whole of it once, then each step with the bar that names it.
     const page = await read("", options);

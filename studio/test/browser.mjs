@@ -4,14 +4,9 @@ import { serve } from "../serve.mjs";
 
 const WHERE = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
-/** Ten pictures a second, not sixty: without a graphics card each takes a processor's time. */
-const calmly = () => {
-  globalThis.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 100);
-  globalThis.cancelAnimationFrame = clearTimeout;
-};
-
-/** Opens the built pages in a browser of its own: `visit` the workbench, `read` the story; `calm` where it does not
- * matter how often they draw. Every error, refused request and request to elsewhere is collected in `faults`. */
+/** Opens the built pages in a browser of its own: `visit` the workbench, `read` the story. Every error, refused request
+ * and request to elsewhere is collected in
+ * `faults`. */
 export const open = async () => {
   const server = await serve(0);
   const address = `http://localhost:${server.address().port}/`;
@@ -19,9 +14,8 @@ export const open = async () => {
   const executablePath = process.env.CHROMIUM || WHERE.find((path) => existsSync(path));
   const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--enable-precise-memory-info", "--js-flags=--expose-gc"] });
   const faults = [];
-  const go = async (path, { calm = false, ...options } = {}) => {
+  const go = async (path, options = {}) => {
     const context = await browser.newContext({ acceptDownloads: true, viewport: { width: 1440, height: 900 }, ...options });
-    if (calm) await context.addInitScript(calmly);
     const page = await context.newPage();
     page.setDefaultTimeout(60_000);
     page.on("pageerror", (error) => faults.push(`error: ${error.message}`));

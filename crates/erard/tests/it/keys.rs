@@ -255,16 +255,15 @@ fn come_to_rest(rounds: usize) {
 /// No tick allocates: not with ten fingers, not with all keys awake, not when keys fall asleep or wake.
 #[test]
 fn a_tick_never_allocates() {
-    // With all keys awake, one stroke and its end.
-    for (fingers, ticks) in [(1, 9_000), (TEN, 9_000), (KEYS, 3_000)] {
+    for fingers in [1, TEN, KEYS] {
         let mut tremolo = Tremolo::new(keys(), fingers);
         let mut stepped = 0;
         let counted = allocation_counter::measure(|| {
-            for _ in 0..ticks {
+            for _ in 0..9_000 {
                 stepped += tremolo.tick().stepped;
             }
         });
-        assert!(stepped > ticks);
+        assert!(stepped > 9_000);
         assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{fingers} fingers: {counted:?}");
     }
 }
