@@ -175,24 +175,39 @@ fn negative_numbers() {
     }
 }
 
-/// Peak memory of a command, MiB. On a busy machine a run may end unseen after its peak, so it is the largest of three.
+/// Peak memory of a command, MiB, as the system counted it when the command had its answer or its error and could not
+/// end: both go to a pipe that is full.
 #[cfg(target_os = "linux")]
 fn peak_mib(folder: &Folder, arguments: &[&str]) -> f64 {
-    (0..3).map(|_| peak_once_mib(folder, arguments)).fold(0.0, f64::max)
-}
-
-/// Peak memory of a run, MiB, as the system counts it while the command runs.
-#[cfg(target_os = "linux")]
-fn peak_once_mib(folder: &Folder, arguments: &[&str]) -> f64 {
-    use std::process::Stdio;
-    let mut child = folder.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    let (status, mut peak) = (format!("/proc/{}/status", child.id()), 0.0);
-    while child.try_wait().unwrap().is_none() {
-        let told = fs::read_to_string(&status).unwrap_or_default();
-        let line = told.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-        peak = line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok()).unwrap_or(peak);
-        std::thread::sleep(std::time::Duration::from_micros(500));
+    use rustix::fs::OFlags;
+    use std::io::Write;
+    use std::os::{fd::AsRawFd, unix::fs::OpenOptionsExt};
+    let (answer, full) = std::io::pipe().unwrap();
+    let filling = fs::OpenOptions::new()
+        .write(true)
+        .custom_flags(OFlags::NONBLOCK.bits() as i32)
+        .open(format!("/proc/self/fd/{}", full.as_raw_fd()));
+    let mut filling = filling.unwrap();
+    while filling.write(&[b'.'; 4096]).is_ok() {}
+    let mut child = folder.command(arguments).stdout(full.try_clone().unwrap()).stderr(full).spawn().unwrap();
+    let own = format!("/proc/{}", child.id());
+    let asleep = || {
+        let threads = fs::read_dir(format!("{own}/task")).unwrap();
+        let mut states = threads.map(|thread| fs::read_to_string(thread.unwrap().path().join("stat")));
+        states.all(|stat| stat.is_ok_and(|stat| stat.contains(") S ")))
+    };
+    // The command waits for nothing but this pipe: when its threads all sleep for a tenth of a second, it has answered.
+    let mut quiet = 0;
+    while quiet < 20 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        quiet = if asleep() { quiet + 1 } else { 0 };
+        assert!(child.try_wait().unwrap().is_none(), "{arguments:?} ended without its answer");
     }
+    let told = fs::read_to_string(format!("{own}/status")).unwrap();
+    let line = told.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+    let peak: f64 = line.trim().trim_end_matches(" kB").parse().unwrap();
+    drop((filling, answer));
+    child.wait().unwrap();
     peak / 1024.0
 }
 
@@ -224,7 +239,8 @@ fn memory_is_linear_in_the_input() {
         format!("key,down_weight_g,up_weight_g\n{}", (0..rows).map(row).collect::<String>())
     };
     let folder = Folder::new("limits-linear");
-    // What it is, how to read it, its size at n, and the most bytes that one of its bytes may cost.
+    // What it is, how to read it, its size at n, and the most bytes that one of its bytes may cost. The weights are
+    // refused: every key stands in them many times.
     type Make<'a> = &'a dyn Fn(usize) -> String;
     let cases: [(&str, &str, Make<'_>, usize, f64); 3] = [
         ("rows.csv", "check", &recording, 400_000, 8.0),
