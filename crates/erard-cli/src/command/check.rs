@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile, utf8};
-use erard::keyboard::{Graded, Grading, KEYS, Keyboard, is_keyboard};
+use erard::keyboard::{Graded, Grading, KEYS, Keyboard};
 use erard_workshop::diagnose::{entries, is_table_of_keys, read as readings};
 use erard_workshop::measure::usual;
 use erard_workshop::validate::Published;
@@ -85,11 +85,12 @@ impl Check {
         let text = String::from_utf8_lossy(bytes);
         let document = toml::from_str::<toml::Table>(&text).unwrap_or_default();
         let says = |key: &str| document.get(key).and_then(toml::Value::as_str);
-        if is_keyboard(&text) {
+        let is = |kind: &str| says("format").is_some_and(|format| format.starts_with(kind));
+        if is("erard-keyboard") {
             self.keyboard(name, bytes)
-        } else if says("format").is_some_and(|format| format.starts_with("erard-published")) {
+        } else if is("erard-published") {
             Self::published(name, &text)
-        } else if says("format").is_some_and(|format| format.starts_with("erard-usual")) {
+        } else if is("erard-usual") {
             Self::usual(name, &text)
         } else if says("format").is_none() && says("kind").is_some_and(|kind| kind == "three-lever") {
             Err(Failure::Usage(format!(

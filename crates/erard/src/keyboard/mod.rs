@@ -18,6 +18,7 @@ pub use file::{UnknownKeyboard, is_keyboard, json_schema};
 pub use grading::{Absence, Graded, Grading};
 pub use grading_curve::{Between, GradingCurve, GradingPoint};
 pub use keys::{KeyImpact, Keys, KeysError, Tick};
+
 use toml_edit::DocumentMut;
 
 use crate::instrument::{FileError, Instrument, InstrumentFile, Source};
@@ -105,7 +106,11 @@ impl Keyboard {
     /// # Errors
     /// As [`Keyboard::key_file`].
     pub fn key(&self, key: usize) -> Result<Instrument, Box<FileError>> {
-        Instrument::parse(&self.key_text(key), &self.key_name(key))
+        self.key_around(self.base(), key)
+    }
+
+    fn key_around(&self, base: DocumentMut, key: usize) -> Result<Instrument, Box<FileError>> {
+        Instrument::parse(&self.graded(base, key), &self.key_name(key))
     }
 
     /// The instruments of all keys, from the bass.
@@ -114,7 +119,7 @@ impl Keyboard {
     /// As [`Keyboard::key_file`].
     pub fn instruments(&self) -> Result<Vec<Instrument>, Box<FileError>> {
         let base = self.base();
-        (1..=KEYS).map(|key| Instrument::parse(&self.graded(base.clone(), key), &self.key_name(key))).collect()
+        (1..=KEYS).map(|key| self.key_around(base.clone(), key)).collect()
     }
 }
 
