@@ -1,14 +1,16 @@
 //! `erard fmu`: what is in the unit, and what it says when there is none. That simulators take it, the tests of
 //! `erard-c` show.
 
-use std::fs::File;
+use std::collections::BTreeMap;
 use std::io::Read;
+use std::path::Path;
 
 use crate::common::Folder;
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
 use erard_workshop::fmu::{INSTRUMENT, KEYBOARD, Unit};
-use zip::ZipArchive;
+use flate2::read::DeflateDecoder;
+use rawzip::{CompressionMethod, ZipArchive};
 
 /// A folder with a file that passes for the library.
 fn folder(test: &str) -> Folder {
@@ -17,22 +19,38 @@ fn folder(test: &str) -> Folder {
     folder
 }
 
+/// The texts of an archive by their names; what is compressed has the size and the checksum that the archive states.
+fn unpacked(path: &Path) -> BTreeMap<String, String> {
+    let archive = ZipArchive::from_slice(std::fs::read(path).unwrap()).unwrap();
+    let mut entries = archive.entries();
+    let mut texts = BTreeMap::new();
+    while let Some(entry) = entries.next_entry().unwrap() {
+        let (name, packed) = (entry.file_path().as_ref().to_vec(), archive.get_entry(entry.wayfinder()).unwrap());
+        let mut text = String::new();
+        let read = match entry.compression_method() {
+            CompressionMethod::STORE => packed.verifying_reader(packed.data()).read_to_string(&mut text),
+            CompressionMethod::DEFLATE => {
+                packed.verifying_reader(DeflateDecoder::new(packed.data())).read_to_string(&mut text)
+            }
+            other => panic!("{other:?}"),
+        };
+        read.unwrap();
+        texts.insert(String::from_utf8(name).unwrap(), text);
+    }
+    texts
+}
+
 /// The archive holds the description, the instrument and the library, nothing else; twice the same bytes.
 #[test]
 fn a_unit_is_packed() {
     let folder = folder("packed");
     let said = folder.good(&["heavy-touch", "-o", "a.fmu", "--library", "liberard.so"]);
     assert!(said.contains("FMI 2.0") && said.contains("a.fmu"), "{said}");
-    let mut archive = ZipArchive::new(File::open(folder.0.join("a.fmu")).unwrap()).unwrap();
-    let mut read = |name: &str| {
-        let mut text = String::new();
-        archive.by_name(name).unwrap().read_to_string(&mut text).unwrap();
-        text
-    };
+    let texts = unpacked(&folder.0.join("a.fmu"));
     let text = Instrument::builtin_text("heavy-touch").unwrap();
-    assert_eq!(read(INSTRUMENT), text);
-    assert_eq!(read("modelDescription.xml"), Unit::of_instrument(text).unwrap().model_description());
-    let names: Vec<String> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
+    assert_eq!(texts[INSTRUMENT], text);
+    assert_eq!(texts["modelDescription.xml"], Unit::of_instrument(text).unwrap().model_description());
+    let names: Vec<&String> = texts.keys().collect();
     assert_eq!(names.len(), 3, "{names:?}");
     assert!(names.iter().any(|name| name.starts_with("binaries/") && name.contains("/erard.")), "{names:?}");
 
@@ -59,15 +77,10 @@ fn a_keyboard_is_packed() {
     folder.file("own/mine.toml", base);
     folder.good(&["--keyboard", "own/keys.toml", "--library", "liberard.so"]);
     for (unit, keyboard) in [("concert-grand-keyboard.fmu", text), ("keys-keyboard.fmu", mine.as_str())] {
-        let mut archive = ZipArchive::new(File::open(folder.0.join(unit)).unwrap()).unwrap();
-        let mut read = |name: &str| {
-            let mut text = String::new();
-            archive.by_name(name).unwrap().read_to_string(&mut text).unwrap();
-            text
-        };
-        assert_eq!((read(KEYBOARD).as_str(), read(INSTRUMENT).as_str()), (keyboard, base), "{unit}");
+        let texts = unpacked(&folder.0.join(unit));
+        assert_eq!((texts[KEYBOARD].as_str(), texts[INSTRUMENT].as_str()), (keyboard, base), "{unit}");
         let unit = Unit::of_keyboard(keyboard, base).unwrap();
-        assert_eq!(read("modelDescription.xml"), unit.model_description());
+        assert_eq!(texts["modelDescription.xml"], unit.model_description());
     }
 }
 

@@ -5,7 +5,6 @@ use std::f64::consts::PI;
 use crate::common::{add_four_bar, angle_error, four_bar, slider_crank};
 use crate::textbook::{FourBar, SliderCrank};
 use moreau_linkage::{Direction, Length, Linkage, Mechanism, Pose};
-use proptest::prelude::*;
 
 fn pose(mechanism: &Mechanism, values: &[(&str, f64)]) -> Pose {
     let mut pose = mechanism.zero_pose();
@@ -60,24 +59,29 @@ fn four_bar_follows_the_circles() {
     }
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
-
-    /// Any crank-rocker that stays clear of its change points, in steps of 18
-    /// degrees, coarse for a prediction along the tangent. The sine of
-    /// the transmission angle stays above 0.2, which keeps the condition number
-    /// below about 100 and 1e-12 fair.
-    #[test]
-    fn any_crank_rocker(a in 0.05..0.15f64, b in 0.2..0.6f64, c in 0.2..0.6f64, d in 0.2..0.6f64) {
-        let bar = FourBar { a, b, c, d };
+/// Any crank-rocker that stays clear of its change points, in steps of 18
+/// degrees, coarse for a prediction along the tangent. The sine of
+/// the transmission angle stays above 0.2, which keeps the condition number
+/// below about 100 and 1e-12 fair.
+#[test]
+fn any_crank_rocker() {
+    let mut random = fastrand::Rng::with_seed(1);
+    let mut tried = 0;
+    while tried < 256 {
+        let mut within = |least: f64, most: f64| least + (most - least) * random.f64();
+        let bar = FourBar { a: within(0.05, 0.15), b: within(0.2, 0.6), c: within(0.2, 0.6), d: within(0.2, 0.6) };
+        let FourBar { a, b, c, d } = bar;
         let clear = [d - a, d + a].iter().all(|reach| {
             let cosine = (b * b + c * c - reach * reach) / (2.0 * b * c);
             cosine.abs() < 0.98
         });
-        prop_assume!(clear);
+        if !clear {
+            continue;
+        }
+        tried += 1;
         for side in [1.0, -1.0] {
             let (angle, rate) = four_bar_errors(bar, side, 20);
-            prop_assert!(angle < 1e-12 && rate < 1e-11, "{angle:.1e} {rate:.1e}");
+            assert!(angle < 1e-12 && rate < 1e-11, "{a} {b} {c} {d}: {angle:.1e} {rate:.1e}");
         }
     }
 }

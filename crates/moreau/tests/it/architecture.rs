@@ -1,7 +1,10 @@
-//! What ARCHITECTURE.md says is there: the files it names, and the functions on the way of a press.
+//! What ARCHITECTURE.md says is there: the files it names, and the functions on the way of a press; and that one build
+//! of the command serves its tests, too.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Most files that a press may pass through, and most methods of `Mechanism`.
 const MOST_FILES: usize = 18;
@@ -84,4 +87,23 @@ fn the_files_it_names_are_there() {
         missing.extend(quoted(row[0]).filter(|path| !root().join(path).exists()));
     }
     assert!(missing.is_empty(), "{missing:?}");
+}
+
+/// Every package of a build with its features, as cargo resolves them, a line each.
+fn packages(of: &[&str]) -> BTreeSet<String> {
+    let tree = ["tree", "--offline", "--locked", "--prefix", "none", "--format", "{p} {f}"];
+    let output = Command::new(env!("CARGO")).args(tree).args(of).current_dir(root()).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap().lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
+}
+
+/// What the command is made of has the same features in the tests: else they compile it again, from the first library
+/// that differs up to the command.
+#[test]
+fn tests_compile_nothing_of_the_command_again() {
+    let command = packages(&["--package", "erard-cli", "--edges", "no-dev"]);
+    let tests = packages(&[]);
+    assert!(command.len() > 100, "{command:?}");
+    let again: Vec<&String> = command.difference(&tests).collect();
+    assert!(again.is_empty(), "other features in the tests: {again:#?}");
 }
