@@ -109,6 +109,7 @@ impl World {
     pub fn faults(&self, before: &Look, line: &Line, code: Option<i32>) -> Vec<String> {
         let after = self.look();
         self.changed.set(after != self.first);
+        let is_done = code.map_or_else(|| is_whole(before, &after, line.command()), |code| code != 2);
         let mut faults = Vec::new();
         let mut fault = |path: &Path, what: &str| faults.push(format!("{} {what} (code {code:?})", path.display()));
         for path in before.keys().chain(after.keys().filter(|path| !before.contains_key(*path))) {
@@ -117,7 +118,7 @@ impl World {
                 continue;
             }
             let name = path.to_string_lossy();
-            if matches!(code, None | Some(2)) {
+            if !is_done {
                 fault(path, "has changed");
             } else if path.ancestors().any(|own| is_stage(own) && !before.contains_key(own)) {
                 fault(path, "is left");
@@ -181,6 +182,26 @@ fn owner(look: &Look, path: &Path) -> Option<String> {
     let results = mark["results"].as_object()?;
     let own = results.iter().find(|(_, files)| files.as_array().is_some_and(|all| all.iter().any(|one| one == name)));
     own.map(|(command, _)| command.clone())
+}
+
+/// Whether all that has changed is one whole result of the command, every file of it new: the command was asked to end
+/// when it had only to end.
+fn is_whole(before: &Look, after: &Look, command: &str) -> bool {
+    let changed = |path: &Path| before.get(path) != after.get(path);
+    let has_changed = |path: &Path| changed(path) && matches!(after.get(path), Some(Thing::File(_)));
+    let whole = |mark: &Path| {
+        let Some(Thing::File(bytes)) = after.get(mark) else { return false };
+        let mark_says: Value = serde_json::from_slice(bytes).unwrap_or_default();
+        let files = mark_says["results"][command].as_array().cloned().unwrap_or_default();
+        !files.is_empty()
+            && files.iter().all(|file| file.as_str().is_some_and(|file| has_changed(&mark.with_file_name(file))))
+    };
+    let is_new = |path: &Path| {
+        whole(&path.with_file_name(".erard.json")) && (is_mark(path) || owner(after, path).as_deref() == Some(command))
+    };
+    let mut files = after.iter().filter(|(path, thing)| **thing != Thing::Folder && changed(path)).peekable();
+    // A folder alone is no result.
+    files.peek().is_some() && files.all(|(path, _)| is_new(path)) && before.keys().all(|path| after.contains_key(path))
 }
 
 fn make(folder: &Folder) {
