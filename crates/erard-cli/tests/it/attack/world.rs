@@ -1,6 +1,7 @@
 //! The folder in which command lines are played: inputs of every kind, and what stands in the way of outputs.
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command};
@@ -174,34 +175,33 @@ fn is_mark(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name == ".erard.json")
 }
 
+/// Results of each command in a file's folder, by the mark there.
+fn results(look: &Look, beside: &Path) -> BTreeMap<String, Vec<String>> {
+    let Some(Thing::File(bytes)) = look.get(&beside.with_file_name(".erard.json")) else { return BTreeMap::new() };
+    let mut mark: Value = serde_json::from_slice(bytes).unwrap_or_default();
+    serde_json::from_value(mark["results"].take()).unwrap_or_default()
+}
+
 /// The command whose result a file is, by the mark beside it.
 fn owner(look: &Look, path: &Path) -> Option<String> {
-    let Some(Thing::File(bytes)) = look.get(&path.with_file_name(".erard.json")) else { return None };
-    let mark: Value = serde_json::from_slice(bytes).ok()?;
     let name = path.file_name()?.to_str()?;
-    let results = mark["results"].as_object()?;
-    let own = results.iter().find(|(_, files)| files.as_array().is_some_and(|all| all.iter().any(|one| one == name)));
-    own.map(|(command, _)| command.clone())
+    results(look, path).into_iter().find(|(_, files)| files.iter().any(|one| one == name)).map(|(command, _)| command)
 }
 
 /// Whether all that has changed is one whole result of the command, every file of it new: the command was asked to end
 /// when it had only to end.
 fn is_whole(before: &Look, after: &Look, command: &str) -> bool {
-    let changed = |path: &Path| before.get(path) != after.get(path);
-    let has_changed = |path: &Path| changed(path) && matches!(after.get(path), Some(Thing::File(_)));
-    let whole = |mark: &Path| {
-        let Some(Thing::File(bytes)) = after.get(mark) else { return false };
-        let mark_says: Value = serde_json::from_slice(bytes).unwrap_or_default();
-        let files = mark_says["results"][command].as_array().cloned().unwrap_or_default();
-        !files.is_empty()
-            && files.iter().all(|file| file.as_str().is_some_and(|file| has_changed(&mark.with_file_name(file))))
+    let is_new = |path: &Path| matches!(after.get(path), Some(Thing::File(_))) && before.get(path) != after.get(path);
+    let belongs = |path: &Path| {
+        let results = results(after, path).remove(command).unwrap_or_default();
+        (is_mark(path) || results.iter().any(|one| path.ends_with(one)))
+            && !results.is_empty()
+            && results.iter().all(|one| is_new(&path.with_file_name(one)))
     };
-    let is_new = |path: &Path| {
-        whole(&path.with_file_name(".erard.json")) && (is_mark(path) || owner(after, path).as_deref() == Some(command))
-    };
-    let mut files = after.iter().filter(|(path, thing)| **thing != Thing::Folder && changed(path)).peekable();
+    let changed = after.iter().filter(|(path, thing)| before.get(*path) != Some(*thing));
+    let mut files = changed.filter(|(_, thing)| **thing != Thing::Folder).peekable();
     // A folder alone is no result.
-    files.peek().is_some() && files.all(|(path, _)| is_new(path)) && before.keys().all(|path| after.contains_key(path))
+    files.peek().is_some() && files.all(|(path, _)| belongs(path)) && before.keys().all(|path| after.contains_key(path))
 }
 
 fn make(folder: &Folder) {
