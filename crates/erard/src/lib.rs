@@ -34,6 +34,7 @@ pub mod keyboard;
 pub mod level;
 pub mod mechanism;
 pub mod one_dof;
+pub mod parameter;
 pub mod player;
 mod progress;
 #[cfg(feature = "recordings")]
