@@ -12,7 +12,7 @@ use erard::keyboard::Keyboard;
 use erard::stroke::least_jerk;
 use erard_cli::say;
 use erard_cli::table::Table;
-use erard_live::stream::{Of, Quantity, Sample};
+use erard_live::stream::{Of, Sample, SensorUnit};
 use erard_live::{Event, Live, Options, SensorKind};
 
 /// Rates, Hz, and keys that are pressed at once.
@@ -66,7 +66,7 @@ fn main() {
                     .collect();
                 let options = Options {
                     sensor: SensorKind::Action,
-                    quantity: Quantity::Millimetres,
+                    quantity: SensorUnit::Millimetres,
                     sensor_at_m: None,
                     travel_m: None,
                     ahead: false,

@@ -1,7 +1,7 @@
 //! A comparison in numbers: printed, and as `compare.json`.
 
+use erard::parameter::Quantity;
 use erard::recording::{ChannelReport, Report, Whence};
-use erard::stroke::Quantity;
 use erard_workshop::compare::{Band, Comparison, Errors, RATE_HZ, Trial, Worth, outcome, share};
 use erard_workshop::digits::plain;
 use serde_json::{Value, json};

@@ -1,12 +1,31 @@
 //! Numbers as options: each says in its message what it expects.
 
-/// A number with or without its unit, e.g. `5` and `5N`. `expected` completes the message "expected ...". The range is
-/// for whoever uses the number to check.
-pub(crate) fn number(
+use erard::parameter::Quantity;
+
+/// A number of a quantity in its unit `unit`, which is also that of a number typed without one, from `least` to `most`
+/// of these units.
+pub(crate) fn between(
+    quantity: Quantity,
     unit: &'static str,
-    expected: &'static str,
+    least: f64,
+    most: f64,
 ) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
-    move |text| text.strip_suffix(unit).unwrap_or(text).trim_end().parse().map_err(|_| format!("expected {expected}"))
+    move |text| {
+        let value = quantity.read_in(text, unit).map_err(|error| error.to_string())?;
+        if (least..=most).contains(&value) {
+            return Ok(value);
+        }
+        let blank = if unit.is_empty() { "" } else { " " };
+        Err(format!("expected {} from {least} to {most}{blank}{unit}", quantity.name()))
+    }
+}
+
+/// A number of a quantity in its unit `unit`, as [`between`]; whoever uses it checks its range.
+pub(crate) fn number(
+    quantity: Quantity,
+    unit: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text| quantity.read_in(text, unit).map_err(|error| error.to_string())
 }
 
 /// A whole number from `least` to `most`.
@@ -25,13 +44,27 @@ pub(crate) fn whole<T: TryFrom<u64>>(
 
 #[cfg(test)]
 mod tests {
-    use super::{number, whole};
+    use super::{between, number, whole};
+    use erard::parameter::Quantity;
 
     #[test]
     fn a_unit_may_follow_a_number() {
-        let newtons = number("N", "a number of N, e.g. 5N");
-        assert_eq!([newtons("5"), newtons("5N"), newtons("2.5 N")], [Ok(5.0), Ok(5.0), Ok(2.5)]);
-        assert_eq!(newtons("5kg"), Err("expected a number of N, e.g. 5N".to_owned()));
+        let newtons = number(Quantity::Force, "N");
+        assert_eq!(
+            [newtons("5"), newtons("5N"), newtons("2.5 N"), newtons("5,5")],
+            [Ok(5.0), Ok(5.0), Ok(2.5), Ok(5.5)]
+        );
+        assert!((newtons("500gf").unwrap() - 4.903_325).abs() < 1e-12);
+        assert!(newtons("5mm").unwrap_err().contains("`mm` is not one of its units; expected N, mN"));
+    }
+
+    #[test]
+    fn a_number_outside_its_range_is_refused_with_the_range() {
+        let mm = between(Quantity::Length, "mm", 0.5, 100.0);
+        assert_eq!([mm("10"), mm("1cm"), mm("0.5mm")], [Ok(10.0), Ok(10.0), Ok(0.5)]);
+        for wrong in ["0.4", "1m", "-3"] {
+            assert_eq!(mm(wrong), Err("expected a length from 0.5 to 100 mm".to_owned()), "{wrong}");
+        }
     }
 
     #[test]

@@ -6,8 +6,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use clap::Args;
+use erard::parameter::{Bare, Quantity};
 use erard::recording::{LowPass, Preparation, Prepared, prepare};
-use erard::stroke::{Columns, Layout, MAX_BYTES, MAX_ROWS, PositionOf, Quantity, ROLES, Recording, Role, StrokeError};
+use erard::stroke::{Columns, Layout, MAX_BYTES, MAX_ROWS, PositionOf, ROLES, Recording, Role, StrokeError};
 use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
@@ -82,18 +83,10 @@ fn zero(text: &str) -> Result<ZeroOf, String> {
             let expected = || "expected `rest`, `off`, or a channel and a value, as in position=0.4mm".to_owned();
             let (name, value) = text.split_once('=').ok_or_else(expected)?;
             let role = channel(name)?;
-            Ok(ZeroOf::At(role, measured(value, role.quantity()).ok_or_else(expected)?))
+            let value = role.quantity().read(value, Bare::Refused);
+            Ok(ZeroOf::At(role, value.map_err(|error| format!("{error}; {}", expected()))?))
         }
     }
-}
-
-/// A finite number with its unit, in SI units.
-fn measured(text: &str, quantity: Quantity) -> Option<f64> {
-    let text = text.trim();
-    let unit = text.find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E').unwrap_or(text.len());
-    let (number, unit) = text.split_at(unit);
-    let (factor, _) = quantity.unit(unit)?;
-    number.trim().parse::<f64>().ok().map(|number| number * factor).filter(|value| value.is_finite())
 }
 
 fn channel(text: &str) -> Result<Role, String> {
@@ -104,7 +97,7 @@ fn channel(text: &str) -> Result<Role, String> {
 fn delay(text: &str) -> Result<(Role, f64), String> {
     let expected = || "expected a channel and a time, as in force=1.5ms or position=-0.2ms".to_owned();
     let (name, time) = text.split_once('=').ok_or_else(expected)?;
-    let seconds = measured(time, Quantity::Time).ok_or_else(expected)?;
+    let seconds = Quantity::Time.read(time, Bare::Refused).map_err(|error| format!("{error}; {}", expected()))?;
     if seconds.abs() > 10.0 {
         return Err("expected a time of at most 10 s".to_owned());
     }
@@ -115,9 +108,10 @@ fn low_pass(text: &str) -> Result<LowPass, String> {
     match text {
         "own" => Ok(LowPass::Own),
         "off" => Ok(LowPass::Off),
-        hz => match hz.trim_end_matches("Hz").trim().parse::<f64>() {
-            Ok(hz) if hz > 0.0 && hz.is_finite() => Ok(LowPass::At(hz)),
-            _ => Err("expected a frequency in Hz, `own` or `off`".to_owned()),
+        hz => match Quantity::Frequency.read(hz, Bare::Si) {
+            Ok(hz) if hz > 0.0 => Ok(LowPass::At(hz)),
+            Ok(_) => Err("expected a frequency above 0 Hz, `own` or `off`".to_owned()),
+            Err(error) => Err(format!("{error}; or `own` or `off`")),
         },
     }
 }
@@ -265,8 +259,7 @@ fn read(path: &Path, name: &str, columns: &Columns) -> Result<Recording, Box<Str
 
 /// The number of a force that was given where a file belongs: `2`, `2N`, `2.5 N`.
 fn force(name: &str) -> Option<f64> {
-    let number = name.strip_suffix(['N', 'n']).unwrap_or(name).trim();
-    number.parse().ok().filter(|force: &f64| force.is_finite())
+    Quantity::Force.read(name, Bare::Si).ok()
 }
 
 /// What is read through it, or written to it, is hashed.

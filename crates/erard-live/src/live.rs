@@ -16,7 +16,7 @@ use crate::limits::Limits;
 use crate::profile::{Converter, Profile};
 use crate::quality::{Seen, expected_error_counts};
 use crate::report::{Leads, Report};
-use crate::stream::{Of, Quantity, Sample};
+use crate::stream::{Of, Sample, SensorUnit};
 
 /// A sensor that has left its rest by a small amount this often is noisy.
 const NOISY: u64 = 20;
@@ -26,8 +26,8 @@ const NOISY: u64 = 20;
 pub struct Options {
     /// Kind of keyboard that carries the sensors.
     pub sensor: SensorKind,
-    /// Quantity of the stream's numbers.
-    pub quantity: Quantity,
+    /// SensorUnit of the stream's numbers.
+    pub quantity: SensorUnit,
     /// Distance of the sensed place from the key's pivot, m, on either side of it; `None` at the key's front.
     pub sensor_at_m: Option<f64>,
     /// The device's own travel, m, if it differs from that of a key; it is mapped to the key's dip.
@@ -203,12 +203,12 @@ impl Live {
     fn sensed(&mut self, number: usize, time_s: f64, value: f64) -> Option<f64> {
         let key = self.keys.get(number - 1)?.as_ref()?;
         let travel_m = match self.options.quantity {
-            Quantity::Newtons => return Some(value),
-            Quantity::Millimetres => 1e-3 * value,
-            Quantity::Raw | Quantity::Pressure => self.converters[number - 1].as_mut()?.travel_m(time_s, value),
+            SensorUnit::Newtons => return Some(value),
+            SensorUnit::Millimetres => 1e-3 * value,
+            SensorUnit::Raw | SensorUnit::Pressure => self.converters[number - 1].as_mut()?.travel_m(time_s, value),
         };
         let own_m = match self.options.quantity {
-            Quantity::Millimetres => self.options.travel_m,
+            SensorUnit::Millimetres => self.options.travel_m,
             _ => self.converters[number - 1].as_ref().map(Converter::whole_m),
         };
         Some(match (self.options.sensor, own_m) {
@@ -250,7 +250,7 @@ impl Live {
         let converters = || self.converters.iter().flatten();
         let dip_m = keys().next().map_or(0.0, |(_, key)| key.limits().dip_m);
         let rate_hz = self.seen.rate_hz();
-        let bits = self.seen.bits(dip_m).filter(|_| self.options.quantity != Quantity::Newtons);
+        let bits = self.seen.bits(dip_m).filter(|_| self.options.quantity != SensorUnit::Newtons);
         Report {
             duration_s: self.now_s,
             limited_strokes: sum(&|c| u64::from(c.fast_strokes)),

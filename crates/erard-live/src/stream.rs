@@ -18,9 +18,9 @@ use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 /// Longest line, bytes; longer input without a line's end is discarded.
 pub const LONGEST_LINE: usize = 256;
 
-/// Quantity of a stream's numbers.
+/// SensorUnit of a stream's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
+pub enum SensorUnit {
     /// Travel of the sensed place from its rest, mm, positive as the key goes down.
     Millimetres,
     /// Force on the key's front, N, down positive.
@@ -36,7 +36,7 @@ pub enum Quantity {
 pub struct Head {
     in_microseconds: bool,
     /// Sensed quantity.
-    pub quantity: Quantity,
+    pub quantity: SensorUnit,
 }
 
 /// Content of a line.
@@ -113,10 +113,10 @@ impl Head {
             _ => return Err(wrong()),
         };
         let quantity = match quantity {
-            "mm" => Quantity::Millimetres,
-            "N" => Quantity::Newtons,
-            "raw" => Quantity::Raw,
-            "pressure" => Quantity::Pressure,
+            "mm" => SensorUnit::Millimetres,
+            "N" => SensorUnit::Newtons,
+            "raw" => SensorUnit::Raw,
+            "pressure" => SensorUnit::Pressure,
             _ => return Err(wrong()),
         };
         Ok(Head { in_microseconds, quantity })
@@ -140,7 +140,7 @@ impl Reader {
 
     /// Sensed quantity.
     #[must_use]
-    pub fn quantity(&self) -> Quantity {
+    pub fn quantity(&self) -> SensorUnit {
         self.head.quantity
     }
 

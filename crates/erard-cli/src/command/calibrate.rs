@@ -1,5 +1,6 @@
 //! `erard calibrate`.
 
+use erard::parameter::Quantity;
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -8,13 +9,14 @@ use clap::Args;
 use erard_live::calibrate::{Found, Readings, stops};
 use erard_live::profile::Profile;
 use erard_live::sensor::Law;
-use erard_live::stream::{Head, Of, Quantity, Reader};
+use erard_live::stream::{Head, Of, Reader, SensorUnit};
 use serde_json::json;
 
 use super::out::OwnFile;
 use crate::failure::Failure;
 use crate::inputs::{self, shown};
 use crate::law_points::law_points;
+use crate::number::between;
 use crate::output::Output;
 use crate::table::{Table, decimal};
 use crate::{answer, identity, say};
@@ -33,10 +35,10 @@ pub(crate) struct Calibrate {
     #[arg(long, value_name = "LAW", default_value = "linear")]
     law: String,
     /// Travel of the sensed place between a key's two stops, mm
-    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = travel, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = between(Quantity::Length, "mm", 0.5, 100.0), allow_negative_numbers = true)]
     travel: f64,
     /// Hall sensors: smallest distance to the magnet, mm. The default is an estimate
-    #[arg(long, value_name = "MM", default_value_t = 3.0, value_parser = nearest, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = 3.0, value_parser = between(Quantity::Length, "mm", 0.1, 100.0), allow_negative_numbers = true)]
     nearest: f64,
     /// Hall sensors: the magnet is nearest while the key is at rest
     #[arg(long)]
@@ -50,16 +52,6 @@ pub(crate) struct Calibrate {
     /// Replace FILE if it exists
     #[arg(long)]
     force: bool,
-}
-
-fn travel(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|mm: &f64| (0.5..=100.0).contains(mm));
-    found.ok_or_else(|| "expected 0.5 to 100 mm".to_owned())
-}
-
-fn nearest(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|mm: &f64| (0.1..=100.0).contains(mm));
-    found.ok_or_else(|| "expected 0.1 to 100 mm".to_owned())
 }
 
 impl Calibrate {
@@ -98,7 +90,7 @@ impl Calibrate {
             }
             let Some(reader) = &mut reader else {
                 let head = Head::parse(text).map_err(|fault| wrong(index + 1, fault.to_string()))?;
-                if !matches!(head.quantity, Quantity::Raw | Quantity::Pressure) {
+                if !matches!(head.quantity, SensorUnit::Raw | SensorUnit::Pressure) {
                     return Err(wrong(index + 1, format!("found `{text}`; expected a reading, `time_s,key,raw`")));
                 }
                 reader = Some(Reader::new(head));

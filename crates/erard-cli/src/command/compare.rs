@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use clap::Args;
+use erard::parameter::Quantity;
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Series};
 use erard_workshop::compare::{Choice, Comparison, DRIVES, LONGEST_S, Which, compare_chosen, way_up_ends_s};
@@ -45,7 +46,7 @@ pub(crate) struct Compare {
     #[command(flatten)]
     step: StepOptions,
     /// Compare only the first S seconds
-    #[arg(long, value_name = "S", value_parser = number("s", "a number of seconds, e.g. 0.5"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Compare only until the hammer is highest, or, if the hammer was not recorded, until the key is down
     #[arg(long)]

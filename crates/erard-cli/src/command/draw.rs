@@ -1,6 +1,7 @@
 //! `erard draw`.
 
 use clap::Args;
+use erard::parameter::Quantity;
 use erard::player::{Inside, ReactionRecorder};
 use erard::run::Setup;
 use erard::run::{Events, Run};
@@ -60,7 +61,7 @@ const EVENTS: [Event; 6] = [
 ];
 
 fn parse_at(text: &str) -> Result<At, String> {
-    if let Ok(ms) = text.parse() {
+    if let Ok(ms) = Quantity::Time.read_in(text, "ms") {
         return if (0.0..=LATEST_MS).contains(&ms) {
             Ok(At::Ms(ms))
         } else {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
+use erard::parameter::{Bare, Quantity};
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::figure_svg;
@@ -72,7 +73,7 @@ pub(crate) struct Fit {
     most: u16,
     /// Fit only the first S seconds of every recording. Do not go much beyond the impact: there a tiny change of a
     /// parameter moves the check by milliseconds, and error bars become too small
-    #[arg(long, value_name = "S", value_parser = number("s", "a number of seconds, e.g. 0.5"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Write numbers only, no figures
     #[arg(long)]
@@ -110,18 +111,11 @@ fn noise(text: &str) -> Result<(Role, f64), String> {
     };
     let (name, size) = text.split_once('=').ok_or_else(expected)?;
     let role = channel(name)?;
-    let size = size.trim();
-    let (number, unit) =
-        size.split_at(size.find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E').unwrap_or(size.len()));
-    let si = match unit.trim() {
-        "" => 1.0,
-        unit => role.quantity().unit(unit).ok_or_else(expected)?.0,
-    };
-    let number: f64 = number.trim().parse().map_err(|_| expected())?;
-    if !(number.is_finite() && number >= 0.0) {
+    let noise = role.quantity().read(size, Bare::Si).map_err(|error| format!("{error}; {}", expected()))?;
+    if noise < 0.0 {
         return Err(expected());
     }
-    Ok((role, number * si))
+    Ok((role, noise))
 }
 
 impl Fit {

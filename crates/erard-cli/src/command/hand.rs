@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use erard::level::{DURATION_S, Kind, LEVELS, LevelError, MASS_KG, Reference, named};
+use erard::parameter::Quantity;
 use erard::player::Hand;
 use erard::stroke::{Muscle, Stroke, Touch};
 use erard::{Instrument, SimulationError};
@@ -25,7 +26,7 @@ pub(crate) struct HandOptions {
     #[arg(
         long,
         value_name = "M/S",
-        value_parser = number("m/s", METRES_PER_SECOND),
+        value_parser = number(Quantity::Speed, "m/s"),
         allow_negative_numbers = true,
         conflicts_with_all = ["stroke", "force_step", "file"]
     )]
@@ -35,11 +36,11 @@ pub(crate) struct HandOptions {
     pub touch: Touch,
     /// Mass of the hand at the fingertip, g. With a stroke file or --force-step it puts a hand before the key: its
     /// muscle has that force or follows that motion, and its fingertip presses the key [default: 200]
-    #[arg(long, value_name = "GRAMS", num_args = 0..=1, require_equals = true, default_missing_value = "200", value_parser = number("g", GRAMS))]
+    #[arg(long, value_name = "GRAMS", num_args = 0..=1, require_equals = true, default_missing_value = "200", value_parser = number(Quantity::Mass, "g"))]
     pub hand: Option<f64>,
     /// Speed of the hand when it reaches the key, m/s. It replaces the level of a built-in touch. With a stroke file or
     /// --force-step it needs --hand
-    #[arg(long, value_name = "M/S", value_parser = number("m/s", METRES_PER_SECOND), allow_negative_numbers = true, conflicts_with_all = ["stroke", "hammer_speed"])]
+    #[arg(long, value_name = "M/S", value_parser = number(Quantity::Speed, "m/s"), allow_negative_numbers = true, conflicts_with_all = ["stroke", "hammer_speed"])]
     pub hand_speed: Option<f64>,
 }
 
@@ -48,11 +49,6 @@ const TOUCHES: [Name<Touch>; 2] = [
     ("pressed", "The hand rests on the key, then its muscle presses", Touch::Pressed),
     ("struck", "The hand is moving when it reaches the key", Touch::Struck),
 ];
-
-/// What the mass expects.
-const GRAMS: &str = "a number of grams, e.g. 200g";
-/// What a speed's option expects.
-const METRES_PER_SECOND: &str = "a number of m/s, e.g. 2m/s";
 
 impl HandOptions {
     /// Another level of the same hand.
@@ -67,7 +63,7 @@ impl HandOptions {
     /// Refuses a mass that was read as the stroke's file because the `=` before it is missing.
     pub(crate) fn refuse_mass_as(&self, file: &Path) -> Result<(), Failure> {
         let text = file.to_string_lossy();
-        if self.hand.is_some() && number("g", GRAMS)(&text).is_ok() && !file.exists() {
+        if self.hand.is_some() && number(Quantity::Mass, "g")(&text).is_ok() && !file.exists() {
             return Err(Failure::Usage(format!("--hand {text}: the mass follows an equals sign, --hand={text}")));
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! `erard live`.
 
+use erard::parameter::Quantity;
 use std::collections::BTreeSet;
 use std::fs::OpenOptions;
 use std::io::{self, IsTerminal, Read};
@@ -9,7 +10,7 @@ use std::time::Duration;
 
 use clap::Args;
 use erard_live::profile::Profile;
-use erard_live::stream::{Head, Of, Quantity, Reader, Sample};
+use erard_live::stream::{Head, Of, Reader, Sample, SensorUnit};
 use erard_live::{Event, Live as Keys, LiveError, Options, SensorKind};
 use erard_workshop::cores;
 
@@ -20,7 +21,7 @@ use crate::live::feed::{Line, lines};
 use crate::live::latency::{Clock, Latency};
 use crate::live::report::Told;
 use crate::live::{Bits, Wire};
-use crate::number::whole;
+use crate::number::{between, number, whole};
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::{answer, identity, say, tell};
@@ -77,21 +78,17 @@ pub(crate) struct Live {
     #[arg(long, value_name = "NAME")]
     port: Option<String>,
     /// Let all keys go if a pipe has sent nothing for this time, s
-    #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = between(Quantity::Time, "s", 0.05, 3600.0), allow_negative_numbers = true)]
     stall: f64,
     /// Replace FILE if it exists
     #[arg(long)]
     force: bool,
 }
 
+/// A distance in either direction, mm.
 fn distance(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|mm: &f64| (0.5..=500.0).contains(&mm.abs()));
-    found.ok_or_else(|| "expected 0.5 to 500 mm".to_owned())
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|s: &f64| (0.05..=3600.0).contains(s));
-    found.ok_or_else(|| "expected seconds from 0.05 to 3600".to_owned())
+    let mm = number(Quantity::Length, "mm")(text)?;
+    Some(mm).filter(|mm| (0.5..=500.0).contains(&mm.abs())).ok_or_else(|| "expected 0.5 to 500 mm".to_owned())
 }
 
 /// What came of lines so far.
@@ -194,34 +191,34 @@ impl Live {
         Ok(all)
     }
 
-    fn options(&self, quantity: Quantity, profile: Option<&Profile>, is_file: bool) -> Result<Options, Failure> {
+    fn options(&self, quantity: SensorUnit, profile: Option<&Profile>, is_file: bool) -> Result<Options, Failure> {
         let wrong = |what: &str| Err(Failure::Usage(format!("{}: {what}", self.name())));
         match (quantity, profile) {
-            (Quantity::Raw | Quantity::Pressure, None) => {
+            (SensorUnit::Raw | SensorUnit::Pressure, None) => {
                 return wrong(
                     "raw readings and pressures need --calibration FILE; `erard calibrate` makes one of readings",
                 );
             }
-            (Quantity::Pressure, Some(profile)) if !profile.pressure_is_depth => {
+            (SensorUnit::Pressure, Some(profile)) if !profile.pressure_is_depth => {
                 return wrong(
                     "polyphonic pressure is a force on most devices, and no depth. If it is the key's depth on this \
                      one, say so in the calibration: polyphonic_pressure_is_depth = true",
                 );
             }
-            (Quantity::Millimetres | Quantity::Newtons, Some(_)) => {
+            (SensorUnit::Millimetres | SensorUnit::Newtons, Some(_)) => {
                 return wrong("--calibration converts raw readings; this stream has millimetres or newtons");
             }
             _ => {}
         }
-        let travels = self.sensor == Sensor::Light && quantity == Quantity::Millimetres;
+        let travels = self.sensor == Sensor::Light && quantity == SensorUnit::Millimetres;
         if self.travel.is_some() && !travels {
             return wrong("--travel goes with --sensor light and a stream of mm");
         }
-        if self.sensor_at.is_some() && (quantity == Quantity::Newtons || self.sensor == Sensor::Light) {
+        if self.sensor_at.is_some() && (quantity == SensorUnit::Newtons || self.sensor == Sensor::Light) {
             return wrong("--sensor-at goes with --sensor action; forces act at the key's front");
         }
         let sensor = match (quantity, self.sensor) {
-            (Quantity::Newtons, _) => SensorKind::Force,
+            (SensorUnit::Newtons, _) => SensorKind::Force,
             (_, Sensor::Action) => SensorKind::Action,
             (_, Sensor::Light) => SensorKind::Light,
         };

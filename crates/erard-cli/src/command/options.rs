@@ -8,6 +8,7 @@ use erard::instrument_spec::{InstrumentSpec, KEY, SAMPLE, split_sample};
 use erard::keyboard::{KEYS, Keyboard, is_keyboard, key_named};
 use erard::level::LevelError;
 use erard::one_dof;
+use erard::parameter::{Bare, Quantity};
 use erard::run::{Setup, SimulationError};
 pub(crate) use erard::stroke::Stroke;
 use erard::stroke::{Columns, DrivingError, Prescribed, Series, constant_force_fault};
@@ -316,7 +317,7 @@ pub(crate) struct StrokeOptions {
     #[command(flatten)]
     hand: HandOptions,
     /// Constant force on the key front, N
-    #[arg(long, value_name = "N", value_parser = number("N", "a number of N, e.g. 5N"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = number(Quantity::Force, "N"), allow_negative_numbers = true)]
     force_step: Option<f64>,
     /// What drives the key. Default: the force if the stroke has one; else `rigid` for a recorded key position and
     /// `motion` for a recorded fingertip position (see --position). With --stroke it plays the stored force curve of
@@ -338,7 +339,8 @@ impl StrokeOptions {
     /// The same touch and drive with another stroke: `pp` to `ff`, a constant force such as `3N`, or a file.
     /// Of a file, `columns` are the titles, where they are given.
     pub(crate) fn with(&self, other: &str, columns: Option<&Columns>) -> Self {
-        let force = other.strip_suffix('N').and_then(|number| number.trim_end().parse().ok());
+        // A number without a unit may be the name of a file.
+        let force = Quantity::Force.read(other, Bare::Refused).ok();
         let is_builtin = ["pp", "p", "mf", "f", "ff"].contains(&other);
         let is_file = force.is_none() && !is_builtin;
         StrokeOptions {
@@ -485,7 +487,7 @@ pub(crate) struct StepOptions {
     #[arg(long, value_name = "SECONDS", default_value = USUAL, value_parser = step, allow_negative_numbers = true)]
     dt: Step,
     /// Theta of the time-stepping scheme, from 0.5 (second order) to 1 (damped)
-    #[arg(long, value_name = "T", default_value_t = 0.5, value_parser = number("", "a number from 0.5 to 1"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", default_value_t = 0.5, value_parser = number(Quantity::Number, ""), allow_negative_numbers = true)]
     theta: f64,
     /// Solver of the one-step problem
     #[arg(long, value_parser = one_of(&SOLVERS), default_value = "active-set")]
@@ -494,7 +496,7 @@ pub(crate) struct StepOptions {
     #[arg(long, value_parser = one_of(&FRICTIONS), default_value = "set-valued")]
     friction: Friction,
     /// Width of the regularised law: this at pivots, rad/s, and a tenth of it at sliding contacts, m/s
-    #[arg(long, value_name = "RAD/S", default_value_t = 0.1, value_parser = number("rad/s", "a number of rad/s, e.g. 0.1"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.1, value_parser = number(Quantity::AngularSpeed, "rad/s"), allow_negative_numbers = true)]
     friction_width: f64,
 }
 
@@ -509,7 +511,8 @@ fn step(text: &str) -> Result<Step, String> {
     if text == USUAL {
         return Ok(Step(None));
     }
-    text.parse().map(|step_s| Step(Some(step_s))).map_err(|_| "expected a number of seconds, or `usual`".to_owned())
+    let step_s = number(Quantity::Time, "s")(text);
+    step_s.map(|step_s| Step(Some(step_s))).map_err(|error| format!("{error}; or `{USUAL}`"))
 }
 
 const SOLVERS: [Name<Solver>; 2] = [

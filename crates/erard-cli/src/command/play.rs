@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
+use erard::parameter::Quantity;
 use erard_figures::page::{Shown, page_html};
 use erard_midi::{Law, file};
 use erard_piece::{Options, PerformError, Performance, Score, passage, perform};
@@ -17,7 +18,7 @@ use super::press::wav_name;
 use crate::failure::Failure;
 use crate::inputs::{self, shown};
 use crate::law_points::{LawPoints, law_points};
-use crate::number::whole;
+use crate::number::{between, whole};
 use crate::output::Output;
 use crate::play::spool::Spools;
 use crate::play::{Played, Side, page, report};
@@ -53,7 +54,7 @@ pub(crate) struct Play {
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     to: Option<f64>,
     /// Time from one row of an action to the next while it is awake, ms, 0.05 to 1000
-    #[arg(long, value_name = "MS", default_value_t = 1.0, value_parser = milliseconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MS", default_value_t = 1.0, value_parser = between(Quantity::Time, "ms", 0.05, 1000.0), allow_negative_numbers = true)]
     record_every: f64,
     /// Also write the force of all strings on the bridge as sound, NAME.wav in the output folder. Needs modal strings.
     /// 48 kHz, 16 bit, peak at 0.9 of full scale. There is no soundboard: it does not sound like a piano. Steps are
@@ -70,14 +71,9 @@ pub(crate) struct Play {
     out: OutOptions,
 }
 
+/// An instant of a piece, s.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|s: &f64| (0.0..=1e6).contains(s));
-    found.ok_or_else(|| "expected seconds from 0 to 1000000".to_owned())
-}
-
-fn milliseconds(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|ms: &f64| (0.05..=1000.0).contains(ms));
-    found.ok_or_else(|| "expected milliseconds from 0.05 to 1000".to_owned())
+    between(Quantity::Time, "s", 0.0, 1e6)(text)
 }
 
 impl Play {
@@ -115,7 +111,7 @@ impl Play {
             return Law::table(points).map_err(|fault| Failure::Usage(format!("{name}: {fault}")));
         }
         let Some(full) = self.law.strip_prefix("linear:") else { return Ok(Law::GOEBL) };
-        let found = full.parse().ok().filter(|v: &f64| (0.5..=50.0).contains(v));
+        let found = Quantity::Speed.read_in(full, "m/s").ok().filter(|v| (0.5..=50.0).contains(v));
         found.map(|full_m_per_s| Law::Linear { full_m_per_s }).ok_or_else(|| {
             Failure::Usage(format!(
                 "--law: `{}`; expected the speed of velocity 127, linear:0.5 to linear:50",

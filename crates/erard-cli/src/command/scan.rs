@@ -1,5 +1,6 @@
 //! `erard scan`.
 
+use erard::parameter::Quantity;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -18,7 +19,7 @@ use super::out::OutOptions;
 use super::play::{failed, score, seconds};
 use super::samples::keyboard_sample;
 use crate::failure::Failure;
-use crate::number::whole;
+use crate::number::{between, whole};
 use crate::progress::Progress;
 use crate::say;
 use crate::scan::{Scanned, report};
@@ -107,13 +108,12 @@ fn keys(text: &str) -> Result<Keys, String> {
 }
 
 fn hertz(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|hz: &f64| (20.0..=MOST_RATE_HZ).contains(hz));
-    found.ok_or_else(|| format!("expected Hz from 20 to {MOST_RATE_HZ}"))
+    between(Quantity::Frequency, "Hz", 20.0, MOST_RATE_HZ)(text)
 }
 
+/// Noise as a share of a key's travel, per cent.
 fn percent(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|share: &f64| (0.0..=10.0).contains(share));
-    found.ok_or_else(|| "expected % of a key's travel from 0 to 10".to_owned())
+    between(Quantity::Share, "%", 0.0, 10.0)(text)
 }
 
 impl Scan {

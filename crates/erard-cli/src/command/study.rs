@@ -2,6 +2,7 @@
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::parameter::Quantity;
 use erard::player::Input;
 use erard::run::Setup;
 use erard_workshop::compare::Which;
@@ -76,7 +77,7 @@ pub(crate) struct Study {
     #[command(flatten)]
     step: StepOptions,
     /// Simulated time of every stroke, s [default: the stroke's duration and a little more]
-    #[arg(long, value_name = "S", value_parser = number("s", "a number of seconds, e.g. 0.5"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_negative_numbers = true)]
     duration: Option<f64>,
     #[command(flatten)]
     bands: BandOptions,

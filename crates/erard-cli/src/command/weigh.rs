@@ -1,5 +1,6 @@
 //! `erard keyboard --weigh`: from a table of weights to a work list.
 
+use erard::parameter::Quantity;
 use std::path::Path;
 
 use clap::Args;
@@ -146,14 +147,16 @@ impl WeighOptions {
         for text in &self.targets {
             let wrong = |expected: &str| Failure::Usage(format!("--target {text}: expected {expected}"));
             let (what, value) = text.split_once('=').ok_or_else(|| wrong("balance=38g or inertia=0.25kg"))?;
-            let within = |unit: &str, [least, most]: [f64; 2]| {
-                let bare = value.trim().trim_end_matches(unit).trim();
-                let number = bare.parse::<f64>().ok().filter(|x| (least..=most).contains(x));
-                number.ok_or_else(|| wrong(&format!("{what}= and a number from {least} to {most} {unit}")))
+            let within = |quantity: Quantity, unit: &'static str, [least, most]: [f64; 2]| {
+                let number = quantity
+                    .read_in(value, unit)
+                    .map_err(|error| Failure::Usage(format!("--target {text}: {error}")))?;
+                let inside = Some(number).filter(|x| (least..=most).contains(x));
+                inside.ok_or_else(|| wrong(&format!("{what}= and a number from {least} to {most} {unit}")))
             };
             let place = match what.trim() {
-                "balance" => (&mut target.balance_weight_g, within("g", [10.0, 90.0])?),
-                "inertia" => (&mut target.inertia_kg, within("kg", [0.05, 1.0])?),
+                "balance" => (&mut target.balance_weight_g, within(Quantity::Weight, "g", [10.0, 90.0])?),
+                "inertia" => (&mut target.inertia_kg, within(Quantity::Mass, "kg", [0.05, 1.0])?),
                 _ => return Err(wrong("balance=38g or inertia=0.25kg")),
             };
             if place.0.replace(place.1).is_some() {

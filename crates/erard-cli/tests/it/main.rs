@@ -33,6 +33,7 @@ mod scan;
 mod studio;
 mod study;
 mod trust;
+mod typed;
 mod validate;
 mod wav;
 mod weigh;

@@ -85,7 +85,7 @@ fn what_cannot_be_scanned_is_refused() {
         (&["scan", "--cases", "stroke,waltz"], "found `waltz`; expected `all` or names"),
         (&["scan", "--cases", "stroke", "--keys", "40,89"], "found key `89`"),
         (&["scan", "--cases", "--bits", "3"], "expected a whole number from 4 to 24"),
-        (&["scan", "--cases", "--rate", "1e9"], "expected Hz from 20 to 20000"),
+        (&["scan", "--cases", "--rate", "1e9"], "expected a frequency from 20 to 20000 Hz"),
         (&["scan", "--cases", "--noise", "nan"], "from 0 to 10"),
         (&["scan", "--cases", "--keyboard", "harpsichord"], "harpsichord"),
         (&["scan", "--cases", "--keyboard", "concert-grand:sample=0"], "sample"),

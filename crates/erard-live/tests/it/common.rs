@@ -1,6 +1,6 @@
 //! Presses whose hammer is known, as a sensor at the key sees them.
 
-use erard_live::stream::{Of, Quantity, Sample};
+use erard_live::stream::{Of, Sample, SensorUnit};
 use erard_live::{Event, Live, Options, SensorKind};
 
 pub use crate::press::{GRAND, Press};
@@ -21,7 +21,7 @@ impl Press {
 
 /// Usual options.
 pub fn options(sensor: SensorKind, ahead: bool) -> Options {
-    let quantity = if sensor == SensorKind::Force { Quantity::Newtons } else { Quantity::Millimetres };
+    let quantity = if sensor == SensorKind::Force { SensorUnit::Newtons } else { SensorUnit::Millimetres };
     Options { sensor, quantity, sensor_at_m: None, travel_m: None, ahead, moved: None, threads: 1 }
 }
 

@@ -1,12 +1,12 @@
 //! Lines, heads, profiles and a cable.
 
 use erard_live::cable::Cable;
-use erard_live::stream::{Fault, Head, Of, Quantity, Reader, Sample};
+use erard_live::stream::{Fault, Head, Of, Reader, Sample, SensorUnit};
 
 #[test]
 fn lines_are_read() {
     let head = Head::parse("time_us, key ,raw\r\n").unwrap();
-    assert_eq!(head.quantity, Quantity::Raw);
+    assert_eq!(head.quantity, SensorUnit::Raw);
     let mut reader = Reader::new(head);
     let sample = |time_s: f64, of: Of, value: f64| Ok(Some(Sample { time_s, of, value }));
     assert_eq!(reader.line("1500000,40,3121"), sample(1.5, Of::Key(40), 3121.0));

@@ -1,6 +1,7 @@
 //! Leads of available masses at places where they fit.
 
 use super::rows::number;
+use erard::parameter::Quantity;
 
 /// A lead in a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +21,7 @@ impl Lead {
     #[must_use]
     pub fn read(text: &str) -> Option<Self> {
         let (mass, at) = text.trim().split_once('@')?;
-        let (mass_g, at_mm) = (number(mass)?, number(at.trim_end_matches("mm"))?);
+        let (mass_g, at_mm) = (number(mass)?, Quantity::Length.read_in(at, "mm").ok()?);
         ((0.5..=60.0).contains(&mass_g) && (-250.0..=400.0).contains(&at_mm)).then_some(Lead { mass_g, at_mm })
     }
 

@@ -1,5 +1,6 @@
 //! Tables with a row for each key, as written by spreadsheets.
 
+use erard::parameter::Quantity;
 use std::fmt;
 
 use erard::keyboard::{KEYS, key_named};
@@ -160,9 +161,9 @@ fn cell(text: &str) -> &str {
     text.trim().trim_matches('"').trim()
 }
 
-/// Reads a number, with or without the unit g.
+/// Reads a weight in g, which is also the unit of a number without one.
 pub(super) fn number(text: &str) -> Option<f64> {
-    text.trim_end_matches(" g").trim().parse().ok().filter(|value: &f64| value.is_finite())
+    Quantity::Weight.read_in(text, "g").ok()
 }
 
 /// Returns the key by its number or note; else the column and text at fault.

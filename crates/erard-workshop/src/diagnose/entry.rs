@@ -2,6 +2,7 @@
 
 use erard::instrument::Instrument;
 use erard::keyboard::is_sharp;
+use erard::parameter::{NumberError, Quantity as Physical};
 
 use super::bench::Bench;
 use crate::balance::Lead;
@@ -289,6 +290,27 @@ pub fn entries() -> &'static [Entry] {
 }
 
 impl Entry {
+    /// Physical quantity of the reading.
+    #[must_use]
+    pub fn quantity(&self) -> Physical {
+        match self.unit {
+            "g" => Physical::Weight,
+            "mm" => Physical::Length,
+            "m/s" => Physical::Speed,
+            _ if self.name.ends_with("_share") => Physical::Share,
+            _ => Physical::Number,
+        }
+    }
+
+    /// Reads a value as typed, in this entry's unit, which is also that of a number without one.
+    ///
+    /// # Errors
+    /// See [`NumberError`].
+    pub fn read(&self, text: &str) -> Result<f64, NumberError> {
+        let unit = if self.quantity() == Physical::Share { "1" } else { self.unit };
+        self.quantity().read_in(text, unit)
+    }
+
     /// Whether a name belongs to this entry, in any spelling of case, spaces and hyphens.
     #[must_use]
     pub fn is_called(&self, name: &str) -> bool {

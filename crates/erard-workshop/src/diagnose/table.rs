@@ -2,6 +2,7 @@
 
 use super::entry::{Entry, Known, entries};
 use crate::balance::{MeasuredError, rows_of_keys};
+use erard::parameter::NumberError;
 
 /// Reads a table: a header that names `key` (1 to 88, or C4) or `note`, and any of the entries by any of their names,
 /// and `leads` (`14@165 14@147`); other columns are ignored. `none` under the check distance means that the hammer is
@@ -82,23 +83,25 @@ impl Known {
             ("repetition_spring_m_per_s", "right") => self.set(entry.name, Some(0.3)),
             ("repetition_spring_m_per_s", "strong") => self.set(entry.name, Some(0.6)),
             _ => {
-                let number = word.strip_suffix(entry.unit).unwrap_or(&word).trim().to_owned();
-                let value = number
-                    .replacen(',', ".", 1)
-                    .parse::<f64>()
-                    .ok()
-                    .filter(|value| value.is_finite() && (entry.limits[0]..=entry.limits[1]).contains(value));
-                let Some(value) = value else {
-                    let [least, most] = entry.limits;
+                let [least, most] = entry.limits;
+                let expected = |units: &str| {
                     let words = match entry.name {
                         "check_mm" => ", or none",
                         "repetition_spring_m_per_s" => ", or weak, right, strong",
                         _ => "",
                     };
-                    let expected = format!("a number from {least} to {most} {}", entry.unit);
-                    return Err(format!("{}{words}", expected.trim_end()));
+                    format!("{}{units}{words}", format!("a number from {least} to {most} {}", entry.unit).trim_end())
                 };
-                self.set(entry.name, Some(value));
+                match entry.read(text) {
+                    Ok(value) if (least..=most).contains(&value) => self.set(entry.name, Some(value)),
+                    Ok(_) | Err(NumberError::Text { .. }) => return Err(expected("")),
+                    Err(NumberError::Unit { known, .. }) => return Err(expected(&format!(" (units: {known})"))),
+                    Err(NumberError::NoUnit { example, .. }) => return Err(format!("a unit, as in `{example}`")),
+                    Err(NumberError::Comma { decimal, thousands, .. }) => {
+                        return Err(format!("`{decimal}` or `{thousands}`"));
+                    }
+                    Err(error) => return Err(error.to_string()),
+                }
             }
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! Display of goals' values and screws' units.
 
 use erard::instrument::ScrewAction;
+use erard::parameter::{Bare, NumberError, Quantity};
 
 use super::{Goal, Kind};
 
@@ -24,25 +25,18 @@ pub fn show(goal: Goal, value: f64) -> String {
 /// # Errors
 /// The expected text.
 pub fn parse_value(goal: Goal, text: &str) -> Result<f64, String> {
-    let units: &[(&str, f64)] = match goal.kind() {
-        Kind::Length => &[("mm", 1e-3), ("cm", 1e-2), ("in", 25.4e-3), ("m", 1.0)],
-        Kind::Speed => &[("mm/s", 1e-3), ("m/s", 1.0)],
-        Kind::Share => &[("%", 1e-2)],
+    let (quantity, what) = match goal.kind() {
+        Kind::Length => (Quantity::Length, "a length"),
+        Kind::Speed => (Quantity::Speed, "a speed"),
+        Kind::Share => (Quantity::Share, "a share of the dip"),
     };
-    let text = text.trim();
-    let (number, factor) =
-        units.iter().find_map(|(unit, factor)| Some((text.strip_suffix(unit)?, *factor))).unwrap_or((text, units[0].1));
     let [least, most] = goal.limits();
-    let value = number.trim().parse::<f64>().ok().map(|value| value * factor);
-    value.filter(|value| (least..=most).contains(value)).ok_or_else(|| {
-        let what = match goal.kind() {
-            Kind::Length => "a length",
-            Kind::Speed => "a speed",
-            Kind::Share => "a share of the dip",
-        };
-        let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
-        format!("{what} from {} to {} (units: {})", show(goal, least), show(goal, most), names.join(", "))
-    })
+    let range = || format!("{what} from {} to {} (units: {})", show(goal, least), show(goal, most), quantity.known());
+    match quantity.read(text, Bare::In(unit(goal.kind()).1)) {
+        Ok(value) if (least..=most).contains(&value) => Ok(value),
+        Ok(_) | Err(NumberError::Text { .. } | NumberError::Unit { .. }) => Err(range()),
+        Err(error) => Err(error.to_string()),
+    }
 }
 
 /// Returns the factor from SI to the displayed unit of a screw, the unit, and the digits.
@@ -70,6 +64,7 @@ mod tests {
         close(Goal::Dip, "1cm", 10e-3);
         close(Goal::Dip, "0.01 m", 10e-3);
         close(Goal::Blow, "1.75in", 44.45e-3);
+        close(Goal::Blow, "1 3/4\"", 44.45e-3);
         close(Goal::Spring, "200mm/s", 0.2);
         close(Goal::Spring, "0.2 m/s", 0.2);
         close(Goal::Damper, "50%", 0.5);
@@ -86,6 +81,9 @@ mod tests {
         ] {
             assert!(parse_value(goal, text).is_err(), "{text}");
         }
-        assert_eq!(parse_value(Goal::Dip, "ten").unwrap_err(), "a length from 3 mm to 14 mm (units: mm, cm, in, m)");
+        assert_eq!(
+            parse_value(Goal::Dip, "ten").unwrap_err(),
+            "a length from 3 mm to 14 mm (units: m, dm, cm, mm, um, nm, in, mil, ft)"
+        );
     }
 }

@@ -102,6 +102,8 @@ pub enum NumberError {
 pub(super) struct Typed {
     /// Value in SI units.
     pub si: f64,
+    /// Value as typed.
+    pub value: f64,
     /// Whether it has a sign of its own.
     pub is_signed: bool,
     /// Unit as typed; `None` without one.
@@ -117,6 +119,20 @@ impl Quantity {
     /// needed.
     pub fn read(self, text: &str, bare: Bare) -> Result<f64, NumberError> {
         self.typed(text, bare).map(|typed| typed.si)
+    }
+
+    /// Reads a value as [`Quantity::read`] does, in the unit with this symbol, which is also that of a number without a
+    /// unit. A value typed in this unit is returned to the bit.
+    ///
+    /// # Errors
+    /// See [`NumberError`].
+    pub fn read_in(self, text: &str, symbol: &'static str) -> Result<f64, NumberError> {
+        let typed = self.typed(text, Bare::In(symbol))?;
+        let own = self.unit(symbol);
+        if typed.unit.is_none() || typed.unit == own {
+            return Ok(typed.value);
+        }
+        Ok(typed.si / own.map_or(1.0, |unit| unit.si))
     }
 
     /// [`Quantity::read`] with what else is known of the text.
@@ -145,7 +161,7 @@ impl Quantity {
         if !si.is_finite() {
             return Err(NumberError::Text { found: found.to_owned(), expected: self.expected(bare) });
         }
-        Ok(Typed { si, is_signed: found.starts_with(['+', '-', '\u{2212}']), unit })
+        Ok(Typed { si, value: value + 0.0, is_signed: found.starts_with(['+', '-', '\u{2212}']), unit })
     }
 
     fn no_unit(self, found: &str, unit: &str) -> NumberError {
@@ -325,6 +341,15 @@ mod tests {
         close(Quantity::Torque, "2Nmm", Bare::Refused, 2e-3);
         close(Quantity::Number, "0.3", Bare::Refused, 0.3);
         assert!(Quantity::Length.read("-0", Bare::Si).unwrap().is_sign_positive());
+    }
+
+    #[test]
+    fn values_in_their_own_unit_keep_their_bits() {
+        for text in ["58", "58.1g", "0.3 g"] {
+            let own: f64 = text.trim_end_matches([' ', 'g']).parse().unwrap();
+            assert_eq!(Quantity::Weight.read_in(text, "g").unwrap().to_bits(), own.to_bits(), "{text}");
+        }
+        assert!((Quantity::Length.read_in("0.4in", "mm").unwrap() - 10.16).abs() < 1e-14);
     }
 
     #[test]

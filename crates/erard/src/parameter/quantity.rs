@@ -317,6 +317,12 @@ impl Quantity {
         self.unit(symbol)
     }
 
+    /// Unit in which technicians read the quantity, and the number of these in an SI unit.
+    #[must_use]
+    pub fn shown(self) -> (f64, &'static str) {
+        self.trade_unit().map_or((1.0, ""), |unit| (1.0 / unit.si, unit.symbol))
+    }
+
     /// Finds a unit by its symbol or another of its names, in any spelling of blanks, dots and capitals. Capitals that
     /// change the meaning are refused: `MN` is not `mN`.
     #[must_use]

@@ -5,6 +5,8 @@ use std::str::FromStr;
 use moreau::Surface;
 use thiserror::Error;
 
+use crate::parameter::{Bare, Quantity};
+
 /// Largest lift of the rail, m.
 pub const PEDAL_MOST_M: f64 = 10e-3;
 /// Speed at which it follows its target, m/s: a stamping foot moves it by 10 mm in 20 ms. Without the limit a jump of
@@ -119,22 +121,25 @@ impl FromStr for Pedal {
     fn from_str(text: &str) -> Result<Self, PedalError> {
         let wrong = |found: &str| PedalError::Lift { found: found.trim().to_owned() };
         let lift = |part: &str| {
-            let mm = part.trim().strip_suffix("mm").and_then(|mm| mm.trim().parse::<f64>().ok());
-            mm.map(|mm| 1e-3 * mm).filter(|m| (0.0..=PEDAL_MOST_M).contains(m)).ok_or_else(|| wrong(part))
+            Quantity::Length
+                .read(part, Bare::In("mm"))
+                .ok()
+                .filter(|m| (0.0..=PEDAL_MOST_M).contains(m))
+                .ok_or_else(|| wrong(part))
         };
         if !text.contains('=') {
             return Ok(Pedal::held(lift(text)?));
         }
-        let parts: Vec<&str> = text.split(',').collect();
+        // Between semicolons, commas are decimal.
+        let parts: Vec<&str> = text.split(if text.contains(';') { ';' } else { ',' }).collect();
         if parts.len() > MOST {
             return Err(PedalError::Many { found: parts.len() });
         }
         let mut points = [[0.0; 2]; MOST];
         for (i, part) in parts.iter().enumerate() {
             let (time, to) = part.split_once('=').ok_or_else(|| wrong(part))?;
-            let time = time.trim();
-            let seconds = time.strip_suffix('s').unwrap_or(time).trim().parse::<f64>().ok().filter(|s| s.is_finite());
-            points[i] = [seconds.ok_or_else(|| wrong(part))?, lift(to)?];
+            let time_s = Quantity::Time.read(time, Bare::Si).map_err(|_| wrong(part))?;
+            points[i] = [time_s, lift(to)?];
             if i > 0 && points[i][0] <= points[i - 1][0] {
                 return Err(PedalError::Order { found: part.trim().to_owned() });
             }
@@ -156,7 +161,9 @@ mod tests {
             assert!((1e3 * moved.lift_m(t) - mm).abs() < 1e-12, "{t}");
         }
         assert!(!Pedal::default().is_used());
-        for wrong in ["", "3", "3cm", "-1mm", "11mm", "nan mm", "0s=1mm,0s=2mm", "0s=1mm,2mm", "xs=1mm"] {
+        assert_eq!("3".parse::<Pedal>().unwrap(), "3,0 mm".parse().unwrap());
+        assert_eq!("0,5s=0;1s=8mm".parse::<Pedal>().unwrap(), "500ms=0mm,1s=0.8cm".parse().unwrap());
+        for wrong in ["", "3cm", "-1mm", "11mm", "nan mm", "0s=1mm,0s=2mm", "0s=1mm,2mm", "xs=1mm"] {
             assert!(wrong.parse::<Pedal>().is_err(), "{wrong}");
         }
     }

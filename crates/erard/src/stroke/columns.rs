@@ -5,7 +5,8 @@
 use std::str::FromStr;
 
 use super::rows::{Place, excerpt};
-use super::units::Quantity;
+use crate::parameter::{Quantity, Unit};
+
 use super::{MAX_FORCE_N, MAX_POSITION_M, StrokeError};
 
 /// Quantity of a column.
@@ -405,8 +406,8 @@ impl Layout {
         };
         let units: Option<Vec<_>> = self.columns.iter().map(unit).collect();
         let Some(units) = units else { return false };
-        for (column, (factor, name)) in self.columns.iter_mut().zip(units) {
-            (column.factor, column.unit) = (factor, name);
+        for (column, unit) in self.columns.iter_mut().zip(units) {
+            (column.factor, column.unit) = (unit.si, unit.symbol);
         }
         true
     }
@@ -443,7 +444,10 @@ fn named(role: Role, asked: &str, titles: &[&str], place: &Place) -> Result<Colu
     let unit = stated.or(read.unit.as_deref());
     let (factor, name) = match unit {
         None => (1.0, ""),
-        Some(unit) => role.quantity().unit(unit).ok_or_else(|| unknown_unit(role, &title, unit, place))?,
+        Some(unit) => match role.quantity().unit(unit) {
+            Some(unit) => (unit.si, unit.symbol),
+            None => return Err(unknown_unit(role, &title, unit, place)),
+        },
     };
     Ok(Column { role, index, title, unit: name, factor })
 }
@@ -466,9 +470,12 @@ fn excerpt_of(text: &str) -> String {
 fn by_title(role: Role, titles: &[&str], place: &Place) -> Result<Option<Column>, Box<StrokeError>> {
     let all = || excerpt(&titles.join(","));
     let exact: Vec<usize> = (0..titles.len()).filter(|&index| titles[index] == role.title()).collect();
-    let column = |index: usize, (factor, unit)| Column { role, index, title: titles[index].to_owned(), unit, factor };
+    let column = |index: usize, unit: Option<&Unit>| {
+        let (factor, unit) = unit.map_or((1.0, ""), |unit| (unit.si, unit.symbol));
+        Column { role, index, title: titles[index].to_owned(), unit, factor }
+    };
     match exact[..] {
-        [index] => return Ok(role.quantity().unit(&si(role)).map(|unit| column(index, unit))),
+        [index] => return Ok(Some(column(index, role.quantity().units().first()))),
         [] => {}
         _ => return Err(place.fault(role.title(), "there are two columns of this name", all(), "one")),
     }
@@ -481,11 +488,11 @@ fn by_title(role: Role, titles: &[&str], place: &Place) -> Result<Option<Column>
             continue;
         }
         match read.unit.as_deref().map(|unit| (unit, role.quantity().unit(unit))) {
-            Some((_, Some(unit))) => with_unit.push(column(index, unit)),
+            Some((_, Some(unit))) => with_unit.push(column(index, Some(unit))),
             // To ignore it would be a trap.
             Some((unit, None)) if read.apart => unknown = unknown.or(Some((index, unit.to_owned()))),
             _ if read.stem == "key" => {}
-            _ => without = without.or(Some(column(index, (1.0, "")))),
+            _ => without = without.or(Some(column(index, None))),
         }
     }
     match (with_unit.len(), without, unknown) {
@@ -499,16 +506,6 @@ fn by_title(role: Role, titles: &[&str], place: &Place) -> Result<Option<Column>
             Err(place.fault(role.title(), message, excerpt(&several), "one, or a choice of columns"))
         }
     }
-}
-
-fn si(role: Role) -> String {
-    match role.quantity() {
-        Quantity::Time => "s",
-        Quantity::Force => "N",
-        Quantity::Length => "m",
-        Quantity::Speed => "m/s",
-    }
-    .to_owned()
 }
 
 #[cfg(test)]

@@ -18,7 +18,6 @@ mod position;
 mod recording;
 mod rows;
 mod speed;
-mod units;
 
 use std::cell::Cell;
 
@@ -32,7 +31,6 @@ pub use position::PositionSeries;
 pub use recording::{Channel, Dialect, Gaps, MAX_ROWS, Recording};
 pub use rows::MAX_BYTES;
 pub use speed::SpeedSeries;
-pub use units::Quantity;
 
 /// Largest force, N: a finger plays fortissimo with less than 50.
 pub const MAX_FORCE_N: f64 = crate::player::LARGEST_FORCE_N;
