@@ -1,6 +1,6 @@
 //! Numbers as options: each says in its message what it expects.
 
-use erard::parameter::Quantity;
+use erard::parameter::{NumberError, Quantity};
 
 /// A number of a quantity in its unit `unit`, which is also that of a number typed without one, from `least` to `most`
 /// of these units.
@@ -10,13 +10,13 @@ pub(crate) fn between(
     least: f64,
     most: f64,
 ) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
-    move |text| {
-        let value = quantity.read_in(text, unit).map_err(|error| error.to_string())?;
-        if (least..=most).contains(&value) {
-            return Ok(value);
+    move |text| match quantity.read_in(text, unit) {
+        Ok(value) if (least..=most).contains(&value) => Ok(value),
+        Ok(_) | Err(NumberError::Text { .. }) => {
+            let blank = if unit.is_empty() { "" } else { " " };
+            Err(format!("expected {} from {least} to {most}{blank}{unit}", quantity.name()))
         }
-        let blank = if unit.is_empty() { "" } else { " " };
-        Err(format!("expected {} from {least} to {most}{blank}{unit}", quantity.name()))
+        Err(error) => Err(error.to_string()),
     }
 }
 

@@ -35,10 +35,10 @@ pub(crate) struct Calibrate {
     #[arg(long, value_name = "LAW", default_value = "linear")]
     law: String,
     /// Travel of the sensed place between a key's two stops, mm
-    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = between(Quantity::Length, "mm", 0.5, 100.0), allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = between(Quantity::Length, "mm", 0.5, 100.0), allow_hyphen_values = true)]
     travel: f64,
     /// Hall sensors: smallest distance to the magnet, mm. The default is an estimate
-    #[arg(long, value_name = "MM", default_value_t = 3.0, value_parser = between(Quantity::Length, "mm", 0.1, 100.0), allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = 3.0, value_parser = between(Quantity::Length, "mm", 0.1, 100.0), allow_hyphen_values = true)]
     nearest: f64,
     /// Hall sensors: the magnet is nearest while the key is at rest
     #[arg(long)]

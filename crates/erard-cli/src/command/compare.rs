@@ -46,7 +46,7 @@ pub(crate) struct Compare {
     #[command(flatten)]
     step: StepOptions,
     /// Compare only the first S seconds
-    #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_hyphen_values = true)]
     duration: Option<f64>,
     /// Compare only until the hammer is highest, or, if the hammer was not recorded, until the key is down
     #[arg(long)]

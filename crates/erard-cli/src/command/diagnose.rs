@@ -76,7 +76,7 @@ impl Args for Readings {
                 .value_name(unit.to_uppercase())
                 .help(format!("{}: {}", entry.label, entry.how))
                 .help_heading("Readings, whatever subset was taken")
-                .allow_negative_numbers(true);
+                .allow_hyphen_values(true);
             command.arg(arg)
         })
     }

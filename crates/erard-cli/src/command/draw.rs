@@ -24,7 +24,7 @@ pub(crate) struct Draw {
     instrument: InstrumentOption,
     /// Instant to draw: ms after the start of the stroke (0 is rest), or an event: key-start, toe-contact, let-off,
     /// hammer-contact, key-bottom, check
-    #[arg(long, value_name = "MILLISECONDS-OR-EVENT", default_value = "0", value_parser = parse_at, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MILLISECONDS-OR-EVENT", default_value = "0", value_parser = parse_at, allow_hyphen_values = true)]
     at: At,
     /// Label the main parts
     #[arg(long)]

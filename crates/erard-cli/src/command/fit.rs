@@ -73,7 +73,7 @@ pub(crate) struct Fit {
     most: u16,
     /// Fit only the first S seconds of every recording. Do not go much beyond the impact: there a tiny change of a
     /// parameter moves the check by milliseconds, and error bars become too small
-    #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_hyphen_values = true)]
     duration: Option<f64>,
     /// Write numbers only, no figures
     #[arg(long)]

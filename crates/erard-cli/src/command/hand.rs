@@ -40,7 +40,7 @@ pub(crate) struct HandOptions {
     pub hand: Option<f64>,
     /// Speed of the hand when it reaches the key, m/s. It replaces the level of a built-in touch. With a stroke file or
     /// --force-step it needs --hand
-    #[arg(long, value_name = "M/S", value_parser = number(Quantity::Speed, "m/s"), allow_negative_numbers = true, conflicts_with_all = ["stroke", "hammer_speed"])]
+    #[arg(long, value_name = "M/S", value_parser = number(Quantity::Speed, "m/s"), allow_hyphen_values = true, conflicts_with_all = ["stroke", "hammer_speed"])]
     pub hand_speed: Option<f64>,
 }
 

@@ -53,10 +53,10 @@ pub(crate) struct Live {
     sensor: Sensor,
     /// Distance of the sensed place from the balance pin, mm, in front of the pin or behind it [default: the key's
     /// front]
-    #[arg(long, value_name = "MM", value_parser = distance, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = distance, allow_hyphen_values = true)]
     sensor_at: Option<f64>,
     /// Full travel of the device, mm: it is scaled to the key's dip. For `--sensor light` and a stream in mm
-    #[arg(long, value_name = "MM", value_parser = distance, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = distance, allow_hyphen_values = true)]
     travel: Option<f64>,
     /// Profile of the sensors, as `erard calibrate` writes it; for a stream of raw readings or pressures
     #[arg(long, value_name = "FILE")]
@@ -78,7 +78,7 @@ pub(crate) struct Live {
     #[arg(long, value_name = "NAME")]
     port: Option<String>,
     /// Let all keys go if a pipe has sent nothing for this time, s
-    #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = between(Quantity::Time, "s", 0.05, 3600.0), allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = between(Quantity::Time, "s", 0.05, 3600.0), allow_hyphen_values = true)]
     stall: f64,
     /// Replace FILE if it exists
     #[arg(long)]

@@ -317,7 +317,7 @@ pub(crate) struct StrokeOptions {
     #[command(flatten)]
     hand: HandOptions,
     /// Constant force on the key front, N
-    #[arg(long, value_name = "N", value_parser = number(Quantity::Force, "N"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = number(Quantity::Force, "N"), allow_hyphen_values = true)]
     force_step: Option<f64>,
     /// What drives the key. Default: the force if the stroke has one; else `rigid` for a recorded key position and
     /// `motion` for a recorded fingertip position (see --position). With --stroke it plays the stored force curve of
@@ -484,10 +484,10 @@ impl From<DrivingError> for Failure {
 pub(crate) struct StepOptions {
     /// Time step, s. `usual` is 0.00005, or 1/24000 with modal strings. While the hammer is near modal strings the step
     /// is halved as often as necessary
-    #[arg(long, value_name = "SECONDS", default_value = USUAL, value_parser = step, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", default_value = USUAL, value_parser = step, allow_hyphen_values = true)]
     dt: Step,
     /// Theta of the time-stepping scheme, from 0.5 (second order) to 1 (damped)
-    #[arg(long, value_name = "T", default_value_t = 0.5, value_parser = number(Quantity::Number, ""), allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", default_value_t = 0.5, value_parser = number(Quantity::Number, ""), allow_hyphen_values = true)]
     theta: f64,
     /// Solver of the one-step problem
     #[arg(long, value_parser = one_of(&SOLVERS), default_value = "active-set")]
@@ -496,7 +496,7 @@ pub(crate) struct StepOptions {
     #[arg(long, value_parser = one_of(&FRICTIONS), default_value = "set-valued")]
     friction: Friction,
     /// Width of the regularised law: this at pivots, rad/s, and a tenth of it at sliding contacts, m/s
-    #[arg(long, value_name = "RAD/S", default_value_t = 0.1, value_parser = number(Quantity::AngularSpeed, "rad/s"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "RAD/S", default_value_t = 0.1, value_parser = number(Quantity::AngularSpeed, "rad/s"), allow_hyphen_values = true)]
     friction_width: f64,
 }
 

@@ -48,13 +48,13 @@ pub(crate) struct Play {
     #[arg(long, value_name = "LAW", default_value = "logarithmic")]
     law: String,
     /// Play only notes that begin at or after this time, s
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds, allow_hyphen_values = true)]
     from: f64,
     /// Play only notes that begin before this time, s [default: all]
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true)]
     to: Option<f64>,
     /// Time from one row of an action to the next while it is awake, ms, 0.05 to 1000
-    #[arg(long, value_name = "MS", default_value_t = 1.0, value_parser = between(Quantity::Time, "ms", 0.05, 1000.0), allow_negative_numbers = true)]
+    #[arg(long, value_name = "MS", default_value_t = 1.0, value_parser = between(Quantity::Time, "ms", 0.05, 1000.0), allow_hyphen_values = true)]
     record_every: f64,
     /// Also write the force of all strings on the bridge as sound, NAME.wav in the output folder. Needs modal strings.
     /// 48 kHz, 16 bit, peak at 0.9 of full scale. There is no soundboard: it does not sound like a piano. Steps are

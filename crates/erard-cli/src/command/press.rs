@@ -48,14 +48,14 @@ pub(crate) struct Press {
     #[command(flatten)]
     step: StepOptions,
     /// Simulated time, s [default: the stroke's duration and a little more]
-    #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_hyphen_values = true)]
     duration: Option<f64>,
     /// Steps from one row of the output to the next [default: 1, in long runs more]
     #[arg(long, value_name = "STEPS", value_parser = steps, allow_negative_numbers = true)]
     record_every: Option<u64>,
     /// Adaptive steps: the largest error of a step, relative to 1 rad/s + |velocity|, from 1e-9 to 0.1 [default: fixed
     /// steps of --dt]
-    #[arg(long, value_name = "ERROR", value_parser = number(Quantity::Number, ""), allow_negative_numbers = true)]
+    #[arg(long, value_name = "ERROR", value_parser = number(Quantity::Number, ""), allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// Also record the forces in the pins (both components) and the accelerations of the parts: more columns,
     /// reactions.svg and reactions.png

@@ -56,19 +56,19 @@ pub(crate) struct Scan {
     #[arg(long, value_name = "N,N,..", default_value = "12", value_delimiter = ',', value_parser = whole::<u32>(4, 24), allow_negative_numbers = true)]
     bits: Vec<u32>,
     /// Readings of each key a second, Hz, one or several numbers from 20 to 20000
-    #[arg(long, value_name = "HZ,HZ,..", default_value = "1000", value_delimiter = ',', value_parser = hertz, allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ,HZ,..", default_value = "1000", value_delimiter = ',', value_parser = hertz, allow_hyphen_values = true)]
     rate: Vec<f64>,
     /// Noise of the sensors: standard deviation, % of a key's travel, one or several numbers from 0 to 10
-    #[arg(long, value_name = "%,%,..", default_value = "0.05", value_delimiter = ',', value_parser = percent, allow_negative_numbers = true)]
+    #[arg(long, value_name = "%,%,..", default_value = "0.05", value_delimiter = ',', value_parser = percent, allow_hyphen_values = true)]
     noise: Vec<f64>,
     /// Seed of the noise, the scatter and the cases' motions
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(0, 1_000_000), allow_negative_numbers = true)]
     seed: u32,
     /// Play only notes that begin at or after this time, s
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds, allow_hyphen_values = true)]
     from: f64,
     /// Play only notes that begin before this time, s [default: all]
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true)]
     to: Option<f64>,
     /// Number of threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = whole::<u16>(1, 256), allow_negative_numbers = true)]

@@ -77,7 +77,7 @@ pub(crate) struct Study {
     #[command(flatten)]
     step: StepOptions,
     /// Simulated time of every stroke, s [default: the stroke's duration and a little more]
-    #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_hyphen_values = true)]
     duration: Option<f64>,
     #[command(flatten)]
     bands: BandOptions,

@@ -1,6 +1,6 @@
 //! `erard keyboard --weigh`: from a table of weights to a work list.
 
-use erard::parameter::Quantity;
+use erard::parameter::{NumberError, Quantity};
 use std::path::Path;
 
 use clap::Args;
@@ -147,13 +147,14 @@ impl WeighOptions {
         for text in &self.targets {
             let wrong = |expected: &str| Failure::Usage(format!("--target {text}: expected {expected}"));
             let (what, value) = text.split_once('=').ok_or_else(|| wrong("balance=38g or inertia=0.25kg"))?;
-            let within = |quantity: Quantity, unit: &'static str, [least, most]: [f64; 2]| {
-                let number = quantity
-                    .read_in(value, unit)
-                    .map_err(|error| Failure::Usage(format!("--target {text}: {error}")))?;
-                let inside = Some(number).filter(|x| (least..=most).contains(x));
-                inside.ok_or_else(|| wrong(&format!("{what}= and a number from {least} to {most} {unit}")))
-            };
+            let within =
+                |quantity: Quantity, unit: &'static str, [least, most]: [f64; 2]| match quantity.read_in(value, unit) {
+                    Ok(number) if (least..=most).contains(&number) => Ok(number),
+                    Ok(_) | Err(NumberError::Text { .. }) => {
+                        Err(wrong(&format!("{what}= and a number from {least} to {most} {unit}")))
+                    }
+                    Err(error) => Err(Failure::Usage(format!("--target {text}: {error}"))),
+                };
             let place = match what.trim() {
                 "balance" => (&mut target.balance_weight_g, within(Quantity::Weight, "g", [10.0, 90.0])?),
                 "inertia" => (&mut target.inertia_kg, within(Quantity::Mass, "kg", [0.05, 1.0])?),

@@ -157,7 +157,7 @@ impl Quantity {
             (unit.si, Some(unit))
         };
         // Plus zero: minus zero becomes zero.
-        let si = value * si + 0.0;
+        let si = to_si(value, si) + 0.0;
         if !si.is_finite() {
             return Err(NumberError::Text { found: found.to_owned(), expected: self.expected(bare) });
         }
@@ -212,6 +212,13 @@ impl Quantity {
             Quantity::Pitch => "an interval",
         }
     }
+}
+
+/// Value in SI units. Units that are a decimal part of the SI unit are divided by the number of them in it, which rounds
+/// once: `100us` is 1e-4 s to the bit.
+fn to_si(value: f64, unit: f64) -> f64 {
+    let parts = (1.0 / unit).round();
+    if parts > 1.0 && (parts * unit - 1.0).abs() < 1e-12 { value / parts } else { value * unit }
 }
 
 /// Number at the beginning of a text, its length in bytes, and whether it is a fraction: `-1.5e-3`, `1,5`, `7/8`,
