@@ -1,5 +1,5 @@
-//! The program `erard-bench`: speed of simulation on this machine. It uses the command's library; its workloads are in
-//! `erard-timing`.
+//! The program `erard-bench`: speed of simulation on this machine. It uses the command's library and this package's
+//! workloads.
 
 #![deny(
     clippy::print_stdout,
@@ -11,12 +11,12 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 use erard::run::SimulationError;
+use erard_bench::{Effort, PARTS, measure};
 use erard_cli::command::{Speech, run_program, version};
 use erard_cli::failure::Failure;
 use erard_cli::progress::Progress;
 use erard_cli::table::{Table, three};
 use erard_cli::{answer, say};
-use erard_timing::{Effort, PARTS, measure};
 use serde_json::Value;
 
 /// Text below the options.

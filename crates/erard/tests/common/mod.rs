@@ -8,12 +8,13 @@ pub mod perturb;
 
 use std::f64::consts::PI;
 
+use erard::assembly::describe;
 use erard::instrument::Instrument;
-use erard::player::{self, Drive};
+use erard::player::{self, Action, Drive};
 use erard::run::Run;
 use erard::run::{Setup, simulate};
 use erard::stroke::{PositionSeries, Series, Touch};
-use moreau::{FrictionLaw, Loss, Settings};
+use moreau::{FrictionLaw, Loss, Model, Settings, State};
 
 /// The usual step, s.
 pub const USUAL_STEP_S: f64 = 50e-6;
@@ -26,6 +27,15 @@ pub fn grand() -> Instrument {
 /// The papers' six rigid bodies.
 pub fn rigid_grand() -> Instrument {
     Instrument::builtin("concert-grand-rigid").expect("the built-in grand reads")
+}
+
+/// The rigid grand in the engine's own types, at rest.
+pub fn rigid_grand_at_rest() -> (Model<f64, 6, 14>, State<f64, 6, 14>) {
+    let grand = rigid_grand();
+    let action = Action::with(&grand, Settings::new(USUAL_STEP_S)).expect("it comes to rest");
+    let mut rest = describe(&grand);
+    rest.angles = action.angles().to_vec();
+    (rest.model().expect("six bodies, fourteen zones"), State::at_rest(rest.first_angles()))
 }
 
 /// The rigid grand's own stroke: the built-in ones may be made anew, its bits stay.

@@ -2,9 +2,9 @@
 //!
 //! The counting allocator belongs to this test's process only (`allocation-counter`).
 
+use crate::common::rigid_grand_at_rest;
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
-use erard_timing::grand;
 use moreau::{Accuracy, FrictionLaw, Input, Outcome, Settings, Solver};
 use moreau_kernels::Lanes;
 
@@ -64,7 +64,7 @@ fn a_second_of_group_steps_never_allocates() {
 
 /// Every input, or one of so many.
 fn groups_never_allocate(of: u64) {
-    let (model, state) = grand();
+    let (model, state) = rigid_grand_at_rest();
     let usual = Settings::new(50e-6);
     for lanes in Lanes::here() {
         for settings in [usual, Settings { tolerance: 0.0, newton_limit: 3, ..usual }] {

@@ -10,7 +10,7 @@ use erard::{Action, Input, Settings};
 /// The concert grand with a bending key, or with a bending key and shank: pieces whose masses were worked out by hand
 /// from the rigid ones.
 fn bending(bodies: usize) -> Instrument {
-    let path = format!("{}/benches/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/tests/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
     Instrument::load(Path::new(&path)).expect("it reads")
 }
 
@@ -173,7 +173,7 @@ fn the_balance_closes() {
 
 #[test]
 fn a_bend_needs_a_piece_and_a_stiffness() {
-    let path = format!("{}/benches/bending/7-bodies.toml", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/tests/bending/7-bodies.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
     let error = |from: &str, to: &str| {
         let changed = text.replacen(from, to, 1);

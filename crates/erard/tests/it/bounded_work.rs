@@ -1,9 +1,9 @@
 //! The work of a step is bounded, and a step that runs into its bound leaves a state that can be gone on from.
 
+use crate::common::rigid_grand_at_rest;
 use erard::assembly::describe;
 use erard::instrument::Instrument;
 use erard::mechanism::{mechanism, open_ledger, take_stock};
-use erard_timing::grand;
 use moreau::{Input, Outcome, Settings};
 use moreau_kernels::{Lanes, side_by_side};
 
@@ -70,7 +70,7 @@ fn one_sweep_is_no_disaster() {
 /// itself, goes on, and is where it would be alone, its neighbours' work being no concern of it.
 #[test]
 fn lanes_run_into_the_bound_each_for_itself() {
-    let (model, state) = grand();
+    let (model, state) = rigid_grand_at_rest();
     let settings = Settings { tolerance: 0.0, newton_limit: 2, ..Settings::new(50e-6) };
     for lanes in [Lanes::Four, Lanes::Eight].into_iter().filter(|lanes| lanes.is_here()) {
         let count = lanes.count();

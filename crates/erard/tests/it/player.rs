@@ -14,7 +14,7 @@ fn mf() -> impl Fn(u64) -> Input {
 
 /// The concert grand with bending parts, as the benchmarks count it.
 fn bending(bodies: usize) -> Instrument {
-    let path = format!("{}/benches/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/tests/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
     Instrument::load(std::path::Path::new(&path)).expect("it reads")
 }
 

@@ -1,6 +1,6 @@
 //! Steps that would change nothing are left out, and nobody can tell.
 
-use erard_timing::grand;
+use crate::common::rigid_grand_at_rest;
 use moreau::{Input, Outcome, Settings, Sleep, step};
 use moreau_kernels::{Lanes, WorkspaceOfSix};
 
@@ -21,7 +21,7 @@ const STEPS: usize = 20_000;
 /// State, report and every contact are those of a mechanism whose steps are all taken; and a good part is not taken.
 #[test]
 fn a_mechanism_at_rest_takes_no_steps() {
-    let (model, start) = grand();
+    let (model, start) = rigid_grand_at_rest();
     let settings = Settings::new(50e-6);
     let (mut plain, mut workspace) = (start.clone(), WorkspaceOfSix::new());
     let (mut resting, mut own_workspace, mut repose) = (start.clone(), WorkspaceOfSix::new(), Sleep::awake());
@@ -51,7 +51,7 @@ fn a_mechanism_at_rest_takes_no_steps() {
 /// The same in every kind of lanes: they rest together, and one of them is enough to wake all.
 #[test]
 fn a_group_at_rest_takes_no_steps() {
-    let (model, start) = grand();
+    let (model, start) = rigid_grand_at_rest();
     for lanes in Lanes::here() {
         let count = lanes.count();
         let group =

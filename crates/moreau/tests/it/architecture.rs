@@ -1,14 +1,21 @@
 //! What ARCHITECTURE.md says is there: the files it names, and the functions on the way of a press; and that one build
-//! of the command serves its tests, too.
+//! of the command serves its tests, too, and holds nothing that serves no product.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::imports::{crates, manifest};
+
 /// Most files that a press may pass through, and most methods of `Mechanism`.
 const MOST_FILES: usize = 18;
 const MOST_METHODS: usize = 12;
+
+/// Members of the workspace that serve no product: a second step, textbook problems, benchmarks, the papers' programs,
+/// digests of another machine. `.ci/run` builds and tests them; `cargo run` and `cargo test` do not compile them.
+const NO_PRODUCTS: [&str; 6] =
+    ["moreau-rigid", "moreau-conformance", "erard-bench", "erard-kinematics", "erard-reproduce", "erard-wasm-digests"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -83,7 +90,7 @@ fn the_files_it_names_are_there() {
             }
         }
     }
-    for row in table(&page, "papers/`.\n") {
+    for row in table(&page, "(module `architecture`).\n") {
         missing.extend(quoted(row[0]).filter(|path| !root().join(path).exists()));
     }
     assert!(missing.is_empty(), "{missing:?}");
@@ -95,6 +102,37 @@ fn packages(of: &[&str]) -> BTreeSet<String> {
     let output = Command::new(env!("CARGO")).args(tree).args(of).current_dir(root()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap().lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
+}
+
+/// The names of the packages in folders of the workspace.
+fn names(folders: &toml::Value) -> BTreeSet<String> {
+    let folders = folders.as_array().unwrap().iter().map(|folder| folder.as_str().unwrap());
+    let manifests = folders.map(|folder| manifest(&root().join(folder)));
+    manifests.map(|manifest| manifest["package"]["name"].as_str().unwrap().to_owned()).collect()
+}
+
+/// `cargo run` and `cargo test` compile products only: a member of the workspace is a default one, or serves no
+/// product. No product needs one of these, not even for its tests.
+#[test]
+fn products_need_products_only() {
+    let workspace = manifest(&root());
+    let [members, products] =
+        ["members", "default-members"].map(|which| names(&workspace["workspace"].as_table().unwrap()[which]));
+    let others: BTreeSet<String> = NO_PRODUCTS.map(str::to_owned).into();
+    assert_eq!(members.difference(&products).cloned().collect::<BTreeSet<_>>(), others);
+    assert!(products.is_subset(&members) && products.contains("erard-cli"), "{products:?}");
+    // The tests' dependencies are among them.
+    let tests = packages(&[]);
+    assert!(tests.iter().any(|package| package.starts_with("allocation-counter ")), "{tests:?}");
+    let named = |name: &str| tests.iter().any(|package| package.split(' ').next() == Some(name));
+    let needed: Vec<&String> = others.iter().filter(|other| named(other)).collect();
+    assert!(needed.is_empty(), "`cargo test --release` compiles {needed:?}, which serve no product");
+    // Benchmarks share workloads: they are in one crate above all others.
+    for folder in crates() {
+        let is_theirs = folder.ends_with("papers/bench");
+        let has = folder.join("benches").exists() || manifest(&folder).contains_key("bench");
+        assert_eq!(has, is_theirs, "{}: benchmarks belong to papers/bench", folder.display());
+    }
 }
 
 /// What the command is made of has the same features in the tests: else they compile it again, from the first library

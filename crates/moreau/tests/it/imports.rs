@@ -1,12 +1,12 @@
 //! Imports go downward, between crates and within them: no circle of folders, and no circle of more than two files, in
-//! any crate and in the Python package. Dependencies of development are counted apart.
+//! any crate and in the Python package. Dependencies of development are no exception.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates from bottom to top: one may depend on those before it.
-const FLOORS: [&str; 20] = [
+const FLOORS: [&str; 19] = [
     "moreau",
     "moreau-kernels",
     "moreau-linkage",
@@ -18,7 +18,6 @@ const FLOORS: [&str; 20] = [
     "erard-workshop",
     "erard-live",
     "erard-piece",
-    "erard-timing",
     "erard-figures",
     "erard-cli",
     "erard-c",
@@ -27,14 +26,6 @@ const FLOORS: [&str; 20] = [
     "erard-kinematics",
     "erard-reproduce",
     "erard-firmware",
-];
-
-/// Dependencies of development that go upward, each with its reason.
-const UPWARD: [(&str, &str, &str); 4] = [
-    ("erard", "erard-timing", "`cargo bench -p erard` times what `erard-bench` times"),
-    ("erard", "erard-workshop", "that benchmark plays on all cores"),
-    ("moreau-kernels", "erard", "the benchmark of instructions plays a piano, in the package compiled as one unit"),
-    ("moreau-kernels", "erard-timing", "that benchmark plays the note of the others"),
 ];
 
 fn root() -> PathBuf {
@@ -338,21 +329,15 @@ fn crates_depend_on_those_below_them() {
             assert!(shared.is_empty(), "{own} stands on no floor and depends on {shared:?}");
             continue;
         };
-        for (table, upward_allowed) in
-            [("dependencies", false), ("build-dependencies", false), ("dev-dependencies", true)]
-        {
+        for table in ["dependencies", "build-dependencies", "dev-dependencies"] {
             for other in dependencies(&manifest, table) {
                 let Some(there) = floor(other) else { continue };
-                let excused = upward_allowed && UPWARD.iter().any(|(from, to, _)| (*from, *to) == (own, other));
-                assert!(there < here || excused, "{own}: [{table}] names {other}, which stands above it");
+                // For its tests a crate may ask for features of its own.
+                let is_own = table == "dev-dependencies" && other == own;
+                assert!(there < here || is_own, "{own}: [{table}] names {other}, which stands above it");
             }
         }
     }
-    let excuses = UPWARD.iter().filter(|(from, to, _)| {
-        let folder = crates().into_iter().find(|folder| name(&manifest(folder)) == *from).unwrap();
-        !dependencies(&manifest(&folder), "dev-dependencies").contains(to)
-    });
-    assert_eq!(excuses.count(), 0, "an exception that nothing needs any more");
 }
 
 /// What a module of the Python package imports from its siblings, wherever in the file.

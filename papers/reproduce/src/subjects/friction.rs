@@ -354,7 +354,7 @@ pub(super) fn run_time(instrument: &Instrument, progress: &mut Progress) -> Resu
         ]);
     }
     Ok(Section {
-        text: vec!["Compare `cargo bench -p erard --bench press`, the engine alone.".into()],
+        text: vec!["Compare `cargo bench -p erard-bench --bench press`, the engine alone.".into()],
         claims: vec![Claim::new(
             "[T13]",
             "[T13] needed 20 times real time; here a note takes less than real time",

@@ -1,12 +1,12 @@
 //! The worst step, not the mean: every one of ten million steps of random playing timed by itself, and as many grands'
 //! steps side by side in the lanes of the batch, each with a player of its own.
 //!
-//! `cargo bench -p erard --bench latency`, `-- --steps N` for fewer. Times include the clock's own reading (printed).
-//! The slowest steps by the clock are those that the operating system interrupts; the slowest by work (Newton
-//! iterations, active sets) is printed beside, because it repeats.
+//! `cargo bench -p erard-bench --bench latency`, `-- --steps N` for fewer. Times include the clock's own reading
+//! (printed). The slowest steps by the clock are those that the operating system interrupts; the slowest by work
+//! (Newton iterations, active sets) is printed beside, because it repeats.
 
-use erard_timing::Effort;
-use erard_timing::latency::{Latency, clock_ns, of_group_steps, of_steps};
+use erard_bench::Effort;
+use erard_bench::latency::{Latency, clock_ns, of_group_steps, of_steps};
 use moreau_kernels::Lanes;
 
 fn main() {

@@ -1,11 +1,11 @@
 //! The keyboard in real time: every tick of 88 keys (50 us of simulated time) timed by itself, from all keys asleep to
 //! all 88 playing.
 //!
-//! `cargo bench -p erard --bench keyboard`, `-- --ticks N` for another number of ticks per line. The budget of a tick
-//! is the time that it simulates. Times include the clock's own reading (printed); the slowest ticks by the clock are
-//! those that the operating system interrupts, the largest number of keys awake is printed too, because that repeats.
-//! Beside them, a key awake over its bare step ([`erard_timing::OverBare`]), as a ratio of medians in
-//! turn within the run; and a recorded press with its energy balance over the bare steps of the same note.
+//! `cargo bench -p erard-bench --bench keyboard`, `-- --ticks N` for another number of ticks per line. The budget of a
+//! tick is the time that it simulates. Times include the clock's own reading (printed); the slowest ticks by the clock
+//! are those that the operating system interrupts, the largest number of keys awake is printed too, because that
+//! repeats. Beside them, a key awake over its bare step ([`erard_bench::OverBare`]), as a ratio of medians in turn
+//! within the run; and a recorded press with its energy balance over the bare steps of the same note.
 //!
 //! Lanes of four neighbours would have to be worth it: beside the times stands how many of four are awake where one is.
 //! Below 4/3 even lanes that are three times as fast gain nothing.
@@ -13,8 +13,8 @@
 use erard::Instrument;
 use erard::keyboard::KEYS;
 use erard::keyboard::tremolo::TEN;
-use erard_timing::latency::clock_ns;
-use erard_timing::{Effort, OverBare, STEP_S, Ticks, keyboard};
+use erard_bench::latency::clock_ns;
+use erard_bench::{Effort, OverBare, STEP_S, Ticks, keyboard};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();

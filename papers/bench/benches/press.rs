@@ -5,11 +5,11 @@
 //! everything after every step. `recorded` and `recorded_with_ledger` are whole runs, from the search for the rest on,
 //! all columns of every step kept in memory.
 //!
-//! `cargo bench -p erard --bench press`
+//! `cargo bench -p erard-bench --bench press`
 
 use divan::{Bencher, black_box};
 use erard::{Action, Drive, Input, Setup};
-use erard_timing::{MF_N, STEP_S, STEPS, grand, instrument, press};
+use erard_bench::{MF_N, STEP_S, STEPS, grand, instrument, press};
 use moreau::{Settings, Solver};
 
 fn main() {

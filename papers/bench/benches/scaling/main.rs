@@ -1,9 +1,9 @@
 //! How the cost grows: with strokes, with bodies, with zones. In instructions, counted by callgrind, which repeat.
 //!
-//! `cargo bench -p erard-cli --bench scaling`, `-- --out DIR` for scaling.csv, scaling.svg and scaling.png. An action's
-//! tree is two deep; a chain of levers is the hardest tree, for every joint moves all that hangs on it. Sizes are those
-//! that instrument files may have. An exponent is the slope of log cost over log size: of the straight line through all
-//! points, and between the last two.
+//! `cargo bench -p erard-bench --bench scaling`, `-- --out DIR` for scaling.csv, scaling.svg and scaling.png. An
+//! action's tree is two deep; a chain of levers is the hardest tree, for every joint moves all that hangs on it. Sizes
+//! are those that instrument files may have. An exponent is the slope of log cost over log size: of the straight line
+//! through all points, and between the last two.
 
 mod levers;
 
@@ -13,11 +13,11 @@ use std::process::ExitCode;
 
 use erard::player::Input;
 use erard::run::Setup;
+use erard_bench::callgrind::{CountError, instructions, is_available};
+use erard_bench::{STEP_S, instrument};
 use erard_figures::figure::chart_svg;
 use erard_figures::figure::png_from_svg;
 use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash};
-use erard_timing::callgrind::{CountError, instructions, is_available};
-use erard_timing::{STEP_S, instrument};
 use erard_workshop::study::{Job, Lanes, Workers, play_all};
 use levers::{BODIES, BODIES_AND_STOPS, Size, Stops, Tree, ZONES};
 use moreau::Settings;

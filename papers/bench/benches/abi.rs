@@ -1,4 +1,4 @@
-//! The cost of the C interface beside the native call, and of denormal numbers: `cargo bench -p erard-c --bench
+//! The cost of the C interface beside the native call, and of denormal numbers: `cargo bench -p erard-bench --bench
 //! abi`.
 //!
 //! Both play the same note, in turns, so that what else the machine does falls on both: means over whole rounds, the
@@ -9,13 +9,15 @@
 //! under valgrind's callgrind. Counts repeat to the digit whatever else the machine does; `--at-most` then bounds what
 //! is counted.
 
+#![allow(unsafe_code, reason = "a C interface is made of pointers")]
+
 use std::hint::black_box;
 use std::ptr::{null, null_mut};
 use std::time::Instant;
 
 use erard::{Input, Instrument};
+use erard_bench::callgrind::instructions;
 use erard_c::*;
-use erard_timing::callgrind::instructions;
 
 const STEPS: usize = 20_000;
 const ROUNDS: usize = 30;

@@ -1,11 +1,11 @@
 //! Many grands at once: one after the other, in four and (where there is AVX-512) eight lanes of one core, in eight
 //! of single precision, and in the most lanes of doubles on all cores, in turn within one run.
 //!
-//! `cargo bench -p erard --bench batch`, `-- --rounds N` for more or fewer than 21. Two loads: a parameter study (the
-//! same note on grands of other weight and stiffness) and a fortissimo tremolo in which every lane is in another phase
-//! of its stroke. Times are per step of one grand; a ratio is one of medians.
+//! `cargo bench -p erard-bench --bench batch`, `-- --rounds N` for more or fewer than 21. Two loads: a parameter study
+//! (the same note on grands of other weight and stiffness) and a fortissimo tremolo in which every lane is in another
+//! phase of its stroke. Times are per step of one grand; a ratio is one of medians.
 
-use erard_timing::{Effort, Load, Times, instruction_sets, load_times};
+use erard_bench::{Effort, Load, Times, instruction_sets, load_times};
 use erard_workshop::cores;
 use moreau_kernels::Lanes;
 

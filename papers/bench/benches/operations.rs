@@ -1,8 +1,8 @@
 //! Floating-point operations per step of the played note that `press` times, by kind: the floor under any number of
 //! instructions.
 //!
-//! `cargo bench -p erard --bench operations`. The engine's own step is run on a number that counts what is done with
-//! it, so that the counts are the kernel's and repeat to the digit. Steps at rest and steps in motion are
+//! `cargo bench -p erard-bench --bench operations`. The engine's own step is run on a number that counts what is done
+//! with it, so that the counts are the kernel's and repeat to the digit. Steps at rest and steps in motion are
 //! distinguished.
 
 use std::cell::Cell;
@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use erard::assembly;
-use erard_timing::{STEP_S, STEPS, grand, instrument, note};
+use erard_bench::{STEP_S, STEPS, grand, instrument, note};
 use moreau::{Input, Model, Real, Scalar, Settings, State, Workspace, step};
 
 /// The kinds that are counted.

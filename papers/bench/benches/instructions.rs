@@ -1,10 +1,10 @@
 //! Instructions per step of the played note that `press` times, and per step of a group of four grands in the lanes of
 //! AVX2 (whatever more the processor has, so that the count is the same on all that have it). Counts repeat to the
 //! digit, seconds do not. Beside them the step of [`erard::Action`] with everything read (rest-skipping off), and steps
-//! of the same note on the grand with bending parts, of 6 to 9 bodies (`crates/erard/benches/bending/`), alone and in
+//! of the same note on the grand with bending parts, of 6 to 9 bodies (`crates/erard/tests/bending/`), alone and in
 //! four lanes; of the grand with dry felts, and with strings; and of the default instrument, alone and in lanes.
 //!
-//! `cargo bench -p moreau-kernels --bench instructions` runs itself under valgrind's callgrind, over a whole note and
+//! `cargo bench -p erard-bench --bench instructions` runs itself under valgrind's callgrind, over a whole note and
 //! over none of it; the difference is the steps'. It is a gate: `-- --at-most N` fails (exit code 1) above N
 //! instructions per step, `--at-most-group M` above M per step of a group of four. Without valgrind it fails, too, so
 //! that a gate is never open by accident; with `--if-available` it says that it counts nothing, and succeeds.
@@ -13,8 +13,8 @@ use std::hint::black_box;
 use std::process::ExitCode;
 
 use erard::{Action, Input, Instrument, Outcome, Reading};
-use erard_timing::callgrind::{CountError, instructions, is_available};
-use erard_timing::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note};
+use erard_bench::callgrind::{CountError, instructions, is_available};
+use erard_bench::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note};
 use moreau::{Settings, step};
 use moreau_kernels::{Lanes, WorkspaceOfSix};
 
@@ -64,7 +64,7 @@ fn concert_grand() -> Instrument {
 
 /// The concert grand with so many bodies, its felts without memory.
 fn bending(bodies: usize) -> Instrument {
-    let path = format!("{}/../erard/benches/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/../../crates/erard/tests/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
     Instrument::load(std::path::Path::new(&path)).expect("it reads")
 }
 

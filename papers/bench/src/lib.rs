@@ -1,8 +1,8 @@
 //! How fast this machine is at it: a step, a press, many at once, a keyboard, the worst step, the kinematics.
 //!
-//! What the benchmarks in `benches/` and the program `erard-bench` time is here, so that both time the same. Times are
-//! medians over rounds in which everything that is compared has its turn, and come with their quartiles; ratios are
-//! ratios of medians of one run.
+//! The benchmarks in `benches/` and the program `erard-bench` take their workloads from here, so that both time the
+//! same. Times are medians over rounds in which everything that is compared has its turn, and come with their
+//! quartiles; ratios are ratios of medians of one run.
 
 mod bare;
 pub mod callgrind;
