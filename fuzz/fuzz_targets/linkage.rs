@@ -1,7 +1,7 @@
 //! Any bytes as a linkage file: levers or an error, never a panic; and levers that move or say why they do not.
 #![no_main]
 
-use erard_levers::LinkageFile;
+use erard_kinematics::LinkageFile;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -7,7 +7,7 @@ use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::KEYS;
 use erard::run::{Setup, simulate};
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
-use erard_levers::{Design, LinkageFile, derive};
+use erard_kinematics::{Design, LinkageFile, derive};
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::norms::{Line, MIDDLE_C, lines};
 use erard_workshop::measure::{measure_key, measure_some};
@@ -15,7 +15,7 @@ use erard_workshop::regulate::{
     Goal, Kind, Miss, RegulateError, Specification, parse_value, regulate as turn, regulate_following, show,
 };
 use erard_workshop::weighing::weigh;
-use moreau_linkage::three_lever::StrokePose;
+use erard_kinematics::three_lever::StrokePose;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -173,7 +173,7 @@ pub(crate) fn kinematics<'py>(
         (None, Some(linkage)) => linkage_design(linkage)?,
         (None, None) => return Err(wrong("expected an instrument or a linkage")),
     };
-    let case = design.case(&[], moreau_linkage::three_lever::Regulation::AsMoved).map_err(wrong)?;
+    let case = design.case(&[], erard_kinematics::three_lever::Regulation::AsMoved).map_err(wrong)?;
     let to_m = to_m.or(case.let_off_key_m).unwrap_or(0.010);
     if !(from_m.is_finite() && to_m.is_finite() && to_m > from_m && to_m.abs() <= 1.0) {
         return Err(wrong_argument(

@@ -6,7 +6,7 @@ use erard::instrument::{Certainty, Instrument as Inner, InstrumentFile, Provenan
 use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::Keyboard;
 use erard::stroke::NUANCES;
-use erard_levers::LinkageFile;
+use erard_kinematics::LinkageFile;
 use erard_workshop::study::{Change, quantities, varied_of};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -21,6 +21,7 @@ pub mod identity;
 pub mod inputs;
 mod inside;
 mod keyboard;
+mod kinematics;
 mod law_points;
 mod live;
 mod measure;

@@ -3,7 +3,7 @@
 //! The claim: well under a millisecond, on one core of an ordinary machine.
 
 use divan::counter::ItemsCount;
-use moreau_linkage::three_lever::{Drive, Regulation, ThreeLever};
+use erard_kinematics::three_lever::{Drive, Regulation, ThreeLever};
 
 fn main() {
     divan::main();
@@ -43,7 +43,7 @@ fn equations(bencher: divan::Bencher) {
 fn a_moved_case(bencher: divan::Bencher) {
     let levers = ThreeLever::c7f_like();
     bencher.bench(|| {
-        let part = moreau_linkage::three_lever::Move::Knuckle(-0.003);
+        let part = erard_kinematics::three_lever::Move::Knuckle(-0.003);
         let moved = levers.moved(&[part], Regulation::Regulated).unwrap();
         moved.assemble().unwrap().stroke(0.0, 0.006, 100)
     });

@@ -2,8 +2,8 @@
 
 use std::hint::black_box;
 
+use erard_kinematics::three_lever::ThreeLever;
 use moreau::Settings;
-use moreau_linkage::three_lever::ThreeLever;
 use serde_json::{Value, json};
 
 use super::{Effort, STEP_S, Timed, grand, in_turn, instrument, press};

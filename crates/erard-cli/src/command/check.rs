@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile, utf8};
 use erard::keyboard::{Graded, Grading, KEYS, Keyboard};
+use erard_kinematics::{Design, LinkageFile};
 use erard_workshop::diagnose::{entries, is_table_of_keys, read as readings};
 use erard_workshop::measure::usual;
 use erard_workshop::validate::Published;
@@ -25,11 +26,12 @@ use erard_workshop::trying::try_all;
 /// Bytes in which the header of a table of keys is looked for, comments before it included.
 const HEADER_BYTES: u64 = 64 << 10;
 
-/// Checks a file and shows its contents: instrument, keyboard, stroke, recording, published measurements, or result.
+/// Checks a file and shows its contents: instrument, keyboard, linkage, stroke, recording, published measurements, or
+/// result.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// File, or a built-in name: `.toml` for instruments, keyboards and measurements, `.csv` or `.parquet` for strokes
-    /// and recordings, `.json` for results
+    /// File, or a built-in name: `.toml` for instruments, keyboards, linkages and measurements, `.csv` or `.parquet`
+    /// for strokes and recordings, `.json` for results
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
@@ -44,6 +46,16 @@ pub(super) fn checked<const N: usize>(kind: &str, file: &str, name: Option<&str>
         checked["name"] = name.into();
     }
     checked
+}
+
+/// Shows three levers from a linkage file; the answer.
+pub(super) fn checked_linkage(file: &str, design: &Design) -> Value {
+    say!("{file}: a linkage, \"{}\"", design.name);
+    say!();
+    if let Some(let_off) = &design.let_off {
+        say!("  three levers that reach each other at rest; {}: {}", let_off.name, let_off.what);
+    }
+    checked("linkage", file, Some(&design.name), [])
 }
 
 /// Endings of tables.
@@ -71,7 +83,7 @@ impl Check {
                 Some((_, text)) => self.toml(&shown(&self.file), text.as_bytes())?,
                 None => {
                     return Err(Failure::Usage(format!(
-                        "{}: unknown file type; expected .toml (instrument, keyboard, published measurements), .csv or .parquet (stroke, recording), .json (result), or a built-in name (`erard list`)",
+                        "{}: unknown file type; expected .toml (instrument, keyboard, linkage, published measurements), .csv or .parquet (stroke, recording), .json (result), or a built-in name (`erard list`)",
                         shown(&self.file)
                     )));
                 }
@@ -93,10 +105,9 @@ impl Check {
         } else if is("erard-usual") {
             Self::usual(name, &text)
         } else if says("format").is_none() && says("kind").is_some_and(|kind| kind == "three-lever") {
-            Err(Failure::Usage(format!(
-                "{name}: a three-lever linkage; another program reads it. From a clone of the repository, run\n\n    \
-                 cargo run --release -p erard-kinematics -- {name} --check"
-            )))
+            let file = LinkageFile::parse_bytes(bytes, name)?;
+            let design = file.design().map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
+            Ok(checked_linkage(name, &design))
         } else {
             Self::instrument(name, bytes)
         }

@@ -4,6 +4,7 @@ use clap::Args;
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
 use erard::stroke::{NUANCES, Series, Touch};
+use erard_kinematics::LinkageFile;
 use serde::Serialize;
 
 use super::samples::sample_text;
@@ -12,11 +13,11 @@ use crate::failure::Failure;
 use crate::say;
 use crate::table::Table;
 
-/// Lists the built-in instruments, keyboards and strokes, or prints the file of one.
+/// Lists the built-in instruments, keyboards, linkages and strokes, or prints the file of one.
 #[derive(Debug, Args)]
 pub(crate) struct List {
-    /// Name to print: an instrument, a stroke (`mf-struck`), `keyboard:NAME`, or a sample (`concert-grand:sample=17`,
-    /// `concert-grand:key=88:sample=17`)
+    /// Name to print: an instrument, a linkage, a stroke (`mf-struck`), `keyboard:NAME`, or a sample
+    /// (`concert-grand:sample=17`, `concert-grand:key=88:sample=17`)
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }
@@ -46,13 +47,15 @@ fn all() -> Vec<BuiltIn> {
     });
     let keyboards = Keyboard::builtin_names()
         .filter_map(|name| entry("keyboard", name, Keyboard::builtin(name).ok()?.name, Keyboard::builtin_text(name)));
+    let linkages = LinkageFile::builtin_names()
+        .filter_map(|name| entry("linkage", name, LinkageFile::builtin(name)?.name, LinkageFile::builtin_text(name)));
     let strokes = NUANCES.into_iter().flat_map(|nuance| {
         [(Touch::Pressed, "pressed"), (Touch::Struck, "struck")].into_iter().filter_map(move |(touch, how)| {
             let title = format!("--stroke {nuance} --touch {how}");
             entry("stroke", &format!("{nuance}-{how}"), title, Series::builtin_text(nuance, touch))
         })
     });
-    instruments.chain(keyboards).chain(strokes).collect()
+    instruments.chain(keyboards).chain(linkages).chain(strokes).collect()
 }
 
 /// A built-in file by its name, with its kind; the kind may stand before it.

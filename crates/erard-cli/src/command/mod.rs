@@ -11,6 +11,7 @@ mod fit;
 mod fmu;
 mod hand;
 mod keyboard;
+mod kinematics;
 mod list;
 mod live;
 mod manual;
@@ -89,6 +90,8 @@ enum Sub {
     Diagnose(Box<diagnose::Diagnose>),
     /// Weighs the keys of a keyboard from bass to treble, or prints one key's instrument file.
     Keyboard(keyboard::Keyboard),
+    /// Shows leverage and sliding over the key's travel, from the geometry alone.
+    Kinematics(Box<kinematics::Kinematics>),
     /// Turns the screws of an instrument until it meets a specification, and writes a new file.
     Regulate(Box<regulate::Regulate>),
     /// Compares an instrument with published measurements of real pianos.
@@ -105,14 +108,11 @@ enum Sub {
     /// Moved to the program `erard-bench`.
     #[command(hide = true)]
     Bench(Moved),
-    /// Moved to the program `erard-kinematics`.
-    #[command(hide = true)]
-    Kinematics(Moved),
     /// Exports an instrument for simulators, as an FMI 2.0 unit for co-simulation.
     Fmu(fmu::Fmu),
     /// Opens the studio in the browser: press the key, turn the screws, compare two actions.
     Studio(studio::Studio),
-    /// Lists the built-in instruments, keyboards and strokes, or prints one.
+    /// Lists the built-in instruments, keyboards, linkages and strokes, or prints one.
     List(list::List),
     /// Prints a script that completes `erard` commands in a shell.
     Completions(manual::Completions),
@@ -139,6 +139,7 @@ impl Sub {
             Sub::Measure(measure) => measure.run(),
             Sub::Diagnose(diagnose) => diagnose.run(),
             Sub::Keyboard(keyboard) => keyboard.run(),
+            Sub::Kinematics(kinematics) => kinematics.run(),
             Sub::Regulate(regulate) => regulate.run(),
             Sub::Validate(validate) => validate.run(),
             Sub::Check(check) => check.run(),
@@ -146,7 +147,6 @@ impl Sub {
             Sub::Fit(fit) => fit.run(),
             Sub::Reproduce(moved) => Err(moved.to("reproduce")),
             Sub::Bench(moved) => Err(moved.to("bench")),
-            Sub::Kinematics(moved) => Err(moved.to("kinematics")),
             Sub::Fmu(fmu) => fmu.run(),
             Sub::Studio(studio) => studio.run(),
             Sub::List(list) => list.run(),

@@ -10,7 +10,10 @@ fn what_is_built_in() {
     for name in ["concert-grand", "steinway-o", "heavy-touch", "mf-pressed", "ff-struck", "keyboards"] {
         assert!(listed.contains(name), "{name}: {listed}");
     }
-    printed_they_are_checked(&folder, &[("concert-grand", "an instrument"), ("mf-struck", "a stroke")]);
+    printed_they_are_checked(
+        &folder,
+        &[("concert-grand", "an instrument"), ("c7f-like", "a linkage"), ("mf-struck", "a stroke")],
+    );
     let said = folder.bad(&["list", "upright"]);
     assert!(said.contains("`upright`") && said.contains("steinway-o"), "{said}");
 }
@@ -49,17 +52,16 @@ const KEYBOARDS: usize = 4;
 #[test]
 fn check_knows_every_format() {
     let folder = Folder::new("desk-check");
-    let linkage = concat!(env!("CARGO_MANIFEST_DIR"), "/../../linkages/c7f-like.toml");
-    let files: usize =
-        [("instruments", "an instrument"), ("strokes", "a stroke"), ("validation", "published measurements")]
-            .map(|(home, kind)| checked(&folder, home, kind))
-            .iter()
-            .sum();
-    assert!(files >= 16 - KEYBOARDS, "only {files} files");
-    // Whose program has moved is said where.
-    for arguments in [&["check", linkage][..], &["kinematics", "c7f-like"]] {
-        assert!(folder.bad(arguments).contains("cargo run --release -p erard-kinematics -- "), "{arguments:?}");
-    }
+    let files: usize = [
+        ("instruments", "an instrument"),
+        ("linkages", "a linkage"),
+        ("strokes", "a stroke"),
+        ("validation", "published measurements"),
+    ]
+    .map(|(home, kind)| checked(&folder, home, kind))
+    .iter()
+    .sum();
+    assert!(files >= 19 - KEYBOARDS, "only {files} files");
     folder.good(&["press", "--duration", "0.02", "--out", "run"]);
     assert!(folder.good(&["check", "run/summary.json"]).contains("erard press --duration 0.02"));
     for (name, text, part) in [

@@ -57,6 +57,8 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             &["check", "noisy.csv"],
             &["check", "keyboard:concert-grand"],
             &["check", "run/summary.json"],
+            &["check", "c7f-like"],
+            &["kinematics", "c7f-like", "--check"],
         ],
     ),
     (
@@ -116,7 +118,11 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             &["scan", "--cases", "half-stroke", "--keys", "40", "--keyboard", "concert-grand", "--no-scatter"],
         ],
     ),
-    ("list", &[&["list"]]),
+    ("list", &[&["list"], &["kinematics", "--list"]]),
+    (
+        "kinematics",
+        &[&["kinematics", "--steps", "20"], &["kinematics", "c7f-like", "--steps", "20", "--move", "capstan=-5mm"]],
+    ),
     (
         "diagnose",
         &[

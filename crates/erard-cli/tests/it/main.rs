@@ -19,6 +19,7 @@ mod identity;
 mod inside;
 mod json;
 mod keyboard;
+mod kinematics;
 mod levels;
 mod limits;
 mod live;

@@ -6,8 +6,8 @@
 //! turn with the whippen, as they do until the jack's toe meets its button.
 //!
 //! Contacts are the engine's own: the whippen is turned until the capstan is compressed as at rest, and the hammer
-//! until the knuckle is. The linkage derived from the graph of the same levers (`erard-levers`) gives the same ratios;
-//! a test compares them.
+//! until the knuckle is. The linkage derived from the graph of the same levers (`erard-kinematics`) gives the same
+//! ratios; a test compares them.
 
 use moreau_kernels::{EveryBody, LaneObserver, lane_observer};
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
 use erard::one_dof;
-use erard_levers::derive;
+use erard_kinematics::derive;
 use erard_workshop::distances::{self, Protocol};
 use erard_workshop::measure::inertia::inertia;
 use erard_workshop::measure::range::softest;

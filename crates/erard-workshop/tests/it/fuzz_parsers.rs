@@ -7,7 +7,7 @@ use std::path::Path;
 use erard::instrument::{Curve, FileError, Instrument, InstrumentFile};
 use erard::keyboard::Keyboard;
 use erard::stroke::{Cursor, MAX_FORCE_N, MAX_POSITION_M, Series, StrokeError};
-use erard_levers::LinkageFile;
+use erard_kinematics::LinkageFile;
 use fastrand::Rng;
 
 const CLOCK: &str = include_str!("../../../erard/tests/instruments/escapement.toml");

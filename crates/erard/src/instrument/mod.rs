@@ -8,8 +8,8 @@
 //! keeps the source of every number. `bends` joins the pieces of parts that bend, `screws` turns the regulating screws,
 //! `rewrite` writes their settings back to the file, and `edit` changes numbers in its text.
 
-// Hidden modules are the reader that all kinds of files share, the linkage files of `erard-levers` included. They are
-// no stable interface for others.
+// Hidden modules are the reader that all kinds of files share, the linkage files of `erard-kinematics` included. They
+// are no stable interface for others.
 mod bends;
 mod bushing;
 mod convert;

@@ -1,5 +1,5 @@
-//! Linkages with textbook solutions, independent of graph, equations and step. The tests of `moreau-linkage` also
-//! compare its solver with them.
+//! Linkages with textbook solutions, independent of graph, equations and step. The tests of `erard-kinematics`
+//! also compare its solver with them.
 
 /// Four-bar linkage: crank `a` from the origin, coupler `b`, rocker `c` from `(d, 0)`. Lengths in metres, angles
 /// absolute: `a u(t2) + b u(t3) - c u(t4) - (d, 0) = 0`, with `u` the unit vector.

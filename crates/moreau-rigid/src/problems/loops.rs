@@ -1,9 +1,10 @@
 //! Problem 14: a four-bar and a slider-crank that turn for 100 s without friction or gravity. Every joint is a pair of
 //! equalities.
 
+use std::f64::consts::TAU;
+
 use crate::{Body, Energies, Joint, JointKind, Model};
 use moreau::GROUND;
-use moreau_linkage::closed_form::wrap;
 
 use super::closed_forms::{FourBar, SliderCrank};
 use super::row::{Order, Row};
@@ -20,6 +21,12 @@ const SLIDER: f64 = 0.4;
 fn bar(length: f64) -> Body<f64> {
     let mass = PER_METRE * length;
     Body { mass, inertia: mass * length * length / 12.0 }
+}
+
+/// Returns the angle between two directions, from 0 to a half turn, rad.
+fn apart(a: f64, b: f64) -> f64 {
+    let turned = (a - b).rem_euclid(TAU);
+    turned.min(TAU - turned)
 }
 
 fn hinge(first: usize, at_first: [f64; 2], second: usize, at_second: [f64; 2]) -> Joint<f64> {
@@ -107,7 +114,7 @@ fn off(pose: Pose, run: &Run<'_, 3, 12>) -> f64 {
     let places = &run.state.placement;
     let expected = pose(places[0].angle);
     places.iter().zip(expected).fold(0.0, |most: f64, (q, (p, angle, _))| {
-        most.max((q.at[0] - p[0]).hypot(q.at[1] - p[1])).max(wrap(q.angle - angle).abs())
+        most.max((q.at[0] - p[0]).hypot(q.at[1] - p[1])).max(apart(q.angle, angle))
     })
 }
 

@@ -6,15 +6,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates from bottom to top: one may depend on those before it.
-const FLOORS: [&str; 19] = [
+const FLOORS: [&str; 17] = [
     "moreau",
     "moreau-kernels",
-    "moreau-linkage",
     "moreau-rigid",
     "moreau-conformance",
     "erard-midi",
     "erard",
-    "erard-levers",
+    "erard-kinematics",
     "erard-workshop",
     "erard-live",
     "erard-piece",
@@ -23,7 +22,6 @@ const FLOORS: [&str; 19] = [
     "erard-c",
     "erard-python",
     "erard-bench",
-    "erard-kinematics",
     "erard-reproduce",
     "erard-firmware",
 ];
@@ -338,6 +336,35 @@ fn crates_depend_on_those_below_them() {
             }
         }
     }
+}
+
+/// The planar linkages of `erard-kinematics` are of the engine's level: they import nothing beside themselves, no piano
+/// among it. The three levers, which are one of them, import linkages only.
+#[test]
+fn linkages_know_nothing_of_pianos() {
+    let mut found = BTreeMap::new();
+    modules(&root().join("crates/erard-kinematics/src"), "", &mut found);
+    let imports = graph(&found);
+    let mut looked = 0;
+    for (module, source) in &found {
+        let Some(room) = ["linkage", "three_lever"].into_iter().find(|room| module.split("::").next() == Some(room))
+        else {
+            continue;
+        };
+        looked += 1;
+        let allowed = |other: &str| other == room || (room, other) == ("three_lever", "linkage");
+        for file in &imports[module] {
+            assert!(file.split("::").next().is_some_and(allowed), "{module} imports {file}");
+        }
+        for other in ["erard", "moreau", "schemars", "serde"] {
+            assert!(!without_tests(source).contains(&format!("{other}::")), "{module} names {other}");
+        }
+    }
+    assert!(
+        looked > 15 && imports["three_lever::train"].contains("linkage::mechanism"),
+        "the reading works: {imports:?}"
+    );
+    assert!(found["derive"].contains("erard::"), "what knows pianos is beside them");
 }
 
 /// What a module of the Python package imports from its siblings, wherever in the file.

@@ -1,11 +1,11 @@
 //! [H] figures 3 and 4, its equations, and its conclusions for the designer.
 
-use moreau_linkage::three_lever::{Drive, Levers, Move, Regulation, StrokePose};
+use erard_kinematics::three_lever::{Drive, Levers, Move, Regulation, StrokePose};
 
 use super::impact::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
-use erard_levers::{Case, Design, Digest, LinkageFile, derive, slow_press};
+use erard_kinematics::{Case, Design, Digest, LinkageFile, derive, slow_press};
 
 const POSES: usize = 200;
 
@@ -105,7 +105,7 @@ fn conclusions(cases: &[(&str, Case, Digest)], section: &mut Section) {
         &["case", "leverage at rest", "half-way", "at let-off", "key at let-off", "capstan slides", "knuckle slides"],
     );
     for (name, _, d) in cases {
-        let leverage = |at: Option<erard_levers::Spot>| at.map_or("-".into(), |s| format!("{:.3}", s.leverage));
+        let leverage = |at: Option<erard_kinematics::Spot>| at.map_or("-".into(), |s| format!("{:.3}", s.leverage));
         table.row([
             (*name).into(),
             format!("{:.3}", d.start.leverage),

@@ -40,7 +40,7 @@ pub(crate) use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash};
 use erard::instrument::Instrument;
 use erard::one_dof::OneDofError;
 use erard::run::SimulationError;
-use erard_levers::DeriveError;
+use erard_kinematics::DeriveError;
 use erard_workshop::compare::CompareError;
 
 /// A subject to reproduce.

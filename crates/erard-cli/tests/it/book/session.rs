@@ -26,7 +26,7 @@ impl Session {
         for home in [
             "erard/instruments",
             "erard/keyboards",
-            "erard-levers/linkages",
+            "erard-kinematics/linkages",
             "erard/strokes",
             "erard/recordings",
             "erard-piece/pieces",
@@ -79,7 +79,7 @@ impl Session {
                 (erard.to_owned(), arguments)
             }
             // A program of another package, built beside this one.
-            [program @ ("erard-reproduce" | "erard-kinematics" | "erard-bench"), ref arguments @ ..] => {
+            [program @ ("erard-reproduce" | "erard-bench"), ref arguments @ ..] => {
                 (erard.with_file_name(format!("{program}{EXE_SUFFIX}")), arguments)
             }
             ["cp", from, to] => {

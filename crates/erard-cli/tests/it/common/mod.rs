@@ -50,8 +50,13 @@ impl Folder {
 
     /// The command, with this folder as its working directory.
     pub fn command(&self, arguments: &[&str]) -> Command {
+        self.any_command(&[self.1.as_slice(), arguments].concat())
+    }
+
+    /// The program with these arguments, whatever subcommand the folder is for.
+    pub fn any_command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(crate::PROGRAM);
-        command.current_dir(&self.0).args(self.1).args(arguments);
+        command.current_dir(&self.0).args(arguments);
         // The user's own cache is not touched.
         command.env("XDG_CACHE_HOME", concat!(env!("CARGO_TARGET_TMPDIR"), "/cache"));
         command

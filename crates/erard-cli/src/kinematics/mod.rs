@@ -1,0 +1,12 @@
+//! `erard kinematics`: cases of the three levers as numbers, a table and figures.
+
+mod figures;
+pub(crate) mod moves;
+mod shown;
+mod summary;
+mod table;
+
+pub(crate) use figures::{dynamics_svg, leverage_svg, sliding_svg};
+pub(crate) use shown::Shown;
+pub(crate) use summary::Summary;
+pub(crate) use table::table;
