@@ -5,7 +5,8 @@ use std::ptr::null_mut;
 
 use erard::Instrument;
 use erard::instrument::{FileError, InstrumentFile, utf8, with_numbers};
-use erard::keyboard::{KEYS, Keyboard, is_keyboard};
+use erard::key::{KEYS, UnknownKey, key_named};
+use erard::keyboard::{Keyboard, is_keyboard};
 use serde_json::{Value, json};
 
 use crate::status::{ErardStatus, Fault, ended, tell, told};
@@ -118,6 +119,21 @@ pub unsafe extern "C" fn erard_instrument_of_keyboard(
     told(null_mut(), status, || of_key(unsafe { name(called, "the keyboard's name") }?, key))
 }
 
+/// Returns the number of a piano's key, 1 to 88, from its note or its number as text: "C4", "c#4", "Db4", "40". Returns
+/// 0 on failure, with ERARD_STATUS_NO_SUCH for a text that names none of the 88.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_key_number(called: *const c_char, status: *mut ErardStatus) -> u32 {
+    told(0, status, || {
+        // SAFETY: passed on.
+        let text = unsafe { name(called, "the key's name") }?;
+        let found = key_named(text).and_then(|key| u32::try_from(key).ok());
+        found.ok_or_else(|| {
+            let unknown = UnknownKey { found: text.to_owned() };
+            Fault::new(ErardStatus::NoSuch, unknown.to_string())
+        })
+    })
+}
+
 fn of_key(name: &str, key: u32) -> Result<*mut ErardInstrument, Fault> {
     let key = key as usize;
     if !(1..=KEYS).contains(&key) {
@@ -208,7 +224,7 @@ pub unsafe extern "C" fn erard_instrument_set(
     })
 }
 
-/// Returns the instrument as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its
+/// Returns the instrument as JSON: name, key (1 to 88) and sample (null where not known), description, gravity_m_s2, bodies, zones and screws by name, and its
 /// parameters with path, values, line and source. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_json(
@@ -245,6 +261,8 @@ fn described(file: &InstrumentFile) -> Value {
     });
     json!({
         "name": i.name,
+        "key": i.key(),
+        "sample": i.sample(),
         "description": file.description,
         "gravity_m_s2": i.gravity_m_s2,
         "bodies": bodies.collect::<Vec<_>>(),

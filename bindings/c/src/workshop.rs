@@ -1,10 +1,11 @@
 //! Drawing of an action and the technician's sheet, for a page beside the moving action.
 
+use std::borrow::Cow;
 use std::cell::Cell;
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
-use erard::instrument::InstrumentFile;
+use erard::instrument::{Instrument, InstrumentFile, KeyError};
 use erard::keyboard::KEYS;
 use erard_figures::drawing::{PoseOptions, pose_svg};
 use erard_figures::page::scene;
@@ -102,12 +103,15 @@ pub unsafe extern "C" fn erard_draw(
 
 /// Measures an instrument as a technician does and returns JSON. If `wanted` is NULL, the JSON is the whole sheet, as
 /// `erard measure --json` writes it for an instrument. Otherwise `wanted` names lines of the sheet, separated by commas
-/// ("down_weight_g,dip_mm"); the JSON is an object of their values, and only these are measured. `progress` may be
-/// NULL; with `wanted` its share is NaN. Takes tenths of a second to seconds. Returns NULL on failure, with
-/// ERARD_STATUS_NO_SUCH for an unknown line. Free the text with erard_text_free.
+/// ("down_weight_g,dip_mm"); the JSON is an object of their values, and only these are measured. `key` is the piano key
+/// whose usual ranges hold, 1 to 88 (erard_key_number reads notes); 0 is the instrument's own, or C4 where it does not
+/// know its key. `progress` may be NULL; with `wanted` its share is NaN. Takes tenths of a second to seconds. Returns
+/// NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown line or key and ERARD_STATUS_ARGUMENT for a key that is not
+/// the instrument's own. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_measure(
     instrument: *const ErardInstrument,
+    key: u32,
     wanted: *const c_char,
     progress: ErardProgress,
     user: *mut c_void,
@@ -116,7 +120,8 @@ pub unsafe extern "C" fn erard_measure(
 ) -> *mut c_char {
     told(null_mut(), status, || {
         // SAFETY: passed on.
-        let instrument = unsafe { given(instrument) }?.instrument();
+        let own = unsafe { given(instrument) }?.instrument();
+        let instrument = &of_key(own, key)?;
         let tell = |share: f64| going(progress, user, share);
         if wanted.is_null() {
             let sheet = measure(instrument, &mut |share| tell(share)).map_err(|error| not_measured(&error))?;
@@ -132,6 +137,22 @@ pub unsafe extern "C" fn erard_measure(
             wanted.iter().zip(values).map(|(line, value)| (line.key.to_owned(), value.into())).collect();
         give(Value::Object(all).to_string(), length)
     })
+}
+
+/// The instrument as that of a key; 0 leaves it as it is.
+fn of_key(own: &Instrument, key: u32) -> Result<Cow<'_, Instrument>, Fault> {
+    if key == 0 {
+        return Ok(Cow::Borrowed(own));
+    }
+    let mut instrument = own.clone();
+    instrument.set_key(key as usize).map_err(|error| {
+        let status = match error {
+            KeyError::Unknown(_) => ErardStatus::NoSuch,
+            _ => ErardStatus::Argument,
+        };
+        Fault::new(status, error.to_string())
+    })?;
+    Ok(Cow::Owned(instrument))
 }
 
 /// Whether to go on.

@@ -4,13 +4,12 @@ use std::path::Path;
 
 use erard::instrument::Instrument as Inner;
 use erard::instrument_spec::InstrumentSpec;
-use erard::keyboard::KEYS;
 use erard::run::{Setup, simulate};
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
 use erard_kinematics::{Design, LinkageFile, derive};
 use erard_workshop::distances::Protocol;
-use erard_workshop::measure::norms::{Line, MIDDLE_C, lines};
-use erard_workshop::measure::{measure_key, measure_some};
+use erard_workshop::measure::norms::{Line, MIDDLE_C, lines, norms_key};
+use erard_workshop::measure::{measure as measure_all, measure_some};
 use erard_workshop::regulate::{
     Goal, Kind, Miss, RegulateError, Specification, parse_value, regulate as turn, regulate_following, show,
 };
@@ -21,35 +20,38 @@ use pyo3::types::PyDict;
 
 use crate::fault::{self, failed, wrong, wrong_argument};
 use crate::instrument::{Instrument, Value};
+use crate::keys::Key;
 use crate::press::array;
 use crate::setup::Steps;
 use crate::stroke::Stroke;
 use crate::watch::watched;
 
-/// Returns the lines of the technician's sheet: key, name, unit, decimals, usual range.
+/// Returns the lines of the technician's sheet: key, name, unit, decimals, usual range at a key of the piano.
 #[pyfunction]
-pub fn measure_lines() -> Vec<(&'static str, &'static str, &'static str, usize, String)> {
-    lines().map(|line| (line.key, line.label, line.unit, line.decimals, line.usual(MIDDLE_C))).collect()
+#[pyo3(signature = (key=None))]
+pub fn measure_lines(key: Option<usize>) -> Vec<(&'static str, &'static str, &'static str, usize, String)> {
+    let key = key.unwrap_or(MIDDLE_C);
+    lines().map(|line| (line.key, line.label, line.unit, line.decimals, line.usual(key))).collect()
 }
 
-/// Measures an instrument and returns the sheet, or only some of its lines, as JSON.
+/// Measures an instrument and returns the sheet, or only some of its lines, as JSON; and the key whose norms hold.
 #[pyfunction]
 #[pyo3(signature = (instrument, key, only, progress))]
 pub(crate) fn measure(
     py: Python<'_>,
     instrument: &Instrument,
-    key: Option<usize>,
+    key: Option<Key>,
     only: Option<Vec<String>>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<String> {
-    let key = key.unwrap_or(MIDDLE_C);
-    if !(1..=KEYS).contains(&key) {
-        return Err(wrong_argument("key", format!("found {key}, expected a number from 1 to {KEYS}")));
+) -> PyResult<(String, usize)> {
+    let mut inner = (*instrument.inner).clone();
+    if let Some(key) = key {
+        inner.set_key(key.number("key")?).map_err(|error| wrong_argument("key", error.to_string()))?;
     }
-    let inner = instrument.inner.clone();
+    let key = norms_key(&inner);
     let Some(only) = only else {
-        let sheet = watched(py, progress, move |going| measure_key(&inner, key, going), fault::measure)?;
-        return serde_json::to_string(&sheet).map_err(failed);
+        let sheet = watched(py, progress, move |going| measure_all(&inner, going), fault::measure)?;
+        return Ok((serde_json::to_string(&sheet).map_err(failed)?, key));
     };
     let find = |name: &String| {
         lines().find(|line| line.key == *name).ok_or_else(|| {
@@ -61,7 +63,7 @@ pub(crate) fn measure(
     let values = watched(py, progress, |going| measure_some(&inner, &chosen, going), fault::measure)?;
     let object: serde_json::Map<String, serde_json::Value> =
         chosen.iter().zip(values).map(|(line, value)| (line.key.to_owned(), value.into())).collect();
-    serde_json::to_string(&object).map_err(failed)
+    Ok((serde_json::to_string(&object).map_err(failed)?, key))
 }
 
 /// Turns screws until goals are met. Returns the new instrument and the outcome of each goal and screw.
@@ -243,14 +245,12 @@ fn linkage_design(asked: &str) -> PyResult<Design> {
 pub(crate) fn keyboard<'py>(
     py: Python<'py>,
     asked: &str,
-    keys: Vec<usize>,
+    keys: Vec<Key>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, Bound<'py, PyDict>)> {
     let keyboard =
-        InstrumentSpec::of(asked).and_then(InstrumentSpec::keyboard).map_err(|error| fault::asked(&error))?;
-    if let Some(key) = keys.iter().find(|key| !(1..=KEYS).contains(*key)) {
-        return Err(wrong_argument("keys", format!("found {key}, expected numbers from 1 to {KEYS}")));
-    }
+        asked.parse().and_then(|asked: InstrumentSpec| asked.keyboard()).map_err(|error| fault::asked(&error))?;
+    let keys: Vec<usize> = keys.iter().map(|key| key.number("keys")).collect::<PyResult<_>>()?;
     let keys: Vec<(usize, Inner)> = keys
         .into_iter()
         .map(|key| {

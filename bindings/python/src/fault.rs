@@ -76,6 +76,7 @@ pub(crate) fn asked(error: &InstrumentSpecError) -> PyErr {
         InstrumentSpecError::Unknown(unknown) => {
             input(error.to_string(), &Place { found: &unknown.name, ..Place::default() })
         }
+        error => input(error.to_string(), &Place::default()),
     }
 }
 

@@ -52,13 +52,23 @@ impl Instrument {
     #[staticmethod]
     fn load(asked: &str) -> PyResult<Self> {
         let (text, file_name) =
-            InstrumentSpec::of(asked).and_then(InstrumentSpec::text).map_err(|error| fault::asked(&error))?;
+            asked.parse().and_then(|asked: InstrumentSpec| asked.text()).map_err(|error| fault::asked(&error))?;
         Self::made(text.into(), file_name.into(), None, Vec::new())
     }
 
     #[getter]
     fn name(&self) -> &str {
         &self.inner.name
+    }
+
+    #[getter]
+    fn key(&self) -> Option<usize> {
+        self.inner.key()
+    }
+
+    #[getter]
+    fn sample(&self) -> Option<u32> {
+        self.inner.sample()
     }
 
     #[getter]

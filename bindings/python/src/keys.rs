@@ -3,6 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use erard::instrument_spec::InstrumentSpec;
+use erard::key::{EXPECTED, key_named};
 use erard::keyboard::Keys as Player;
 use erard::player::{Hand, Reading as Now, Snapshot};
 use erard::strings::Strings;
@@ -16,6 +17,24 @@ use crate::setup::Steps;
 
 /// Number of steps between two checks for signals.
 const PORTION: usize = 1000;
+
+/// A key as a caller names it: its number, or its note or number as text.
+#[derive(FromPyObject)]
+pub(crate) enum Key {
+    Number(i64),
+    Text(String),
+}
+
+impl Key {
+    /// Returns the number of the key, 1 to 88; `argument` is named in the error.
+    pub(crate) fn number(&self, argument: &str) -> PyResult<usize> {
+        let text = match self {
+            Key::Number(number) => number.to_string(),
+            Key::Text(text) => text.clone(),
+        };
+        key_named(&text).ok_or_else(|| wrong_argument(argument, format!("found {text}, expected {EXPECTED}")))
+    }
+}
 
 /// Keys of a keyboard. Two threads may step them: one waits for the other.
 #[pyclass(frozen, module = "erard._erard")]
@@ -31,8 +50,9 @@ impl Keys {
         self.player.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn has(player: &Player, key: usize) -> PyResult<usize> {
-        if (1..=player.count()).contains(&key) {
+    fn has(player: &Player, key: &Key) -> PyResult<usize> {
+        let key = key.number("key")?;
+        if key <= player.count() {
             return Ok(key);
         }
         Err(wrong_argument("key", format!("found {key}, expected 1 to {}", player.count())))
@@ -44,7 +64,7 @@ impl Keys {
     #[new]
     fn new(py: Python<'_>, asked: &str, steps: Steps) -> PyResult<Self> {
         let keyboard =
-            InstrumentSpec::of(asked).and_then(InstrumentSpec::keyboard).map_err(|error| fault::asked(&error))?;
+            asked.parse().and_then(|asked: InstrumentSpec| asked.keyboard()).map_err(|error| fault::asked(&error))?;
         let instruments = py.detach(|| keyboard.instruments()).map_err(|error| fault::file(&error))?;
         let first = instruments.first().ok_or_else(|| wrong("the keyboard has no key"))?;
         let (settings, hand) = (steps.settings(first)?, steps.hand()?);
@@ -79,24 +99,24 @@ impl Keys {
     fn drive(
         &self,
         py: Python<'_>,
-        key: usize,
+        key: Key,
         force: Option<f64>,
         motion: Option<(f64, f64)>,
         rigid: Option<(f64, f64)>,
     ) -> PyResult<()> {
         let input = driven(self.hand, input(force, motion, rigid)?)?;
         let mut player = self.lock(py);
-        let key = Self::has(&player, key)?;
+        let key = Self::has(&player, &key)?;
         player.drive(key, input);
         Ok(())
     }
 
-    fn place_hand(&self, py: Python<'_>, key: usize, position_m: f64, velocity_m_per_s: f64) -> PyResult<()> {
+    fn place_hand(&self, py: Python<'_>, key: Key, position_m: f64, velocity_m_per_s: f64) -> PyResult<()> {
         if self.hand.is_none() {
             return Err(wrong("these keys have no hands; expected some that were made with `hand=erard.Hand()`"));
         }
         let mut player = self.lock(py);
-        let key = Self::has(&player, key)?;
+        let key = Self::has(&player, &key)?;
         player.place_hand(key, position_m, velocity_m_per_s);
         Ok(())
     }
@@ -130,9 +150,9 @@ impl Keys {
         Ok(impacts)
     }
 
-    fn reading(&self, py: Python<'_>, key: usize) -> PyResult<Reading> {
+    fn reading(&self, py: Python<'_>, key: Key) -> PyResult<Reading> {
         let player = self.lock(py);
-        let key = Self::has(&player, key)?;
+        let key = Self::has(&player, &key)?;
         let now: Now = player.reading(key);
         let impact = now.impact.map(|one| (one.time_s - self.began_s, one.hammer_speed_m_per_s));
         Ok(Reading::of(
@@ -148,16 +168,16 @@ impl Keys {
     }
 
     /// Returns the complete state of a key as bytes, in the format of an action's.
-    fn save<'py>(&self, py: Python<'py>, key: usize) -> PyResult<Bound<'py, PyBytes>> {
+    fn save<'py>(&self, py: Python<'py>, key: Key) -> PyResult<Bound<'py, PyBytes>> {
         let player = self.lock(py);
-        let key = Self::has(&player, key)?;
+        let key = Self::has(&player, &key)?;
         Ok(PyBytes::new(py, &player.save(key).to_vec()))
     }
 
-    fn restore(&self, py: Python<'_>, key: usize, saved: &[u8]) -> PyResult<()> {
+    fn restore(&self, py: Python<'_>, key: Key, saved: &[u8]) -> PyResult<()> {
         let snapshot = Snapshot::from_bytes(saved).map_err(wrong)?;
         let mut player = self.lock(py);
-        let key = Self::has(&player, key)?;
+        let key = Self::has(&player, &key)?;
         player.restore(key, &snapshot).map_err(wrong)
     }
 }

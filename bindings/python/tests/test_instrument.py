@@ -1,5 +1,6 @@
 """Loading, varying, and the technician's work."""
 
+import pickle
 from pathlib import Path
 
 import erard
@@ -64,6 +65,22 @@ def test_files(tmp_path: Path, grand: erard.Instrument) -> None:
     with pytest.raises(erard.InputError, match="1 to 88"):
         erard.load("concert-grand:key=89")
     assert erard.load("concert-grand:key=1") != erard.load("concert-grand:key=88")
+
+
+def test_an_instrument_knows_its_key(grand: erard.Instrument) -> None:
+    lowest = erard.load("concert-grand:key=A0")
+    assert lowest == erard.load("concert-grand:key=1") and (lowest.key, grand.key, lowest.sample) == (1, None, None)
+    changed = pickle.loads(pickle.dumps(lowest.vary({"body.hammer.mass_g": "13 g"})))
+    for one in (lowest, changed, erard.Instrument(lowest.text), lowest.regulate(let_off="2.2 mm")):
+        assert one.key == 1
+    assert lowest.measure()["norms_for_key"] == 1 and lowest.measure(key="a0")["norms_for_key"] == 1
+    # Strike weights of the bass, in the sheet's own table.
+    assert {usual for label, _, usual in lowest.measure(only=["strike_weight_g"]).lines()} == {"10.3-12.4"}
+    assert {usual for label, _, usual in grand.measure(key="C8", only=["strike_weight_g"]).lines()} == {"4.6-6.4"}
+    with pytest.raises(erard.InputError, match=r"that of key 1 \(A0\)"):
+        lowest.measure(key=40)
+    with pytest.raises(erard.InputError, match="A0 to C8"):
+        grand.measure(key="H4")
 
 
 def test_measure_and_regulate(grand: erard.Instrument) -> None:

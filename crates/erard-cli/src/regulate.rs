@@ -124,7 +124,7 @@ pub(crate) fn settled_text(settled: &Settled, lengths: Lengths) -> Vec<String> {
 
 /// Where the aftertouch is out of its usual range: that it is.
 pub(crate) fn aftertouch_text(regulated: &Regulated, lengths: Lengths) -> String {
-    let [low, high] = usual_aftertouch_m().map(|m| lengths.text(m * 1e3, 1));
+    let [low, high] = usual_aftertouch_m(&regulated.instrument).map(|m| lengths.text(m * 1e3, 1));
     match regulated.after.aftertouch_m {
         Some(m) => {
             format!("aftertouch {} is out of its usual range, {low} to {high}", lengths.text(m * 1e3, 1))
@@ -140,7 +140,7 @@ pub(crate) fn aftertouch_report(settled: &Settled) -> Value {
     });
     json!({
         "mm": settled.regulated.after.aftertouch_m.map(|m| m * 1e3),
-        "usual_mm": usual_aftertouch_m().map(|m| m * 1e3),
+        "usual_mm": usual_aftertouch_m(&settled.regulated.instrument).map(|m| m * 1e3),
         "met": settled.is_settled,
         "gave_up": gave_up.collect::<Value>(),
     })

@@ -138,6 +138,7 @@ impl List<'_> {
             finger,
             screws: _,
             parts: _,
+            origin: _,
         } = self.instrument;
         self.number("gravity_m_s2", *gravity_m_s2);
         self.within("body", |list| bodies.iter().for_each(|body| list.within(&body.name, |list| list.of_body(body))));

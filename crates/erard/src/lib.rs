@@ -30,6 +30,7 @@ pub mod grand;
 pub mod identity;
 pub mod instrument;
 pub mod instrument_spec;
+pub mod key;
 pub mod keyboard;
 pub mod level;
 pub mod mechanism;

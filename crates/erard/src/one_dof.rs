@@ -121,6 +121,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
             .filter(|p| p.body.is_none_or(|b| b == key))
             .map(|p| Part { body: p.body.map(|_| 0), ..p.clone() })
             .collect(),
+        origin: full.origin,
     };
     Ok(OneDof { instrument, ratios, inertia_kg_m2: inertia, moment_n_m: moment })
 }

@@ -30,7 +30,7 @@ export interface Exports {
   erard_try(instrument: number, length: number, status: number): number;
   erard_check(text: number, length: number, jsonLength: number, status: number): number;
   erard_builtin(length: number, status: number): number;
-  erard_measure(instrument: number, wanted: number, progress: number, user: number, length: number, status: number): number;
+  erard_measure(instrument: number, key: number, wanted: number, progress: number, user: number, length: number, status: number): number;
   erard_regulate(instrument: number, goals: number, progress: number, user: number, length: number, status: number): number;
   erard_action_of(instrument: number, step: number, status: number): number;
   erard_action_free(action: number): void;

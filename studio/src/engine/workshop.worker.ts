@@ -40,7 +40,7 @@ const answer = (task: Task): unknown => {
       return library.withInstrument(task.text, (instrument) => library.json(raw.erard_try(instrument, 0, 0)));
     case "measure":
       return library.withInstrument(task.text, (instrument) =>
-        library.given(task.lines, (at) => library.json(raw.erard_measure(instrument, at, 0, 0, 0, 0))));
+        library.given(task.lines, (at) => library.json(raw.erard_measure(instrument, 0, at, 0, 0, 0, 0))));
     case "regulate":
       return library.withInstrument(task.text, (instrument) => library.json(raw.erard_regulate(instrument, 0, 0, 0, 0, 0)));
     case "diagnosable":

@@ -135,7 +135,7 @@ fn nothing_at_all() {
             erard_instrument_text(instrument, null_mut(), place),
             erard_instrument_json(instrument, null_mut(), place),
             erard_draw(instrument, null(), 0, 800.0, 0, null_mut(), place),
-            erard_measure(instrument, null(), None, null_mut(), null_mut(), place),
+            erard_measure(instrument, 0, null(), None, null_mut(), null_mut(), place),
             erard_regulate(instrument, null(), None, null_mut(), null_mut(), place),
             erard_diagnose(null(), null_mut(), place),
             erard_diagnose_check(null(), null_mut(), place),

@@ -207,7 +207,7 @@ unsafe extern "C" fn stop(_: f64, user: *mut c_void) -> i32 {
 fn a_technician_measures() {
     let grand = builtin("concert-grand");
     let wanted = c"dip_mm, down_weight_g,strike_weight_g";
-    let measured = unsafe { erard_measure(grand.0, wanted.as_ptr(), None, null_mut(), null_mut(), null_mut()) };
+    let measured = unsafe { erard_measure(grand.0, 0, wanted.as_ptr(), None, null_mut(), null_mut(), null_mut()) };
     let measured: Value = serde_json::from_str(&taken(measured)).unwrap();
     let native = Instrument::builtin("concert-grand").unwrap();
     let lines: Vec<_> = erard_workshop::measure::norms::lines()
@@ -222,13 +222,42 @@ fn a_technician_measures() {
     let place = &raw mut status;
     unsafe {
         let unknown = c"dip_mm,dap_mm".as_ptr();
-        assert!(erard_measure(grand.0, unknown, None, null_mut(), null_mut(), place).is_null());
+        assert!(erard_measure(grand.0, 0, unknown, None, null_mut(), null_mut(), place).is_null());
         assert_eq!(status, ErardStatus::NoSuch);
         assert!(last_error().contains("dap_mm") && last_error().contains("let_off_mm"), "{}", last_error());
         let mut asked = 0_u32;
         let user = (&raw mut asked).cast::<c_void>();
-        assert!(erard_measure(grand.0, null(), Some(stop), user, null_mut(), place).is_null());
+        assert!(erard_measure(grand.0, 0, null(), Some(stop), user, null_mut(), place).is_null());
         assert!(status == ErardStatus::Interrupted && asked > 0, "{status:?}");
+    }
+}
+
+/// A key's sheet has the norms of that key, which changes of its numbers keep; another key is refused.
+#[test]
+fn a_sheet_knows_its_key() {
+    let mut status = ErardStatus::Ok;
+    let place = &raw mut status;
+    unsafe {
+        let a0 = erard_key_number(c"A0".as_ptr(), place);
+        assert_eq!(
+            (a0, erard_key_number(c"C#4".as_ptr(), place), erard_key_number(c"88".as_ptr(), place)),
+            (1, 41, 88)
+        );
+        assert_eq!((erard_key_number(c"H4".as_ptr(), place), *place), (0, ErardStatus::NoSuch));
+        let lowest = erard_instrument_of_key(a0, place);
+        assert_eq!(erard_instrument_set(lowest, c"body.hammer.mass_g".as_ptr(), 0, 13.0), ErardStatus::Ok);
+        let sheet = |key: u32| -> Value {
+            serde_json::from_str(&taken(erard_measure(lowest, key, null(), None, null_mut(), null_mut(), null_mut())))
+                .unwrap()
+        };
+        let own = sheet(0);
+        assert_eq!(own["norms_for_key"], 1);
+        assert!(erard_measure(lowest, 40, null(), None, null_mut(), null_mut(), place).is_null());
+        assert_eq!(status, ErardStatus::Argument);
+        assert!(last_error().contains("that of key 1 (A0)"), "{}", last_error());
+        assert!(erard_measure(lowest, 89, null(), None, null_mut(), null_mut(), place).is_null());
+        assert_eq!(status, ErardStatus::NoSuch);
+        erard_instrument_free(lowest);
     }
 }
 

@@ -118,6 +118,16 @@ class Instrument:
         return self._inner.name
 
     @property
+    def key(self) -> int | None:
+        """Number of the piano's key that the instrument is, 1 (A0) to 88 (C8); None if it is not known."""
+        return self._inner.key
+
+    @property
+    def sample(self) -> int | None:
+        """Number of the random sample that the instrument's file was drawn as; None for other files."""
+        return self._inner.sample
+
+    @property
     def description(self) -> str:
         """Description of the instrument from its file."""
         return self._inner.description
@@ -284,13 +294,17 @@ class Instrument:
             )
         return Run(columns, {**about, "notes": [made.note] if made.note else []}, made.title)
 
-    def measure(self, *, key: int = 40, only: Sequence[str] | None = None, progress: bool | None = None) -> Sheet:
+    def measure(
+        self, *, key: int | str | None = None, only: Sequence[str] | None = None, progress: bool | None = None
+    ) -> Sheet:
         """Measures the action as a technician does: weights, distances, inertia, repetition, timing.
 
         Parameters
         ----------
-        key : int
-            Key, 1 to 88, whose norms the values are compared with; 40 is middle C.
+        key : int or str, optional
+            Key of the piano whose norms the values are compared with, by number (1 to 88) or note ("A0" to "C8"). By
+            default the instrument's own, or middle C if it does not know its key; another key than its own is an
+            error.
         only : sequence of str, optional
             Names of the lines to measure, such as "down_weight_g", "effective_inertia_kg", "let_off_mm"; by default
             all.
@@ -310,8 +324,8 @@ class Instrument:
         ['dip_mm', 'let_off_mm']
         """
         with bar(progress, "measure") as tell:
-            text = _erard.measure(self._inner, key, None if only is None else names_of("only", only), tell)
-        return Sheet(self.name, json.loads(text))
+            text, judged = _erard.measure(self._inner, key, None if only is None else names_of("only", only), tell)
+        return Sheet(self.name, json.loads(text), judged)
 
     def regulate(
         self,
@@ -589,8 +603,8 @@ def as_recording_to_play(source: Any) -> Recording:
 class Sheet(Values):
     """Measured values of an action: a mapping with the keys of measure.json, shown as the technician's table."""
 
-    def __init__(self, instrument: str, values: dict[str, Any]) -> None:
-        self.instrument, self._values = instrument, values
+    def __init__(self, instrument: str, values: dict[str, Any], key: int = 40) -> None:
+        self.instrument, self._values, self._key = instrument, values, key
 
     def lines(self) -> list[tuple[str, str, str]]:
         """Returns the lines of the table.
@@ -598,10 +612,10 @@ class Sheet(Values):
         Returns
         -------
         list of (str, str, str)
-            Quantity, value with its unit, and usual range at middle C.
+            Quantity, value with its unit, and usual range at the key of the piano.
         """
         found = []
-        for key, label, unit, decimals, usual in _erard.measure_lines():
+        for key, label, unit, decimals, usual in _erard.measure_lines(self._key):
             value: Any = self._values
             for part in key.split("."):
                 value = value.get(part) if isinstance(value, Mapping) else None
@@ -794,7 +808,7 @@ class Keyboard(Table):
 def keyboard(
     asked: str | os.PathLike[str] = "concert-grand",
     *,
-    keys: Sequence[int] | None = None,
+    keys: Sequence[int | str] | None = None,
     progress: bool | None = None,
 ) -> Keyboard:
     """Weighs the keys of a keyboard from bass to treble.
@@ -804,8 +818,8 @@ def keyboard(
     asked : str or path
         The keyboard: a TOML file or a built-in keyboard. A single key is an instrument:
         `erard.load("concert-grand:key=40")`.
-    keys : sequence of int, optional
-        Keys to weigh, 1 (A0) to 88 (C8); by default every third and the last.
+    keys : sequence of int or str, optional
+        Keys to weigh, by number (1 to 88) or note ("A0" to "C8"); by default every third and the last.
     progress : bool, optional
         A progress bar.
 
@@ -822,7 +836,7 @@ def keyboard(
     >>> bool(two["hammer_mass_g"][0] > two["hammer_mass_g"][1]), two["note"].tolist()
     (True, ['A0', 'C8'])
     """
-    chosen = [*range(1, 88, 3), 88] if keys is None else [whole("keys", key, 0) for key in keys]
+    chosen = [*range(1, 88, 3), 88] if keys is None else [key if isinstance(key, str) else whole("keys", key, 0) for key in keys]
     with bar(progress, "keyboard") as tell:
         name, columns = _erard.keyboard(os.fspath(asked), chosen, tell)
     return Keyboard(name, {key: np.asarray(values) for key, values in columns.items()})

@@ -61,7 +61,7 @@ class Keys:
 
     def drive(
         self,
-        key: int,
+        key: int | str,
         force: float | None = None,
         *,
         motion: tuple[float, float] | None = None,
@@ -71,20 +71,20 @@ class Keys:
 
         Parameters
         ----------
-        key : int
-            Key, from 1.
+        key : int or str
+            Key, by number from 1 or by note, such as "C4".
         force, motion, rigid
             As in `Action.step`; without any of them, nothing touches the key.
         """
         self._inner.drive(key, None if force is None else number("force", force), pair("motion", motion), pair("rigid", rigid))
 
-    def place_hand(self, key: int, position_m: float, velocity_m_per_s: float = 0.0) -> None:
+    def place_hand(self, key: int | str, position_m: float, velocity_m_per_s: float = 0.0) -> None:
         """Places the hand of a key.
 
         Parameters
         ----------
-        key : int
-            Key, from 1.
+        key : int or str
+            Key, by number from 1 or by note, such as "C4".
         position_m : float
             Position, m below the key front's rest; negative above the key.
         velocity_m_per_s : float
@@ -123,13 +123,13 @@ class Keys:
         """
         return self._inner.step(steps)
 
-    def reading(self, key: int) -> Reading:
+    def reading(self, key: int | str) -> Reading:
         """Returns the reading of a key after the last step.
 
         Parameters
         ----------
-        key : int
-            Key, from 1.
+        key : int or str
+            Key, by number from 1 or by note, such as "C4".
 
         Returns
         -------
@@ -144,14 +144,14 @@ class Keys:
         modal strings."""
         return self._inner.bridge_n()
 
-    def save(self, key: int) -> bytes:
+    def save(self, key: int | str) -> bytes:
         """Returns the complete state of a key, without its drive. `Action` and `Keys` can restore each other's states
         of the same instrument.
 
         Parameters
         ----------
-        key : int
-            Key, from 1.
+        key : int or str
+            Key, by number from 1 or by note, such as "C4".
 
         Returns
         -------
@@ -159,13 +159,13 @@ class Keys:
         """
         return self._inner.save(key)
 
-    def restore(self, key: int, saved: bytes) -> None:
+    def restore(self, key: int | str, saved: bytes) -> None:
         """Restores a saved state of a key; its drive stays. The key then continues with the same bits.
 
         Parameters
         ----------
-        key : int
-            Key, from 1.
+        key : int or str
+            Key, by number from 1 or by note, such as "C4".
         saved : bytes
             Bytes that `save` returned, here or of an `Action`.
 

@@ -478,7 +478,7 @@ def _measured(
     def one(row: NDArray[np.float64]) -> list[float]:
         try:
             variant = instrument.vary(dict(zip(varied, map(float, row), strict=True)))
-            sheet = json.loads(_erard.measure(variant._inner, 40, keys, tell))
+            sheet = json.loads(_erard.measure(variant._inner, None, keys, tell)[0])
         except (InputError, RuntimeError):
             return [math.nan] * len(keys)
         return [math.nan if sheet[key] is None else float(sheet[key]) for key in keys]

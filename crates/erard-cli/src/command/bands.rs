@@ -2,6 +2,7 @@
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::instrument_spec::InstrumentSpec;
 use erard_workshop::sample::{Band, SampleError, band};
 use serde::Serialize;
 
@@ -32,7 +33,7 @@ pub(crate) struct BandOptions {
 
 impl BandOptions {
     /// Refuses bands of one sample before that sample is drawn, which takes seconds.
-    pub(crate) fn check(self, asked: &str) -> Result<(), Failure> {
+    pub(crate) fn check(self, asked: &InstrumentSpec) -> Result<(), Failure> {
         self.bands.map_or(Ok(()), |_| not_one_sample(asked))
     }
 }
@@ -63,7 +64,7 @@ pub(crate) type Named = (String, String);
 /// instrument, in one order; what it finds of a sample is kept as `kind` with what else it depends on, unless that is
 /// nothing.
 pub(crate) fn bands(
-    asked: &str,
+    asked: &InstrumentSpec,
     count: u32,
     names: &[Named],
     own: &[Option<f64>],
@@ -71,13 +72,14 @@ pub(crate) fn bands(
     values: impl Fn(&Instrument, &str, &mut erard::Progress<'_>) -> Result<Vec<Option<f64>>, SampleError> + Sync,
 ) -> Result<Vec<BandRow>, Failure> {
     let samples = Samples::of(asked)?;
+    let file_name = asked.to_string();
     let mut progress = Progress::new("sampling");
     let found = samples.each(count, &mut progress, |_, text, progress| {
         let known = kept.and_then(|(kind, of)| serde_json::from_str(&cache::get(kind, &[of, text])?).ok());
         if let Some(known) = known.filter(|known: &Vec<Option<f64>>| known.len() == names.len()) {
             return Ok(known);
         }
-        let instrument = Instrument::parse(text, asked)?;
+        let instrument = Instrument::parse(text, &file_name)?;
         let values = values(&instrument, text, progress)?;
         if let (Some((kind, of)), Ok(json)) = (kept, serde_json::to_string(&values)) {
             cache::put(kind, &[of, text], &json);

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use erard::parameter::Quantity;
+use erard::instrument_spec::InstrumentSpec;
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Series};
 use erard_workshop::compare::{Choice, Comparison, DRIVES, LONGEST_S, Which, compare_chosen, way_up_ends_s};
@@ -42,7 +43,7 @@ pub(crate) struct Compare {
     no_pictures: bool,
     /// Instrument: a TOML file, or a built-in name
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
-    instrument: String,
+    instrument: InstrumentSpec,
     #[command(flatten)]
     step: StepOptions,
     /// Compare only the first S seconds

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::parameter::{Bare, Quantity};
+use erard::instrument_spec::InstrumentSpec;
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::figure_svg;
@@ -31,7 +32,7 @@ const AFTER: &str = include_str!("help/fit.txt");
 pub(crate) struct Fit {
     /// Instrument at which the fit starts: a TOML file, or a built-in name
     #[arg(value_name = "INSTRUMENT")]
-    instrument: String,
+    instrument: InstrumentSpec,
     /// Recordings, CSV or Parquet: a time column, a force or position column or both, and the hammer if measured. Down
     /// is positive
     #[arg(value_name = "RECORDING.csv", required = true)]
@@ -124,7 +125,7 @@ impl Fit {
         let (instrument, text) = load_instrument_and_text(&self.instrument)?;
         let settings = self.step.settings(&instrument)?;
         check(&Setup { settings, ..Setup::new(1.0) })?;
-        let file = InstrumentFile::parse(&text, &self.instrument)?;
+        let file = InstrumentFile::parse(&text, &self.instrument.to_string())?;
         let vary: Vec<String> = self.vary.iter().map(|name| name.trim().to_owned()).collect();
         let bounds = self.bounds(&instrument, &text)?;
         let free = free(&file, &vary, &bounds).map_err(failure)?;

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use erard::instrument_spec::{Base, InstrumentSpec};
 use erard_workshop::fmu::{MODEL, Unit, Variable};
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
@@ -26,10 +27,10 @@ const AFTER: &str = include_str!("help/fmu.txt");
 pub(crate) struct Fmu {
     /// Instrument: a TOML file, or a built-in name
     #[arg(value_name = "INSTRUMENT", default_value = "concert-grand")]
-    instrument: String,
+    instrument: InstrumentSpec,
     /// Keyboard instead of an instrument, 88 keys in one unit: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "KEYBOARD", conflicts_with = "instrument")]
-    keyboard: Option<String>,
+    keyboard: Option<Base>,
     /// File of the unit [default: INSTRUMENT.fmu or KEYBOARD-keyboard.fmu in this folder]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -69,15 +70,15 @@ impl Fmu {
                     }
                     other => other,
                 })?;
-                (Unit::of_instrument(&text)?, &self.instrument, ".fmu")
+                (Unit::of_instrument(&text)?, self.instrument.to_string(), ".fmu")
             }
             Some(asked) => {
                 let (keyboard, text) = load_keyboard_and_text(asked)?;
                 keyboard.instruments()?;
-                (Unit::of_keyboard(&text, keyboard.base_text())?, asked, "-keyboard.fmu")
+                (Unit::of_keyboard(&text, keyboard.base_text())?, asked.to_string(), "-keyboard.fmu")
             }
         };
-        let OwnFile { folder, name } = OwnFile::of(self.out.as_deref(), asked, end, "unit's", self.force)?;
+        let OwnFile { folder, name } = OwnFile::of(self.out.as_deref(), &asked, end, "unit's", self.force)?;
         let (library, bytes, binary) = self.library()?;
         let mut output = Output::files(&folder, self.force, &[&name])?;
         let archive = archive(&unit, &binary, &bytes).map_err(|error| Failure::Internal(error.to_string()))?;

@@ -2,6 +2,7 @@
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::instrument_spec::Base;
 use erard::keyboard::KEYS;
 use erard_workshop::weighing::weigh;
 
@@ -26,7 +27,7 @@ const AFTER: &str = include_str!("help/keyboard.txt");
 pub(crate) struct Keyboard {
     /// Keyboard: a TOML file, or a built-in name. Two keyboards are compared
     #[arg(id = "keyboard", value_name = "KEYBOARD", default_value = "concert-grand", num_args = 1..=2)]
-    keyboards: Vec<String>,
+    keyboards: Vec<Base>,
     /// Weigh every N-th key
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole::<u8>(1, 87), allow_negative_numbers = true, conflicts_with = "key")]
     every: u8,
@@ -85,7 +86,7 @@ impl Keyboard {
     }
 
     /// Two keyboards beside each other.
-    fn pair(&self, asked: [&String; 2]) -> Result<(), Failure> {
+    fn pair(&self, asked: [&Base; 2]) -> Result<(), Failure> {
         if self.key.is_some() || self.weigh.asked().is_some() {
             return Err(Failure::Usage("--key and --weigh need one keyboard; found two".into()));
         }

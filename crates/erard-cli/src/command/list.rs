@@ -2,6 +2,7 @@
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::instrument_spec::{InstrumentSpecError, SAMPLE};
 use erard::keyboard::Keyboard;
 use erard::stroke::{NUANCES, Series, Touch};
 use erard_kinematics::LinkageFile;
@@ -71,8 +72,9 @@ impl List {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
         if let Some(name) = &self.name {
-            if let Some(text) = sample_text(name)? {
-                return answer::text(&text);
+            if name.contains(SAMPLE) {
+                let asked = name.parse().map_err(|error: InstrumentSpecError| Failure::Usage(error.to_string()))?;
+                return answer::text(&sample_text(&asked)?);
             }
             let (_, text) = built_in(name).ok_or_else(|| {
                 let mut names: Vec<String> = Vec::new();

@@ -9,6 +9,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
 use clap::Args;
+use erard::instrument_spec::Base;
 use erard_live::profile::Profile;
 use erard_live::stream::{Head, Of, Reader, Sample, SensorUnit};
 use erard_live::{Event, Live as Keys, LiveError, Options, SensorKind};
@@ -47,7 +48,7 @@ pub(crate) struct Live {
     stream: PathBuf,
     /// Keyboard: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand")]
-    keyboard: String,
+    keyboard: Base,
     /// Device that carries the sensors
     #[arg(long, value_enum, default_value = "action")]
     sensor: Sensor,

@@ -4,19 +4,18 @@ use std::path::Path;
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::instrument_spec::InstrumentSpec;
 use erard::player;
 use erard::run::{Setup, SimulationError, simulate};
 use erard_workshop::balance::Lead;
 use erard_workshop::cores::{self, Ending};
-use erard_workshop::measure::norms::{MIDDLE_C, lines as all_lines};
-use erard_workshop::measure::{MeasureError, Sheet, measure_key, measure_some};
+use erard_workshop::measure::norms::lines as all_lines;
+use erard_workshop::measure::{MeasureError, Sheet, measure, measure_some};
 use erard_workshop::worklist::{Readings, worklist};
 use moreau::Settings;
 
 use super::bands::{self, BandOptions};
-use super::options::{
-    Stays, instrument_path, key, key_number, keys_of, load_instrument, load_instrument_and_text, measured_lines,
-};
+use super::options::{Stays, key, load_instrument, load_instrument_and_text, measured_lines};
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::inputs::shown;
@@ -106,10 +105,10 @@ impl Measure {
         let mut measured = Vec::new();
         // A sheet's screws are tried when it has been measured: a fifth of the work.
         let measuring = if self.sheet { 0.8 } else { 1.0 };
-        for (index, Named { label, instrument, key, .. }) in named.into_iter().enumerate() {
+        for (index, Named { label, instrument }) in named.into_iter().enumerate() {
             let mut tell = |share: f64| progress.tell(measuring * (index as f64 + share) / count);
-            let sheet = measure_key(&instrument, key, &mut tell)
-                .map_err(|error| Failure::Measure { label: label.clone(), error })?;
+            let sheet =
+                measure(&instrument, &mut tell).map_err(|error| Failure::Measure { label: label.clone(), error })?;
             measured.push(Measured { label, instrument, sheet });
         }
         let drawings = drawings(&measured)?;
@@ -117,8 +116,8 @@ impl Measure {
         for (index, one) in measured.iter().enumerate().filter(|_| self.sheet) {
             progress.say("working out the list");
             let mut tell = |share: f64| progress.tell(0.8 + 0.2 * (index as f64 + share) / count);
-            let (readings, key) = (Readings::on(&one.sheet), one.sheet.norms_for_key);
-            let list = worklist(&one.instrument, &readings, &leads, key, self.priority.into(), &mut tell)?;
+            let readings = Readings::on(&one.sheet);
+            let list = worklist(&one.instrument, &readings, &leads, self.priority.into(), &mut tell)?;
             let drawing = drawings.get(index).map_or("", |drawn| &drawn.svg);
             advised.push(Advised { measured: one, list, drawing, headed: &self.headed, lengths: self.lengths });
         }
@@ -208,19 +207,19 @@ impl Measure {
     }
 
     /// What was asked for, many keys one by one.
-    fn asked(&self) -> Result<Vec<String>, Failure> {
+    fn asked(&self) -> Result<Vec<InstrumentSpec>, Failure> {
         let mut asked = Vec::new();
-        for one in self.instruments.iter().chain(&self.more) {
-            asked.extend(keys_of(one)?);
+        for one in self.instruments.iter().chain(&self.more).map(String::as_str) {
+            asked.extend(InstrumentSpec::each(one).map_err(|error| Failure::Usage(error.to_string()))?);
         }
         if asked.is_empty() {
-            asked.push("concert-grand".to_owned());
+            asked.extend(InstrumentSpec::each("concert-grand").map_err(|error| Failure::Internal(error.to_string()))?);
         }
         Ok(asked)
     }
 
     /// The lines of one instrument's sheet with their bands.
-    fn banded(&self, asked: &[String], count: u32) -> Result<(), Failure> {
+    fn banded(&self, asked: &[InstrumentSpec], count: u32) -> Result<(), Failure> {
         let [asked] = asked else {
             return Err(Failure::Usage(format!("--bands needs one instrument; found {}", asked.len())));
         };
@@ -253,7 +252,7 @@ impl Measure {
     }
 
     /// One row per instrument.
-    fn rows(&self, asked: &[String]) -> Result<(), Failure> {
+    fn rows(&self, asked: &[InstrumentSpec]) -> Result<(), Failure> {
         if self.sheet {
             return Err(Failure::Usage("--sheet writes one page per instrument; found a range of keys. Name the keys one by one: concert-grand:key=1 concert-grand:key=2".into()));
         }
@@ -270,7 +269,7 @@ impl Measure {
         let measured: Vec<MeasuredRow> = named
             .into_iter()
             .zip(found)
-            .map(|(one, values)| MeasuredRow { label: one.label, key: one.known_key, values })
+            .map(|(one, values)| MeasuredRow { label: one.label, key: one.instrument.key(), values })
             .collect();
         output.table("measure.csv", &rows::table(&lines, &measured))?;
         output.json("measure.json", &rows::json(&lines, &measured))?;
@@ -284,34 +283,34 @@ impl Measure {
     }
 
     /// All instruments of a few, read before anything is measured, by labels that tell them apart.
-    fn load(&self, asked: &[String]) -> Result<Vec<Named>, Failure> {
+    fn load(&self, asked: &[InstrumentSpec]) -> Result<Vec<Named>, Failure> {
         if asked.len() > MOST {
             return Err(Failure::Usage(format!("{} instruments; expected at most {MOST}", asked.len())));
         }
         self.named(asked)
     }
 
-    fn named(&self, asked: &[String]) -> Result<Vec<Named>, Failure> {
-        let instruments = asked.iter().map(|name| load_instrument(name)).collect::<Result<Vec<_>, _>>()?;
+    fn named(&self, asked: &[InstrumentSpec]) -> Result<Vec<Named>, Failure> {
+        let instruments = asked.iter().map(|one| self.one(one)).collect::<Result<Vec<_>, _>>()?;
         let shared = |name: &str| instruments.iter().filter(|other| other.name == name).count() > 1;
         // A file's own name, for a copy keeps the name of what it was copied from.
-        let label = |asked: &str, instrument: &Instrument| match instrument_path(asked) {
-            Some(_) if shared(&instrument.name) => asked.to_owned(),
+        let label = |asked: &InstrumentSpec, instrument: &Instrument| match asked.path() {
+            _ if shared(&instrument.name) => asked.to_string(),
             Some(path) => format!("{} ({})", instrument.name, shown(Path::new(path.file_name().unwrap_or_default()))),
-            None if shared(&instrument.name) => asked.to_owned(),
             None => instrument.name.clone(),
         };
-        let key = |asked: &str| key_number(asked).or(self.key);
-        let named: Vec<(String, Option<usize>)> =
-            asked.iter().zip(&instruments).map(|(asked, one)| (label(asked, one), key(asked))).collect();
-        let with = named.into_iter().zip(instruments);
-        let named = |((label, known_key), instrument)| Named {
-            label,
-            instrument,
-            key: Option::unwrap_or(known_key, MIDDLE_C),
-            known_key,
-        };
-        Ok(with.map(named).collect())
+        let labels: Vec<String> = asked.iter().zip(&instruments).map(|(asked, one)| label(asked, one)).collect();
+        Ok(labels.into_iter().zip(instruments).map(|(label, instrument)| Named { label, instrument }).collect())
+    }
+
+    /// An instrument, as that of the key that `--key` names.
+    fn one(&self, asked: &InstrumentSpec) -> Result<Instrument, Failure> {
+        let mut instrument = load_instrument(asked)?;
+        if let Some(key) = self.key {
+            let wrong = |error| Failure::Usage(format!("--key with {asked}: {error}. Leave --key out"));
+            instrument.set_key(key).map_err(wrong)?;
+        }
+        Ok(instrument)
     }
 }
 
@@ -320,13 +319,10 @@ pub(super) fn lead(text: &str) -> Result<Lead, Failure> {
     Lead::read(text).ok_or_else(|| Failure::Usage(format!("--leads {text}: expected {}", Lead::EXPECTED)))
 }
 
-/// An instrument by what it is called here, and the key whose norms hold for it.
+/// An instrument by what it is called here.
 struct Named {
     label: String,
     instrument: Instrument,
-    key: usize,
-    /// The key that was stated, if one was.
-    known_key: Option<usize>,
 }
 
 /// An action that could not be measured.

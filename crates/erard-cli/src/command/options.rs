@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile, utf8};
-use erard::instrument_spec::{InstrumentSpec, KEY, SAMPLE, split_sample};
-use erard::keyboard::{KEYS, Keyboard, is_keyboard, key_named};
+use erard::instrument_spec::{Base, InstrumentSpec, KEY};
+use erard::key::{self, key_named};
+use erard::keyboard::{Keyboard, is_keyboard};
 use erard::level::LevelError;
 use erard::one_dof;
 use erard::parameter::{Bare, Quantity};
@@ -31,7 +32,7 @@ use erard_figures::drawing::ChangedNote;
 
 /// A key by number or note.
 pub(super) fn key(text: &str) -> Result<usize, String> {
-    key_named(text).ok_or_else(|| format!("expected a number from 1 to {KEYS}, or a note from A0 to C8"))
+    key_named(text).ok_or_else(|| format!("expected {}", key::EXPECTED))
 }
 
 /// What stays where two lines cannot both come right.
@@ -58,7 +59,7 @@ pub(crate) struct InstrumentOption {
     /// Instrument: a TOML file, a built-in name, or one key of a keyboard (concert-grand:key=88). `:sample=17` at the
     /// end takes a random grand within the spreads of the file
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
-    instrument: String,
+    instrument: InstrumentSpec,
     /// Model of the instrument
     #[arg(long, value_parser = one_of(&MODELS), default_value = "action")]
     pub model: Which,
@@ -84,13 +85,13 @@ pub(crate) fn reduced(model: Which, full: Instrument) -> Result<Instrument, Fail
 
 impl InstrumentOption {
     /// What was asked for.
-    pub(crate) fn asked(&self) -> &str {
+    pub(crate) fn asked(&self) -> &InstrumentSpec {
         &self.instrument
     }
 
     /// Loads the instrument, reduced to the model that was asked for, with what its pictures mark as changed.
     pub(crate) fn load_noted(&self) -> Result<Noted, Failure> {
-        let Some(path) = instrument_path(&self.instrument) else {
+        let Some(path) = self.instrument.path() else {
             let whole = load_instrument(&self.instrument)?;
             return Ok(Noted { instrument: self.reduced(whole.clone())?, changed: Vec::new(), whole });
         };
@@ -124,7 +125,7 @@ pub(crate) struct InstrumentsOption {
     /// Instrument: a TOML file, a built-in name, or one key of a keyboard (concert-grand:key=88). Give it twice to show
     /// two instruments on one page
     #[arg(long = "instrument", value_name = "FILE-OR-NAME", default_value = "concert-grand")]
-    instruments: Vec<String>,
+    instruments: Vec<InstrumentSpec>,
     /// Model of the instrument
     #[arg(long, value_parser = one_of(&MODELS), default_value = "action")]
     pub model: Which,
@@ -132,14 +133,8 @@ pub(crate) struct InstrumentsOption {
 
 impl InstrumentsOption {
     /// The first that was asked for.
-    pub(crate) fn first(&self) -> &str {
-        self.instruments.first().map_or("", String::as_str)
-    }
-
-    /// Whether they are different keys: each has a touch of its own.
-    pub(crate) fn are_keys(&self) -> bool {
-        let mut numbers = self.instruments.iter().map(|asked| key_number(asked));
-        numbers.next().flatten().is_some_and(|first| numbers.flatten().any(|other| other != first))
+    pub(crate) fn first(&self) -> Option<&InstrumentSpec> {
+        self.instruments.first()
     }
 
     /// Loads the instrument, or both, reduced to the model that was asked for.
@@ -150,13 +145,14 @@ impl InstrumentsOption {
                 self.instruments.len()
             )));
         }
-        let one = |name: &String| InstrumentOption { instrument: name.clone(), model: self.model }.load_noted();
+        let one =
+            |asked: &InstrumentSpec| InstrumentOption { instrument: asked.clone(), model: self.model }.load_noted();
         self.instruments.iter().map(one).collect()
     }
 }
 
 /// An instrument by file or by name; after either, `:key=N` is key N of a keyboard.
-pub fn load_instrument(asked: &str) -> Result<Instrument, Failure> {
+pub(crate) fn load_instrument(asked: &InstrumentSpec) -> Result<Instrument, Failure> {
     Ok(load_instrument_and_text(asked)?.0)
 }
 
@@ -176,25 +172,19 @@ fn load_file(path: &Path) -> Result<(InstrumentFile, String), Failure> {
 }
 
 /// The same, with the text it was read from.
-pub(crate) fn load_instrument_and_text(asked: &str) -> Result<(Instrument, String), Failure> {
-    if let Some(text) = sample_text(asked)? {
-        let instrument = Instrument::parse(&text, asked)?;
+pub(crate) fn load_instrument_and_text(asked: &InstrumentSpec) -> Result<(Instrument, String), Failure> {
+    if asked.sample().is_some() {
+        let text = sample_text(asked)?;
+        let instrument = Instrument::parse(&text, &asked.to_string())?;
         identity::used("instrument", &instrument.name, None, text.as_bytes());
         return Ok((instrument, text));
     }
     if let Some(one) = KeyboardKey::asked(asked)? {
         return one.instrument();
     }
-    let Some(path) = instrument_path(asked) else { return builtin_instrument(asked) };
-    let (file, text) = load_file(path)?;
-    Ok((file.instrument, text))
-}
-
-/// The path of an instrument file; `None` where a name is meant.
-pub(crate) fn instrument_path(asked: &str) -> Option<&Path> {
-    match InstrumentSpec::of(asked) {
-        Ok(InstrumentSpec::File(path)) => Some(path),
-        _ => None,
+    match asked.base() {
+        Base::File(path) => load_file(path).map(|(file, text)| (file.instrument, text)),
+        Base::Builtin(name) => builtin_instrument(name),
     }
 }
 
@@ -221,13 +211,10 @@ pub(crate) struct KeyboardKey {
 }
 
 impl KeyboardKey {
-    /// What is asked for in the place of an instrument, as in `concert-grand:key=88`; `None` where that is no key of a
-    /// keyboard.
-    pub(crate) fn asked(asked: &str) -> Result<Option<Self>, Failure> {
-        match InstrumentSpec::of(asked).map_err(|error| Failure::Usage(error.to_string()))? {
-            InstrumentSpec::Key { keyboard, key } => Ok(Some(KeyboardKey { keyboard: load_keyboard(keyboard)?, key })),
-            _ => Ok(None),
-        }
+    /// The key of a keyboard that is named, as in `concert-grand:key=88`; `None` where none is.
+    pub(crate) fn asked(asked: &InstrumentSpec) -> Result<Option<Self>, Failure> {
+        let of = |key| Ok(KeyboardKey { keyboard: load_keyboard(asked.base())?, key });
+        asked.key().map(of).transpose()
     }
 
     /// Its instrument, and the text of it.
@@ -245,32 +232,6 @@ impl KeyboardKey {
     }
 }
 
-/// What is asked for in the place of an instrument, many keys of a keyboard (`concert-grand:key=1..88`, `:key=1,40,88`)
-/// one by one.
-pub(crate) fn keys_of(asked: &str) -> Result<Vec<String>, Failure> {
-    if let (rest, Some(sample)) = split_sample(asked).map_err(|error| Failure::Usage(error.to_string()))? {
-        return Ok(keys_of(&rest)?.into_iter().map(|key| format!("{key}{SAMPLE}{sample}")).collect());
-    }
-    let Some((keyboard, keys)) = asked.rsplit_once(KEY).filter(|(_, keys)| keys.contains("..") || keys.contains(','))
-    else {
-        return Ok(vec![asked.to_owned()]);
-    };
-    let number = key_named;
-    let mut all = Vec::new();
-    for part in keys.split(',') {
-        let range = match part.split_once("..") {
-            Some((from, to)) => number(from).zip(number(to)).filter(|(from, to)| from <= to),
-            None => number(part).map(|key| (key, key)),
-        };
-        let Some((from, to)) = range else {
-            let expected = format!("keys from 1 to {KEYS} or notes from A0 to C8, as in `1..88`, `1,40,88` or `C4`");
-            return Err(Failure::Usage(format!("{asked}: found keys `{part}`; expected {expected}")));
-        };
-        all.extend((from..=to).map(|key| format!("{keyboard}{KEY}{key}")));
-    }
-    Ok(all)
-}
-
 /// The lines of the protocol sheet by their keys in measure.json; `option` is who asks.
 pub(crate) fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'static Line>, Failure> {
     let find = |key: &String| {
@@ -282,29 +243,28 @@ pub(crate) fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'stat
     keys.iter().map(find).collect()
 }
 
-/// The number of the key that is asked for in the place of an instrument; `None` where that is no key of a keyboard.
-pub(crate) fn key_number(asked: &str) -> Option<usize> {
-    split_sample(asked).ok()?.0.rsplit_once(KEY)?.1.parse().ok()
-}
-
 /// A keyboard by file or by name.
-pub(crate) fn load_keyboard(file_or_name: &str) -> Result<Keyboard, Failure> {
-    Ok(load_keyboard_and_text(file_or_name)?.0)
+pub(crate) fn load_keyboard(asked: &Base) -> Result<Keyboard, Failure> {
+    Ok(load_keyboard_and_text(asked)?.0)
 }
 
 /// A keyboard, and the text it was read from.
-pub(crate) fn load_keyboard_and_text(file_or_name: &str) -> Result<(Keyboard, String), Failure> {
-    if let Some(path) = instrument_path(file_or_name) {
-        let (name, bytes) = inputs::bytes(path)?;
-        let keyboard = Keyboard::parse_bytes(&bytes, &name, path.parent().unwrap_or(Path::new("")))?;
-        keyboard.base_path().into_iter().for_each(inputs::remember);
-        identity::used("keyboard", &keyboard.name, Some(&name), &bytes);
-        return Ok((keyboard, utf8(&bytes, &name)?.to_owned()));
+pub(crate) fn load_keyboard_and_text(asked: &Base) -> Result<(Keyboard, String), Failure> {
+    match asked {
+        Base::File(path) => {
+            let (name, bytes) = inputs::bytes(path)?;
+            let keyboard = Keyboard::parse_bytes(&bytes, &name, path.parent().unwrap_or(Path::new("")))?;
+            keyboard.base_path().into_iter().for_each(inputs::remember);
+            identity::used("keyboard", &keyboard.name, Some(&name), &bytes);
+            Ok((keyboard, utf8(&bytes, &name)?.to_owned()))
+        }
+        Base::Builtin(name) => {
+            let found = Keyboard::builtin(name).ok().zip(Keyboard::builtin_text(name));
+            let (keyboard, text) = found.ok_or_else(|| not_found("keyboard", name, Keyboard::builtin_names()))?;
+            identity::used("keyboard", &keyboard.name, None, text.as_bytes());
+            Ok((keyboard, text.to_owned()))
+        }
     }
-    let found = Keyboard::builtin(file_or_name).ok().zip(Keyboard::builtin_text(file_or_name));
-    let (keyboard, text) = found.ok_or_else(|| not_found("keyboard", file_or_name, Keyboard::builtin_names()))?;
-    identity::used("keyboard", &keyboard.name, None, text.as_bytes());
-    Ok((keyboard, text.to_owned()))
 }
 
 /// What the player does.

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::instrument_spec::Base;
 use erard::keyboard::Keyboard;
 use erard::parameter::Quantity;
 use erard_figures::page::{Shown, page_html};
@@ -39,10 +40,10 @@ pub(crate) struct Play {
     piece: PathBuf,
     /// Keyboard: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand-strings")]
-    keyboard: String,
+    keyboard: Base,
     /// Second keyboard to compare with: which notes are lost on one of the two only
     #[arg(long, value_name = "KEYBOARD")]
-    against: Option<String>,
+    against: Option<Base>,
     /// Law between velocity and hammer speed: `logarithmic`, MIDI = 52 + 25 log2(v), v in m/s; `linear:V`, velocity 127
     /// at V m/s; or your own table, a file of points with the head `m_per_s,velocity`
     #[arg(long, value_name = "LAW", default_value = "logarithmic")]

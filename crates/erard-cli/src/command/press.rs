@@ -103,7 +103,7 @@ impl Press {
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let against = self.against.as_ref().map(|other| self.stroke.with(other, self.against_columns.as_ref()));
-        self.bands.check(self.instrument.first())?;
+        self.instrument.first().map_or(Ok(()), |first| self.bands.check(first))?;
         let instruments = self.instrument.load()?;
         let reference = instruments.first().map(|one| &one.whole);
         let Some(reference) = reference else { return Err(Failure::Internal("no instrument".into())) };
@@ -227,7 +227,8 @@ impl Press {
         let names_of = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
         let model = self.instrument.model;
         let each = self.each && self.stroke.is_touch();
-        bands::bands(self.instrument.first(), count, &names, &values(own), None, |instrument, _, progress| {
+        let Some(asked) = self.instrument.first() else { return Err(Failure::Internal("no instrument".into())) };
+        bands::bands(asked, count, &names, &values(own), None, |instrument, _, progress| {
             let none = || vec![None; MEASURES.len()];
             let found = each.then(|| self.stroke.touch_on(instrument, progress)).transpose();
             let found = match found {
@@ -258,7 +259,7 @@ impl Press {
                 "--against with two instruments: expected either two instruments or two strokes, so that the page shows one difference".into(),
             )),
             (Some(other), _) => Ok(vec![stroke, other.load_with_noise(reference)?]),
-            (None, [_, second]) if self.stroke.is_touch() && (self.each || self.instrument.are_keys()) => {
+            (None, [first, second]) if self.stroke.is_touch() && (self.each || are_keys(first, second)) => {
                 Ok(vec![stroke, self.stroke.load_with_noise(&second.whole)?])
             }
             (None, _) => Ok(vec![stroke]),
@@ -316,6 +317,11 @@ impl Press {
         say!("{written}");
         Ok(())
     }
+}
+
+/// Whether two instruments are different keys: each has a touch of its own.
+fn are_keys(first: &Noted, second: &Noted) -> bool {
+    first.instrument.key().zip(second.instrument.key()).is_some_and(|(first, second)| first != second)
 }
 
 /// A stroke, with the noise of its recorded position and until when it rests, s, where it has both.

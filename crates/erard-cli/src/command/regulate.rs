@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::instrument_spec::InstrumentSpec;
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::range::{HARDLY_HEARD_M_PER_S, double_strike};
 use erard_workshop::regional::theirs;
@@ -36,7 +37,7 @@ const AFTER: &str = include_str!("help/regulate.txt");
 pub(crate) struct Regulate {
     /// Instrument: a TOML file, or a built-in name
     #[arg(value_name = "INSTRUMENT", default_value = "concert-grand")]
-    instrument: String,
+    instrument: InstrumentSpec,
     #[command(flatten)]
     goals: Goals,
     /// Also ask for the trade's norms if a goal is not given
@@ -116,8 +117,8 @@ impl Regulate {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let specification = self.specification()?;
         let (instrument, text) = load_instrument_and_text(&self.instrument)?;
-        let (out, asked) = (self.out.as_deref(), &self.instrument);
-        let OwnFile { folder, name } = OwnFile::of(out, asked, "-regulated.toml", "new instrument's", self.force)?;
+        let (out, asked) = (self.out.as_deref(), self.instrument.to_string());
+        let OwnFile { folder, name } = OwnFile::of(out, &asked, "-regulated.toml", "new instrument's", self.force)?;
         let report_name = Path::new(&name).with_extension("json").to_string_lossy().into_owned();
         let mut output = Output::files(&folder, self.force, &[&name, &report_name])?;
 
@@ -159,7 +160,7 @@ impl Regulate {
         drop(progress);
 
         let new_text = regulated.rewrite(&text).map_err(|e| Failure::Internal(e.to_string()))?;
-        let mut report = report(&regulated, soft, &self.instrument, &name, elapsed);
+        let mut report = report(&regulated, soft, &asked, &name, elapsed);
         if let (Some(settled), serde_json::Value::Object(report)) = (&settled, &mut report) {
             report.insert("aftertouch".into(), aftertouch_report(settled));
         }
@@ -192,7 +193,7 @@ impl Regulate {
         }
         match &settled {
             Some(settled) => settled_text(settled, self.lengths).iter().for_each(|line| say!("{line}")),
-            None if !is_usual_aftertouch(&regulated.after) => {
+            None if !is_usual_aftertouch(&regulated.instrument, &regulated.after) => {
                 say!("{}", aftertouch_text(&regulated, self.lengths));
                 say!(
                     "To change that, add --priority dip (changes the blow) or --priority aftertouch (changes the dip first)."

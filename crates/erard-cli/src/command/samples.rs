@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use erard::instrument_spec::{SAMPLE, split_sample};
+use erard::instrument_spec::{InstrumentSpec, SAMPLE};
 use erard::keyboard::Keyboard;
 use erard_workshop::cores;
 use erard_workshop::sample::{SampleError, Sampled};
@@ -32,13 +32,13 @@ enum Source {
 
 impl Samples {
     /// Samples of what the user asked for: an instrument, or a key of a keyboard.
-    pub(crate) fn of(asked: &str) -> Result<Self, Failure> {
+    pub(crate) fn of(asked: &InstrumentSpec) -> Result<Self, Failure> {
         not_one_sample(asked)?;
         let source = match KeyboardKey::asked(asked)? {
             Some(key) => Source::Key(key),
             None => Source::Text(load_instrument_and_text(asked)?.1),
         };
-        Ok(Samples { asked: asked.to_owned(), source, sampled: OnceLock::new(), making: Mutex::new(()) })
+        Ok(Samples { asked: asked.to_string(), source, sampled: OnceLock::new(), making: Mutex::new(()) })
     }
 
     /// The text of one sample's instrument file.
@@ -102,24 +102,19 @@ pub(crate) fn keyboard_sample(keyboard: &Keyboard, name: &str, sample: u32) -> R
 }
 
 /// Refuses one sample where many are drawn.
-pub(crate) fn not_one_sample(asked: &str) -> Result<(), Failure> {
-    if split_sample(asked).map_err(usage)?.1.is_some() {
-        return Err(Failure::Usage(format!("{asked}: is one sample; --bands needs many. Remove `{SAMPLE}N`")));
+pub(crate) fn not_one_sample(asked: &InstrumentSpec) -> Result<(), Failure> {
+    match asked.sample() {
+        Some(_) => Err(Failure::Usage(format!("{asked}: is one sample; --bands needs many. Remove `{SAMPLE}N`"))),
+        None => Ok(()),
     }
-    Ok(())
 }
 
-/// A sample that was asked for in the place of an instrument: its text; `None` where none was.
-pub(crate) fn sample_text(asked: &str) -> Result<Option<String>, Failure> {
-    let (of, sample) = split_sample(asked).map_err(usage)?;
-    let Some(sample) = sample else { return Ok(None) };
+/// The text of the sample that is named.
+pub(crate) fn sample_text(asked: &InstrumentSpec) -> Result<String, Failure> {
+    let Some(sample) = asked.sample() else { return Err(Failure::Internal(format!("{asked}: names no sample"))) };
     let mut progress = Progress::new("drawing a sample");
-    let text = Samples::of(&of)?.text(sample, &mut |_| progress.tell(0.0)).map_err(|error| failed(asked, error))?;
-    Ok(Some(text))
-}
-
-fn usage(error: erard::instrument_spec::InstrumentSpecError) -> Failure {
-    Failure::Usage(error.to_string())
+    let samples = Samples::of(&asked.without_sample())?;
+    samples.text(sample, &mut |_| progress.tell(0.0)).map_err(|error| failed(&asked.to_string(), error))
 }
 
 fn failed(asked: &str, error: SampleError) -> Failure {

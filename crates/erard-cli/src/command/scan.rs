@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use erard::instrument::Instrument;
-use erard::instrument_spec::split_sample;
-use erard::keyboard::{KEYS, Keyboard, key_named};
+use erard::instrument_spec::InstrumentSpec;
+use erard::key::{UnknownKey, keys_named};
+use erard::keyboard::{KEYS, Keyboard};
 use erard_midi::Law;
 use erard_piece::scan::{Case, MOST_RATE_HZ, Scans, Sensor, Truth, play_cases};
 use erard_piece::{Options, Score, perform};
@@ -48,7 +49,7 @@ pub(crate) struct Scan {
     /// Keyboard: a TOML file, or the name of a built-in one. `:sample=17` at the end takes a random grand within the
     /// spreads of its file
     #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand:sample=1")]
-    keyboard: String,
+    keyboard: InstrumentSpec,
     /// Leave the keys as they are: without what a technician leaves of differences between them
     #[arg(long)]
     no_scatter: bool,
@@ -97,11 +98,9 @@ fn cases(text: &str) -> Result<Cases, String> {
 struct Keys(Vec<usize>);
 
 fn keys(text: &str) -> Result<Keys, String> {
-    let number = |part: &str| {
-        key_named(part)
-            .ok_or_else(|| format!("found key `{part}`; expected numbers from 1 to {KEYS} or notes with commas"))
-    };
-    let mut keys = text.split(',').map(number).collect::<Result<Vec<usize>, String>>()?;
+    let wrong =
+        |UnknownKey { found }| format!("found key `{found}`; expected numbers from 1 to {KEYS} or notes with commas");
+    let mut keys = keys_named(text).map_err(wrong)?;
     keys.sort_unstable();
     keys.dedup();
     Ok(Keys(keys))
@@ -121,11 +120,17 @@ impl Scan {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let score = self.piece.as_deref().map(|piece| score(piece, Law::GOEBL, self.from, self.to)).transpose()?;
         let sensors = self.sensors()?;
-        let (name, sample) = split_sample(&self.keyboard).map_err(|error| Failure::Usage(error.to_string()))?;
-        let own = load_keyboard(&name)?;
+        let (name, sample) = (self.keyboard.base(), self.keyboard.sample());
+        if self.keyboard.key().is_some() {
+            return Err(Failure::Usage(format!(
+                "--keyboard {}: names one key; expected a keyboard: {name}",
+                self.keyboard
+            )));
+        }
+        let own = load_keyboard(name)?;
         let mut output = self.out.prepare("scan", &["truth.csv", "windows.csv", "scan.json"])?;
         let keyboard = match sample {
-            Some(sample) => keyboard_sample(&own, &name, sample)?,
+            Some(sample) => keyboard_sample(&own, &name.to_string(), sample)?,
             None => own,
         };
         let played = self.played(score.as_ref());
@@ -133,11 +138,12 @@ impl Scan {
         let travels_m = travels_m(&keyboard.name, &instruments, &played)?;
         let scans = Scans::new(&sensors, travels_m.clone(), u64::from(self.seed));
         let truth = self.play(score.as_ref(), &keyboard.name, &instruments, &scans)?;
+        let asked = self.keyboard.to_string();
         let scanned = Scanned {
             piece: self.piece.as_deref().map(crate::inputs::shown),
             score: score.as_ref(),
             keyboard: &keyboard,
-            asked: &self.keyboard,
+            asked: &asked,
             sample,
             has_scatter: !self.no_scatter,
             seed: self.seed,

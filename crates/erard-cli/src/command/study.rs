@@ -3,6 +3,7 @@
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::parameter::Quantity;
+use erard::instrument_spec::SAMPLE;
 use erard::player::Input;
 use erard::run::Setup;
 use erard_workshop::compare::Which;
@@ -307,7 +308,7 @@ impl Study {
     fn reference(&self, source: &Source) -> Result<Instrument, Failure> {
         match source {
             Source::Keyboard(keyboard, key) => Ok(keyboard.key(key.unwrap_or(keyboard.base_key))?),
-            Source::Text(text) => Ok(Instrument::parse(text, self.instrument.asked())?),
+            Source::Text(text) => Ok(Instrument::parse(text, &self.instrument.asked().to_string())?),
         }
     }
 
@@ -318,16 +319,26 @@ impl Study {
             self.vary.iter().any(|text| text.split('=').next().is_some_and(|name| is_it(name.trim())))
         };
         if varies(&|name| name == "key") {
-            let keyboard = load_keyboard(asked)?;
+            if asked.key().is_some() || asked.sample().is_some() {
+                return Err(Failure::Usage(format!(
+                    "{asked}: names one instrument; --vary key needs its keyboard: --instrument {}",
+                    asked.base()
+                )));
+            }
+            let keyboard = load_keyboard(asked.base())?;
             let instrument = self.instrument.reduced(keyboard.key(keyboard.base_key)?)?;
             return Ok((
                 Instrument { name: keyboard.name.clone(), ..instrument },
                 Source::Keyboard(Box::new(keyboard), None),
             ));
         }
-        if varies(&|name| name.starts_with(GRADING))
-            && let Some(KeyboardKey { keyboard, key }) = KeyboardKey::asked(asked)?
-        {
+        let gradings = varies(&|name| name.starts_with(GRADING));
+        if gradings && asked.sample().is_some() {
+            return Err(Failure::Usage(format!(
+                "{asked}: is a sample; --vary {GRADING}NAME needs the keyboard itself. Remove `{SAMPLE}N`"
+            )));
+        }
+        if gradings && let Some(KeyboardKey { keyboard, key }) = KeyboardKey::asked(asked)? {
             let instrument = self.instrument.reduced(keyboard.key(key)?)?;
             return Ok((instrument, Source::Keyboard(Box::new(keyboard), Some(key))));
         }

@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::say;
 use crate::table::{Table, three};
 use clap::Args;
-use erard::instrument_spec::split_sample;
+use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::Keyboard;
 use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg};
 use erard_workshop::validate::{
@@ -25,7 +25,7 @@ const AFTER: &str = include_str!("help/validate.txt");
 pub(crate) struct Validate {
     /// Instrument: a TOML file, or a built-in name
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
-    instrument: String,
+    instrument: InstrumentSpec,
     /// Exit with code 1 if a row is missed
     #[arg(long)]
     fail_on_miss: bool,
@@ -40,21 +40,20 @@ impl Validate {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         self.bands.check(&self.instrument)?;
         let (instrument, text) = load_instrument_and_text(&self.instrument)?;
-        let (of, sample) = split_sample(&self.instrument).map_err(|error| Failure::Usage(error.to_string()))?;
-        let keyboard = match KeyboardKey::asked(&of)? {
+        let keyboard = match KeyboardKey::asked(&self.instrument)? {
             Some(one) => Some(one.keyboard),
-            None => Keyboard::builtin(&of).ok(),
+            None => Keyboard::builtin(&self.instrument.base().to_string()).ok(),
         };
         // A sample's other keys are graded from the sample.
         let around = |text: &str| keyboard.as_ref().and_then(|keyboard| keyboard.around(text.to_owned()).ok());
-        let keyboard = if sample.is_some() { around(&text) } else { keyboard.clone() };
+        let keyboard = if self.instrument.sample().is_some() { around(&text) } else { keyboard.clone() };
         let published = Published::builtin();
         let mut output = self
             .out
             .prepare("validate", &["validate.json", "validate.csv", "order-of-events.svg", "order-of-events.png"])?;
         let mut progress = Progress::new("validating");
         let validation = validate(&instrument, keyboard.as_ref(), &published, &mut |share| progress.tell(share))
-            .map_err(|error| Failure::Measure { label: self.instrument.clone(), error })?;
+            .map_err(|error| Failure::Measure { label: self.instrument.to_string(), error })?;
         drop(progress);
 
         let bands = match self.bands.bands {

@@ -1,7 +1,7 @@
 //! `--vary let_off=-1mm..1mm:41`: what is varied, from where to where, in how many steps.
 
 use erard::instrument::{Instrument, with_numbers};
-use erard::keyboard::{Between, Graded, KEYS, Keyboard};
+use erard::keyboard::{Between, Graded, KEYS, Keyboard, key_named, keys_named};
 use erard::stroke::MAX_FORCE_N;
 use erard_workshop::regulate::screw_unit;
 use erard_workshop::study::{Parameter, known_name, nearest, number_of};
@@ -212,18 +212,16 @@ impl Axis {
     fn keys(values: &str) -> Result<Self, String> {
         let wrong = || {
             format!(
-                "`--vary {KEY}={values}`: expected keys from 1 to {KEYS}, as in `{KEY}=1..88`, `{KEY}=1..88:12` or `{KEY}=1,40,88`"
+                "`--vary {KEY}={values}`: expected keys from 1 to {KEYS} or notes from A0 to C8, as in `{KEY}=1..88`, `{KEY}=A0..C8:12` or `{KEY}=1,40,88`"
             )
         };
-        let number =
-            |text: &str| text.trim().parse::<usize>().ok().filter(|key| (1..=KEYS).contains(key)).ok_or_else(wrong);
         let (range, count) = match values.rsplit_once(':') {
             Some((range, count)) => (range, Some(count.trim().parse::<usize>().ok().ok_or_else(wrong)?)),
             None => (values, None),
         };
         let keys: Vec<usize> = match (range.split_once(".."), count) {
             (Some((from, to)), count) => {
-                let (from, to) = (number(from)?, number(to)?);
+                let (from, to) = key_named(from).zip(key_named(to)).ok_or_else(wrong)?;
                 let all = to.checked_sub(from).ok_or_else(wrong)? + 1;
                 let count = count.unwrap_or(all);
                 if !(2..=all).contains(&count) {
@@ -231,7 +229,7 @@ impl Axis {
                 }
                 (0..count).map(|i| from + i * (to - from) / (count - 1)).collect()
             }
-            (None, None) => range.split(',').map(number).collect::<Result<_, _>>()?,
+            (None, None) => keys_named(range).map_err(|_| wrong())?,
             _ => return Err(wrong()),
         };
         let shown = keys.into_iter().map(|key| key as f64).collect();
@@ -296,7 +294,7 @@ fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), Str
     };
     let grading = &keyboard.gradings[index];
     let keys = || grading.curve.points.iter().map(|point| point.key);
-    let at = keys().position(|own| own.to_string() == key && own != keyboard.base_key);
+    let at = key_named(key).and_then(|key| keys().position(|own| own == key && own != keyboard.base_key));
     let Some(at) = at else {
         let known: Vec<String> = keys().filter(|key| *key != keyboard.base_key).map(|key| key.to_string()).collect();
         return Err(format!(
@@ -337,7 +335,7 @@ mod tests {
         assert!(one.name.contains("key 88") && (hammer.mass_kg - 4.8e-3).abs() < 1e-12);
         let x = Axis::parse("zone.capstan_heel.disc.center_mm.x=140,145", &grand(), &read()).unwrap();
         assert_eq!(x.target, Target::Number("zone.capstan_heel.disc.center_mm".into(), 0));
-        for wrong in ["key=0..88", "key=1..89", "key=9..2", "key=1..5:9", "key=C4"] {
+        for wrong in ["key=0..88", "key=1..89", "key=9..2", "key=1..5:9", "key=H4"] {
             assert!(Axis::parse(wrong, &grand(), &keyboard).unwrap_err().contains("keys from 1 to 88"), "{wrong}");
         }
         // What cannot be is said by the reader of such a file.

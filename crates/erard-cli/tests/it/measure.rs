@@ -226,6 +226,33 @@ fn the_technicians_sheet() {
     assert!(appendix.contains("@top-left") && appendix.contains("worn\\00002e toml"), "{appendix}");
 }
 
+/// A key by its note, by its number and as a file is judged by its own norms; `--key` cannot make it another.
+#[test]
+fn a_key_is_judged_by_its_own_norms() {
+    let folder = folder("named-key");
+    let sheet = |asked: &str| {
+        let said = folder.good(&[asked, "--sheet"]);
+        assert!(said.contains("To do: nothing"), "{asked}: {said}");
+        let mut sheet = json(&folder);
+        assert_eq!(sheet["norms_for_key"], 1, "{asked}");
+        // The command's own words differ.
+        sheet.as_object_mut().unwrap().remove("made_by").unwrap();
+        sheet
+    };
+    let named = sheet("concert-grand:key=A0");
+    assert!(named == sheet("concert-grand:key=1"));
+    let text = erard::keyboard::Keyboard::builtin("concert-grand").unwrap().key_text(1);
+    fs::write(folder.0.join("lowest.toml"), text).unwrap();
+    assert!(named == sheet("lowest.toml"));
+    for asked in ["concert-grand:key=A0", "lowest.toml"] {
+        let error = folder.erard(&[asked, "--key", "C4"]);
+        let told = String::from_utf8_lossy(&error.stderr);
+        assert!(error.status.code() == Some(2) && told.contains("that of key 1 (A0). Leave --key out"), "{told}");
+    }
+    folder.good(&["concert-grand", "--key", "A0", "--only", "dip_mm"]);
+    assert_eq!(json(&folder)[0]["norms_for_key"], 1);
+}
+
 mod nightly {
     use super::*;
 

@@ -1,7 +1,7 @@
 //! A mechanism that is no piano, for tests: a lever on the ground carrying a smaller one over a felt.
 
 use erard::Impact;
-use erard::instrument::{Body, Curve, Felt, Finger, Instrument, Material, Part, Roles, Zone};
+use erard::instrument::{Body, Curve, Felt, Finger, Instrument, Material, Origin, Part, Roles, Zone};
 use erard::player;
 use erard::run::{BodySeries, Run};
 use erard::run::{Setup, simulate};
@@ -49,6 +49,7 @@ pub(crate) fn two_levers() -> Instrument {
         finger: Finger { stiffness_n_per_m: 1e4, damping_n_s_per_m: 1.0 },
         screws: vec![],
         parts: vec![],
+        origin: Origin::default(),
     }
 }
 

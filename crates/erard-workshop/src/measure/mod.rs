@@ -22,7 +22,7 @@ mod trial;
 pub mod usual;
 pub mod weights;
 
-pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure, measure_key, measure_some};
+pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure, measure_some};
 pub use slow_loop::{SlowLoop, SlowWay, slow_loop};
 
 use thiserror::Error;

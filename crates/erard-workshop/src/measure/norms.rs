@@ -8,10 +8,17 @@ use serde::{Deserialize, Deserializer, Serialize};
 use super::sheet::Sheet;
 use super::usual::{UsualRange, usual};
 use crate::digits::plain;
+use erard::instrument::Instrument;
 use erard::keyboard::note_name;
 
-/// Default key of the norms: middle C.
+/// Key of the norms of an instrument that does not know its key: middle C.
 pub const MIDDLE_C: usize = 40;
+
+/// Key whose norms hold for an instrument: its own, or middle C where it does not know its key.
+#[must_use]
+pub fn norms_key(instrument: &Instrument) -> usize {
+    instrument.key().unwrap_or(MIDDLE_C)
+}
 
 /// Text that is read once and kept as long as the program runs.
 pub(crate) type Kept = &'static str;

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::blocked::{BlockedRow, blocked};
 use super::flight::Flights;
 use super::inertia::{InertiaCurve, inertia};
-use super::norms::{Flag, Line, MIDDLE_C, flags};
+use super::norms::{Flag, Line, flags, norms_key};
 use super::range::{Loudness, Softest, double_strike, midi_velocity, softest, speed_against_force};
 use super::repetition::{PRESS_N, Repetition, repetition};
 use super::slow_loop::{SlowLoop, SlowWay, slow_loop};
@@ -289,20 +289,12 @@ struct Results {
     blocked: Option<Vec<BlockedRow>>,
 }
 
-/// Measures an action completely and compares it with the norms of middle C. `progress` receives the share done, and
-/// ends the work by returning false.
+/// Measures an action completely and compares it with the norms of its key ([`norms_key`]). `progress` receives the
+/// share done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].
 pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Sheet, MeasureError> {
-    measure_key(instrument, MIDDLE_C, progress)
-}
-
-/// Measures an instrument and compares it with the norms of a key, 1 to 88.
-///
-/// # Errors
-/// See [`MeasureError`].
-pub fn measure_key(instrument: &Instrument, key: usize, progress: &mut Progress<'_>) -> Result<Sheet, MeasureError> {
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts);
     // First the quantities needed by all others: a tenth of the work.
@@ -342,7 +334,7 @@ pub fn measure_key(instrument: &Instrument, key: usize, progress: &mut Progress<
     if !r.is_whole() {
         return Err(MeasureError::Lost);
     }
-    let mut sheet = r.sheet(instrument, key, Some(way), &distances);
+    let mut sheet = r.sheet(instrument, Some(way), &distances);
     sheet.flags = flags(&sheet);
     Ok(sheet)
 }
@@ -443,7 +435,7 @@ pub fn measure_some(
     if needs(Need::DoubleStrike) {
         r.double_strike = Some(double_strike(instrument, progress)?);
     }
-    let sheet = r.sheet(instrument, MIDDLE_C, way, &distances);
+    let sheet = r.sheet(instrument, way, &distances);
     Ok(lines.iter().map(|line| (line.value)(&sheet).filter(|value| value.is_finite())).collect())
 }
 
@@ -462,7 +454,7 @@ impl Results {
     }
 
     /// Makes the sheet, without its flags. Missing measurements are NaN or `None`.
-    fn sheet(self, instrument: &Instrument, key: usize, way: Option<FreeWay>, distances: &Distances) -> Sheet {
+    fn sheet(self, instrument: &Instrument, way: Option<FreeWay>, distances: &Distances) -> Sheet {
         const NONE: f64 = f64::NAN;
         let (full, half, soft) = (self.full.flatten(), self.half.flatten(), self.softest.flatten());
         let tried = TouchNumbers::from(self.touch.as_ref().map(|touch| touch.by_weights).unwrap_or_default());
@@ -489,7 +481,7 @@ impl Results {
         let warnings: Vec<Doubt> = doubts.collect();
         Sheet {
             instrument: instrument.name.clone(),
-            norms_for_key: key,
+            norms_for_key: norms_key(instrument),
             down_weight_g: tried.down_weight_g,
             up_weight_g: tried.up_weight_g,
             balance_weight_g: tried.balance_weight_g,

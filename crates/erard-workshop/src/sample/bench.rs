@@ -2,6 +2,7 @@
 
 use crate::distances::{self, Distances, Protocol};
 use crate::measure::MeasureError;
+use crate::measure::norms::norms_key;
 use crate::measure::usual::usual;
 use crate::regulate::{Goal, RegulateError, Specification, Status, regulate};
 use crate::study::ten_digits;
@@ -87,14 +88,14 @@ impl Range {
 }
 
 impl Aim {
-    pub(super) fn of(instrument: &Instrument, key: usize, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
+    pub(super) fn of(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
         let own = distances::measure(instrument, &Protocol::default(), progress)?;
         let goals = Goal::ALL.into_iter().filter(|goal| *goal != Goal::RepetitionRise).filter_map(|goal| {
             let has_screw = goal.screws().iter().any(|(name, _)| instrument.screw(name).is_some());
             Some((goal, goal.of(&own)?)).filter(|_| has_screw)
         });
         let balance_g = touch(instrument, progress)?.balance_weight_g().unwrap_or(f64::NAN);
-        Ok(Aim { goals: goals.collect(), balance_g, key })
+        Ok(Aim { goals: goals.collect(), balance_g, key: norms_key(instrument) })
     }
 
     /// Returns the text of a drawn file with screws, friction and leads adjusted.

@@ -26,7 +26,6 @@ use thiserror::Error;
 
 use crate::cores::Ending;
 use crate::measure::MeasureError;
-use crate::measure::norms::MIDDLE_C;
 use bench::{Aim, Unfit};
 
 /// Most draws of a sample until a grand can be adjusted.
@@ -98,7 +97,7 @@ impl Sampled {
     /// See [`SampleError`].
     pub fn of_file(text: &str, name: &str, progress: &mut Progress<'_>) -> Result<Self, SampleError> {
         let base = InstrumentFile::parse(text, name)?;
-        let base_aim = Aim::of(&base.instrument, MIDDLE_C, progress)?;
+        let base_aim = Aim::of(&base.instrument, progress)?;
         Ok(Sampled { name: name.to_owned(), base, base_text: text.to_owned(), base_aim, key: None })
     }
 
@@ -108,7 +107,7 @@ impl Sampled {
     /// See [`SampleError`].
     pub fn of_key(keyboard: &Keyboard, key: usize, progress: &mut Progress<'_>) -> Result<Self, SampleError> {
         let of_base = Self::of_file(keyboard.base_text(), &keyboard.name, progress)?;
-        let aim = Aim::of(&keyboard.key(key)?, key, progress)?;
+        let aim = Aim::of(&keyboard.key(key)?, progress)?;
         Ok(Sampled { key: Some((keyboard.clone(), key, aim)), ..of_base })
     }
 
@@ -149,11 +148,13 @@ impl Sampled {
     }
 }
 
-/// Returns the text under a name with the sample's number.
+/// Returns the text with the sample's number, in its name and as its `sample`.
 fn named(text: &str, sample: u32) -> String {
-    let name = text.lines().find(|line| line.starts_with("name = \""));
-    name.map_or_else(
-        || text.to_owned(),
-        |line| text.replacen(line, &format!("{}, sample {sample}\"", line.trim_end().trim_end_matches('"')), 1),
-    )
+    let Some(name) = text.lines().find(|line| line.starts_with("name = \"")) else { return text.to_owned() };
+    let new = format!("{}, sample {sample}\"", name.trim_end().trim_end_matches('"'));
+    let number = format!("sample = {sample}");
+    match text.lines().find(|line| line.starts_with("sample = ")) {
+        Some(old) => text.replacen(name, &new, 1).replacen(old, &number, 1),
+        None => text.replacen(name, &format!("{new}\n{number}"), 1),
+    }
 }

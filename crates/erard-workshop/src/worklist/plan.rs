@@ -8,6 +8,7 @@ use super::readings::{Quantity, Readings, is_seen_to_drop};
 use super::weights::{WEIGHED, best_friction_g, eased_by_g, friction_under_ceiling_g};
 use crate::balance::{KeyModel, Lead};
 use crate::distances::Protocol;
+use crate::measure::norms::norms_key;
 use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
 use crate::weighing::Scale;
 use erard::Progress;
@@ -160,8 +161,8 @@ impl Worklist {
 }
 
 /// Works out the list of a key. `copy` is the instrument itself, or a [`super::twin`] of a piano; `readings` are the
-/// piano's, `leads` the key's leads where known, `key` is the key whose usual ranges hold. `progress` receives the
-/// share done, and ends the work by returning false.
+/// piano's, `leads` the key's leads where known. The usual ranges are those of the copy's key ([`norms_key`]).
+/// `progress` receives the share done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`super::WorklistError`].
@@ -169,7 +170,6 @@ pub fn worklist(
     copy: &Instrument,
     readings: &Readings,
     leads: &[Lead],
-    key: usize,
     priority: Priority,
     progress: &mut Progress<'_>,
 ) -> Worked<Worklist> {
@@ -182,7 +182,7 @@ pub fn worklist(
         now: *readings,
         scale,
         weighed: true,
-        key,
+        key: norms_key(copy),
         priority,
         done: Vec::new(),
         why: Vec::new(),

@@ -4,7 +4,7 @@ use super::aims::KEY_PER_HAMMER;
 use super::plan::Priority;
 use super::readings::Quantity;
 use crate::distances::{Distances, Protocol};
-use crate::measure::norms::MIDDLE_C;
+use crate::measure::norms::norms_key;
 use crate::regulate::{Goal, RegulateError, Regulated, Specification, Status, regulate, regulate_following};
 use erard::instrument::Instrument;
 
@@ -36,16 +36,17 @@ pub struct Settled {
     pub is_settled: bool,
 }
 
-/// Usual range of the aftertouch, m.
+/// Usual range of an instrument's aftertouch, m.
 #[must_use]
-pub fn usual_aftertouch_m() -> [f64; 2] {
-    range_m(Quantity::Aftertouch)
+pub fn usual_aftertouch_m(instrument: &Instrument) -> [f64; 2] {
+    range_m(Quantity::Aftertouch, norms_key(instrument))
 }
 
-/// Whether an aftertouch is in its usual range, as the sheet reads it.
+/// Whether an instrument's aftertouch is in its usual range, as the sheet reads it.
 #[must_use]
-pub fn is_usual_aftertouch(distances: &Distances) -> bool {
-    !Quantity::Aftertouch.line().is_out_at(distances.aftertouch_m.map(|m| 1e3 * m), MIDDLE_C)
+pub fn is_usual_aftertouch(instrument: &Instrument, distances: &Distances) -> bool {
+    let aftertouch_mm = distances.aftertouch_m.map(|m| 1e3 * m);
+    !Quantity::Aftertouch.line().is_out_at(aftertouch_mm, norms_key(instrument))
 }
 
 /// Regulates a copy of an instrument, and again with another blow ([`Priority::Dip`]), or another dip and then another
@@ -70,15 +71,17 @@ pub fn regulate_to_aftertouch(
         asked.or_else(|| goal.of(&regulated.after))
     };
     let Some(asked) = kept(Goal::Dip).zip(kept(Goal::Blow)) else {
-        let is_settled = is_usual_aftertouch(&regulated.after);
+        let is_settled = is_usual_aftertouch(instrument, &regulated.after);
         return Ok(Settled { regulated, gave_up: Vec::new(), is_settled });
     };
     let mut set = asked;
     for _ in 0..PASSES {
-        let Some(aftertouch) = regulated.after.aftertouch_m.filter(|_| !is_usual_aftertouch(&regulated.after)) else {
+        let Some(aftertouch) =
+            regulated.after.aftertouch_m.filter(|_| !is_usual_aftertouch(instrument, &regulated.after))
+        else {
             break;
         };
-        let next = dip_and_blow(priority, asked, set, aftertouch);
+        let next = dip_and_blow(norms_key(instrument), priority, asked, set, aftertouch);
         if next == set {
             break;
         }
@@ -93,28 +96,28 @@ pub fn regulate_to_aftertouch(
     let both = [(Goal::Dip, asked.0, set.0), (Goal::Blow, asked.1, set.1)];
     let changed = both.into_iter().filter(|(_, asked_m, instead_m)| asked_m != instead_m);
     let gave_up = changed.map(|(goal, asked_m, instead_m)| GaveUp { goal, asked_m, instead_m }).collect();
-    let is_settled = is_usual_aftertouch(&regulated.after);
+    let is_settled = is_usual_aftertouch(instrument, &regulated.after);
     Ok(Settled { regulated, gave_up, is_settled })
 }
 
-fn range_m(quantity: Quantity) -> [f64; 2] {
-    quantity.range(MIDDLE_C).map(|end| end / quantity.factor())
+fn range_m(quantity: Quantity, key: usize) -> [f64; 2] {
+    quantity.range(key).map(|end| end / quantity.factor())
 }
 
 /// Returns dip and blow for an aftertouch inside its range by the reading's error, from the dip and the blow that gave
 /// `aftertouch`, m.
-fn dip_and_blow(priority: Priority, asked: (f64, f64), set: (f64, f64), aftertouch: f64) -> (f64, f64) {
+fn dip_and_blow(key: usize, priority: Priority, asked: (f64, f64), set: (f64, f64), aftertouch: f64) -> (f64, f64) {
     let room_m = Quantity::Aftertouch.precision() / Quantity::Aftertouch.factor();
-    let [low, high] = usual_aftertouch_m();
+    let [low, high] = range_m(Quantity::Aftertouch, key);
     let mut missing = aftertouch.clamp(low + room_m, high - room_m) - aftertouch;
     let (mut dip, mut blow) = set;
     if priority == Priority::Aftertouch {
-        dip = within(Quantity::Dip, asked.0, set.0 + whole(missing, DIP_STEP_M));
+        dip = within(key, Quantity::Dip, asked.0, set.0 + whole(missing, DIP_STEP_M));
         missing -= dip - set.0;
     }
     // Less blow is more aftertouch. A difference below one paper needs no other blow.
     if missing.abs() > DIP_STEP_M {
-        blow = within(Quantity::Blow, asked.1, set.1 - whole(missing / KEY_PER_HAMMER, BLOW_STEP_M));
+        blow = within(key, Quantity::Blow, asked.1, set.1 - whole(missing / KEY_PER_HAMMER, BLOW_STEP_M));
     }
     (dip, blow)
 }
@@ -125,14 +128,15 @@ fn whole(value: f64, step: f64) -> f64 {
 }
 
 /// Clamps to the usual range, widened to the requested value.
-fn within(quantity: Quantity, asked_m: f64, value_m: f64) -> f64 {
-    let [low, high] = range_m(quantity);
+fn within(key: usize, quantity: Quantity, asked_m: f64, value_m: f64) -> f64 {
+    let [low, high] = range_m(quantity, key);
     value_m.clamp(low.min(asked_m), high.max(asked_m))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::norms::MIDDLE_C;
 
     /// The usual range begins at 0.67 mm, and 0.1 mm inside is wanted. 0.34 mm lack 0.43: five papers, or 0.43 / 0.19 =
     /// 2.3 mm of blow, which is 2.5 in halves, of which 2 mm are available.
@@ -142,13 +146,13 @@ mod tests {
             assert!((dip - expected.0).abs() < 1e-9 && (blow - expected.1).abs() < 1e-9, "{dip} {blow}");
         };
         let asked = (10e-3, 46e-3);
-        near(dip_and_blow(Priority::Aftertouch, asked, asked, 0.34e-3), (10.5e-3, 46e-3));
-        near(dip_and_blow(Priority::Dip, asked, asked, 0.34e-3), (10e-3, 44e-3));
+        near(dip_and_blow(MIDDLE_C, Priority::Aftertouch, asked, asked, 0.34e-3), (10.5e-3, 46e-3));
+        near(dip_and_blow(MIDDLE_C, Priority::Dip, asked, asked, 0.34e-3), (10e-3, 44e-3));
         // 0.57 mm lack. The dip ends at 11 mm, and the blow has to do the rest: 0.27 mm are 1.4 mm, in halves 1.5.
         let deep = (10.7e-3, 48e-3);
-        near(dip_and_blow(Priority::Aftertouch, deep, deep, 0.2e-3), (11e-3, 46.5e-3));
+        near(dip_and_blow(MIDDLE_C, Priority::Aftertouch, deep, deep, 0.2e-3), (11e-3, 46.5e-3));
         // A requested dip outside the usual range is not drawn into it.
         let shallow = (9e-3, 46e-3);
-        near(dip_and_blow(Priority::Dip, shallow, shallow, 0.6e-3), (9e-3, 45e-3));
+        near(dip_and_blow(MIDDLE_C, Priority::Dip, shallow, shallow, 0.6e-3), (9e-3, 45e-3));
     }
 }

@@ -31,7 +31,8 @@ fn the_base_key_is_the_instrument() {
     let (keyboard, instruments) = concert_grand();
     assert_eq!(instruments.len(), KEYS);
     let base = &instruments[keyboard.base_key - 1];
-    assert_eq!(base, &Instrument { name: base.name.clone(), ..grand() });
+    assert_eq!(base, &Instrument { name: base.name.clone(), origin: base.origin, ..grand() });
+    assert_eq!(instruments.iter().map(Instrument::key).collect::<Vec<_>>(), (1..=KEYS).map(Some).collect::<Vec<_>>());
     assert_eq!(base.name, format!("Concert grand, key 40 ({})", note_name(40)));
     for pair in instruments.windows(2) {
         assert_ne!(pair[0].bodies, pair[1].bodies, "{} and {}", pair[0].name, pair[1].name);

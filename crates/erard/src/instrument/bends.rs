@@ -98,6 +98,7 @@ impl Instrument {
             screws: self.screws.iter().filter_map(|screw| rigid.screw(self, screw, &kept)).collect(),
             parts: self.parts.iter().map(|part| rigid.part(part)).collect(),
             bodies,
+            origin: self.origin,
         }
     }
 }

@@ -15,8 +15,9 @@ use super::reader::{
 use super::strings::{read_bridge, read_strings};
 use super::{
     Body, Curve, Dwell, Finger, Instrument, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES,
-    Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
+    Origin, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
 };
+use crate::key::KEYS;
 
 /// Relative amount by which an inertia may be below that of a point mass at the centre of mass; it allows for rounded
 /// decimals only.
@@ -46,6 +47,10 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
         finger: Finger::default(),
         screws: Vec::new(),
         parts: Vec::new(),
+        origin: Origin {
+            key: file.key.as_ref().map(key_number).transpose()?,
+            sample: file.sample.as_ref().map(sample_number).transpose()?,
+        },
     };
     read_bodies(&file.body, &mut reader, &mut instrument)?;
     for spring in &file.spring {
@@ -89,6 +94,21 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
     }
     read_bushings(&file.body, &mut reader, &mut instrument)?;
     Ok((instrument, reader.numbers))
+}
+
+/// Reads the number of a key.
+pub(crate) fn key_number(key: &At<i64>) -> Result<usize, Fault> {
+    usize::try_from(**key)
+        .ok()
+        .filter(|key| (1..=KEYS).contains(key))
+        .ok_or_else(|| Fault::at(key.span(), "not a key of a piano", format!("a number from 1 to {KEYS}")))
+}
+
+fn sample_number(sample: &At<i64>) -> Result<u32, Fault> {
+    u32::try_from(**sample)
+        .ok()
+        .filter(|sample| *sample >= 1)
+        .ok_or_else(|| Fault::at(sample.span(), "not the number of a sample", "a whole number from 1"))
 }
 
 fn at_most<T>(tables: &[At<T>], most: usize, what: &str) -> Result<(), Fault> {

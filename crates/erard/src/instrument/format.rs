@@ -34,6 +34,10 @@ pub(crate) struct InstrumentToml {
     pub name: At<String>,
     /// Description of the instrument, for people.
     pub description: Option<String>,
+    /// Key of the piano that the instrument is, 1 (A0) to 88 (C8); it selects the usual ranges.
+    pub key: Option<At<i64>>,
+    /// Number of the random sample that the file was drawn as, from 1.
+    pub sample: Option<At<i64>>,
     /// Acceleration of gravity, m/s2; it acts downward.
     #[serde(rename = "gravity_m_s2")]
     pub gravity_m_s2: Num<NonNegative>,

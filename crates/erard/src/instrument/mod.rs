@@ -12,7 +12,7 @@
 // are no stable interface for others.
 mod bends;
 mod bushing;
-mod convert;
+pub(crate) mod convert;
 pub(crate) mod edit;
 #[doc(hidden)]
 pub mod error;
@@ -52,6 +52,9 @@ pub use schema::json_schema;
 pub(crate) use tuning::{REACH_HZ, STEEL_DENSITY_KG_M3};
 
 use moreau::{LawNumber, Loss, Range};
+use thiserror::Error;
+
+use crate::key::{KEYS, UnknownKey, note_name};
 
 /// Largest number of bodies of an instrument: the engine's capacity.
 pub(crate) const MAX_BODIES: usize = 12;
@@ -98,6 +101,64 @@ pub struct Instrument {
     pub screws: Vec<Screw>,
     /// Outlines for drawing only; they take no part in the mechanics.
     pub parts: Vec<Part>,
+    /// Which key of a piano it is, and which sample.
+    pub origin: Origin,
+}
+
+/// Which key of a piano an instrument is, and which random sample of its file. It takes no part in the mechanics;
+/// every copy, change, reduction and file of the instrument keeps it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Origin {
+    key: Option<usize>,
+    sample: Option<u32>,
+}
+
+/// Why an instrument is not the instrument of a key.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum KeyError {
+    /// No key of a piano.
+    #[error(transparent)]
+    Unknown(#[from] UnknownKey),
+    /// It is the instrument of another key.
+    #[error("found key {found} ({}); the instrument is that of key {own} ({})", note_name(*.found), note_name(*.own))]
+    Another {
+        /// Its own key.
+        own: usize,
+        /// The key found.
+        found: usize,
+    },
+}
+
+impl Instrument {
+    /// Number of the key of the piano that this is, 1 (A0) to 88 (C8); `None` if that is not known.
+    #[must_use]
+    pub fn key(&self) -> Option<usize> {
+        self.origin.key
+    }
+
+    /// Number of the random sample of its file that this is, from 1; `None` for the file's own instrument.
+    #[must_use]
+    pub fn sample(&self) -> Option<u32> {
+        self.origin.sample
+    }
+
+    /// States which key of the piano an instrument is that does not know it.
+    ///
+    /// # Errors
+    /// [`KeyError`]: no key of a piano, or another than the instrument's own.
+    pub fn set_key(&mut self, key: usize) -> Result<(), KeyError> {
+        if !(1..=KEYS).contains(&key) {
+            return Err(UnknownKey { found: key.to_string() }.into());
+        }
+        match self.origin.key {
+            Some(own) if own != key => Err(KeyError::Another { own, found: key }),
+            _ => {
+                self.origin.key = Some(key);
+                Ok(())
+            }
+        }
+    }
 }
 
 /// One hinged rigid body.

@@ -9,6 +9,7 @@ use super::format::{AbsentToml, AddedMassToml, FORMAT, FactorToml, KeyboardToml,
 use super::grading::{Absence, Graded, Grading, MASS_KEYS};
 use super::grading_curve::{Between, GradingCurve, GradingPoint};
 use super::{KEYS, Keyboard};
+use crate::instrument::convert::key_number;
 use crate::instrument::edit::{find, numbers};
 use crate::instrument::error::Fault;
 use crate::instrument::file::{check_size, read_bytes, utf8, whole_file};
@@ -194,6 +195,12 @@ fn convert(file: &KeyboardToml, base: &mut DocumentMut) -> Result<(usize, Vec<Gr
     }
     title(&file.name, "a keyboard")?;
     let base_key = key_number(&file.instrument_key)?;
+    if let Some(own) = base.get("key").and_then(Item::as_integer)
+        && own != *file.instrument_key
+    {
+        let expected = format!("{own}, the `key` of the instrument's file");
+        return Err(Fault::at(file.instrument_key.span(), "the instrument is that of another key", expected));
+    }
     let mut reader = Reader::new(&file.sources);
     let mut gradings = Vec::new();
     for grading in &file.added_mass {
@@ -285,13 +292,6 @@ fn path_of(path: &At<String>, base: &mut DocumentMut, count: usize) -> Result<St
             format!("the dotted path of {what} in the instrument's file, as in `zone.string.felt.exponent`"),
         )),
     }
-}
-
-fn key_number(key: &At<i64>) -> Result<usize, Fault> {
-    usize::try_from(**key)
-        .ok()
-        .filter(|key| (1..=KEYS).contains(key))
-        .ok_or_else(|| Fault::at(key.span(), "not a key of a piano", format!("a number from 1 to {KEYS}")))
 }
 
 /// A curve that is `neutral` at the base instrument's own key.

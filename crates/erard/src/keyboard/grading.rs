@@ -71,6 +71,7 @@ pub enum Graded {
 /// bits and their sources. `None` if a number that is graded is not there.
 pub(super) fn graded_text(keyboard: &Keyboard, mut document: DocumentMut, key: usize) -> Option<String> {
     document["name"] = value(format!("{}, key {key} ({})", keyboard.name, note_name(key)));
+    document["key"] = value(i64::try_from(key).unwrap_or_default());
     if let Some(roles) = document.get_mut("roles").and_then(Item::as_table_like_mut) {
         // A file that says nothing has a natural.
         if is_sharp(key) {

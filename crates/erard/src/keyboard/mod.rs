@@ -21,10 +21,9 @@ pub use keys::{KeyImpact, Keys, KeysError, Tick};
 
 use toml_edit::DocumentMut;
 
-use crate::instrument::{FileError, Instrument, InstrumentFile, Source};
+pub use crate::key::{KEYS, is_sharp, key_named, keys_named, note_name};
 
-/// Keys of a piano. They count from 1, the lowest A.
-pub const KEYS: usize = 88;
+use crate::instrument::{FileError, Instrument, InstrumentFile, Source};
 
 /// A keyboard: the instrument of one key, and how the others differ from it.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,55 +119,5 @@ impl Keyboard {
     pub fn instruments(&self) -> Result<Vec<Instrument>, Box<FileError>> {
         let base = self.base();
         (1..=KEYS).map(|key| self.key_around(base.clone(), key)).collect()
-    }
-}
-
-/// The note of a key, e.g. `C4` for key 40 and `A0` for key 1.
-#[must_use]
-pub fn note_name(key: usize) -> String {
-    const NAMES: [&str; 12] = ["C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B"];
-    let from_c0 = key + 8;
-    format!("{}{}", NAMES[from_c0 % 12], from_c0 / 12)
-}
-
-/// The key of a number (`40`) or a note (`C4`, `c#4`, `Db4`), from 1; `None` where it is none of the 88.
-#[must_use]
-pub fn key_named(text: &str) -> Option<usize> {
-    const FLATS: [(&str, &str); 5] = [("DB", "C#"), ("EB", "D#"), ("GB", "F#"), ("AB", "G#"), ("BB", "A#")];
-    let text = text.trim();
-    if let Ok(number) = text.parse::<usize>() {
-        return (1..=KEYS).contains(&number).then_some(number);
-    }
-    let upper = text.to_uppercase();
-    let flat = FLATS.iter().find_map(|(flat, sharp)| Some((sharp, upper.strip_prefix(flat)?)));
-    let name = flat.map_or(upper.clone(), |(sharp, octave)| format!("{sharp}{octave}"));
-    (1..=KEYS).find(|key| note_name(*key) == name)
-}
-
-/// Whether a key is a black one.
-#[must_use]
-pub fn is_sharp(key: usize) -> bool {
-    note_name(key).contains('#')
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn notes() {
-        let names = [1, 3, 4, 16, 40, 41, 49, 64, 88].map(note_name);
-        assert_eq!(names, ["A0", "B0", "C1", "C2", "C4", "C#4", "A4", "C6", "C8"]);
-    }
-
-    /// Numbers, notes, flats, either case; nothing beyond the 88.
-    #[test]
-    fn keys_by_number_or_note() {
-        for (text, key) in [("40", 40), ("C4", 40), (" c4", 40), ("Db4", 41), ("c#4", 41), ("Bb0", 2), ("c8", 88)] {
-            assert_eq!(key_named(text), Some(key), "{text}");
-        }
-        for text in ["0", "89", "H4", "C9", "", "Fb4", "-3", "4.5", "b"] {
-            assert_eq!(key_named(text), None, "{text}");
-        }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::common::energy_audit::EnergyAudit;
 use crate::common::{USUAL_STEP_S, grand};
-use erard::instrument::{Body, Finger, Instrument, Roles, Vec2};
+use erard::instrument::{Body, Finger, Instrument, Origin, Roles, Vec2};
 use erard::mechanism::Mechanism;
 use erard::player::{Action, Input, Losses, Observer, ReactionRecorder, Reactions};
 use erard::run::{Setup, simulate_observed};
@@ -36,6 +36,7 @@ fn pendulum() -> Instrument {
         finger: Finger::default(),
         screws: Vec::new(),
         parts: Vec::new(),
+        origin: Origin::default(),
     }
 }
 

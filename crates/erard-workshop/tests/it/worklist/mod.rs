@@ -17,7 +17,7 @@ use proof::{Course, Tally, course, is_healthy};
 fn list_of(instrument: &Instrument) -> Worklist {
     let go_on = &mut |_: f64| true;
     let readings = Readings::of(instrument, go_on).unwrap();
-    worklist(instrument, &readings, &[], KEY, Priority::Aftertouch, go_on).unwrap()
+    worklist(instrument, &readings, &[], Priority::Aftertouch, go_on).unwrap()
 }
 
 /// No line requests less than a hand can do and a scale can show.

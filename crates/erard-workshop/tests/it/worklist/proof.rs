@@ -119,7 +119,7 @@ pub fn pass(piano: &mut Instrument, leads: &mut Vec<Lead>, model: &Instrument, c
     let mut truth = Readings::of(piano, go_on).unwrap();
     let read = seen(&truth, chance);
     let twin = twin(model, &read, go_on).unwrap();
-    let list = worklist(&twin, &read, leads, KEY, Priority::Aftertouch, go_on).unwrap();
+    let list = worklist(&twin, &read, leads, Priority::Aftertouch, go_on).unwrap();
     super::assert_lines_can_be_seen(&list);
     let front_mm = 1e3 * piano.roles.key_front_m[0].abs();
     let (mut lines, mut caught_no_farther) = (Vec::new(), false);
