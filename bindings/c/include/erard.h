@@ -729,6 +729,12 @@ struct ErardInstrument *erard_instrument_of_key(uint32_t key, ErardStatus *statu
 struct ErardInstrument *erard_instrument_of_keyboard(const char *called, uint32_t key, ErardStatus *status);
 
 /**
+ * Returns the number of a piano's key, 1 to 88, from its note or its number as text: "C4", "c#4", "Db4", "40". Returns
+ * 0 on failure, with ERARD_STATUS_NO_SUCH for a text that names none of the 88.
+ */
+uint32_t erard_key_number(const char *called, ErardStatus *status);
+
+/**
  * Frees an instrument. NULL does nothing. Actions that were made from it remain valid.
  */
 void erard_instrument_free(struct ErardInstrument *instrument);
@@ -757,10 +763,12 @@ ErardStatus erard_instrument_get(const struct ErardInstrument *instrument,
 ErardStatus erard_instrument_set(struct ErardInstrument *instrument, const char *path, size_t which, double value);
 
 /**
- * Returns the instrument as JSON: name, description, gravity_m_s2, bodies, zones and screws by name, and its
+ * Returns the instrument as JSON: name, key (1 to 88) and sample (null where not known), description, gravity_m_s2, bodies, zones and screws by name, and its
  * parameters with path, values, line and source. Returns NULL on failure. Free the text with erard_text_free.
  */
-char *erard_instrument_json(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
+char *erard_instrument_json(const struct ErardInstrument *instrument,
+                            size_t *length,
+                            ErardStatus *status);
 
 /**
  * Checks the text of an instrument or keyboard file (`length` bytes) and returns the result as JSON: {"kind", "sound",
@@ -805,11 +813,14 @@ char *erard_draw(const struct ErardInstrument *instrument,
 /**
  * Measures an instrument as a technician does and returns JSON. If `wanted` is NULL, the JSON is the whole sheet, as
  * `erard measure --json` writes it for an instrument. Otherwise `wanted` names lines of the sheet, separated by commas
- * ("down_weight_g,dip_mm"); the JSON is an object of their values, and only these are measured. `progress` may be
- * NULL; with `wanted` its share is NaN. Takes tenths of a second to seconds. Returns NULL on failure, with
- * ERARD_STATUS_NO_SUCH for an unknown line. Free the text with erard_text_free.
+ * ("down_weight_g,dip_mm"); the JSON is an object of their values, and only these are measured. `key` is the piano key
+ * whose usual ranges hold, 1 to 88 (erard_key_number reads notes); 0 is the instrument's own, or C4 where it does not
+ * know its key. `progress` may be NULL; with `wanted` its share is NaN. Takes tenths of a second to seconds. Returns
+ * NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown line or key and ERARD_STATUS_ARGUMENT for a key that is not
+ * the instrument's own. Free the text with erard_text_free.
  */
 char *erard_measure(const struct ErardInstrument *instrument,
+                    uint32_t key,
                     const char *wanted,
                     ErardProgress progress,
                     void *user,

@@ -70,7 +70,7 @@ def test_files(tmp_path: Path, grand: erard.Instrument) -> None:
 def test_an_instrument_knows_its_key(grand: erard.Instrument) -> None:
     lowest = erard.load("concert-grand:key=A0")
     assert lowest == erard.load("concert-grand:key=1") and (lowest.key, grand.key, lowest.sample) == (1, None, None)
-    changed = pickle.loads(pickle.dumps(lowest.vary({"body.hammer.mass_g": "13 g"})))
+    changed = pickle.loads(pickle.dumps(lowest.vary({"gravity_m_s2": 9.8})))
     for one in (lowest, changed, erard.Instrument(lowest.text), lowest.regulate(let_off="2.2 mm")):
         assert one.key == 1
     assert lowest.measure()["norms_for_key"] == 1 and lowest.measure(key="a0")["norms_for_key"] == 1

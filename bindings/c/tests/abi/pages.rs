@@ -245,7 +245,7 @@ fn a_sheet_knows_its_key() {
         );
         assert_eq!((erard_key_number(c"H4".as_ptr(), place), *place), (0, ErardStatus::NoSuch));
         let lowest = erard_instrument_of_key(a0, place);
-        assert_eq!(erard_instrument_set(lowest, c"body.hammer.mass_g".as_ptr(), 0, 13.0), ErardStatus::Ok);
+        assert_eq!(erard_instrument_set(lowest, c"gravity_m_s2".as_ptr(), 0, 9.8), ErardStatus::Ok);
         let sheet = |key: u32| -> Value {
             serde_json::from_str(&taken(erard_measure(lowest, key, null(), None, null_mut(), null_mut(), null_mut())))
                 .unwrap()

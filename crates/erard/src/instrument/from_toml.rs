@@ -5,6 +5,7 @@
 //! and spans share one type (`Node`), also within tables and lists.
 
 use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::ops::Range;
 
@@ -49,15 +50,102 @@ impl Error for TomlError {
 /// # Errors
 /// The text is not TOML, or does not match the type.
 pub fn from_toml<T: DeserializeOwned>(text: &str) -> Result<T, TomlError> {
-    let table =
-        DeTable::parse(text).map_err(|error| TomlError { message: error.message().to_owned(), span: error.span() })?;
-    T::deserialize(Node::Table(table.get_ref(), table.span()))
+    Document::parse(text)?.read(&Replaced::default())
+}
+
+/// A TOML text that is parsed once and read into a type as often as wanted, each time with some values replaced.
+pub(crate) struct Document<'a>(Spanned<DeTable<'a>>);
+
+/// A value of a document: its address.
+type Place = usize;
+
+fn place(value: &Spanned<DeValue<'_>>) -> Place {
+    std::ptr::from_ref(value).addr()
+}
+
+/// Numbers that are read in place of those of a document, and tables that are not read.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Replaced {
+    numbers: BTreeMap<Place, f64>,
+    removed: BTreeSet<Place>,
+}
+
+impl<'a> Document<'a> {
+    /// Parses a text.
+    ///
+    /// # Errors
+    /// The text is not TOML.
+    pub(crate) fn parse(text: &'a str) -> Result<Self, TomlError> {
+        let table = DeTable::parse(text);
+        table.map(Document).map_err(|error| TomlError { message: error.message().to_owned(), span: error.span() })
+    }
+
+    /// Reads the document into a type.
+    ///
+    /// # Errors
+    /// The document does not match the type.
+    pub(crate) fn read<T: DeserializeOwned>(&self, replaced: &Replaced) -> Result<T, TomlError> {
+        T::deserialize(Node::Table(self.0.get_ref(), self.0.span(), replaced))
+    }
+
+    /// The value at a path; entries of a list are distinguished by their `name`.
+    pub(crate) fn find(&self, path: &str) -> Option<&Spanned<DeValue<'a>>> {
+        let mut segments = path.split('.');
+        let mut value = self.0.get_ref().get(segments.next()?)?;
+        for segment in segments {
+            let is_it = |entry: &&Spanned<DeValue<'a>>| {
+                let name = entry.get_ref().as_table().and_then(|table| table.get("name"));
+                name.and_then(|name| name.get_ref().as_str()) == Some(segment)
+            };
+            value = match value.get_ref() {
+                DeValue::Array(entries) => entries.iter().find(is_it)?,
+                DeValue::Table(table) => table.get(segment)?,
+                _ => return None,
+            };
+        }
+        Some(value)
+    }
+
+    /// The numbers of a value, bare or cited.
+    fn numbers_of(value: &'a Spanned<DeValue<'a>>) -> Option<Vec<&'a Spanned<DeValue<'a>>>> {
+        let value = value.get_ref().as_table().map_or(Some(value), |cited| cited.get("value"))?;
+        Some(match value.get_ref() {
+            DeValue::Array(numbers) => numbers.iter().collect(),
+            _ => vec![value],
+        })
+    }
+
+    /// A number, or the components of a vector, bare or cited.
+    pub(crate) fn numbers(&'a self, path: &str) -> Option<Vec<f64>> {
+        let number = |value: &Spanned<DeValue<'_>>| match value.get_ref() {
+            DeValue::Float(number) => float(number).ok(),
+            DeValue::Integer(number) => i64::from_str_radix(number.as_str(), number.radix()).ok().map(|n| n as f64),
+            _ => None,
+        };
+        Self::numbers_of(self.find(path)?)?.into_iter().map(number).collect()
+    }
+
+    /// Replaces the numbers at a path. `None` if it leads to another count of numbers.
+    pub(crate) fn replace(&'a self, path: &str, numbers: &[f64], replaced: &mut Replaced) -> Option<()> {
+        let places = Self::numbers_of(self.find(path)?)?;
+        if places.len() != numbers.len() {
+            return None;
+        }
+        replaced.numbers.extend(places.into_iter().map(place).zip(numbers.iter().copied()));
+        Some(())
+    }
+
+    /// Removes the value at a path. `None` if there is none.
+    pub(crate) fn remove(&self, path: &str, replaced: &mut Replaced) -> Option<()> {
+        replaced.removed.insert(place(self.find(path)?));
+        Some(())
+    }
 }
 
 /// A piece of a document that `serde` can read into a type.
 enum Node<'a> {
-    Value(&'a Spanned<DeValue<'a>>),
-    Table(&'a DeTable<'a>, Range<usize>),
+    Value(&'a Spanned<DeValue<'a>>, &'a Replaced),
+    Table(&'a DeTable<'a>, Range<usize>, &'a Replaced),
     /// A key or another text.
     Text(&'a str),
     /// Place in the text where a value begins or ends.
@@ -67,8 +155,8 @@ enum Node<'a> {
 impl<'a> Node<'a> {
     fn span(&self) -> Range<usize> {
         match self {
-            Node::Value(value) => value.span(),
-            Node::Table(_, span) => span.clone(),
+            Node::Value(value, _) => value.span(),
+            Node::Table(_, span, _) => span.clone(),
             Node::Text(_) | Node::Place(_) => 0..0,
         }
     }
@@ -76,7 +164,7 @@ impl<'a> Node<'a> {
     /// Returns a function that gives an error the place of this node, unless it has one.
     fn blamed(&self) -> impl FnOnce(TomlError) -> TomlError + use<> {
         let span = match self {
-            Node::Value(_) | Node::Table(..) => Some(self.span()),
+            Node::Value(..) | Node::Table(..) => Some(self.span()),
             Node::Text(_) | Node::Place(_) => None,
         };
         move |error| match span {
@@ -85,29 +173,32 @@ impl<'a> Node<'a> {
         }
     }
 
-    fn table(&self) -> Option<&'a DeTable<'a>> {
+    fn table(&self) -> Option<(&'a DeTable<'a>, &'a Replaced)> {
         match self {
-            Node::Table(table, _) => Some(table),
-            Node::Value(value) => value.get_ref().as_table(),
+            Node::Table(table, _, replaced) => Some((table, replaced)),
+            Node::Value(value, replaced) => value.get_ref().as_table().map(|table| (table, *replaced)),
             _ => None,
         }
     }
 
     fn visit<V: Visitor<'a>>(&self, visitor: V) -> Result<V::Value, TomlError> {
-        if let Some(table) = self.table() {
-            return visitor.visit_map(Pairs::table(table));
+        if let Some((table, replaced)) = self.table() {
+            return visitor.visit_map(Pairs::table(table, replaced));
         }
         match self {
             Node::Text(text) => visitor.visit_borrowed_str(text),
             Node::Place(place) => visitor.visit_u64(*place as u64),
             Node::Table(..) => visitor.visit_unit(),
-            Node::Value(value) => match value.get_ref() {
+            Node::Value(value, replaced) => match value.get_ref() {
+                DeValue::Integer(_) | DeValue::Float(_) if replaced.numbers.contains_key(&place(value)) => {
+                    visitor.visit_f64(replaced.numbers[&place(value)])
+                }
                 DeValue::String(text) => visitor.visit_borrowed_str(text),
                 DeValue::Integer(number) => visit_integer(number, visitor),
                 DeValue::Float(number) => visitor.visit_f64(float(number)?),
                 DeValue::Boolean(value) => visitor.visit_bool(*value),
-                DeValue::Array(items) => visitor.visit_seq(Items(items.iter())),
-                DeValue::Table(table) => visitor.visit_map(Pairs::table(table)),
+                DeValue::Array(items) => visitor.visit_seq(Items(items.iter(), replaced)),
+                DeValue::Table(table) => visitor.visit_map(Pairs::table(table, replaced)),
                 DeValue::Datetime(_) => visitor.visit_map(Pairs::date()),
             },
         }
@@ -168,7 +259,7 @@ impl<'a> Deserializer<'a> for Node<'a> {
         let blamed = self.blamed();
         let text: Option<&str> = match &self {
             Node::Text(text) => Some(text),
-            Node::Value(value) => value.get_ref().as_str(),
+            Node::Value(value, _) => value.get_ref().as_str(),
             _ => None,
         };
         let found = match (text, self.table()) {
@@ -176,8 +267,8 @@ impl<'a> Deserializer<'a> for Node<'a> {
                 let text: StrDeserializer<TomlError> = text.into_deserializer();
                 visitor.visit_enum(text)
             }
-            (None, Some(table)) if table.len() == 1 => {
-                visitor.visit_enum(MapAccessDeserializer::new(Pairs::table(table)))
+            (None, Some((table, replaced))) if table.len() == 1 => {
+                visitor.visit_enum(MapAccessDeserializer::new(Pairs::table(table, replaced)))
             }
             (None, Some(_)) => Err(TomlError::custom("wanted exactly 1 element")),
             (None, None) => Err(TomlError::custom("wanted string or table")),
@@ -193,13 +284,15 @@ impl<'a> Deserializer<'a> for Node<'a> {
 }
 
 /// Elements of a list.
-struct Items<'a>(std::slice::Iter<'a, Spanned<DeValue<'a>>>);
+struct Items<'a>(std::slice::Iter<'a, Spanned<DeValue<'a>>>, &'a Replaced);
 
 impl<'a> SeqAccess<'a> for Items<'a> {
     type Error = TomlError;
 
     fn next_element_seed<T: DeserializeSeed<'a>>(&mut self, seed: T) -> Result<Option<T::Value>, TomlError> {
-        self.0.next().map(|item| seed.deserialize(Node::Value(item))).transpose()
+        let Items(items, replaced) = self;
+        let next = items.find(|item| !replaced.removed.contains(&place(item)));
+        next.map(|item| seed.deserialize(Node::Value(item, replaced))).transpose()
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -210,14 +303,14 @@ impl<'a> SeqAccess<'a> for Items<'a> {
 /// Keys and values: of a table, with the place of each key, or the pairs by which `serde` receives the place of a
 /// value.
 struct Pairs<'a> {
-    table: Option<toml::map::Iter<'a, Spanned<Cow<'a, str>>, Spanned<DeValue<'a>>>>,
+    table: Option<(toml::map::Iter<'a, Spanned<Cow<'a, str>>, Spanned<DeValue<'a>>>, &'a Replaced)>,
     more: [Option<(&'a str, Node<'a>)>; 3],
     value: Option<Node<'a>>,
 }
 
 impl<'a> Pairs<'a> {
-    fn table(table: &'a DeTable<'a>) -> Self {
-        Pairs { table: Some(table.iter()), more: [const { None }; 3], value: None }
+    fn table(table: &'a DeTable<'a>, replaced: &'a Replaced) -> Self {
+        Pairs { table: Some((table.iter(), replaced)), more: [const { None }; 3], value: None }
     }
 
     fn date() -> Self {
@@ -237,8 +330,12 @@ impl<'a> MapAccess<'a> for Pairs<'a> {
     type Error = TomlError;
 
     fn next_key_seed<K: DeserializeSeed<'a>>(&mut self, seed: K) -> Result<Option<K::Value>, TomlError> {
-        let (key, span) = if let Some((key, value)) = self.table.as_mut().and_then(Iterator::next) {
-            self.value = Some(Node::Value(value));
+        let next = self.table.as_mut().and_then(|(pairs, replaced)| {
+            let (key, value) = pairs.find(|(_, value)| !replaced.removed.contains(&place(value)))?;
+            Some((key, Node::Value(value, replaced)))
+        });
+        let (key, span) = if let Some((key, value)) = next {
+            self.value = Some(value);
             (key.get_ref().as_ref(), Some(key.span()))
         } else if let Some((key, value)) = self.more.iter_mut().find_map(Option::take) {
             self.value = Some(value);

@@ -109,8 +109,8 @@ pub struct Instrument {
 /// every copy, change, reduction and file of the instrument keeps it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Origin {
-    key: Option<usize>,
-    sample: Option<u32>,
+    pub(crate) key: Option<usize>,
+    pub(crate) sample: Option<u32>,
 }
 
 /// Why an instrument is not the instrument of a key.

@@ -15,11 +15,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 pub use file::{UnknownKeyboard, is_keyboard, json_schema};
+use grading::GradedDocument;
 pub use grading::{Absence, Graded, Grading};
 pub use grading_curve::{Between, GradingCurve, GradingPoint};
 pub use keys::{KeyImpact, Keys, KeysError, Tick};
-
-use toml_edit::DocumentMut;
 
 pub use crate::key::{KEYS, is_sharp, key_named, keys_named, note_name};
 
@@ -74,17 +73,8 @@ impl Keyboard {
     /// name is the keyboard's with number and note of the key.
     #[must_use]
     pub fn key_text(&self, key: usize) -> String {
-        self.graded(self.base(), key)
-    }
-
-    fn base(&self) -> DocumentMut {
-        // It was read with the file.
-        self.base_text.parse().unwrap_or_default()
-    }
-
-    fn graded(&self, base: DocumentMut, key: usize) -> String {
-        // Every path was looked up when the file was read.
-        grading::graded_text(self, base, key).unwrap_or_default()
+        // The base was parsed, and every path looked up, when the file was read.
+        self.base_text.parse().ok().and_then(|base| grading::graded_text(self, base, key)).unwrap_or_default()
     }
 
     /// A key's instrument with its provenance.
@@ -105,11 +95,13 @@ impl Keyboard {
     /// # Errors
     /// As [`Keyboard::key_file`].
     pub fn key(&self, key: usize) -> Result<Instrument, Box<FileError>> {
-        self.key_around(self.base(), key)
+        self.key_of(GradedDocument::parse(self).as_ref(), key)
     }
 
-    fn key_around(&self, base: DocumentMut, key: usize) -> Result<Instrument, Box<FileError>> {
-        Instrument::parse(&self.graded(base, key), &self.key_name(key))
+    /// A fault is found again in the key's own text, whose lines the error names.
+    fn key_of(&self, base: Option<&GradedDocument<'_>>, key: usize) -> Result<Instrument, Box<FileError>> {
+        let read = base.and_then(|base| base.instrument(key));
+        read.map_or_else(|| Instrument::parse(&self.key_text(key), &self.key_name(key)), Ok)
     }
 
     /// The instruments of all keys, from the bass.
@@ -117,7 +109,7 @@ impl Keyboard {
     /// # Errors
     /// As [`Keyboard::key_file`].
     pub fn instruments(&self) -> Result<Vec<Instrument>, Box<FileError>> {
-        let base = self.base();
-        (1..=KEYS).map(|key| self.key_around(base.clone(), key)).collect()
+        let base = GradedDocument::parse(self);
+        (1..=KEYS).map(|key| self.key_of(base.as_ref(), key)).collect()
     }
 }

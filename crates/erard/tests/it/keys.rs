@@ -268,6 +268,23 @@ fn a_tick_never_allocates() {
     }
 }
 
+/// The instruments of all keys, from the base's text parsed once, are those of the keys' own texts, to the bit.
+#[test]
+fn instruments_are_those_of_their_texts() {
+    for (name, every) in [("concert-grand", 11), ("concert-grand-strings", 1), ("heavy-touch", 11)] {
+        let keyboard = Keyboard::builtin(name).unwrap();
+        let all = keyboard.instruments().unwrap();
+        assert_eq!(all.len(), KEYS);
+        for (index, instrument) in all.iter().enumerate().step_by(every) {
+            let key = index + 1;
+            let written = Instrument::parse(&keyboard.key_text(key), name).unwrap();
+            assert_eq!(instrument, &written, "{name}, key {key}");
+            assert_eq!((instrument.digest(), instrument.key()), (written.digest(), Some(key)), "{name}, key {key}");
+        }
+        assert_eq!(&keyboard.key(88).unwrap(), all.last().unwrap());
+    }
+}
+
 /// Built-in keyboards by their names: each has its own text, key 40 of each is its instrument with nothing added, and a
 /// name that nobody knows has none.
 #[test]
