@@ -273,7 +273,7 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
 /// Status of a refused snapshot.
 pub(crate) fn status_of(error: SnapshotError) -> ErardStatus {
     match error {
-        SnapshotError::Instrument => ErardStatus::Foreign,
+        SnapshotError::Instrument | SnapshotError::Settings { .. } => ErardStatus::Foreign,
         SnapshotError::NotFinite => ErardStatus::NotFinite,
         _ => ErardStatus::Saved,
     }

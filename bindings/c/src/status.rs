@@ -30,7 +30,8 @@ pub enum ErardStatus {
     Size = -6,
     /// The bytes are damaged, or not a saved state of this version.
     Saved = -7,
-    /// The saved state belongs to another instrument or to another step length.
+    /// The saved state belongs to another instrument, or to other settings: another step length, theta, solver or
+    /// friction.
     Foreign = -8,
     /// The file's text is invalid: erard_last_error says where.
     File = -9,
@@ -55,7 +56,7 @@ impl ErardStatus {
             -5 => c"there is no such key, body, zone, screw or number",
             -6 => c"the memory is too small",
             -7 => c"the bytes are damaged, or not a saved state of this version",
-            -8 => c"the bytes are the state of another instrument or of another length of step",
+            -8 => c"the bytes are the state of another instrument or of other settings of the steps",
             -9 => c"the text of the file is wrong",
             -10 => c"the instrument cannot be assembled, finds no rest, or cannot be measured",
             -11 => c"the caller ended the work",

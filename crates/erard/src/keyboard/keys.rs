@@ -268,7 +268,7 @@ impl Keys {
     #[must_use]
     pub fn mechanism_state(&self, key: usize) -> MechanismState {
         let own = &self.own[key - 1];
-        MechanismState::new(&own.identity, self.bank.save(key - 1), own.aimed_m)
+        MechanismState::new(&own.identity, self.settings(), self.bank.save(key - 1), own.aimed_m)
     }
 
     /// [`Action::save_strings`] of a key.
@@ -278,7 +278,7 @@ impl Keys {
         }
     }
 
-    /// Continues a key from a snapshot of the same instrument, to the bit; its input stays. The key's clock is that of
+    /// Continues a key from a snapshot of the same instrument and settings, to the bit; its input stays. The key's clock is that of
     /// all keys, so the snapshot's record of the hammer's flight is shifted to it.
     ///
     /// # Errors
@@ -297,7 +297,7 @@ impl Keys {
         state: &MechanismState,
         strings: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize,
     ) -> Result<(), SnapshotError> {
-        state.open(&self.own[key - 1].identity)?;
+        state.open(&self.own[key - 1].identity, self.settings())?;
         self.bank.surfaces(key - 1).map_or(Ok(()), |surfaces| strings_are_finite(surfaces, strings))
     }
 
@@ -312,9 +312,8 @@ impl Keys {
         strings: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize,
     ) -> Result<(), SnapshotError> {
         self.restorable(key, state, strings)?;
-        let own = &mut self.own[key - 1];
-        let (mut saved, aimed_m) = state.open(&own.identity)?;
-        own.aimed_m = aimed_m;
+        let (mut saved, aimed_m) = state.open(&self.own[key - 1].identity, self.settings())?;
+        self.own[key - 1].aimed_m = aimed_m;
         let later_s = self.bank.now_s() - saved.now_s;
         for [time_s, ..] in saved.flight.iter_mut().flatten() {
             *time_s += later_s;

@@ -439,7 +439,7 @@ impl Action {
 
     /// Everything that the following steps depend on, except the vibration of modal strings. Does not allocate.
     pub fn mechanism_state(&self) -> MechanismState {
-        MechanismState::new(&self.identity, self.mechanism.save(), self.aimed_m)
+        MechanismState::new(&self.identity, self.settings(), self.mechanism.save(), self.aimed_m)
     }
 
     /// State of the modal strings, in named lists of numbers; nothing over a rigid string. Does not allocate.
@@ -449,11 +449,12 @@ impl Action {
         }
     }
 
-    /// Continues from a snapshot of the same instrument, to the bit in steps of equal length. The snapshot does not
-    /// contain the last step's forces: they are zero until the next step. Settings do not change.
+    /// Continues from a snapshot of the same instrument and the same settings (step, theta, solver, friction), to the
+    /// bit. The snapshot does not contain the last step's forces: they are zero until the next step.
     ///
     /// # Errors
-    /// [`SnapshotError`]: the snapshot belongs to another instrument or version; nothing has changed.
+    /// [`SnapshotError`]: the snapshot belongs to another instrument, other settings or another version; nothing has
+    /// changed.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SnapshotError> {
         self.restore_from(&snapshot.mechanism, &|name, number| snapshot.each(name, number))
     }
@@ -468,7 +469,7 @@ impl Action {
         state: &MechanismState,
         strings: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize,
     ) -> Result<(), SnapshotError> {
-        let (saved, aimed_m) = state.open(&self.identity)?;
+        let (saved, aimed_m) = state.open(&self.identity, self.settings())?;
         if let Some(surfaces) = self.mechanism.readout().surfaces {
             strings_are_finite(surfaces, strings)?;
         }

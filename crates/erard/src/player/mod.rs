@@ -27,5 +27,5 @@ pub use losses::{ContactLoss, Loss, LossRecorder, Losses, PinLoss};
 pub use observer::Observer;
 pub use reactions::{PinSeries, ReactionRecorder, Reactions};
 pub use recorder::{BodySeries, Recorded, Recorder, StringSeries, ZoneSeries};
-pub use snapshot::{MARK as SNAPSHOT_MARK, MechanismState, Snapshot, SnapshotError};
+pub use snapshot::{MARK as SNAPSHOT_MARK, MechanismState, Snapshot, SnapshotError, StepSettings};
 pub use work::{ControlWork, Work};

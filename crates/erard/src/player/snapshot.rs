@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use moreau::SavedState;
+use moreau::{FrictionLaw, SavedState, Settings, Solver};
 use serde::de::{Error, IgnoredAny, MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -24,7 +24,7 @@ pub const MARK: [u8; 8] = *b"erardsav";
 const STRINGS: &str = "string_";
 
 /// Everything that the steps of an [`crate::Action`] after an instant depend on, in plain numbers. It belongs to one
-/// instrument, identified by its digest, and does not contain the settings.
+/// instrument, identified by its digest, and to the settings of its steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
     /// The state of the mechanism.
@@ -37,18 +37,67 @@ pub struct Snapshot {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MechanismState {
     instrument: u64,
+    settings: StepSettings,
     /// Bodies and zones are in the order of their names; places beyond the instrument's are zero.
     saved: Saved,
     aimed_m: Option<f64>,
 }
 
+/// The settings that a state belongs to, as numbers: step, s; theta; solver; law of friction, and its two widths. A step
+/// of zero: the state does not say, as those written before states had settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepSettings([f64; 6]);
+
+impl StepSettings {
+    const UNKNOWN: StepSettings = StepSettings([0.0; 6]);
+
+    /// Whether a state of these settings may go on with others.
+    fn allow(self, own: StepSettings) -> bool {
+        self == own || self.0[0] == 0.0
+    }
+}
+
+impl From<&Settings<f64>> for StepSettings {
+    fn from(settings: &Settings<f64>) -> Self {
+        let solver = match settings.solver {
+            Solver::ActiveSet => 0.0,
+            Solver::ProjectedGaussSeidel => 1.0,
+        };
+        let (friction, widths) = match settings.friction {
+            FrictionLaw::SetValued => (0.0, [0.0; 2]),
+            FrictionLaw::Regularised { pivot_width, sliding_width } => (1.0, [pivot_width, sliding_width]),
+        };
+        StepSettings([settings.step, settings.theta, solver, friction, widths[0], widths[1]])
+    }
+}
+
+impl fmt::Display for StepSettings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [step, theta, solver, friction, pivot, sliding] = self.0;
+        let solver = if solver == 0.0 { "active-set" } else { "projected-gauss-seidel" };
+        write!(f, "steps of {step} s, theta {theta}, solver {solver}, ")?;
+        match friction {
+            0.0 => f.write_str("friction set-valued"),
+            _ => write!(f, "friction tanh of widths {pivot} rad/s and {sliding} m/s"),
+        }
+    }
+}
+
 /// Why a run cannot continue from a snapshot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SnapshotError {
     /// The state belongs to another instrument.
     #[error("the snapshot belongs to another instrument")]
     Instrument,
+    /// The state belongs to other settings of the steps.
+    #[error("the snapshot belongs to other settings: {saved}; expected {own}")]
+    Settings {
+        /// Settings of the state.
+        saved: StepSettings,
+        /// Settings of the action.
+        own: StepSettings,
+    },
     /// A number is not finite.
     #[error("a number of the snapshot is not finite")]
     NotFinite,
@@ -105,16 +154,16 @@ impl Snapshot {
 }
 
 impl MechanismState {
-    pub(crate) fn new(identity: &Identity, mut saved: Saved, aimed_m: Option<f64>) -> Self {
+    pub(crate) fn new(identity: &Identity, settings: &Settings<f64>, mut saved: Saved, aimed_m: Option<f64>) -> Self {
         saved.state = saved.state.reordered(&identity.bodies, &identity.zones);
-        MechanismState { instrument: identity.digest, saved, aimed_m }
+        MechanismState { instrument: identity.digest, settings: settings.into(), saved, aimed_m }
     }
 
     /// Nothing known of an instrument: the default of every list.
     fn absent() -> Self {
         let state = SavedState::at_rest([0.0; BODIES]);
         let saved = Saved { state, origin_s: 0.0, steps: 0, now_s: 0.0, flight: [None; 2] };
-        MechanismState { instrument: 0, saved, aimed_m: None }
+        MechanismState { instrument: 0, settings: StepSettings::UNKNOWN, saved, aimed_m: None }
     }
 
     /// Digest of the instrument's numbers ([`crate::Instrument::digest`]).
@@ -132,7 +181,7 @@ impl MechanismState {
     /// Every number but the digest: the one list of names, by which states are written, read and checked. What may be
     /// absent (a finger's aim, a sample of the flight) has a number before it that is 1 if it is there.
     fn lists(&mut self, list: &mut dyn FnMut(&'static str, &mut [f64])) {
-        let MechanismState { instrument: _, saved, aimed_m } = self;
+        let MechanismState { instrument: _, settings, saved, aimed_m } = self;
         let Saved { state, origin_s, steps, now_s, flight } = saved;
         let SavedState {
             angle,
@@ -147,6 +196,7 @@ impl MechanismState {
             pivot_rested,
             rested,
         } = state;
+        list("settings", &mut settings.0);
         list("angle_rad", angle);
         list("velocity_rad_s", velocity);
         list("increment_rad_s", increment);
@@ -191,13 +241,21 @@ impl MechanismState {
         finite
     }
 
-    /// What the mechanism goes on from, if this is of such an instrument and finite.
-    pub(crate) fn open(&self, identity: &Identity) -> Result<(Saved, Option<f64>), SnapshotError> {
+    /// What the mechanism goes on from, if this is of such an instrument and such settings, and finite.
+    pub(crate) fn open(
+        &self,
+        identity: &Identity,
+        settings: &Settings<f64>,
+    ) -> Result<(Saved, Option<f64>), SnapshotError> {
         if self.instrument != identity.digest {
             return Err(SnapshotError::Instrument);
         }
         if !self.is_finite() {
             return Err(SnapshotError::NotFinite);
+        }
+        let own = settings.into();
+        if !self.settings.allow(own) {
+            return Err(SnapshotError::Settings { saved: self.settings, own });
         }
         let mut saved = self.saved;
         saved.state = saved.state.reordered(&places(&identity.bodies), &places(&identity.zones));
@@ -350,7 +408,7 @@ mod tests {
                 counted += 1.0;
             }
         });
-        assert_eq!(counted, 1.0 + f64::from(5 * 12 + 3 * 32 + 4 * 32 + 4 + 2 + 2 + 2 * 4));
+        assert_eq!(counted, 1.0 + f64::from(6 + 5 * 12 + 3 * 32 + 4 * 32 + 4 + 2 + 2 + 2 * 4));
         assert_eq!(Snapshot::from_bytes(&all.to_vec()), Ok(all));
         let mut broken = snapshot;
         broken.mechanism.saved.state.rigid_force = f64::NAN;
@@ -394,7 +452,7 @@ mod tests {
         let mut names = Vec::new();
         let mut copy = snapshot.mechanism;
         copy.lists(&mut |name, _| names.push(name));
-        assert_eq!(names.len(), 17);
+        assert_eq!(names.len(), 18);
         for name in names {
             let mut expected = snapshot.clone();
             expected.mechanism.lists(&mut |found, numbers| {

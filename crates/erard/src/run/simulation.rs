@@ -68,7 +68,7 @@ pub fn press_by_hand(
 /// position.
 ///
 /// # Errors
-/// As [`simulate`]; [`SimulationError::State`]: the state is another instrument's.
+/// As [`simulate`]; [`SimulationError::State`]: the state is another instrument's, or of other settings.
 pub fn simulate_from(
     instrument: &Instrument,
     start: &Snapshot,

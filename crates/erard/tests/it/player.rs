@@ -4,7 +4,7 @@ use crate::common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::player::{MechanismState, SNAPSHOT_MARK};
 use erard::saved::{Lists, Unreadable, Writer};
 use erard::stroke::{Cursor, Series, Touch};
-use erard::{Action, Impact, Input, Instrument, Outcome, Settings, Snapshot, SnapshotError};
+use erard::{Action, FrictionLaw, Impact, Input, Instrument, Outcome, Settings, Snapshot, SnapshotError, Solver};
 
 /// The force of the mf stroke at the middle of a step.
 fn mf() -> impl Fn(u64) -> Input {
@@ -122,6 +122,43 @@ fn with_a_number_that_is_not_finite(state: &MechanismState) -> Vec<u8> {
     let mut bytes = vec![0; write(&mut [])];
     write(&mut bytes);
     bytes
+}
+
+/// A snapshot knows the step, theta, solver and friction that it belongs to: others are refused, both are named, and
+/// nothing changes. A state of an earlier program does not say, and goes on.
+#[test]
+fn a_snapshot_refuses_other_settings() {
+    let (grand, usual) = (grand(), Settings::new(USUAL_STEP_S));
+    let mut action = Action::with(&grand, usual).unwrap();
+    for _ in 0..500 {
+        action.step(Input::Force(5.0));
+    }
+    let own = action.save();
+    let regularised = FrictionLaw::Regularised { pivot_width: 0.1, sliding_width: 0.01 };
+    for (settings, named) in [
+        (Settings { step: 20e-6, ..usual }, "steps of 0.00005 s"),
+        (Settings { theta: 0.75, ..usual }, "theta 0.75"),
+        (Settings { solver: Solver::ProjectedGaussSeidel, ..usual }, "projected-gauss-seidel"),
+        (Settings { friction: regularised, ..usual }, "tanh of widths 0.1 rad/s and 0.01 m/s"),
+    ] {
+        let mut other = Action::with(&grand, settings).unwrap();
+        let before = other.save();
+        let error = other.restore(&own).unwrap_err();
+        assert!(matches!(error, SnapshotError::Settings { .. }), "{error}");
+        let told = error.to_string();
+        assert!(
+            told.contains("steps of 0.00005 s, theta 0.5, solver active-set, friction set-valued; expected"),
+            "{told}"
+        );
+        assert!(told.contains(named), "{told}");
+        assert_eq!(other.save(), before);
+        // Without the list.
+        let mut text = serde_json::to_value(&own).unwrap();
+        text.as_object_mut().unwrap().remove("settings").unwrap();
+        let earlier: Snapshot = serde_json::from_value(text).unwrap();
+        other.restore(&earlier).unwrap();
+        assert_eq!(other.angles(), action.angles());
+    }
 }
 
 /// A snapshot of another instrument, of another version or with a number that is not finite is refused, and nothing
