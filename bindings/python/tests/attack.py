@@ -87,7 +87,7 @@ OWN: dict[str, dict[str, Callable[[], Any]]] = {
 #: Results, which the package makes itself: their constructors are no entrance. Their methods are attacked.
 RESULTS: dict[str, Callable[[], Any]] = {
     "Action": lambda: erard.Action(GRAND),
-    "Comparison": lambda: erard.compare(GRAND, _recording(), drives=["force"], models=["action"], progress=False),
+    "Comparison": lambda: GRAND.compare(_recording(), drives=["force"], models=["action"], progress=False),
     "Diagnosis": lambda: erard.diagnose(key="C4", down_weight_g=58, up_weight_g=18),
     "Drawing": lambda: GRAND.draw(),
     "Fit": lambda: FITTED,

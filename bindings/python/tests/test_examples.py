@@ -63,5 +63,5 @@ def test_what_is_public_has_an_example_or_is_part_of_one() -> None:
     for name in MODULES:
         module = importlib.import_module(name)
         text += "".join(test.docstring or "" for test in doctest.DocTestFinder().find(module))
-    for call in ("load(", ".press(", ".vary(", "rollout(", "study(", ".measure(", ".regulate(", "Action(", "compare(", "kinematics(", "keyboard(", ".draw(", "gradient("):
+    for call in ("load(", ".press(", ".vary(", "rollout(", "study(", ".measure(", ".regulate(", "Action(", ".compare(", "kinematics(", "keyboard(", ".draw(", "gradient("):
         assert call in text, call

@@ -100,7 +100,7 @@ def test_everything_pickles_compares_and_says_what_it_is(grand: erard.Instrument
         assert " object at 0x" not in repr(thing), thing
     action.step(5.0)
     assert pickle.loads(pickle.dumps(things[4])) != erard.Action(grand)
-    for wrong in (erard.Action, erard.validate, erard.gradient, lambda x: erard.study(x, let_off=[0.0]), lambda x: erard.compare(x, run)):
+    for wrong in (erard.Action, erard.gradient, lambda x: erard.study(x, let_off=[0.0]), lambda x: erard.fit(x, run, vary=["let_off"])):
         with pytest.raises(erard.InputError, match="erard.load"):
             wrong("concert-grand")
 
@@ -157,10 +157,26 @@ def test_progress_is_told_and_may_raise(grand: erard.Instrument, capsys: pytest.
     assert capsys.readouterr().err == ""
 
 
-def test_import_is_quick_and_brings_nothing_along() -> None:
-    code = "import sys, erard; print(*sorted({'scipy', 'pandas', 'matplotlib', 'dask', 'pyarrow', 'tqdm'} & set(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == ""
+#: Parts of the package that are imported on first use.
+LATER = {f"erard.{part}" for part in ("_fit", "_parts", "_plot", "_posterior", "dataset", "distributed", "environments", "judge")}
+#: What their first use imports of them.
+FIRST_USE = {
+    "__name__": set(),
+    "fit": {"erard._fit"},
+    "sample": {"erard._fit", "erard._posterior"},
+    "dataset": {"erard._parts", "erard.dataset"},
+    "distributed": {"erard._parts", "erard.distributed"},
+    "judge": {"erard.judge"},
+}
+
+
+@pytest.mark.parametrize("name", FIRST_USE)
+def test_import_brings_nothing_along(name: str) -> None:
+    """Only NumPy: no figures, tables, clusters or solvers of others before a function that needs them is called."""
+    code = f"import sys; before = set(sys.modules); import erard; erard.{name}; print(*(set(sys.modules) - before))"
+    modules = set(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split())
+    assert modules & LATER == FIRST_USE[name]
+    assert {module.partition(".")[0] for module in modules} - sys.stdlib_module_names == {"erard", "numpy"}
 
 
 def test_types_are_those_of_the_stubs(tmp_path: Path) -> None:

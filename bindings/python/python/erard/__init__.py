@@ -30,12 +30,9 @@ from ._instrument import (
     Parameter,
     Sheet,
     builtin,
-    compare,
-    instrument_of,
     keyboard,
     kinematics,
     load,
-    validate,
 )
 from ._keys import Keys
 from ._many import Rollout, Study, rollout, study
@@ -78,7 +75,6 @@ __all__ = [
     "Study",
     "Table",
     "builtin",
-    "compare",
     "dataset",
     "diagnose",
     "distributed",
@@ -89,15 +85,10 @@ __all__ = [
     "keyboard",
     "kinematics",
     "load",
-    "measure",
-    "press",
-    "regulate",
     "rollout",
     "sample",
     "study",
     "unit_of",
-    "validate",
-    "vary",
 ]
 
 #: Names that are imported on first use.
@@ -116,67 +107,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return __all__
-
-
-def vary(instrument: Instrument, changes: Any = None, /, **more: float | str) -> Instrument:
-    """Calls `Instrument.vary`.
-
-    Parameters
-    ----------
-    instrument : Instrument
-    changes, **more
-        As in `Instrument.vary`.
-
-    Returns
-    -------
-    Instrument
-    """
-    return instrument_of(instrument).vary(changes, **more)
-
-
-def press(instrument: Instrument, force: Any = None, /, **options: Any) -> Run:
-    """Calls `Instrument.press`.
-
-    Parameters
-    ----------
-    instrument : Instrument
-    force, **options
-        As in `Instrument.press`.
-
-    Returns
-    -------
-    Run
-    """
-    return instrument_of(instrument).press(force, **options)
-
-
-def measure(instrument: Instrument, **options: Any) -> Sheet:
-    """Calls `Instrument.measure`.
-
-    Parameters
-    ----------
-    instrument : Instrument
-    **options
-        As in `Instrument.measure`.
-
-    Returns
-    -------
-    Sheet
-    """
-    return instrument_of(instrument).measure(**options)
-
-
-def regulate(instrument: Instrument, **goals: Any) -> Instrument:
-    """Calls `Instrument.regulate`.
-
-    Parameters
-    ----------
-    instrument : Instrument
-    **goals
-        As in `Instrument.regulate`.
-
-    Returns
-    -------
-    Instrument
-    """
-    return instrument_of(instrument).regulate(**goals)

@@ -387,24 +387,58 @@ class Instrument:
         """
         return kinematics(self, start=start, end=end, steps=steps)
 
-    def compare(self, recording: RecordingLike, **options: Any) -> Comparison:
-        """Compares a recording with this instrument; see `erard.compare`.
+    def compare(
+        self,
+        recording: RecordingLike,
+        *,
+        drives: Sequence[str] | None = None,
+        models: Sequence[str] | None = None,
+        duration: float | None = None,
+        progress: bool | None = None,
+        **how: Unpack[Stepping],
+    ) -> Comparison:
+        """Plays a recording on the models and compares the results with the recorded columns.
 
         Parameters
         ----------
         recording : run, mapping, data frame, path or Recording
             The recording.
-        **options
-            As in `erard.compare`.
+        drives : sequence of {"force", "motion", "rigid"}, optional
+            Drives to try; by default all those that the recording allows.
+        models : sequence of {"action", "one-dof"}, optional
+            Models to play; by default both.
+        duration : float, optional
+            Compared duration, s; by default the whole recording.
+        progress, **how
+            As in `press`.
 
         Returns
         -------
         Comparison
+
+        Examples
+        --------
+        >>> import erard
+        >>> grand = erard.load("concert-grand")
+        >>> own = grand.compare(grand.press(force=5.0, duration=0.2), drives=["force"], models=["action"])
+        >>> own.errors[0]["explained"] > 0.9999
+        True
         """
-        return compare(self, recording, **options)
+        made = as_recording_to_play(recording) if not isinstance(recording, Recording) else recording
+        with bar(progress, "compare") as tell:
+            found = _erard.compare(
+                self._inner,
+                made._inner,
+                None if drives is None else names_of("drives", drives),
+                None if models is None else names_of("models", models),
+                None if duration is None else number("duration", duration),
+                steps(how),
+                tell,
+            )
+        return Comparison(*found)
 
     def validate(self, *, progress: bool | None = None) -> list[dict[str, Any]]:
-        """Compares the instrument with measurements on real pianos; see `erard.validate`.
+        """Compares the instrument with measurements on real pianos.
 
         Parameters
         ----------
@@ -414,8 +448,12 @@ class Instrument:
         Returns
         -------
         list of dict
+            A row for each published number: `name`, `quantity`, `group`, `kind` ("set" or "predicted"), `unit`,
+            `published`, `at_least`, `at_most`, `simulated`, `verdict` ("met", "missed", "did not happen",
+            "not modelled", "nothing published"), `missed_by`, `source`, `certainty`, `likely_reason`.
         """
-        return validate(self, progress=progress)
+        with bar(progress, "validate") as tell:
+            return _erard.validate(self._inner, tell)
 
     def draw(
         self,
@@ -720,78 +758,6 @@ class Comparison(Table):
 
     def __repr__(self) -> str:
         return "\n".join(["<erard.Comparison>", *self.verdicts])
-
-
-def compare(
-    instrument: Instrument,
-    recording: RecordingLike,
-    *,
-    drives: Sequence[str] | None = None,
-    models: Sequence[str] | None = None,
-    duration: float | None = None,
-    progress: bool | None = None,
-    **how: Unpack[Stepping],
-) -> Comparison:
-    """Plays a recording on the models and compares the results with the recorded columns.
-
-    Parameters
-    ----------
-    instrument : Instrument
-    recording : run, mapping, data frame, path or Recording
-        The recording.
-    drives : sequence of {"force", "motion", "rigid"}, optional
-        Drives to try; by default all those that the recording allows.
-    models : sequence of {"action", "one-dof"}, optional
-        Models to play; by default both.
-    duration : float, optional
-        Compared duration, s; by default the whole recording.
-    progress, **how
-        As in `Instrument.press`.
-
-    Returns
-    -------
-    Comparison
-
-    Examples
-    --------
-    >>> import erard
-    >>> grand = erard.load("concert-grand")
-    >>> own = erard.compare(grand, grand.press(force=5.0, duration=0.2), drives=["force"], models=["action"])
-    >>> own.errors[0]["explained"] > 0.9999
-    True
-    """
-    instrument = instrument_of(instrument)
-    made = as_recording_to_play(recording) if not isinstance(recording, Recording) else recording
-    with bar(progress, "compare") as tell:
-        found = _erard.compare(
-            instrument._inner,
-            made._inner,
-            None if drives is None else names_of("drives", drives),
-            None if models is None else names_of("models", models),
-            None if duration is None else number("duration", duration),
-            steps(how),
-            tell,
-        )
-    return Comparison(*found)
-
-
-def validate(instrument: Instrument, *, progress: bool | None = None) -> list[dict[str, Any]]:
-    """Compares an instrument with measurements on real pianos.
-
-    Parameters
-    ----------
-    instrument : Instrument
-    progress : bool, optional
-        A progress bar.
-
-    Returns
-    -------
-    list of dict
-        A row for each published number: `name`, `quantity`, `group`, `kind` ("set" or "predicted"), `unit`, `published`, `at_least`, `at_most`, `simulated`, `verdict` ("met",
-        "missed", "did not happen", "not modelled", "nothing published"), `missed_by`, `source`, `certainty`, `likely_reason`.
-    """
-    with bar(progress, "validate") as tell:
-        return _erard.validate(instrument_of(instrument)._inner, tell)
 
 
 class Keyboard(Table):
