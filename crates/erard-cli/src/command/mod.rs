@@ -102,12 +102,6 @@ enum Sub {
     Compare(compare::Compare),
     /// Fits parameters of an instrument to recordings, with error bars.
     Fit(Box<fit::Fit>),
-    /// Moved to the program `erard-reproduce`.
-    #[command(hide = true)]
-    Reproduce(Moved),
-    /// Moved to the program `erard-bench`.
-    #[command(hide = true)]
-    Bench(Moved),
     /// Exports an instrument for simulators, as an FMI 2.0 unit for co-simulation.
     Fmu(fmu::Fmu),
     /// Opens the studio in the browser: press the key, turn the screws, compare two actions.
@@ -145,36 +139,12 @@ impl Sub {
             Sub::Check(check) => check.run(),
             Sub::Compare(compare) => compare.run(),
             Sub::Fit(fit) => fit.run(),
-            Sub::Reproduce(moved) => Err(moved.to("reproduce")),
-            Sub::Bench(moved) => Err(moved.to("bench")),
             Sub::Fmu(fmu) => fmu.run(),
             Sub::Studio(studio) => studio.run(),
             Sub::List(list) => list.run(),
             Sub::Completions(completions) => completions.run(),
             Sub::Man(man) => man.run(),
         }
-    }
-}
-
-/// Arguments of what was a subcommand and is a program of its own, with the same options.
-#[derive(Debug, clap::Args)]
-struct Moved {
-    #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
-    arguments: Vec<String>,
-}
-
-impl Moved {
-    /// How to run it there.
-    fn to(&self, name: &str) -> Failure {
-        // What stands behind its first argument was not parsed.
-        let has = |option: &str| self.arguments.iter().any(|one| one == option);
-        say::how(say::is_quiet() || has("--quiet"), say::wants_json() || has("--json"));
-        let arguments = self.arguments.join(" ");
-        let arguments = if arguments.is_empty() { arguments } else { format!(" -- {arguments}") };
-        Failure::Usage(format!(
-            "`erard {name}` is a program of its own. From a clone of the repository, run\n\n    \
-             cargo run --release -p erard-{name}{arguments}"
-        ))
     }
 }
 
