@@ -1,6 +1,5 @@
-//! How stiff a coupling a haptic key can stand, by simulation and by theory: `cargo run --release -p erard-c --example
-//! haptic_margin -- FOLDER` writes the figure haptic.svg there and prints the tables of the book's chapter for
-//! builders.
+//! How stiff a coupling a haptic key can stand, by simulation and by theory: writes the figure haptic.svg into a
+//! folder, and prints the tables of the book's chapter for builders. `.ci/regenerate haptic` writes the figure.
 
 #[path = "../tests/abi/haptic_loop.rs"]
 mod haptic_loop;
@@ -72,6 +71,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         x_label: "the device's own damping b (N s/m)".into(),
         ..figure_of(panel)
     };
+    std::fs::create_dir_all(&folder)?;
     std::fs::write(std::path::Path::new(&folder).join("haptic.svg"), figure_svg(&figure))?;
 
     println!();

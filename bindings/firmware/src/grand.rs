@@ -1,4 +1,4 @@
-//! The built-in instrument `concert-grand`. Made by `cargo run --release -p erard --example firmware`: do not edit.
+//! The built-in instrument `concert-grand`. Written by `.ci/regenerate firmware`: do not edit.
 
 use moreau::{Body, Curve, Exponent, Felt, GROUND, Iwan, Loss, Scalar, Site, Spring, Zone};
 

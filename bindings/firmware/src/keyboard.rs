@@ -1,4 +1,4 @@
-//! The keyboard of the recorded scan. Made by `cargo run --release -p erard-live --example chip`: do not edit.
+//! The keyboard of the recorded scan. Written by `.ci/regenerate firmware`: do not edit.
 
 use erard_live::converter::Stops;
 use erard_live::Limits;

@@ -1,6 +1,6 @@
 //! The whole grand without the standard library and without a heap: what a control loop on a chip steps.
 //!
-//! `grand.rs` is the built-in instrument as source, made by `cargo run --release -p erard --example firmware` and
+//! `grand.rs` is the built-in instrument as source, made by `.ci/regenerate firmware` and
 //! checked by `crates/erard/tests/it/firmware.rs`. The model is built at start, on the stack or in a static.
 
 #![no_std]

@@ -6,8 +6,8 @@ use moreau::Scalar;
 use crate::keyboard::{FRAMES, KEYS, PERIOD_S};
 use crate::keys::{Key, Keys, LOWEST_KEY};
 
-/// For every instant the readings of all keys, two bytes each, the lower one first. Made by `cargo run --release -p
-/// erard-live --example chip scan`.
+/// For every instant the readings of all keys, two bytes each, the lower one first. `.ci/regenerate firmware` writes
+/// it.
 static SCAN: &[u8; 2 * KEYS * FRAMES] = include_bytes!("scan.bin");
 
 /// What the converter read of a key in a frame, both from 0; `None` beyond them.

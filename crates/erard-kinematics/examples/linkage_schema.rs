@@ -1,5 +1,4 @@
-//! Prints the JSON Schema of linkage files: `cargo run -p erard-kinematics --example linkage_schema >
-//! linkages/linkage.schema.json`.
+//! Prints the JSON Schema of linkage files: `.ci/regenerate linkage-schema`.
 
 fn main() {
     print!("{}", erard_kinematics::json_schema());

@@ -1,4 +1,4 @@
-//! Writes the pieces that come with the program, `pieces/*.mid`: `cargo run --release -p erard-piece --example pieces`.
+//! Writes the pieces that come with the program, `pieces/*.mid`, into a folder: `.ci/regenerate pieces`.
 //!
 //! Both composers died more than 70 years ago: the pieces are in the public domain. No edition was copied; the notes
 //! were written down here, from memory, as numbers.
@@ -110,10 +110,11 @@ fn sort(piece: &mut Piece) {
 
 #[allow(dead_code, reason = "the tests use this file as a module")]
 fn main() -> std::io::Result<()> {
+    let folder = std::path::PathBuf::from(std::env::args_os().nth(1).expect("a folder as argument"));
+    std::fs::create_dir_all(&folder)?;
     for (name, piece) in pieces() {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("pieces").join(name);
         let bytes = write(&piece, Resolution::SevenBits).map_err(std::io::Error::other)?;
-        std::fs::write(path, bytes)?;
+        std::fs::write(folder.join(name), bytes)?;
     }
     Ok(())
 }

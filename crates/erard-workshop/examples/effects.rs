@@ -1,6 +1,4 @@
-//! Simulates the effect of each cause on each reading: `src/diagnose/effects.csv`.
-//!
-//! `cargo run --release -p erard-workshop --example effects > crates/erard-workshop/src/diagnose/effects.csv`
+//! Simulates the effect of each cause on each reading, and prints `src/diagnose/effects.csv`: `.ci/regenerate effects`.
 
 use erard::instrument::{Instrument, InstrumentFile};
 use erard_workshop::diagnose::effects_csv;

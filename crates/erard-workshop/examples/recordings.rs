@@ -1,12 +1,12 @@
 //! Writes synthetic recordings of a concert grand slightly different from the built-in one,
-//! `recordings/heavier-<nuance>.csv`: `cargo run --release -p erard-workshop --example recordings`.
+//! `recordings/heavier-<nuance>.csv`, into a folder: `.ci/regenerate recordings`.
 //!
 //! [`TRUE`] lists the differences. Sensors as in a laboratory, at 4 kHz: a load cell with 20 mN of noise, the key to 10
 //! um, the hammer to 50 um, each with its own offset, after a rest of 0.1 s; they end 3 ms after the impact. Noise is
 //! normal and white; all these sizes are estimates.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::PathBuf;
 
 use erard::instrument::Instrument;
 use erard::run::{Setup, simulate};
@@ -73,7 +73,8 @@ pub fn recording(grand: &Instrument, nuance: &str, seed: u64) -> String {
 }
 
 fn main() -> std::io::Result<()> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../erard/recordings");
+    let folder = PathBuf::from(std::env::args_os().nth(1).expect("a folder as argument"));
+    std::fs::create_dir_all(&folder)?;
     let grand = recorded();
     for (seed, nuance) in NUANCES.into_iter().enumerate() {
         std::fs::write(folder.join(format!("heavier-{nuance}.csv")), recording(&grand, nuance, seed as u64 + 1))?;

@@ -1,5 +1,4 @@
-//! Prints the JSON Schema of keyboard files: `cargo run -p erard --example keyboard_schema >
-//! keyboards/keyboard.schema.json`.
+//! Prints the JSON Schema of keyboard files: `.ci/regenerate keyboard-schema`.
 
 fn main() {
     print!("{}", erard::keyboard::json_schema());

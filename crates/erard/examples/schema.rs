@@ -1,5 +1,4 @@
-//! Prints the JSON Schema of instrument files: `cargo run -p erard --example schema >
-//! instruments/instrument.schema.json`.
+//! Prints the JSON Schema of instrument files: `.ci/regenerate instrument-schema`.
 
 fn main() {
     print!("{}", erard::instrument::json_schema());

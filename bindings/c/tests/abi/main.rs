@@ -6,6 +6,8 @@ mod exact;
 mod fmi;
 mod fmi_keyboard;
 mod fronts;
+#[path = "../../../../crates/erard/tests/common/generated.rs"]
+mod generated;
 mod haptic;
 mod haptic_loop;
 mod header;

@@ -1,4 +1,4 @@
-//! Prints the command-line reference: `cargo run --release -p erard-cli --example cli_reference > book/src/cli.md`.
+//! Prints the command-line reference: `.ci/regenerate cli`.
 
 mod page;
 

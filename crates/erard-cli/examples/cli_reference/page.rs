@@ -9,7 +9,7 @@ pub fn markdown(mut program: clap::Command) -> String {
     program.build();
     let mut page = String::from(
         "# Command-line reference\n\n\
-         <!-- Written by `cargo run --release -p erard-cli --example cli_reference > book/src/cli.md`. -->\n\n",
+         <!-- Written by `.ci/regenerate cli`: do not edit. -->\n\n",
     );
     paragraph(&mut page, &about(&program));
     paragraph(

@@ -1,13 +1,13 @@
 //! `--json` of every command: standard output is one JSON value, and has the schema that stands in `schemas/`.
 //!
-//! The schemas say what is there in any case and of which type; commands may say more. `ERARD_SCHEMAS=write cargo test
-//! --release -p erard-cli --test it json:: -- --include-ignored` makes them anew from what the commands answer, to be
-//! looked at.
+//! The schemas say what is there in any case and of which type; commands may say more. `.ci/regenerate answers`
+//! rewrites them from what the commands answer, to be looked at.
 
 use std::path::PathBuf;
 
 use crate::common::Folder;
 use crate::common::schema::{faults, kind};
+use crate::generated;
 use serde_json::{Map, Value, json};
 
 /// Every command, and calls whose answers differ in kind: one schema holds for all of them.
@@ -238,12 +238,14 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
                 answer
             })
             .collect();
-        if std::env::var("ERARD_SCHEMAS").is_ok_and(|value| value == "write") {
+        if let Some(root) = generated::rewritten_below() {
             let mut schema = infer(&answers.iter().collect::<Vec<_>>(), "");
             let own = schema.as_object_mut().unwrap();
             own.insert("$schema".into(), "http://json-schema.org/draft-07/schema#".into());
             own.insert("title".into(), format!("erard {} --json", name.replacen('-', " --", 1)).into());
-            std::fs::write(home(name), serde_json::to_string_pretty(&schema).unwrap() + "\n").unwrap();
+            let text = serde_json::to_string_pretty(&schema).unwrap() + "\n";
+            generated::write(&root, &format!("crates/erard-cli/schemas/{name}.schema.json"), text.as_bytes());
+            continue;
         }
         let Ok(text) = std::fs::read_to_string(home(name)) else {
             without.push(name);

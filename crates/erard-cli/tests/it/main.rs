@@ -1,6 +1,8 @@
 //! The tests of the command: one program, so that it is linked once.
 
 mod common;
+#[path = "../../../erard/tests/common/generated.rs"]
+mod generated;
 #[path = "../../../erard/tests/common/not_run.rs"]
 mod not_run;
 

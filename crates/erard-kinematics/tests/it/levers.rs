@@ -17,12 +17,7 @@ fn derived() -> Derived {
 
 #[test]
 fn the_shipped_schema_is_the_generated_one() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("linkages/linkage.schema.json");
-    let shipped = std::fs::read_to_string(path).expect("the schema ships");
-    assert!(
-        shipped == json_schema(),
-        "run `cargo run -p erard-kinematics --example linkage_schema > linkages/linkage.schema.json` and look at what changed"
-    );
+    crate::generated::is_current("crates/erard-kinematics/linkages/linkage.schema.json", json_schema(), "linkage-schema");
 }
 
 /// The shipped files are the sets that the linkage crate is tested with, to the last bit, and name their schema.

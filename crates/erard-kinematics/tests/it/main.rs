@@ -1,6 +1,8 @@
 //! The tests of linkages and of the three levers: one program, so that it is linked once.
 
 mod common;
+#[path = "../../../erard/tests/common/generated.rs"]
+mod generated;
 #[path = "../../../moreau-rigid/src/problems/closed_forms.rs"]
 mod textbook;
 

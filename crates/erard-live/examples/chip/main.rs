@@ -1,6 +1,5 @@
-//! Writes what firmware compiles in beside the grand: `cargo run --release -p erard-live --example chip >
-//! bindings/firmware/src/keyboard.rs`, and with the argument `scan` a scan of ten keys, `... --example chip scan >
-//! bindings/firmware/src/scan.bin`.
+//! Prints what firmware compiles in beside the grand (`.ci/regenerate firmware`): `keyboard.rs`, and with the argument
+//! `scan` a scan of ten keys, `scan.bin`.
 
 #[path = "../../tests/it/press.rs"]
 mod press;

@@ -68,7 +68,7 @@ pub fn keyboard() -> String {
     let law = FixedLaw::Table { points: const { &POINTS } };
     law.check().expect("it rises");
     format!(
-        "//! The keyboard of the recorded scan. Made by `cargo run --release -p erard-live --example chip`: do not edit.\n\n\
+        "//! The keyboard of the recorded scan. Written by `.ci/regenerate firmware`: do not edit.\n\n\
          use erard_live::converter::Stops;\nuse erard_live::Limits;\n\n\
          /// Keys of the scan, its instants, and the time between them, s.\npub const KEYS: usize = {KEYS};\n\
          pub const FRAMES: usize = {FRAMES};\npub const PERIOD_S: f64 = {PERIOD_S:?};\n\

@@ -180,9 +180,6 @@ fn pedals_are_controllers() {
 /// What firmware has compiled in is what the example writes.
 #[test]
 fn the_recorded_scan_is_that_of_today() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../bindings/firmware/src");
-    let keyboard = std::fs::read_to_string(folder.join("keyboard.rs")).unwrap();
-    assert!(keyboard == recorded::keyboard(), "bindings/firmware/src/keyboard.rs: its first line says how it is made");
-    let scan = std::fs::read(folder.join("scan.bin")).unwrap();
-    assert!(scan == recorded::scan(), "bindings/firmware/src/scan.bin: see `crates/erard-live/examples/chip/main.rs`");
+    crate::generated::is_current("bindings/firmware/src/keyboard.rs", recorded::keyboard(), "firmware");
+    crate::generated::is_current("bindings/firmware/src/scan.bin", recorded::scan(), "firmware");
 }

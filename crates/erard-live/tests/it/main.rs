@@ -4,6 +4,8 @@ mod announced;
 mod calibrated;
 mod chip;
 mod common;
+#[path = "../../../erard/tests/common/generated.rs"]
+mod generated;
 mod limited;
 mod played;
 mod press;

@@ -2,6 +2,8 @@
 
 mod common;
 mod files;
+#[path = "../../../erard/tests/common/generated.rs"]
+mod generated;
 mod notes;
 mod pedals;
 mod performances;

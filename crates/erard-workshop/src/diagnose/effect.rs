@@ -1,8 +1,8 @@
 //! Effect of each cause on each reading: `effects.csv`, simulated on sound grands of the ensemble.
 //!
 //! Three cases of every cause are planted, one at a time, into several drawn, regulated grands; a row holds the mean
-//! change of every feature, and the next its standard deviation from grand to grand. `cargo run --release -p
-//! erard-workshop --example effects` rewrites the file.
+//! change of every feature, and the next its standard deviation from grand to grand. `.ci/regenerate
+//! effects` rewrites the file.
 
 use std::fmt::Write as _;
 use std::sync::LazyLock;

@@ -10,6 +10,8 @@ use erard::stroke::{Cursor, MAX_FORCE_N, MAX_POSITION_M, Series, StrokeError};
 use erard_kinematics::LinkageFile;
 use fastrand::Rng;
 
+use crate::common::generated;
+
 const CLOCK: &str = include_str!("../../../erard/tests/instruments/escapement.toml");
 const STROKE: &str = "# a short stroke\ntime_s,force_N,position_m,note\n0,0,0,\n0.001,0.5,0.0002,on\n0.0025,1.25,0.001,\n\
                       0.01,3e0,0.004,\"a, b\"\n0.02,5,0.009,\n0.05,0,0.0098,off\n";
@@ -390,8 +392,8 @@ fn assert_stroke_error_helpful(error: &StrokeError, bytes: &[u8]) {
 }
 
 /// Seeds of the fuzzers' corpus: files that were special for each parser, one for every message and a few that can be
-/// read. A coverage-guided fuzzer starts with them; here they are ordinary tests. `ERARD_CORPUS=write` rewrites the
-/// folder.
+/// read. A coverage-guided fuzzer starts with them; here they are ordinary tests. `.ci/regenerate fuzz-seeds`
+/// rewrites the folder.
 #[test]
 fn the_corpus_reads_or_is_refused_with_a_reason() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -433,9 +435,8 @@ fn the_corpus_reads_or_is_refused_with_a_reason() {
     };
     for (target, good) in [("instrument", CLOCK), ("linkage", linkage), ("keyboard", KEYBOARD), ("stroke", STROKE)] {
         let folder = corpus.join(target);
-        if std::env::var("ERARD_CORPUS").is_ok_and(|asked| asked == "write") {
-            let _ = std::fs::remove_dir_all(&folder);
-            std::fs::create_dir_all(&folder).expect("a folder");
+        if let Some(root) = generated::rewritten_below() {
+            let _ = std::fs::remove_dir_all(root.join("fuzz/seeds").join(target));
             let (mut chance, mut messages) = (Chance::new(0x00c0_ffee), std::collections::BTreeMap::new());
             for _ in 0..20_000 {
                 let bytes = damaged(good, &mut chance);
@@ -448,8 +449,9 @@ fn the_corpus_reads_or_is_refused_with_a_reason() {
             }
             let read = messages.remove("read");
             for (n, bytes) in read.iter().chain(messages.values()).take(40).enumerate() {
-                std::fs::write(folder.join(format!("{n:02}")), bytes).expect("a file");
+                generated::write(&root, &format!("fuzz/seeds/{target}/{n:02}"), bytes);
             }
+            continue;
         }
         let mut messages = std::collections::BTreeSet::new();
         for entry in std::fs::read_dir(&folder).expect("the corpus is there") {

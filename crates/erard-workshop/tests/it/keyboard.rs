@@ -244,10 +244,10 @@ fn wrong_files_are_told() {
 /// The schema in the keyboards' folder is that of the reader's structs.
 #[test]
 fn the_schema_is_up_to_date() {
-    let committed = include_str!("../../../erard/keyboards/keyboard.schema.json");
-    assert!(
-        committed == erard::keyboard::json_schema(),
-        "run `cargo run -p erard --example keyboard_schema > keyboards/keyboard.schema.json`"
+    crate::common::generated::is_current(
+        "crates/erard/keyboards/keyboard.schema.json",
+        erard::keyboard::json_schema(),
+        "keyboard-schema",
     );
 }
 

@@ -1,6 +1,6 @@
-//! Writes the concert grand as Rust source for machines without a heap: `cargo run --release -p erard --example
-//! firmware > bindings/firmware/src/grand.rs`. With the argument `digest` it plays the note of
-//! `bindings/firmware/src/play.rs` instead, and says the digest that firmware must find in double precision.
+//! Prints the concert grand as Rust source for machines without a heap (`.ci/regenerate firmware`). With the argument
+//! `digest` it plays the note of `bindings/firmware/src/play.rs` instead, and says the digest that firmware must find
+//! in double precision.
 
 mod source;
 

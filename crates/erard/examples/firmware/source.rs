@@ -17,7 +17,7 @@ fn source(name: &str, instrument: &Instrument) -> String {
     let mechanism = describe::<f64>(instrument);
     let rest = Action::new(instrument).expect("it comes to rest");
     let mut out = format!(
-        "//! The built-in instrument `{name}`. Made by `cargo run --release -p erard --example firmware`: do not edit.\n\n\
+        "//! The built-in instrument `{name}`. Written by `.ci/regenerate firmware`: do not edit.\n\n\
          use moreau::{{Body, Curve, Exponent, Felt, GROUND, Iwan, Loss, Scalar, Site, Spring, Zone}};\n\n\
          pub const BODIES: usize = {};\npub(crate) const SPRINGS: usize = {};\npub const ZONES: usize = {};\n\
          /// Room for the set-valued laws.\npub(crate) const LAWS: usize = {};\n\

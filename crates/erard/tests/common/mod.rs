@@ -3,6 +3,7 @@
 
 pub mod digests;
 pub mod energy_audit;
+pub mod generated;
 pub mod ladder;
 pub mod perturb;
 

@@ -1,7 +1,5 @@
 //! The shipped JSON Schema is the one that the code generates, accepts what ships, and refuses what the reader refuses.
 
-use std::path::Path;
-
 use erard::instrument::{Instrument, json_schema};
 use serde_json::{Value, json};
 
@@ -9,11 +7,10 @@ const CLOCK: &str = include_str!("../instruments/escapement.toml");
 
 #[test]
 fn the_shipped_schema_is_the_generated_one() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("instruments/instrument.schema.json");
-    let shipped = std::fs::read_to_string(path).expect("the schema ships");
-    assert!(
-        shipped == json_schema(),
-        "run `cargo run -p erard --example schema > instruments/instrument.schema.json` and look at what changed"
+    crate::common::generated::is_current(
+        "crates/erard/instruments/instrument.schema.json",
+        json_schema(),
+        "instrument-schema",
     );
 }
 

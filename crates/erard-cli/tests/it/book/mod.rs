@@ -1,8 +1,7 @@
 //! The book under `book/`: its commands run, its files are valid, its links lead somewhere, its pictures were drawn by
 //! its own commands (or by one for the reader that names the picture), and its command-line reference is the program's.
 //!
-//! `ERARD_BOOK=write cargo test --release -p erard-cli --test it book:: -- --ignored` draws the pictures and prints the
-//! outputs anew.
+//! `.ci/regenerate book book-long` draws the pictures and prints the outputs again.
 
 mod blocks;
 #[path = "../../../examples/cli_reference/page.rs"]
@@ -15,6 +14,9 @@ use std::path::{Path, PathBuf};
 
 use blocks::{Block, Kind};
 use session::Session;
+
+use crate::common::Folder;
+use crate::generated;
 
 /// A chapter.
 struct Page {
@@ -93,7 +95,11 @@ fn follow(is_chosen: impl Fn(&str) -> bool) {
         let running: Vec<_> = pages.iter().map(|page| scope.spawn(|| play(page))).collect();
         running.into_iter().flat_map(|r| r.join().expect("a chapter's run does not panic")).collect()
     });
-    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+    assert!(
+        faults.is_empty(),
+        "\n{}\n`.ci/regenerate book book-long` rewrites outputs and pictures",
+        faults.join("\n")
+    );
 }
 
 /// Runs a chapter; what is wrong with it, a line each.
@@ -116,10 +122,10 @@ fn play(page: &Page) -> Vec<String> {
         blocks.iter().any(|b| b.kind == Kind::NoRun && b.text.contains(&format!("book/src/{picture}")))
     };
     let pictures: Vec<String> = links::pictures(&page.text).into_iter().filter(|p| !by_the_reader(p)).collect();
-    if std::env::var("ERARD_BOOK").is_ok_and(|v| v == "write") {
-        fs::write(source().join(&page.name), blocks::with_outputs(&page.text, &printed))
-            .expect("the chapter is written");
-        pictures.iter().filter_map(|picture| session.keep(picture, &source()).err()).collect()
+    if let Some(root) = generated::rewritten_below() {
+        let chapter = blocks::with_outputs(&page.text, &printed);
+        generated::write(&root, &format!("book/src/{}", page.name), chapter.as_bytes());
+        pictures.iter().filter_map(|picture| session.keep(picture, &root.join("book/src")).err()).collect()
     } else {
         pictures.iter().filter_map(|picture| session.compare(picture, &source()).err()).collect()
     }
@@ -152,9 +158,15 @@ fn links_and_pictures_lead_somewhere() {
 
 #[test]
 fn the_command_line_reference_is_the_generated_one() {
-    let page = fs::read_to_string(source().join("cli.md")).expect("the reference is there");
-    assert!(
-        page == cli_reference::markdown(erard_cli::command::definition()),
-        "run `cargo run --release -p erard-cli --example cli_reference > book/src/cli.md`"
-    );
+    generated::is_current("book/src/cli.md", cli_reference::markdown(erard_cli::command::definition()), "cli");
+}
+
+#[test]
+fn the_picture_of_the_readme_is_drawn_by_the_program() {
+    let folder = Folder::new("readme-picture");
+    folder.good(&["draw", "--labels", "--out", "docs"]);
+    for name in ["action.svg", "action.png"] {
+        let drawn = fs::read(folder.0.join("docs").join(name)).expect("it is drawn");
+        generated::is_current(&format!("docs/{name}"), drawn, "readme-picture");
+    }
 }
