@@ -1,4 +1,5 @@
 // The story: each step's task is done by hand, and every claim of its text is held against the engine's numbers.
+import { rewrite, rewriting } from "./claims.mjs";
 import { assert, until } from "./help.mjs";
 
 /** Scrolls to a step's figure; it is then the one that the engine plays. */
@@ -83,7 +84,15 @@ export const tasks = async ({ read }) => {
     assert(holds(values[name]), `${name}: the page says ${values[name]}, found ${found}`);
     held_true.add(name);
   };
-  const near = (name, found, within) => claim(name, (value) => Math.abs(found - value) <= within, found);
+  /** The number of a claim; `.ci/regenerate story` writes the engine's where it differs. */
+  const changed = new Map();
+  const near = (name, found, within) => {
+    const holds = (value) => Math.abs(found - value) <= within;
+    if (rewriting && name in values && !holds(values[name])) {
+      if (!changed.has(name)) changed.set(name, found);
+      held_true.add(name);
+    } else claim(name, holds, `${found}; \`.ci/regenerate story\` rewrites it`);
+  };
   const slow = async (id) => assert((await now(page, id)).slowest < 0.11, `${id}: time did not slow down by itself`);
 
   // 1. Halfway down by the finger; then a press that goes all the way.
@@ -289,6 +298,7 @@ export const tasks = async ({ read }) => {
   // What is tried at the workbench holds, too: the links lead there.
   for (const link of await page.evaluate(() => [...document.querySelectorAll(".cards a")].map((one) => one.getAttribute("href")))) await bench(await read(link), link, claim);
   assert.deepEqual(Object.keys(values).filter((name) => !held_true.has(name)), [], "claims that no test holds against the engine");
+  if (rewriting) assert.deepEqual(rewrite(changed), [], "the page has the engine's numbers; these words are to be rewritten by hand");
   return `${held_true.size} claims; ${half.hammer_mm.toFixed(1)} mm of hammer for ${half.key_mm.toFixed(1)} mm of key; ${swings.flight.impacts} and ${swings.escapement.impacts} impacts, ` +
     `${((100 * swings.flight.later_m) / swings.flight.swing_m).toFixed(0)} and ${((100 * swings.escapement.later_m) / swings.escapement.swing_m).toFixed(0)} % of the swing after half a second; ${weight.toFixed(0)}, ${damped.toFixed(0)} and ${notch.toFixed(0)} g; forte ${loud.most.toFixed(1)} N`;
 };
