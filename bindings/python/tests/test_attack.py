@@ -17,7 +17,7 @@ def attacked(first: int, last: int) -> str:
 
 def test_every_function_is_attacked() -> None:
     """Those that take anything; and what the attack knows how to call is there."""
-    assert len(attack.targets()) > 40
+    assert len(attack.targets()) >= 40
     for name in attack.OWN:
         assert name in attack.targets(), name
     assert {attack.call(seed)[0].partition("(")[0] for seed in range(len(attack.targets()))} == set(attack.targets())

@@ -86,6 +86,9 @@ class Recording(Table):
             columns = ",".join(f"{role}={title}" for role, title in columns.items())
         late = [(str(name), number(f"delay[{name!r}]", s)) for name, s in mapping("delay", delay).items()]
         hz = None if own or low_pass is None else number("low_pass", low_pass)
+        if not isinstance(zero, (bool, np.bool_, Mapping)):
+            found = type(zero).__name__
+            raise InputError(f"zero: found {found}, expected True, False or a mapping of columns to numbers", key="zero")
         zeros = [(str(name), number(f"zero[{name!r}]", at)) for name, at in (zero.items() if isinstance(zero, Mapping) else ())]
         ready = (position, isinstance(zero, Mapping) or bool(zero), hz, own, names_of("invert", invert), late, zeros)
         if isinstance(source, Recording):
