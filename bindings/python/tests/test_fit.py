@@ -204,6 +204,7 @@ def test_two_samplers_agree(rigid: erard.Instrument) -> None:
         erard.sample(fitted, sampler="gibbs")
 
 
+@pytest.mark.nightly
 def test_the_posterior_heeds_the_noise_of_what_drives(rigid: erard.Instrument) -> None:
     """With it the hammer's mass is known many times worse; the covariance of the fit and the samples say the same."""
     pytest.importorskip("emcee")

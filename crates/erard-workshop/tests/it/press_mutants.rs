@@ -370,6 +370,12 @@ mod nightly {
     fn whatever_of_most_is_accepted_can_be_pressed() {
         can_be_pressed(asked("ERARD_MUTANTS").unwrap_or(500));
     }
+
+    #[test]
+    #[ignore = "nightly: 200 mutants, each alone and in lanes"]
+    fn a_study_distrusts_what_many_presses_do() {
+        distrusts_alike(0..200);
+    }
 }
 
 fn can_be_pressed(wanted: u64) {
@@ -405,12 +411,6 @@ fn names_its_mutant(seeds: std::ops::Range<u64>) {
 #[test]
 fn a_study_distrusts_what_a_press_does() {
     distrusts_alike(56..72);
-}
-
-#[test]
-#[ignore = "ci: 200 mutants, each alone and in lanes"]
-fn a_study_distrusts_what_many_presses_do() {
-    distrusts_alike(0..200);
 }
 
 fn distrusts_alike(seeds: std::ops::Range<u64>) {

@@ -33,18 +33,6 @@ fn claims_of_the_finger_hold() {
     hold(&["paper2-finger"]);
 }
 
-#[test]
-#[ignore = "ci: a slow subject of the report"]
-fn claims_of_what_gives_hold() {
-    hold(&["what-gives"]);
-}
-
-#[test]
-#[ignore = "ci: a slow subject of the report"]
-fn claims_of_events_hold() {
-    hold(&["events"]);
-}
-
 fn hold(names: &[&str]) {
     for &name in names {
         for claim in section(name).claims {
@@ -123,9 +111,10 @@ mod nightly {
     use super::*;
 
     #[test]
-    #[ignore = "nightly: six subjects of the report"]
+    #[ignore = "nightly: eight subjects of the report"]
     fn claims_of_the_slowest_subjects_hold() {
         hold(&["paper1-fine-structure", "touch-scatter", "scheme-energy", "scheme-solvers", "train-felts", "strings"]);
+        hold(&["what-gives", "events"]);
     }
 
     /// Claims about strings. Two do not hold, which the book explains: how C4's contact shortens, and how long bass
