@@ -66,7 +66,7 @@ impl ClaimReport {
 pub(crate) struct Reproduce {
     /// Instrument: a TOML file, or a built-in name
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand-rigid")]
-    instrument: String,
+    instrument: erard::instrument_spec::InstrumentSpec,
     /// Only these subjects, by names or their beginnings, with commas
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     only: Vec<String>,

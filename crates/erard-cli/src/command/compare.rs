@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use clap::Args;
-use erard::parameter::Quantity;
 use erard::instrument_spec::InstrumentSpec;
+use erard::parameter::Quantity;
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Series};
 use erard_workshop::compare::{Choice, Comparison, DRIVES, LONGEST_S, Which, compare_chosen, way_up_ends_s};

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
-use erard::parameter::{Bare, Quantity};
 use erard::instrument_spec::InstrumentSpec;
+use erard::parameter::{Bare, Quantity};
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::figure_svg;

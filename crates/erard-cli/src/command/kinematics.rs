@@ -4,6 +4,8 @@ use std::path::Path;
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::instrument_spec::InstrumentSpec;
+use erard::parameter::Quantity;
 use erard_kinematics::linkage::{Linkage, latex_align};
 use erard_kinematics::three_lever::{Drive, Levers, Move, Regulation};
 use erard_kinematics::{Agreement, Derived, Design, LinkageFile, SlowPress, derive, slow_press};
@@ -15,6 +17,7 @@ use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::kinematics::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
 use crate::kinematics::{Shown, Summary, dynamics_svg, leverage_svg, sliding_svg, table};
+use crate::number::number;
 use crate::table::Table;
 use crate::{answer, identity, inputs, say, tell};
 
@@ -32,7 +35,7 @@ pub(crate) struct Kinematics {
     linkage: Option<String>,
     /// Instrument: a TOML file, or a built-in name [default: concert-grand]
     #[arg(long, value_name = "FILE-OR-NAME")]
-    instrument: Option<String>,
+    instrument: Option<InstrumentSpec>,
     /// Move a part and show it with the unmoved case; can be repeated. Negative is toward the player (x) or down.
     /// Parts: capstan, knuckle, capstan-height, heel-depth, knuckle-depth, jack-height, whippen-x, whippen-y, hammer-x,
     /// hammer-y; commas move several at once
@@ -42,10 +45,10 @@ pub(crate) struct Kinematics {
     #[arg(long)]
     no_regulate: bool,
     /// First key travel, mm
-    #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = number(Quantity::Length, "mm"), allow_hyphen_values = true)]
     from: f64,
     /// Last key travel, mm [default: let-off of the unmoved case]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = number(Quantity::Length, "mm"), allow_hyphen_values = true)]
     to: Option<f64>,
     /// Number of steps between the two
     #[arg(long, value_name = "N", default_value_t = 200, allow_negative_numbers = true)]
@@ -92,8 +95,8 @@ impl Subject {
         Ok(Subject { design, instrument: None })
     }
 
-    fn instrument(file_or_name: &str) -> Result<Self, Failure> {
-        let instrument = load_instrument(file_or_name)?;
+    fn instrument(asked: &InstrumentSpec) -> Result<Self, Failure> {
+        let instrument = load_instrument(asked)?;
         let derived = derive(&instrument).map_err(|error| Failure::Usage(error.to_string()))?;
         Ok(Subject { design: derived.design.clone(), instrument: Some((instrument, derived)) })
     }
@@ -182,7 +185,11 @@ impl Kinematics {
     fn subject(&self) -> Result<Subject, Failure> {
         match (&self.linkage, &self.instrument) {
             (Some(linkage), _) => Subject::linkage(linkage),
-            (None, instrument) => Subject::instrument(instrument.as_deref().unwrap_or("concert-grand")),
+            (None, Some(instrument)) => Subject::instrument(instrument),
+            (None, None) => {
+                let own = "concert-grand".parse().map_err(|error| Failure::Internal(format!("{error}")))?;
+                Subject::instrument(&own)
+            }
         }
     }
 

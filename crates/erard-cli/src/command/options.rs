@@ -152,7 +152,7 @@ impl InstrumentsOption {
 }
 
 /// An instrument by file or by name; after either, `:key=N` is key N of a keyboard.
-pub(crate) fn load_instrument(asked: &InstrumentSpec) -> Result<Instrument, Failure> {
+pub fn load_instrument(asked: &InstrumentSpec) -> Result<Instrument, Failure> {
     Ok(load_instrument_and_text(asked)?.0)
 }
 

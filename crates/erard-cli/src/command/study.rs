@@ -2,8 +2,8 @@
 
 use clap::Args;
 use erard::instrument::Instrument;
-use erard::parameter::Quantity;
 use erard::instrument_spec::SAMPLE;
+use erard::parameter::Quantity;
 use erard::player::Input;
 use erard::run::Setup;
 use erard_workshop::compare::Which;

@@ -1,5 +1,6 @@
 //! `--move capstan=-10mm`: the moved part, and its distance.
 
+use erard::parameter::{Bare, Quantity};
 use erard_kinematics::three_lever::Move;
 
 /// Name of the case in which nothing is moved.
@@ -44,7 +45,8 @@ pub(crate) struct MoveOption {
 /// One sentence with what was found and what is expected.
 pub(crate) fn parse(text: &str) -> Result<MoveOption, String> {
     let (mut names, mut labels, mut moves) = (Vec::new(), Vec::new(), Vec::new());
-    for one in text.split(',') {
+    // Between semicolons, commas are decimal.
+    for one in text.split(if text.contains(';') { ';' } else { ',' }) {
         let (part, distance) = one
             .split_once('=')
             .ok_or_else(|| format!("`{one}`: expected a part, `=` and a distance, such as `capstan=-10mm`"))?;
@@ -53,11 +55,10 @@ pub(crate) fn parse(text: &str) -> Result<MoveOption, String> {
             let known: Vec<&str> = PARTS.iter().map(|(name, _)| *name).collect();
             format!("unknown part `{part}`; expected one of {}", known.join(", "))
         })?;
-        let number = distance.strip_suffix("mm").map(str::trim_end).ok_or_else(|| {
-            format!("`{distance}` has no unit that is known; write millimetres as `{part}={}mm`", bare_number(distance))
-        })?;
-        let mm: f64 = number.parse().map_err(|_| format!("`{number}` is not a number, in `{one}`"))?;
-        if mm.is_nan() || mm.abs() > FARTHEST_MM {
+        let metres = Quantity::Length.read(distance, Bare::Refused).map_err(|error| format!("`{part}`: {error}"))?;
+        // As a person would write it.
+        let mm = (metres * 1e12).round() / 1e9;
+        if mm.abs() > FARTHEST_MM {
             return Err(format!("`{one}`: expected a distance of at most {FARTHEST_MM} mm"));
         }
         if names.iter().any(|known: &String| known.starts_with(&format!("{name}="))) {
@@ -65,15 +66,9 @@ pub(crate) fn parse(text: &str) -> Result<MoveOption, String> {
         }
         names.push(format!("{name}={mm}mm"));
         labels.push(format!("{} {}{} mm", name.replace('-', " "), if mm < 0.0 { "−" } else { "+" }, mm.abs()));
-        moves.push(make(mm / 1000.0));
+        moves.push(make(metres));
     }
     Ok(MoveOption { name: names.join(" "), label: labels.join(", "), moves })
-}
-
-/// The number in a distance, for the advice; -10 if there is none.
-fn bare_number(distance: &str) -> &str {
-    let end = distance.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(distance.len());
-    if distance[..end].parse::<f64>().is_ok() { &distance[..end] } else { "-10" }
 }
 
 #[cfg(test)]
@@ -89,6 +84,7 @@ mod tests {
         let both = parse("capstan=-10mm,knuckle=-3mm").unwrap();
         assert_eq!(both.moves, [Move::Capstan(-0.010), Move::Knuckle(-0.003)]);
         assert_eq!(both.name, "capstan=-10mm knuckle=-3mm");
+        assert_eq!(parse("capstan=-1cm; knuckle=\u{2212}3,0 mm").unwrap().moves, both.moves);
     }
 
     /// Errors state what was found and what is expected.
@@ -97,13 +93,13 @@ mod tests {
         for (text, told) in [
             ("capstan", "such as `capstan=-10mm`"),
             ("", "such as `capstan=-10mm`"),
-            ("capstan=-10", "`capstan=-10mm`"),
-            ("capstan=-10cm", "`capstan=-10mm`"),
-            ("capstan=", "has no unit"),
-            ("capstan=mm", "is not a number"),
-            ("capstan=tenmm", "is not a number"),
-            ("capstan=nanmm", "at most 200 mm"),
-            ("capstan=infmm", "at most 200 mm"),
+            ("capstan=-10", "`-10mm`"),
+            ("capstan=-10kg", "`kg` is not one of its units"),
+            ("capstan=", "expected a length"),
+            ("capstan=mm", "expected a length"),
+            ("capstan=tenmm", "expected a length"),
+            ("capstan=nanmm", "expected a length"),
+            ("capstan=infmm", "expected a length"),
             ("capstan=-1e9mm", "at most 200 mm"),
             ("pedal=1mm", "expected one of capstan, knuckle"),
             ("capstan=1mm,capstan=2mm", "moved twice"),

@@ -17,7 +17,11 @@ fn derived() -> Derived {
 
 #[test]
 fn the_shipped_schema_is_the_generated_one() {
-    crate::generated::is_current("crates/erard-kinematics/linkages/linkage.schema.json", json_schema(), "linkage-schema");
+    crate::generated::is_current(
+        "crates/erard-kinematics/linkages/linkage.schema.json",
+        json_schema(),
+        "linkage-schema",
+    );
 }
 
 /// The shipped files are the sets that the linkage crate is tested with, to the last bit, and name their schema.
