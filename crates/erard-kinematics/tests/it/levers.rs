@@ -1,6 +1,5 @@
 //! Kinematics from a linkage file and from an instrument file, and what the dynamic model has to say about it.
 
-use std::path::Path;
 use std::time::Instant;
 
 use erard::instrument::{Curve, Instrument};
