@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use erard::run::SimulationError;
 use erard_workshop::cores;
 use erard_workshop::fit::{
-    DIFFERENCES, Data, FitError, FitResult, Jacobian, LeastSquares, Loss, Plan, Problem as Inner, Solution, Solver,
-    TrustRegion, fit_by, free,
+    DIFFERENCES, Data, FitError, FitResult, Jacobian, LeastSquares, Loss, NoiseModel, Plan, Problem as Question,
+    Simulator, Solution, Solver, TrustRegion, by_differences, by_gradient, fit_by, fit_parameters,
 };
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
 use pyo3::exceptions::PyRuntimeError;
@@ -23,15 +23,18 @@ use crate::stroke::prescribed;
 /// Time between checks for Python's signals, short enough that Control-C stops the work within 0.2 s.
 const EVERY: Duration = Duration::from_millis(50);
 
-/// Residuals of recordings over the parameters of an instrument. Points hold inner parameters: logarithms of factors,
-/// turns of screws over half their bounds, then delays in ms.
+/// Residuals of recordings over the parameters of an instrument. Points hold the solver's values: logarithms of
+/// factors, turns of screws over half their bounds, then delays in ms.
 #[pyclass(frozen, module = "erard._erard")]
 pub(crate) struct Problem {
-    inner: Mutex<Inner>,
+    question: Question,
+    threads: usize,
+    /// Noise as given, or as the last fit estimated it.
+    noise: Mutex<NoiseModel>,
 }
 
 /// Arguments of the fit, besides the problem: start, loss, Jacobian, restarts, largest number of evaluations.
-type Asked = (Vec<(String, f64)>, String, String, usize, usize);
+type FitArguments = (Vec<(String, f64)>, String, String, usize, usize);
 
 /// Title, index of the recording, column, times, measured values, fitted values, noise, delay.
 type Curve<'py> = (
@@ -65,7 +68,7 @@ impl Problem {
         let how = steps.setup(&instrument.inner, 0.0, 1.0)?;
         how.check().map_err(|error| fault::simulation(&error))?;
         let bounds = bounds.into_iter().map(|(name, (low, high))| (name, [low, high])).collect();
-        let free = free(&instrument.file(), &vary, &bounds).map_err(told)?;
+        let parameters = fit_parameters(&instrument.file(), &vary, &bounds).map_err(told)?;
         let data = recordings.iter().map(|recording| {
             let own = recording.get();
             let (recorded, preparation) = (&own.inner, &own.preparation);
@@ -77,8 +80,9 @@ impl Problem {
             Some(threads) => threads,
             None => cores::count(),
         };
-        let inner = Inner::new(&instrument.inner, free, data, delay, &sigma, threads).map_err(told)?;
-        Ok(Problem { inner: Mutex::new(inner) })
+        let question = Question::new(&instrument.inner, parameters, data, delay).map_err(told)?;
+        let noise = Mutex::new(NoiseModel::new(&question, &sigma).map_err(told)?);
+        Ok(Problem { question, threads, noise })
     }
 
     /// Fits with the solver of this library or with one in Python. A Python solver is called with two functions
@@ -87,23 +91,26 @@ impl Problem {
     fn fit<'py>(
         &self,
         py: Python<'py>,
-        asked: Asked,
+        arguments: FitArguments,
         solver: Option<Py<PyAny>>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (start, loss, jacobian, restarts, most) = asked;
-        let plan = Plan { start, loss: loss_of(&loss)?, jacobian: jacobian_of(&jacobian)?, restarts, most };
-        let found = self.watched(py, progress, |problem, raised| match solver {
-            None => fit_by(problem, &plan, &mut TrustRegion),
-            Some(call) => fit_by(problem, &plan, &mut Foreign { call, raised }),
+        let (start, loss, jacobian, restarts, max_evaluations) = arguments;
+        let plan = Plan { start, loss: loss_of(&loss)?, jacobian: jacobian_of(&jacobian)?, restarts, max_evaluations };
+        let noise = self.noise();
+        let found = self.watched(py, progress, |simulator, raised| match solver {
+            None => fit_by(simulator, &noise, &plan, &mut TrustRegion),
+            Some(call) => fit_by(simulator, &noise, &plan, &mut Foreign { call, raised }),
         })?;
+        self.set_noise(found.noise.clone());
         result(py, &found)
     }
 
     /// Returns every measured quantity with the model's values at a point.
     fn curves<'py>(&self, py: Python<'py>, point: Vec<f64>) -> PyResult<Vec<Curve<'py>>> {
         let point = self.point(point)?;
-        let curves = self.watched(py, None, |problem, _| problem.curves(&point))?;
+        let noise = self.noise();
+        let curves = self.watched(py, None, |simulator, _| simulator.curves(&noise, &point))?;
         let array = |values: &[f64]| values.to_pyarray(py);
         let of = |one: &erard_workshop::fit::Channel| {
             let [times, measured, fitted] = [&one.time_s, &one.measured, &one.fitted].map(|values| array(values));
@@ -122,62 +129,68 @@ impl Problem {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let points = self.points(&points)?;
-        let mut left = self.watched(py, progress, |problem, _| problem.residuals_at(&points))?;
-        for row in &mut left {
+        let noise = self.noise();
+        let mut residuals = self.watched(py, progress, |simulator, _| simulator.residuals(&noise, &points))?;
+        for row in &mut residuals {
             if row.iter().any(|x| !x.is_finite()) {
                 row.fill(f64::NAN);
             }
         }
-        PyArray2::from_vec2(py, &left).map_err(failed)
+        PyArray2::from_vec2(py, &residuals).map_err(failed)
     }
 
     /// Returns the derivatives of the residuals at a point, one row for each residual: differences, or the model's own
     /// derivatives if `exact`.
     fn jacobian<'py>(&self, py: Python<'py>, point: Vec<f64>, exact: bool) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let point = self.point(point)?;
-        let columns = self.watched(py, None, |problem, _| {
-            if exact { problem.by_gradient(&point) } else { problem.by_differences(&point, DIFFERENCES[1]) }
+        let noise = self.noise();
+        let columns = self.watched(py, None, |simulator, _| match exact {
+            true => by_gradient(simulator, &noise, None, &point),
+            false => by_differences(simulator, &noise, None, &point, DIFFERENCES[1]),
         })?;
         rows_of(py, &columns)
     }
 
-    /// Returns the lower and upper bounds of the inner parameters.
+    /// Returns the lower and upper bounds of the solver's points.
     fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
-        self.lock().bounds()
+        self.question.bounds()
     }
 
-    /// Converts inner points, row by row, to values as `vary` takes them, without delays.
+    /// Converts the solver's points, row by row, to values as `vary` takes them, without delays.
     fn outer<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let points = self.points(&points)?;
-        let problem = self.lock();
-        let outer: Vec<Vec<f64>> = points.iter().map(|point| problem.outer(point)).collect();
-        PyArray2::from_vec2(py, &outer).map_err(failed)
+        let values: Vec<Vec<f64>> = points.iter().map(|point| self.question.from_solver(point)).collect();
+        PyArray2::from_vec2(py, &values).map_err(failed)
     }
 
     /// Returns the noise of every channel, N, m or m/s.
     fn sigma(&self) -> Vec<f64> {
-        self.lock().sigma.clone()
+        self.noise().sigma
     }
 
     /// Sets the noise of every channel, as another fit estimated it.
     fn set_sigma(&self, sigma: Vec<f64>) -> PyResult<()> {
-        let mut problem = self.lock();
-        if sigma.len() != problem.sigma.len() || sigma.iter().any(|sigma| sigma.is_nan() || *sigma <= 0.0) {
+        let noise = self.noise();
+        if sigma.len() != noise.sigma.len() || sigma.iter().any(|sigma| sigma.is_nan() || *sigma <= 0.0) {
             return Err(wrong_argument("sigma", "expected a positive number for every channel"));
         }
-        problem.take_noise(sigma);
+        self.set_noise(NoiseModel { sigma, ..noise });
         Ok(())
     }
 }
 
 impl Problem {
-    fn lock(&self) -> std::sync::MutexGuard<'_, Inner> {
-        // Whoever panicked with it left a problem that is whole: it is asked for residuals anew.
-        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    fn noise(&self) -> NoiseModel {
+        // A noise model is replaced as a whole, so a panic elsewhere leaves a valid one.
+        self.noise.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn set_noise(&self, noise: NoiseModel) {
+        *self.noise.lock().unwrap_or_else(PoisonError::into_inner) = noise;
     }
 
     fn point(&self, point: Vec<f64>) -> PyResult<Vec<f64>> {
-        let count = self.lock().bounds().0.len();
+        let count = self.question.bounds().0.len();
         if point.len() != count {
             return Err(wrong_argument("point", format!("found {} numbers, expected {count}", point.len())));
         }
@@ -188,21 +201,20 @@ impl Problem {
         points.as_array().rows().into_iter().map(|row| self.point(row.to_vec())).collect()
     }
 
-    /// Works on the problem without Python's lock. Every 50 ms it checks for signals and calls `progress` with the
+    /// Simulates the problem without Python's lock. Every 50 ms it checks for signals and calls `progress` with the
     /// number of newly played strokes; an exception raised there stops the work.
     fn watched<T: Send>(
         &self,
         py: Python<'_>,
         progress: Option<Py<PyAny>>,
-        work: impl FnOnce(&mut Inner, Raised) -> Result<T, FitError> + Send,
+        work: impl FnOnce(&mut Simulator<'_>, Raised) -> Result<T, FitError> + Send,
     ) -> PyResult<T> {
         let raised = Raised::default();
         let own = raised.clone();
         let done = py.detach(|| {
-            let mut problem = self.lock();
-            let mut before = problem.evaluations;
+            let mut before = 0;
             let (mut last, seen) = (Instant::now(), raised.clone());
-            problem.watch = Box::new(move |strokes| {
+            let watch = move |strokes: u64| {
                 if seen.is_set() {
                     return false;
                 }
@@ -220,10 +232,8 @@ impl Problem {
                     }
                 });
                 asked.map_err(|error| seen.set(error)).is_ok()
-            });
-            let done = work(&mut problem, own);
-            problem.watch = Box::new(|_| true);
-            done
+            };
+            work(&mut Simulator::new(&self.question, self.threads, Box::new(watch)), own)
         });
         match raised.take() {
             Some(error) => Err(error),
@@ -257,7 +267,7 @@ struct Foreign {
 }
 
 /// Request of the solver's thread.
-enum Question {
+enum Request {
     Residuals(Vec<f64>, mpsc::Sender<Vec<f64>>),
     Jacobian(Vec<f64>, mpsc::Sender<Vec<Vec<f64>>>),
     /// The solver has ended: its point, residuals, and reason.
@@ -266,14 +276,14 @@ enum Question {
 
 /// Functions that the solver in Python calls.
 #[pyclass(frozen)]
-struct Questions(Mutex<mpsc::Sender<Question>>);
+struct Requests(Mutex<mpsc::Sender<Request>>);
 
-impl Questions {
-    fn ask<T: Send>(&self, py: Python<'_>, question: impl FnOnce(mpsc::Sender<T>) -> Question + Send) -> PyResult<T> {
+impl Requests {
+    fn ask<T: Send>(&self, py: Python<'_>, request: impl FnOnce(mpsc::Sender<T>) -> Request + Send) -> PyResult<T> {
         let ended = || PyRuntimeError::new_err("the fit has ended");
         py.detach(|| {
             let (answer, answered) = mpsc::channel();
-            self.0.lock().ok()?.send(question(answer)).ok()?;
+            self.0.lock().ok()?.send(request(answer)).ok()?;
             answered.recv().ok()
         })
         .ok_or_else(ended)
@@ -281,19 +291,19 @@ impl Questions {
 }
 
 #[pymethods]
-impl Questions {
+impl Requests {
     fn residuals<'py>(
         &self,
         py: Python<'py>,
         point: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let point = point.to_vec().map_err(wrong)?;
-        Ok(self.ask(py, |answer| Question::Residuals(point, answer))?.to_pyarray(py))
+        Ok(self.ask(py, |answer| Request::Residuals(point, answer))?.to_pyarray(py))
     }
 
     fn jacobian<'py>(&self, py: Python<'py>, point: PyReadonlyArray1<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let point = point.to_vec().map_err(wrong)?;
-        rows_of(py, &self.ask(py, |answer| Question::Jacobian(point, answer))?)
+        rows_of(py, &self.ask(py, |answer| Request::Jacobian(point, answer))?)
     }
 }
 
@@ -304,20 +314,22 @@ impl Solver for Foreign {
         from: &[f64],
         (low, high): (&[f64], &[f64]),
         loss: Loss,
-        most: usize,
+        max_evaluations: usize,
     ) -> Result<Solution, FitError> {
         let (ask, asked) = mpsc::channel();
         let call = &self.call;
         let solved = std::thread::scope(|scope| {
             scope.spawn(move || {
                 let found = Python::attach(|py| {
-                    let questions = Bound::new(py, Questions(Mutex::new(ask.clone())))?;
-                    let (residuals, jacobian) = (questions.getattr("residuals")?, questions.getattr("jacobian")?);
+                    let requests = Bound::new(py, Requests(Mutex::new(ask.clone())))?;
+                    let (residuals, jacobian) = (requests.getattr("residuals")?, requests.getattr("jacobian")?);
                     let [from, low, high] = [from, low, high].map(|values| values.to_pyarray(py));
-                    call.bind(py).call1((residuals, jacobian, from, low, high, name_of(loss), most))?.extract()
+                    call.bind(py)
+                        .call1((residuals, jacobian, from, low, high, name_of(loss), max_evaluations))?
+                        .extract()
                 });
-                // Where nobody listens any more, the fit has ended.
-                let _ = ask.send(Question::Ended(found));
+                // The receiver is dropped only after the fit; ignore the error.
+                let _ = ask.send(Request::Ended(found));
             });
             answer(problem, &asked)
         })?;
@@ -335,14 +347,14 @@ impl Solver for Foreign {
 #[allow(clippy::type_complexity)]
 fn answer(
     problem: &mut dyn LeastSquares<Error = FitError>,
-    asked: &mpsc::Receiver<Question>,
+    asked: &mpsc::Receiver<Request>,
 ) -> Result<PyResult<(Vec<f64>, Vec<f64>, String)>, FitError> {
     loop {
         match asked.recv() {
-            // A solver that has gone away does not wait for its answers.
-            Ok(Question::Residuals(point, to)) => drop(to.send(problem.residuals(&point)?)),
-            Ok(Question::Jacobian(point, to)) => drop(to.send(problem.jacobian(&point)?)),
-            Ok(Question::Ended(found)) => return Ok(found),
+            // A solver that has ended drops its receiver; ignore the error.
+            Ok(Request::Residuals(point, to)) => drop(to.send(problem.residuals(&point)?)),
+            Ok(Request::Jacobian(point, to)) => drop(to.send(problem.jacobian(&point)?)),
+            Ok(Request::Ended(found)) => return Ok(found),
             Err(_) => return Err(SimulationError::Interrupted.into()),
         }
     }
@@ -382,7 +394,7 @@ fn rows_of<'py>(py: Python<'py>, columns: &[Vec<f64>]) -> PyResult<Bound<'py, Py
 fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict>> {
     let all = PyDict::new(py);
     let matrix = |rows: &Vec<Vec<f64>>| PyArray2::from_vec2(py, rows).map_err(failed);
-    let free = found.free.iter().zip(&found.x).map(|(one, x)| {
+    let free = found.parameters.iter().zip(&found.x).map(|(one, x)| {
         (one.name.clone(), one.unit, one.parameter.is_factor(), one.low, one.high, one.is_at_a_bound(*x))
     });
     all.set_item("free", free.collect::<Vec<_>>())?;
@@ -392,7 +404,7 @@ fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict
     all.set_item("std", &found.std)?;
     all.set_item("values", found.values().map(|(_, value, error)| (value, error)).collect::<Vec<_>>())?;
     all.set_item("cov", matrix(&found.cov)?)?;
-    all.set_item("inner_cov", matrix(&found.inner_cov)?)?;
+    all.set_item("inner_cov", matrix(&found.solver_cov)?)?;
     all.set_item("sensors_cov", matrix(&found.sensors_cov)?)?;
     all.set_item("residuals", found.residuals.to_pyarray(py))?;
     all.set_item("degrees_of_freedom", found.degrees_of_freedom)?;
@@ -420,7 +432,7 @@ fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict
 
 fn told(error: FitError) -> PyErr {
     match error {
-        FitError::Asked { argument, message } => wrong_argument(argument, message),
+        FitError::Argument { argument, message } => wrong_argument(argument, message),
         FitError::Simulation(error) => fault::simulation(&error),
         FitError::Sensitivity(error) => crate::gradient::told(&error),
         error @ FitError::Unplayable => failed(error),

@@ -6,6 +6,7 @@
 pub mod balance;
 pub mod compare;
 pub mod cores;
+mod dense;
 pub mod diagnose;
 pub mod digits;
 pub mod distances;

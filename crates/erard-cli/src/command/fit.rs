@@ -10,7 +10,9 @@ use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::figure_svg;
 use erard_workshop::cores;
-use erard_workshop::fit::{Asked, Data, FitError, FitResult, Jacobian, Loss, Plan, Problem, free};
+use erard_workshop::fit::{
+    Data, FitError, FitResult, Jacobian, Loss, NoiseModel, PerName, Plan, Problem, Simulator, fit_parameters,
+};
 
 use super::options::{DRIVES, StepOptions, check, load_instrument_and_text};
 use super::out::OutOptions;
@@ -128,19 +130,18 @@ impl Fit {
         let file = InstrumentFile::parse(&text, &self.instrument.to_string())?;
         let vary: Vec<String> = self.vary.iter().map(|name| name.trim().to_owned()).collect();
         let bounds = self.bounds(&instrument, &text)?;
-        let free = free(&file, &vary, &bounds).map_err(failure)?;
+        let parameters = fit_parameters(&file, &vary, &bounds).map_err(failure)?;
         let start = self.start(&instrument, &text)?;
         let data = self.data(settings)?;
-        let sigma: Vec<(String, f64)> =
-            self.sigma.iter().map(|(role, sigma)| (column(*role).to_owned(), *sigma)).collect();
-        let mut problem =
-            Problem::new(&instrument, free, data, self.delays, &sigma, cores::count()).map_err(failure)?;
+        let sigma: PerName<f64> = self.sigma.iter().map(|(role, sigma)| (column(*role).to_owned(), *sigma)).collect();
+        let problem = Problem::new(&instrument, parameters, data, self.delays).map_err(failure)?;
+        let noise = NoiseModel::new(&problem, &sigma).map_err(failure)?;
         let plan = Plan {
             start,
             loss: self.loss,
             jacobian: self.jacobian,
             restarts: self.restarts.into(),
-            most: self.most.into(),
+            max_evaluations: self.most.into(),
         };
         let mut names = vec!["fit.json", "fitted.toml", "fit.csv"];
         if !self.no_pictures {
@@ -148,17 +149,18 @@ impl Fit {
         }
         let mut output = self.out.prepare("fit", &names)?;
         let mut progress = Progress::counting("fitting");
-        problem.watch = Box::new(move |strokes| progress.counted(|| format!("fitting: {strokes} strokes")));
-        let found = erard_workshop::fit::fit(&mut problem, &plan).map_err(failure)?;
-        let channels = problem.curves(&found.point).map_err(failure)?;
-        // The bar goes with it.
-        problem.watch = Box::new(|_| true);
+        let counted = Box::new(move |strokes| progress.counted(|| format!("fitting: {strokes} strokes")));
+        let mut simulator = Simulator::new(&problem, cores::count(), counted);
+        let found = erard_workshop::fit::fit(&mut simulator, &noise, &plan).map_err(failure)?;
+        let channels = simulator.curves(&found.noise, &found.point).map_err(failure)?;
+        // Ends the progress bar.
+        drop(simulator);
 
-        let recordings: Vec<&str> = problem.data.iter().map(|one| one.name.as_str()).collect();
+        let recordings: Vec<&str> = problem.recordings().iter().map(|one| one.name.as_str()).collect();
         let fitted = found.rewrite(&text, &recordings).map_err(|error| Failure::Internal(error.to_string()))?;
         output.json("fit.json", &report(&found, &problem, &instrument.name))?;
         output.text("fitted.toml", &fitted)?;
-        output.table("fit.csv", &table(&channels, problem.data.len()))?;
+        output.table("fit.csv", &table(&channels, problem.recordings().len()))?;
         if !self.no_pictures {
             let svg = figure_svg(&figure(&channels, &recordings, &instrument.name));
             output.figure("fit", &svg)?;
@@ -183,7 +185,7 @@ impl Fit {
         let mut all = Vec::new();
         for path in &self.recordings {
             let (name, mut recording, position_of) = self.recording.read(path)?;
-            self.begun(&mut recording)?;
+            self.truncate(&mut recording)?;
             let data = Data::new(&name, &recording, position_of, &preparation, drive, columns.as_deref(), &how);
             let data = data.map_err(failure)?;
             if let Some(why) = data.cannot_begin() {
@@ -194,8 +196,8 @@ impl Fit {
         Ok(all)
     }
 
-    /// As much of a recording as was asked for.
-    fn begun(&self, recording: &mut Recording) -> Result<(), Failure> {
+    /// Shortens a recording to the requested duration.
+    fn truncate(&self, recording: &mut Recording) -> Result<(), Failure> {
         let Some(s) = self.duration else { return Ok(()) };
         let rows = recording.time_s.partition_point(|t| *t <= recording.time_s[0] + s);
         if !s.is_finite() || rows < 2 {
@@ -210,7 +212,7 @@ impl Fit {
         Ok(())
     }
 
-    fn bounds(&self, instrument: &Instrument, text: &str) -> Result<Asked<[f64; 2]>, Failure> {
+    fn bounds(&self, instrument: &Instrument, text: &str) -> Result<PerName<[f64; 2]>, Failure> {
         let one = |given: &String| {
             let expected =
                 "expected a name and two increasing numbers, as in `let_off=-1mm..1mm` or `body.hammer.mass=0.9..1.2`";
@@ -226,7 +228,7 @@ impl Fit {
         self.named_once("--bounds", self.bounds.iter().map(one).collect::<Result<_, Failure>>()?)
     }
 
-    fn start(&self, instrument: &Instrument, text: &str) -> Result<Asked<f64>, Failure> {
+    fn start(&self, instrument: &Instrument, text: &str) -> Result<PerName<f64>, Failure> {
         let one = |given: &String| {
             let wrong = || {
                 Failure::Usage(format!("--start {given}: expected a name and a number, as in `body.hammer.mass=1.1`"))
@@ -240,7 +242,7 @@ impl Fit {
         self.named_once("--start", self.start.iter().map(one).collect::<Result<_, Failure>>()?)
     }
 
-    fn named_once<T>(&self, option: &str, all: Asked<T>) -> Result<Asked<T>, Failure> {
+    fn named_once<T>(&self, option: &str, all: PerName<T>) -> Result<PerName<T>, Failure> {
         match (1..all.len()).find(|at| all[..*at].iter().any(|(name, _)| *name == all[*at].0)) {
             Some(at) => Err(Failure::Usage(format!("{option}: `{}` is given twice", all[at].0))),
             None => Ok(all),
@@ -265,7 +267,7 @@ fn doubtful(found: &FitResult) -> Result<(), Failure> {
 /// What is wrong with what was asked for names the option.
 fn failure(error: FitError) -> Failure {
     match error {
-        FitError::Asked { argument, message } => {
+        FitError::Argument { argument, message } => {
             let option = match argument {
                 "columns" => "compare",
                 other => other,

@@ -23,12 +23,12 @@ pub(crate) fn figure<'a>(channels: &'a [Channel], recordings: &[&str], instrumen
             curve("measured", shown(&channel.measured), 6, Dash::Dotted),
         ];
         panels.push(Panel::new(which, unit, 170.0, both));
-        let left: Vec<f64> =
+        let residuals: Vec<f64> =
             channel.fitted.iter().zip(&channel.measured).map(|(f, m)| (f - m) / channel.sigma).collect();
-        let largest = left.iter().fold(4.0_f64, |most, x| most.max(x.abs()));
-        let level = |y: f64| vec![y; left.len()];
+        let largest = residuals.iter().fold(4.0_f64, |most, x| most.max(x.abs()));
+        let level = |y: f64| vec![y; residuals.len()];
         let over = vec![
-            curve("left over", left.clone(), 0, Dash::Solid),
+            curve("left over", residuals.clone(), 0, Dash::Solid),
             curve("twice the noise", level(2.0), 14, Dash::Dashed),
             curve("", level(-2.0), 14, Dash::Dashed),
         ];

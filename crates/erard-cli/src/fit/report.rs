@@ -7,7 +7,7 @@ use crate::compare::prepared_channel;
 
 /// fit.json. Parameters are in SI units; of what was varied a factor or, of screws, how far they are turned.
 pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> Value {
-    let recordings = problem.data.iter().zip(&problem.drive_sigma).map(|(one, sigma)| {
+    let recordings = problem.recordings().iter().zip(&found.noise.drive_sigma).map(|(one, sigma)| {
         json!({
             "name": one.name,
             "drive": one.stroke.drive.name(),
@@ -50,17 +50,17 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
     let correlations = found
         .correlated()
         .into_iter()
-        .map(|(i, j, correlation)| json!({"of": [found.free[i].name, found.free[j].name], "correlation": correlation}));
-    let channels = problem.channels().enumerate().map(|(k, (recording, column))| {
+        .map(|(i, j, correlation)| json!({"of": [found.parameters[i].name, found.parameters[j].name], "correlation": correlation}));
+    let channels = problem.blocks().iter().zip(&found.channels).map(|(block, channel)| {
         json!({
-            "recording": problem.data[recording].name,
-            "column": column,
-            "noise": problem.sigma[k],
-            "noise_is_estimated": problem.told[k].is_none(),
-            "rms_at_start": found.channels[k].rms_at_start,
-            "rms": found.channels[k].rms,
-            "delay_s": found.channels[k].delay_s.map(|(s, _)| s),
-            "delay_std_s": found.channels[k].delay_s.map(|(_, std)| std),
+            "recording": problem.recordings()[block.recording].name,
+            "column": block.column,
+            "noise": channel.noise,
+            "noise_is_estimated": !channel.noise_is_known,
+            "rms_at_start": channel.rms_at_start,
+            "rms": channel.rms,
+            "delay_s": channel.delay_s.map(|(s, _)| s),
+            "delay_std_s": channel.delay_s.map(|(_, std)| std),
         })
     });
     let doubts = found.doubts.iter().map(|doubt| json!({"kind": doubt.kind.name(), "text": doubt.text}));

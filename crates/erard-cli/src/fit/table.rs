@@ -26,7 +26,7 @@ fn shown(x: f64, decimals: Option<usize>) -> String {
 
 /// The report, line by line: doubts first.
 pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> Vec<String> {
-    let names: Vec<&str> = problem.data.iter().map(|one| one.name.as_str()).collect();
+    let names: Vec<&str> = problem.recordings().iter().map(|one| one.name.as_str()).collect();
     let with = if found.differentiated > 0 {
         format!(" and {} with derivatives", found.differentiated)
     } else {
@@ -73,13 +73,13 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
         lines.extend(
             correlated
                 .into_iter()
-                .map(|(i, j, r)| format!("  {} and {}: {r:+.2}", found.free[i].name, found.free[j].name)),
+                .map(|(i, j, r)| format!("  {} and {}: {r:+.2}", found.parameters[i].name, found.parameters[j].name)),
         );
     }
     let unseen = found.unseen();
     if !unseen.is_empty() {
         lines.push(String::new());
-        lines.extend(unseen.into_iter().map(|told| format!("Not seen: {told}")));
+        lines.extend(unseen.into_iter().map(|direction| format!("Not seen: {direction}")));
     }
     lines
 }
@@ -88,13 +88,12 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
 /// unit; delays.
 fn misfits(found: &FitResult, problem: &Problem) -> Vec<String> {
     let head = ["measured less fitted, rms", "start", "end", "noise", "unit", ""].map(str::to_owned);
-    let rows = problem.channels().enumerate().map(|(k, (recording, column))| {
-        let (by, unit) = misfit_unit(column);
-        let channel = &found.channels[k];
+    let rows = problem.blocks().iter().zip(&found.channels).map(|(block, channel)| {
+        let (by, unit) = misfit_unit(block.column);
         let places = decimals(channel.noise * by, 0.1 * channel.noise * by);
         let number = |x: f64| shown(x * by, places);
         [
-            format!("{column} of {}", problem.data[recording].name),
+            format!("{} of {}", block.column, problem.recordings()[block.recording].name),
             number(channel.rms_at_start),
             number(channel.rms),
             number(channel.noise),
@@ -103,10 +102,10 @@ fn misfits(found: &FitResult, problem: &Problem) -> Vec<String> {
         ]
     });
     let mut lines: Vec<String> = Table::of(head, rows).to_string().lines().map(str::to_owned).collect();
-    let late = problem.channels().zip(&found.channels).filter_map(|((recording, column), channel)| {
+    let late = problem.blocks().iter().zip(&found.channels).filter_map(|(block, channel)| {
         let (delay, std) = channel.delay_s?;
-        let (name, delay, std) = (&problem.data[recording].name, delay * 1e3, std * 1e3);
-        Some(format!("  {column} of {name}: delayed by {delay:.3} +- {std:.3} ms behind the drive"))
+        let (name, delay, std) = (&problem.recordings()[block.recording].name, delay * 1e3, std * 1e3);
+        Some(format!("  {} of {name}: delayed by {delay:.3} +- {std:.3} ms behind the drive", block.column))
     });
     lines.extend(late);
     lines
@@ -147,10 +146,10 @@ mod tests {
 
     #[test]
     fn numbers_have_as_many_digits_as_their_errors() {
-        for (value, error, told) in
+        for (value, error, expected) in
             [(11.648_37, 0.012_3, "11.648"), (0.25, 3.0, "0.2"), (2e10, 1e8, "2.000e10"), (1.0, 0.0, "1.000e0")]
         {
-            assert_eq!(shown(value, decimals(value, error)), told);
+            assert_eq!(shown(value, decimals(value, error)), expected);
         }
     }
 }

@@ -8,7 +8,8 @@
 use super::cause::causes;
 use super::effect::{BALANCE, CHECK, Effect, FRICTION, Features, N, NOT_CAUGHT_MM, effects, precision};
 use super::healthy::Healthy;
-use super::spd::{Factor, log_sum};
+use super::normal::{log_density, log_sum};
+use crate::dense::Cholesky;
 
 /// Grades of a cause: the cases of the table, and those half-way between.
 const GRADES: usize = 5;
@@ -134,7 +135,7 @@ fn atoms() -> Vec<Atom> {
 /// Residuals and factor of the covariance of the readings under a hypothesis.
 struct Predicted {
     off: Vec<f64>,
-    factor: Factor,
+    factor: Cholesky,
 }
 
 impl Belief {
@@ -211,7 +212,7 @@ impl Belief {
                 covariance[i * n + i] += row.of.iter().map(|(f, by)| (by * atom.spread[*f]).powi(2)).sum::<f64>();
             }
         }
-        Some(Predicted { off, factor: Factor::of(&covariance, n)? })
+        Some(Predicted { off, factor: Cholesky::of(&covariance, n)? })
     }
 
     fn log_of(&self, atoms: &[usize], is_other: bool) -> f64 {
@@ -219,7 +220,7 @@ impl Belief {
             atoms.iter().map(|atom| libm::log(causes()[self.atoms[*atom].cause].common / GRADES as f64)).sum::<f64>()
                 + if is_other { libm::log(OTHER) } else { 0.0 };
         match self.predicted(atoms, is_other) {
-            Some(predicted) => prior + predicted.factor.log_density(&predicted.off),
+            Some(predicted) => prior + log_density(&predicted.factor, &predicted.off),
             None => f64::NEG_INFINITY,
         }
     }

@@ -17,9 +17,9 @@ mod entry;
 mod geometry;
 mod healthy;
 mod next;
+mod normal;
 mod plant;
 mod report;
-mod spd;
 mod table;
 mod typed;
 

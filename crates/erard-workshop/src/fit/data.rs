@@ -101,18 +101,18 @@ impl Data {
         let mut columns = Vec::new();
         for column in wanted {
             let (own, ..) = recorded(column)
-                .ok_or_else(|| FitError::asked("columns", format!("{name}: has no `{column}` to compare")))?;
+                .ok_or_else(|| FitError::argument("columns", format!("{name}: has no `{column}` to compare")))?;
             if *own != driving && !columns.contains(own) {
                 columns.push(*own);
             }
         }
-        let told: Vec<&str> =
+        let all: Vec<&str> =
             COLUMNS.iter().map(|(column, ..)| *column).filter(|column| recorded(column).is_some()).collect();
         if columns.is_empty() {
             let by = stroke.drive.name();
             return Err(wrong(format!(
                 "nothing to fit: the {by} drives the model and no other channel was recorded (recorded: {})",
-                told.join(", ")
+                all.join(", ")
             )));
         }
         let times = &recording.time_s;
@@ -304,13 +304,13 @@ mod tests {
     /// Errors name the recording.
     #[test]
     fn what_cannot_be_fitted_is_said() {
-        let told = |result: Result<Data, FitError>| result.unwrap_err().to_string();
+        let message = |result: Result<Data, FitError>| result.unwrap_err().to_string();
         let alone = "time_s,force_N\n0,1\n0.1,2\n";
-        assert!(told(data(alone, None, None)).starts_with("test: nothing to fit: the force drives"));
-        assert!(told(data(alone, Some(Prescribed::Rigid), None)).contains("`position_m`"));
+        assert!(message(data(alone, None, None)).starts_with("test: nothing to fit: the force drives"));
+        assert!(message(data(alone, Some(Prescribed::Rigid), None)).contains("`position_m`"));
         let wanted = ["string_N".to_owned()];
-        assert!(told(data(&table(11, 1e-3), None, Some(&wanted))).contains("has no `string_N` to compare"));
-        assert!(told(data(&table(15, 1e-3), Some(Prescribed::Rigid), None)).contains("expected 22 or more"));
+        assert!(message(data(&table(11, 1e-3), None, Some(&wanted))).contains("has no `string_N` to compare"));
+        assert!(message(data(&table(15, 1e-3), Some(Prescribed::Rigid), None)).contains("expected 22 or more"));
     }
 
     /// Noise added to the drive has the requested size and is filtered like the recording.

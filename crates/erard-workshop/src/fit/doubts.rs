@@ -1,8 +1,8 @@
 //! Doubts about the result of a fit, each in one sentence.
 
 use super::data::misfit_unit;
-use super::drive_noise::Disturbed;
-use super::{Doubt, DoubtKind, FitError, FitResult, Problem};
+use super::drive_noise::DriveNoise;
+use super::{Doubt, DoubtKind, FitError, FitResult, Problem, Simulator};
 
 /// Data that end within this time after the first impact do not count as beyond it, s: the string has thrown the hammer
 /// back, and the check is far.
@@ -20,10 +20,15 @@ const APART: f64 = 5.0;
 ///
 /// # Errors
 /// An interruption.
-pub(super) fn doubts(problem: &mut Problem, found: &FitResult, disturbed: &Disturbed) -> Result<Vec<Doubt>, FitError> {
+pub(super) fn doubts(
+    simulator: &mut Simulator<'_>,
+    found: &FitResult,
+    drive_noise: &DriveNoise,
+) -> Result<Vec<Doubt>, FitError> {
+    let problem = simulator.problem();
     let mut doubts = Vec::new();
-    let impacts = problem.first_impacts(&found.point)?;
-    for (one, modelled_s) in problem.data.iter().zip(&impacts) {
+    let impacts = simulator.first_impacts(&found.point)?;
+    for (one, modelled_s) in problem.recordings().iter().zip(&impacts) {
         let recorded_s = one.recorded_impact_s();
         let (first_s, last_s) = (one.time_s[0], one.time_s[one.compared.end - 1]);
         if let (Some(s), None) = (recorded_s, modelled_s) {
@@ -46,8 +51,8 @@ pub(super) fn doubts(problem: &mut Problem, found: &FitResult, disturbed: &Distu
         let notes = one.note.map(str::to_owned).into_iter().chain(one.warnings());
         doubts.extend(notes.map(|note| Doubt { kind: DoubtKind::Recording, text: format!("{}: {note}", one.name) }));
     }
-    doubts.extend(misfits(problem, found, disturbed));
-    doubts.extend(found.free.iter().zip(&found.x).filter(|(one, x)| one.is_at_a_bound(**x)).map(|(one, x)| {
+    doubts.extend(misfits(problem, found, drive_noise));
+    doubts.extend(found.parameters.iter().zip(&found.x).filter(|(one, x)| one.is_at_a_bound(**x)).map(|(one, x)| {
         let end = if (x - one.low).abs() < (x - one.high).abs() { "lower" } else { "upper" };
         Doubt { kind: DoubtKind::Bound, text: format!("{} ended at its {end} bound", one.name) }
     }));
@@ -65,14 +70,14 @@ pub(super) fn doubts(problem: &mut Problem, found: &FitResult, disturbed: &Distu
 }
 
 /// Channels of known noise whose residuals exceed it, and channels of unknown noise whose residuals are correlated.
-fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<Doubt> {
+fn misfits(problem: &Problem, found: &FitResult, drive_noise: &DriveNoise) -> Vec<Doubt> {
     let mut doubts = Vec::new();
-    let places = problem.channels().zip(problem.channel_rows());
-    for (k, (channel, ((_, column), rows))) in found.channels.iter().zip(places).enumerate() {
+    for (k, (channel, block)) in found.channels.iter().zip(problem.blocks()).enumerate() {
+        let rows = block.rows.clone();
         if !channel.noise_is_known {
             let correlation = from_sample_to_sample(&found.residuals[rows.clone()]);
             // A noisy drive makes correlated residuals, too.
-            if disturbed.most(rows.clone()) < QUIET && correlation > CHANCE / (rows.len() as f64).sqrt() {
+            if drive_noise.largest(rows.clone()) < QUIET && correlation > CHANCE / (rows.len() as f64).sqrt() {
                 let text = format!(
                     "the residuals of {} are correlated ({correlation:.2} from sample to sample), so they are misfit and not noise: the error bars are too small",
                     channel.title
@@ -82,10 +87,10 @@ fn misfits(problem: &Problem, found: &FitResult, disturbed: &Disturbed) -> Vec<D
             continue;
         }
         // The sensor's noise within its uncertainty; the largest effect of a disturbed drive.
-        let chance = CHANCE * (2.0 / rows.len() as f64 + (2.0 * problem.uncertainty[k]).powi(2)).sqrt();
-        let explained = channel.noise * (1.0 + chance + disturbed.most(rows)).sqrt();
+        let chance = CHANCE * (2.0 / rows.len() as f64 + (2.0 * found.noise.uncertainty[k]).powi(2)).sqrt();
+        let explained = channel.noise * (1.0 + chance + drive_noise.largest(rows)).sqrt();
         if channel.rms > explained {
-            let (by, unit) = misfit_unit(column);
+            let (by, unit) = misfit_unit(block.column);
             let text = format!(
                 "{} differs from the model by {:.3} {unit} rms; its noise explains at most {:.3} {unit}. The model does not describe the recording, and the error bars do not hold",
                 channel.title,

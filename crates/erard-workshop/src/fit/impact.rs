@@ -1,57 +1,15 @@
-//! Time of the first impact in the model and in a recording of the hammer.
+//! Time of the first impact in a recording of the hammer.
 
-use crate::study::{Job, play_all};
+use super::Data;
 
-use super::{Data, FitError, Problem};
-
-/// Duration of the first fit beyond the impact, s: later motion reacts strongly to small changes.
-const AFTER_THE_BLOW_S: f64 = 2e-3;
-/// The hammer's speed before and after is measured over this time, s, and over at least `FEWEST` samples.
+/// The hammer's speed before and after is measured over this time, s, and over at least `MIN_SAMPLES` samples.
 const SPEED_OVER_S: f64 = 2e-3;
-const FEWEST: usize = 4;
+const MIN_SAMPLES: usize = 4;
 /// A string changes the hammer's speed by more than this within that time, m/s. Gravity changes it by 0.04, springs and
 /// felts under a freely flying hammer not at all.
 const TURNED_M_PER_S: f64 = 0.15;
 /// A reversal must also exceed this many standard deviations of noise.
 const CHANCE: f64 = 6.0;
-
-impl Problem {
-    /// Returns the time of the first impact in each recording's stroke at a point, on the recording's clock, s; `None`
-    /// without an impact or if the stroke cannot be played.
-    ///
-    /// # Errors
-    /// An interruption.
-    pub(super) fn first_impacts(&mut self, point: &[f64]) -> Result<Vec<Option<f64>>, FitError> {
-        let Some(instrument) = self.at(point) else { return Ok(vec![None; self.data.len()]) };
-        let (workers, count) = (self.workers(), self.evaluations);
-        let mut impacts = Vec::with_capacity(self.data.len());
-        for one in &self.data {
-            let job = vec![Job { instrument: 0, stroke: one.stroke.inputs(&instrument.finger)? }];
-            let watch = &mut self.watch;
-            let played =
-                play_all(std::slice::from_ref(&instrument), job, &one.setup(), workers, &mut |_| watch(count))?;
-            let first = played.into_iter().next().and_then(Result::ok);
-            impacts.push(first.and_then(|played| played.events.hammer_contact_s()));
-        }
-        Ok(impacts)
-    }
-
-    /// Returns row weights: 1 up to shortly after the impact, 0 later.
-    ///
-    /// # Errors
-    /// An interruption.
-    pub fn until_the_impact(&mut self, point: &[f64]) -> Result<Vec<f64>, FitError> {
-        let impacts = self.first_impacts(point)?;
-        let mut weights = Vec::with_capacity(self.rows());
-        for (one, impact_s) in self.data.iter().zip(impacts) {
-            let counts = |t: &f64| f64::from(impact_s.is_none_or(|s| *t <= s + AFTER_THE_BLOW_S));
-            for _ in &one.columns {
-                weights.extend(one.time_s[one.compared.clone()].iter().map(counts));
-            }
-        }
-        Ok(weights)
-    }
-}
 
 impl Data {
     /// Time at which the string first threw the recorded hammer back, s; `None` if it never did or the hammer was not
@@ -76,9 +34,9 @@ impl Data {
 /// Time at which a rise is first thrown back; `noise` is its sensor's, m.
 fn thrown_back_s(times: &[f64], rise: &[f64], noise: f64) -> Option<f64> {
     let turn = |n: usize| {
-        let from = times.partition_point(|t| *t < times[n] - SPEED_OVER_S).min((n + 1).saturating_sub(FEWEST));
-        let to = times.partition_point(|t| *t <= times[n] + SPEED_OVER_S).max(n + FEWEST);
-        if to > times.len() || n + 1 < FEWEST {
+        let from = times.partition_point(|t| *t < times[n] - SPEED_OVER_S).min((n + 1).saturating_sub(MIN_SAMPLES));
+        let to = times.partition_point(|t| *t <= times[n] + SPEED_OVER_S).max(n + MIN_SAMPLES);
+        if to > times.len() || n + 1 < MIN_SAMPLES {
             return None;
         }
         let (before, unsure) = slope(&times[from..=n], &rise[from..=n]);

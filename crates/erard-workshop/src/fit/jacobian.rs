@@ -1,15 +1,15 @@
-//! Derivatives of the residuals by the inner parameters: by differences in lanes, or by the model's own derivatives.
+//! Derivatives of the residuals by the solver's points: by differences in lanes, or by the model's own derivatives.
 
-use crate::sensitivities::{Differentiation, Rest, Sampled, SensitivityError, Variable, gradient};
-use crate::study::Stroke;
-use erard::player::Input;
+use crate::dense::Columns;
+use crate::sensitivities::Sampled;
 use erard::stroke::Prescribed;
 
 use moreau::FrictionLaw;
 
-use super::problem::moved;
-use super::svd::Columns;
-use super::{FitError, Problem};
+use super::problem::{Problem, delayed};
+use super::readings::Readings;
+use super::simulator::Simulator;
+use super::{FitError, NoiseModel};
 
 /// Difference steps, as shares of a factor or of half the range of a screw: the middle one is used, all are compared.
 pub const DIFFERENCES: [f64; 3] = [4e-3, 1e-3, 2.5e-4];
@@ -26,144 +26,161 @@ pub enum Jacobian {
     Gradient,
 }
 
-impl Problem {
-    /// Returns the model's own derivatives if requested and the step is the usual one, else differences.
-    ///
-    /// # Errors
-    /// An interruption; a model without derivatives.
-    pub(crate) fn jacobian(&mut self, point: &[f64], share: f64) -> Result<Columns, FitError> {
-        if self.exact && share == DIFFERENCES[1] { self.by_gradient(point) } else { self.by_differences(point, share) }
+/// Multiplies the rows of a vector by their weights, if there are any.
+pub(super) fn weigh(rows: &mut [f64], weights: Option<&[f64]>) {
+    if let Some(weights) = weights {
+        rows.iter_mut().zip(weights).for_each(|(row, weight)| *row *= weight);
     }
+}
 
-    /// Computes the Jacobian by central differences, all of them side by side in lanes.
-    ///
-    /// # Errors
-    /// An interruption.
-    pub fn by_differences(&mut self, point: &[f64], share: f64) -> Result<Columns, FitError> {
-        let count = self.free.len();
+/// Computes the Jacobian by central differences, all of them side by side in lanes. Rows are multiplied by `weights`.
+///
+/// # Errors
+/// An interruption.
+pub fn by_differences(
+    simulator: &mut Simulator<'_>,
+    noise: &NoiseModel,
+    weights: Option<&[f64]>,
+    point: &[f64],
+    share: f64,
+) -> Result<Columns, FitError> {
+    let problem = simulator.problem();
+    Ok(Differences::play(simulator, point, share)?.columns(problem, noise, weights, &mut |_, _| ()))
+}
+
+/// Points about a middle one, and their readings.
+pub(super) struct Differences {
+    /// Two points for every parameter, then the middle.
+    points: Vec<Vec<f64>>,
+    readings: Vec<Readings>,
+}
+
+impl Differences {
+    /// Plays a point and two points beside it for every parameter; `share` is the step. The simulator remembers the
+    /// point.
+    pub(super) fn play(simulator: &mut Simulator<'_>, point: &[f64], share: f64) -> Result<Self, FitError> {
+        let problem = simulator.problem();
+        let count = problem.parameters().len();
         let mut points = vec![point.to_vec(); 2 * count + 1];
-        for (k, one) in self.free.iter().enumerate() {
+        for (k, one) in problem.parameters().iter().enumerate() {
             let [low, high] = one.bounds();
             let by = if one.parameter.is_factor() { share } else { share * one.width() };
             points[2 * k][k] = (point[k] - by).clamp(low, high);
             points[2 * k + 1][k] = (point[k] + by).clamp(low, high);
         }
-        let played = self.simulate(&points)?;
+        let readings = simulator.play(&points)?;
+        let middle = &readings[2 * count];
+        // A point that cannot be played is played again where its residuals are asked for.
+        if problem.fitted(point, middle).iter().flatten().all(|x| x.is_finite()) {
+            simulator.remember(point, middle.clone());
+        }
+        Ok(Differences { points, readings })
+    }
+
+    /// Returns the Jacobian at the middle. `played` receives every other point with its residuals, without weights.
+    pub(super) fn columns(
+        &self,
+        problem: &Problem,
+        noise: &NoiseModel,
+        weights: Option<&[f64]>,
+        played: &mut dyn FnMut(&[f64], &[f64]),
+    ) -> Columns {
+        let count = problem.parameters().len();
+        let (point, middle) = (&self.points[2 * count], &self.readings[2 * count]);
+        let mut residuals = |point: &[f64], readings: &Readings| {
+            let mut residuals = noise.residuals(problem, point, readings);
+            played(point, &residuals);
+            weigh(&mut residuals, weights);
+            residuals
+        };
         let mut columns = Vec::with_capacity(point.len());
         for k in 0..count {
-            let [below, above] = [2 * k, 2 * k + 1].map(|row| self.left(&points[row], &played, row));
-            columns.push(slopes(&below, &above, points[2 * k + 1][k] - points[2 * k][k]));
+            let [below, above] = [2 * k, 2 * k + 1].map(|row| residuals(&self.points[row], &self.readings[row]));
+            columns.push(slopes(&below, &above, self.points[2 * k + 1][k] - self.points[2 * k][k]));
         }
-        for channel in 0..self.delays() {
+        for delay in 0..problem.delays() {
             let [before, after] = [-DELAY_STEP_MS, DELAY_STEP_MS].map(|by| {
-                let mut other = point.to_vec();
-                other[count + channel] += by;
-                self.left(&other, &played, 2 * count)
+                let mut other = point.clone();
+                other[count + delay] += by;
+                residuals(&other, middle)
             });
             columns.push(slopes(&before, &after, 2.0 * DELAY_STEP_MS));
         }
-        let middle = self.unweighted(point, &played, 2 * count);
-        // A point that cannot be played keeps the residuals of `residuals`.
-        if middle.iter().all(|x| x.is_finite()) {
-            self.kept = Some((point.to_vec(), middle));
-        }
-        Ok(columns)
+        columns
     }
+}
 
-    /// Computes the Jacobian by the model's own derivatives: each recording is played once, eight parameters at a time.
-    ///
-    /// # Errors
-    /// An interruption; a model without derivatives.
-    pub fn by_gradient(&mut self, point: &[f64]) -> Result<Columns, FitError> {
-        let instrument = self.at(point).ok_or(FitError::Unplayable)?;
-        let mut by = Vec::with_capacity(self.free.len());
-        for one in &self.free {
-            let variable = Variable::named(&instrument, "", &one.name);
-            by.push(variable.map_err(|error| FitError::asked("jacobian", error.to_string()))?);
-        }
-        let mut played: Vec<Vec<Sampled>> = Vec::new();
-        for one in &self.data {
-            // Reports errors of the stroke before any work.
-            drop(one.stroke.inputs(&instrument.finger)?);
-            let stroke = || -> Stroke<'_> {
-                one.stroke.inputs(&instrument.finger).unwrap_or_else(|_| Box::new(|_| Input::Free))
-            };
-            let (watch, count) = (&mut self.watch, self.evaluations);
-            let setup = one.setup();
-            let mut tell = |_: f64| watch(count);
-            let how = Differentiation {
-                rest: Rest::Moves,
-                sample_every: Some(one.every),
-                compares: false,
-                refuses: false,
-                of: Vec::new(),
-                threads: self.threads,
-            };
-            let found = gradient(&instrument, by.clone(), &stroke, &setup, how, &mut tell)?;
-            self.differentiated += 1;
-            played.push(found.sampled);
-        }
-        self.go_on()?;
-        let count = self.free.len();
-        let mut columns = vec![Vec::with_capacity(self.rows()); count + self.delays()];
-        for (channel, (i, name)) in self.channels().enumerate() {
-            let one = &self.data[i];
-            let missing = || FitError::asked("jacobian", format!("{name} has no derivatives; expected differences"));
-            let own = played[i].iter().find(|own| own.name == name).ok_or_else(missing)?;
-            let late_s = self.delay_s(point, channel);
-            let curve = |values: &[f64]| {
-                let mut values = values[..values.len().min(one.time_s.len())].to_vec();
-                values.resize(one.time_s.len(), f64::NAN);
-                moved(&one.time_s, &values, late_s)
-            };
-            let scale = 1.0 / self.sigma[channel];
-            let mut push = |column: usize, values: &[f64], by: f64| {
-                columns[column].extend(values[one.compared.clone()].iter().map(|x| finite(x * by * scale)));
-            };
-            for (k, slopes) in own.slopes.iter().enumerate() {
-                // A factor's inner value is its logarithm, and factors begin at 1 for this instrument: d/dlog is
-                // d/dfactor.
-                push(k, &curve(slopes), self.free[k].slope_from_itself());
-            }
-            for other in 0..self.delays() {
-                if other == channel {
-                    // Delays are in ms.
-                    push(count + other, &rates(&one.time_s, &curve(&own.values)), -1e-3);
-                } else {
-                    push(count + other, &vec![0.0; one.time_s.len()], 0.0);
-                }
-            }
-        }
-        if self.weights.is_some() {
-            columns.iter_mut().for_each(|column| self.weigh(column));
-        }
-        Ok(columns)
-    }
+/// Computes the Jacobian by the model's own derivatives. Rows are multiplied by `weights`.
+///
+/// # Errors
+/// An interruption; a model without derivatives.
+pub fn by_gradient(
+    simulator: &mut Simulator<'_>,
+    noise: &NoiseModel,
+    weights: Option<&[f64]>,
+    point: &[f64],
+) -> Result<Columns, FitError> {
+    let problem = simulator.problem();
+    let played = simulator.play_with_derivatives(point)?;
+    let mut columns = gradient_columns(problem, noise, point, &played)?;
+    columns.iter_mut().for_each(|column| weigh(column, weights));
+    Ok(columns)
+}
 
-    /// Uses the model's own derivatives in the last steps. Models without them are reported before the work begins.
-    ///
-    /// # Errors
-    /// See [`FitError`].
-    pub(crate) fn use_gradient(&mut self, point: &[f64]) -> Result<(), FitError> {
-        let rigid = |(i, name): (usize, &str)| self.data[i].stroke.drive == Prescribed::Rigid && name == "force_N";
-        if self.channels().any(rigid) {
-            let why = "force_N has no derivatives under a rigid drive, whose force is what its motion takes";
-            return Err(FitError::asked("jacobian", format!("{why}; expected differences")));
+fn gradient_columns(
+    problem: &Problem,
+    noise: &NoiseModel,
+    point: &[f64],
+    played: &[Vec<Sampled>],
+) -> Result<Columns, FitError> {
+    let count = problem.parameters().len();
+    let mut columns = vec![Vec::with_capacity(problem.rows()); count + problem.delays()];
+    for (at, block) in problem.blocks().iter().enumerate() {
+        let (name, one) = (block.column, problem.recording_of(block));
+        let missing = || FitError::argument("jacobian", format!("{name} has no derivatives; expected differences"));
+        let own = played[block.recording].iter().find(|own| own.name == name).ok_or_else(missing)?;
+        let late_s = problem.delay_s(point, at);
+        let curve = |values: &[f64]| {
+            let mut values = values[..values.len().min(one.time_s.len())].to_vec();
+            values.resize(one.time_s.len(), f64::NAN);
+            delayed(&one.time_s, &values, late_s)
+        };
+        let scale = 1.0 / noise.sigma[at];
+        let mut push = |column: usize, values: &[f64], by: f64| {
+            columns[column].extend(values[one.compared.clone()].iter().map(|x| finite(x * by * scale)));
+        };
+        for (k, slopes) in own.slopes.iter().enumerate() {
+            // The solver's value of a factor is its logarithm, and factors begin at 1 for this instrument: d/dlog is
+            // d/dfactor.
+            push(k, &curve(slopes), problem.parameters()[k].slope_from_itself());
         }
-        if self.data.iter().any(|one| one.settings.friction != FrictionLaw::SetValued) {
-            let why = "derivatives are those of set-valued friction, which truly sticks";
-            return Err(FitError::asked("jacobian", format!("{why}; expected differences")));
-        }
-        match self.by_gradient(point) {
-            Err(FitError::Sensitivity(SensitivityError::Gradient(error))) if !error.is_interruption() => {
-                return Err(FitError::asked("jacobian", format!("{error}; expected differences")));
+        for other in 0..problem.delays() {
+            if other == at {
+                // Delays are in ms.
+                push(count + other, &rates(&one.time_s, &curve(&own.values)), -1e-3);
+            } else {
+                push(count + other, &vec![0.0; one.time_s.len()], 0.0);
             }
-            Err(error) => return Err(error),
-            Ok(_) => {}
         }
-        self.exact = true;
-        Ok(())
     }
+    Ok(columns)
+}
+
+/// Checks that the recordings of a problem have derivatives under their drives.
+///
+/// # Errors
+/// See [`FitError`].
+pub(super) fn check_gradient(problem: &Problem) -> Result<(), FitError> {
+    let is_rigid = |one: &super::Data| one.stroke.drive == Prescribed::Rigid && one.columns.contains(&"force_N");
+    if problem.recordings().iter().any(is_rigid) {
+        let why = "force_N has no derivatives under a rigid drive, whose force is what its motion takes";
+        return Err(FitError::argument("jacobian", format!("{why}; expected differences")));
+    }
+    if problem.recordings().iter().any(|one| one.settings.friction != FrictionLaw::SetValued) {
+        let why = "derivatives are those of set-valued friction, which truly sticks";
+        return Err(FitError::argument("jacobian", format!("{why}; expected differences")));
+    }
+    Ok(())
 }
 
 fn slopes(below: &[f64], above: &[f64], apart: f64) -> Vec<f64> {

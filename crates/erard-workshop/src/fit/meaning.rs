@@ -3,7 +3,7 @@
 use erard::grand::{Parts, strike_weight_g};
 use erard::instrument::Instrument;
 
-use super::{FitError, FitResult, Meaning, Problem};
+use super::{FitError, FitResult, Meaning, Simulator};
 use crate::distances::{Distances, Protocol, Trial};
 
 /// Reads a bench quantity; `None` if the instrument does not have it.
@@ -27,26 +27,25 @@ fn let_off(instrument: &Instrument) -> Option<f64> {
     distances.let_off_m.map(|m| 1e3 * m)
 }
 
-impl Problem {
-    /// Returns the bench quantities of the fitted parameters, without those that the instrument does not have.
-    ///
-    /// # Errors
-    /// An interruption.
-    pub(super) fn meanings(&mut self, found: &FitResult) -> Result<Vec<Meaning>, FitError> {
-        let mut meanings = Vec::new();
-        for (name, explanation, quantity, unit, read) in NAMES {
-            let Some(k) = self.free.iter().position(|one| one.name == name) else { continue };
-            self.go_on()?;
-            let mut above = found.point.clone();
-            above[k] += found.inner_cov[k][k].sqrt();
-            let Some(fitted) = self.at(&found.point) else { continue };
-            // Beyond a bound there may be no instrument.
-            let above = self.at(&above);
-            if let (Some(before), Some(value)) = (read(&self.instrument), read(&fitted)) {
-                let std = above.and_then(|above| read(&above)).map_or(f64::NAN, |above| (above - value).abs());
-                meanings.push(Meaning { name: name.to_owned(), explanation, quantity, unit, before, value, std });
-            }
+/// Returns the bench quantities of the fitted parameters, without those that the instrument does not have.
+///
+/// # Errors
+/// An interruption.
+pub(super) fn meanings(simulator: &mut Simulator<'_>, found: &FitResult) -> Result<Vec<Meaning>, FitError> {
+    let problem = simulator.problem();
+    let mut meanings = Vec::new();
+    for (name, explanation, quantity, unit, read) in NAMES {
+        let Some(k) = problem.parameters().iter().position(|one| one.name == name) else { continue };
+        simulator.report()?;
+        let mut above = found.point.clone();
+        above[k] += found.solver_cov[k][k].sqrt();
+        let Some(fitted) = problem.instrument_at(&found.point) else { continue };
+        // Beyond a bound there may be no instrument.
+        let above = problem.instrument_at(&above);
+        if let (Some(before), Some(value)) = (read(problem.instrument()), read(&fitted)) {
+            let std = above.and_then(|above| read(&above)).map_or(f64::NAN, |above| (above - value).abs());
+            meanings.push(Meaning { name: name.to_owned(), explanation, quantity, unit, before, value, std });
         }
-        Ok(meanings)
     }
+    Ok(meanings)
 }

@@ -1,10 +1,11 @@
 //! Fit of an instrument's parameters to recordings: least squares, and what the data determine.
 //!
-//! The recorded force or motion drives the model, and the other recorded columns are compared ([`Data`]). A [`Free`]
-//! parameter varies within bounds; residuals and their Jacobian make a [`Problem`]. [`fit()`] solves it in stages: up
-//! to the impact, then all rows with coarse differences that smooth over jumps, then with fine ones; and from other
-//! starts until two end alike. [`FitResult`] holds the covariance (sensor noise, noise of the drive, misfit beyond
-//! both) and the directions that the data do not determine.
+//! The recorded force or motion drives the model, and the other recorded columns are compared ([`Data`]). A
+//! [`FitParameter`] varies within bounds. A [`Problem`] is the question: these parameters, these recordings. A
+//! [`Simulator`] plays the recorded strokes at the solver's points, and a [`NoiseModel`] turns the readings into
+//! residuals. [`fit()`] searches in stages: up to the impact, then all rows with coarse differences that smooth over
+//! jumps, then with fine ones; and from other starts until two end at the same place. [`FitResult`] holds the
+//! covariance (sensor noise, noise of the drive, misfit beyond both) and the directions that the data do not determine.
 //!
 //! The command `erard fit` and `erard.fit` in Python both use this code. A [`Solver`] minimises; Python can replace
 //! [`TrustRegion`] by SciPy's.
@@ -14,28 +15,33 @@ mod data;
 mod doubt;
 mod doubts;
 mod drive_noise;
-mod ends;
-mod free;
 mod impact;
 mod jacobian;
 mod meaning;
+mod noise;
+mod objective;
+mod parameter;
 mod plan;
 mod problem;
+mod readings;
 mod result;
+mod search;
+mod simulator;
 mod solver;
-mod svd;
 mod written;
 
-pub use plan::{Plan, Solution, Solver, TrustRegion, fit, fit_by};
-
+pub use crate::dense::Columns;
 pub use data::{COLUMNS, Data, misfit_unit};
 pub use doubt::{Doubt, DoubtKind};
-pub use free::{Asked, Free, free};
-pub use jacobian::{DIFFERENCES, Jacobian};
-pub use problem::{Channel, Problem};
+pub use jacobian::{DIFFERENCES, Jacobian, by_differences, by_gradient};
+pub use noise::NoiseModel;
+pub use parameter::{FitParameter, PerName, fit_parameters};
+pub use plan::{Plan, Solution, Solver, TrustRegion};
+pub use problem::{Problem, ResidualBlock};
 pub use result::{FitResult, FittedChannel, Meaning};
+pub use search::{fit, fit_by};
+pub use simulator::{Channel, Progress, Simulator};
 pub use solver::{LeastSquares, Loss};
-pub use svd::Columns;
 pub use written::WriteError;
 
 use crate::sensitivities::SensitivityError;
@@ -48,7 +54,7 @@ use thiserror::Error;
 pub enum FitError {
     /// An argument is wrong.
     #[error("{argument}: {message}")]
-    Asked {
+    Argument {
         /// Argument: `vary`, `bounds`, `start`, `columns`, `sigma`, `jacobian` or `recordings`.
         argument: &'static str,
         /// Text with found and expected values.
@@ -77,8 +83,8 @@ pub enum FitError {
 }
 
 impl FitError {
-    pub(crate) fn asked(argument: &'static str, message: impl Into<String>) -> Self {
-        FitError::Asked { argument, message: message.into() }
+    pub(crate) fn argument(argument: &'static str, message: impl Into<String>) -> Self {
+        FitError::Argument { argument, message: message.into() }
     }
 
     /// Whether the caller asked to stop.

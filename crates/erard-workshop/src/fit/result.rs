@@ -1,12 +1,13 @@
 //! Result of a fit: values, covariance, and what the data do not determine, in words.
 
-use super::Free;
-use super::candidate::Candidate;
+use crate::dense::{Columns, dot, svd, times};
+
+use super::candidate::{Candidate, best_of, within_tolerance};
 use super::doubt::Doubt;
-use super::drive_noise::{DISTURBED, Disturbed};
-use super::ends::{Ended, alike, best_of};
-use super::problem::Problem;
-use super::svd::{Columns, dot, svd, times};
+use super::drive_noise::{DISTURBED, DriveNoise};
+use super::problem::ResidualBlock;
+use super::simulator::Simulator;
+use super::{FitParameter, NoiseModel};
 
 /// A bench quantity set by a parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,27 +28,25 @@ pub struct Meaning {
     pub std: f64,
 }
 
-/// A matrix, row by row.
-type Rows = Vec<Vec<f64>>;
-
-/// Result of a fit. Vectors follow the order of the `free` parameters; inner ones end with the delays, ms.
+/// Result of a fit. Vectors follow the order of the `parameters`; those in the solver's coordinates end with the
+/// delays, ms. Covariances are symmetric.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitResult {
-    /// Free parameters.
-    pub free: Vec<Free>,
+    /// Fitted parameters.
+    pub parameters: Vec<FitParameter>,
     /// End point, in the solver's coordinates.
     pub point: Vec<f64>,
     /// Reason why the solver ended, in words.
     pub message: String,
-    /// Outer values, as in `vary`: turns in m, rad or N m, factors of other parameters.
+    /// Values, as in `vary`: turns in m, rad or N m, factors of other parameters.
     pub x: Vec<f64>,
     /// Standard deviations of `x`.
     pub std: Vec<f64>,
     /// Covariance of `x`.
-    pub cov: Rows,
+    pub cov: Columns,
     /// Fitted less measured, over the noise.
     pub residuals: Vec<f64>,
-    /// Number of residuals less number of inner parameters.
+    /// Number of residuals less number of parameters and delays.
     pub degrees_of_freedom: usize,
     /// Sum of squared residuals over the degrees of freedom. See [`FitResult::chi2`] for its meaning.
     pub chi2_reduced: f64,
@@ -58,13 +57,15 @@ pub struct FitResult {
     /// determine a direction no better than its bounds do.
     pub singular_values: Vec<f64>,
     /// Their right singular vectors, delays included.
-    pub directions: Rows,
+    pub directions: Columns,
     /// Dependence of the Jacobian on the steps of its differences: the largest relative change of a column.
     pub jacobian_agreement: f64,
-    /// Covariance of the inner parameters.
-    pub inner_cov: Rows,
-    /// Covariance from the sensors' noise alone.
-    pub sensors_cov: Rows,
+    /// Covariance of the point.
+    pub solver_cov: Columns,
+    /// Covariance of the point from the sensors' noise alone.
+    pub sensors_cov: Columns,
+    /// Noise of sensors and drives, with its estimates.
+    pub noise: NoiseModel,
     /// Results of the channels, in the order of the residuals.
     pub channels: Vec<FittedChannel>,
     /// Number of attempts from different starts, and how many of them had as small a misfit as the best one.
@@ -81,6 +82,27 @@ pub struct FitResult {
     pub evaluations: u64,
     /// Number of strokes played with derivatives.
     pub differentiated: u64,
+}
+
+/// End of a search, from which the result is computed.
+#[derive(Debug, Clone)]
+pub(super) struct Conclusion {
+    /// Best point.
+    pub point: Vec<f64>,
+    /// Reason why the solver ended, in words.
+    pub message: String,
+    /// Residuals at the point.
+    pub residuals: Vec<f64>,
+    /// Jacobian at the point.
+    pub jacobian: Columns,
+    /// Relative change of the Jacobian with its difference step.
+    pub jacobian_agreement: f64,
+    /// Ends of all attempts.
+    pub ends: Vec<Candidate>,
+    /// Root mean square residual of each block at the start, N, m or m/s.
+    pub rms_at_start: Vec<f64>,
+    /// Noise of sensors and drives.
+    pub noise: NoiseModel,
 }
 
 /// Result of one channel: one measured quantity of one recording.
@@ -106,68 +128,72 @@ pub struct FittedChannel {
 const UNSEEN: f64 = 1e-9;
 /// Correlations beyond this are reported.
 const CORRELATED: f64 = 0.5;
-/// Most parameters named per direction, and their least share of the largest component.
-const NAMED: (usize, f64) = (4, 0.3);
+/// Largest number of parameters named per direction, and their smallest share of the largest component.
+const MAX_NAMED: usize = 4;
+const MIN_SHARE: f64 = 0.3;
 
 impl FitResult {
-    /// Makes the result from the end of a fit.
-    pub(super) fn new(problem: &Problem, found: &Ended, jacobian: &[Vec<f64>], disturbed: &Disturbed) -> Self {
-        let Ended { point, message, residuals, agreement, ends } = found.clone();
-        let free = problem.free.clone();
-        let (count, all) = (free.len(), point.len());
+    /// Makes the result, without doubts and meanings, from the end of a search.
+    pub(super) fn new(simulator: &Simulator<'_>, end: &Conclusion, drive_noise: &DriveNoise) -> Self {
+        let Conclusion { point, message, residuals, jacobian, jacobian_agreement, ends, rms_at_start, noise } =
+            end.clone();
+        let problem = simulator.problem();
+        let parameters = problem.parameters().to_vec();
+        let (count, all) = (parameters.len(), point.len());
         let degrees_of_freedom = residuals.len().saturating_sub(all).max(1);
         let chi2_reduced = dot(&residuals, &residuals) / degrees_of_freedom as f64;
-        let chi2_expected = disturbed.explained(residuals.len());
-        let widths: Vec<f64> = free.iter().map(Free::width).chain(std::iter::repeat_n(1.0, problem.delays())).collect();
+        let chi2_expected = drive_noise.explained(residuals.len());
+        let widths: Vec<f64> =
+            parameters.iter().map(FitParameter::width).chain(std::iter::repeat_n(1.0, problem.delays())).collect();
         let scaled: Columns =
             jacobian.iter().zip(&widths).map(|(column, by)| column.iter().map(|x| x * by).collect()).collect();
         let factors = svd(&scaled);
         let least = UNSEEN * factors.values[0].max(1e-300);
         let seen: Vec<f64> = factors.values.iter().map(|s| s.max(least)).collect();
         // Square root of the sensors' covariance: the right singular vectors over the singular values.
-        let root: Rows =
+        let root: Columns =
             (0..all).map(|i| (0..all).map(|k| factors.directions[k][i] / seen[k] * widths[i]).collect()).collect();
-        let left: Columns =
+        let left_vectors: Columns =
             (0..all).map(|k| times(&scaled, &factors.directions[k]).iter().map(|x| x / seen[k]).collect()).collect();
-        let by_drive: Columns = disturbed
+        let by_drive: Columns = drive_noise
             .columns
             .iter()
             .map(|column| {
-                let seen: Vec<f64> = left.iter().map(|own| dot(own, column)).collect();
+                let seen: Vec<f64> = left_vectors.iter().map(|own| dot(own, column)).collect();
                 root.iter().map(|row| dot(row, &seen) / (DISTURBED as f64).sqrt()).collect()
             })
             .collect();
         // Misfit beyond the noise of sensors and drive enlarges all errors.
         let excess = (chi2_reduced / chi2_expected).max(1.0);
-        let square = |of: &dyn Fn(usize, usize) -> f64| -> Rows {
+        let square = |of: &dyn Fn(usize, usize) -> f64| -> Columns {
             (0..all).map(|i| (0..all).map(|j| of(i, j)).collect()).collect()
         };
         let sensors_cov = square(&|i, j| dot(&root[i], &root[j]));
-        let inner_cov = square(&|i, j| {
+        let solver_cov = square(&|i, j| {
             excess * (sensors_cov[i][j] + by_drive.iter().map(|column| column[i] * column[j]).sum::<f64>())
         });
-        let slopes: Vec<f64> = free.iter().zip(&point).map(|(one, p)| one.slope(*p)).collect();
-        let cov: Rows =
-            (0..count).map(|i| (0..count).map(|j| inner_cov[i][j] * slopes[i] * slopes[j]).collect()).collect();
+        let slopes: Vec<f64> = parameters.iter().zip(&point).map(|(one, p)| one.slope(*p)).collect();
+        let cov: Columns =
+            (0..count).map(|i| (0..count).map(|j| solver_cov[i][j] * slopes[i] * slopes[j]).collect()).collect();
         let delay_s = |channel: usize| {
-            let std_s = || 1e-3 * inner_cov[count + channel][count + channel].sqrt();
-            problem.delay.then(|| (problem.delay_s(&point, channel), std_s()))
+            let std_s = || 1e-3 * solver_cov[count + channel][count + channel].sqrt();
+            problem.has_delays().then(|| (problem.delay_s(&point, channel), std_s()))
         };
-        let channel = |(k, rows)| {
-            let own = &residuals[rows];
+        let channel = |(k, block): (usize, &ResidualBlock)| {
+            let own = &residuals[block.rows.clone()];
             FittedChannel {
-                title: problem.title(k),
-                noise: problem.sigma[k],
-                noise_is_known: problem.told[k].is_some(),
-                rms_at_start: problem.rms_at_start.get(k).copied().unwrap_or(f64::NAN),
-                rms: problem.sigma[k] * (dot(own, own) / own.len() as f64).sqrt(),
+                title: block.title.clone(),
+                noise: noise.sigma[k],
+                noise_is_known: noise.known_noise[k].is_some(),
+                rms_at_start: rms_at_start[k],
+                rms: noise.sigma[k] * (dot(own, own) / own.len() as f64).sqrt(),
                 delay_s: delay_s(k),
             }
         };
-        let channels = problem.channel_rows().into_iter().enumerate().map(channel).collect();
-        let [good, apart] = spread(&ends, &point, &inner_cov[..count]);
+        let channels = problem.blocks().iter().enumerate().map(channel).collect();
+        let [good, apart] = spread(&ends, &point, &solver_cov[..count]);
         FitResult {
-            x: problem.outer(&point),
+            x: problem.from_solver(&point),
             std: (0..count).map(|i| cov[i][i].sqrt()).collect(),
             cov,
             degrees_of_freedom,
@@ -175,21 +201,22 @@ impl FitResult {
             chi2_expected,
             singular_values: factors.values,
             directions: factors.directions,
-            jacobian_agreement: agreement,
+            jacobian_agreement,
             attempts: [ends.len(), good as usize],
             apart,
             channels,
-            inner_cov,
+            solver_cov,
             sensors_cov,
             meanings: Vec::new(),
             doubts: Vec::new(),
-            silent: problem.silent(),
-            evaluations: problem.evaluations,
-            differentiated: problem.differentiated,
+            silent: noise.silent_drives(problem),
+            evaluations: simulator.evaluations(),
+            differentiated: simulator.differentiated(),
             message,
             residuals,
             point,
-            free,
+            parameters,
+            noise,
         }
     }
 
@@ -201,12 +228,9 @@ impl FitResult {
     }
 
     /// Fitted values in SI units, with their standard deviations.
-    pub fn values(&self) -> impl Iterator<Item = (&Free, f64, f64)> + '_ {
-        let of = |(k, one): (usize, &'_ Free)| (one.si(self.x[k]), one.si_error(self.x[k], self.std[k]));
-        self.free.iter().enumerate().map(move |(k, one)| {
-            let (value, error) = of((k, one));
-            (one, value, error)
-        })
+    pub fn values(&self) -> impl Iterator<Item = (&FitParameter, f64, f64)> + '_ {
+        let all = self.parameters.iter().zip(self.x.iter().zip(&self.std));
+        all.map(|(one, (x, std))| (one, one.si(*x), one.si_error(*x, *std)))
     }
 
     /// Correlation of two parameters.
@@ -216,7 +240,7 @@ impl FitResult {
 
     /// Pairs of parameters with a correlation above one half, the largest first.
     pub fn correlated(&self) -> Vec<(usize, usize, f64)> {
-        let count = self.free.len();
+        let count = self.parameters.len();
         let mut pairs: Vec<(usize, usize, f64)> =
             (0..count).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| (i, j, self.correlation(i, j))).collect();
         pairs.retain(|(.., r)| r.abs() > CORRELATED);
@@ -228,22 +252,23 @@ impl FitResult {
     pub fn unseen(&self) -> Vec<String> {
         let delays = self.channels.iter().filter(|channel| channel.delay_s.is_some());
         let names: Vec<String> = self
-            .free
+            .parameters
             .iter()
             .map(|one| one.name.clone())
             .chain(delays.map(|channel| format!("delay of {}", channel.title)))
             .collect();
-        let told = |(value, direction): (&f64, &Vec<f64>)| {
+        let describe = |(value, direction): (&f64, &Vec<f64>)| {
             let mut large: Vec<usize> = (0..direction.len()).collect();
             large.sort_by(|a, b| direction[*b].abs().total_cmp(&direction[*a].abs()));
             let most = direction[large[0]];
-            large.retain(|k| direction[*k].abs() > NAMED.1 * most.abs());
+            large.retain(|k| direction[*k].abs() > MIN_SHARE * most.abs());
             let way = |k: &usize| if most.signum() * direction[*k] > 0.0 { "up" } else { "down" };
-            let words: Vec<String> = large.iter().take(NAMED.0).map(|k| format!("{} {}", names[*k], way(k))).collect();
+            let words: Vec<String> =
+                large.iter().take(MAX_NAMED).map(|k| format!("{} {}", names[*k], way(k))).collect();
             let beyond = two_digits(1.0 / value.max(1e-12));
             format!("{}: the data leave {beyond} times what the bounds allow", words.join(", "))
         };
-        self.singular_values.iter().zip(&self.directions).filter(|(value, _)| **value < 1.0).map(told).collect()
+        self.singular_values.iter().zip(&self.directions).filter(|(value, _)| **value < 1.0).map(describe).collect()
     }
 }
 
@@ -252,7 +277,7 @@ impl FitResult {
 fn spread(ends: &[Candidate], point: &[f64], cov: &[Vec<f64>]) -> [f64; 2] {
     let best = best_of(ends);
     let (mut good, mut apart) = (0.0, 0.0_f64);
-    for end in alike(ends, best) {
+    for end in within_tolerance(ends, best) {
         good += 1.0;
         for (k, row) in cov.iter().enumerate() {
             apart = apart.max((end.point[k] - point[k]).abs() / row[k].sqrt().max(f64::MIN_POSITIVE));

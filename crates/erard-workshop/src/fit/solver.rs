@@ -6,7 +6,7 @@
 //! (`least_squares(method="trf", x_scale="jac")`), so that both agree. The trust-region subproblem is solved as in More
 //! (1978). Robust losses are weighted as in Triggs and others, "Bundle adjustment: a modern synthesis" (1999).
 
-use super::svd::{Columns, Svd, dot, norm, svd, times};
+use crate::dense::{Columns, Svd, dot, norm, svd, times};
 
 /// Loss function of the squared residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -124,8 +124,8 @@ pub(crate) struct Solved {
 /// Tolerance of the gradient (absolute), and of cost and step (relative).
 const TOLERANCE: f64 = 1e-8;
 
-/// Minimises half the sum of the losses from a point within the bounds, with at most `most` evaluations of the
-/// residuals.
+/// Minimises half the sum of the losses from a point within the bounds, with at most `max_evaluations` evaluations of
+/// the residuals.
 ///
 /// # Errors
 /// Errors of the problem.
@@ -137,7 +137,7 @@ pub(crate) fn solve<P: LeastSquares + ?Sized>(
     start: &[f64],
     bounds: (&[f64], &[f64]),
     loss: Loss,
-    most: usize,
+    max_evaluations: usize,
 ) -> Result<Solved, P::Error> {
     let count = start.len();
     assert!(bounds.0.len() == count && bounds.1.len() == count, "a lower and an upper bound for every parameter");
@@ -160,7 +160,7 @@ pub(crate) fn solve<P: LeastSquares + ?Sized>(
         if slope < TOLERANCE {
             break Ended::Gradient;
         }
-        if evaluations >= most {
+        if evaluations >= max_evaluations {
             break Ended::Evaluations;
         }
         let (apart, turns) = distances(&x, &gradient, bounds, &sizes);
@@ -175,19 +175,19 @@ pub(crate) fn solve<P: LeastSquares + ?Sized>(
         let theta = (1.0 - slope).max(0.995);
         let (mut fallen, mut done) = (-1.0, None);
         let mut new = (x.clone(), f.clone(), cost);
-        while fallen <= 0.0 && evaluations < most {
+        while fallen <= 0.0 && evaluations < max_evaluations {
             let hat = region(&factors, &model.gradient, f.len(), radius, &mut damping);
             let (step, hat, predicted) = choose(&model, &x, &d, hat, radius, bounds, theta);
             let moved: Vec<f64> = x.iter().zip(&step).map(|(x, by)| x + by).collect();
             let moved = inside(&moved, bounds, 0.0);
-            let left = problem.residuals(&moved)?;
+            let residuals = problem.residuals(&moved)?;
             evaluations += 1;
             let length = norm(&hat);
-            if left.iter().any(|f| !f.is_finite()) {
+            if residuals.iter().any(|f| !f.is_finite()) {
                 radius = 0.25 * length;
                 continue;
             }
-            let now = loss.cost(&left);
+            let now = loss.cost(&residuals);
             fallen = cost - now;
             let ratio = if predicted > 0.0 { fallen / predicted } else { f64::from(predicted == 0.0 && fallen == 0.0) };
             let narrowed = if ratio < 0.25 {
@@ -197,7 +197,7 @@ pub(crate) fn solve<P: LeastSquares + ?Sized>(
             } else {
                 radius
             };
-            new = (moved, left, now);
+            new = (moved, residuals, now);
             let flat = fallen < TOLERANCE * cost && ratio > 0.25;
             let short = norm(&step) < TOLERANCE * (TOLERANCE + norm(&x));
             done = match (flat, short) {
@@ -475,17 +475,17 @@ mod tests {
         start: &[f64],
         bounds: (&[f64], &[f64]),
         loss: Loss,
-        most: usize,
+        max_evaluations: usize,
     ) -> Solved {
-        solve(&mut problem, start, bounds, loss, most).unwrap_or_else(|never| match never {})
+        solve(&mut problem, start, bounds, loss, max_evaluations).unwrap_or_else(|never| match never {})
     }
 
-    fn rosenbrock(start: [f64; 2], low: [f64; 2], high: [f64; 2], most: usize) -> Solved {
+    fn rosenbrock(start: [f64; 2], low: [f64; 2], high: [f64; 2], max_evaluations: usize) -> Solved {
         let problem = Problem(
             |x: &[f64]| vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]],
             |x: &[f64]| vec![vec![-20.0 * x[0], -1.0], vec![10.0, 0.0]],
         );
-        solved(problem, &start, (&low, &high), Loss::Linear, most)
+        solved(problem, &start, (&low, &high), Loss::Linear, max_evaluations)
     }
 
     fn near(found: &[f64], known: &[f64], tolerance: f64) {

@@ -30,11 +30,11 @@ impl FitResult {
         let file = InstrumentFile::parse(text, "instrument").map_err(|error| WriteError::Unlike(error.to_string()))?;
         let mut changes = Vec::new();
         let mut fitted = file.instrument.clone();
-        for ((one, x), std) in self.free.iter().zip(&self.x).zip(&self.std) {
+        for ((one, x), std) in self.parameters.iter().zip(&self.x).zip(&self.std) {
             if !one.parameter.vary(&mut fitted, *x) {
                 return Err(WriteError::Unlike(format!("{} cannot be varied by {x}", one.name)));
             }
-            let told = if one.parameter.is_factor() {
+            let note = if one.parameter.is_factor() {
                 format!("fitted: {x:.5} +- {std:.2} times the number before")
             } else {
                 format!("fitted: turned by {x:.4e} +- {std:.1e} {}", one.unit)
@@ -43,13 +43,13 @@ impl FitResult {
                 one.parameter
                     .numbers(&file.instrument, *x, text)
                     .into_iter()
-                    .map(|(path, value)| (path, value, told.clone())),
+                    .map(|(path, value)| (path, value, note.clone())),
             );
         }
         let title = format!("Fitted to {} ({} strokes played)", recordings.join(", "), self.evaluations);
         let new = cited(text, &changes, SOURCE, AUTHOR, &title)?;
         let read = InstrumentFile::parse(&new, "fitted").map_err(|error| WriteError::Unlike(error.to_string()))?;
-        for one in &self.free {
+        for one in &self.parameters {
             let (wanted, found) = (one.parameter.value(&fitted), one.parameter.value(&read.instrument));
             if (wanted - found).abs() > 1e-9 * wanted.abs() + 1e-12 {
                 return Err(WriteError::Unlike(format!("{} reads back as {found}, not {wanted}", one.name)));

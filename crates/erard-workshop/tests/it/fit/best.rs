@@ -7,14 +7,14 @@ use erard_workshop::fit::{
 use super::*;
 
 /// Runs another solver and records its points.
-struct Noting {
+struct Recorder {
     inner: TrustRegion,
     points: Vec<Vec<f64>>,
 }
 
-struct Noted<'a>(&'a mut dyn LeastSquares<Error = FitError>, &'a mut Vec<Vec<f64>>);
+struct Recorded<'a>(&'a mut dyn LeastSquares<Error = FitError>, &'a mut Vec<Vec<f64>>);
 
-impl LeastSquares for Noted<'_> {
+impl LeastSquares for Recorded<'_> {
     type Error = FitError;
 
     fn residuals(&mut self, x: &[f64]) -> Result<Vec<f64>, FitError> {
@@ -27,16 +27,16 @@ impl LeastSquares for Noted<'_> {
     }
 }
 
-impl Solver for Noting {
+impl Solver for Recorder {
     fn solve(
         &mut self,
         problem: &mut dyn LeastSquares<Error = FitError>,
         from: &[f64],
         bounds: (&[f64], &[f64]),
         loss: Loss,
-        most: usize,
+        max_evaluations: usize,
     ) -> Result<Solution, FitError> {
-        self.inner.solve(&mut Noted(problem, &mut self.points), from, bounds, loss, most)
+        self.inner.solve(&mut Recorded(problem, &mut self.points), from, bounds, loss, max_evaluations)
     }
 }
 
@@ -58,24 +58,23 @@ impl Solver for Astray {
         for point in &self.by {
             problem.residuals(point)?;
         }
-        let left = problem.residuals(&self.end)?;
-        Ok(Solution::new(self.end.clone(), &left, "went astray".to_owned()))
+        let residuals = problem.residuals(&self.end)?;
+        Ok(Solution::new(self.end.clone(), &residuals, "went astray".to_owned()))
     }
 }
 
 /// Negative log-likelihood of points, computed here: independent normal noise of every channel, known or, if unknown,
 /// with the deviation that maximises the likelihood.
-fn against(problem: &mut Problem, points: &[Vec<f64>]) -> Vec<f64> {
-    let all = problem.residuals_at(points).unwrap();
-    let rows: Vec<usize> = problem.channels().map(|(recording, _)| problem.data[recording].rows()).collect();
-    let (sigma, told) = (problem.sigma.clone(), problem.told.clone());
-    let of = |left: &Vec<f64>| {
+fn against(problem: &Problem, noise: &NoiseModel, points: &[Vec<f64>]) -> Vec<f64> {
+    let all = simulator(problem).residuals(noise, points).unwrap();
+    let rows: Vec<usize> = problem.blocks().iter().map(|block| problem.recordings()[block.recording].rows()).collect();
+    let of = |residuals: &Vec<f64>| {
         let mut first = 0;
         let mut sum = 0.0;
-        for (channel, count) in rows.iter().enumerate() {
-            let squares: f64 = left[first..first + count].iter().map(|x| (x * sigma[channel]).powi(2)).sum();
+        for (k, count) in rows.iter().enumerate() {
+            let squares: f64 = residuals[first..first + count].iter().map(|x| (x * noise.sigma[k]).powi(2)).sum();
             first += count;
-            sum += match told[channel] {
+            sum += match noise.known_noise[k] {
                 Some(noise) => 0.5 * squares / (noise * noise),
                 None => 0.5 * *count as f64 * (squares / *count as f64).ln(),
             };
@@ -96,17 +95,17 @@ fn nothing_is_better(noise_told: &[bool], restarts: usize) {
             asks.sigma.clear();
         }
         asks.plan.restarts = restarts;
-        let mut problem = problem(&data, &asks).unwrap();
+        let (problem, mut noise) = problem(&data, &asks).unwrap();
         if !told {
-            problem.told.fill(None);
+            noise = all_unknown(noise);
         }
-        let mut noting = Noting { inner: TrustRegion, points: Vec::new() };
-        let found = fit_by(&mut problem, &asks.plan, &mut noting).unwrap();
-        assert!(noting.points.len() > 20, "{}", noting.points.len());
-        let start: Vec<f64> = problem.free.iter().map(|one| one.inner(1.0)).collect();
-        noting.points.push(start);
-        let [result] = against(&mut problem, std::slice::from_ref(&found.point))[..] else { unreachable!() };
-        let tried = against(&mut problem, &noting.points);
+        let mut recorder = Recorder { inner: TrustRegion, points: Vec::new() };
+        let found = fit_by(&mut simulator(&problem), &noise, &asks.plan, &mut recorder).unwrap();
+        assert!(recorder.points.len() > 20, "{}", recorder.points.len());
+        let start: Vec<f64> = problem.parameters().iter().map(|one| one.to_solver(1.0)).collect();
+        recorder.points.push(start);
+        let result = against(&problem, &found.noise, std::slice::from_ref(&found.point))[0];
+        let tried = against(&problem, &found.noise, &recorder.points);
         let least = tried.iter().copied().filter(|x| x.is_finite()).fold(f64::INFINITY, f64::min);
         assert!(result <= least + 1e-9 * least.abs(), "{told}: {result} {least}");
         assert!(result < tried[tried.len() - 1], "{told}: {result}");
@@ -130,10 +129,9 @@ fn astray(data: &[Recording], restarts: usize, by: Vec<Vec<f64>>, end: f64) -> (
     asks.columns = Some(vec!["hammer_head_m".to_owned()]);
     asks.sigma = vec![("force_N".to_owned(), 0.0)];
     asks.plan.restarts = restarts;
-    let mut problem = problem(data, &asks).unwrap();
-    problem.told.fill(None);
-    let end = vec![problem.free[0].inner(end)];
-    let found = fit_by(&mut problem, &asks.plan, &mut Astray { by, end }).unwrap();
+    let (problem, noise) = problem(data, &asks).unwrap();
+    let end = vec![problem.parameters()[0].to_solver(end)];
+    let found = fit_by(&mut simulator(&problem), &all_unknown(noise), &asks.plan, &mut Astray { by, end }).unwrap();
     (found, problem)
 }
 
@@ -143,9 +141,10 @@ fn astray(data: &[Recording], restarts: usize, by: Vec<Vec<f64>>, end: f64) -> (
 fn a_fit_from_291_um_does_not_end_at_1804() {
     let data = [recorded(&varied(&[("body.hammer.mass", 1.0166)]), "mf", 0, NOISE, 0.0)];
     for restarts in [0, 2] {
-        let (found, mut problem) = astray(&data, restarts, Vec::new(), 1.125);
+        let (found, problem) = astray(&data, restarts, Vec::new(), 1.125);
         let channel = &found.channels[0];
-        let far = problem.curves(&[problem.free[0].inner(1.125)]).unwrap();
+        let far = [problem.parameters()[0].to_solver(1.125)];
+        let far = simulator(&problem).curves(&found.noise, &far).unwrap();
         let off = |curve: &erard_workshop::fit::Channel| {
             let squares = curve.fitted.iter().zip(&curve.measured).map(|(a, b)| (a - b).powi(2));
             (squares.sum::<f64>() / curve.fitted.len() as f64).sqrt()
@@ -163,7 +162,7 @@ fn a_fit_from_291_um_does_not_end_at_1804() {
 fn the_start_is_a_candidate() {
     let data = [recorded(&file().instrument, "mf", 0, [0.0; 3], 0.0)];
     let (found, problem) = astray(&data, 0, Vec::new(), 1.3);
-    assert_eq!(found.point, [problem.free[0].inner(1.0)]);
+    assert_eq!(found.point, [problem.parameters()[0].to_solver(1.0)]);
     let [start, end] = [found.channels[0].rms_at_start, found.channels[0].rms];
     assert!((end / start - 1.0).abs() < 1e-12, "{start} {end}");
 }

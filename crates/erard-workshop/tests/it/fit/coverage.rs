@@ -74,11 +74,11 @@ fn covered(each: usize, known: Known) -> Vec<(usize, &'static str, Hits)> {
             let (mut asks, noise_n) =
                 if known == Known::Drive { (asks(names), LOAD_CELL) } else { (quiet(names), 0.0) };
             asks.plan.restarts = 0;
-            let mut problem = problem(&[short(&varied(&truth), seed, 50e-6, noise_n)], &asks).unwrap();
+            let (problem, mut noise) = problem(&[short(&varied(&truth), seed, 50e-6, noise_n)], &asks).unwrap();
             if known == Known::Residuals {
-                problem.told.fill(None);
+                noise = all_unknown(noise);
             }
-            let found = erard_workshop::fit::fit(&mut problem, &asks.plan).unwrap();
+            let found = erard_workshop::fit::fit(&mut simulator(&problem), &noise, &asks.plan).unwrap();
             for (k, (_, truth)) in truth.iter().enumerate() {
                 let off = (found.x[k] - truth).abs() / found.std[k];
                 hits[k].fits += 1;

@@ -93,8 +93,8 @@ impl Solver for Idle {
 #[test]
 fn restarts_that_disagree() {
     let asks = quiet(&["body.hammer.mass"]);
-    let mut problem = problem(&[heavier_until_the_impact()], &asks).unwrap();
-    let found = fit_by(&mut problem, &asks.plan, &mut Idle).unwrap();
+    let (problem, noise) = problem(&[heavier_until_the_impact()], &asks).unwrap();
+    let found = fit_by(&mut simulator(&problem), &noise, &asks.plan, &mut Idle).unwrap();
     let text = said(&found, DoubtKind::Restarts);
     assert!(text.starts_with("6 starts led to different results"), "{text}");
 }
@@ -165,9 +165,8 @@ fn misfit_that_passes_for_noise() {
         let mut asks = quiet(&["body.key.friction"]);
         asks.sigma = vec![("force_N".to_owned(), 0.0)];
         asks.plan.restarts = 0;
-        let mut problem = problem(&[table(noise)], &asks).unwrap();
-        problem.told.fill(None);
-        let found = erard_workshop::fit::fit(&mut problem, &asks.plan).unwrap();
+        let (problem, noise) = problem(&[table(noise)], &asks).unwrap();
+        let found = erard_workshop::fit::fit(&mut simulator(&problem), &all_unknown(noise), &asks.plan).unwrap();
         println!("{:?} {:?} {:?}", found.x, found.std, found.doubts);
         let follows = found.doubts.iter().any(|doubt| doubt.text.contains("are correlated"));
         assert_eq!(follows, !is_noise, "{:?}", found.doubts);

@@ -15,7 +15,10 @@ use erard::instrument::{Instrument, InstrumentFile};
 use erard::recording::Preparation;
 use erard::run::{Setup, simulate};
 use erard::stroke::{Columns, PositionOf, Prescribed, Recording, Stroke, Touch};
-use erard_workshop::fit::{Asked, DIFFERENCES, Data, FitError, FitResult, Free, Jacobian, Loss, Plan, Problem, free};
+use erard_workshop::fit::{
+    DIFFERENCES, Data, FitError, FitResult, Jacobian, Loss, NoiseModel, PerName, Plan, Problem, Simulator,
+    by_differences, by_gradient, fit_parameters,
+};
 use erard_workshop::study::Parameter;
 use fastrand::Rng;
 use moreau::Settings;
@@ -65,7 +68,7 @@ fn recorded(instrument: &Instrument, nuance: &str, seed: u64, noise: [f64; 3], l
 /// Options of a fit in these tests.
 struct Asks<'a> {
     vary: &'a [&'a str],
-    bounds: Asked<[f64; 2]>,
+    bounds: PerName<[f64; 2]>,
     sigma: Vec<(String, f64)>,
     delay: bool,
     drive: Option<Prescribed>,
@@ -80,26 +83,34 @@ fn asks<'a>(vary: &'a [&'a str]) -> Asks<'a> {
     Asks { vary, bounds, sigma, delay: false, drive: None, columns: None, plan: Plan::default() }
 }
 
-fn problem(recordings: &[Recording], asks: &Asks<'_>) -> Result<Problem, FitError> {
-    problem_in_steps(recordings, asks, 50e-6)
-}
-
-fn problem_in_steps(recordings: &[Recording], asks: &Asks<'_>, step_s: f64) -> Result<Problem, FitError> {
+fn problem(recordings: &[Recording], asks: &Asks<'_>) -> Result<(Problem, NoiseModel), FitError> {
     let names: Vec<String> = asks.vary.iter().map(|name| (*name).to_owned()).collect();
-    let free: Vec<Free> = free(&file(), &names, &asks.bounds)?;
+    let parameters = fit_parameters(&file(), &names, &asks.bounds)?;
     let none = Preparation::none();
-    let how = Setup { settings: Settings::new(step_s), ..Setup::new(1.0) };
+    let how = Setup { settings: Settings::new(50e-6), ..Setup::new(1.0) };
     let data = recordings.iter().map(|recording| {
         let columns = asks.columns.as_deref();
         Data::new("synthetic", recording, PositionOf::Key, &none, asks.drive, columns, &how)
     });
     let data = data.collect::<Result<Vec<_>, _>>()?;
-    Problem::new(&file().instrument, free, data, asks.delay, &asks.sigma, erard_workshop::cores::count())
+    let problem = Problem::new(&file().instrument, parameters, data, asks.delay)?;
+    let noise = NoiseModel::new(&problem, &asks.sigma)?;
+    Ok((problem, noise))
+}
+
+fn simulator(problem: &Problem) -> Simulator<'_> {
+    Simulator::new(problem, erard_workshop::cores::count(), Box::new(|_| true))
+}
+
+/// The noise of every compared channel is to be estimated from the residuals.
+fn all_unknown(mut noise: NoiseModel) -> NoiseModel {
+    noise.known_noise.fill(None);
+    noise
 }
 
 fn fit(recordings: &[Recording], asks: &Asks<'_>) -> Result<FitResult, FitError> {
-    let mut problem = problem(recordings, asks)?;
-    erard_workshop::fit::fit(&mut problem, &asks.plan)
+    let (problem, noise) = problem(recordings, asks)?;
+    erard_workshop::fit::fit(&mut simulator(&problem), &noise, &asks.plan)
 }
 
 fn names() -> Vec<&'static str> {
@@ -200,11 +211,11 @@ fn the_recordings_tell_the_grand_that_made_them() {
         Data::new(nuance, &recording, PositionOf::Key, &Preparation::default(), None, None, &Setup::new(1.0))
     });
     let data = data.collect::<Result<Vec<_>, _>>().unwrap();
-    let free = free(&grand, &names, &bounds).unwrap();
+    let parameters = fit_parameters(&grand, &names, &bounds).unwrap();
     let sigma = [("key_m".to_owned(), 10e-6), ("hammer_head_m".to_owned(), 50e-6)];
-    let mut problem =
-        Problem::new(&grand.instrument, free, data, false, &sigma, erard_workshop::cores::count()).unwrap();
-    let found = erard_workshop::fit::fit(&mut problem, &Plan::default()).unwrap();
+    let problem = Problem::new(&grand.instrument, parameters, data, false).unwrap();
+    let noise = NoiseModel::new(&problem, &sigma.to_vec()).unwrap();
+    let found = erard_workshop::fit::fit(&mut simulator(&problem), &noise, &Plan::default()).unwrap();
     for ((name, truth), (x, std)) in recordings::TRUE.iter().zip(found.x.iter().zip(&found.std)) {
         println!("{name} {x} +- {std} ({truth}), {:.2}", (x - truth) / std);
         assert!((x - truth).abs() < 4.0 * std, "{name}: {x} +- {std}, {truth}");
@@ -226,12 +237,13 @@ fn the_recordings_tell_the_grand_that_made_them() {
 fn both_jacobians_are_one() {
     let vary = names();
     let late = [recorded(&varied(&TRUE), "mf", 0, NOISE, 0.3e-3)];
-    let mut problem = problem(&late, &Asks { delay: true, ..asks(&vary) }).unwrap();
-    let mut point: Vec<f64> = problem.free.iter().zip(&TRUE).map(|(one, (_, x))| one.inner(*x)).collect();
+    let (problem, noise) = problem(&late, &Asks { delay: true, ..asks(&vary) }).unwrap();
+    let mut point: Vec<f64> = problem.parameters().iter().zip(&TRUE).map(|(one, (_, x))| one.to_solver(*x)).collect();
     point.extend([0.3, 0.3]);
-    problem.weights = Some(problem.until_the_impact(&point).unwrap());
-    let exact = problem.by_gradient(&point).unwrap();
-    let differences = problem.by_differences(&point, DIFFERENCES[1]).unwrap();
+    let mut simulator = simulator(&problem);
+    let weights = simulator.weights_until_impact(&point).unwrap();
+    let exact = by_gradient(&mut simulator, &noise, Some(&weights), &point).unwrap();
+    let differences = by_differences(&mut simulator, &noise, Some(&weights), &point, DIFFERENCES[1]).unwrap();
     assert_eq!((exact.len(), exact[0].len()), (6, problem.rows()));
     for (k, (own, other)) in exact.iter().zip(&differences).enumerate() {
         let apart: f64 = own.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
@@ -371,10 +383,10 @@ fn what_is_wrong_is_said() {
     assert!(told(&|a| a.plan.start = vec![("drop".into(), 0.0)]).contains("start: drop is not varied"));
     assert!(told(&|a| a.plan.start = vec![("let_off".into(), 1.0)]).contains("its bounds"));
     assert!(told(&|a| a.columns = Some(vec!["string_N".into()])).contains("to compare"));
-    let mut problem = problem(&data, &asks(&["let_off"])).unwrap();
-    problem.watch = Box::new(|_| false);
-    assert!(erard_workshop::fit::fit(&mut problem, &Plan::default()).unwrap_err().is_interruption());
-    assert!(Problem::new(&file().instrument, Vec::new(), Vec::new(), false, &[], 1).is_err());
+    let (problem, noise) = problem(&data, &asks(&["let_off"])).unwrap();
+    let mut interrupted = Simulator::new(&problem, 1, Box::new(|_| false));
+    assert!(erard_workshop::fit::fit(&mut interrupted, &noise, &Plan::default()).unwrap_err().is_interruption());
+    assert!(Problem::new(&file().instrument, Vec::new(), Vec::new(), false).is_err());
 }
 
 /// The same bits on any number of cores.
@@ -392,9 +404,9 @@ fn cores_do_not_matter_from_any_start() {
 fn same_on_cores(restarts: usize) {
     let data = [recorded(&varied(&[("body.hammer.mass", 1.05)]), "mf", 0, NOISE, 0.0)];
     let on = |threads: usize| {
-        let mut problem = problem(&data, &asks(&["body.hammer.mass"])).unwrap();
-        problem.threads = threads;
-        erard_workshop::fit::fit(&mut problem, &Plan { restarts, ..Plan::default() }).unwrap()
+        let (problem, noise) = problem(&data, &asks(&["body.hammer.mass"])).unwrap();
+        let mut simulator = Simulator::new(&problem, threads, Box::new(|_| true));
+        erard_workshop::fit::fit(&mut simulator, &noise, &Plan { restarts, ..Plan::default() }).unwrap()
     };
     assert_eq!(on(1), on(3));
 }

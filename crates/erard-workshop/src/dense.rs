@@ -1,7 +1,8 @@
-//! Singular values of a tall matrix by Hestenes' one-sided rotations: small ones have their own relative accuracy, not
-//! that of the largest.
+//! Small dense matrices: singular values, and the Cholesky factor of a covariance.
 //!
-//! Demmel and Veselic, "Jacobi's method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992).
+//! The singular values are those of a tall matrix by Hestenes' one-sided rotations: small ones have their own relative
+//! accuracy, not that of the largest (Demmel and Veselic, "Jacobi's method is more accurate than QR", SIAM J. Matrix
+//! Anal. Appl. 13 (1992)).
 
 /// A matrix, column by column.
 pub type Columns = Vec<Vec<f64>>;
@@ -12,18 +13,18 @@ pub(crate) struct Svd {
     /// Not negative, descending.
     pub values: Vec<f64>,
     /// Each of unit length.
-    pub directions: Vec<Vec<f64>>,
+    pub directions: Columns,
 }
 
-/// Most sweeps over all pairs: about eight are needed; only matrices that are not finite take more.
-const SWEEPS: usize = 60;
+/// Largest number of sweeps over all pairs: about eight are needed; only matrices that are not finite take more.
+const MAX_SWEEPS: usize = 60;
 
 /// Decomposes a matrix given by its columns.
 pub(crate) fn svd(matrix: &[Vec<f64>]) -> Svd {
     let count = matrix.len();
     let mut columns: Columns = matrix.to_vec();
     let mut right: Columns = (0..count).map(|i| (0..count).map(|j| f64::from(i == j)).collect()).collect();
-    for _ in 0..SWEEPS {
+    for _ in 0..MAX_SWEEPS {
         let mut turned = false;
         for i in 0..count {
             for j in i + 1..count {
@@ -75,6 +76,60 @@ pub(crate) fn times(matrix: &[Vec<f64>], vector: &[f64]) -> Vec<f64> {
     found
 }
 
+/// Lower Cholesky factor of a symmetric positive definite matrix.
+#[derive(Debug, Clone)]
+pub(crate) struct Cholesky {
+    n: usize,
+    lower: Vec<f64>,
+}
+
+impl Cholesky {
+    /// Factorises an n by n matrix stored by rows; `None` if it is not positive definite.
+    pub(crate) fn of(matrix: &[f64], n: usize) -> Option<Self> {
+        let mut lower = matrix.to_vec();
+        for i in 0..n {
+            for j in 0..=i {
+                let mut sum = lower[i * n + j];
+                for k in 0..j {
+                    sum -= lower[i * n + k] * lower[j * n + k];
+                }
+                if i == j {
+                    if sum <= 0.0 || !sum.is_finite() {
+                        return None;
+                    }
+                    lower[i * n + i] = libm::sqrt(sum);
+                } else {
+                    lower[i * n + j] = sum / lower[j * n + j];
+                }
+            }
+        }
+        Some(Cholesky { n, lower })
+    }
+
+    /// L^-1 b.
+    pub(crate) fn forward(&self, b: &[f64]) -> Vec<f64> {
+        let n = self.n;
+        let mut x = b.to_vec();
+        for i in 0..n {
+            for k in 0..i {
+                x[i] -= self.lower[i * n + k] * x[k];
+            }
+            x[i] /= self.lower[i * n + i];
+        }
+        x
+    }
+
+    /// Number of rows.
+    pub(crate) fn rows(&self) -> usize {
+        self.n
+    }
+
+    /// Logarithm of the factor's determinant.
+    pub(crate) fn log_determinant(&self) -> f64 {
+        (0..self.n).map(|i| libm::log(self.lower[i * self.n + i])).sum()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,10 +155,10 @@ mod tests {
         let matrix = vec![vec![1.0, 2.0, 3.0, 4.0], vec![2.0, -1.0, 0.5, 1.0], vec![3.0, 1.0, 3.5, 5.0]];
         let found = svd(&matrix);
         assert!(found.values[2] < 1e-15 * found.values[0]);
-        let left: Vec<Vec<f64>> = found.directions.iter().map(|direction| times(&matrix, direction)).collect();
-        for (i, a) in left.iter().enumerate() {
+        let images: Columns = found.directions.iter().map(|direction| times(&matrix, direction)).collect();
+        for (i, a) in images.iter().enumerate() {
             assert!((norm(a) - found.values[i]).abs() < 1e-14 * found.values[0]);
-            for b in &left[..i] {
+            for b in &images[..i] {
                 assert!(dot(a, b).abs() < 1e-13 * found.values[0]);
             }
         }

@@ -1,4 +1,4 @@
-//! The free parameters, their bounds and their scales.
+//! Fitted parameters, their bounds and their scales.
 
 use crate::study::{Parameter, Quantity, nearest, quantities};
 use erard::instrument::{Instrument, InstrumentFile};
@@ -13,11 +13,10 @@ const USUAL_FACTORS: [f64; 2] = [0.2, 5.0];
 /// Bounds of a screw's turn, as a share of its range.
 const USUAL_TURN: f64 = 0.02;
 
-/// A fitted parameter. Its outer value is that of `study --vary` in SI units: a screw's turn in m, rad or N m, or a
-/// factor. Its inner value is scaled for the solver: the logarithm of a factor, or a turn as a share of half its
-/// bounds.
+/// A fitted parameter. Its value is that of `study --vary` in SI units: a screw's turn in m, rad or N m, or a factor.
+/// The solver works on a scaled value: the logarithm of a factor, or a turn as a share of half its bounds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Free {
+pub struct FitParameter {
     /// Name of the parameter ([`Parameter::all`]).
     pub name: String,
     /// The parameter.
@@ -26,96 +25,101 @@ pub struct Free {
     pub value: f64,
     /// SI unit; empty for a coefficient.
     pub unit: &'static str,
-    /// Lower bound, outer.
+    /// Lower bound, a turn or a factor.
     pub low: f64,
-    /// Upper bound, outer.
+    /// Upper bound, a turn or a factor.
     pub high: f64,
 }
 
-impl Free {
+impl FitParameter {
     fn scale(&self) -> f64 {
         (self.high - self.low) / 2.0
     }
 
-    /// Returns the inner value of an outer one.
-    pub fn inner(&self, x: f64) -> f64 {
+    /// Returns the solver's value of a turn or factor.
+    pub fn to_solver(&self, x: f64) -> f64 {
         if self.parameter.is_factor() { x.ln() } else { x / self.scale() }
     }
 
-    /// Returns the outer value of an inner one.
-    pub(crate) fn outer(&self, p: f64) -> f64 {
+    /// Returns the turn or factor of a solver's value.
+    #[allow(clippy::wrong_self_convention, reason = "the inverse of `to_solver` needs the parameter's scale")]
+    pub(crate) fn from_solver(&self, p: f64) -> f64 {
         if self.parameter.is_factor() { p.exp() } else { p * self.scale() }
     }
 
-    /// d outer / d inner.
+    /// Derivative of the turn or factor by the solver's value.
     pub(crate) fn slope(&self, p: f64) -> f64 {
         if self.parameter.is_factor() { p.exp() } else { self.scale() }
     }
 
-    /// d outer / d inner for an instrument that already has the value, i.e. at factor 1.
+    /// [`FitParameter::slope`] for an instrument that already has the value, i.e. at factor 1.
     pub(super) fn slope_from_itself(&self) -> f64 {
         if self.parameter.is_factor() { 1.0 } else { self.scale() }
     }
 
-    /// Half the distance of the inner bounds.
+    /// Half the distance between the bounds, in solver's values.
     pub(crate) fn width(&self) -> f64 {
-        (self.inner(self.high) - self.inner(self.low)) / 2.0
+        (self.to_solver(self.high) - self.to_solver(self.low)) / 2.0
     }
 
-    /// Inner bounds.
+    /// Bounds of the solver's value.
     pub(crate) fn bounds(&self) -> [f64; 2] {
-        [self.inner(self.low), self.inner(self.high)]
+        [self.to_solver(self.low), self.to_solver(self.high)]
     }
 
-    /// Converts an outer value to SI units.
+    /// Converts a turn or factor to SI units.
     pub fn si(&self, x: f64) -> f64 {
         if self.parameter.is_factor() { self.value * x } else { self.value + x }
     }
 
-    /// Converts a deviation of an outer value to SI units.
+    /// Converts a deviation of a turn or factor to SI units.
     pub(crate) fn si_error(&self, x: f64, error: f64) -> f64 {
         if self.parameter.is_factor() { (self.value * x).abs() * error / x } else { error }
     }
 
-    /// Outer value that leaves the instrument unchanged.
-    pub(crate) fn nothing(&self) -> f64 {
+    /// Turn or factor that leaves the instrument unchanged.
+    pub(crate) fn unchanged(&self) -> f64 {
         if self.parameter.is_factor() { 1.0 } else { 0.0 }
     }
 
-    /// Whether an outer value is at a bound.
+    /// Whether a turn or factor is at a bound.
     pub fn is_at_a_bound(&self, x: f64) -> bool {
         (x - self.low).abs().min((x - self.high).abs()) < 1e-3 * (self.high - self.low)
     }
 }
 
 /// Values by name.
-pub type Asked<T> = Vec<(String, T)>;
+pub type PerName<T> = Vec<(String, T)>;
 
-/// Returns the free parameters by name, with bounds: as given, else the uncertainty stated in the file, else default
+/// Returns the parameters to fit by name, with bounds: as given, else the uncertainty stated in the file, else default
 /// ones.
 ///
 /// # Errors
 /// An unknown or repeated name, or invalid bounds.
-pub fn free(file: &InstrumentFile, names: &[String], bounds: &Asked<[f64; 2]>) -> Result<Vec<Free>, FitError> {
+pub fn fit_parameters(
+    file: &InstrumentFile,
+    names: &[String],
+    bounds: &PerName<[f64; 2]>,
+) -> Result<Vec<FitParameter>, FitError> {
     let known = quantities(file);
-    let mut found: Vec<Free> = Vec::new();
+    let mut found: Vec<FitParameter> = Vec::new();
     for name in names {
         let own = known.iter().find(|quantity| quantity.name == *name).ok_or_else(|| unknown(name, &known))?;
         if found.iter().any(|other| other.name == *name) {
-            return Err(FitError::asked("vary", format!("`{name}` is given twice; expected once")));
+            return Err(FitError::argument("vary", format!("`{name}` is given twice; expected once")));
         }
-        found.push(one(own, bounds)?);
+        found.push(parameter(own, bounds)?);
     }
     if found.is_empty() {
-        return Err(FitError::asked("vary", "found none, expected one name or more, each once"));
+        return Err(FitError::argument("vary", "found none, expected one name or more, each once"));
     }
     match bounds.iter().find(|(name, _)| !names.contains(name)) {
-        Some((name, _)) => Err(FitError::asked("bounds", format!("{name} is not varied"))),
+        Some((name, _)) => Err(FitError::argument("bounds", format!("{name} is not varied"))),
         None => Ok(found),
     }
 }
 
-fn one(own: &Quantity, bounds: &Asked<[f64; 2]>) -> Result<Free, FitError> {
+fn parameter(own: &Quantity, bounds: &PerName<[f64; 2]>) -> Result<FitParameter, FitError> {
     let [least, most] = own.parameter.range();
     let usual = || {
         let screw = [-USUAL_TURN * most, USUAL_TURN * most];
@@ -127,10 +131,17 @@ fn one(own: &Quantity, bounds: &Asked<[f64; 2]>) -> Result<Free, FitError> {
     if !(low.is_finite() && high.is_finite() && least <= low && low < high && high <= most) {
         let unit = if own.parameter.is_factor() { "times" } else { own.unit };
         let expected = format!("expected two increasing numbers from {least:.4} to {most:.4} {unit}");
-        return Err(FitError::asked("bounds", format!("{} from {low} to {high}; {expected}", own.name)));
+        return Err(FitError::argument("bounds", format!("{} from {low} to {high}; {expected}", own.name)));
     }
     // A file may state an uncertainty wider than a run allows.
-    Ok(Free { name: own.name.clone(), parameter: own.parameter.clone(), value: own.value, unit: own.unit, low, high })
+    Ok(FitParameter {
+        name: own.name.clone(),
+        parameter: own.parameter.clone(),
+        value: own.value,
+        unit: own.unit,
+        low,
+        high,
+    })
 }
 
 fn unknown(name: &str, known: &[Quantity]) -> FitError {
@@ -145,13 +156,13 @@ fn unknown(name: &str, known: &[Quantity]) -> FitError {
         if is_number { String::new() } else { format!(" {} names", known.len()) },
         nearest(name, known.iter().map(|one| &one.name))
     );
-    FitError::asked("vary", message)
+    FitError::argument("vary", message)
 }
 
-/// Returns the instrument with these outer values; `None` if it cannot have them.
-pub(super) fn varied(instrument: &Instrument, free: &[Free], values: &[f64]) -> Option<Instrument> {
+/// Returns the instrument with these turns and factors; `None` if it cannot have them.
+pub(super) fn varied(instrument: &Instrument, parameters: &[FitParameter], values: &[f64]) -> Option<Instrument> {
     let mut varied = instrument.clone();
-    let all = free.iter().zip(values).all(|(one, value)| {
+    let all = parameters.iter().zip(values).all(|(one, value)| {
         let [least, most] = one.parameter.range();
         (least..=most).contains(value) && one.parameter.vary(&mut varied, *value)
     });
@@ -170,20 +181,20 @@ mod tests {
         all.iter().map(|name| (*name).to_owned()).collect()
     }
 
-    /// A factor is scaled by its logarithm, a screw by its bounds; inner and outer values and their slopes agree.
+    /// A factor is scaled by its logarithm, a screw by its bounds; both values and their slopes agree.
     #[test]
     fn counts_are_one_both_ways() {
         let bounds = vec![("let_off".to_owned(), [-1e-3, 3e-3])];
-        let found = free(&grand(), &names(&["body.hammer.mass", "let_off"]), &bounds).unwrap();
+        let found = fit_parameters(&grand(), &names(&["body.hammer.mass", "let_off"]), &bounds).unwrap();
         assert_eq!((found[1].low, found[1].high, found[1].width()), (-1e-3, 3e-3, 1.0));
         for (one, x) in [(&found[0], 1.07), (&found[1], 4e-4)] {
-            let p = one.inner(x);
-            assert!((one.outer(p) - x).abs() < 1e-15);
-            let slope = (one.outer(p + 1e-6) - one.outer(p - 1e-6)) / 2e-6;
+            let p = one.to_solver(x);
+            assert!((one.from_solver(p) - x).abs() < 1e-15);
+            let slope = (one.from_solver(p + 1e-6) - one.from_solver(p - 1e-6)) / 2e-6;
             assert!((slope / one.slope(p) - 1.0).abs() < 1e-8);
             assert!(
-                one.low < one.nothing()
-                    && one.nothing() < one.high
+                one.low < one.unchanged()
+                    && one.unchanged() < one.high
                     && !one.is_at_a_bound(x)
                     && one.is_at_a_bound(one.high)
             );
@@ -197,9 +208,9 @@ mod tests {
     /// Errors state what was found and what is expected.
     #[test]
     fn what_is_wrong_is_named() {
-        let told = |asked: &[&str], bounds: &[(&str, [f64; 2])]| {
-            let bounds: Asked<[f64; 2]> = bounds.iter().map(|(name, b)| ((*name).to_owned(), *b)).collect();
-            free(&grand(), &names(asked), &bounds).unwrap_err().to_string()
+        let message = |asked: &[&str], bounds: &[(&str, [f64; 2])]| {
+            let bounds: PerName<[f64; 2]> = bounds.iter().map(|(name, b)| ((*name).to_owned(), *b)).collect();
+            fit_parameters(&grand(), &names(asked), &bounds).unwrap_err().to_string()
         };
         for (asked, bounds, expected) in [
             (&[][..], &[][..], "one name or more"),
@@ -211,7 +222,7 @@ mod tests {
             (&["let_off"], &[("let_off", [-1.0, 1.0])], "to 0.1"),
             (&["let_off"], &[("drop", [0.0, 1e-3])], "drop is not varied"),
         ] {
-            let message = told(asked, bounds);
+            let message = message(asked, bounds);
             assert!(message.contains(expected), "{message}");
         }
     }
