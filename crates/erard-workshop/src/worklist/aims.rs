@@ -2,20 +2,16 @@
 
 use super::Worked;
 use super::hand::{Work, screw_step};
-use super::plan::{Planner, Priority, is_surely_out};
+use super::list::{DECIDE, REGULATION};
+use super::planner::{Planner, Priority, is_surely_out};
 use super::readings::{Quantity, Readings};
 use crate::regulate::{Goal, Specification};
 
-use Quantity::{Aftertouch, Blow, Check, Damper, Dip, Drop, JackPosition, LetOff, LeverHeight, Spring};
+use Quantity::{Aftertouch, Blow, Check, Dip, Drop, JackPosition, LetOff, LeverHeight};
 
-/// Lines with screws, in the trade's order of work. Aftertouch has no screw: it follows from dip and blow.
-pub(super) const REGULATION: [Quantity; 9] =
-    [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop, Check, Spring, Damper];
-/// Lines that determine the aftertouch.
-pub(super) const DECIDE: [Quantity; 6] = [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop];
 /// Key travel per hammer travel, for changes of the aftertouch by the blow.
 pub(super) const KEY_PER_HAMMER: f64 = 0.19;
-const MOST_KEY_PER_HAMMER: f64 = 2.0 * KEY_PER_HAMMER;
+const MAX_KEY_PER_HAMMER: f64 = 2.0 * KEY_PER_HAMMER;
 /// Most trials of dip and blow on the copy.
 const TRIALS: u32 = 4;
 /// Distance from the ends of its range, mm, at which a line tolerates the errors of hand and reading: a paper and a
@@ -52,7 +48,7 @@ impl CapstanStep {
     fn learn(&mut self, [dip, blow, aftertouch]: [f64; 3], then: [f64; 3]) {
         let by = then[1] - blow;
         if by.abs() > Blow.least_change() {
-            self.key_per_hammer = (((then[0] - dip) - (then[2] - aftertouch)) / by).clamp(0.0, MOST_KEY_PER_HAMMER);
+            self.key_per_hammer = (((then[0] - dip) - (then[2] - aftertouch)) / by).clamp(0.0, MAX_KEY_PER_HAMMER);
         }
     }
 }

@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 
 use super::Worked;
-use super::aims::REGULATION;
 use super::hand::Work;
-use super::plan::{Done, Item, Left, Planner, Why, Worklist, can_be_seen};
+use super::list::{Item, Left, REGULATION, Why, Worklist};
+use super::planner::{Done, Planner, can_be_seen};
 use super::readings::{Quantity, Readings};
 use erard::instrument::Instrument;
 

@@ -7,7 +7,7 @@
 use erard::keyboard::KEYS;
 
 use super::hand::Work;
-use super::plan::Why;
+use super::list::Why;
 use super::readings::Quantity;
 use super::weights::{balance_for, best_friction_g, friction_change_g};
 use crate::balance::{BalancedKey, KeyModel, LEAST_BALANCE_G, MeasuredKey, Plan, Target, median, plan};

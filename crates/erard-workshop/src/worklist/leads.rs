@@ -2,7 +2,8 @@
 
 use super::Worked;
 use super::hand::{FRONT_G, Work};
-use super::plan::{Planner, Why, is_surely_out};
+use super::list::Why;
+use super::planner::{Planner, is_surely_out};
 use super::readings::{Quantity, Readings};
 use super::weights::{WEIGHED, balance_for};
 use crate::balance::{LEADS_G, Lead, lead_work};

@@ -2,14 +2,16 @@
 //! screw; then the screws in the trade's order; the leads last.
 
 use super::Worked;
-use super::aims::{Aims, DECIDE, REGULATION};
+use super::aims::Aims;
 use super::hand::{Work, screw_step};
+use super::list::{Left, REGULATION, Why, Worklist};
+use super::planner::{Done, Planner, Priority, is_surely_out};
 use super::readings::{Quantity, Readings, is_seen_to_drop};
 use super::weights::{WEIGHED, best_friction_g, eased_by_g, friction_under_ceiling_g};
 use crate::balance::{KeyModel, Lead};
 use crate::distances::Protocol;
 use crate::measure::norms::norms_key;
-use crate::regulate::{Goal, Miss, Specification, Status, known_screw, regulate};
+use crate::regulate::{Miss, Specification, Status, known_screw, regulate};
 use crate::weighing::Scale;
 use erard::Progress;
 use erard::instrument::Instrument;
@@ -28,137 +30,7 @@ const DOUBT: f64 = 0.5;
 /// 1.4 and 1.3 times as much as their copies.
 const DOUBT_FRICTION: f64 = 0.3;
 /// Largest move of a capstan line, mm: more needs other parts.
-const MOST_CAPSTAN_MM: f64 = 8.0;
-
-/// Priority of dip and aftertouch if not both can be in range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Priority {
-    /// Dip stays: the blow changes.
-    Dip,
-    /// Aftertouch comes right: the dip changes, within its range, then the blow.
-    #[default]
-    Aftertouch,
-}
-
-/// A line of work.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Item {
-    /// Quantity that the work corrects.
-    pub quantity: Quantity,
-    /// The work.
-    pub work: Work,
-    /// Alternative work.
-    pub instead: Option<Work>,
-    /// Readings expected before it.
-    pub before: Readings,
-    /// Readings expected after it.
-    pub after: Readings,
-}
-
-impl Item {
-    /// Returns D and U that the key reads after this line, in the whole grams that a sheet prints; `None` without both.
-    #[must_use]
-    pub fn weighed_g(&self) -> Option<[f64; 2]> {
-        let [down_g, up_g] = [DownWeight, UpWeight].map(|weight| self.after.get(weight).map(f64::round));
-        Some([down_g?, up_g?])
-    }
-
-    /// Returns how far, in whole mm, the leads of this line may be shifted toward the front beyond the places it names,
-    /// until the front weight of key `key` is at its ceiling, or as large as before; `None` where they have more room
-    /// than the readings can err, or where it puts no lead in. `key_front_mm` is the key's front arm.
-    #[must_use]
-    pub fn room_to_shift_mm(&self, key: usize, key_front_mm: f64) -> Option<f64> {
-        let Work::Leads(leads) = &self.work else { return None };
-        let (before_g, after_g) = (self.before.get(FrontWeight)?, self.after.get(FrontWeight)?);
-        let room_g = (FrontWeight.range(key)[1].max(before_g) - after_g).max(0.0);
-        let mass_g: f64 = leads.put.iter().map(|lead| lead.mass_g).sum();
-        let is_near = mass_g > 0.0 && room_g <= 2.0 * FrontWeight.precision();
-        is_near.then(|| (room_g * key_front_mm / mass_g).floor())
-    }
-}
-
-/// Reason why a line stays out of its range.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum Why {
-    /// The correction is finer than a hand can make.
-    TooFine,
-    /// These screws are at the end of their range.
-    EndOfRange(Vec<&'static str>),
-    /// No setting of these screws reaches it.
-    NoSetting(Vec<&'static str>),
-    /// The file has no screw for it.
-    NoScrew,
-    /// Friction must come right first.
-    Friction,
-    /// The quantity cannot be known before the hammer drops, or before the check catches it.
-    Unreadable,
-    /// Earlier lines change it, by more than the model can predict: it must be read again.
-    ReadAgain,
-    /// No dip and blow bring dip, blow and aftertouch into their ranges.
-    NoRoom,
-    /// At this friction weight no balance weight has every weight in its range.
-    NoBalance,
-    /// The front weight is at its ceiling.
-    Ceiling,
-    /// The quantity follows from other lines, which are in range or are left.
-    Follows,
-}
-
-/// A line that the list leaves out of its range.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Left {
-    /// The line.
-    pub quantity: Quantity,
-    /// Reason.
-    pub why: Why,
-}
-
-/// Work to do, in order.
-#[derive(Debug, Clone)]
-pub struct Worklist {
-    /// The key whose usual ranges hold.
-    pub key: usize,
-    /// Readings before the first line.
-    pub before: Readings,
-    /// The lines.
-    pub items: Vec<Item>,
-    /// Readings expected after the last line.
-    pub after: Readings,
-    /// Quantities that stay out of range.
-    pub left: Vec<Left>,
-    /// The simulated copy on which the list has been carried out.
-    pub copy: Instrument,
-}
-
-impl Worklist {
-    /// Whether a line of these readings is out of its range.
-    #[must_use]
-    pub fn is_out(&self, quantity: Quantity, readings: &Readings) -> bool {
-        readings.is_out(quantity, self.key)
-    }
-
-    /// Returns the place of the last line that decides the aftertouch, after which it has to be read.
-    #[must_use]
-    pub fn aftertouch_is_decided_by(&self) -> Option<usize> {
-        self.items.iter().rposition(|item| DECIDE.contains(&item.quantity))
-    }
-
-    /// Returns the list with its first `lines` lines only, carried out on `begun`, from which the list was made.
-    /// `progress` receives the share done, and ends the work by returning false.
-    ///
-    /// # Errors
-    /// See [`super::WorklistError`].
-    pub fn first(&self, lines: usize, begun: &Instrument, progress: &mut Progress<'_>) -> Worked<Worklist> {
-        let items: Vec<Item> = self.items.iter().take(lines).cloned().collect();
-        let mut copy = begun.clone();
-        for item in &items {
-            item.work.carry_out(&mut copy, progress)?;
-        }
-        let after = items.last().map_or(self.before, |item| item.after);
-        Ok(Worklist { key: self.key, before: self.before, items, after, left: Vec::new(), copy })
-    }
-}
+const MAX_CAPSTAN_MM: f64 = 8.0;
 
 /// Works out the list of a key. `copy` is the instrument itself, or a [`super::twin`] of a piano; `readings` are the
 /// piano's, `leads` the key's leads where known. The usual ranges are those of the copy's key ([`norms_key`]).
@@ -204,94 +76,7 @@ pub fn worklist(
     planner.finish(copy, own, *readings)
 }
 
-/// Work done on the copy, in order.
-pub(super) struct Done {
-    pub quantity: Quantity,
-    pub work: Work,
-    pub instead: Option<Work>,
-}
-
-/// Works out a list on a copy.
-pub(super) struct Planner<'a, 'p> {
-    pub copy: Instrument,
-    /// The copy's own readings.
-    pub own: Readings,
-    /// Readings on the piano.
-    pub read: Readings,
-    /// Expected readings now.
-    pub now: Readings,
-    /// Copies weighed so far.
-    pub scale: Scale,
-    /// Whether the copy has been weighed since a screw was turned.
-    weighed: bool,
-    pub key: usize,
-    pub priority: Priority,
-    pub done: Vec<Done>,
-    pub why: Vec<Left>,
-    pub progress: &'a mut Progress<'p>,
-}
-
 impl Planner<'_, '_> {
-    pub(super) fn is_out(&self, quantity: Quantity) -> bool {
-        self.now.is_out(quantity, self.key)
-    }
-
-    /// Tries a piece of work on the copy and returns the copy's readings after it; screws do not need weighing.
-    pub(super) fn tried(&mut self, work: &Work) -> Worked<(Instrument, Readings)> {
-        let mut copy = self.copy.clone();
-        work.carry_out_on(&mut self.scale, &mut copy, self.progress)?;
-        let own = match work {
-            Work::Screw { .. } => self.own.regulated(&copy, self.progress)?,
-            _ => Readings::weighed(&copy, &mut self.scale, self.progress)?,
-        };
-        Ok((copy, own))
-    }
-
-    fn accept(&mut self, work: &Work, (copy, own): (Instrument, Readings)) {
-        self.now = self.now.moved(&self.own, &own);
-        (self.copy, self.own) = (copy, own);
-        self.weighed &= !matches!(work, Work::Screw { .. });
-    }
-
-    /// Carries out a piece of work, in whole steps.
-    pub(super) fn do_it(&mut self, quantity: Quantity, work: &Work, instead: Option<Work>) -> Worked<()> {
-        if let Some(work) = work.in_steps() {
-            if !matches!(work, Work::Screw { .. }) {
-                self.weigh()?;
-            }
-            let tried = self.tried(&work)?;
-            if can_be_seen(quantity, &self.now, &self.now.moved(&self.own, &tried.1)) {
-                self.accept(&work, tried);
-                self.done.push(Done { quantity, work, instead });
-            } else if self.is_out(quantity) {
-                self.leave(quantity, Why::TooFine);
-            }
-        }
-        Ok(())
-    }
-
-    /// Weighs the copy if screws have been turned since.
-    pub(super) fn weigh(&mut self) -> Worked<()> {
-        if !self.weighed {
-            let own = Readings::weighed(&self.copy, &mut self.scale, self.progress)?;
-            self.now = self.now.moved(&self.own, &own);
-            (self.own, self.weighed) = (own, true);
-        }
-        Ok(())
-    }
-
-    pub(super) fn leave(&mut self, quantity: Quantity, why: Why) {
-        self.clear(quantity);
-        if !self.is_unreadable(quantity) {
-            self.why.push(Left { quantity, why });
-        }
-    }
-
-    /// Forgets why a line stays out. An unreadable line stays unreadable.
-    fn clear(&mut self, quantity: Quantity) {
-        self.why.retain(|left| left.quantity != quantity || left.why == Why::Unreadable);
-    }
-
     /// Flags lines that cannot be known before this list is done.
     ///
     /// If the hammer does not drop, the lever carries it beyond let-off, and the jack lets off at the distance read, or
@@ -307,10 +92,6 @@ impl Planner<'_, '_> {
             lines.extend([Check, Spring]);
         }
         self.why = lines.into_iter().map(|quantity| Left { quantity, why: Why::Unreadable }).collect();
-    }
-
-    pub(super) fn is_unreadable(&self, quantity: Quantity) -> bool {
-        self.why.iter().any(|left| left.quantity == quantity && left.why == Why::Unreadable)
     }
 
     /// Returns the readings with every screw at its target: a jack or a lever out of place shows as friction and
@@ -420,7 +201,7 @@ impl Planner<'_, '_> {
         {
             let aim = Ratio.aim(self.key);
             let by_mm = KeyModel::of(&self.copy)?.capstan_move_mm(aim / ratio);
-            let by_mm = by_mm.clamp(-MOST_CAPSTAN_MM, MOST_CAPSTAN_MM);
+            let by_mm = by_mm.clamp(-MAX_CAPSTAN_MM, MAX_CAPSTAN_MM);
             self.do_it(Ratio, &Work::Capstan { by_mm }, None)?;
         }
         Ok(())
@@ -431,21 +212,6 @@ impl Planner<'_, '_> {
     fn is_doubtful(&self, quantity: Quantity) -> bool {
         let beyond = self.now.beyond(quantity, self.key);
         self.is_moved(quantity) && beyond > 0.0 && beyond < DOUBT * self.moved(quantity)
-    }
-
-    /// Change of a reading expected from earlier lines; 0 without a reading before or after.
-    pub(super) fn moved(&self, quantity: Quantity) -> f64 {
-        self.read.get(quantity).zip(self.now.get(quantity)).map_or(0.0, |(read, now)| (now - read).abs())
-    }
-
-    /// Whether that exceeds the reading's precision.
-    pub(super) fn is_moved(&self, quantity: Quantity) -> bool {
-        self.moved(quantity) > quantity.precision()
-    }
-
-    /// Whether work on one of these lines has been done.
-    pub(super) fn has_done(&self, quantities: &[Quantity]) -> bool {
-        self.done.iter().any(|done| quantities.contains(&done.quantity))
     }
 
     /// Sets the screws, in the trade's order.
@@ -492,25 +258,6 @@ impl Planner<'_, '_> {
             return Ok(());
         }
         self.do_it(Check, &Work::Screw { name: "back_check", by: 2.0 * screw_step("back_check") }, None)
-    }
-
-    /// The copy's screw for a goal.
-    pub(super) fn screw_of(&self, goal: Goal) -> Option<&'static str> {
-        goal.screws().iter().map(|(name, _)| *name).find(|name| self.copy.screw(name).is_some())
-    }
-
-    /// Setting of the copy's screw that brings the piano's reading to its target, in SI units.
-    pub(super) fn target(&self, quantity: Quantity, aim: f64) -> Option<(Goal, f64)> {
-        let goal = quantity.goal()?;
-        self.screw_of(goal)?;
-        let by = self.now.get(quantity).zip(self.own.get(quantity));
-        let value = by.map_or(aim, |(now, own)| own + aim - now);
-        Some((goal, value / quantity.factor()))
-    }
-
-    pub(super) fn regulated(&mut self, copy: &Instrument, asked: &Specification) -> Worked<Instrument> {
-        let mut going = |status: &Status| (self.progress)(status.share);
-        Ok(regulate(copy, asked, &Protocol::default(), &mut going)?.instrument)
     }
 
     /// Sets a line to its target with its own screw, in steps of the hand, or records why it stays out.
@@ -584,17 +331,4 @@ impl Planner<'_, '_> {
         }
         Ok(self.done.len() > count)
     }
-}
-
-/// Whether a line's reading changes by at least its least change; true without a reading before or after. (A thousandth
-/// of it allows for rounding.)
-pub(super) fn can_be_seen(quantity: Quantity, before: &Readings, after: &Readings) -> bool {
-    let change = before.get(quantity).zip(after.get(quantity)).map(|(before, after)| (after - before).abs());
-    change.is_none_or(|change| change >= 0.999 * quantity.least_change())
-}
-
-/// Whether a line is out by more than the reading's error: for work that cannot be undone.
-pub(super) fn is_surely_out(quantity: Quantity, readings: &Readings, key: usize) -> bool {
-    let beyond = readings.beyond(quantity, key);
-    beyond.is_finite() && beyond > quantity.precision()
 }

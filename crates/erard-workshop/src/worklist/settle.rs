@@ -1,7 +1,7 @@
 //! Regulation that ends with the aftertouch in its usual range. Aftertouch has no screw: dip or blow changes for it.
 
 use super::aims::KEY_PER_HAMMER;
-use super::plan::Priority;
+use super::planner::Priority;
 use super::readings::Quantity;
 use crate::distances::{Distances, Protocol};
 use crate::measure::norms::norms_key;

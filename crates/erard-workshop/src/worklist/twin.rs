@@ -17,7 +17,7 @@ const LEAST_DROP_MM: f64 = 0.3;
 /// Steps, m, by which dip and blow of the copy differ from those read where they cannot be the same, and most of them.
 const DEEPER_M: f64 = 5e-4;
 const NEARER_M: f64 = -2e-3;
-const MOST_SHIFTS: u32 = 3;
+const MAX_SHIFTS: u32 = 3;
 
 /// Returns a copy of a model with the hammer, front weight, friction and screws read on a piano. It predicts how a line
 /// of work changes a reading; its own readings may differ.
@@ -51,7 +51,7 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
             let mut going = |status: &Status| progress(status.share);
             let regulated = regulate(&as_built, &goals, &Protocol::default(), &mut going)?;
             twin = regulated.instrument;
-            let Some((shifted, by_m)) = shift(&regulated.after, &goals, readings).filter(|_| shifts < MOST_SHIFTS)
+            let Some((shifted, by_m)) = shift(&regulated.after, &goals, readings).filter(|_| shifts < MAX_SHIFTS)
             else {
                 break;
             };
