@@ -13,10 +13,10 @@ use erard_workshop::diagnose::{self, Typed, diagnose};
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::norms::{GROUPS, Line, MIDDLE_C, lines};
 use erard_workshop::measure::{MeasureError, measure, measure_some};
-use erard_workshop::regional::ours;
+use erard_workshop::regional::canonical_name;
 use erard_workshop::regulate::{Goal, Specification, parse_value, regulate};
 use erard_workshop::study::{Change, ChangeError, varied_text};
-use erard_workshop::trying::try_once;
+use erard_workshop::test_press::test_press;
 use serde_json::{Map, Value, json};
 
 use crate::dials::{dials, turned};
@@ -164,7 +164,7 @@ pub(crate) fn going(progress: ErardProgress, user: *mut c_void, share: f64) -> b
 /// Returns the lines of the sheet with these names.
 fn named(list: &str) -> Result<Vec<&'static Line>, Fault> {
     let each = list.split(',').map(str::trim).map(|key| {
-        lines().find(|line| line.key == ours(key)).ok_or_else(|| {
+        lines().find(|line| line.key == canonical_name(key)).ok_or_else(|| {
             let known = lines().map(|line| line.key).collect::<Vec<_>>().join(", ");
             Fault::new(ErardStatus::NoSuch, format!("the sheet has no line `{key}`; it has {known}"))
         })
@@ -223,7 +223,7 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
         return Err(wrong("the goals are not a JSON object, such as {\"let-off\": 1.5}".into()));
     };
     let each = goals.into_iter().map(|(name, value)| {
-        let goal = Goal::ALL.into_iter().find(|goal| goal.name() == ours(&name)).ok_or_else(|| {
+        let goal = Goal::ALL.into_iter().find(|goal| goal.name() == canonical_name(&name)).ok_or_else(|| {
             let known = Goal::ALL.map(Goal::name).join(", ");
             wrong(format!("there is no goal `{name}`; expected one of {known}"))
         })?;
@@ -393,7 +393,7 @@ pub unsafe extern "C" fn erard_try(
         // SAFETY: passed on.
         let instrument = unsafe { given(instrument) }?.instrument();
         let tried =
-            try_once(instrument, &mut |_| true).map_err(|error| Fault::new(ErardStatus::Model, error.to_string()))?;
+            test_press(instrument, &mut |_| true).map_err(|error| Fault::new(ErardStatus::Model, error.to_string()))?;
         let warnings: Vec<&str> = tried.warnings.iter().map(|warning| warning.what.as_str()).collect();
         give(json!({ "hammer_speed_m_per_s": tried.hammer_speed_m_per_s, "warnings": warnings }).to_string(), length)
     })

@@ -273,8 +273,8 @@ pub(crate) fn keyboard<'py>(
     columns.set_item("up_weight_g", number(&|one| one.touch.up_weight_g))?;
     columns.set_item("balance_weight_g", number(&|one| one.touch.balance_weight_g()))?;
     columns.set_item("friction_weight_g", number(&|one| one.touch.friction_weight_g()))?;
-    columns.set_item("mf_hammer_speed_m_per_s", number(&|one| one.tried.hammer_speed_m_per_s))?;
-    columns.set_item("trusted", weighed.iter().map(|one| one.tried.warnings.is_empty()).collect::<Vec<_>>())?;
+    columns.set_item("mf_hammer_speed_m_per_s", number(&|one| one.test_press.hammer_speed_m_per_s))?;
+    columns.set_item("trusted", weighed.iter().map(|one| one.test_press.warnings.is_empty()).collect::<Vec<_>>())?;
     Ok((keyboard.name.clone(), columns))
 }
 

@@ -2,7 +2,7 @@
 
 use erard::parameter::Quantity;
 use erard::recording::{ChannelReport, Report, Whence};
-use erard_workshop::compare::{Band, Comparison, Errors, RATE_HZ, Trial, Worth, outcome, share};
+use erard_workshop::compare::{Band, Comparison, Errors, ForceUncertainty, RATE_HZ, Trial, outcome, share};
 use erard_workshop::digits::plain;
 use serde_json::{Value, json};
 
@@ -172,15 +172,15 @@ fn finding(f: &Finding<'_>) -> Value {
         "unit": f.unit,
         "told_to_Hz": Some(f.told_to_hz).filter(|hz| *hz < 0.5 * RATE_HZ),
         "errors": errors,
-        "worth": f.trial.worth.filter(|_| f.quantity == "force").map(|worth| worth_json(&worth)),
+        "worth": f.trial.force_uncertainty.filter(|_| f.quantity == "force").map(|own| force_uncertainty_json(&own)),
     })
 }
 
 /// What a force is worth that comes out under a recorded motion.
-pub(crate) fn worth_json(worth: &Worth) -> Value {
+pub(crate) fn force_uncertainty_json(uncertainty: &ForceUncertainty) -> Value {
     json!({
-        "position_noise_m": worth.noise_m,
-        "force_rms_N": Some(worth.rms_n).filter(|n| n.is_finite()),
-        "force_within_95_N": Some(worth.within_n).filter(|n| n.is_finite()),
+        "position_noise_m": uncertainty.noise_m,
+        "force_rms_N": Some(uncertainty.rms_n).filter(|n| n.is_finite()),
+        "force_within_95_N": Some(uncertainty.within_n).filter(|n| n.is_finite()),
     })
 }

@@ -4,7 +4,7 @@ pub(crate) mod pair;
 
 use erard::keyboard::KEYS;
 use erard::trust::worst_of_each;
-use erard_workshop::trying::Tried;
+use erard_workshop::test_press::TestPress;
 use erard_workshop::weighing::WeighedKey;
 
 use crate::table::{Table, decimal};
@@ -42,14 +42,14 @@ fn numbers(weighed: &WeighedKey) -> [f64; 9] {
         number(weighed.touch.up_weight_g),
         number(weighed.touch.balance_weight_g()),
         number(weighed.touch.friction_weight_g()),
-        number(weighed.tried.hammer_speed_m_per_s),
-        f64::from(u8::from(weighed.tried.warnings.is_empty())),
+        number(weighed.test_press.hammer_speed_m_per_s),
+        f64::from(u8::from(weighed.test_press.warnings.is_empty())),
     ]
 }
 
 /// Why keys cannot be trusted, each tried with its number: of every kind and part how many keys, and the worst of
 /// them.
-pub(crate) fn doubts<'a>(tried: impl Iterator<Item = (usize, &'a Tried)> + Clone) -> Vec<String> {
+pub(crate) fn doubts<'a>(tried: impl Iterator<Item = (usize, &'a TestPress)> + Clone) -> Vec<String> {
     let all = tried.clone().count();
     worst_of_each(tried.clone().flat_map(|(_, one)| &one.warnings))
         .into_iter()

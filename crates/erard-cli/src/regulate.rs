@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use erard_workshop::digits::{is_nothing, signed};
+use erard_workshop::digits::{rounds_to_zero, signed};
 use erard_workshop::distances::Distances;
 use erard_workshop::regulate::{
     Achieved, Goal, Handwork, Kind, Regulated, Turned, known_screw, screw_unit, turns_text, unit,
@@ -32,7 +32,7 @@ pub(crate) fn turned_text(turned: &Turned, lengths: Lengths) -> String {
         (factor, "mm") => lengths.signed(by * factor, 3),
         (factor, unit) => format!("{} {unit}", signed(by * factor, 3)),
     };
-    if is_nothing(&far) {
+    if rounds_to_zero(&far) {
         return format!("{} not turned", turned.name);
     }
     let turns = match known_screw(&turned.name).map(|known| known.work) {

@@ -5,11 +5,11 @@ use std::fmt;
 use erard::run::{Run, Setup};
 use erard::stroke::Prescribed;
 use erard::trust::Warning;
-use erard_workshop::compare::Worth;
+use erard_workshop::compare::ForceUncertainty;
 use moreau::Ledger;
 use serde_json::{Value, json};
 
-use crate::compare::worth_json;
+use crate::compare::force_uncertainty_json;
 use crate::table::Table;
 
 /// A number of a run: its JSON key, its name, the value of the JSON in the table's unit, that unit, and decimals.
@@ -51,7 +51,7 @@ pub(crate) struct Summary {
     /// Warnings about the numbers.
     pub warnings: Vec<Warning>,
     /// What the force is worth, in words, where a recorded motion drives.
-    pub worth: Option<String>,
+    pub force_uncertainty: Option<String>,
 }
 
 impl Summary {
@@ -120,13 +120,13 @@ impl Summary {
             "trusted": run.is_trusted(),
             "warnings": run.warnings,
         });
-        Summary { json, warnings: run.warnings.clone(), worth: None }
+        Summary { json, warnings: run.warnings.clone(), force_uncertainty: None }
     }
 
     /// Adds what the force is worth under a motion of a kind.
-    pub(crate) fn set_worth(&mut self, worth: &Worth, driven: Prescribed) {
-        self.json["force_worth"] = worth_json(worth);
-        self.worth = Some(worth.told(driven));
+    pub(crate) fn set_force_uncertainty(&mut self, uncertainty: &ForceUncertainty, driven: Prescribed) {
+        self.json["force_worth"] = force_uncertainty_json(uncertainty);
+        self.force_uncertainty = Some(uncertainty.describe(driven));
     }
 
     /// Name and value with unit, as printed.
@@ -148,9 +148,9 @@ impl Summary {
         if impacts > 1 && !one_dof {
             lines.insert(6, ("impacts on the string", impacts.to_string()));
         }
-        let worth = &json["force_worth"];
-        if let Some(rms_n) = worth["force_rms_N"].as_f64() {
-            let within_n = worth["force_within_95_N"].as_f64().unwrap_or(f64::NAN);
+        let uncertainty = &json["force_worth"];
+        if let Some(rms_n) = uncertainty["force_rms_N"].as_f64() {
+            let within_n = uncertainty["force_within_95_N"].as_f64().unwrap_or(f64::NAN);
             lines.push(("force's noise, from the motion's", format!("{rms_n:.3} N rms, 95 % within {within_n:.3} N")));
         }
         let residual = json["energy_residual_relative"].as_f64().unwrap_or(f64::NAN);

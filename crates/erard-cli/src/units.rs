@@ -1,7 +1,7 @@
 //! Lengths in the unit of the reader's ruler.
 
 use clap::Args;
-use erard_workshop::digits::{is_nothing, plain};
+use erard_workshop::digits::{plain, rounds_to_zero};
 
 /// Millimetres in an inch.
 pub(crate) const MM_PER_INCH: f64 = 25.4;
@@ -44,7 +44,7 @@ impl Lengths {
     pub(crate) fn signed(self, mm: f64, decimals: usize) -> String {
         let text = self.text(mm.abs(), decimals);
         let sign = if mm < 0.0 { "-" } else { "+" };
-        format!("{}{text}", if is_nothing(&text) { "" } else { sign })
+        format!("{}{text}", if rounds_to_zero(&text) { "" } else { sign })
     }
 
     /// Inches, whatever was asked for.

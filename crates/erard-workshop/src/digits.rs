@@ -4,19 +4,19 @@
 #[must_use]
 pub fn plain(x: f64, decimals: usize) -> String {
     let text = format!("{x:.decimals$}");
-    if is_nothing(&text) { text.trim_start_matches('-').to_owned() } else { text }
+    if rounds_to_zero(&text) { text.trim_start_matches('-').to_owned() } else { text }
 }
 
 /// Formats a difference with its sign and `decimals` decimals.
 #[must_use]
 pub fn signed(x: f64, decimals: usize) -> String {
     let text = format!("{x:+.decimals$}");
-    if is_nothing(&text) { text.trim_start_matches(['+', '-']).to_owned() } else { text }
+    if rounds_to_zero(&text) { text.trim_start_matches(['+', '-']).to_owned() } else { text }
 }
 
 /// Whether a formatted number is 0.
 #[must_use]
-pub fn is_nothing(text: &str) -> bool {
+pub fn rounds_to_zero(text: &str) -> bool {
     !text.contains(|c: char| c.is_ascii_digit() && c != '0')
 }
 

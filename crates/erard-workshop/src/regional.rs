@@ -14,14 +14,14 @@ const WORDS: [(&str, &str); 7] = [
 /// Returns a name with this program's words: `set-off` becomes `let-off`, `body.wippen.mass_g` `body.whippen.mass_g`.
 /// Trims blanks.
 #[must_use]
-pub fn ours(name: &str) -> String {
+pub fn canonical_name(name: &str) -> String {
     let name = name.trim();
     WORDS.iter().fold(name.to_owned(), |name, (theirs, ours)| replaced(&name, theirs, ours))
 }
 
 /// Returns the regional names accepted for a name.
 #[must_use]
-pub fn theirs(name: &str) -> Vec<String> {
+pub fn aliases(name: &str) -> Vec<String> {
     let all = WORDS.iter().map(|(theirs, ours)| replaced(name, ours, theirs));
     all.filter(|other| other != name).collect()
 }
@@ -55,9 +55,9 @@ mod tests {
             ("offset_off_mm", "offset_off_mm"),
             ("dip_mm", "dip_mm"),
         ] {
-            assert_eq!(ours(name), wanted);
+            assert_eq!(canonical_name(name), wanted);
         }
-        assert_eq!(theirs("let-off"), ["set-off", "setoff", "letoff", "escapement"]);
-        assert!(theirs("dip").is_empty());
+        assert_eq!(aliases("let-off"), ["set-off", "setoff", "letoff", "escapement"]);
+        assert!(aliases("dip").is_empty());
     }
 }

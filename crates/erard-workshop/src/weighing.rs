@@ -3,7 +3,7 @@
 use crate::cores;
 use crate::measure::MeasureError;
 use crate::measure::weights::{LoopWeights, Touch, by_loop, free_way, on_the_scale};
-use crate::trying::{Tried, try_once};
+use crate::test_press::{TestPress, test_press};
 use erard::Progress;
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
@@ -25,7 +25,7 @@ pub struct WeighedKey {
     /// Down-weight and up-weight from a slow loop, dampers lifted, g.
     pub touch: Touch,
     /// One mezzo forte press: hammer speed, and reasons why the press cannot be trusted.
-    pub tried: Tried,
+    pub test_press: TestPress,
 }
 
 /// Weighs keys, each given with its number. `progress` receives the share done, and ends the work by returning false.
@@ -76,7 +76,7 @@ fn weigh_key(key: usize, instrument: &Instrument, progress: &mut Progress<'_>) -
     let (scale, _) = on_the_scale(instrument, way_m, weights.decided_m)?;
     let rigid = instrument.locked();
     Ok(WeighedKey {
-        tried: try_once(instrument, progress)?,
+        test_press: test_press(instrument, progress)?,
         key,
         note: note_name(key),
         // Rounded to remove the rounding errors of a sum.

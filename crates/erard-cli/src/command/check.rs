@@ -21,7 +21,7 @@ use crate::progress::Progress;
 use crate::recordings::RecordingOptions;
 use crate::table::Table;
 use crate::{say, tell};
-use erard_workshop::trying::try_all;
+use erard_workshop::test_press::test_presses;
 
 /// Bytes in which the header of a table of keys is looked for, comments before it included.
 const HEADER_BYTES: u64 = 64 << 10;
@@ -266,7 +266,7 @@ impl Check {
         let keyboard = Keyboard::parse_bytes(bytes, name, self.file.parent().unwrap_or(Path::new("")))?;
         let instruments = keyboard.instruments()?;
         let mut progress = Progress::new("pressing every key");
-        let tried = try_all(&instruments, &mut |share| progress.tell(share))
+        let tried = test_presses(&instruments, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error })?;
         drop(progress);
         say!("{name}: a keyboard, \"{}\", around key {}", keyboard.name, keyboard.base_key);

@@ -1,7 +1,7 @@
 //! The report of `erard check` on a recording: its channels, and last the columns that are used and not used.
 
 use erard::stroke::{Column, Cursor, Dialect, PositionOf, PositionSeries, ROLES, Recording, Role, Series};
-use erard_workshop::compare::LONGEST_S;
+use erard_workshop::compare::MAX_DURATION_S;
 use serde_json::{Value, json};
 
 use super::check::checked;
@@ -34,8 +34,10 @@ pub(super) fn told(ready: &Ready) -> Value {
     let steps = recording.time_s.windows(2).map(|t| t[1] - t[0]);
     let (shortest, longest) = steps.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
     say!("  time          sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
-    if end_s - start_s > LONGEST_S {
-        say!("                longer than `compare` takes: `--duration {LONGEST_S}` compares its first {LONGEST_S} s");
+    if end_s - start_s > MAX_DURATION_S {
+        say!(
+            "                longer than `compare` takes: `--duration {MAX_DURATION_S}` compares its first {MAX_DURATION_S} s"
+        );
     }
     for channel in &prepared.report.channels {
         let (factor, unit) = channel.role.quantity().shown();

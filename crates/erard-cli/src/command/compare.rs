@@ -8,7 +8,7 @@ use erard::instrument_spec::InstrumentSpec;
 use erard::parameter::Quantity;
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Series};
-use erard_workshop::compare::{Choice, Comparison, DRIVES, LONGEST_S, Which, compare_chosen, way_up_ends_s};
+use erard_workshop::compare::{Choice, Comparison, DRIVES, MAX_DURATION_S, Which, compare_chosen, way_up_ends_s};
 
 use super::options::{self, MODELS, StepOptions, check, load_instrument};
 use super::out::OutOptions;
@@ -87,7 +87,7 @@ impl Compare {
         say!("{title} compared with {}", instrument.name);
         say!();
         let (verdicts, rests) = (comparison.verdicts(), comparison.rests());
-        for line in verdicts.iter().chain(&comparison.worths()).chain(&rests).chain(&comparison.notes) {
+        for line in verdicts.iter().chain(&comparison.force_uncertainties()).chain(&rests).chain(&comparison.notes) {
             say!("{line}");
         }
         for warning in comparison.warnings() {
@@ -129,9 +129,9 @@ impl Compare {
             Some(s) => return Err(Failure::Usage(format!("--duration {s}: expected a positive number of seconds"))),
         };
         let series = if self.way_up { self.way_up(&series)? } else { series };
-        if series.end_s() - series.start_s() > LONGEST_S {
+        if series.end_s() - series.start_s() > MAX_DURATION_S {
             return Err(Failure::Usage(format!(
-                "{}: lasts {lasts_s} s; expected at most {LONGEST_S} s. Compare its beginning with --duration {LONGEST_S}",
+                "{}: lasts {lasts_s} s; expected at most {MAX_DURATION_S} s. Compare its beginning with --duration {MAX_DURATION_S}",
                 shown(&self.file)
             )));
         }

@@ -8,7 +8,7 @@ use erard::keyboard::key_named;
 use erard_workshop::balance::Lead;
 use erard_workshop::diagnose::{Diagnosis, Entry, Known, answer, diagnose, entries, read};
 use erard_workshop::measure::norms::MIDDLE_C;
-use erard_workshop::regional::theirs;
+use erard_workshop::regional::aliases;
 use serde_json::Value;
 
 use super::measure::lead;
@@ -67,7 +67,7 @@ impl Args for Readings {
         entries().iter().fold(command, |command, entry| {
             let long = option(entry);
             let names = std::iter::once(entry.name).chain(entry.also.iter().copied());
-            let names = names.flat_map(|name| [vec![name.to_owned()], theirs(name)].concat());
+            let names = names.flat_map(|name| [vec![name.to_owned()], aliases(name)].concat());
             let aliases = names.map(|name| name.replace('_', "-")).filter(|name| *name != long);
             let unit = if entry.unit.is_empty() { "NUMBER" } else { entry.unit };
             let arg = Arg::new(entry.name)

@@ -68,7 +68,7 @@ impl Keyboard {
         say!("{} - 88 keys, {} of them weighed", keyboard.name, weighed.len());
         say!();
         say!("{}", text(&weighed).trim_end_matches('\n'));
-        for doubt in doubts(weighed.iter().map(|one| (one.key, &one.tried))) {
+        for doubt in doubts(weighed.iter().map(|one| (one.key, &one.test_press))) {
             tell!("warning: {doubt}");
         }
         say!();
@@ -111,7 +111,7 @@ impl Keyboard {
         say!();
         say!("{}", pair::text(&sides).trim_end_matches('\n'));
         for side in &sides {
-            for doubt in doubts(side.weighed.iter().map(|one| (one.key, &one.tried))) {
+            for doubt in doubts(side.weighed.iter().map(|one| (one.key, &one.test_press))) {
                 tell!("warning: {}: {doubt}", side.name);
             }
         }

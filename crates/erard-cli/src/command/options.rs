@@ -15,7 +15,7 @@ pub(crate) use erard::stroke::Stroke;
 use erard::stroke::{Columns, DrivingError, Prescribed, Series, constant_force_fault};
 use erard_workshop::compare::{PathNoise, Which};
 use erard_workshop::measure::norms::{Line, lines};
-use erard_workshop::regional::ours;
+use erard_workshop::regional::canonical_name;
 use erard_workshop::worklist::Priority;
 use moreau::{FrictionLaw, Settings, Solver};
 
@@ -235,7 +235,7 @@ impl KeyboardKey {
 /// The lines of the protocol sheet by their keys in measure.json; `option` is who asks.
 pub(crate) fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'static Line>, Failure> {
     let find = |key: &String| {
-        lines().find(|line| line.key == ours(key)).ok_or_else(|| {
+        lines().find(|line| line.key == canonical_name(key)).ok_or_else(|| {
             let known: Vec<&str> = lines().map(|line| line.key).collect();
             Failure::Usage(format!("{option} {key}: unknown quantity; expected one of {}", known.join(", ")))
         })

@@ -29,7 +29,7 @@ use crate::table::Table;
 use crate::tell;
 use erard_figures::figure::run_svg;
 use erard_figures::page::{Shown, page_html};
-use erard_workshop::compare::{PathNoise, Worth};
+use erard_workshop::compare::{ForceUncertainty, PathNoise};
 use erard_workshop::sample::SampleError;
 
 /// Simulates one key press and shows what happened.
@@ -144,7 +144,7 @@ impl Press {
         let driven = stroke.driven();
         let names = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
         let mut summary = Summary::new(&run, &setup, names, elapsed_s);
-        add_worth(&mut summary, &run, instrument, &stroke, &setup, noise.as_ref())?;
+        add_force_uncertainty(&mut summary, &run, instrument, &stroke, &setup, noise.as_ref())?;
 
         let svg = run_svg(&run, &stroke.title);
         let pins = inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default();
@@ -190,8 +190,8 @@ impl Press {
         }
         say!();
         say!("{summary}");
-        if let Some(worth) = &summary.worth {
-            say!("{worth}");
+        if let Some(uncertainty) = &summary.force_uncertainty {
+            say!("{uncertainty}");
             say!();
         }
         if let Some((rows, count)) = banded {
@@ -299,7 +299,7 @@ impl Press {
             let run = play_observed(instrument, stroke, setup, &mut Inside::default())?;
             let names = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
             let mut summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
-            add_worth(&mut summary, &run, instrument, stroke, setup, noise.as_ref())?;
+            add_force_uncertainty(&mut summary, &run, instrument, stroke, setup, noise.as_ref())?;
             played.push(Played { instrument, changed, stroke: stroke.title.clone(), run, summary });
         }
         let Ok(played) = <[Played; 2]>::try_from(played) else { return Err(Failure::Internal("not two runs".into())) };
@@ -307,8 +307,8 @@ impl Press {
         let written = output.commit()?;
         press_pair::tell(&played);
         for (one, name) in played.iter().zip(press_pair::names(&played)) {
-            if let Some(worth) = &one.summary.worth {
-                say!("{name}: {worth}");
+            if let Some(uncertainty) = &one.summary.force_uncertainty {
+                say!("{name}: {uncertainty}");
             }
             for warning in &one.summary.warnings {
                 tell!("warning: {name}: this run cannot be trusted: {warning}");
@@ -328,7 +328,7 @@ fn are_keys(first: &Noted, second: &Noted) -> bool {
 type Noisy = (Stroke, Option<(PathNoise, f64)>);
 
 /// Adds what the run's force is worth where a noisy motion drives it.
-fn add_worth(
+fn add_force_uncertainty(
     summary: &mut Summary,
     run: &Run,
     instrument: &Instrument,
@@ -339,8 +339,10 @@ fn add_worth(
     let Some((noise, rest_until_s)) = noise else { return Ok(()) };
     let mut progress = Progress::new("playing the motion with its noise");
     let mut tell = |share: f64| progress.tell(share);
-    if let Some(worth) = Worth::of_run(run, instrument, stroke, setup, (noise, *rest_until_s), &mut tell)? {
-        summary.set_worth(&worth, stroke.drive);
+    if let Some(uncertainty) =
+        ForceUncertainty::of_run(run, instrument, stroke, setup, (noise, *rest_until_s), &mut tell)?
+    {
+        summary.set_force_uncertainty(&uncertainty, stroke.drive);
     }
     Ok(())
 }

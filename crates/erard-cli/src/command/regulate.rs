@@ -8,7 +8,7 @@ use erard::instrument::Instrument;
 use erard::instrument_spec::InstrumentSpec;
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::range::{HARDLY_HEARD_M_PER_S, double_strike};
-use erard_workshop::regional::theirs;
+use erard_workshop::regional::aliases;
 use erard_workshop::regulate::{
     Goal, Regulated, Specification, Status, disturbed, parse_value, regulate, regulate_following,
 };
@@ -69,7 +69,7 @@ struct Goals {
     #[arg(long, value_name = "46mm", allow_hyphen_values = true)]
     blow: Option<String>,
     /// Distance from hammer to string at let-off, on a slow key
-    #[arg(long, aliases = theirs("let-off"), value_name = "1.5mm", allow_hyphen_values = true)]
+    #[arg(long, aliases = aliases("let-off"), value_name = "1.5mm", allow_hyphen_values = true)]
     let_off: Option<String>,
     /// Fall of the hammer after let-off
     #[arg(long, value_name = "1.5mm", allow_hyphen_values = true)]

@@ -42,7 +42,7 @@ impl Lead {
 /// 7/16, 3/8 and 1/4 inch (12.7, 11.1, 9.5 and 6.4 mm) weigh 17.2, 13.2, 9.7 and 4.3 g; sold leads are shorter.
 pub const LEADS_G: [f64; 4] = [14.0, 10.0, 7.0, 4.0];
 /// Most leads added to a key.
-pub(crate) const MOST_LEADS: usize = 3;
+pub(crate) const MAX_LEADS: usize = 3;
 /// Smaller changes of front weight are not made, g: half the resolution of a scale in grams.
 pub(crate) const FEWEST_GRAMS: f64 = 0.5;
 /// Largest error of the front weight from leads, g.
@@ -139,7 +139,7 @@ fn best_work(change_g: f64, key_front_mm: f64, masses_g: &[f64], present: &[Lead
         masses.sort_by(|a, b| b.total_cmp(a));
         masses.dedup();
         let places = places(change_g + taken, key_front_mm);
-        for mass_g in (0..=MOST_LEADS).flat_map(|count| choices(&masses, count)) {
+        for mass_g in (0..=MAX_LEADS).flat_map(|count| choices(&masses, count)) {
             if places[0] < 0.0 && several_in_front && !mass_g.is_empty() {
                 continue;
             }

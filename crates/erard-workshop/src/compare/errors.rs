@@ -8,7 +8,7 @@ use super::RATE_HZ;
 /// Edges of the frequency bands, Hz.
 pub(crate) const BANDS_HZ: [f64; 5] = [0.0, 10.0, 50.0, 200.0, 1000.0];
 /// Longest delay searched for, s.
-const LONGEST_DELAY_S: f64 = 0.02;
+const MAX_DELAY_S: f64 = 0.02;
 
 /// Differences of one series from another; both in the same unit, on the common axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,7 +119,7 @@ pub(super) fn correlation(measured: &[f64], simulated: &[f64], lag: isize) -> f6
 
 /// Lag of the largest correlation, refined by a parabola through its neighbours.
 fn delay(measured: &[f64], simulated: &[f64]) -> f64 {
-    let most = ((LONGEST_DELAY_S * RATE_HZ) as isize).min(measured.len() as isize / 4);
+    let most = ((MAX_DELAY_S * RATE_HZ) as isize).min(measured.len() as isize / 4);
     let at = |lag| correlation(measured, simulated, lag);
     let best = (-most..=most).max_by(|&a, &b| at(a).total_cmp(&at(b))).unwrap_or(0);
     let (before, here, after) = (at(best - 1), at(best), at(best + 1));

@@ -9,10 +9,10 @@
 //! driving and the compared series contain signal above noise ([`Choice::tells_to_hz`]).
 
 mod errors;
-mod worth;
+mod force_uncertainty;
 
 pub use errors::{Band, Errors, Rest};
-pub use worth::{PathNoise, Worth};
+pub use force_uncertainty::{ForceUncertainty, PathNoise};
 
 use thiserror::Error;
 
@@ -137,7 +137,7 @@ pub struct Trial {
     /// has no such series, or only noise.
     pub errors: Option<Errors>,
     /// Effect of the recording's noise on the force, under a recorded motion; `None` if unknown.
-    pub worth: Option<Worth>,
+    pub force_uncertainty: Option<ForceUncertainty>,
     /// Rise of the hammer's strike point, m; empty for a model without a hammer.
     pub hammer_m: Vec<f64>,
     /// Highest frequency for which errors of the hammer are reported, Hz.
@@ -195,7 +195,7 @@ pub fn way_up_ends_s(series: &Series) -> Option<f64> {
 }
 
 /// Longest series for a comparison, s: a million instants of the common axis.
-pub const LONGEST_S: f64 = 250.0;
+pub const MAX_DURATION_S: f64 = 250.0;
 
 /// Reason why a comparison cannot be made.
 #[derive(Debug, Error)]
@@ -209,7 +209,7 @@ pub enum CompareError {
         least_s: f64,
     },
     /// The measured series and the models' results would not fit into memory.
-    #[error("the recording lasts {found_s} s; expected at most {LONGEST_S} s")]
+    #[error("the recording lasts {found_s} s; expected at most {MAX_DURATION_S} s")]
     TooLong {
         /// s.
         found_s: f64,
@@ -264,7 +264,7 @@ pub fn compare_chosen(
     if duration_s < SHORTEST_S {
         return Err(CompareError::TooShort { found_s: duration_s, least_s: SHORTEST_S });
     }
-    if duration_s > LONGEST_S {
+    if duration_s > MAX_DURATION_S {
         return Err(CompareError::TooLong { found_s: duration_s });
     }
     let reduced = reduce(instrument)?.instrument;
@@ -358,8 +358,8 @@ pub fn compare_chosen(
             Prescribed::Rigid => key.as_ref(),
         };
         let noise = choice.path_noise.as_ref().filter(|_| which == Which::Action);
-        let worth = match (noise, path) {
-            (Some(noise), Some(path)) => Some(Worth::of(noise, path, &force_n, resting, &played, progress)?),
+        let force_uncertainty = match (noise, path) {
+            (Some(noise), Some(path)) => Some(ForceUncertainty::of(noise, path, &force_n, resting, &played, progress)?),
             _ => None,
         };
         let errors = measured.as_ref().and_then(|m| errors_within(m, simulated, resting, told_to_hz));
@@ -379,7 +379,7 @@ pub fn compare_chosen(
             force_n,
             told_to_hz,
             errors,
-            worth,
+            force_uncertainty,
             hammer_m,
             hammer_told_to_hz,
             hammer_errors,
@@ -449,9 +449,9 @@ impl Comparison {
     }
 
     /// Describes, for every recorded motion that drives the action, the accuracy of the computed force.
-    pub fn worths(&self) -> Vec<String> {
+    pub fn force_uncertainties(&self) -> Vec<String> {
         let action = self.trials.iter().filter(|trial| trial.which == Which::Action);
-        action.filter_map(|trial| Some(trial.worth?.told(trial.driven))).collect()
+        action.filter_map(|trial| Some(trial.force_uncertainty?.describe(trial.driven))).collect()
     }
 
     /// Describes, for every drive, how much each model explains and which one is closer.

@@ -13,8 +13,8 @@ use crate::dense::Cholesky;
 
 /// Grades of a cause: the cases of the table, and those half-way between.
 const GRADES: usize = 5;
-/// Most causes in a set, and sets of each size that are extended.
-const MOST: usize = 4;
+/// Largest number of causes in a set, and number of sets of each size that are extended.
+const MAX_CAUSES: usize = 4;
 const BEAM: usize = 80;
 /// A quarter of this many sets predict readings; four times as many are kept of each size.
 const KEPT: usize = 200;
@@ -152,7 +152,7 @@ impl Belief {
         let other = self.log_of(&[], true);
         let mut all = vec![Hypothesis { log, ..nothing.clone() }, Hypothesis { log: other, is_other: true, ..nothing }];
         let mut beam = vec![all[0].clone()];
-        for size in 1..=MOST {
+        for size in 1..=MAX_CAUSES {
             let mut next: Vec<Hypothesis> = Vec::new();
             for set in &beam {
                 for atom in 0..self.atoms.len() {
@@ -170,7 +170,7 @@ impl Belief {
             next.dedup_by(|a, b| a.atoms == b.atoms);
             all.extend(next.iter().take(4 * KEPT).cloned());
             next.truncate(BEAM);
-            if size == MOST {
+            if size == MAX_CAUSES {
                 break;
             }
             beam = next;
@@ -183,7 +183,7 @@ impl Belief {
 
     /// Whether two grades exclude each other because they belong to one screw or part.
     fn are_at_odds(&self, a: usize, b: usize) -> bool {
-        let part = |atom: usize| causes()[self.atoms[atom].cause].plant.as_str();
+        let part = |atom: usize| causes()[self.atoms[atom].cause].change.as_str();
         part(a) == part(b)
     }
 

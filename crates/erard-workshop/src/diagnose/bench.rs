@@ -10,8 +10,8 @@ const HAMMER_ARM_M: f64 = 0.023;
 const WHIPPEN_ARM_M: f64 = 0.025;
 /// Place of the strike weight, m.
 const STRIKE_ARM_M: f64 = 0.130;
-/// Most swings counted.
-const MOST: u32 = 60;
+/// Largest number of swings counted.
+const MAX_SWINGS: u32 = 60;
 
 /// Friction by place, gf.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +55,7 @@ impl Bench {
 pub fn passes(friction_g: f64, strike_weight_g: f64) -> u32 {
     let share = friction_g * HAMMER_ARM_M / (strike_weight_g * STRIKE_ARM_M);
     let mut from = std::f64::consts::FRAC_PI_2;
-    for pass in 0..MOST {
+    for pass in 0..MAX_SWINGS {
         // It passes the lowest point if the energy lasts that far; bisection gives the next turning point.
         if 1.0 - libm::cos(from) <= share * from || libm::sin(from) <= share {
             return pass;
@@ -67,7 +67,7 @@ pub fn passes(friction_g: f64, strike_weight_g: f64) -> u32 {
         }
         from = 0.5 * (low + high);
     }
-    MOST
+    MAX_SWINGS
 }
 
 /// Range of the friction at 23 mm, gf, of a hammer that passes its lowest point so often, lowest first.
@@ -79,7 +79,7 @@ pub(super) fn friction_of_swings(swings: f64, strike_weight_g: f64) -> [f64; 2] 
         fits.first().copied().zip(fits.last().copied())
     };
     // The count may be off by one swing, and the pendulum model by a quarter.
-    let low = of((swings + 1.0).min(f64::from(MOST))).map_or(STEP_G, |(low, _)| low);
+    let low = of((swings + 1.0).min(f64::from(MAX_SWINGS))).map_or(STEP_G, |(low, _)| low);
     let high = of((swings - 1.0).max(0.0)).map_or(50.0, |(_, high)| high.min(50.0));
     [0.75 * low, 1.25 * high]
 }

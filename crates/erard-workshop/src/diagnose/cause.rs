@@ -15,7 +15,7 @@ pub struct Cause {
     /// Prior odds: frequency of the cause, an estimate.
     pub common: f64,
     /// Change in a simulated action.
-    pub(super) plant: String,
+    pub(super) change: String,
     /// Size of the change in a light, a plain and a heavy case.
     pub(super) amounts: [f64; 3],
     /// Quick test that distinguishes it from the other causes.

@@ -1,8 +1,8 @@
 //! Effect of each cause on each reading: `effects.csv`, simulated on sound grands of the ensemble.
 //!
-//! Three cases of every cause are planted, one at a time, into several drawn, regulated grands; a row holds the mean
-//! change of every feature, and the next its standard deviation from grand to grand. `.ci/regenerate
-//! effects` rewrites the file.
+//! Three cases of every cause are injected, one at a time, into several drawn, regulated grands; a row holds the mean
+//! change of every feature, and the next its standard deviation from grand to grand. `.ci/regenerate effects` rewrites
+//! the file.
 
 use std::fmt::Write as _;
 use std::sync::LazyLock;
@@ -13,7 +13,7 @@ use erard::instrument::Instrument;
 use super::bench::Bench;
 use super::cause::{Cause, causes};
 use super::entry::{Known, at};
-use super::plant::{plant, plant_amount};
+use super::inject::{inject, injected_amount};
 use crate::cores;
 use crate::measure::MeasureError;
 use crate::worklist::{Quantity, Readings};
@@ -128,7 +128,7 @@ fn simulate(
 ) -> Result<Effect, MeasureError> {
     let mut changes: Vec<Features> = Vec::new();
     for (grand, before) in grands {
-        let after = measured(&plant(grand, cause, plant_amount(cause, case), false, progress)?, progress)?;
+        let after = measured(&inject(grand, cause, injected_amount(cause, case), false, progress)?, progress)?;
         changes.push(std::array::from_fn(|i| Some(after[i]? - before[i]?)));
     }
     let mut effect = Effect { mean: [None; N], spread: [0.0; N] };

@@ -7,7 +7,7 @@ use erard::parameter::{NumberError, Quantity as Physical};
 use super::bench::Bench;
 use crate::balance::Lead;
 use crate::measure::usual::usual;
-use crate::regional::ours;
+use crate::regional::canonical_name;
 use crate::worklist::{Quantity, Readings};
 
 /// Number of entries.
@@ -314,7 +314,7 @@ impl Entry {
     /// Whether a name belongs to this entry, in any spelling of case, spaces and hyphens.
     #[must_use]
     pub fn is_called(&self, name: &str) -> bool {
-        let name = ours(&name.trim().to_lowercase().replace([' ', '-'], "_"));
+        let name = canonical_name(&name.trim().to_lowercase().replace([' ', '-'], "_"));
         name == self.name || self.also.contains(&name.as_str())
     }
 

@@ -2,7 +2,7 @@
 //!
 //! `entry` lists the readings of a key, with names, precision and limits; `table` reads many keys from CSV; `bench`
 //! holds the tests that distinguish places of friction. `cause` is the table of causes (`causes.toml`: frequency, quick
-//! test, cure), `plant` puts a cause into a simulated action, `effect` holds the effect of each cause on each reading
+//! test, cure), `inject` puts a cause into a simulated action, `effect` holds the effect of each cause on each reading
 //! (`effects.csv`, simulated on an ensemble), `healthy` the distribution of the readings of sound keys, `belief` the
 //! probability of every cause and combination, `next` the most informative measurement, and `geometry` quantities
 //! derived from weights. `report` assembles the answer, `answer` puts it into sentences and JSON, and `typed` reads a
@@ -16,9 +16,9 @@ mod effect;
 mod entry;
 mod geometry;
 mod healthy;
+mod inject;
 mod next;
 mod normal;
-mod plant;
 mod report;
 mod table;
 mod typed;
@@ -29,7 +29,7 @@ pub use cause::{Cause, causes};
 pub use effect::{check_effects, effects_csv};
 pub use entry::{Entry, Impossible, Known, entries};
 pub use geometry::{Band, Geometry};
-pub use plant::{plant, plant_amount};
+pub use inject::{inject, injected_amount};
 pub use report::{Diagnosis, Judged, Ranked, Standing, Suggestion, diagnose};
 pub use table::{is_table_of_keys, read};
 pub use typed::Typed;

@@ -11,8 +11,8 @@ use crate::measure::usual::usual;
 
 /// Causes below this probability are not named.
 const LEAST: f64 = 0.03;
-/// Most causes named.
-const MOST: usize = 6;
+/// Largest number of causes named.
+const MAX_LINES: usize = 6;
 /// Least information of a suggested measurement, bits.
 const LEAST_BITS: f64 = 0.05;
 
@@ -123,7 +123,7 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
     if order.is_empty() {
         order = (0..of.len()).max_by(|a, b| of[*a].total_cmp(&of[*b])).into_iter().collect();
     }
-    order.truncate(MOST);
+    order.truncate(MAX_LINES);
     diagnosis.causes = order
         .into_iter()
         .map(|cause| {

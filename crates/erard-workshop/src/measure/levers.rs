@@ -22,7 +22,7 @@ const WAY_M: f64 = 1e-3;
 /// Smallest turn of a lever, rad: some rounding errors of a compression over a lever arm.
 const STANDS_RAD: f64 = 1e-13;
 /// Newton's method needs four or five iterations for a tenth of the stroke.
-const MOST_ITERATIONS: usize = 50;
+const MAX_ITERATIONS: usize = 50;
 
 /// Key, whippen and hammer of a grand action, its bends locked.
 pub(crate) struct Levers {
@@ -118,7 +118,7 @@ fn turn(
     bodies: &[usize],
     (zone, held_m): (usize, f64),
 ) -> Option<()> {
-    for _ in 0..MOST_ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         observer.update(0.0, angles, &[0.0; _]);
         let row = observer.compression_row(zone);
         let arm_m: f64 = bodies.iter().map(|&body| row[body]).sum();

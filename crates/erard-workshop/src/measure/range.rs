@@ -24,7 +24,7 @@ const DOUBLE_STRIKES: u32 = 12;
 /// Speed of a second impact that is hardly heard, m/s. Our own estimate: no number is published.
 pub const HARDLY_HEARD_M_PER_S: f64 = 0.15;
 /// Largest force in the search for the softest note, N.
-const LARGEST_SOFT_N: f64 = 10.0;
+const MAX_SOFT_N: f64 = 10.0;
 const CLOSE_N: f64 = 2e-4;
 
 /// Hammer speed under a constant force.
@@ -130,7 +130,7 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
     let parts = Parts::of(instrument)?;
     let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
     let rest = action.save();
-    let (mut low, mut high) = (0.0, LARGEST_SOFT_N);
+    let (mut low, mut high) = (0.0, MAX_SOFT_N);
     if !reaches(&mut action, &rest, high, progress)? {
         return Ok(None);
     }

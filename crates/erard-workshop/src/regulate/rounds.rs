@@ -10,11 +10,11 @@ use crate::distances::{Distances, Protocol};
 use erard::instrument::{Instrument, ScrewAction};
 
 /// Most rounds: goals not settled by then will not settle.
-const MOST_ROUNDS: u32 = 8;
+const MAX_ROUNDS: u32 = 8;
 /// Most measurements for one goal in one round.
-const MOST_TRIES: u32 = 14;
+const MAX_TRIES: u32 = 14;
 /// Most measurements to meet a goal again while another's screw is turned.
-const MOST_TRIES_TO_KEEP: u32 = 6;
+const MAX_TRIES_TO_KEEP: u32 = 6;
 /// Share of its tolerance to which a goal is met, so that later work may disturb it a little.
 const WORKING_SHARE: f64 = 0.3;
 /// Assumed number of rounds, for the progress.
@@ -22,7 +22,7 @@ const USUAL_ROUNDS: f64 = 4.0;
 /// Step by which the drop screw is turned out of the way, m, and most such steps.
 const OUT_OF_THE_WAY_M: f64 = 0.3e-3;
 /// See [`OUT_OF_THE_WAY_M`].
-const MOST_OUT_OF_THE_WAY: u32 = 5;
+const MAX_OUT_OF_THE_WAY: u32 = 5;
 /// Drop that shows that the drop screw is out of the way, m: more than twice the usual one.
 const FAR_DROP_M: f64 = 3.5e-3;
 
@@ -140,7 +140,7 @@ pub fn regulate(
     let mut rounds = 0;
     let mut best: Option<(f64, Vec<f64>)> = None;
     let mut stalled = 0;
-    while rounds < MOST_ROUNDS && !tasks.is_empty() {
+    while rounds < MAX_ROUNDS && !tasks.is_empty() {
         rounds += 1;
         let settings = shop.settings();
         for n in 0..tasks.len() {
@@ -149,7 +149,7 @@ pub fn regulate(
             if rounds == 1 && tasks[n].goal == Goal::LetOff && !is_met(&tasks[n], &mut shop)? {
                 clear_the_drop_screw(&tasks, &mut shop)?;
             }
-            work(&mut tasks, n, MOST_TRIES, &mut shop)?;
+            work(&mut tasks, n, MAX_TRIES, &mut shop)?;
         }
         let error = total_error(&tasks, &mut shop)?;
         if best.as_ref().is_none_or(|(least, _)| error < 0.9 * least) {
@@ -245,7 +245,7 @@ fn clear_the_drop_screw(tasks: &[Task], shop: &mut Workshop<'_>) -> Result<(), R
     let began_at = shop.setting(screw);
     let sense = known.sense(&shop.instrument.screws[screw]);
     let [from, to] = known.limits(&shop.instrument, &shop.instrument.screws[screw]);
-    for _ in 0..MOST_OUT_OF_THE_WAY {
+    for _ in 0..MAX_OUT_OF_THE_WAY {
         if shop.value(Goal::Drop)?.is_some_and(|drop| drop >= enough) {
             return Ok(());
         }
@@ -301,7 +301,7 @@ fn work(tasks: &mut [Task], n: usize, tries: u32, shop: &mut Workshop<'_>) -> Re
             let Some(next) = search.next(setting, value) else { break };
             shop.turn(screw, next);
             if let Some(kept) = kept {
-                work(tasks, kept, MOST_TRIES_TO_KEEP, shop)?;
+                work(tasks, kept, MAX_TRIES_TO_KEEP, shop)?;
             }
         }
         shop.restore(&nearest_with);

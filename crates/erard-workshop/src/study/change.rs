@@ -6,7 +6,7 @@ use erard::instrument::{
 use thiserror::Error;
 
 use super::Parameter;
-use crate::regional::ours;
+use crate::regional::canonical_name;
 
 /// Change of a number.
 #[derive(Debug, Clone, PartialEq)]
@@ -372,7 +372,7 @@ fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, change: 
 pub fn known_name(name: &str, all: &[(String, Parameter)], text: &str) -> String {
     let name = name.trim();
     let is_known = all.iter().any(|(known, _)| known == name) || number_of(text, name).is_some();
-    if is_known { name.to_owned() } else { ours(name) }
+    if is_known { name.to_owned() } else { canonical_name(name) }
 }
 
 fn unknown(name: &str, all: &[(String, Parameter)]) -> ChangeError {

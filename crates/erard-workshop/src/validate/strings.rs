@@ -1,8 +1,8 @@
 //! Hammer and strings over the compass: contact time, largest force, return speed, inharmonicity.
 
 use super::presses::{FF_M_PER_S, MF_M_PER_S, PP_M_PER_S};
+use crate::first_impact::{FirstImpact, STEP_S, Stopped, action_at_rest, first_impact_of_speed};
 use crate::measure::MeasureError;
-use crate::struck::{FirstImpact, STEP_S, Stopped, impact_of_speed, rest};
 use erard::Progress;
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
@@ -101,8 +101,8 @@ impl Strung {
             progress(f64::min(done, 1.0))
         };
         let mut play = |one: &Instrument, speed_m_per_s: f64| -> Result<Option<FirstImpact>, MeasureError> {
-            let mut action = rest(one)?;
-            impact_of_speed(&mut action, speed_m_per_s, &mut going)
+            let mut action = action_at_rest(one)?;
+            first_impact_of_speed(&mut action, speed_m_per_s, &mut going)
                 .map_err(|Stopped| SimulationError::Interrupted.into())
         };
         let mut found = Found::default();
@@ -189,7 +189,7 @@ fn t60_s(instrument: &Instrument) -> Result<Option<f64>, MeasureError> {
     if instrument.strings.iter().all(|string| string.damper.is_none()) {
         return Ok(None);
     }
-    let mut action = rest(instrument)?;
+    let mut action = action_at_rest(instrument)?;
     let steps = |seconds: f64| (seconds / STEP_S).round() as usize;
     for (input, seconds) in [(Input::Force(STRUCK_N), HELD_S), (Input::Free, LIES_S)] {
         for _ in 0..steps(seconds) {

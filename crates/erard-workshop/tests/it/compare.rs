@@ -192,7 +192,7 @@ fn the_force_under_a_recorded_key_is_worth_what_is_said() {
         let (quiet, _) = played(0, 0.0, low_pass);
         for seed in 1..4 {
             let (noisy, report) = played(seed, sigma_m, low_pass);
-            let worth = noisy.trials[0].worth.unwrap_or_else(|| panic!("{report:?}"));
+            let worth = noisy.trials[0].force_uncertainty.unwrap_or_else(|| panic!("{report:?}"));
             let resting = noisy.time_s.partition_point(|t| *t <= 0.04);
             let off = noisy.trials[0].force_n.iter().zip(&quiet.trials[0].force_n).skip(resting);
             let squares: Vec<f64> = off.map(|(a, b)| (a - b).powi(2)).collect();
@@ -201,7 +201,11 @@ fn the_force_under_a_recorded_key_is_worth_what_is_said() {
             assert!((worth.noise_m / sigma_m - 1.0).abs() < 0.3, "{worth:?}");
             assert!((0.5..2.0).contains(&(error_n / worth.rms_n)), "{error_n} N for {worth:?}");
             said.push(worth.rms_n);
-            assert!(noisy.worths()[0].contains("driven by key motion: the position's noise"), "{:?}", noisy.worths());
+            assert!(
+                noisy.force_uncertainties()[0].contains("driven by key motion: the position's noise"),
+                "{:?}",
+                noisy.force_uncertainties()
+            );
         }
     }
     // Proportional, as far as felts allow.

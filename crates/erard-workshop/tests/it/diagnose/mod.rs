@@ -4,7 +4,7 @@ mod proof;
 
 use erard::instrument::Instrument;
 use erard_workshop::balance::Lead;
-use erard_workshop::diagnose::{Diagnosis, Known, Standing, causes, check_effects, diagnose, plant};
+use erard_workshop::diagnose::{Diagnosis, Known, Standing, causes, check_effects, diagnose, inject};
 use erard_workshop::measure::measure;
 use erard_workshop::sample::Sampled;
 use proof::{GRAND, KEY, sound_sample, sound_samples, tally};
@@ -118,11 +118,11 @@ fn undoing_what_is_named_cures() {
     let sampled = Sampled::of_file(Instrument::builtin_text(GRAND).unwrap(), GRAND, &mut |_| true).unwrap();
     let healthy = &sound_sample(&sampled, 6001).expect("it is sound");
     let cause = causes().iter().find(|cause| cause.key == "let_off_wide").unwrap();
-    let ill = plant(healthy, cause, -0.3e-3, false, &mut |_| true).unwrap();
+    let ill = inject(healthy, cause, -0.3e-3, false, &mut |_| true).unwrap();
     let found = diagnose(&Known::measured(&ill, &mut |_| true).unwrap(), KEY);
     assert_eq!(found.causes[0].cause.key, "let_off_wide");
-    let amount = erard_workshop::diagnose::plant_amount(found.causes[0].cause, found.causes[0].case);
-    let cured = plant(&ill, found.causes[0].cause, amount, true, &mut |_| true).unwrap();
+    let amount = erard_workshop::diagnose::injected_amount(found.causes[0].cause, found.causes[0].case);
+    let cured = inject(&ill, found.causes[0].cause, amount, true, &mut |_| true).unwrap();
     assert!(!diagnose(&Known::measured(&cured, &mut |_| true).unwrap(), KEY).is_work());
 }
 

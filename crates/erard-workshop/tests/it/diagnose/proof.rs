@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
 use erard::instrument::{Instrument, InstrumentFile};
-use erard_workshop::diagnose::{Diagnosis, Known, Standing, causes, diagnose, entries, plant, plant_amount};
+use erard_workshop::diagnose::{Diagnosis, Known, Standing, causes, diagnose, entries, inject, injected_amount};
 use erard_workshop::sample::Sampled;
 use erard_workshop::worklist::{Quantity, Readings};
 
@@ -94,7 +94,7 @@ fn chance_of(at: usize, number: u32) -> Chance {
 /// Puts a case of a cause into a sound piano.
 pub fn with(sound: &Instrument, cause: Option<usize>, case: f64) -> Instrument {
     match cause.map(|at| &causes()[at]) {
-        Some(cause) => plant(sound, cause, plant_amount(cause, case), false, &mut |_| true).unwrap(),
+        Some(cause) => inject(sound, cause, injected_amount(cause, case), false, &mut |_| true).unwrap(),
         None => sound.clone(),
     }
 }
@@ -129,7 +129,7 @@ pub fn course(planted: &Planted) -> Course {
     }
     let mut out_of = [out(truth); 2];
     if let Some(first) = found.causes.first() {
-        let undone = plant(ill, first.cause, plant_amount(first.cause, first.case), true, go_on).unwrap();
+        let undone = inject(ill, first.cause, injected_amount(first.cause, first.case), true, go_on).unwrap();
         out_of[1] = out(&Known::measured(&undone, go_on).unwrap());
     }
     let named = found.causes.iter().map(|ranked| format!("{} {:.2}", ranked.cause.key, ranked.probability));

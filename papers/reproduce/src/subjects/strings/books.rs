@@ -8,7 +8,7 @@ use moreau::Settings;
 use super::super::impact::{Play, tell};
 use super::super::{Claim, Progress, ReproduceError, Section};
 use super::head;
-use erard_workshop::struck::STEP_S;
+use erard_workshop::first_impact::STEP_S;
 
 /// Largest unexplained share of the work.
 const RESIDUAL: f64 = 1e-4;

@@ -11,7 +11,7 @@ use super::{Claim, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
 use erard::keyboard::{Keyboard, note_name};
 use erard::{Action, Input};
-use erard_workshop::struck::{self, STEP_S, impact};
+use erard_workshop::first_impact::{STEP_S, action_at_rest, first_impact};
 
 /// Keyboard and instrument of this subject.
 const NAME: &str = "concert-grand-strings";
@@ -60,7 +60,7 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
         for (m, (loud, force_n)) in FORCES.into_iter().enumerate() {
             tell(progress, 0.4 * (n * FORCES.len() + m) as f64 / (KEYS.len() * FORCES.len()) as f64)?;
             let mut action = rest(&instrument)?;
-            let found = impact(&mut action, force_n);
+            let found = first_impact(&mut action, force_n);
             let cells = match &found {
                 Some(b) => vec![
                     format!("{:.2}", b.speed_m_per_s),
@@ -142,7 +142,7 @@ fn inharmonicity(keyboard: &Keyboard, section: &mut Section) -> Result<(), Repro
 }
 
 fn rest(instrument: &Instrument) -> Result<Action, ReproduceError> {
-    struck::rest(instrument).map_err(|error| ReproduceError::Simulation(error.into()))
+    action_at_rest(instrument).map_err(|error| ReproduceError::Simulation(error.into()))
 }
 
 /// Level of the force on the bridge over 20 ms, dB.

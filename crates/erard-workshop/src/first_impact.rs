@@ -35,12 +35,12 @@ pub struct FirstImpact {
 }
 
 /// Returns an action at rest.
-pub fn rest(instrument: &Instrument) -> Result<Action, ActionError> {
+pub fn action_at_rest(instrument: &Instrument) -> Result<Action, ActionError> {
     Action::with(instrument, Settings::new(STEP_S))
 }
 
 /// Returns the first impact under a constant force, from rest; `None` if the key does not sound.
-pub fn impact(action: &mut Action, force_n: f64) -> Option<FirstImpact> {
+pub fn first_impact(action: &mut Action, force_n: f64) -> Option<FirstImpact> {
     let (mut first, mut impact, mut touching) = (None, None, false);
     for n in 0..((PATIENCE_S + FOLLOWED_S) / STEP_S) as usize {
         let reading = action.step(Input::Force(force_n));
@@ -75,7 +75,7 @@ pub fn impact(action: &mut Action, force_n: f64) -> Option<FirstImpact> {
 
 /// Returns the impact under the smallest constant force that reaches this hammer speed, m/s, by bisection; `None` if
 /// none does. `progress` ends it by returning false.
-pub(crate) fn impact_of_speed(
+pub(crate) fn first_impact_of_speed(
     action: &mut Action,
     speed_m_per_s: f64,
     progress: &mut Progress<'_>,
@@ -86,7 +86,7 @@ pub(crate) fn impact_of_speed(
             return Err(Stopped);
         }
         action.restore(&still).expect("it is the action's own");
-        Ok(impact(action, force_n).filter(|impact| impact.speed_m_per_s >= speed_m_per_s))
+        Ok(first_impact(action, force_n).filter(|impact| impact.speed_m_per_s >= speed_m_per_s))
     };
     let [mut low, mut high] = FORCES_N;
     let Some(mut found) = fast_enough(high)? else { return Ok(None) };

@@ -12,7 +12,7 @@ use crate::worklist::Work;
 /// Returns the amount of a cause in a case: 1 is the light one of `causes.toml`, 2 the plain one, 3 the heavy one, with
 /// linear interpolation between them. The unit is that of `amounts` there.
 #[must_use]
-pub fn plant_amount(cause: &Cause, case: f64) -> f64 {
+pub fn injected_amount(cause: &Cause, case: f64) -> f64 {
     let [light, plain, heavy] = cause.amounts;
     if case <= 2.0 { light + (plain - light) * (case - 1.0) } else { plain + (heavy - plain) * (case - 2.0) }
 }
@@ -21,16 +21,16 @@ pub fn plant_amount(cause: &Cause, case: f64) -> f64 {
 ///
 /// # Errors
 /// If the instrument is no grand action.
-pub fn plant(
+pub fn inject(
     instrument: &Instrument,
     cause: &Cause,
     amount: f64,
     undo: bool,
     progress: &mut Progress<'_>,
 ) -> Result<Instrument, MeasureError> {
-    let mut planted = instrument.clone();
+    let mut changed = instrument.clone();
     let signed = if undo { -amount } else { amount };
-    let (kind, of) = cause.plant.split_once(':').unwrap_or((&cause.plant, ""));
+    let (kind, of) = cause.change.split_once(':').unwrap_or((&cause.change, ""));
     match kind {
         "friction" => {
             let anatomy = Anatomy::find(instrument)?;
@@ -40,18 +40,18 @@ pub fn plant(
                 _ => anatomy.whippen,
             };
             let factor = if undo { 1.0 / amount } else { amount };
-            planted.bodies[instrument.first_piece(body)].friction_torque_n_m *= factor;
+            changed.bodies[instrument.first_piece(body)].friction_torque_n_m *= factor;
         }
         "knuckle" => {
-            let zone = &mut planted.zones[Anatomy::find(instrument)?.jack_knuckle];
+            let zone = &mut changed.zones[Anatomy::find(instrument)?.jack_knuckle];
             zone.friction_coefficient = (zone.friction_coefficient + signed).max(0.0);
         }
-        "screw" => turn(&mut planted, of, signed),
-        "hammer" => Work::Hammer { by_g: signed }.carry_out(&mut planted, progress)?,
-        "front_weight" => Work::FrontWeight { by_g: signed }.carry_out(&mut planted, progress)?,
-        _ => Work::Capstan { by_mm: signed }.carry_out(&mut planted, progress)?,
+        "screw" => turn(&mut changed, of, signed),
+        "hammer" => Work::Hammer { by_g: signed }.carry_out(&mut changed, progress)?,
+        "front_weight" => Work::FrontWeight { by_g: signed }.carry_out(&mut changed, progress)?,
+        _ => Work::Capstan { by_mm: signed }.carry_out(&mut changed, progress)?,
     }
-    Ok(planted)
+    Ok(changed)
 }
 
 /// Turns a screw in the direction of technicians' words; a spring by a share of its torque.

@@ -57,7 +57,7 @@ impl PathNoise {
 
 /// Uncertainty of a force that was computed under a recorded motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Worth {
+pub struct ForceUncertainty {
     /// Root mean square error of the force after the rest that is due to the recording's noise, N; infinite if the
     /// motion with its noise cannot be played.
     pub rms_n: f64,
@@ -70,7 +70,7 @@ pub struct Worth {
 /// Plays a path and returns the force on the axis of the undisturbed one, N.
 pub(super) type Play<'a> = dyn Fn(&PositionSeries, &mut Progress<'_>) -> Result<Vec<f64>, SimulationError> + 'a;
 
-impl Worth {
+impl ForceUncertainty {
     /// Computes the accuracy from the undisturbed force, whose first `resting` samples are at rest.
     pub(super) fn of(
         noise: &PathNoise,
@@ -87,7 +87,7 @@ impl Worth {
             let played = match disturbed.map(|path| play(&path, progress)) {
                 Some(Err(error)) if matches!(error, SimulationError::Interrupted) => return Err(error.into()),
                 Some(Ok(played)) => played,
-                _ => return Ok(Worth { rms_n: f64::INFINITY, within_n: f64::INFINITY, noise_m }),
+                _ => return Ok(ForceUncertainty { rms_n: f64::INFINITY, within_n: f64::INFINITY, noise_m }),
             };
             let from = resting.min(force_n.len());
             off.extend(played.iter().zip(force_n).skip(from).map(|(a, b)| (a - b).abs()));
@@ -95,7 +95,7 @@ impl Worth {
         off.sort_unstable_by(f64::total_cmp);
         let mean = off.iter().map(|x| x * x).sum::<f64>() / off.len().max(1) as f64;
         let within_n = off.get(off.len() * 95 / 100).copied().unwrap_or(0.0);
-        Ok(Worth { rms_n: mean.sqrt(), within_n, noise_m })
+        Ok(ForceUncertainty { rms_n: mean.sqrt(), within_n, noise_m })
     }
 
     /// Computes the accuracy for a run under a recorded stroke, over the rows from the end of its rest, s, to its own
@@ -125,13 +125,13 @@ impl Worth {
             force_n.truncate(end);
             Ok(force_n)
         };
-        Worth::of(noise, &path, &run.force_n[..end], row(rest_until_s), &play, progress).map(Some)
+        ForceUncertainty::of(noise, &path, &run.force_n[..end], row(rest_until_s), &play, progress).map(Some)
     }
 
     /// Describes the accuracy in words.
     #[must_use]
-    pub fn told(&self, driven: Prescribed) -> String {
-        let Worth { rms_n, within_n, noise_m } = self;
+    pub fn describe(&self, driven: Prescribed) -> String {
+        let ForceUncertainty { rms_n, within_n, noise_m } = self;
         let begin = format!("{}: the position's noise, {:.2} um rms,", driven.driven(), 1e6 * noise_m);
         if !rms_n.is_finite() {
             return format!("{begin} makes the motion unplayable: the simulated force cannot be used");
