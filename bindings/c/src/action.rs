@@ -54,7 +54,7 @@ pub unsafe extern "C" fn erard_action_new(
     status: *mut ErardStatus,
 ) -> *mut ErardAction {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `text` is NULL, or `length` readable bytes that do not change during the call.
         let (file, _) = unsafe { parse(text, length) }?;
         Ok(Box::into_raw(Box::new(ErardAction::new(&file.instrument, step_s)?)))
     })
@@ -69,7 +69,8 @@ pub unsafe extern "C" fn erard_action_of(
     status: *mut ErardStatus,
 ) -> *mut ErardAction {
     told(null_mut(), status, || {
-        // SAFETY: the caller's promise: NULL, or an instrument.
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
+        // meanwhile.
         let instrument = unsafe { instrument.as_ref() }.ok_or_else(|| Fault::null("the instrument"))?;
         Ok(Box::into_raw(Box::new(ErardAction::new(instrument.instrument(), step_s)?)))
     })
@@ -79,7 +80,8 @@ pub unsafe extern "C" fn erard_action_of(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_free(action: *mut ErardAction) {
     if !action.is_null() {
-        // SAFETY: the caller's promise: it comes from this library, and is used no more.
+        // SAFETY: `action` is not NULL, comes from erard_action_new or erard_action_of, has not been freed, and is not
+        // used again.
         quick(|| {
             drop(unsafe { Box::from_raw(action) });
             ErardStatus::Ok
@@ -89,7 +91,7 @@ pub unsafe extern "C" fn erard_action_free(action: *mut ErardAction) {
 
 /// Writes the reading to the caller's place, if there is one.
 unsafe fn read_into(play: &Play, reading: *mut ErardReading) {
-    // SAFETY: the caller's promise: NULL, or a place for a reading.
+    // SAFETY: `reading` is NULL, or aligned and writable memory for an ErardReading, by the contract of this function.
     if let Some(place) = unsafe { reading.as_mut() } {
         *place = play.reading;
     }
@@ -98,11 +100,13 @@ unsafe fn read_into(play: &Play, reading: *mut ErardReading) {
 /// Takes one step under a checked input; returns its error otherwise.
 #[inline(always)]
 unsafe fn step(action: *mut ErardAction, input: Result<Input, ErardStatus>, reading: *mut ErardReading) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call uses it meanwhile.
     let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
     quick(|| {
         let status = input.map_or_else(|status| status, |input| action.play.step(input));
-        // SAFETY: passed on.
+        // SAFETY: `reading` is NULL, or aligned and writable memory for an ErardReading, by the contract of this
+        // function.
         unsafe { read_into(&action.play, reading) };
         status
     })
@@ -122,7 +126,8 @@ pub unsafe extern "C" fn erard_step_force(
     force_n: f64,
     reading: *mut ErardReading,
 ) -> ErardStatus {
-    // SAFETY: passed on.
+    // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `reading` is NULL, or writable
+    // memory for an ErardReading.
     unsafe { step(action, within(force_n, ERARD_LARGEST_FORCE_N).map(Input::Force), reading) }
 }
 
@@ -138,7 +143,8 @@ pub unsafe extern "C" fn erard_step_motion(
     reading: *mut ErardReading,
 ) -> ErardStatus {
     let input = moving(position_m, velocity_m_per_s);
-    // SAFETY: passed on.
+    // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `reading` is NULL, or writable
+    // memory for an ErardReading.
     unsafe {
         step(
             action,
@@ -159,7 +165,8 @@ pub unsafe extern "C" fn erard_step_rigid(
     reading: *mut ErardReading,
 ) -> ErardStatus {
     let input = moving(position_m, velocity_m_per_s);
-    // SAFETY: passed on.
+    // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `reading` is NULL, or writable
+    // memory for an ErardReading.
     unsafe {
         step(action, input.map(|[position_m, velocity_m_per_s]| Input::Rigid { position_m, velocity_m_per_s }), reading)
     }
@@ -169,7 +176,8 @@ pub unsafe extern "C" fn erard_step_rigid(
 /// time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_step_free(action: *mut ErardAction, reading: *mut ErardReading) -> ErardStatus {
-    // SAFETY: passed on.
+    // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `reading` is NULL, or writable
+    // memory for an ErardReading.
     unsafe { step(action, Ok(Input::Free), reading) }
 }
 
@@ -181,9 +189,10 @@ pub unsafe extern "C" fn erard_step_input(
     input: *const ErardInput,
     reading: *mut ErardReading,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or an input.
+    // SAFETY: `input` is NULL, or an aligned, initialised ErardInput that does not change during the call.
     let Some(input) = (unsafe { input.as_ref() }) else { return ErardStatus::Null };
-    // SAFETY: passed on.
+    // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `reading` is NULL, or writable
+    // memory for an ErardReading.
     unsafe { step(action, input.checked(), reading) }
 }
 
@@ -195,7 +204,8 @@ pub unsafe extern "C" fn erard_place_hand(
     position_m: f64,
     velocity_m_per_s: f64,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call uses it meanwhile.
     let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
     let [position_m, velocity_m_per_s] = match moving(position_m, velocity_m_per_s) {
         Ok(place) => place,
@@ -219,13 +229,15 @@ pub unsafe extern "C" fn erard_advance(
     input: *const ErardInput,
     reading: *mut ErardReading,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or what their types say.
+    // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `input` is NULL, or an initialised
+    // ErardInput.
     let (Some(action), Some(input)) = (unsafe { action.as_mut() }, unsafe { input.as_ref() }) else {
         return ErardStatus::Null;
     };
     quick(|| {
         let status = action.play.advance(dt_s, input);
-        // SAFETY: passed on.
+        // SAFETY: `reading` is NULL, or aligned and writable memory for an ErardReading, by the contract of this
+        // function.
         unsafe { read_into(&action.play, reading) };
         status
     })
@@ -235,7 +247,8 @@ pub unsafe extern "C" fn erard_advance(
 /// time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_read(action: *const ErardAction, reading: *mut ErardReading) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or an action and a place for a reading.
+    // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `reading` is NULL, or writable
+    // memory for an ErardReading.
     let (Some(action), false) = (unsafe { action.as_ref() }, reading.is_null()) else { return ErardStatus::Null };
     unsafe { read_into(&action.play, reading) };
     ErardStatus::Ok
@@ -244,7 +257,8 @@ pub unsafe extern "C" fn erard_read(action: *const ErardAction, reading: *mut Er
 /// Returns the action to its state when it was made: at rest, at 0 s, with no impact counted. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call uses it meanwhile.
     let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
     quick(|| action.play.reset())
 }
@@ -257,7 +271,8 @@ pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
 /// The bytes are the same on every machine. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, size: *mut usize) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or an action and a place for a size.
+    // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `size` is NULL, or a writable,
+    // initialised size.
     let (Some(action), Some(size)) = (unsafe { action.as_ref() }, unsafe { size.as_mut() }) else {
         return ErardStatus::Null;
     };
@@ -270,7 +285,8 @@ pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, 
         return ErardStatus::Size;
     }
     quick(|| {
-        // SAFETY: there is room.
+        // SAFETY: `bytes` is not NULL and, as `size` said, has room for at least `needed` bytes, which nothing else
+        // uses during the call.
         action.play.save(unsafe { core::slice::from_raw_parts_mut(bytes, needed) });
         ErardStatus::Ok
     })
@@ -280,7 +296,8 @@ pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, 
 /// no more than 0.5 m/s. Without modal strings or without a rail, the call does nothing. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call uses it meanwhile.
     let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
     if !lift_m.is_finite() {
         return ErardStatus::NotFinite;
@@ -296,7 +313,8 @@ pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) 
 /// sound. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_bridge_force(action: *const ErardAction, force_n: *mut f64) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or what their types say.
+    // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `force_n` is NULL, or writable
+    // memory for a number.
     let (Some(action), Some(force_n)) = (unsafe { action.as_ref() }, unsafe { force_n.as_mut() }) else {
         return ErardStatus::Null;
     };
@@ -311,11 +329,12 @@ pub unsafe extern "C" fn erard_bridge_force(action: *const ErardAction, force_n:
 /// positions; 0 without modal strings and for NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_string_places(action: *const ErardAction, places_m: *mut f64, count: usize) -> usize {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call changes it meanwhile.
     let Some((places, _)) = (unsafe { action.as_ref() }).and_then(|action| action.string.as_ref()) else { return 0 };
     if !places_m.is_null() {
         let many = count.min(places.len());
-        // SAFETY: the caller's promise: there is room for so many.
+        // SAFETY: `places_m` is not NULL; it is aligned and has room for `count` numbers, of which `many` are written.
         unsafe { core::slice::from_raw_parts_mut(places_m, many) }.copy_from_slice(&places[..many]);
     }
     places.len()
@@ -330,13 +349,15 @@ pub unsafe extern "C" fn erard_string_shape(
     shape_m: *mut f32,
     count: usize,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call changes it meanwhile.
     let (Some(action), false) = (unsafe { action.as_ref() }, shape_m.is_null()) else { return ErardStatus::Null };
     let Some((places, seen)) = &action.string else { return ErardStatus::Ok };
     if count < places.len() {
         return ErardStatus::Size;
     }
-    // SAFETY: there is room for at least so many.
+    // SAFETY: `shape_m` is not NULL; it is aligned and has room for `count` numbers, no fewer than `places`, as checked
+    // above.
     let shape = unsafe { core::slice::from_raw_parts_mut(shape_m, places.len()) };
     quick(|| {
         if let Some(strings) = action.play.action.strings() {
@@ -352,7 +373,8 @@ pub unsafe extern "C" fn erard_string_shape(
 /// yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_restore(action: *mut ErardAction, bytes: *const u8, size: usize) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or an action and so many bytes.
+    // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `bytes` is NULL, or `size`
+    // readable bytes.
     let (Some(action), false) = (unsafe { action.as_mut() }, bytes.is_null()) else { return ErardStatus::Null };
     if size > isize::MAX as usize {
         return ErardStatus::Saved;
@@ -363,14 +385,16 @@ pub unsafe extern "C" fn erard_restore(action: *mut ErardAction, bytes: *const u
 /// Returns the number of bodies of an action; 0 for NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_body_count(action: *const ErardAction) -> usize {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call changes it meanwhile.
     unsafe { action.as_ref() }.map_or(0, |action| action.bodies.len())
 }
 
 /// Returns the number of contact zones of an action; 0 for NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_zone_count(action: *const ErardAction) -> usize {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call changes it meanwhile.
     unsafe { action.as_ref() }.map_or(0, |action| action.zones.len())
 }
 
@@ -378,7 +402,8 @@ pub unsafe extern "C" fn erard_zone_count(action: *const ErardAction) -> usize {
 /// body. The text belongs to the action and is valid as long as the action. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_body_name(action: *const ErardAction, body: usize) -> *const c_char {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call changes it meanwhile.
     let action = unsafe { action.as_ref() };
     action.and_then(|action| action.bodies.get(body)).map_or(core::ptr::null(), |name| name.as_ptr())
 }
@@ -386,7 +411,8 @@ pub unsafe extern "C" fn erard_body_name(action: *const ErardAction, body: usize
 /// Returns the name of a contact zone; `zone` counts from 0. Otherwise as erard_body_name. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_zone_name(action: *const ErardAction, zone: usize) -> *const c_char {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call changes it meanwhile.
     let action = unsafe { action.as_ref() };
     action.and_then(|action| action.zones.get(zone)).map_or(core::ptr::null(), |name| name.as_ptr())
 }
@@ -398,13 +424,15 @@ unsafe fn fill(
     wanted: impl Fn(&ErardAction) -> usize,
     write: impl Fn(&ErardAction, &mut [f64]),
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call changes it meanwhile.
     let (Some(action), false) = (unsafe { action.as_ref() }, out.is_null()) else { return ErardStatus::Null };
     let wanted = wanted(action);
     if count < wanted {
         return ErardStatus::Size;
     }
-    // SAFETY: there is room for at least so many.
+    // SAFETY: `out` is not NULL; it is aligned and has room for `count` numbers, no fewer than `wanted`, as checked
+    // above.
     let out = unsafe { core::slice::from_raw_parts_mut(out, wanted) };
     quick(|| {
         write(action, out);
@@ -420,7 +448,8 @@ pub unsafe extern "C" fn erard_angles(action: *const ErardAction, angles_rad: *m
     let write = |action: &ErardAction, out: &mut [f64]| {
         out.iter_mut().zip(action.play.action.angles()).for_each(|(place, angle)| *place = *angle);
     };
-    // SAFETY: passed on.
+    // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `angles_rad` is NULL, or
+    // aligned room for `count` numbers.
     unsafe { fill(action, angles_rad, count, |action| action.bodies.len(), write) }
 }
 
@@ -435,7 +464,8 @@ pub unsafe extern "C" fn erard_velocities(
     let write = |action: &ErardAction, out: &mut [f64]| {
         out.iter_mut().zip(action.play.action.velocities()).for_each(|(place, rate)| *place = *rate);
     };
-    // SAFETY: passed on.
+    // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `velocities_rad_s` is NULL, or
+    // aligned room for `count` numbers.
     unsafe { fill(action, velocities_rad_s, count, |action| action.bodies.len(), write) }
 }
 
@@ -448,6 +478,7 @@ pub unsafe extern "C" fn erard_contact_forces(
     forces_n: *mut f64,
     count: usize,
 ) -> ErardStatus {
-    // SAFETY: passed on.
+    // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `forces_n` is NULL, or aligned
+    // room for `count` numbers.
     unsafe { fill(action, forces_n, count, |action| action.zones.len(), |action, out| action.play.contacts(out)) }
 }

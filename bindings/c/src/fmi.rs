@@ -43,7 +43,8 @@ type Done = Result<c_int, String>;
 
 /// Runs a function of the standard; errors go to the logger.
 unsafe fn done(component: *mut Component, work: impl FnOnce(&mut Component) -> Done) -> c_int {
-    // SAFETY: the importer's promise: an instance, or NULL.
+    // SAFETY: `component` is NULL, or comes from `fmi2Instantiate`, has not been freed, and no other call uses it
+    // meanwhile.
     let Some(component) = (unsafe { component.as_mut() }) else { return ERROR };
     let result =
         catch_unwind(AssertUnwindSafe(|| work(component))).unwrap_or_else(|_| Err("a fault of the library".into()));
@@ -56,8 +57,8 @@ unsafe fn done(component: *mut Component, work: impl FnOnce(&mut Component) -> D
 fn log(logger: Logger, environment: *mut c_void, name: &CStr, status: c_int, text: &str) {
     let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
     if let Some(logger) = logger {
-        // SAFETY: the importer's promise: a logger as the standard describes it. The text is an argument, not the
-        // format.
+        // SAFETY: `logger` is the importer's function of this type, which the standard lets the unit call at any time
+        // with `environment`. The text is an argument, not the format.
         unsafe {
             logger(environment, name.as_ptr(), status, c"logStatusError".as_ptr(), c"%s".as_ptr(), text.as_ptr());
         }
@@ -109,7 +110,7 @@ fn unit(folder: &Path) -> Result<Unit, String> {
 }
 
 unsafe fn words<'a>(text: *const c_char) -> &'a str {
-    // SAFETY: the importer's promise: NULL, or a text that ends with a zero.
+    // SAFETY: `text` is not NULL, and the standard has it end with a zero and stay as it is during the call.
     if text.is_null() { "" } else { unsafe { CStr::from_ptr(text) }.to_str().unwrap_or_default() }
 }
 
@@ -133,7 +134,8 @@ unsafe extern "C" fn fmi2Instantiate(
     _visible: c_int,
     _logging: c_int,
 ) -> *mut Component {
-    // SAFETY: the importer's promises.
+    // SAFETY: `name`, `own_guid` and `location` are NULL, or texts that end with a zero; `callbacks` is NULL, or the
+    // standard's structure, valid during the call.
     let (name, own_guid, location) = unsafe { (words(name), words(own_guid), words(location)) };
     let (logger, environment) =
         unsafe { callbacks.as_ref() }.map_or((None, null_mut()), |own| (own.logger, own.environment));
@@ -162,7 +164,7 @@ unsafe extern "C" fn fmi2Instantiate(
 unsafe extern "C" fn fmi2FreeInstance(component: *mut Component) {
     if !component.is_null() {
         let _ = catch_unwind(AssertUnwindSafe(|| {
-            // SAFETY: the importer's promise: it comes from `fmi2Instantiate`.
+            // SAFETY: `component` is not NULL, comes from `fmi2Instantiate`, has not been freed, and is not used again.
             drop(unsafe { Box::from_raw(component) });
         }));
     }
@@ -215,7 +217,8 @@ unsafe extern "C" fn fmi2Reset(component: *mut Component) -> c_int {
 
 /// The caller's list; empty for NULL or a length of 0.
 unsafe fn list<'a, T>(first: *const T, count: usize) -> &'a [T] {
-    // SAFETY: the importer's promise: so many.
+    // SAFETY: `first` is not NULL; it is aligned and begins `count` initialised values that do not change during the
+    // call.
     if first.is_null() { &[] } else { unsafe { std::slice::from_raw_parts(first, count) } }
 }
 

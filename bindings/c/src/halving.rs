@@ -33,7 +33,8 @@ fn halving(kind: u32) -> Result<Halving, Fault> {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_halve(action: *mut ErardAction, kind: u32) -> ErardStatus {
     tell(|| {
-        // SAFETY: the caller's promise: NULL, or an action.
+        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+        // call uses it meanwhile.
         let action = unsafe { action.as_mut() }.ok_or_else(|| Fault::null("the action"))?;
         action.play.action.halve(halving(kind)?);
         Ok(())
@@ -44,7 +45,8 @@ pub unsafe extern "C" fn erard_halve(action: *mut ErardAction, kind: u32) -> Era
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_halve(keyboard: *mut ErardKeyboard, kind: u32) -> ErardStatus {
     tell(|| {
-        // SAFETY: the caller's promise: NULL, or a keyboard.
+        // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed,
+        // and no other call uses it meanwhile.
         let keyboard = unsafe { keyboard.as_mut() }.ok_or_else(|| Fault::null("the keyboard"))?;
         keyboard.keys.halve(halving(kind)?);
         Ok(())

@@ -48,7 +48,7 @@ fn as_json(error: &FileError) -> Value {
 
 /// Reads the file in a caller's text; NULL gives the built-in concert grand.
 pub(crate) unsafe fn parse(text: *const c_char, length: usize) -> Result<(InstrumentFile, String), Fault> {
-    // SAFETY: passed on.
+    // SAFETY: `text` is NULL, or `length` readable bytes that do not change during the call.
     let text = match unsafe { bytes(text, length) }? {
         None => builtin("concert-grand")?,
         Some(bytes) => utf8(bytes, "instrument").map_err(|error| file_fault(&error))?,
@@ -78,7 +78,7 @@ pub unsafe extern "C" fn erard_instrument_new(
     status: *mut ErardStatus,
 ) -> *mut ErardInstrument {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `text` is NULL, or `length` readable bytes that do not change during the call.
         let (file, text) = unsafe { parse(text, length) }?;
         Ok(boxed(file, text))
     })
@@ -92,7 +92,7 @@ pub unsafe extern "C" fn erard_instrument_builtin(
     status: *mut ErardStatus,
 ) -> *mut ErardInstrument {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `called` is NULL, or a text that ends with a zero and does not change during the call.
         let text = builtin(unsafe { name(called, "the instrument's name") }?)?;
         let file = InstrumentFile::parse(text, "instrument").map_err(|error| file_fault(&error))?;
         Ok(boxed(file, text.to_owned()))
@@ -115,7 +115,7 @@ pub unsafe extern "C" fn erard_instrument_of_keyboard(
     key: u32,
     status: *mut ErardStatus,
 ) -> *mut ErardInstrument {
-    // SAFETY: passed on.
+    // SAFETY: `called` is NULL, or a text that ends with a zero and does not change during the call.
     told(null_mut(), status, || of_key(unsafe { name(called, "the keyboard's name") }?, key))
 }
 
@@ -152,13 +152,13 @@ pub(crate) fn builtin_keyboard(name: &str) -> Result<Keyboard, Fault> {
 /// Frees an instrument. NULL does nothing. Actions that were made from it remain valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_free(instrument: *mut ErardInstrument) {
-    // SAFETY: the caller's promise: NULL, or it comes from this library, and is used no more.
+    // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and is not used again.
     unsafe { ended(instrument) }
 }
 
 /// Returns the instrument at the caller's pointer.
 pub(crate) unsafe fn given<'a>(instrument: *const ErardInstrument) -> Result<&'a ErardInstrument, Fault> {
-    // SAFETY: the caller's promise: NULL, or an instrument.
+    // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it meanwhile.
     unsafe { instrument.as_ref() }.ok_or_else(|| Fault::null("the instrument"))
 }
 
@@ -170,7 +170,7 @@ pub unsafe extern "C" fn erard_instrument_text(
     length: *mut usize,
     status: *mut ErardStatus,
 ) -> *mut c_char {
-    // SAFETY: passed on.
+    // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it meanwhile.
     told(null_mut(), status, || give(unsafe { given(instrument) }?.text.clone(), length))
 }
 
@@ -185,9 +185,11 @@ pub unsafe extern "C" fn erard_instrument_get(
     value: *mut f64,
 ) -> ErardStatus {
     tell(|| {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or one of this library that is not freed and that no call changes; `path` is
+        // NULL, or a text that ends with a zero.
         let (instrument, path) = (unsafe { given(instrument) }?, unsafe { name(path, "the number's path") }?);
-        // SAFETY: the caller's promise: NULL, or a place for a number.
+        // SAFETY: `value` is NULL, or aligned and writable memory for one number that nothing else uses during the
+        // call.
         let place = unsafe { value.as_mut() }.ok_or_else(|| Fault::null("the value"))?;
         let number = instrument.file.provenance.numbers.iter().find(|number| number.key == path);
         *place = number.and_then(|number| number.values.get(which)).copied().ok_or_else(|| no_number(path, which))?;
@@ -210,9 +212,10 @@ pub unsafe extern "C" fn erard_instrument_set(
     value: f64,
 ) -> ErardStatus {
     tell(|| {
-        // SAFETY: the caller's promise: NULL, or an instrument.
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no other call uses it
+        // meanwhile.
         let instrument = unsafe { instrument.as_mut() }.ok_or_else(|| Fault::null("the instrument"))?;
-        // SAFETY: passed on.
+        // SAFETY: `path` is NULL, or a text that ends with a zero and does not change during the call.
         let path = unsafe { name(path, "the number's path") }?;
         if !value.is_finite() {
             return Err(Fault::new(ErardStatus::NotFinite, format!("`{path}` cannot be {value}")));
@@ -233,7 +236,8 @@ pub unsafe extern "C" fn erard_instrument_json(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
+        // meanwhile.
         let file = &unsafe { given(instrument) }?.file;
         give(described(file).to_string(), length)
     })
@@ -285,7 +289,7 @@ pub unsafe extern "C" fn erard_check(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `text` is NULL, or `length` readable bytes that do not change during the call.
         let bytes = unsafe { bytes(text, length) }?.ok_or_else(|| Fault::null("the text"))?;
         let is_a_keyboard = is_keyboard(&String::from_utf8_lossy(bytes));
         let read = utf8(bytes, "file").and_then(|text| {

@@ -46,7 +46,7 @@ pub unsafe extern "C" fn erard_keyboard_new(
     status: *mut ErardStatus,
 ) -> *mut ErardKeyboard {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `text` is NULL, or `length` readable bytes that do not change during the call.
         let keyboard = match unsafe { bytes(text, length) }? {
             None => builtin_keyboard("concert-grand")?,
             Some(bytes) => {
@@ -68,7 +68,7 @@ pub unsafe extern "C" fn erard_keyboard_builtin(
     status: *mut ErardStatus,
 ) -> *mut ErardKeyboard {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `called` is NULL, or a text that ends with a zero and does not change during the call.
         at_rest(&builtin_keyboard(unsafe { name(called, "the keyboard's name") }?)?, step_s)
     })
 }
@@ -177,7 +177,8 @@ impl ErardKeyboard {
 pub unsafe extern "C" fn erard_keyboard_free(keyboard: *mut ErardKeyboard) {
     if !keyboard.is_null() {
         quick(|| {
-            // SAFETY: the caller's promise: it comes from this library, and is used no more.
+            // SAFETY: `keyboard` is not NULL, comes from erard_keyboard_new or erard_keyboard_builtin, has not been
+            // freed, and is not used again.
             drop(unsafe { Box::from_raw(keyboard) });
             ErardStatus::Ok
         });
@@ -187,14 +188,16 @@ pub unsafe extern "C" fn erard_keyboard_free(keyboard: *mut ErardKeyboard) {
 /// Returns the number of keys; 0 for NULL. Keys count from 1, the lowest A. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_keys(keyboard: *const ErardKeyboard) -> u32 {
-    // SAFETY: the caller's promise: NULL, or a keyboard.
+    // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed, and
+    // no other call changes it meanwhile.
     unsafe { keyboard.as_ref() }.map_or(0, |keyboard| keyboard.keys.count() as u32)
 }
 
 /// Returns the number of keys that are awake, which are those that take computing time; 0 for NULL. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_awake(keyboard: *const ErardKeyboard) -> u32 {
-    // SAFETY: the caller's promise: NULL, or a keyboard.
+    // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed, and
+    // no other call changes it meanwhile.
     unsafe { keyboard.as_ref() }.map_or(0, |keyboard| keyboard.keys.awake() as u32)
 }
 
@@ -207,7 +210,8 @@ pub unsafe extern "C" fn erard_keyboard_drive(
     key: u32,
     input: *const ErardInput,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or what their types say.
+    // SAFETY: `keyboard` is NULL, or a keyboard that is not freed and in no other call; `input` is NULL, or an
+    // initialised ErardInput.
     let (Some(keyboard), Some(input)) = (unsafe { keyboard.as_mut() }, unsafe { input.as_ref() }) else {
         return ErardStatus::Null;
     };
@@ -222,7 +226,8 @@ pub unsafe extern "C" fn erard_keyboard_place_hand(
     position_m: f64,
     velocity_m_per_s: f64,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or a keyboard.
+    // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed, and
+    // no other call uses it meanwhile.
     let Some(keyboard) = (unsafe { keyboard.as_mut() }) else { return ErardStatus::Null };
     if key == 0 || key as usize > keyboard.inputs.len() {
         return ErardStatus::NoSuch;
@@ -241,7 +246,8 @@ pub unsafe extern "C" fn erard_keyboard_place_hand(
 /// time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_set_pedal(keyboard: *mut ErardKeyboard, lift_m: f64) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or a keyboard.
+    // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed, and
+    // no other call uses it meanwhile.
     let Some(keyboard) = (unsafe { keyboard.as_mut() }) else { return ErardStatus::Null };
     if !lift_m.is_finite() {
         return ErardStatus::NotFinite;
@@ -260,7 +266,8 @@ pub unsafe extern "C" fn erard_keyboard_bridge_force(
     key: u32,
     force_n: *mut f64,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or what their types say.
+    // SAFETY: `keyboard` is NULL, or a keyboard that is not freed and that no call changes; `force_n` is NULL, or
+    // writable memory for a number.
     let (Some(keyboard), Some(force_n)) = (unsafe { keyboard.as_ref() }, unsafe { force_n.as_mut() }) else {
         return ErardStatus::Null;
     };
@@ -277,7 +284,8 @@ pub unsafe extern "C" fn erard_keyboard_bridge_force(
 /// rest; 0 without modal strings. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_bridge_sum(keyboard: *const ErardKeyboard, force_n: *mut f64) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or what their types say.
+    // SAFETY: `keyboard` is NULL, or a keyboard that is not freed and that no call changes; `force_n` is NULL, or
+    // writable memory for a number.
     let (Some(keyboard), Some(force_n)) = (unsafe { keyboard.as_ref() }, unsafe { force_n.as_mut() }) else {
         return ErardStatus::Null;
     };
@@ -299,7 +307,8 @@ pub unsafe extern "C" fn erard_keyboard_step(
     capacity: usize,
     count: *mut usize,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or a keyboard.
+    // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed, and
+    // no other call uses it meanwhile.
     let Some(keyboard) = (unsafe { keyboard.as_mut() }) else { return ErardStatus::Null };
     if steps == 0 || steps > ERARD_MOST_STEPS {
         return ErardStatus::Range;
@@ -312,7 +321,8 @@ pub unsafe extern "C" fn erard_keyboard_step(
         for _ in 0..steps {
             let one = keyboard.step(&mut |impact| {
                 if total < capacity {
-                    // SAFETY: below the capacity.
+                    // SAFETY: `impacts` is not NULL; it is aligned and has room for `capacity` impacts, more than
+                    // `total`.
                     unsafe { impacts.add(total).write(impact) };
                 }
                 total += 1;
@@ -323,7 +333,7 @@ pub unsafe extern "C" fn erard_keyboard_step(
                 worse => status = worse,
             }
         }
-        // SAFETY: the caller's promise: NULL, or a place for a size.
+        // SAFETY: `count` is NULL, or aligned and writable memory for one size that nothing else uses during the call.
         if let Some(count) = unsafe { count.as_mut() } {
             *count = total;
         }
@@ -339,7 +349,8 @@ pub unsafe extern "C" fn erard_keyboard_read(
     key: u32,
     reading: *mut ErardReading,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or what their types say.
+    // SAFETY: `keyboard` is NULL, or a keyboard that is not freed and that no call changes; `reading` is NULL, or
+    // writable memory for an ErardReading.
     let (Some(keyboard), Some(reading)) = (unsafe { keyboard.as_ref() }, unsafe { reading.as_mut() }) else {
         return ErardStatus::Null;
     };
@@ -361,7 +372,8 @@ pub unsafe extern "C" fn erard_keyboard_angles(
     angles_rad: *mut f64,
     count: usize,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or a keyboard.
+    // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed, and
+    // no other call changes it meanwhile.
     let (Some(keyboard), false) = (unsafe { keyboard.as_ref() }, angles_rad.is_null()) else {
         return ErardStatus::Null;
     };
@@ -373,7 +385,8 @@ pub unsafe extern "C" fn erard_keyboard_angles(
         if count < angles.len() {
             return ErardStatus::Size;
         }
-        // SAFETY: the caller's promise: so many numbers, and there is room.
+        // SAFETY: `angles_rad` is not NULL; it is aligned and has room for `count` numbers, no fewer than `angles`, as
+        // checked above.
         unsafe { core::slice::from_raw_parts_mut(angles_rad, angles.len()) }.copy_from_slice(angles);
         ErardStatus::Ok
     })
@@ -387,7 +400,8 @@ pub unsafe extern "C" fn erard_keyboard_save(
     bytes: *mut u8,
     size: *mut usize,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or a keyboard and a place for a size.
+    // SAFETY: `keyboard` is NULL, or a keyboard that is not freed and that no call changes; `size` is NULL, or a
+    // writable, initialised size.
     let (Some(keyboard), Some(size)) = (unsafe { keyboard.as_ref() }, unsafe { size.as_mut() }) else {
         return ErardStatus::Null;
     };
@@ -399,7 +413,8 @@ pub unsafe extern "C" fn erard_keyboard_save(
     if room < needed {
         return ErardStatus::Size;
     }
-    // SAFETY: there is room.
+    // SAFETY: `bytes` is not NULL and, as `size` said, has room for at least `needed` bytes, which nothing else uses
+    // during the call.
     let bytes = unsafe { core::slice::from_raw_parts_mut(bytes, needed) };
     quick(|| {
         keyboard.save(bytes);
@@ -448,12 +463,14 @@ pub unsafe extern "C" fn erard_keyboard_restore(
     bytes: *const u8,
     size: usize,
 ) -> ErardStatus {
-    // SAFETY: the caller's promise: NULL, or a keyboard and so many bytes.
+    // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed, and
+    // no other call uses it meanwhile.
     let (Some(keyboard), false) = (unsafe { keyboard.as_mut() }, bytes.is_null()) else { return ErardStatus::Null };
     if size > isize::MAX as usize {
         return ErardStatus::Saved;
     }
-    // SAFETY: the caller's promise: so many bytes.
+    // SAFETY: `bytes` is not NULL and begins `size` readable bytes, no more than an isize counts, that do not change
+    // during the call.
     let bytes = unsafe { core::slice::from_raw_parts(bytes, size) };
     quick(|| Lists::read(bytes, MARK).map_or(ErardStatus::Saved, |lists| restore(keyboard, &lists)))
 }

@@ -107,7 +107,8 @@ impl Fault {
 pub(crate) unsafe fn ended<T>(own: *mut T) {
     if !own.is_null() {
         told((), null_mut(), || {
-            // SAFETY: the caller's promise.
+            // SAFETY: `own` is not NULL, was boxed by this library, has not been freed, and is not used again (the
+            // contract of this function).
             drop(unsafe { Box::from_raw(own) });
             Ok(())
         });
@@ -131,7 +132,8 @@ pub(crate) fn told<T>(none: T, status: *mut ErardStatus, work: impl FnOnce() -> 
             (none, fault.status)
         }
     };
-    // SAFETY: the caller's promise: NULL, or a place for a status.
+    // SAFETY: `status` is NULL, or aligned and writable memory for one ErardStatus that nothing else uses during the
+    // call.
     if let Some(status) = unsafe { status.as_mut() } {
         *status = code;
     }

@@ -54,7 +54,8 @@ pub unsafe extern "C" fn erard_stroke_builtin(
     status: *mut ErardStatus,
 ) -> *mut ErardStroke {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or one of this library that is not freed and that no call changes; `nuance` is
+        // NULL, or a text that ends with a zero.
         let (instrument, nuance) = (unsafe { given(instrument) }?, unsafe { name(nuance, "the stroke's name") }?);
         let touch = if struck == 0 { Touch::Pressed } else { Touch::Struck };
         let speed_m_per_s = level::named(nuance).ok_or_else(|| {
@@ -83,9 +84,10 @@ pub unsafe extern "C" fn erard_stroke_new(
     status: *mut ErardStatus,
 ) -> *mut ErardStroke {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
+        // meanwhile.
         let instrument = unsafe { given(instrument) }?;
-        // SAFETY: passed on.
+        // SAFETY: `text` is NULL, or `length` readable bytes that do not change during the call.
         let text = unsafe { bytes(text, length) }?.ok_or_else(|| Fault::null("the text"))?;
         let wrong = |error: &dyn std::fmt::Display| Fault::new(ErardStatus::File, error.to_string());
         let recording = Recording::read(text, "recording", &Columns::default()).map_err(|error| wrong(&error))?;
@@ -107,7 +109,8 @@ pub unsafe extern "C" fn erard_stroke_told(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: the caller's promise: NULL, or a stroke.
+        // SAFETY: `stroke` is NULL, or comes from erard_stroke_new or erard_stroke_builtin, has not been freed, and no
+        // other call changes it meanwhile.
         let stroke = unsafe { stroke.as_ref() }.ok_or_else(|| Fault::null("the stroke"))?;
         give(stroke.told.clone(), length)
     })
@@ -123,7 +126,7 @@ pub unsafe extern "C" fn erard_recording_columns(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `titles` is NULL, or a text that ends with a zero and does not change during the call.
         let titles: Vec<String> = serde_json::from_str(unsafe { name(titles, "the titles") }?)
             .map_err(|error| Fault::new(ErardStatus::Argument, format!("the titles are not a JSON array: {error}")))?;
         let titles: Vec<&str> = titles.iter().map(String::as_str).collect();
@@ -140,7 +143,8 @@ pub unsafe extern "C" fn erard_recording_columns(
 /// Frees a stroke. NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_free(stroke: *mut ErardStroke) {
-    // SAFETY: the caller's promise: NULL, or it comes from this library, and is used no more.
+    // SAFETY: `stroke` is NULL, or comes from erard_stroke_new or erard_stroke_builtin, has not been freed, and is not
+    // used again.
     unsafe { ended(stroke) }
 }
 
@@ -148,7 +152,8 @@ pub unsafe extern "C" fn erard_stroke_free(stroke: *mut ErardStroke) {
 /// for NULL. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_duration(stroke: *const ErardStroke) -> f64 {
-    // SAFETY: the caller's promise: NULL, or a stroke.
+    // SAFETY: `stroke` is NULL, or comes from erard_stroke_new or erard_stroke_builtin, has not been freed, and no
+    // other call changes it meanwhile.
     unsafe { stroke.as_ref() }.map_or(0.0, |stroke| stroke.duration_s)
 }
 
@@ -156,7 +161,8 @@ pub unsafe extern "C" fn erard_stroke_duration(stroke: *const ErardStroke) -> f6
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_rewind(stroke: *mut ErardStroke) -> ErardStatus {
     tell(|| {
-        // SAFETY: the caller's promise: NULL, or a stroke.
+        // SAFETY: `stroke` is NULL, or comes from erard_stroke_new or erard_stroke_builtin, has not been freed, and no
+        // other call uses it meanwhile.
         unsafe { stroke.as_mut() }.ok_or_else(|| Fault::null("the stroke"))?.steps = 0;
         Ok(())
     })
@@ -172,9 +178,11 @@ pub unsafe extern "C" fn erard_step_stroke(
 ) -> ErardStatus {
     let mut ended = ErardStatus::Ok;
     let failed = tell(|| {
-        // SAFETY: the caller's promise: NULL, or what their types say.
+        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+        // call uses it meanwhile.
         let action = unsafe { action.as_mut() }.ok_or_else(|| Fault::null("the action"))?;
-        // SAFETY: as above.
+        // SAFETY: `stroke` is NULL, or comes from erard_stroke_new or erard_stroke_builtin, has not been freed, and no
+        // other call uses it meanwhile.
         let stroke = unsafe { stroke.as_mut() }.ok_or_else(|| Fault::null("the stroke"))?;
         let settings = *action.play.action.settings();
         if let Some(Hand { start_m, start_m_per_s, .. }) = stroke.hand.filter(|_| stroke.steps == 0) {
@@ -193,7 +201,8 @@ pub unsafe extern "C" fn erard_step_stroke(
             Err(status) => status,
         };
         stroke.steps += u64::from(ended as i32 >= 0);
-        // SAFETY: the caller's promise: NULL, or a place for a reading.
+        // SAFETY: `reading` is NULL, or aligned and writable memory for one ErardReading that nothing else uses during
+        // the call.
         if let Some(place) = unsafe { reading.as_mut() } {
             *place = action.play.reading;
         }

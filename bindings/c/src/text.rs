@@ -7,7 +7,7 @@ use crate::status::{ErardStatus, Fault};
 /// Passes a text to the caller, who frees it with `erard_text_free`; `length` (which may be NULL) receives its length.
 pub(crate) fn give(text: String, length: *mut usize) -> Result<*mut c_char, Fault> {
     let text = CString::new(text).map_err(|_| Fault::new(ErardStatus::Internal, "a text with a zero in it"))?;
-    // SAFETY: the caller's promise: NULL, or a place for a size.
+    // SAFETY: `length` is NULL, or aligned and writable memory for one size that nothing else uses during the call.
     if let Some(length) = unsafe { length.as_mut() } {
         *length = text.as_bytes().len();
     }
@@ -22,7 +22,8 @@ pub(crate) unsafe fn bytes<'a>(text: *const c_char, length: usize) -> Result<Opt
     if length > isize::MAX as usize {
         return Err(Fault::new(ErardStatus::Size, "a length that no memory has"));
     }
-    // SAFETY: the caller's promise: so many bytes.
+    // SAFETY: `text` is not NULL and begins `length` readable bytes, no more than an isize counts, that do not change
+    // during the call.
     Ok(Some(unsafe { core::slice::from_raw_parts(text.cast(), length) }))
 }
 
@@ -31,7 +32,7 @@ pub(crate) unsafe fn name<'a>(name: *const c_char, what: &str) -> Result<&'a str
     if name.is_null() {
         return Err(Fault::null(what));
     }
-    // SAFETY: the caller's promise: it ends with a zero.
+    // SAFETY: `name` is not NULL, ends with a zero, and does not change during the call.
     let name = unsafe { CStr::from_ptr(name) };
     name.to_str().map_err(|_| Fault::new(ErardStatus::Argument, format!("{what} is not UTF-8")))
 }
@@ -40,7 +41,8 @@ pub(crate) unsafe fn name<'a>(name: *const c_char, what: &str) -> Result<&'a str
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_text_free(text: *mut c_char) {
     if !text.is_null() {
-        // SAFETY: it comes from `give`.
+        // SAFETY: `text` is not NULL, comes from `give` (`CString::into_raw`), has not been freed, and is not used
+        // again.
         drop(unsafe { CString::from_raw(text) });
     }
 }
@@ -64,7 +66,8 @@ pub extern "C" fn erard_memory_new(bytes: usize) -> *mut u8 {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_memory_free(memory: *mut u8, bytes: usize) {
     if !memory.is_null() {
-        // SAFETY: it comes from `erard_memory_new`, with this size.
+        // SAFETY: `memory` is not NULL, comes from `erard_memory_new` with this number of `bytes`, has not been freed,
+        // and is not used again.
         drop(unsafe { Box::from_raw(core::ptr::slice_from_raw_parts_mut(memory, bytes)) });
     }
 }

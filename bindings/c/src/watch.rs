@@ -50,7 +50,8 @@ pub unsafe extern "C" fn erard_watch_new(
     status: *mut ErardStatus,
 ) -> *mut ErardWatch {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
+        // meanwhile.
         let instrument = unsafe { given(instrument) }?.instrument();
         Ok(Box::into_raw(Box::new(ErardWatch {
             instrument: instrument.clone(),
@@ -62,7 +63,7 @@ pub unsafe extern "C" fn erard_watch_new(
 /// Frees an event detector. NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_watch_free(watch: *mut ErardWatch) {
-    // SAFETY: the caller's promise: NULL, or it comes from this library, and is used no more.
+    // SAFETY: `watch` is NULL, or comes from erard_watch_new, has not been freed, and is not used again.
     unsafe { ended(watch) }
 }
 
@@ -70,7 +71,8 @@ pub unsafe extern "C" fn erard_watch_free(watch: *mut ErardWatch) {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_watch_again(watch: *mut ErardWatch) -> ErardStatus {
     tell(|| {
-        // SAFETY: the caller's promise: NULL, or a watch.
+        // SAFETY: `watch` is NULL, or comes from erard_watch_new, has not been freed, and no other call uses it
+        // meanwhile.
         let own = unsafe { watch.as_mut() }.ok_or_else(|| Fault::null("the watch"))?;
         own.watch = EventDetector::new(&own.instrument);
         Ok(())
@@ -82,9 +84,11 @@ pub unsafe extern "C" fn erard_watch_again(watch: *mut ErardWatch) -> ErardStatu
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_watch_look(watch: *mut ErardWatch, action: *const ErardAction) -> ErardStatus {
     tell(|| {
-        // SAFETY: the caller's promise: NULL, or what their types say.
+        // SAFETY: `watch` is NULL, or comes from erard_watch_new, has not been freed, and no other call uses it
+        // meanwhile.
         let own = unsafe { watch.as_mut() }.ok_or_else(|| Fault::null("the watch"))?;
-        // SAFETY: as above.
+        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+        // call changes it meanwhile.
         let action = unsafe { action.as_ref() }.ok_or_else(|| Fault::null("the action"))?;
         let played = &action.play.action;
         if played.angles().len() != own.instrument.bodies.len() || action.play.zones != own.instrument.zones.len() {
@@ -99,9 +103,11 @@ pub unsafe extern "C" fn erard_watch_look(watch: *mut ErardWatch, action: *const
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut ErardEvents) -> ErardStatus {
     tell(|| {
-        // SAFETY: the caller's promise: NULL, or a watch.
+        // SAFETY: `watch` is NULL, or comes from erard_watch_new, has not been freed, and no other call changes it
+        // meanwhile.
         let own = unsafe { watch.as_ref() }.ok_or_else(|| Fault::null("the watch"))?;
-        // SAFETY: the caller's promise: NULL, or a place for events.
+        // SAFETY: `events` is NULL, or aligned and writable memory for one ErardEvents that nothing else uses during
+        // the call.
         let place = unsafe { events.as_mut() }.ok_or_else(|| Fault::null("the place for the events"))?;
         let seen = own.watch.so_far();
         let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -125,7 +131,8 @@ pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keep_contacts(action: *mut ErardAction) -> ErardStatus {
     tell(|| {
-        // SAFETY: the caller's promise: NULL, or an action.
+        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+        // call uses it meanwhile.
         let action = unsafe { action.as_mut() }.ok_or_else(|| Fault::null("the action"))?;
         let mechanism = action.play.action.mechanism_mut();
         mechanism.configure(Stepping { keeps_contacts: true, ..*mechanism.readout().stepping });
@@ -140,7 +147,8 @@ pub unsafe extern "C" fn erard_keep_contacts(action: *mut ErardAction) -> ErardS
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_contacts(action: *const ErardAction, numbers: *mut f64, count: usize) -> ErardStatus {
     tell(|| {
-        // SAFETY: the caller's promise: NULL, or an action.
+        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+        // call changes it meanwhile.
         let action = unsafe { action.as_ref() }.ok_or_else(|| Fault::null("the action"))?;
         let zones = action.play.zones;
         if numbers.is_null() {
@@ -149,7 +157,8 @@ pub unsafe extern "C" fn erard_contacts(action: *const ErardAction, numbers: *mu
         if count < 5 * zones {
             return Err(Fault::new(ErardStatus::Size, format!("{count} numbers for {zones} zones of five")));
         }
-        // SAFETY: there is room for at least so many.
+        // SAFETY: `numbers` is not NULL; it is aligned and has room for `count` numbers, no fewer than five for each of
+        // `zones`, as checked above.
         let out = unsafe { core::slice::from_raw_parts_mut(numbers, 5 * zones) };
         out.fill(0.0);
         let contacts = action.play.action.mechanism().readout().contacts;
@@ -167,6 +176,7 @@ pub unsafe extern "C" fn erard_contacts(action: *const ErardAction, numbers: *mu
 /// 0, also for NULL. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_rests(action: *const ErardAction) -> u32 {
-    // SAFETY: the caller's promise: NULL, or an action.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
+    // call changes it meanwhile.
     u32::from(unsafe { action.as_ref() }.is_some_and(|action| action.play.action.rests()))
 }

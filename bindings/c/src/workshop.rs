@@ -42,9 +42,10 @@ pub unsafe extern "C" fn erard_instrument_vary(
     change: *const c_char,
 ) -> ErardStatus {
     tell(|| {
-        // SAFETY: the caller's promise: NULL, or an instrument.
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no other call uses it
+        // meanwhile.
         let instrument = unsafe { instrument.as_mut() }.ok_or_else(|| Fault::null("the instrument"))?;
-        // SAFETY: passed on.
+        // SAFETY: `called` and `change` are NULL, or texts that end with a zero and do not change during the call.
         let (called, change) = unsafe { (name(called, "what is varied")?, name(change, "the change")?) };
         let text = varied_text(&instrument.text, "instrument", called, &Change::Text(change.to_owned()));
         let text = text.map_err(|error| change_fault(&error))?;
@@ -79,7 +80,8 @@ pub unsafe extern "C" fn erard_draw(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
+        // meanwhile.
         let instrument = unsafe { given(instrument) }?.instrument();
         let bodies = instrument.bodies.len();
         let angles: &[f64] = if angles_rad.is_null() {
@@ -87,7 +89,8 @@ pub unsafe extern "C" fn erard_draw(
         } else if count < bodies {
             return Err(Fault::new(ErardStatus::Size, format!("{count} angles for {bodies} bodies")));
         } else {
-            // SAFETY: the caller's promise: so many numbers.
+            // SAFETY: `angles_rad` is not NULL; it is aligned and begins `count` numbers, no fewer than `bodies`, that
+            // do not change during the call.
             unsafe { core::slice::from_raw_parts(angles_rad, bodies) }
         };
         if angles.iter().any(|angle| !angle.is_finite()) {
@@ -119,7 +122,8 @@ pub unsafe extern "C" fn erard_measure(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
+        // meanwhile.
         let own = unsafe { given(instrument) }?.instrument();
         let instrument = &of_key(own, key)?;
         let tell = |share: f64| going(progress, user, share);
@@ -129,7 +133,7 @@ pub unsafe extern "C" fn erard_measure(
                 serde_json::to_string(&sheet).map_err(|error| Fault::new(ErardStatus::Internal, error.to_string()))?;
             return give(text, length);
         }
-        // SAFETY: passed on.
+        // SAFETY: `wanted` is NULL, or a text that ends with a zero and does not change during the call.
         let wanted = named(unsafe { name(wanted, "the list of lines") }?)?;
         let values =
             measure_some(instrument, &wanted, &mut |_| tell(f64::NAN)).map_err(|error| not_measured(&error))?;
@@ -157,7 +161,7 @@ fn of_key(own: &Instrument, key: u32) -> Result<Cow<'_, Instrument>, Fault> {
 
 /// Whether to go on.
 pub(crate) fn going(progress: ErardProgress, user: *mut c_void, share: f64) -> bool {
-    // SAFETY: the caller's promise: a function of this kind.
+    // SAFETY: `progress` is the caller's function of this type, and `user` the pointer that it takes.
     progress.is_none_or(|told| unsafe { told(share, user) } != 0)
 }
 
@@ -193,7 +197,8 @@ pub unsafe extern "C" fn erard_regulate(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or one of this library that is not freed and that no call changes; `goals` is
+        // NULL, or a text that ends with a zero.
         let own = unsafe { given(instrument) }?;
         let specification = if goals.is_null() { Goal::norms() } else { asked(unsafe { name(goals, "the goals") }?)? };
         let stopped = Cell::new(false);
@@ -247,7 +252,8 @@ pub unsafe extern "C" fn erard_scene(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
+        // meanwhile.
         let instrument = unsafe { given(instrument) }?.instrument();
         give(scene(instrument).to_string(), length)
     })
@@ -289,7 +295,7 @@ pub unsafe extern "C" fn erard_diagnose(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `readings` is NULL, or a text that ends with a zero and does not change during the call.
         let typed = Typed::read(unsafe { name(readings, "the readings") }?).map_err(|faults| {
             let each: Vec<String> = faults.iter().map(ToString::to_string).collect();
             Fault::new(ErardStatus::Argument, each.join("; "))
@@ -309,7 +315,7 @@ pub unsafe extern "C" fn erard_diagnose_check(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `readings` is NULL, or a text that ends with a zero and does not change during the call.
         let faults = Typed::read(unsafe { name(readings, "the readings") }?).err().unwrap_or_default();
         give(diagnose::faults(&faults).to_string(), length)
     })
@@ -344,7 +350,8 @@ pub unsafe extern "C" fn erard_dials(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
+        // meanwhile.
         let own = unsafe { given(instrument) }?;
         let text = serde_json::to_string(&dials(&own.file));
         give(text.map_err(|error| Fault::new(ErardStatus::Internal, error.to_string()))?, length)
@@ -362,7 +369,8 @@ pub unsafe extern "C" fn erard_turned(
     status: *mut ErardStatus,
 ) -> *mut ErardInstrument {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or one of this library that is not freed and that no call changes; `turns` is
+        // NULL, or a text that ends with a zero.
         let (own, turns) = (unsafe { given(instrument) }?, unsafe { name(turns, "the turns") }?);
         let wrong = |text: String| Fault::new(ErardStatus::Argument, text);
         let turns: Map<String, Value> =
@@ -390,7 +398,8 @@ pub unsafe extern "C" fn erard_try(
     status: *mut ErardStatus,
 ) -> *mut c_char {
     told(null_mut(), status, || {
-        // SAFETY: passed on.
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
+        // meanwhile.
         let instrument = unsafe { given(instrument) }?.instrument();
         let tried =
             test_press(instrument, &mut |_| true).map_err(|error| Fault::new(ErardStatus::Model, error.to_string()))?;

@@ -33,11 +33,12 @@ pub fn stack_bytes(work: fn()) -> usize {
     let here = cortex_m::register::msp::read() as usize;
     let (top, bottom) = ((here - 256) & !3, (here - PAINTED_BYTES) & !3);
     for place in (bottom..top).step_by(4) {
-        // SAFETY: the stack's own memory, below all that is in use.
+        // SAFETY: `place` is aligned to four bytes and lies in the stack's own memory, 256 bytes or more below all that
+        // is in use.
         unsafe { core::ptr::write_volatile(place as *mut u32, PAINT) };
     }
     work();
-    // SAFETY: as above.
+    // SAFETY: `place` is aligned to four bytes and lies in the memory that was painted above.
     let untouched =
         (bottom..top).step_by(4).take_while(|place| unsafe { core::ptr::read_volatile(*place as *const u32) } == PAINT);
     here - bottom - 4 * untouched.count()

@@ -194,7 +194,8 @@ fn denormals() {
 #[cfg(target_arch = "x86_64")]
 fn set_flush(on: bool) {
     let control: u32 = if on { 0x1f80 | 0x8040 } else { 0x1f80 };
-    // SAFETY: the usual control word, with or without the two bits; this thread's alone.
+    // SAFETY: `control` is the usual word of MXCSR, with or without the two bits that flush; it holds for this thread
+    // alone, and lives until the instruction has read it.
     unsafe { std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const control, options(nostack)) };
 }
 
