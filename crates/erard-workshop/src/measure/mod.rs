@@ -8,6 +8,7 @@
 //! from its rest, down positive.
 
 pub mod blocked;
+mod entries;
 pub mod flex;
 pub mod flight;
 pub mod inertia;
@@ -22,7 +23,8 @@ mod trial;
 pub mod usual;
 pub mod weights;
 
-pub use sheet::{InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers, measure, measure_some};
+pub use entries::{Flag, InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumbers};
+pub use sheet::{measure, measure_some};
 pub use slow_loop::{SlowLoop, SlowWay, slow_loop};
 
 use thiserror::Error;

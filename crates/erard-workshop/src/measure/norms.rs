@@ -3,9 +3,9 @@
 
 use std::sync::LazyLock;
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer};
 
-use super::sheet::Sheet;
+use super::entries::{Flag, Sheet};
 use super::usual::{UsualRange, usual};
 use crate::digits::plain;
 use erard::instrument::Instrument;
@@ -49,15 +49,6 @@ fn kept<'de, D: Deserializer<'de>>(file: D) -> Result<Kept, D::Error> {
 
 fn no_value() -> fn(&Sheet) -> Option<f64> {
     |_| None
-}
-
-/// A value outside its usual range.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Flag {
-    /// The line's key.
-    pub key: &'static str,
-    /// Message that describes the fault.
-    pub message: String,
 }
 
 /// Lines that belong together.
