@@ -13,6 +13,7 @@ use crate::number::whole;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::table::{Table, three};
+use crate::tell;
 
 /// Whether values have bands.
 #[derive(Debug, Clone, Copy, Args)]
@@ -60,44 +61,72 @@ impl BandRow {
 /// What a value is called, and its unit.
 pub(crate) type Named = (String, String);
 
+/// Values of one sample, in the order of their names, or the reason why it has none.
+pub(crate) type SampleValues = Result<Vec<Option<f64>>, String>;
+
 /// Values of the instrument that was asked for, with their bands over its first samples. `values` finds them in an
 /// instrument, in one order; what it finds of a sample is kept as `kind` with what else it depends on, unless that is
-/// nothing.
+/// nothing. Samples without values are left out of the bands, with a warning that gives the reason.
 pub(crate) fn bands(
     asked: &InstrumentSpec,
     count: u32,
     names: &[Named],
     own: &[Option<f64>],
     kept: Option<(&str, &str)>,
-    values: impl Fn(&Instrument, &str, &mut erard::Progress<'_>) -> Result<Vec<Option<f64>>, SampleError> + Sync,
+    values: impl Fn(&Instrument, &str, &mut erard::Progress<'_>) -> Result<SampleValues, SampleError> + Sync,
 ) -> Result<Vec<BandRow>, Failure> {
     let samples = Samples::of(asked)?;
     let file_name = asked.to_string();
     let mut progress = Progress::new("sampling");
     let found = samples.each(count, &mut progress, |_, text, progress| {
         let known = kept.and_then(|(kind, of)| serde_json::from_str(&cache::get(kind, &[of, text])?).ok());
-        if let Some(known) = known.filter(|known: &Vec<Option<f64>>| known.len() == names.len()) {
-            return Ok(known);
+        // A sample that an earlier version kept without any value is tried again for its reason.
+        let is_whole = |known: &Vec<Option<f64>>| known.len() == names.len() && known.iter().any(Option::is_some);
+        if let Some(known) = known.filter(is_whole) {
+            return Ok(Ok(known));
         }
         let instrument = Instrument::parse(text, &file_name)?;
         let values = values(&instrument, text, progress)?;
-        if let (Some((kind, of)), Ok(json)) = (kept, serde_json::to_string(&values)) {
+        if let (Some((kind, of)), Ok(values)) = (kept, &values)
+            && let Ok(json) = serde_json::to_string(values)
+        {
             cache::put(kind, &[of, text], &json);
         }
         Ok(values)
     })?;
-    let of = |index: usize| band(found.iter().map(|values| values.get(index).copied().flatten()));
+    drop(progress);
+    failures(&found).iter().for_each(|line| tell!("warning: {line}"));
+    let of = |index: usize| band(found.iter().flatten().map(|values| values.get(index).copied().flatten()));
     let rows = names.iter().zip(own).enumerate();
     Ok(rows.map(|(index, ((name, unit), own))| BandRow::new(name.clone(), unit.clone(), *own, of(index))).collect())
 }
 
-/// What did not end because of its own instrument is a value that is not there; an interruption ends the work.
-pub(crate) fn unless_interrupted<T>(result: Result<T, impl Into<SampleError>>) -> Result<Option<T>, SampleError> {
+/// One line for each reason why samples have no values, with the samples' numbers.
+fn failures(found: &[SampleValues]) -> Vec<String> {
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+    for (sample, values) in (1..).zip(found) {
+        let Err(reason) = values else { continue };
+        match reasons.iter_mut().find(|(known, _)| known == reason) {
+            Some((_, samples)) => samples.push(sample.to_string()),
+            None => reasons.push((reason, vec![sample.to_string()])),
+        }
+    }
+    let line = |(reason, samples): (&str, Vec<String>)| {
+        let which = if samples.len() == 1 { "sample" } else { "samples" };
+        format!("{which} {} not in the bands: {reason}", samples.join(", "))
+    };
+    reasons.into_iter().map(line).collect()
+}
+
+/// Returns the result for a sample, or the reason why its own instrument has none; an interruption ends the work.
+pub(crate) fn unless_interrupted<T>(
+    result: Result<T, impl Into<SampleError>>,
+) -> Result<Result<T, String>, SampleError> {
     match result.map_err(Into::into) {
-        Ok(found) => Ok(Some(found)),
+        Ok(found) => Ok(Ok(found)),
         Err(SampleError::Interrupted) => Err(SampleError::Interrupted),
         Err(SampleError::Measure(error)) if error.is_interruption() => Err(SampleError::Interrupted),
-        Err(_) => Ok(None),
+        Err(error) => Ok(Err(error.to_string())),
     }
 }
 
@@ -115,4 +144,22 @@ pub(crate) fn lines(rows: &[BandRow], count: u32) -> Vec<String> {
         [row.name.clone(), number(row.value), number(row.low), number(row.high), row.unit.clone(), few]
     });
     Table::of(["", "value", "5 %", "95 %", "", ""], cells).to_string().lines().map(str::to_owned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples with one reason share a line; an interruption is no reason.
+    #[test]
+    fn failed_samples_are_listed_by_their_reason() {
+        let failed = |reason: &str| Err(reason.to_owned());
+        let found = [Ok(vec![Some(1.0)]), failed("no rest"), failed("no string"), Ok(vec![None]), failed("no rest")];
+        let lines = failures(&found);
+        assert_eq!(lines, ["samples 2, 5 not in the bands: no rest", "sample 3 not in the bands: no string"]);
+        let interrupted: Result<(), SampleError> = Err(SampleError::Interrupted);
+        assert!(unless_interrupted(interrupted).is_err());
+        let failed: Result<(), _> = Err(erard_workshop::measure::MeasureError::Lost);
+        assert_eq!(unless_interrupted(failed).unwrap().unwrap_err(), "a measurement ended without a result");
+    }
 }

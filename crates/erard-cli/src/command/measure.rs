@@ -238,8 +238,7 @@ impl Measure {
         let keys: Vec<&str> = lines.iter().map(|line| line.key).collect();
         let kept = keys.join(",");
         let rows = bands::bands(asked, count, &names, &own, Some(("measured", &kept)), |instrument, _, progress| {
-            let found = bands::unless_interrupted(measure_some(instrument, &lines, progress))?;
-            Ok(found.unwrap_or_else(|| vec![None; lines.len()]))
+            bands::unless_interrupted(measure_some(instrument, &lines, progress))
         })?;
         bands::stage(&rows, &mut output)?;
         let written = output.commit()?;

@@ -229,20 +229,25 @@ impl Press {
         let each = self.each && self.stroke.is_touch();
         let Some(asked) = self.instrument.first() else { return Err(Failure::Internal("no instrument".into())) };
         bands::bands(asked, count, &names, &values(own), None, |instrument, _, progress| {
-            let none = || vec![None; MEASURES.len()];
             let found = each.then(|| self.stroke.touch_on(instrument, progress)).transpose();
             let found = match found {
                 Err(LevelError::Interrupted) => return Err(SampleError::Interrupted),
-                Err(_) => return Ok(none()),
+                Err(error) => return Ok(Err(error.to_string())),
                 Ok(found) => found,
             };
             let stroke = found.as_ref().unwrap_or(stroke);
             let setup = &Setup { hand: stroke.hand(), ..*setup };
-            let Ok(instrument) = reduced(model, instrument.clone()) else { return Ok(none()) };
-            let Ok(inputs) = stroke.inputs(&instrument.finger) else { return Ok(none()) };
+            let instrument = match reduced(model, instrument.clone()) {
+                Ok(instrument) => instrument,
+                Err(error) => return Ok(Err(error.to_string())),
+            };
+            let inputs = match stroke.inputs(&instrument.finger) {
+                Ok(inputs) => inputs,
+                Err(error) => return Ok(Err(error.to_string())),
+            };
             let run = simulate_observed(&instrument, inputs.as_ref(), setup, &mut Inside::default(), progress);
             let run = bands::unless_interrupted(run)?;
-            Ok(run.map_or_else(none, |run| values(&Summary::new(&run, setup, names_of, 0.0))))
+            Ok(run.map(|run| values(&Summary::new(&run, setup, names_of, 0.0))))
         })
     }
 

@@ -237,13 +237,16 @@ impl Study {
         }
         let model = self.instrument.model;
         bands::bands(self.instrument.asked(), count, &names, &flat(columns), None, |instrument, text, progress| {
-            let Ok(instrument) = reduced(model, instrument.clone()) else { return Ok(vec![None; names.len()]) };
+            let instrument = match reduced(model, instrument.clone()) {
+                Ok(instrument) => instrument,
+                Err(error) => return Ok(Err(error.to_string())),
+            };
             let source = Source::Text(text.to_owned());
             let own = Varied { instrument: &instrument, source: &source, model, axes, each: varied.each };
             match play_all_rows(&own, measures, stroke, setup, Workers::one(), progress) {
-                Ok(rows) => Ok(flat(&crate::study::columns(axes, measures, &rows))),
+                Ok(rows) => Ok(Ok(flat(&crate::study::columns(axes, measures, &rows)))),
                 Err(_) if !progress(0.0) => Err(SampleError::Interrupted),
-                Err(_) => Ok(vec![None; names.len()]),
+                Err(error) => Ok(Err(error.to_string())),
             }
         })
     }

@@ -344,8 +344,7 @@ impl Validate {
         bands::bands(&self.instrument, count, &names, &simulated(own), kept, |instrument, text, progress| {
             let keyboard = keyboard.and_then(|keyboard| keyboard.around(text.to_owned()).ok());
             let found = validate(instrument, keyboard.as_ref(), published, progress);
-            let found = bands::unless_interrupted(found)?;
-            Ok(found.map_or_else(|| vec![None; names.len()], |found| simulated(&found)))
+            Ok(bands::unless_interrupted(found)?.map(|found| simulated(&found)))
         })
     }
 }
