@@ -7,7 +7,7 @@ mod haptic_loop;
 use std::borrow::Cow;
 
 use erard::Instrument;
-use erard_figures::figure::{Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window, figure_svg};
+use erard_figures::figure::{Dash, Figure, Layout, PALETTE, Panel, Scale, Trace, Window, figure_picture};
 use haptic_loop::{Device, Finger, play, play_admittance, stiffest_still};
 
 const RATES: [f64; 3] = [1e3, 4e3, 20e3];
@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ..figure_of(panel)
     };
     std::fs::create_dir_all(&folder)?;
-    std::fs::write(std::path::Path::new(&folder).join("haptic.svg"), figure_svg(&figure))?;
+    std::fs::write(std::path::Path::new(&folder).join("haptic.svg"), figure_picture(&figure).svg())?;
 
     println!();
     println!("| loop | coupling | trembling, mm/s | largest force, N | hammer, m/s |");

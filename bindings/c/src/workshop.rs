@@ -7,7 +7,7 @@ use std::ptr::null_mut;
 
 use erard::instrument::{Instrument, InstrumentFile, KeyError};
 use erard::keyboard::KEYS;
-use erard_figures::drawing::{PoseOptions, pose_svg};
+use erard_figures::drawing::{PoseOptions, pose_picture};
 use erard_figures::page::scene;
 use erard_workshop::diagnose::{self, Typed, diagnose};
 use erard_workshop::distances::Protocol;
@@ -100,7 +100,7 @@ pub unsafe extern "C" fn erard_draw(
             return Err(Fault::new(ErardStatus::Range, format!("a picture of {size_px} px; expected 16 to 16384")));
         }
         let options = PoseOptions { size_px, labels: labels != 0, ..PoseOptions::default() };
-        give(pose_svg(instrument, angles, &options), length)
+        give(pose_picture(instrument, angles, &options).svg(), length)
     })
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use erard::instrument::Instrument as Inner;
 use erard::instrument_spec::InstrumentSpec;
 use erard::run::{Setup, simulate};
-use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_svg};
+use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_picture};
 use erard_kinematics::{Design, LinkageFile, derive};
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::norms::{Line, MIDDLE_C, lines, norms_key};
@@ -310,5 +310,5 @@ pub(crate) fn draw(
     let row = if at_s > 0.0 { run.time_s.len() - 1 } else { 0 };
     let arrows = if forces { forces_at(&own, &run, row) } else { Vec::new() };
     let options = PoseOptions { labels, arrows, caption: Some(caption), ..PoseOptions::default() };
-    Ok(pose_svg(&own, &angles_at(&run, row), &options))
+    Ok(pose_picture(&own, &angles_at(&run, row), &options).svg())
 }

@@ -8,7 +8,7 @@ use erard::player::{Inside, Loss, LossRecorder, ReactionRecorder};
 use erard::run::{BodySeries, Events, Run, ZoneSeries, column_unit};
 use erard::run::{Setup, simulate, simulate_observed};
 use erard::trust::Warning;
-use erard_figures::figure::run_svg;
+use erard_figures::figure::run_picture;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -229,5 +229,5 @@ pub(crate) fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, tit
         extremes: Default::default(),
         warnings: Vec::new(),
     };
-    Ok(run_svg(&run, title))
+    Ok(run_picture(&run, title).svg())
 }

@@ -8,7 +8,8 @@ use erard_workshop::test_press::TestPress;
 use erard_workshop::weighing::WeighedKey;
 
 use crate::table::{Table, decimal};
-use erard_figures::figure::{Dash, Figure, Panel, Trace, figure_svg};
+use erard_figures::Picture;
+use erard_figures::figure::{Dash, Figure, Panel, Trace, figure_picture};
 
 /// Notes that a technician samples: the lowest, pairs of neighbours in bass, middle and treble, and the highest. The
 /// nearest that were weighed stand in the text.
@@ -104,13 +105,13 @@ pub(crate) fn table(weighed: &[WeighedKey]) -> Table<'static> {
 pub(crate) const KEY_NUMBERS: &str = "number of the key, 1 = A0, 40 = C4, 88 = C8";
 
 /// Panels over the keys of a piano.
-fn over_the_keys(title: String, panels: Vec<Panel>) -> String {
+fn over_the_keys(title: String, panels: Vec<Panel>) -> Picture {
     let subtitle = "touch weights as measured in a slow loop, dampers lifted".into();
-    figure_svg(&Figure::over(KEY_NUMBERS, (1.0, KEYS as f64), title, subtitle, panels))
+    figure_picture(&Figure::over(KEY_NUMBERS, (1.0, KEYS as f64), title, subtitle, panels))
 }
 
 /// Hammers and leads, and the touch weights, over the number of the key.
-pub(crate) fn weighed_svg(name: &str, weighed: &[WeighedKey]) -> String {
+pub(crate) fn weighed_picture(name: &str, weighed: &[WeighedKey]) -> Picture {
     let keys: Vec<f64> = weighed.iter().map(|w| w.key as f64).collect();
     let curve = |label: &str, index: usize, style: usize, dash| {
         let y: Vec<f64> = weighed.iter().map(|w| numbers(w)[index]).collect();

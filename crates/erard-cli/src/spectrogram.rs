@@ -1,8 +1,9 @@
-//! A spectrogram as SVG.
+//! The spectrogram of a sound.
 
 use std::f64::consts::PI;
-use std::fmt::Write;
 
+use erard_figures::Picture;
+use erard_figures::figure::Spectrogram;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
@@ -14,11 +15,6 @@ const ROWS: usize = 200;
 const HIGHEST_HZ: f64 = 10e3;
 /// Below the loudest place, dB.
 const RANGE_DB: f64 = 90.0;
-/// Shades between nothing and the loudest place.
-const SHADES: usize = 24;
-/// The picture, px: its size, and where the plot lies in it.
-const SIZE: [f64; 2] = [900.0, 460.0];
-const PLOT: [f64; 4] = [70.0, 50.0, 800.0, 350.0];
 
 /// Levels of a sound, dB below the loudest place and at least -[`RANGE_DB`]: columns of rows, the lowest frequency
 /// first. Columns share the duration equally, and each has its window around its middle: a tone that begins is half as
@@ -47,59 +43,20 @@ fn levels(samples: &[f64], rate_hz: f64) -> Vec<Vec<f64>> {
     powers.into_iter().map(|column| column.into_iter().map(level).collect()).collect()
 }
 
-/// The picture of samples, so many a second.
-pub(crate) fn spectrogram_svg(samples: &[f64], rate_hz: f64, title: &str) -> String {
-    let levels = levels(samples, rate_hz);
-    let [left, top, width, height] = PLOT;
-    let (wide, tall) = (width / levels.len().max(1) as f64, height / ROWS as f64);
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" font-family=\"DejaVu Sans\" font-size=\"12\">\
-         <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>",
-        SIZE[0], SIZE[1]
-    );
-    let text = |svg: &mut String, x: f64, y: f64, anchor: &str, words: &str| {
-        let words = words.replace('&', "&amp;").replace('<', "&lt;");
-        let _ = write!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{words}</text>");
+/// The spectrogram of samples, so many a second.
+pub(crate) fn spectrogram_picture(samples: &[f64], rate_hz: f64, title: &str) -> Picture {
+    let blackness = |column: Vec<f64>| column.into_iter().map(|level| level / RANGE_DB + 1.0).collect();
+    let spectrogram = Spectrogram {
+        title: title.to_owned(),
+        subtitle: format!(
+            "force on the bridge, not a piano; {RANGE_DB:.0} dB from white to black; each place shows {:.0} ms around it",
+            1e3 * WINDOW as f64 / rate_hz
+        ),
+        levels: levels(samples, rate_hz).into_iter().map(blackness).collect(),
+        duration_s: samples.len() as f64 / rate_hz,
+        highest_hz: HIGHEST_HZ,
     };
-    text(&mut svg, left, 20.0, "start", title);
-    let about = format!(
-        "force on the bridge, not a piano; {RANGE_DB:.0} dB from white to black; each place shows {:.0} ms around it",
-        1e3 * WINDOW as f64 / rate_hz
-    );
-    text(&mut svg, left, 38.0, "start", &about);
-    for shade in 1..=SHADES {
-        let mut path = String::new();
-        for (i, column) in levels.iter().enumerate() {
-            let mut row = 0;
-            while row < ROWS {
-                let of = |row: usize| ((column[row] / RANGE_DB + 1.0) * SHADES as f64).round() as usize;
-                let from = row;
-                while row < ROWS && of(row) == shade {
-                    row += 1;
-                }
-                if row > from {
-                    let (x, y) = (left + i as f64 * wide, top + height - row as f64 * tall);
-                    let h = (row - from) as f64 * tall;
-                    let _ = write!(path, "M{x:.1} {y:.2}h{wide:.2}v{h:.2}h-{wide:.2}z");
-                }
-                row = row.max(from + 1);
-            }
-        }
-        let grey = 255 - 255 * shade / SHADES;
-        let _ = write!(svg, "<path fill=\"#{grey:02x}{grey:02x}{grey:02x}\" d=\"{path}\"/>");
-    }
-    let _ = write!(svg, "<path fill=\"none\" stroke=\"#333\" d=\"M{left} {top}v{height}h{width}\"/>");
-    for khz in (0..=10).step_by(2) {
-        let y = top + height * (1.0 - f64::from(khz) * 1e3 / HIGHEST_HZ);
-        text(&mut svg, left - 6.0, y + 4.0, "end", &format!("{khz} kHz"));
-    }
-    let duration_s = samples.len() as f64 / rate_hz;
-    for part in 0..=4 {
-        let share = f64::from(part) / 4.0;
-        text(&mut svg, left + share * width, top + height + 18.0, "middle", &format!("{:.2} s", share * duration_s));
-    }
-    svg.push_str("</svg>\n");
-    svg
+    spectrogram.picture()
 }
 
 #[cfg(test)]
@@ -123,6 +80,6 @@ mod tests {
         let at = |time_s: f64| near(of(time_s));
         assert!(at(0.5 - half - 0.01) < -80.0 && at(0.5 + half + 0.01) > -0.1);
         assert!((at(0.5) + 6.0).abs() < 1.5, "{}", at(0.5));
-        assert!(spectrogram_svg(&samples, 48e3, "a < b").contains("a &lt; b"));
+        assert!(spectrogram_picture(&samples, 48e3, "a < b").svg().contains("a &lt; b"));
     }
 }

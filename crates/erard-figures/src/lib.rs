@@ -7,8 +7,13 @@ pub mod drawing;
 pub mod figure;
 pub mod made_by;
 pub mod page;
+mod picture;
 pub mod roll;
 mod svg;
+
+pub use picture::Picture;
+#[cfg(feature = "png")]
+pub use picture::PngError;
 
 /// The style of every page: colours by day and night, type, tables, figures, print. A page adds what only it has.
 pub const HOUSE_STYLE: &str = include_str!("house.css");

@@ -9,7 +9,7 @@ use erard::keyboard::Keyboard;
 use erard::run::Run;
 use erard::run::{Setup, simulate};
 use erard::stroke::{Series, Touch};
-use erard_figures::drawing::{PoseOptions, angles_at, drawing, pose_svg};
+use erard_figures::drawing::{PoseOptions, angles_at, drawing, pose_picture};
 use moreau::Settings;
 use std::collections::BTreeMap;
 
@@ -152,7 +152,7 @@ struct Found {
 impl Found {
     /// Compares all zones that touch, or nearly, in one pose. `engine` gives the contact point of a zone that pushes.
     fn compare(&mut self, instrument: &Instrument, angles: &[f64], engine: &dyn Fn(usize) -> Option<Vec2>) {
-        let drawn = outlines(&pose_svg(instrument, angles, &PoseOptions::default()));
+        let drawn = outlines(&pose_picture(instrument, angles, &PoseOptions::default()).svg());
         for (index, zone) in instrument.zones.iter().enumerate() {
             let &(_, disc, curve) = SHOWN.iter().find(|(name, _, _)| *name == zone.name).expect("a grand's zone");
             let ([on_disc, mut on_curve], open) = witnesses(instrument, zone, angles);

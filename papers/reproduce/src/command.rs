@@ -12,7 +12,7 @@ use erard_cli::inputs::shown;
 use erard_cli::progress::Progress;
 use erard_cli::say;
 use erard_cli::table::Table as Lines;
-use erard_figures::figure::chart_svg;
+use erard_figures::figure::chart_picture;
 use serde::Serialize;
 
 use crate::page::{Reproduced, page};
@@ -136,7 +136,7 @@ impl Reproduce {
                 for (index, chart) in one.section.charts.iter().enumerate() {
                     let id = format!("{}-{index}", one.subject.name);
                     let name = format!("{id}.svg");
-                    output.text(&name, &chart_svg(chart, &id))?;
+                    output.text(&name, &chart_picture(chart, &id).svg())?;
                     written.push(name);
                 }
             }

@@ -1,7 +1,7 @@
 //! Page with all subjects.
 
 use erard_figures::HOUSE_STYLE;
-use erard_figures::figure::chart_svg;
+use erard_figures::figure::chart_picture;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::subjects::{Claim, Section, Subject, Table};
@@ -130,7 +130,7 @@ fn section(one: &Reproduced) -> Markup {
                     @for (index, chart) in section.charts.iter().enumerate() {
                         figure {
                             div.drawn tabindex="0" role="group" aria-label="Figure" {
-                                (PreEscaped(chart_svg(chart, &format!("{name}-{index}")).trim_end()))
+                                (PreEscaped(chart_picture(chart, &format!("{name}-{index}")).svg().trim_end()))
                             }
                             figcaption { (chart.caption) }
                         }

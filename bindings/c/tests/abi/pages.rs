@@ -168,7 +168,7 @@ fn numbers_are_looked_up_and_changed() {
 /// The picture is the command's own, of the pose that the action is in.
 #[test]
 fn the_picture_is_the_commands() {
-    use erard_figures::drawing::{PoseOptions, pose_svg};
+    use erard_figures::drawing::{PoseOptions, pose_picture};
     let (grand, action) = (builtin("concert-grand"), Action::grand());
     for _ in 0..700 {
         action.force(6.0);
@@ -182,7 +182,7 @@ fn the_picture_is_the_commands() {
     let mut status = ErardStatus::Ok;
     for (angles, labels) in [(&angles[..], 0), (&[][..], 1)] {
         let options = PoseOptions { size_px: 900.0, labels: labels == 1, ..PoseOptions::default() };
-        assert_eq!(taken(draw(angles, 900.0, labels, &mut status)), pose_svg(&native, angles, &options));
+        assert_eq!(taken(draw(angles, 900.0, labels, &mut status)), pose_picture(&native, angles, &options).svg());
     }
     let mut bad = angles.clone();
     bad[1] = f64::NAN;

@@ -21,7 +21,7 @@ use crate::progress::Progress;
 use crate::recordings::{Ready, RecordingOptions};
 use crate::say;
 use crate::table::Table;
-use erard_figures::figure::{Dash, Figure, Panel, Trace, Window, figure_svg};
+use erard_figures::figure::{Dash, Figure, Panel, Trace, Window, figure_picture};
 
 /// Compares a recording with the models: one run for each drive and model, and its errors.
 #[derive(Debug, Args)]
@@ -79,8 +79,8 @@ impl Compare {
         let report = report(&comparison, &prepared.report, &title, &instrument.name);
         output.json("compare.json", &report)?;
         if !self.no_pictures {
-            let svg = figure_svg(&figure(&comparison, &title, &instrument.name));
-            output.figure("compare", &svg)?;
+            let picture = figure_picture(&figure(&comparison, &title, &instrument.name));
+            output.figure("compare", &picture)?;
         }
         let written = output.commit()?;
 

@@ -12,8 +12,7 @@ use super::out::OutOptions;
 use super::press::play_observed;
 use crate::failure::Failure;
 use crate::say;
-use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pins_at, pose_svg};
-use erard_figures::figure::png_from_svg;
+use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pins_at, pose_picture};
 
 /// Draws the action in one pose, as SVG and PNG.
 #[derive(Debug, Args)]
@@ -113,10 +112,8 @@ impl Draw {
             }),
             ..PoseOptions::default()
         };
-        let svg = pose_svg(&instrument, &angles_at(&run, row), &options);
-        let png = png_from_svg(&svg, 1.0).map_err(|e| Failure::Internal(e.to_string()))?;
-        output.stage("action.svg", |w| w.write_all(svg.as_bytes()))?;
-        output.stage("action.png", |w| w.write_all(&png))?;
+        let picture = pose_picture(&instrument, &angles_at(&run, row), &options);
+        output.picture("action", &picture, 1.0)?;
         say!("{}", output.commit()?);
         Ok(())
     }

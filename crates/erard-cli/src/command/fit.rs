@@ -8,7 +8,7 @@ use erard::instrument_spec::InstrumentSpec;
 use erard::parameter::{Bare, Quantity};
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
-use erard_figures::figure::figure_svg;
+use erard_figures::figure::figure_picture;
 use erard_workshop::cores;
 use erard_workshop::fit::{
     Data, FitError, FitResult, Jacobian, Loss, NoiseModel, PerName, Plan, Problem, Simulator, fit_parameters,
@@ -162,8 +162,8 @@ impl Fit {
         output.text("fitted.toml", &fitted)?;
         output.table("fit.csv", &table(&channels, problem.recordings().len()))?;
         if !self.no_pictures {
-            let svg = figure_svg(&figure(&channels, &recordings, &instrument.name));
-            output.figure("fit", &svg)?;
+            let picture = figure_picture(&figure(&channels, &recordings, &instrument.name));
+            output.figure("fit", &picture)?;
         }
         let written = output.commit()?;
 

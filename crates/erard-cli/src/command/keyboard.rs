@@ -11,7 +11,7 @@ use super::out::OutOptions;
 use super::weigh::WeighOptions;
 use crate::answer;
 use crate::failure::Failure;
-use crate::keyboard::{doubts, pair, table, text, weighed_svg};
+use crate::keyboard::{doubts, pair, table, text, weighed_picture};
 use crate::number::whole;
 use crate::progress::Progress;
 use crate::say;
@@ -61,9 +61,9 @@ impl Keyboard {
         let weighed = weigh(&keys, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error })?;
         drop(progress);
-        let svg = weighed_svg(&keyboard.name, &weighed);
+        let picture = weighed_picture(&keyboard.name, &weighed);
         output.table("keyboard.csv", &table(&weighed))?;
-        output.figure("keyboard", &svg)?;
+        output.figure("keyboard", &picture)?;
         let written = output.commit()?;
         say!("{} - 88 keys, {} of them weighed", keyboard.name, weighed.len());
         say!();

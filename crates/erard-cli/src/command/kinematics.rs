@@ -16,7 +16,7 @@ use super::options::load_instrument;
 use super::out::OutOptions;
 use crate::failure::Failure;
 use crate::kinematics::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
-use crate::kinematics::{Shown, Summary, dynamics_svg, leverage_svg, sliding_svg, table};
+use crate::kinematics::{Shown, Summary, dynamics_picture, leverage_picture, sliding_picture, table};
 use crate::number::number;
 use crate::table::Table;
 use crate::{answer, identity, inputs, say, tell};
@@ -167,11 +167,11 @@ impl Kinematics {
         let design = &subject.design;
         output.table("kinematics.csv", &table(&cases))?;
         output.json("summary.json", &summary.json)?;
-        output.figure("sliding", &sliding_svg(design, &cases, range))?;
-        output.figure("leverage", &leverage_svg(design, &cases, range))?;
+        output.figure("sliding", &sliding_picture(design, &cases, range))?;
+        output.figure("leverage", &leverage_picture(design, &cases, range))?;
         if let Some((press, agreement)) = &press {
-            let svg = dynamics_svg(design, unmoved, press, agreement.as_ref());
-            output.figure("leverage-dynamics", &svg)?;
+            let picture = dynamics_picture(design, unmoved, press, agreement.as_ref());
+            output.figure("leverage-dynamics", &picture)?;
         }
         let written = output.commit()?;
 

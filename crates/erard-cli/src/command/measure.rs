@@ -29,7 +29,7 @@ use crate::say;
 use crate::sheet::{self, Advised, ORDER, before_and_after, beyond, in_the_end, left, tasks};
 use crate::tell;
 use crate::units::Lengths;
-use erard_figures::drawing::{PoseOptions, angles_at, pose_svg};
+use erard_figures::drawing::{PoseOptions, angles_at, pose_picture};
 
 /// Text below the options.
 const AFTER: &str = include_str!("help/measure.txt");
@@ -118,14 +118,14 @@ impl Measure {
             let mut tell = |share: f64| progress.tell(0.8 + 0.2 * (index as f64 + share) / count);
             let readings = Readings::on(&one.sheet);
             let list = worklist(&one.instrument, &readings, &leads, self.priority.into(), &mut tell)?;
-            let drawing = drawings.get(index).map_or("", |drawn| &drawn.svg);
+            let drawing = drawings.get(index).map_or(String::new(), |drawn| drawn.picture.svg());
             advised.push(Advised { measured: one, list, drawing, headed: &self.headed, lengths: self.lengths });
         }
         drop(progress);
 
         let figures = figures(&measured);
         for drawn in drawings.iter().chain(&figures) {
-            output.figure(&drawn.name, &drawn.svg)?;
+            output.figure(&drawn.name, &drawn.picture)?;
         }
         let sheets: Vec<&Sheet> = measured.iter().map(|one| &one.sheet).collect();
         match sheets[..] {
@@ -356,9 +356,9 @@ fn drawings(measured: &[Measured]) -> Result<Vec<Drawn>, Failure> {
     for (index, one) in measured.iter().enumerate() {
         let run = simulate(&one.instrument, &|_| player::Input::Free, &setup, &mut |_| true)?;
         // No letters in it: on a phone nobody could read them, and the caption says what it is.
-        let svg = pose_svg(&one.instrument, &angles_at(&run, 0), &PoseOptions::default());
+        let picture = pose_picture(&one.instrument, &angles_at(&run, 0), &PoseOptions::default());
         let name = if measured.len() > 1 { format!("action-{}", index + 1) } else { "action".to_owned() };
-        drawings.push(Drawn { name, alt: format!("{}, at rest", one.label), svg });
+        drawings.push(Drawn { name, alt: format!("{}, at rest", one.label), picture });
     }
     Ok(drawings)
 }

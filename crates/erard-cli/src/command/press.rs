@@ -19,15 +19,15 @@ use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOption
 use super::out::OutOptions;
 use super::press_pair::{self, Played};
 use crate::failure::Failure;
-use crate::inside::{self, LossReport, losses_svg, reactions_svg};
+use crate::inside::{self, LossReport, losses_picture, reactions_picture};
 use crate::number::number;
 use crate::progress::Progress;
 use crate::say;
-use crate::spectrogram::spectrogram_svg;
+use crate::spectrogram::spectrogram_picture;
 use crate::summary::{MEASURES, Measure, Summary, value};
 use crate::table::Table;
 use crate::tell;
-use erard_figures::figure::run_svg;
+use erard_figures::figure::run_picture;
 use erard_figures::page::{Shown, page_html};
 use erard_workshop::compare::{ForceUncertainty, PathNoise};
 use erard_workshop::sample::SampleError;
@@ -146,18 +146,18 @@ impl Press {
         let mut summary = Summary::new(&run, &setup, names, elapsed_s);
         add_force_uncertainty(&mut summary, &run, instrument, &stroke, &setup, noise.as_ref())?;
 
-        let svg = run_svg(&run, &stroke.title);
+        let picture = run_picture(&run, &stroke.title);
         let pins = inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default();
         let shown_run = Shown { pins: &pins, changed, ..Shown::new(instrument, &run) };
         let page = page_html(&shown_run, &stroke.title, &summary.lines());
         let table = Table::of_run(&run, inside::columns(&pins));
         output.table("run.csv", &table)?;
         output.json("summary.json", &summary.json)?;
-        output.figure("run", &svg)?;
+        output.figure("run", &picture)?;
         output.text("run.html", &page)?;
         let title = format!("{} - {}", run.instrument, stroke.title);
         if self.reactions {
-            output.figure("reactions", &reactions_svg(&run, &title, &pins))?;
+            output.figure("reactions", &reactions_picture(&run, &title, &pins))?;
         }
         let sound = match &self.wav {
             Some(name) => listen(instrument, &stroke, &setup)?.map(|sound| (name, sound)),
@@ -165,13 +165,13 @@ impl Press {
         };
         if let Some((name, sound)) = &sound {
             output.stage(name, |w| crate::wav::write(sound, w))?;
-            output.figure("spectrogram", &spectrogram_svg(&sound.bridge_n, f64::from(RATE_HZ), &title))?;
+            output.figure("spectrogram", &spectrogram_picture(&sound.bridge_n, f64::from(RATE_HZ), &title))?;
         }
         let mut lost = None;
         if let Some((recorded, losses)) = inside.losses.as_ref().and_then(|one| Some((one, one.losses()?))) {
             let report = LossReport::new(instrument, losses);
             output.json("losses.json", &report)?;
-            output.figure("losses", &losses_svg(&run, &title, recorded, &report))?;
+            output.figure("losses", &losses_picture(&run, &title, recorded, &report))?;
             lost = Some(report);
         }
         let banded = match self.bands.bands {

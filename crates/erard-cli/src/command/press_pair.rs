@@ -3,7 +3,7 @@
 use erard::instrument::Instrument;
 use erard::run::Run;
 use erard_figures::drawing::ChangedNote;
-use erard_figures::figure::pair_svg;
+use erard_figures::figure::pair_picture;
 use erard_figures::page::{Shown, SummaryTable, pair_html};
 use erard_workshop::digits::signed;
 use serde_json::{Map, Value, json};
@@ -103,8 +103,8 @@ pub(crate) fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(),
     let rows = rows(summaries);
     let both = json!({"names": names, "runs": summaries, "difference": difference});
     output.json("summary.json", &both)?;
-    let svg = pair_svg(&title, [(&names[0], &played[0].run), (&names[1], &played[1].run)]);
-    output.figure("run", &svg)?;
+    let picture = pair_picture(&title, [(&names[0], &played[0].run), (&names[1], &played[1].run)]);
+    output.figure("run", &picture)?;
     let shown = [0, 1].map(|index| Shown {
         name: names[index].clone(),
         changed: played[index].changed,

@@ -28,7 +28,7 @@ use crate::study::sensitivities as sensitive;
 use crate::study::{Axis, Column, GRADING, Row, Source, Target, chart, columns, doubts, shown, table_of};
 use crate::table::Table;
 use crate::tell;
-use erard_figures::figure::chart_svg;
+use erard_figures::figure::chart_picture;
 
 /// Text below the options.
 const AFTER: &str = include_str!("help/study.txt");
@@ -163,8 +163,8 @@ impl Study {
         output.table("study.csv", &table)?;
         let title = format!("{} - {} ({})", instrument.name, stroke.title, stroke.driven());
         if let Some(chart) = chart(&title, &axes, &rows) {
-            let svg = chart_svg(&chart, "study");
-            output.figure("study", &svg)?;
+            let picture = chart_picture(&chart, "study");
+            output.figure("study", &picture)?;
         }
         let written = output.commit()?;
 

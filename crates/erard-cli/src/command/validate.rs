@@ -10,7 +10,8 @@ use crate::table::{Table, three};
 use clap::Args;
 use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::Keyboard;
-use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg};
+use erard_figures::Picture;
+use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_picture};
 use erard_workshop::validate::{
     Drive, GroupResult, Published, Row, SimulatedPress, Tally, Validation, Verdict, validate,
 };
@@ -60,14 +61,14 @@ impl Validate {
             Some(count) => Some(self.banded(&published, &validation, keyboard.as_ref(), count)?),
             None => None,
         };
-        let svg = order_svg(&validation, &published);
+        let picture = order_picture(&validation, &published);
         let mut report = Report::new(&validation, &published);
         if let Some(bands) = &bands {
             report.take_bands(bands, &published);
         }
         output.json("validate.json", &report)?;
         output.table("validate.csv", &Table::of_records(&report.rows)?)?;
-        output.figure("order-of-events", &svg)?;
+        output.figure("order-of-events", &picture)?;
         let written = output.commit()?;
 
         say!("{} compared with measured pianos", validation.instrument);
@@ -450,7 +451,7 @@ impl<'a> Curve<'a> {
 }
 
 /// The order of events against loudness: simulated presses, and the published points as bars.
-fn order_svg(validation: &Validation, published: &Published) -> String {
+fn order_picture(validation: &Validation, published: &Published) -> Picture {
     let [constant, pressed] = [&validation.constant_force, &validation.pressed]
         .map(|presses| Curve::of(presses.iter().filter(|b| b.hammer_speed_m_per_s.is_some())));
     // Where a row's published number stands: at the hammer speed of the simulated press that it was compared with.
@@ -487,7 +488,7 @@ fn order_svg(validation: &Validation, published: &Published) -> String {
     let title = format!("{}: order of events against loudness", validation.instrument);
     let subtitle = "a hand whose force rises, and constant forces; bars: published, with the range that counts as met";
     let over = "hammer speed at the string (m/s)";
-    figure_svg(&Figure {
+    figure_picture(&Figure {
         markers: MARKS.iter().map(|(x, label)| Marker { x: *x, label: (*label).into() }).collect(),
         ..Figure::over(over, (0.0, 1.08 * fastest), title, subtitle.into(), panels)
     })

@@ -21,7 +21,7 @@ use crate::paper::Headed;
 use crate::progress::Progress;
 use crate::say;
 use crate::units::Lengths;
-use crate::weigh::{Work, again, again_text, html, report, table, text, weighed_svg};
+use crate::weigh::{Work, again, again_text, html, report, table, text, weighed_picture};
 
 /// What is asked of weighed keys.
 #[derive(Debug, Args)]
@@ -111,12 +111,12 @@ impl WeighOptions {
             headed: &self.headed,
             lengths: self.lengths,
         };
-        let svg = weighed_svg(&work);
-        let page = html(&work, &svg);
+        let picture = weighed_picture(&work);
+        let page = html(&work, &picture.svg());
         output.table("weigh.csv", &table(&work))?;
         output.json("weigh.json", &report(&work))?;
         output.text("weigh.html", &page)?;
-        output.figure("weigh", &svg)?;
+        output.figure("weigh", &picture)?;
         if let Some(keys) = &weighed_again {
             output.table("again.csv", &again(keys))?;
         }

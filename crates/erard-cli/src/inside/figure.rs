@@ -2,7 +2,8 @@
 
 use erard::player::{LossRecorder, PinSeries};
 use erard::run::Run;
-use erard_figures::figure::{Dash, Layout, PALETTE, Panel, Trace, figure_svg, over_run};
+use erard_figures::Picture;
+use erard_figures::figure::{Dash, Layout, PALETTE, Panel, Trace, figure_picture, over_run};
 
 use super::LossReport;
 
@@ -10,7 +11,7 @@ use super::LossReport;
 const OWN: usize = PALETTE.len() - 1;
 
 /// Accelerations and both components of every pin's reaction over time.
-pub(crate) fn reactions_svg(run: &Run, title: &str, pins: &[PinSeries]) -> String {
+pub(crate) fn reactions_picture(run: &Run, title: &str, pins: &[PinSeries]) -> Picture {
     // More bodies than colours: broken lines tell them apart.
     let dash = |index: usize| [Dash::Solid, Dash::Dashed, Dash::Dotted][index / PALETTE.len() % 3];
     let panel = |quantity: &str, unit, of: &dyn Fn(&PinSeries) -> Vec<f64>| {
@@ -23,11 +24,11 @@ pub(crate) fn reactions_svg(run: &Run, title: &str, pins: &[PinSeries]) -> Strin
         panel("acceleration", "krad/s²", &|pin| pin.acceleration_rad_s2.iter().map(|a| a * 1e-3).collect()),
     ];
     let what = "force of each pin on its body, and angular acceleration of the body, counter-clockwise".into();
-    figure_svg(&over_run(run, format!("{title}: what the pins carry"), what, panels))
+    figure_picture(&over_run(run, format!("{title}: what the pins carry"), what, panels))
 }
 
 /// Losses of pins, contacts and strings over time, one upon the other.
-pub(crate) fn losses_svg(run: &Run, title: &str, recorded: &LossRecorder, report: &LossReport) -> String {
+pub(crate) fn losses_picture(run: &Run, title: &str, recorded: &LossRecorder, report: &LossReport) -> Picture {
     let parts = recorded.pin_rows().iter().chain(recorded.contact_rows()).chain(recorded.string_rows());
     let rows: Vec<&[f64]> = parts.map(Vec::as_slice).collect();
     let mj = |places: &[usize]| -> Vec<f64> {
@@ -48,7 +49,7 @@ pub(crate) fn losses_svg(run: &Run, title: &str, recorded: &LossRecorder, report
     curves.push(Trace { colour: "#d4d4d4", ..others });
     let panel = Panel { layout: Layout::Stacked, ..Panel::new("lost so far", "mJ", 420.0, curves) };
     let what = format!("{:.2} mJ in all, by pin and by contact, one upon the other", report.total_J * 1e3);
-    figure_svg(&over_run(run, format!("{title}: where the energy goes"), what, vec![panel]))
+    figure_picture(&over_run(run, format!("{title}: where the energy goes"), what, vec![panel]))
 }
 
 /// As long as the legend is wide.

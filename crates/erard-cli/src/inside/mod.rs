@@ -4,7 +4,7 @@
 mod figure;
 mod losses;
 
-pub(crate) use figure::{losses_svg, reactions_svg};
+pub(crate) use figure::{losses_picture, reactions_picture};
 pub(crate) use losses::LossReport;
 
 use erard::player::PinSeries;

@@ -1,5 +1,6 @@
 //! Two keyboards beside each other: both tables, what differs, both in one figure and on one page.
 
+use erard_figures::Picture;
 use erard_figures::figure::{COINCIDE, Dash, Panel, Trace};
 use erard_workshop::digits::{plain, signed};
 use erard_workshop::weighing::WeighedKey;
@@ -125,7 +126,7 @@ fn json_of(sides: &[Side; 2]) -> Value {
 }
 
 /// Every quantity of both over the number of the key; where both nearly coincide, their difference below.
-fn figure(sides: &[Side; 2]) -> String {
+fn figure(sides: &[Side; 2]) -> Picture {
     let keys: Vec<f64> = sides[0].weighed.iter().map(|one| one.key as f64).collect();
     let mut panels = Vec::new();
     for quantity in &QUANTITIES {
@@ -211,13 +212,13 @@ fn table(sides: &[Side; 2]) -> Markup {
 /// # Errors
 /// [`Failure::Write`].
 pub(crate) fn write(sides: &[Side; 2], output: &mut Output) -> Result<(), Failure> {
-    let svg = figure(sides);
-    let page = page(sides, &svg);
+    let picture = figure(sides);
+    let page = page(sides, &picture.svg());
     output.json("keyboard.json", &json_of(sides))?;
     output.table("keyboard-1.csv", &super::table(&sides[0].weighed))?;
     output.table("keyboard-2.csv", &super::table(&sides[1].weighed))?;
     output.table("difference.csv", &difference(sides))?;
-    output.figure("keyboard", &svg)?;
+    output.figure("keyboard", &picture)?;
     output.text("keyboard.html", &page)
 }
 

@@ -4,7 +4,8 @@ use erard_kinematics::three_lever::StrokePose;
 use erard_kinematics::{Agreement, Design, SlowPress};
 
 use super::shown::Shown;
-use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg, padded_range};
+use erard_figures::Picture;
+use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_picture, padded_range};
 
 /// Largest deviation that counts as agreement.
 const AGREED: f64 = 0.02;
@@ -57,7 +58,7 @@ fn curves<'a>(cases: &[Shown], keys: &'a [Vec<f64>], value: impl Fn(&StrokePose)
 }
 
 /// Sliding at capstan and knuckle over the key's travel, on the same scale.
-pub(crate) fn sliding_svg(design: &Design, cases: &[Shown], range: (f64, f64)) -> String {
+pub(crate) fn sliding_picture(design: &Design, cases: &[Shown], range: (f64, f64)) -> Picture {
     let keys = keys(cases);
     let panel = |contact: &str, sliding: fn(&StrokePose) -> f64| {
         Panel::new(contact, "mm", 190.0, curves(cases, &keys, |pose| sliding(pose) * 1e3))
@@ -69,7 +70,7 @@ pub(crate) fn sliding_svg(design: &Design, cases: &[Shown], range: (f64, f64)) -
         panel.y_range = y_range;
     }
     let subtitle = "how far the parts have slid along each other since rest; both panels on one scale";
-    figure_svg(&figure(design, "sliding at the contacts", subtitle, range, panels, cases))
+    figure_picture(&figure(design, "sliding at the contacts", subtitle, range, panels, cases))
 }
 
 /// End of the axis of all leverages, which begins at 0, so that figures from different files can be compared.
@@ -78,22 +79,22 @@ fn room_above(highest: f64) -> f64 {
 }
 
 /// Leverage over the key's travel.
-pub(crate) fn leverage_svg(design: &Design, cases: &[Shown], range: (f64, f64)) -> String {
+pub(crate) fn leverage_picture(design: &Design, cases: &[Shown], range: (f64, f64)) -> Picture {
     let keys = keys(cases);
     let curves = curves(cases, &keys, |pose| pose.leverage);
     let highest = curves.iter().flat_map(|curve| curve.y.iter().copied()).filter(|y| y.is_finite()).fold(1.0, f64::max);
     let panel = Panel::new("leverage", "mm per mm", 330.0, curves).within(0.0, room_above(highest));
     let subtitle = "speed of the hammer head, upward, over speed of the key front";
-    figure_svg(&figure(design, "leverage", subtitle, range, vec![panel], cases))
+    figure_picture(&figure(design, "leverage", subtitle, range, vec![panel], cases))
 }
 
 /// Leverage by geometry and in a slow press, and their difference.
-pub(crate) fn dynamics_svg(
+pub(crate) fn dynamics_picture(
     design: &Design,
     unmoved: &Shown,
     press: &SlowPress,
     agreement: Option<&Agreement>,
-) -> String {
+) -> Picture {
     const EVERY_M: f64 = 2e-5;
     let end = press.key_m.last().copied().unwrap_or(0.0).max(EVERY_M);
     let grid: Vec<f64> = (0..=(end / EVERY_M) as usize).map(|i| i as f64 * EVERY_M).collect();
@@ -126,5 +127,5 @@ pub(crate) fn dynamics_svg(
     let unmoved = std::slice::from_ref(unmoved);
     let mut figure = figure(design, "leverage, geometry and dynamics", &subtitle, (0.0, end), panels, unmoved);
     figure.markers.extend(taken_up);
-    figure_svg(&figure)
+    figure_picture(&figure)
 }

@@ -6,7 +6,7 @@ mod shown;
 mod summary;
 mod table;
 
-pub(crate) use figures::{dynamics_svg, leverage_svg, sliding_svg};
+pub(crate) use figures::{dynamics_picture, leverage_picture, sliding_picture};
 pub(crate) use shown::Shown;
 pub(crate) use summary::Summary;
 pub(crate) use table::table;

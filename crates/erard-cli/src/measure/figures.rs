@@ -4,9 +4,10 @@ use erard_workshop::measure::TimingRow;
 use erard_workshop::measure::range::MIDI_MAP;
 
 use super::Measured;
-use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_svg};
+use erard_figures::Picture;
+use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_picture};
 
-/// A figure's file name, without extension, what it shows, and itself as SVG.
+/// A figure's file name, without extension, what it shows, and itself.
 #[derive(Debug, Clone)]
 pub(crate) struct Drawn {
     /// Stem of its files.
@@ -14,7 +15,7 @@ pub(crate) struct Drawn {
     /// For people who cannot see it.
     pub alt: String,
     /// The picture.
-    pub svg: String,
+    pub picture: Picture,
 }
 
 /// All figures, in the order of the page.
@@ -27,8 +28,8 @@ pub(crate) fn figures(measured: &[Measured]) -> Vec<Drawn> {
     ]
 }
 
-fn drawn(name: &str, alt: &str, svg: String) -> Drawn {
-    Drawn { name: name.to_owned(), alt: alt.to_owned(), svg }
+fn drawn(name: &str, alt: &str, picture: Picture) -> Drawn {
+    Drawn { name: name.to_owned(), alt: alt.to_owned(), picture }
 }
 
 /// What a curve is called: alone it needs no owner, beside others its owner's letter.
@@ -73,7 +74,7 @@ fn largest<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
 }
 
 /// Slow loops: solid with the pedal down, dashed with the dampers on the strings.
-fn hysteresis(measured: &[Measured]) -> String {
+fn hysteresis(measured: &[Measured]) -> Picture {
     // Abscissae ascend: the way up is turned around.
     let turned: Vec<[Vec<f64>; 4]> = measured
         .iter()
@@ -121,10 +122,10 @@ fn hysteresis(measured: &[Measured]) -> String {
     let title = titled(measured, "slow loop");
     let over = (0.0, far.max(0.1));
     let figure = Figure::over("key front, down (mm)", over, title, subtitled(measured, what), panels);
-    figure_svg(&Figure { markers, ..figure })
+    figure_picture(&Figure { markers, ..figure })
 }
 
-fn inertia(measured: &[Measured]) -> String {
+fn inertia(measured: &[Measured]) -> Picture {
     let mut curves = Vec::new();
     for (index, one) in measured.iter().enumerate() {
         let numbers = &one.sheet.inertia;
@@ -142,10 +143,10 @@ fn inertia(measured: &[Measured]) -> String {
     let what = "mass at the key front with the same kinetic energy, from rest to where let-off begins";
     let title = titled(measured, "inertia through the stroke");
     let over = (0.0, far.max(0.1));
-    figure_svg(&Figure::over("key front, down (mm)", over, title, subtitled(measured, what), panels))
+    figure_picture(&Figure::over("key front, down (mm)", over, title, subtitled(measured, what), panels))
 }
 
-fn range(measured: &[Measured]) -> String {
+fn range(measured: &[Measured]) -> Picture {
     let forces: Vec<Vec<f64>> =
         measured.iter().map(|one| one.sheet.dynamic_range.iter().map(|l| l.force_n).collect()).collect();
     let curves = |value: &dyn Fn(&erard_workshop::measure::range::Loudness) -> Option<f64>| -> Vec<Trace<'_>> {
@@ -163,10 +164,10 @@ fn range(measured: &[Measured]) -> String {
     let far = largest(forces.iter().flatten());
     let title = titled(measured, "hammer speed against a constant force");
     let x_label = "force on the key front (N)";
-    figure_svg(&Figure::over(x_label, (0.0, far), title, subtitled(measured, MIDI_MAP), panels))
+    figure_picture(&Figure::over(x_label, (0.0, far), title, subtitled(measured, MIDI_MAP), panels))
 }
 
-fn timing(measured: &[Measured]) -> String {
+fn timing(measured: &[Measured]) -> Picture {
     // A row that did not sound has no place on this axis.
     let sounded = |one: &Measured, touch: &str| -> Vec<TimingRow> {
         let rows = one.sheet.timing.iter().filter(|row| row.touch == touch && row.hammer_speed_m_per_s.is_some());
@@ -209,5 +210,5 @@ fn timing(measured: &[Measured]) -> String {
     let title = titled(measured, "timing");
     let what = "after key start; hammer ahead of key bottom; from the last push to the string. From the left: pp, p, mf, f, ff";
     let over = (0.0, 1.04 * far.max(0.1));
-    figure_svg(&Figure::over("hammer speed (m/s)", over, title, subtitled(measured, what), panels))
+    figure_picture(&Figure::over("hammer speed (m/s)", over, title, subtitled(measured, what), panels))
 }

@@ -59,8 +59,8 @@ pub(crate) fn html(
                 div id="flight" { @for one in measured { (flight(one, several)) } }
                 div id="bench" { @for one in measured { (bench(one, several)) } }
                 h2 id="pictures" { "Pictures" }
-                @for drawn in drawings { (captioned(drawn, "action", &at_night(&drawn.svg))) }
-                @for drawn in figures { (captioned(drawn, "plot", &drawn.svg)) }
+                @for drawn in drawings { (captioned(drawn, "action", &at_night(&drawn.picture.svg()))) }
+                @for drawn in figures { (captioned(drawn, "plot", &drawn.picture.svg())) }
             }
         }
     };

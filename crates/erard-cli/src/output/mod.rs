@@ -19,7 +19,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use erard_figures::figure::png_from_svg;
+use erard_figures::Picture;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -154,9 +154,17 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::Write`]; [`Failure::Internal`] where it cannot be drawn.
-    pub fn figure(&mut self, name: &str, svg: &str) -> Result<(), Failure> {
-        let png = png_from_svg(svg, 2.0).map_err(|error| Failure::Internal(error.to_string()))?;
-        self.text(&format!("{name}.svg"), svg)?;
+    pub fn figure(&mut self, name: &str, picture: &Picture) -> Result<(), Failure> {
+        self.picture(name, picture, 2.0)
+    }
+
+    /// Writes a picture twice: `NAME.svg`, and `NAME.png` of so many times its size.
+    ///
+    /// # Errors
+    /// [`Failure::Write`]; [`Failure::Internal`] where it cannot be drawn.
+    pub fn picture(&mut self, name: &str, picture: &Picture, scale: f64) -> Result<(), Failure> {
+        let png = picture.png(scale).map_err(|error| Failure::Internal(error.to_string()))?;
+        self.text(&format!("{name}.svg"), &picture.svg())?;
         self.stage(&format!("{name}.png"), |writer| writer.write_all(&png))
     }
 

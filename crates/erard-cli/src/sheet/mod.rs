@@ -22,7 +22,7 @@ pub(crate) struct Advised<'a> {
     /// What to do.
     pub list: Worklist,
     /// A drawing of it.
-    pub drawing: &'a str,
+    pub drawing: String,
     /// What stands at the head.
     pub headed: &'a Headed,
     /// How lengths are shown.

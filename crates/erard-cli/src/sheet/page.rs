@@ -86,7 +86,7 @@ fn sheet(one: &Advised<'_>) -> Markup {
             h2 { "To do, " (ORDER) }
             (to_do(one))
             figure.action {
-                (picture(&format!("{}, at rest", measured.label), one.drawing))
+                (picture(&format!("{}, at rest", measured.label), &one.drawing))
             }
             footer.soft {
                 "How D and U are taken: pedal down, the weight on the key's front. D is the least with which the key, let go from rest, sinks slowly to let-off, \

@@ -2,7 +2,8 @@
 
 use erard::instrument::Instrument;
 use erard::run::Setup;
-use erard_figures::figure::{Bar, Tornado, TornadoPanel, tornado_svg};
+use erard_figures::Picture;
+use erard_figures::figure::{Bar, Tornado, TornadoPanel, tornado_picture};
 use erard_workshop::cores;
 use erard_workshop::sensitivities::{
     Mark, Quantity, Rest, Sensitivities, Sensitivity, SensitivityError, USUAL, Variable, VariableError, quantities,
@@ -147,7 +148,7 @@ fn heading(all: &Sensitivities, k: usize) -> String {
 }
 
 /// The figure, as SVG.
-pub(crate) fn figure(all: &Sensitivities, title: &str) -> String {
+pub(crate) fn figure(all: &Sensitivities, title: &str) -> Picture {
     let panel = |k: usize| TornadoPanel {
         title: heading(all, k),
         unit: all.of[k].unit.to_owned(),
@@ -167,7 +168,7 @@ pub(crate) fn figure(all: &Sensitivities, title: &str) -> String {
             })
             .collect(),
     };
-    tornado_svg(&Tornado {
+    tornado_picture(&Tornado {
         title: title.to_owned(),
         // As long as one panel is wide.
         subtitle: "what a usual change does to first order; hollow: cannot be trusted farther away".to_owned(),

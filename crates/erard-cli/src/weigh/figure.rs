@@ -1,7 +1,8 @@
 //! What was weighed and where it is to go, over the keyboard.
 
 use erard::keyboard::KEYS;
-use erard_figures::figure::{Dash, Figure, Panel, Trace, figure_svg};
+use erard_figures::Picture;
+use erard_figures::figure::{Dash, Figure, Panel, Trace, figure_picture};
 use erard_workshop::balance::BalancedKey;
 use erard_workshop::worklist::KeyboardList;
 
@@ -9,7 +10,7 @@ use super::Work;
 use crate::keyboard::KEY_NUMBERS;
 
 /// The figure.
-pub(crate) fn weighed_svg(work: &Work<'_>) -> String {
+pub(crate) fn weighed_picture(work: &Work<'_>) -> Picture {
     let plan = &work.list.plan;
     let weighed: Vec<f64> = plan.keys.iter().map(|key| key.measured.key as f64).collect();
     let all: Vec<f64> = (1..=KEYS).map(|key| key as f64).collect();
@@ -79,5 +80,5 @@ pub(crate) fn weighed_svg(work: &Work<'_>) -> String {
     let title = format!("{}: weighed, and where it is to go", work.file);
     let subtitle =
         format!("points are keys, dashed lines smooth curves, aims and usual ranges; not weighed: {}", work.name);
-    figure_svg(&Figure::over(KEY_NUMBERS, (0.0, 89.0), title, subtitle, panels))
+    figure_picture(&Figure::over(KEY_NUMBERS, (0.0, 89.0), title, subtitle, panels))
 }

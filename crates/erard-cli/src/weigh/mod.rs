@@ -7,7 +7,7 @@ mod page;
 mod table;
 mod text;
 
-pub(crate) use figure::weighed_svg;
+pub(crate) use figure::weighed_picture;
 pub(crate) use page::html;
 pub(crate) use table::{again, report, table};
 pub(crate) use text::{again_text, text};

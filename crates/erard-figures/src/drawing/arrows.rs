@@ -2,9 +2,8 @@
 
 use super::force::{ARROW, force_label};
 use super::outline::MM;
-use crate::svg::{number, text};
+use crate::picture::{Anchor, Geometry, Group, Look, Node, Segment, Shape, Words};
 use erard::instrument::Vec2;
-use std::fmt::Write;
 
 /// Kind of force that an arrow shows. Its class in the picture is `arrow` and the name of the kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,30 +52,27 @@ const ROOM: f64 = 0.8;
 /// An upright box, picture millimetres: left, top, right, bottom.
 type Box4 = [f64; 4];
 
-/// The arrows as SVG, in picture millimetres.
-pub fn arrows(arrows: &[Arrow]) -> String {
+/// The arrows, in picture millimetres.
+pub(crate) fn arrows(arrows: &[Arrow]) -> Node {
     let drawn: Vec<&Arrow> = arrows.iter().filter(|arrow| arrow.force_n >= ARROW.smallest_drawn_n).collect();
     let shafts: Vec<[Vec2; 2]> = drawn.iter().map(|arrow| shaft(arrow)).collect();
-    let mut out = String::from("<g class=\"forces\">");
-    let mut numbers = String::new();
+    let mut nodes = Vec::new();
+    let mut numbers = Vec::new();
     let mut taken: Vec<Box4> = Vec::new();
     for (arrow, [from, _]) in drawn.iter().zip(&shafts) {
         let [ux, uy] = [arrow.direction[0], -arrow.direction[1]];
         let length = ARROW.length_mm(arrow.force_n);
-        let point = |along: f64, across: f64| {
-            format!("{} {}", number(from[0] + ux * along - uy * across), number(from[1] + uy * along + ux * across))
-        };
+        let point = |along: f64, across: f64| [from[0] + ux * along - uy * across, from[1] + uy * along + ux * across];
         let neck = length - HEAD;
-        let _ = write!(
-            out,
-            "<path class=\"arrow {}\" d=\"M{}L{}M{}L{}L{}Z\"/>",
-            arrow.kind.class(),
-            point(0.0, 0.0),
-            point(neck, 0.0),
-            point(length, 0.0),
-            point(neck, HALF_HEAD),
-            point(neck, -HALF_HEAD)
-        );
+        let path = vec![
+            Segment::Move(point(0.0, 0.0)),
+            Segment::Line(point(neck, 0.0)),
+            Segment::Move(point(length, 0.0)),
+            Segment::Line(point(neck, HALF_HEAD)),
+            Segment::Line(point(neck, -HALF_HEAD)),
+            Segment::Close,
+        ];
+        nodes.push(Shape::of_class(format!("arrow {}", arrow.kind.class()), Geometry::Path(path)));
         if arrow.force_n < ARROW.smallest_labelled_n {
             continue;
         }
@@ -86,12 +82,11 @@ pub fn arrows(arrows: &[Arrow]) -> String {
         taken.push(place);
         let middle = [0.5 * (place[0] + place[2]), place[3] - 0.8];
         let class = format!("newton {}", arrow.kind.class());
-        text(&mut numbers, &class, middle, " text-anchor=\"middle\"", &label);
+        numbers.push(Words::node(class, middle, [Look::Anchor(Anchor::Middle)], &label));
     }
     // numbers after all arrows, so that none is struck through
-    out.push_str(&numbers);
-    out.push_str("</g>");
-    out
+    nodes.extend(numbers);
+    Node::Group(Group { class: "forces", nodes, ..Group::default() })
 }
 
 /// From where to where an arrow goes, picture millimetres.
@@ -160,11 +155,15 @@ mod tests {
         Arrow { kind: ArrowKind::Contact, point_m: [x, y], direction: [cos, sin], force_n }
     }
 
+    fn svg(all: &[Arrow]) -> String {
+        crate::picture::nodes(&[arrows(all)])
+    }
+
     #[test]
     fn small_forces_stay_silent() {
-        assert!(!arrows(&[arrow(0.0, 0.0, 1.0, 0.001)]).contains("path"));
-        assert!(!arrows(&[arrow(0.0, 0.0, 1.0, 0.1)]).contains("text"));
-        assert!(arrows(&[arrow(0.0, 0.0, 1.0, 12.34)]).contains("12.3 N"));
+        assert!(!svg(&[arrow(0.0, 0.0, 1.0, 0.001)]).contains("path"));
+        assert!(!svg(&[arrow(0.0, 0.0, 1.0, 0.1)]).contains("text"));
+        assert!(svg(&[arrow(0.0, 0.0, 1.0, 12.34)]).contains("12.3 N"));
     }
 
     /// Thirty arrows in the space of a hand, numbers of all lengths: none is crossed. The boxes are read from the text
@@ -180,7 +179,7 @@ mod tests {
             let all: Vec<Arrow> = (0..30)
                 .map(|_| arrow(0.15 * random(), 0.1 * random(), 6.3 * random(), 200.0 * random().powi(4)))
                 .collect();
-            let svg = arrows(&all);
+            let svg = svg(&all);
             let number_after = |text: &str, name: &str| -> f64 {
                 text.split(name).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
             };

@@ -4,9 +4,8 @@
 use super::carried;
 use super::outline::MM;
 use super::piece::Carrier;
-use crate::svg::number;
+use crate::picture::{Geometry, Group, Node, Shape, Words};
 use erard::instrument::{Instrument, OutlivedNote, Placement, ScrewAction, Vec2};
-use std::fmt::Write;
 
 /// Height of the letters of the lines below a picture, and from line to line, mm of the picture.
 pub(super) const SIZE: f64 = 4.4;
@@ -75,14 +74,14 @@ fn place(instrument: &Instrument, key: &str) -> Option<(Option<usize>, Vec2)> {
     }
 }
 
-/// The marks: a ring with the number of its line at every place, moving with its body.
+/// The marks: a ring with the number of its line at every place, moving with its body; nothing where none was changed.
 #[must_use]
-pub(crate) fn changed_marks(instrument: &Instrument, changed: &[ChangedNote], placed: &[Placement]) -> String {
+pub(crate) fn changed_marks(instrument: &Instrument, changed: &[ChangedNote], placed: &[Placement]) -> Vec<Node> {
     if changed.is_empty() {
-        return String::new();
+        return Vec::new();
     }
     let drawn = instrument.drawn();
-    let mut out = String::from("<g class=\"marks\">");
+    let mut marks = Vec::new();
     let mut taken: Vec<Vec2> = Vec::new();
     for (index, note) in changed.iter().enumerate().take(MOST) {
         let Some((body, point_m)) = note.place else { continue };
@@ -94,19 +93,13 @@ pub(crate) fn changed_marks(instrument: &Instrument, changed: &[ChangedNote], pl
             x += 5.2;
         }
         taken.push([x, y]);
-        let _ = write!(
-            out,
-            "<g{}><circle class=\"mark\" cx=\"{}\" cy=\"{}\" r=\"2.4\"/><text class=\"mark-number\" x=\"{}\" y=\"{}\">{}</text></g>",
-            carried(&carrier, placed),
-            number(x),
-            number(y),
-            number(x),
-            number(y + 1.45),
-            index + 1
-        );
+        let nodes = vec![
+            Shape::of_class("mark", Geometry::Circle(Some([x, y]), 2.4)),
+            Words::node("mark-number", [x, y + 1.45], [], &(index + 1).to_string()),
+        ];
+        marks.push(Node::Group(Group { carried: carried(&carrier, placed), nodes, ..Group::default() }));
     }
-    out.push_str("</g>");
-    out
+    vec![Node::Group(Group { class: "marks", nodes: marks, ..Group::default() })]
 }
 
 /// The lines below a picture of a width, mm.
@@ -132,7 +125,7 @@ pub(super) fn lines(changed: &[ChangedNote], width: f64) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{PoseOptions, pose_svg};
+    use super::super::{PoseOptions, pose_picture};
     use super::*;
     use erard::instrument::InstrumentFile;
 
@@ -158,8 +151,12 @@ mod tests {
         let zone = file.instrument.zones.iter().find(|zone| zone.name == "capstan_heel").unwrap();
         assert_eq!(one.place, Some((zone.disc_body, zone.disc_center_m)));
         let angles = file.instrument.drawn_angles();
-        let svg =
-            pose_svg(&file.instrument, &angles, &PoseOptions { changed: changed.clone(), ..PoseOptions::default() });
+        let svg = pose_picture(
+            &file.instrument,
+            &angles,
+            &PoseOptions { changed: changed.clone(), ..PoseOptions::default() },
+        )
+        .svg();
         let mark = svg.split("<circle class=\"mark\"").nth(1).unwrap();
         let value = |name: &str| -> f64 {
             mark.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
@@ -172,7 +169,7 @@ mod tests {
             text.contains("capstan_heel.disc.center_mm") && text.contains("no longer") && text.contains("145"),
             "{text}"
         );
-        let plain = pose_svg(&file.instrument, &angles, &PoseOptions::default());
+        let plain = pose_picture(&file.instrument, &angles, &PoseOptions::default()).svg();
         assert!(!plain.contains("class=\"mark\"") && !plain.contains("<text class=\"changed-note\""));
         // Every kind of number has its place, and names that are not there have none.
         for (key, known) in [

@@ -3,9 +3,8 @@
 use super::anchor::visible_point;
 use super::outline::MM;
 use super::piece::Piece;
-use crate::svg::{number, text};
+use crate::picture::{Anchor, Geometry, Group, Look, Node, Segment, Shape, Words};
 use erard::instrument::{Instrument, Placement, Vec2};
-use std::fmt::Write;
 
 /// Height of a label's letters, mm of the picture.
 const SIZE: f64 = 6.4;
@@ -41,11 +40,11 @@ impl Label {
 /// Room that the labels need above and below the picture, mm.
 pub(crate) const MARGIN: f64 = 2.0 * ROW + 6.0;
 
-/// The labels as SVG around a picture that spans `[left, top, right, bottom]` in picture millimetres.
+/// The labels around a picture that spans `[left, top, right, bottom]` in picture millimetres.
 ///
 /// Only main parts are named: a name with a comma (`whippen, post felt`) is a detail, and of several parts of one
 /// name the first is labelled.
-pub(crate) fn labels(pieces: &[Piece], placed: &[Placement], bounds: [f64; 4]) -> String {
+pub(crate) fn labels(pieces: &[Piece], placed: &[Placement], bounds: [f64; 4]) -> Node {
     let [left, top, right, bottom] = bounds;
     let mut found: Vec<Label> = Vec::new();
     for (index, world) in visible_points(pieces, placed) {
@@ -57,7 +56,7 @@ pub(crate) fn labels(pieces: &[Piece], placed: &[Placement], bounds: [f64; 4]) -
     let middle = heights.get(heights.len() / 2).copied().unwrap_or(0.0);
     let (mut above, mut below): (Vec<Label>, Vec<Label>) =
         found.into_iter().partition(|label| label.anchor[1] < middle);
-    let mut out = String::from("<g class=\"labels\">");
+    let mut nodes = Vec::new();
     for (side, edge, outward) in [(&mut above, top, -1.0), (&mut below, bottom, 1.0)] {
         for label in side.iter_mut() {
             label.edge = edge;
@@ -65,21 +64,19 @@ pub(crate) fn labels(pieces: &[Piece], placed: &[Placement], bounds: [f64; 4]) -
         spread(side, left, right);
         for label in side.iter() {
             let y = edge + outward * (5.0 + ROW * label.row as f64);
-            let [ax, ay] = label.anchor.map(number);
-            let _ = write!(
-                out,
-                "<path class=\"leader\" d=\"M{} {}V{}L{ax} {ay}\"/><circle class=\"leader-end\" cx=\"{ax}\" cy=\"{ay}\" r=\"0.9\"/>",
-                number(label.x),
-                number(y - outward * 1.0),
-                number(edge + outward * 4.0),
-            );
+            let leader = vec![
+                Segment::Move([label.x, y - outward * 1.0]),
+                Segment::Vertical(edge + outward * 4.0),
+                Segment::Line(label.anchor),
+            ];
+            nodes.push(Shape::of_class("leader", Geometry::Path(leader)));
+            nodes.push(Shape::of_class("leader-end", Geometry::Circle(Some(label.anchor), 0.9)));
             let place = [label.x, if outward < 0.0 { y - 1.0 } else { y + SIZE * 0.8 }];
-            let more = format!(" font-size=\"{}\" text-anchor=\"middle\"", number(SIZE));
-            text(&mut out, "label", place, &more, &label.text);
+            let looks = [Look::FontSize(SIZE), Look::Anchor(Anchor::Middle)];
+            nodes.push(Words::node("label", place, looks, &label.text));
         }
     }
-    out.push_str("</g>");
-    out
+    Node::Group(Group { class: "labels", nodes, ..Group::default() })
 }
 
 /// The pieces that have a label: a name with a comma is a detail, and of several pieces of one name the first is

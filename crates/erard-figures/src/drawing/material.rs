@@ -1,22 +1,8 @@
 //! The look of each material.
 
-use crate::svg::escape;
+use crate::picture::{Gradient, Look, Paint};
 use erard::instrument::Material;
 use serde::Deserialize;
-use std::fmt::Write;
-
-/// How a finish is painted: lit from above, with a darker edge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Paint {
-    /// Identifier of the gradient, and class of the shapes.
-    pub id: &'static str,
-    /// Colour at the upper side.
-    pub light: &'static str,
-    /// Colour at the lower side.
-    pub shade: &'static str,
-    /// Colour of the outline.
-    pub edge: &'static str,
-}
 
 /// Appearance of an outline: a material of instrument files, or one that only pictures have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -66,44 +52,35 @@ impl From<Material> for Finish {
     }
 }
 
-/// The looks of all finishes, in their order.
-const PAINTS: [Paint; 13] = [
-    look("wood", "#ecd3a8", "#d3ac77", "#8a683c"),
-    look("dark-wood", "#8f6a4b", "#6c4a31", "#452d1b"),
-    look("felt", "#f6f0e2", "#ded3bc", "#a3967b"),
-    look("cloth", "#b8414a", "#922c35", "#611a21"),
-    look("leather", "#b3aca2", "#8d867d", "#5a554e"),
-    look("metal", "#d3d9de", "#929ba3", "#555e66"),
-    look("lead", "#868c92", "#62686e", "#3c4146"),
-    look("ivory", "#fdfbf4", "#ece4d0", "#8d8266"),
-    look("string", "#b9a778", "#857346", "#5b4d2b"),
-    look("ebony", "#4a4642", "#2b2825", "#171513"),
-    look("skin", "#f3d2bc", "#e2ae92", "#a4755c"),
-    look("nail", "#fbe9e2", "#f0cfc3", "#b58a78"),
-    look("symbol", "#cfdbe6", "#a3b7c9", "#5f7589"),
+/// The gradients of all finishes, in their order: lit from above.
+pub(crate) const GRADIENTS: &[Gradient] = &[
+    lit("wood", "#ecd3a8", "#d3ac77"),
+    lit("dark-wood", "#8f6a4b", "#6c4a31"),
+    lit("felt", "#f6f0e2", "#ded3bc"),
+    lit("cloth", "#b8414a", "#922c35"),
+    lit("leather", "#b3aca2", "#8d867d"),
+    lit("metal", "#d3d9de", "#929ba3"),
+    lit("lead", "#868c92", "#62686e"),
+    lit("ivory", "#fdfbf4", "#ece4d0"),
+    lit("string", "#b9a778", "#857346"),
+    lit("ebony", "#4a4642", "#2b2825"),
+    lit("skin", "#f3d2bc", "#e2ae92"),
+    lit("nail", "#fbe9e2", "#f0cfc3"),
+    lit("symbol", "#cfdbe6", "#a3b7c9"),
 ];
 
-const fn look(id: &'static str, light: &'static str, shade: &'static str, edge: &'static str) -> Paint {
-    Paint { id, light, shade, edge }
+/// The darker edges of all finishes, in their order.
+const EDGES: [&str; 13] = [
+    "#8a683c", "#452d1b", "#a3967b", "#611a21", "#5a554e", "#555e66", "#3c4146", "#8d8266", "#5b4d2b", "#171513",
+    "#a4755c", "#b58a78", "#5f7589",
+];
+
+const fn lit(id: &'static str, upper: &'static str, lower: &'static str) -> Gradient {
+    Gradient { id, upper, lower }
 }
 
-/// The look of a finish.
-pub(crate) const fn paint(finish: Finish) -> Paint {
-    PAINTS[finish as usize]
-}
-
-/// The gradients of all finishes, for a document's `<defs>`.
-pub(crate) fn gradients() -> String {
-    let mut out = String::new();
-    for paint in PAINTS {
-        let _ = write!(
-            out,
-            "<linearGradient id=\"{id}\" x1=\"0\" y1=\"0\" x2=\"0\" y2=\"1\"><stop offset=\"0\" stop-color=\"{}\"/>\
-             <stop offset=\"1\" stop-color=\"{}\"/></linearGradient>",
-            paint.light,
-            paint.shade,
-            id = escape(paint.id),
-        );
-    }
-    out
+/// The look of a finish: lit from above, with a darker edge.
+pub(crate) fn looks(finish: Finish) -> Vec<Look> {
+    let index = finish as usize;
+    vec![Look::Fill(Paint::Gradient(GRADIENTS[index].id)), Look::Stroke(Paint::Colour(EDGES[index]))]
 }

@@ -18,19 +18,20 @@ mod material;
 mod outline;
 mod piece;
 
-pub use arrows::{ArrowKind, arrows};
+pub use arrows::ArrowKind;
 
-pub(crate) use arrows::Arrow;
+pub(crate) use arrows::{Arrow, arrows};
 pub use changed::ChangedNote;
 pub(crate) use changed::changed_marks;
 pub(crate) use force::{ARROW, arrow_sign, force_label};
 pub use force::{angles_at, forces_at, pins_at};
 pub(crate) use labels::named_points;
-pub(crate) use material::{gradients, paint};
-pub(crate) use outline::{path, transform};
+pub(crate) use material::GRADIENTS;
+pub(crate) use outline::path;
 pub(crate) use piece::{Carrier, Piece};
 
-use crate::svg::{escape, number, sides, text};
+use crate::picture::{Anchor, Carried, Geometry, Group, Head, Look, Node, Paint, Picture, Rule, Shape, Words, css};
+use crate::svg::number;
 use erard::instrument::{Instrument, Placement};
 pub(crate) use outline::MM;
 use std::fmt::Write;
@@ -96,12 +97,67 @@ pub fn drawing(instrument: &Instrument) -> Drawing {
     drawing
 }
 
-/// The style of everything in a picture of the action; the page inlines the same.
-pub(crate) const STYLE: &str = include_str!("drawing.css");
+/// The style of everything in a picture of the action.
+const STYLE: &[Rule] = &[
+    Rule::new(&["paper"], &[Look::Fill(Paint::Colour("#faf7f0"))]),
+    Rule { within: "parts", classes: &[], looks: &[Look::StrokeWidth(0.45), Look::RoundJoins] },
+    Rule::new(
+        &["pin"],
+        &[Look::Fill(Paint::Colour("#e9e4da")), Look::Stroke(Paint::Colour("#3a3733")), Look::StrokeWidth(0.5)],
+    ),
+    Rule::new(&["pin-core"], &[Look::Fill(Paint::Colour("#3a3733"))]),
+    Rule::new(
+        &["arrow"],
+        &[
+            Look::Fill(Paint::Colour("#d0342c")),
+            Look::Stroke(Paint::Colour("#d0342c")),
+            Look::StrokeWidth(1.1),
+            Look::RoundJoins,
+            Look::RoundCaps,
+        ],
+    ),
+    Rule::new(&["arrow", "touch"], &[Look::Fill(Paint::Colour("#1769aa")), Look::Stroke(Paint::Colour("#1769aa"))]),
+    Rule::new(
+        &["newton"],
+        &[
+            Look::Fill(Paint::Colour("#b3221b")),
+            Look::FontSize(5.0),
+            Look::NormalWeight,
+            Look::StrokeFirst,
+            Look::Stroke(Paint::Colour("#faf7f0")),
+            Look::StrokeWidthPx(1.2),
+            Look::RoundJoins,
+        ],
+    ),
+    Rule::new(&["newton", "touch"], &[Look::Fill(Paint::Colour("#0d4f85"))]),
+    Rule::new(&["arrow", "pin"], &[Look::Fill(Paint::Colour("#6a3d9a")), Look::Stroke(Paint::Colour("#6a3d9a"))]),
+    Rule::new(&["newton", "pin"], &[Look::Fill(Paint::Colour("#50287a"))]),
+    Rule::new(
+        &["mark"],
+        &[Look::Fill(Paint::Colour("#fffdf7")), Look::Stroke(Paint::Colour("#b3221b")), Look::StrokeWidth(0.5)],
+    ),
+    Rule::new(
+        &["mark-number"],
+        &[Look::Fill(Paint::Colour("#b3221b")), Look::FontSize(4.0), Look::Anchor(Anchor::Middle)],
+    ),
+    Rule::new(&["changed-note"], &[Look::Fill(Paint::Colour("#b3221b")), Look::FontSize(4.4)]),
+    Rule::new(&["leader"], &[Look::Fill(Paint::None), Look::Stroke(Paint::Colour("#5a554e")), Look::StrokeWidth(0.35)]),
+    Rule::new(&["leader-end"], &[Look::Fill(Paint::Colour("#5a554e"))]),
+    Rule::new(&["label"], &[Look::Fill(Paint::Colour("#2a2723"))]),
+    Rule::new(&["caption"], &[Look::Fill(Paint::Colour("#2a2723")), Look::FontSize(6.0)]),
+];
+
+/// What follows each rule of the sheet.
+const RULE_END: &str = "\n";
+
+/// The style sheet of a picture of the action, for a page that draws it itself.
+pub(crate) fn style() -> String {
+    css(STYLE, RULE_END)
+}
 
 /// The action with its bodies at the given absolute angles (rad, in the instrument's order; what is missing is drawn
-/// as in the file), as an SVG document.
-pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptions) -> String {
+/// as in the file), as a picture.
+pub fn pose_picture(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptions) -> Picture {
     let placed = instrument.placements(angles_rad);
     let drawing = drawing(instrument);
     let bounds = view(instrument, &drawing.pieces, &placed);
@@ -121,34 +177,31 @@ pub fn pose_svg(instrument: &Instrument, angles_rad: &[f64], options: &PoseOptio
     }
     let (width, height) = (right - left, bottom - top);
     let pixels = options.size_px / width.max(height);
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"{} {} {} {}\" \
-         font-family=\"{FONTS}\" role=\"img\"><title>{}</title><style>{STYLE}</style><defs>{}</defs>\
-         <rect class=\"paper\"{}/>",
-        number((pixels * width).round()),
-        number((pixels * height).round()),
-        number(left),
-        number(top),
-        number(width),
-        number(height),
-        escape(&instrument.name),
-        gradients(),
-        sides([left, top, width, height]),
-    );
-    out.push_str(&shapes(&drawing, &placed));
-    out.push_str(&changed_marks(instrument, &options.changed, &placed));
-    out.push_str(&arrows(&options.arrows));
+    let view = [left, top, width, height];
+    let head = Head {
+        title: instrument.name.clone(),
+        size_px: [(pixels * width).round(), (pixels * height).round()],
+        view,
+        font_size: None,
+        style: vec![STYLE],
+        rule_end: RULE_END,
+        gradients: GRADIENTS,
+    };
+    let mut nodes = vec![Shape::of_class("paper", Geometry::rect(view))];
+    nodes.extend(shapes(&drawing, &placed));
+    nodes.extend(changed_marks(instrument, &options.changed, &placed));
+    nodes.push(arrows(&options.arrows));
     if options.labels {
-        out.push_str(&labels::labels(&drawing.pieces, &placed, bounds));
+        nodes.push(labels::labels(&drawing.pieces, &placed, bounds));
     }
     if let Some(caption) = &options.caption {
-        text(&mut out, "caption", [left + 6.0, caption_y], "", caption);
+        nodes.push(Words::node("caption", [left + 6.0, caption_y], [], caption));
     }
     for (index, line) in told.iter().enumerate() {
-        text(&mut out, "changed-note", [left + 6.0, told_y + changed::LINE * index as f64], "", line);
+        let place = [left + 6.0, told_y + changed::LINE * index as f64];
+        nodes.push(Words::node("changed-note", place, [], line));
     }
-    out.push_str("</svg>\n");
-    out
+    Picture { head, nodes }
 }
 
 /// A picture for a page that may be dark: where the page is, its paper is dark and its words are light, as in the page
@@ -161,52 +214,40 @@ pub fn at_night(svg: &str) -> String {
 const NIGHT: &str = "@media (prefers-color-scheme:dark){.paper{fill:#26272b}.label,.caption{fill:#e9e6e0}.leader{stroke:#a8a39a}\
 .leader-end{fill:#a8a39a}.newton{fill:#fff;stroke:#1b1214}.changed-note{fill:#ff8a7d}}";
 
-/// Pieces and pins as SVG elements, each piece in its carrier's frame. `data-body` says which body moves it; with
+/// Pieces and pins, each piece in its carrier's frame. In the SVG `data-body` says which body moves it; with
 /// `data-point` it follows that point of the body (mm, as written) from where it is as drawn (`data-drawn`) without
 /// turning, with `data-guided` up and down only. `data-rail` says that the sustain pedal lifts it.
-pub(crate) fn shapes(drawing: &Drawing, placed: &[Placement]) -> String {
-    let mut out = String::from("<g class=\"parts\">");
-    for piece in &drawing.pieces {
-        let drawn = path(piece);
-        if drawn.is_empty() {
-            continue;
-        }
-        let paint = paint(piece.finish);
-        let _ = write!(
-            out,
-            "<path d=\"{drawn}\" fill=\"url(#{})\" stroke=\"{}\"{}><title>{}</title></path>",
-            paint.id,
-            paint.edge,
-            carried(&piece.carrier, placed),
-            escape(&piece.name)
-        );
-    }
-    out.push_str("</g><g class=\"pins\">");
-    for &body in &drawing.pins {
-        let _ = write!(
-            out,
-            "<g{}><circle class=\"pin\" r=\"1.5\"/><circle class=\"pin-core\" r=\"0.5\"/></g>",
-            carried(&Carrier::Body(body), placed)
-        );
-    }
-    out.push_str("</g>");
-    out
+pub(crate) fn shapes(drawing: &Drawing, placed: &[Placement]) -> [Node; 2] {
+    let part = |piece: &Piece| {
+        let outline = path(piece);
+        let carried = carried(&piece.carrier, placed);
+        (!outline.is_empty()).then(|| Shape::part(outline, material::looks(piece.finish), carried, &piece.name))
+    };
+    let pin = |body: &usize| {
+        let nodes = [("pin", 1.5), ("pin-core", 0.5)]
+            .map(|(class, radius)| Shape::of_class(class, Geometry::Circle(None, radius)));
+        let carried = carried(&Carrier::Body(*body), placed);
+        Node::Group(Group { carried, nodes: nodes.into(), ..Group::default() })
+    };
+    let parts = drawing.pieces.iter().filter_map(part).collect();
+    let pins = drawing.pins.iter().map(pin).collect();
+    [("parts", parts), ("pins", pins)].map(|(class, nodes)| Node::Group(Group { class, nodes, ..Group::default() }))
 }
 
-pub(super) fn carried(carrier: &Carrier, placed: &[Placement]) -> String {
+pub(super) fn carried(carrier: &Carrier, placed: &[Placement]) -> Carried {
     let Some(body) = carrier.body() else {
-        return String::from(if *carrier == Carrier::Rail { " data-rail=\"\"" } else { "" });
+        let data = if *carrier == Carrier::Rail { " data-rail=\"\"" } else { "" };
+        return Carried { data: data.to_owned(), turn: None };
     };
-    let mut out = format!(" data-body=\"{body}\"");
+    let mut data = format!(" data-body=\"{body}\"");
     if let Carrier::Point { point_m, drawn_m, is_guided, .. } = carrier {
         let pair = |[x, y]: [f64; 2]| format!("{} {}", number(x * MM), number(y * MM));
-        let _ = write!(out, " data-point=\"{}\" data-drawn=\"{}\"", pair(*point_m), pair(*drawn_m));
+        let _ = write!(data, " data-point=\"{}\" data-drawn=\"{}\"", pair(*point_m), pair(*drawn_m));
         if *is_guided {
-            out.push_str(" data-guided=\"\"");
+            data.push_str(" data-guided=\"\"");
         }
     }
-    let _ = write!(out, " transform=\"{}\"", transform(&carrier.placement(placed)));
-    out
+    Carried { data, turn: Some(outline::turn(&carrier.placement(placed))) }
 }
 
 /// `[left, top, right, bottom]` in picture millimetres, with a margin, holding the pieces both in this pose and as
@@ -238,7 +279,7 @@ mod tests {
     fn names_from_files_are_escaped() {
         let instrument = fixture::two_levers_drawn();
         let options = PoseOptions { labels: true, caption: Some("</svg>".into()), ..PoseOptions::default() };
-        let svg = pose_svg(&instrument, &[], &options);
+        let svg = pose_picture(&instrument, &[], &options).svg();
         assert!(!svg.contains("</script>") && !svg.contains("<b>") && !svg.contains("<levers>"));
         assert_eq!(svg.matches("</svg>").count(), 1);
     }
@@ -247,16 +288,17 @@ mod tests {
     fn the_same_pose_gives_the_same_bytes() {
         let instrument = fixture::two_levers_drawn();
         let options = PoseOptions::default();
-        assert_eq!(pose_svg(&instrument, &[0.2, 0.3], &options), pose_svg(&instrument, &[0.2, 0.3], &options));
+        let svg = || pose_picture(&instrument, &[0.2, 0.3], &options).svg();
+        assert_eq!(svg(), svg());
     }
 
     /// An instrument without parts, without bodies even, still gives a document.
     #[test]
     fn nothing_to_draw_is_still_a_picture() {
         let mut instrument = fixture::two_levers();
-        assert!(pose_svg(&instrument, &[], &PoseOptions::default()).contains("made up"));
+        assert!(pose_picture(&instrument, &[], &PoseOptions::default()).svg().contains("made up"));
         instrument.bodies.clear();
         instrument.zones.clear();
-        assert!(!pose_svg(&instrument, &[], &PoseOptions::default()).contains("inf"));
+        assert!(!pose_picture(&instrument, &[], &PoseOptions::default()).svg().contains("inf"));
     }
 }

@@ -1,12 +1,11 @@
-//! Outlines as SVG paths.
+//! Outlines as paths.
 //!
 //! SVG's y points down and the piano's up, so everything is written as (x, -y) in millimetres; a body's frame then
 //! becomes `translate(x -y) rotate(-angle)` and text needs no flipping back.
 
 use super::piece::Piece;
-use crate::svg::number;
+use crate::picture::{Segment, Turn};
 use erard::instrument::{Placement, Vec2};
-use std::fmt::Write;
 
 /// Metres of the instrument to millimetres of the picture.
 pub(crate) const MM: f64 = 1000.0;
@@ -16,7 +15,7 @@ pub(crate) const MM: f64 = 1000.0;
 /// A smooth piece has every corner cut by half the shorter of its two edges and replaced by an arc through the cuts.
 /// Long edges so stay straight, short ones blend into a curve through their midpoints, and a corner written twice
 /// stays sharp.
-pub(crate) fn path(piece: &Piece) -> String {
+pub(crate) fn path(piece: &Piece) -> Vec<Segment> {
     let points: Vec<Vec2> = piece
         .outline_m
         .iter()
@@ -24,22 +23,24 @@ pub(crate) fn path(piece: &Piece) -> String {
         .map(|point| [point[0] * MM, -point[1] * MM])
         .collect();
     if points.len() < 3 {
-        return String::new();
+        return Vec::new();
     }
-    let mut out = String::new();
-    if piece.smooth {
-        smooth(&points, &mut out);
+    let mut out = if piece.smooth {
+        smooth(&points)
     } else {
-        for (index, point) in points.iter().enumerate() {
-            let command = if index == 0 { 'M' } else { 'L' };
-            let _ = write!(out, "{command}{} {}", number(point[0]), number(point[1]));
-        }
-    }
-    out.push('Z');
+        points.iter().enumerate().map(|(index, point)| onward(index, *point)).collect()
+    };
+    out.push(Segment::Close);
     out
 }
 
-fn smooth(points: &[Vec2], out: &mut String) {
+/// The way to a point, from nowhere to the first.
+fn onward(index: usize, point: Vec2) -> Segment {
+    if index == 0 { Segment::Move(point) } else { Segment::Line(point) }
+}
+
+fn smooth(points: &[Vec2]) -> Vec<Segment> {
+    let mut out = Vec::with_capacity(2 * points.len() + 1);
     let count = points.len();
     for index in 0..count {
         let before = points[(index + count - 1) % count];
@@ -49,13 +50,12 @@ fn smooth(points: &[Vec2], out: &mut String) {
         let cut = 0.5 * to_before.min(to_after);
         let enter = along(corner, before, to_before, cut);
         let leave = along(corner, after, to_after, cut);
-        let command = if index == 0 { 'M' } else { 'L' };
-        let _ = write!(out, "{command}{} {}", number(enter[0]), number(enter[1]));
+        out.push(onward(index, enter));
         if cut > 0.0 {
-            let _ =
-                write!(out, "Q{} {} {} {}", number(corner[0]), number(corner[1]), number(leave[0]), number(leave[1]));
+            out.push(Segment::Quad(corner, leave));
         }
     }
+    out
 }
 
 fn length(a: Vec2, b: Vec2) -> f64 {
@@ -70,14 +70,10 @@ fn along(from: Vec2, to: Vec2, distance: f64, step: f64) -> Vec2 {
     [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
 }
 
-/// The `transform` attribute that carries a body's frame into the picture.
-pub(crate) fn transform(placement: &Placement) -> String {
-    format!(
-        "translate({} {}) rotate({})",
-        number(placement.pivot_m[0] * MM),
-        number(-placement.pivot_m[1] * MM),
-        number(-placement.angle_rad.to_degrees())
-    )
+/// What carries a body's frame into the picture.
+pub(crate) fn turn(placement: &Placement) -> Turn {
+    let [x, y] = placement.pivot_m;
+    Turn { to: [x * MM, -y * MM], degrees: -placement.angle_rad.to_degrees() }
 }
 
 #[cfg(test)]
@@ -85,6 +81,7 @@ mod tests {
     use super::*;
     use crate::drawing::Carrier;
     use crate::drawing::material::Finish;
+    use crate::picture;
 
     fn square(smooth: bool) -> Piece {
         Piece {
@@ -96,14 +93,18 @@ mod tests {
         }
     }
 
+    fn text(piece: &Piece) -> String {
+        picture::path(&path(piece))
+    }
+
     #[test]
     fn y_points_down_in_the_picture() {
-        assert_eq!(path(&square(false)), "M0 0L10 0L10 -10L0 -10Z");
+        assert_eq!(text(&square(false)), "M0 0L10 0L10 -10L0 -10Z");
     }
 
     #[test]
     fn smooth_corners_meet_at_the_middle_of_the_edges() {
-        let drawn = path(&square(true));
+        let drawn = text(&square(true));
         assert!(drawn.starts_with("M0 -5Q0 0 5 0L5 0Q10 0 10 -5"), "{drawn}");
     }
 
@@ -111,13 +112,13 @@ mod tests {
     fn a_corner_written_twice_stays_sharp() {
         let mut part = square(true);
         part.outline_m.insert(1, [0.01, 0.0]);
-        assert!(path(&part).contains("L10 0L10 0"), "{}", path(&part));
+        assert!(text(&part).contains("L10 0L10 0"), "{}", text(&part));
     }
 
     #[test]
     fn what_is_no_area_draws_nothing() {
         let mut part = square(false);
         part.outline_m = vec![[0.0, 0.0], [f64::NAN, 0.0], [0.0, 1.0]];
-        assert_eq!(path(&part), "");
+        assert_eq!(text(&part), "");
     }
 }

@@ -2,32 +2,32 @@
 
 use super::axis::{Axis, Scale};
 use super::{Area, Dash, Figure, LEFT, Layout, Panel, Trace, Window, decimate};
-use crate::svg::{number, text};
+use crate::picture::{Anchor, Clip, Geometry, Group, Look, Node, Paint, Shape, Words};
 use std::borrow::Cow;
-use std::fmt::Write;
 
 /// The abscissa's grid, and below the last panel its numbers.
-pub(super) fn abscissa(out: &mut String, figure: &Figure, window: &Window, area: Area, numbers: bool) {
+pub(super) fn abscissa(out: &mut Vec<Node>, figure: &Figure, window: &Window, area: Area, numbers: bool) {
     let axis = Axis::between(figure.x_scale, (window.from * figure.x_unit, window.to * figure.x_unit));
     for (share, label) in axis.ticks(((area.width / 64.0) as usize).max(2)) {
         let x = area.left + share * area.width;
         line(out, "grid", [x, area.top], [x, area.bottom()]);
         if numbers {
             line(out, "tick", [x, area.bottom()], [x, area.bottom() + 4.0]);
-            text(out, "ink", [x, area.bottom() + 16.0], " text-anchor=\"middle\" font-size=\"11\"", &label);
+            let looks = [Look::Anchor(Anchor::Middle), Look::FontSize(11.0)];
+            out.push(Words::node("ink", [x, area.bottom() + 16.0], looks, &label));
         }
     }
 }
 
 /// Curves over one axis.
 pub(super) fn together(
-    out: &mut String,
+    out: &mut Vec<Node>,
     figure: &Figure,
     panel: &Panel,
     window: &Window,
     area: Area,
     numbers: bool,
-    clip: &str,
+    clip: &Clip,
 ) {
     let upon_each_other;
     let is_stacked = panel.layout == Layout::Stacked;
@@ -48,15 +48,16 @@ pub(super) fn together(
         line(out, "grid", [area.left, y], [area.right(), y]);
         if numbers {
             line(out, "tick", [area.left - 4.0, y], [area.left, y]);
-            text(out, "ink", [area.left - 7.0, y + 4.0], " text-anchor=\"end\" font-size=\"11\"", &label);
+            let looks = [Look::Anchor(Anchor::End), Look::FontSize(11.0)];
+            out.push(Words::node("ink", [area.left - 7.0, y + 4.0], looks, &label));
         }
     }
-    let _ = write!(out, "<g clip-path=\"url(#{clip})\">");
+    let mut drawn = Vec::new();
     // From the highest down: each covers what lies below it.
     for curve in panel.curves.iter().rev().filter(|_| is_stacked) {
         for run in thinned(figure, curve, window, area) {
             let run: Vec<(f64, f64)> = run.into_iter().map(|(x, value)| (x, y_of(value))).collect();
-            filled(out, curve.colour, &run, y_of(0.0));
+            filled(&mut drawn, curve.colour, &run, y_of(0.0));
         }
     }
     for (index, curve) in panel.curves.iter().enumerate().filter(|_| !is_stacked) {
@@ -65,18 +66,18 @@ pub(super) fn together(
             // A logarithm may be infinite where the value is not.
             for run in run.split(|(_, y)| !y.is_finite()).filter(|run| !run.is_empty()) {
                 if curve.dash != Dash::Alone {
-                    polyline(out, curve, run);
+                    polyline(&mut drawn, curve, run);
                 }
                 if matches!(curve.dash, Dash::Points | Dash::Alone) {
                     let inside = |(x, y): &&(f64, f64)| {
                         (area.left..=area.right()).contains(x) && (area.top..=area.bottom()).contains(y)
                     };
-                    run.iter().filter(inside).for_each(|(x, y)| point(out, index, *x, *y, curve.colour));
+                    run.iter().filter(inside).for_each(|(x, y)| drawn.push(point(index, *x, *y, curve.colour)));
                 }
             }
         }
     }
-    out.push_str("</g>");
+    out.push(Node::Group(Group { clip: Some(clip.clone()), nodes: drawn, ..Group::default() }));
 }
 
 /// The panel with each curve upon the sum of those before it, from zero.
@@ -94,49 +95,39 @@ fn stacked<'a>(panel: &Panel<'a>) -> Panel<'a> {
 }
 
 /// The space between a curve and a level.
-fn filled(out: &mut String, colour: &str, run: &[(f64, f64)], level: f64) {
+fn filled(out: &mut Vec<Node>, of: &'static str, run: &[(f64, f64)], level: f64) {
     let ([first, ..], [.., last]) = (run, run) else { return };
-    let _ = write!(
-        out,
-        "<polygon fill=\"{colour}\" stroke=\"#fff\" stroke-width=\".6\" points=\"{},{}",
-        short(first.0),
-        short(level)
-    );
-    for (x, y) in run {
-        let _ = write!(out, " {},{}", short(*x), short(*y));
-    }
-    let _ = write!(out, " {},{}\"/>", short(last.0), short(level));
+    let around = [(first.0, level)].into_iter().chain(run.iter().copied()).chain([(last.0, level)]);
+    let points = around.map(|(x, y)| [short(x), short(y)]).collect();
+    let looks = vec![Look::Fill(Paint::Colour(of)), Look::Stroke(Paint::Colour("#fff")), Look::StrokeWidth(0.6)];
+    out.push(Shape::looking(looks, Geometry::Polygon(points)));
 }
 
-fn polyline(out: &mut String, curve: &Trace, run: &[(f64, f64)]) {
-    let _ = write!(
-        out,
-        "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\" stroke-linejoin=\"round\"{} points=\"",
-        curve.colour,
-        dashes(curve.dash)
-    );
-    for (index, (x, y)) in run.iter().enumerate() {
-        let gap = if index == 0 { "" } else { " " };
-        let _ = write!(out, "{gap}{},{}", short(*x), short(*y));
-    }
-    out.push_str("\"/>");
+fn polyline(out: &mut Vec<Node>, curve: &Trace, run: &[(f64, f64)]) {
+    let mut looks = vec![
+        Look::Fill(Paint::None),
+        Look::Stroke(Paint::Colour(curve.colour)),
+        Look::StrokeWidth(1.5),
+        Look::RoundJoins,
+    ];
+    looks.extend(dashes(curve.dash));
+    out.push(Shape::looking(looks, Geometry::Polyline(run.iter().map(|(x, y)| [short(*x), short(*y)]).collect())));
 }
 
 /// A point; its shape tells curves apart in grey print too.
-fn point(out: &mut String, index: usize, x: f64, y: f64, colour: &str) {
-    let _ = match index % 4 {
-        0 => write!(out, "<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{colour}\"/>", short(x), short(y)),
+fn point(index: usize, x: f64, y: f64, of: &'static str) -> Node {
+    let geometry = match index % 4 {
+        0 => Geometry::Circle(Some([short(x), short(y)]), 3.0),
         shape => {
             let corners: &[(f64, f64)] = match shape {
                 1 => &[(-2.8, -2.8), (2.8, -2.8), (2.8, 2.8), (-2.8, 2.8)],
                 2 => &[(0.0, -3.8), (3.6, 2.8), (-3.6, 2.8)],
                 _ => &[(0.0, -4.0), (3.4, 0.0), (0.0, 4.0), (-3.4, 0.0)],
             };
-            let points: Vec<String> =
-                corners.iter().map(|(dx, dy)| format!("{},{}", short(x + dx), short(y + dy))).collect();
-            write!(out, "<polygon points=\"{}\" fill=\"{colour}\"/>", points.join(" "))
+            Geometry::Polygon(corners.iter().map(|(dx, dy)| [short(x + dx), short(y + dy)]).collect())
         }
     };
+    Shape::with(geometry, vec![Look::Fill(Paint::Colour(of))])
 }
 
 /// The ordinates that any window shows, so that windows share their axis.
@@ -169,12 +160,12 @@ pub(super) fn thinned(figure: &Figure, curve: &Trace, window: &Window, area: Are
 }
 
 /// A coordinate to a tenth of a pixel and never absurdly far outside: enough for print, and files stay small.
-pub(super) fn short(value: f64) -> String {
-    number((value.clamp(-1e5, 1e5) * 10.0).round() / 10.0)
+pub(super) fn short(value: f64) -> f64 {
+    (value.clamp(-1e5, 1e5) * 10.0).round() / 10.0
 }
 
 /// The panel's quantity, turned to run along the ordinate.
-pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
+pub(super) fn panel_name(out: &mut Vec<Node>, panel: &Panel, top: f64) {
     let (x, y) = (LEFT - 56.0, top + 0.5 * panel.height());
     // A logarithmic axis says so: its numbers alone are easily misread.
     let scale = match panel.layout {
@@ -186,8 +177,7 @@ pub(super) fn panel_name(out: &mut String, panel: &Panel, top: f64) {
         [] => panel.quantity.clone(),
         _ => format!("{} ({})", panel.quantity, details.join(", ")),
     };
-    let turned = format!(" text-anchor=\"middle\" transform=\"rotate(-90 {} {})\"", number(x), number(y));
-    text(out, "ink", [x, y], &turned, &name);
+    out.push(Words::upwards("ink", [x, y], [Look::Anchor(Anchor::Middle)], &name));
 }
 
 /// Between the legend's first entry and the panel's top, and from entry to entry, px.
@@ -201,43 +191,30 @@ pub(super) fn legend_height(panel: &Panel) -> f64 {
 }
 
 /// Names of the curves beside the panel.
-pub(super) fn legend(out: &mut String, panel: &Panel, left: f64, top: f64) {
+pub(super) fn legend(out: &mut Vec<Node>, panel: &Panel, left: f64, top: f64) {
     // A curve without a name goes with the one before it.
     for (index, curve) in panel.curves.iter().filter(|curve| !curve.label.is_empty()).enumerate() {
         let y = top + LEGEND_TOP + LEGEND_PITCH * index as f64;
         if curve.dash != Dash::Alone {
-            let _ = write!(
-                out,
-                "<line x1=\"{}\" y1=\"{y}\" x2=\"{}\" y2=\"{y}\" stroke=\"{}\" stroke-width=\"2\"{}/>",
-                number(left),
-                number(left + 22.0),
-                curve.colour,
-                dashes(curve.dash),
-                y = number(y),
-            );
+            let mut looks = vec![Look::Stroke(Paint::Colour(curve.colour)), Look::StrokeWidth(2.0)];
+            looks.extend(dashes(curve.dash));
+            out.push(Shape::with(Geometry::Line([[left, y], [left + 22.0, y]]), looks));
         }
-        text(out, "ink", [left + 28.0, y + 4.0], "", &curve.label);
+        out.push(Words::node("ink", [left + 28.0, y + 4.0], [], &curve.label));
         if matches!(curve.dash, Dash::Points | Dash::Alone) {
-            point(out, index, left + 11.0, y, curve.colour);
+            out.push(point(index, left + 11.0, y, curve.colour));
         }
     }
 }
 
-pub(super) fn line(out: &mut String, class: &str, from: [f64; 2], to: [f64; 2]) {
-    let _ = write!(
-        out,
-        "<line class=\"{class}\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>",
-        number(from[0]),
-        number(from[1]),
-        number(to[0]),
-        number(to[1])
-    );
+pub(super) fn line(out: &mut Vec<Node>, class: &'static str, from: [f64; 2], to: [f64; 2]) {
+    out.push(Shape::of_class(class, Geometry::Line([from, to])));
 }
 
-fn dashes(dash: Dash) -> &'static str {
+fn dashes(dash: Dash) -> Option<Look> {
     match dash {
-        Dash::Solid | Dash::Points | Dash::Alone => "",
-        Dash::Dashed => " stroke-dasharray=\"6 3\"",
-        Dash::Dotted => " stroke-dasharray=\"1.5 2.5\"",
+        Dash::Solid | Dash::Points | Dash::Alone => None,
+        Dash::Dashed => Some(Look::Dashes([6.0, 3.0])),
+        Dash::Dotted => Some(Look::Dashes([1.5, 2.5])),
     }
 }

@@ -1,6 +1,7 @@
 //! A chart: panels of curves over one abscissa, with a caption, as a figure.
 
-use super::{Dash, Figure, Layout, Panel, Scale, Trace, figure_svg_named, padded_range};
+use super::{Dash, Figure, Layout, Panel, Scale, Trace, figure_picture_named, padded_range};
+use crate::picture::Picture;
 
 /// Panels of curves over one abscissa.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,8 +54,8 @@ const CHARACTER: f64 = 7.0;
 /// Height of a panel, px.
 const PANEL: f64 = 230.0;
 
-/// The chart as an SVG document. The same chart gives the same bytes. `id` makes its clip paths unique within a page.
-pub fn chart_svg(chart: &Chart, id: &str) -> String {
+/// The chart as a picture. `id` makes its clip paths unique within a page.
+pub fn chart_picture(chart: &Chart, id: &str) -> Picture {
     let panels = chart.panels.iter().map(panel).collect();
     let labels = chart.panels.iter().flat_map(|panel| &panel.curves).map(|curve| curve.label.chars().count());
     let longest = labels.max().unwrap_or(0);
@@ -63,7 +64,7 @@ pub fn chart_svg(chart: &Chart, id: &str) -> String {
         x_scale: if chart.x_log { Scale::Logarithmic } else { Scale::Linear },
         ..Figure::over(&chart.x_label, abscissae(chart), chart.title.clone(), String::new(), panels)
     };
-    figure_svg_named(&figure, id)
+    figure_picture_named(&figure, id)
 }
 
 fn panel(panel: &ChartPanel) -> Panel<'_> {
@@ -104,10 +105,11 @@ mod tests {
     fn odd_values_do_not_break_a_chart() {
         for y in [vec![], vec![1.0], vec![0.0, -1.0, 2.0], vec![f64::NAN, 1.0, f64::INFINITY, 3.0], vec![1e-12, 1e12]] {
             for (x_log, y_log) in [(false, false), (true, false), (false, true), (true, true)] {
-                let svg = chart_svg(&chart(x_log, y_log, y.clone()), "c");
+                let picture = chart_picture(&chart(x_log, y_log, y.clone()), "c");
+                let svg = picture.svg();
                 assert!(!svg.contains("NaN") && !svg.contains("inf") && !svg.contains("<a>"), "{svg}");
-                assert_eq!(svg, chart_svg(&chart(x_log, y_log, y.clone()), "c"));
-                crate::figure::png_from_svg(&svg, 0.5).unwrap();
+                assert_eq!(svg, chart_picture(&chart(x_log, y_log, y.clone()), "c").svg());
+                picture.png(0.5).unwrap();
             }
         }
     }

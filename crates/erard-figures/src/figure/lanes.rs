@@ -2,21 +2,20 @@
 
 use super::axes::{line, short, thinned};
 use super::{Area, Figure, Layout, Panel, Window};
-use crate::svg::{sides, text};
-use std::fmt::Write;
+use crate::picture::{Anchor, Clip, Geometry, Group, Look, Node, Paint, Segment, Shape, Words};
 
 /// Empty strip at the top of a lane, px, so that neighbours do not touch.
 const HEADROOM: f64 = 4.0;
 
 /// The lanes of one window.
 pub(super) fn lanes(
-    out: &mut String,
+    out: &mut Vec<Node>,
     figure: &Figure,
     panel: &Panel,
     window: &Window,
     area: Area,
     numbers: bool,
-    clip: &str,
+    clip: &Clip,
 ) {
     let Layout::Lanes { floor, ceiling } = panel.layout else { return };
     let count = panel.curves.len().max(1) as f64;
@@ -36,51 +35,52 @@ pub(super) fn lanes(
             let y = y_of(decade);
             line(out, "grid", [area.left, y], [area.right(), y]);
             if numbers && is_numbered(decade) {
-                let more = " text-anchor=\"end\" font-size=\"8.5\"";
-                text(out, "soft", [area.left - 5.0, y + 3.0], more, &decade.to_string());
+                let looks = [Look::Anchor(Anchor::End), Look::FontSize(8.5)];
+                out.push(Words::node("soft", [area.left - 5.0, y + 3.0], looks, &decade.to_string()));
             }
         }
-        let _ = write!(out, "<g clip-path=\"url(#{clip})\">");
+        let mut drawn = Vec::new();
         for run in thinned(figure, curve, window, area) {
             let (Some(first), Some(last)) = (run.first(), run.last()) else {
                 continue;
             };
-            let _ = write!(
-                out,
-                "<path fill=\"{colour}\" fill-opacity=\".3\" stroke=\"{colour}\" stroke-width=\"1\" \
-                 stroke-linejoin=\"round\" d=\"M{} {}",
-                short(first.0),
-                short(base),
-                colour = curve.colour,
-            );
+            let looks = vec![
+                Look::Fill(Paint::Colour(curve.colour)),
+                Look::FillOpacity(0.3),
+                Look::Stroke(Paint::Colour(curve.colour)),
+                Look::StrokeWidth(1.0),
+                Look::RoundJoins,
+            ];
+            let mut path = vec![Segment::Move([short(first.0), short(base)])];
             // Points at the floor in the middle of a rest say nothing; leaving them out keeps files small.
             let mut resting = false;
             for (at, (x, value)) in run.iter().enumerate() {
                 let rests = *value <= floor;
                 let stays = run.get(at + 1).is_some_and(|next| next.1 <= floor);
                 if !(rests && resting && stays) {
-                    let _ = write!(out, "L{} {}", short(*x), short(y_of(*value)));
+                    path.push(Segment::Line([short(*x), short(y_of(*value))]));
                 }
                 resting = rests;
             }
-            let _ = write!(out, "L{} {}Z\"/>", short(last.0), short(base));
+            path.extend([Segment::Line([short(last.0), short(base)]), Segment::Close]);
+            drawn.push(Shape::looking(looks, Geometry::Path(path)));
         }
-        out.push_str("</g>");
+        out.push(Node::Group(Group { clip: Some(clip.clone()), nodes: drawn, ..Group::default() }));
         line(out, "tick", [area.left, base], [area.right(), base]);
     }
 }
 
 /// The lanes' names and their peaks, beside the last window.
-pub(super) fn names(out: &mut String, panel: &Panel, left: f64, top: f64) {
+pub(super) fn names(out: &mut Vec<Node>, panel: &Panel, left: f64, top: f64) {
     let tall = panel.height_px / panel.curves.len().max(1) as f64;
     for (index, curve) in panel.curves.iter().enumerate() {
         let y = top + tall * (index as f64 + 0.5);
         let peak = curve.y.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max);
-        let bar = sides([left - 4.0, y - 0.5 * tall + HEADROOM, 5.0, tall - HEADROOM]);
-        let _ = write!(out, "<rect{bar} fill=\"{}\"/>", curve.colour);
-        text(out, "ink", [left + 8.0, y + 0.5], " font-size=\"11\"", &curve.label);
+        let bar = Geometry::rect([left - 4.0, y - 0.5 * tall + HEADROOM, 5.0, tall - HEADROOM]);
+        out.push(Shape::with(bar, vec![Look::Fill(Paint::Colour(curve.colour))]));
+        out.push(Words::node("ink", [left + 8.0, y + 0.5], [Look::FontSize(11.0)], &curve.label));
         let peak = format!("peak {}", crate::drawing::force_label(peak));
-        text(out, "soft", [left + 8.0, y + 12.0], " font-size=\"9.5\"", &peak);
+        out.push(Words::node("soft", [left + 8.0, y + 12.0], [Look::FontSize(9.5)], &peak));
     }
 }
 

@@ -2,8 +2,7 @@
 
 use super::axes::line;
 use super::{Area, Figure, Marker, Window};
-use crate::svg::{number, text};
-use std::fmt::Write;
+use crate::picture::{Anchor, Geometry, Look, Node, Segment, Shape, Words};
 
 /// Height of the strip with the names, px.
 pub(super) const HEIGHT: f64 = 46.0;
@@ -11,7 +10,7 @@ pub(super) const HEIGHT: f64 = 46.0;
 const SIZE: f64 = 10.5;
 
 /// The lines in one panel.
-pub(super) fn lines(out: &mut String, figure: &Figure, window: &Window, area: Area) {
+pub(super) fn lines(out: &mut Vec<Node>, figure: &Figure, window: &Window, area: Area) {
     for marker in shown(figure, window) {
         let x = at(marker.x, window, area);
         line(out, "mark", [x, area.top], [x, area.bottom()]);
@@ -19,7 +18,7 @@ pub(super) fn lines(out: &mut String, figure: &Figure, window: &Window, area: Ar
 }
 
 /// The names, in two rows, each joined to its line.
-pub(super) fn names(out: &mut String, figure: &Figure, window: &Window, strip: Area) {
+pub(super) fn names(out: &mut Vec<Node>, figure: &Figure, window: &Window, strip: Area) {
     let mut markers: Vec<&Marker> = shown(figure, window).collect();
     markers.sort_by(|a, b| a.x.total_cmp(&b.x));
     let wide = |marker: &Marker| marker.label.chars().count() as f64 * SIZE * 0.56 + 8.0;
@@ -42,17 +41,14 @@ pub(super) fn names(out: &mut String, figure: &Figure, window: &Window, strip: A
     for (index, (marker, place)) in markers.iter().zip(&places).enumerate() {
         let baseline = strip.top + if index % 2 == 0 { 24.0 } else { 9.0 };
         let x = at(marker.x, window, strip);
-        let _ = write!(
-            out,
-            "<path class=\"lead\" d=\"M{place} {}L{place} {}L{} {}\"/>",
-            number(baseline + 3.0),
-            number(strip.top + 29.0),
-            number(x),
-            number(strip.bottom()),
-            place = number(*place),
-        );
-        let more = format!(" text-anchor=\"middle\" font-size=\"{SIZE}\"");
-        text(out, "ink", [*place, baseline], &more, &marker.label);
+        let lead = vec![
+            Segment::Move([*place, baseline + 3.0]),
+            Segment::Line([*place, strip.top + 29.0]),
+            Segment::Line([x, strip.bottom()]),
+        ];
+        out.push(Shape::of_class("lead", Geometry::Path(lead)));
+        let looks = [Look::Anchor(Anchor::Middle), Look::FontSize(SIZE)];
+        out.push(Words::node("ink", [*place, baseline], looks, &marker.label));
     }
 }
 

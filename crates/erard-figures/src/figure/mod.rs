@@ -1,6 +1,6 @@
-//! Figures: panels of curves over a shared abscissa, time or the key's travel, as SVG and PNG.
+//! Figures: panels of curves over a shared abscissa, time or the key's travel, as pictures.
 //!
-//! Drawn as plain SVG rather than through a plotting crate: those tried place everything on whole pixels (slow curves
+//! Drawn here rather than through a plotting crate: those tried place everything on whole pixels (slow curves
 //! turn into stairs), cannot clip a curve to a window and draw dashes as thousands of separate strokes.
 //!
 //! One or several windows of time stand side by side over the same panels: an impact takes ten milliseconds of a run
@@ -13,28 +13,24 @@ mod decimate;
 mod lanes;
 mod markers;
 mod pair;
-#[cfg(feature = "png")]
-mod png;
 mod run;
+mod spectrogram;
 mod ticks;
 mod tornado;
 
 pub use axis::Scale;
-pub use chart::{Chart, ChartCurve, ChartPanel, chart_svg};
+pub use chart::{Chart, ChartCurve, ChartPanel, chart_picture};
 pub(crate) use decimate::decimate;
-pub use pair::{COINCIDE, pair_svg};
+pub use pair::{COINCIDE, pair_picture};
 pub(crate) use pair::{pair_figure, paired_zones};
-#[cfg(feature = "png")]
-pub use png::{PngError, png_from_svg};
 pub(crate) use run::run_figure;
-pub use run::{events, instants, over_run, run_svg};
+pub use run::{events, instants, over_run, run_picture};
+pub use spectrogram::Spectrogram;
 pub use ticks::range as padded_range;
-pub use tornado::{Bar, Tornado, TornadoPanel, tornado_svg};
+pub use tornado::{Bar, Tornado, TornadoPanel, tornado_picture};
 
-use crate::drawing::FONTS;
-use crate::svg::{escape, number, sides, text};
+use crate::picture::{Anchor, Clip, Geometry, Head, Look, Node, Paint, Picture, Rule, Shape, Words};
 use std::borrow::Cow;
-use std::fmt::Write;
 
 /// Colours distinguished by everybody, also in grey print when combined with [`Dash`]: first Okabe and Ito's set
 /// (yellow left out because it vanishes on paper), then darker and duller ones, so that sixteen curves of one panel
@@ -69,7 +65,7 @@ pub struct Trace<'a> {
     pub x: &'a [f64],
     /// Ordinates, in the unit of the panel.
     pub y: Cow<'a, [f64]>,
-    /// CSS colour, usually from [`PALETTE`].
+    /// Colour, `#rgb` or `#rrggbb`, usually from [`PALETTE`].
     pub colour: &'static str,
     /// Line style.
     pub dash: Dash,
@@ -262,17 +258,23 @@ const PANEL_GAP: f64 = 12.0;
 const WINDOW_GAP: f64 = 34.0;
 
 /// The style of all figures.
-const STYLE: &str = ".ink{fill:#222}.soft{fill:#555}.frame{fill:none;stroke:#777;stroke-width:.8}\
-.grid{stroke:#e3e3e3;stroke-width:.7}.tick{stroke:#777;stroke-width:.8}\
-.mark{stroke:#444;stroke-width:.7;stroke-dasharray:3 2.5}.lead{stroke:#444;stroke-width:.6;fill:none}";
+const STYLE: &[Rule] = &[
+    Rule::new(&["ink"], &[Look::Fill(Paint::Colour("#222"))]),
+    Rule::new(&["soft"], &[Look::Fill(Paint::Colour("#555"))]),
+    Rule::new(&["frame"], &[Look::Fill(Paint::None), Look::Stroke(Paint::Colour("#777")), Look::StrokeWidth(0.8)]),
+    Rule::new(&["grid"], &[Look::Stroke(Paint::Colour("#e3e3e3")), Look::StrokeWidth(0.7)]),
+    Rule::new(&["tick"], &[Look::Stroke(Paint::Colour("#777")), Look::StrokeWidth(0.8)]),
+    Rule::new(&["mark"], &[Look::Stroke(Paint::Colour("#444")), Look::StrokeWidth(0.7), Look::Dashes([3.0, 2.5])]),
+    Rule::new(&["lead"], &[Look::Stroke(Paint::Colour("#444")), Look::StrokeWidth(0.6), Look::Fill(Paint::None)]),
+];
 
-/// The figure as an SVG document. The same figure gives the same bytes.
-pub fn figure_svg(figure: &Figure) -> String {
-    figure_svg_named(figure, "clip")
+/// The figure as a picture.
+pub fn figure_picture(figure: &Figure) -> Picture {
+    figure_picture_named(figure, "clip")
 }
 
 /// The same for a page that holds several: `name` makes its clip paths its own.
-pub(crate) fn figure_svg_named(figure: &Figure, name: &str) -> String {
+pub(crate) fn figure_picture_named(figure: &Figure, name: &str) -> Picture {
     let named = figure.windows.iter().any(|window| window.names_markers) && !figure.markers.is_empty();
     let heading = if figure.windows.iter().all(|window| window.heading.is_empty()) { 0.0 } else { 18.0 };
     let top = 30.0 + if figure.subtitle.is_empty() { 0.0 } else { 18.0 } + heading;
@@ -280,18 +282,19 @@ pub(crate) fn figure_svg_named(figure: &Figure, name: &str) -> String {
     let heights: f64 = figure.panels.iter().map(Panel::height).sum();
     let gaps = PANEL_GAP * figure.panels.len().saturating_sub(1) as f64;
     let (width, height) = (figure.width_px, top + marks + heights + gaps + BOTTOM);
-    let mut out = sheet(&figure.title, [width, height], 12, "", [LEFT, 22.0]);
+    let mut picture = sheet(&figure.title, [width, height], 12, &[], [LEFT, 22.0]);
+    let out = &mut picture.nodes;
     if !figure.subtitle.is_empty() {
-        text(&mut out, "soft", [LEFT, 41.0], "", &figure.subtitle);
+        out.push(Words::node("soft", [LEFT, 41.0], [], &figure.subtitle));
     }
     let columns = columns(figure, width);
     for (window, (left, wide)) in figure.windows.iter().zip(&columns) {
         if !window.heading.is_empty() {
-            text(&mut out, "soft", [*left, top - 5.0], "", &window.heading);
+            out.push(Words::node("soft", [*left, top - 5.0], [], &window.heading));
         }
         if window.names_markers {
             let strip = Area { left: *left, top, width: *wide, height: marks };
-            markers::names(&mut out, figure, window, strip);
+            markers::names(out, figure, window, strip);
         }
     }
     let mut y = top + marks;
@@ -299,47 +302,50 @@ pub(crate) fn figure_svg_named(figure: &Figure, name: &str) -> String {
         let is_last = index + 1 == figure.panels.len();
         for (column, (window, (left, wide))) in figure.windows.iter().zip(&columns).enumerate() {
             let area = Area { left: *left, top: y, width: *wide, height: panel.height() };
-            let clip = format!("{name}-{index}-{column}");
-            let place = sides([area.left, area.top, area.width, area.height]);
-            let _ = write!(out, "<clipPath id=\"{clip}\"><rect{place}/></clipPath>");
-            axes::abscissa(&mut out, figure, window, area, is_last);
+            let place = [area.left, area.top, area.width, area.height];
+            let clip = Clip { id: format!("{name}-{index}-{column}"), area: place };
+            out.push(Node::Clip(clip.clone()));
+            axes::abscissa(out, figure, window, area, is_last);
             match panel.layout {
                 Layout::Together | Layout::Logarithmic | Layout::Stacked => {
-                    axes::together(&mut out, figure, panel, window, area, column == 0, &clip)
+                    axes::together(out, figure, panel, window, area, column == 0, &clip)
                 }
-                Layout::Lanes { .. } => lanes::lanes(&mut out, figure, panel, window, area, column == 0, &clip),
+                Layout::Lanes { .. } => lanes::lanes(out, figure, panel, window, area, column == 0, &clip),
             }
-            markers::lines(&mut out, figure, window, area);
-            let _ = write!(out, "<rect class=\"frame\"{place}/>");
+            markers::lines(out, figure, window, area);
+            out.push(Shape::of_class("frame", Geometry::rect(place)));
         }
-        axes::panel_name(&mut out, panel, y);
+        axes::panel_name(out, panel, y);
         match panel.layout {
             Layout::Together | Layout::Logarithmic | Layout::Stacked => {
-                axes::legend(&mut out, panel, width - RIGHT + 12.0, y)
+                axes::legend(out, panel, width - RIGHT + 12.0, y)
             }
-            Layout::Lanes { .. } => lanes::names(&mut out, panel, width - RIGHT + 12.0, y),
+            Layout::Lanes { .. } => lanes::names(out, panel, width - RIGHT + 12.0, y),
         }
         y += panel.height() + PANEL_GAP;
     }
     if let (Some((first, _)), Some((last, wide))) = (columns.first(), columns.last()) {
         let middle = [0.5 * (first + last + wide), height - 12.0];
-        text(&mut out, "ink", middle, " text-anchor=\"middle\"", &figure.x_label);
+        out.push(Words::node("ink", middle, [Look::Anchor(Anchor::Middle)], &figure.x_label));
     }
-    out.push_str("</svg>\n");
-    out
+    picture
 }
 
-/// The head of a figure's document: its sheet, and its headline at a place. `style` comes after that of all figures.
-pub(crate) fn sheet(title: &str, size: [f64; 2], font_size: u8, style: &str, headline: [f64; 2]) -> String {
-    let [w, h] = size.map(number);
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
-         font-family=\"{FONTS}\" font-size=\"{font_size}\" role=\"img\"><title>{}</title><style>{STYLE}{style}</style>\
-         <rect class=\"sheet\" width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>",
-        escape(title),
-    );
-    text(&mut out, "ink", headline, " font-size=\"16\"", title);
-    out
+/// An empty figure: its sheet, and its headline at a place. `style` comes after that of all figures.
+fn sheet(title: &str, size_px: [f64; 2], font_size: u8, style: &'static [Rule], headline: [f64; 2]) -> Picture {
+    let head = Head {
+        title: title.to_owned(),
+        size_px,
+        view: [0.0, 0.0, size_px[0], size_px[1]],
+        font_size: Some(font_size),
+        style: vec![STYLE, style],
+        rule_end: "",
+        gradients: &[],
+    };
+    let sheet =
+        Shape { after: vec![Look::Fill(Paint::Colour("#fff"))], ..Shape::new("sheet", Geometry::Rect(None, size_px)) };
+    let headline = Words::node("ink", headline, [Look::FontSize(16.0)], title);
+    Picture { head, nodes: vec![Node::Shape(sheet), headline] }
 }
 
 /// Left edge and width of every window, px.
@@ -368,7 +374,7 @@ mod tests {
     #[test]
     fn the_same_run_gives_the_same_bytes() {
         let run = two_levers_run(500);
-        assert_eq!(run_svg(&run, "mf"), run_svg(&run, "mf"));
+        assert_eq!(run_picture(&run, "mf").svg(), run_picture(&run, "mf").svg());
     }
 
     #[test]
@@ -376,7 +382,7 @@ mod tests {
         let mut run = two_levers_run(500);
         run.instrument = "a<b>&\"".into();
         run.zones[0].label = "</svg><script>".into();
-        let svg = run_svg(&run, "mf");
+        let svg = run_picture(&run, "mf").svg();
         assert!(svg.contains("a&lt;b&gt;&amp;&quot;") && svg.contains("&lt;/svg&gt;"));
         assert_eq!(svg.matches("</svg>").count(), 1);
     }
@@ -388,10 +394,11 @@ mod tests {
         broken.force_n.fill(f64::NAN);
         broken.zones[0].normal_n[7] = f64::INFINITY;
         for run in [two_levers_run(0), two_levers_run(1), broken] {
-            let svg = run_svg(&run, "mf");
+            let picture = run_picture(&run, "mf");
+            let svg = picture.svg();
             assert!(!svg.contains("NaN") && !svg.contains("inf"));
             #[cfg(feature = "png")]
-            png_from_svg(&svg, 0.5).unwrap();
+            picture.png(0.5).unwrap();
         }
     }
 
@@ -402,7 +409,7 @@ mod tests {
             |count: usize| (0..count).map(|k| Trace::new(format!("c{k}"), &[0.0, 1.0], vec![0.0, 1.0], k, Dash::Solid));
         let panel = |count| Panel::new("q", "", 60.0, curves(count).collect());
         let figure = Figure::over("x", (0.0, 1.0), "t".into(), String::new(), vec![panel(12), panel(1)]);
-        let svg = figure_svg(&figure);
+        let svg = figure_picture(&figure).svg();
         let y_of = |label: &str| -> f64 {
             let before = svg.split(&format!(">{label}</text>")).next().unwrap();
             before.rsplit(" y=\"").next().unwrap().split('"').next().unwrap().parse().unwrap()
@@ -422,7 +429,7 @@ mod tests {
         let panel = Panel { layout: Layout::Stacked, ..Panel::new("lost", "mJ", 210.0, curves) };
         let figure =
             Figure { width_px: 600.0, ..Figure::over("x", (0.0, 1.0), "t".into(), String::new(), vec![panel]) };
-        let svg = figure_svg(&figure);
+        let svg = figure_picture(&figure).svg();
         let tops: Vec<f64> = svg
             .split("<polygon ")
             .skip(1)

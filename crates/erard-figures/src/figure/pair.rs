@@ -3,7 +3,8 @@
 
 use super::run::{FORCE_FLOOR, scaled, windows};
 use super::ticks::range;
-use super::{Dash, Figure, Layout, Marker, Panel, Trace, figure_svg};
+use super::{Dash, Figure, Layout, Marker, Panel, Trace, figure_picture};
+use crate::picture::Picture;
 use erard::run::Run;
 
 /// Two curves whose largest difference is below this share of what they span are taken to coincide.
@@ -11,9 +12,9 @@ pub const COINCIDE: f64 = 0.1;
 /// How a curve of the first and of the second run is drawn.
 const DASHES: [Dash; 2] = [Dash::Solid, Dash::Dashed];
 
-/// The figure of two runs as an SVG document.
-pub fn pair_svg(title: &str, runs: [(&str, &Run); 2]) -> String {
-    figure_svg(&pair_figure(title, runs))
+/// The figure of two runs as a picture.
+pub fn pair_picture(title: &str, runs: [(&str, &Run); 2]) -> Picture {
+    figure_picture(&pair_figure(title, runs))
 }
 
 /// What two runs are compared in: its name, its unit, the unit's share of the SI unit, and the series.

@@ -1,16 +1,17 @@
 //! The figure of one run: force, key, hammer, angles and contact forces over time.
 
 use super::ticks::range;
-use super::{Dash, Figure, Layout, Marker, Panel, Trace, Window, figure_svg};
+use super::{Dash, Figure, Layout, Marker, Panel, Trace, Window, figure_picture};
+use crate::picture::Picture;
 use erard::run::{Events, Run};
 use std::borrow::Cow;
 
 /// Contact forces below this are drawn as nothing, N: a fiftieth of what a key weighs.
 pub(super) const FORCE_FLOOR: f64 = 0.01;
 
-/// The run's figure as an SVG document. `stroke` is what was played, for the headline.
-pub fn run_svg(run: &Run, stroke: &str) -> String {
-    figure_svg(&run_figure(run, stroke))
+/// The run's figure as a picture. `stroke` is what was played, for the headline.
+pub fn run_picture(run: &Run, stroke: &str) -> Picture {
+    figure_picture(&run_figure(run, stroke))
 }
 
 /// The run's figure: the whole run and, where the impact takes only a small part of it, the impact beside it.

@@ -1,9 +1,7 @@
 //! A tornado: what changes a quantity most, as bars to either side of its value.
 
-use std::fmt::Write;
-
 use super::sheet;
-use crate::svg::{number, sides, text};
+use crate::picture::{Anchor, Geometry, Look, Node, Paint, Picture, Rule, Segment, Shape, Words};
 
 /// Width of a panel's names and of its bars, and of the room for the numbers beside them, px.
 const NAMES: f64 = 210.0;
@@ -16,7 +14,11 @@ const GAP: f64 = 26.0;
 /// Panels beside each other.
 const BESIDE: usize = 2;
 const TOP: f64 = 62.0;
-const SIDES: &str = ".up{fill:#0072b2;stroke:#0072b2}.down{fill:#d55e00;stroke:#d55e00}.hollow{fill:#fff}";
+const SIDES: &[Rule] = &[
+    Rule::new(&["up"], &[Look::Fill(Paint::Colour("#0072b2")), Look::Stroke(Paint::Colour("#0072b2"))]),
+    Rule::new(&["down"], &[Look::Fill(Paint::Colour("#d55e00")), Look::Stroke(Paint::Colour("#d55e00"))]),
+    Rule::new(&["hollow"], &[Look::Fill(Paint::Colour("#fff"))]),
+];
 
 /// One bar.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,8 +55,8 @@ pub struct Tornado {
     pub panels: Vec<TornadoPanel>,
 }
 
-/// A tornado as an SVG document. The same figure gives the same bytes.
-pub fn tornado_svg(figure: &Tornado) -> String {
+/// A tornado as a picture.
+pub fn tornado_picture(figure: &Tornado) -> Picture {
     let wide = NAMES + BARS + NUMBERS + GAP;
     let tall = |row: &[TornadoPanel]| {
         let most = row.iter().map(|panel| panel.bars.len()).max().unwrap_or(0);
@@ -63,44 +65,42 @@ pub fn tornado_svg(figure: &Tornado) -> String {
     let rows: Vec<&[TornadoPanel]> = figure.panels.chunks(BESIDE).collect();
     let columns = figure.panels.len().clamp(1, BESIDE) as f64;
     let (width, height) = (wide * columns + GAP, TOP + rows.iter().map(|row| tall(row)).sum::<f64>());
-    let mut out = sheet(&figure.title, [width, height], 11, SIDES, [GAP, 24.0]);
-    text(&mut out, "soft", [GAP, 43.0], "", &figure.subtitle);
+    let mut picture = sheet(&figure.title, [width, height], 11, SIDES, [GAP, 24.0]);
+    let out = &mut picture.nodes;
+    out.push(Words::node("soft", [GAP, 43.0], [], &figure.subtitle));
     let mut y = TOP;
     for row in rows {
         for (column, panel) in row.iter().enumerate() {
-            draw(&mut out, panel, GAP + wide * column as f64, y);
+            draw(out, panel, GAP + wide * column as f64, y);
         }
         y += tall(row);
     }
-    out.push_str("</svg>\n");
-    out
+    picture
 }
 
-fn draw(out: &mut String, panel: &TornadoPanel, left: f64, top: f64) {
+fn draw(out: &mut Vec<Node>, panel: &TornadoPanel, left: f64, top: f64) {
     let largest =
         panel.bars.iter().map(|bar| bar.effect.abs() + bar.error).filter(|x| x.is_finite()).fold(0.0, f64::max);
     let scale = if largest > 0.0 { 0.5 * BARS / largest } else { 0.0 };
     let zero = left + NAMES + 0.5 * BARS;
     let (first, last) = (top + 20.0, top + 20.0 + LINE * panel.bars.len() as f64);
-    text(out, "ink", [left, top + 12.0], " font-size=\"13\"", &panel.title);
-    let [z, from, to] = [zero, first, last].map(number);
-    let _ = write!(out, "<path class=\"tick\" d=\"M{z} {from}L{z} {to}\"/>");
+    out.push(Words::node("ink", [left, top + 12.0], [Look::FontSize(13.0)], &panel.title));
+    let tick = |from, to| Shape::of_class("tick", Geometry::Path(vec![Segment::Move(from), Segment::Line(to)]));
+    out.push(tick([zero, first], [zero, last]));
     for (k, bar) in panel.bars.iter().enumerate() {
         let y = first + LINE * k as f64;
         let long = if bar.effect.is_finite() { bar.effect * scale } else { 0.0 };
         let (x, width) = if long < 0.0 { (zero + long, -long) } else { (zero, long) };
         let side = if long < 0.0 { "down" } else { "up" };
         let hollow = if bar.marked { " hollow" } else { "" };
-        text(out, "ink", [left + NAMES - 8.0, y + 12.0], " text-anchor=\"end\"", &bar.label);
-        let place = sides([x, y + 3.0, width, LINE - 6.0]);
-        let _ = write!(out, "<rect class=\"{side}{hollow}\"{place}/>");
+        out.push(Words::node("ink", [left + NAMES - 8.0, y + 12.0], [Look::Anchor(Anchor::End)], &bar.label));
+        out.push(Shape::of_class(format!("{side}{hollow}"), Geometry::rect([x, y + 3.0, width, LINE - 6.0])));
         if bar.error > 0.0 && bar.error.is_finite() {
-            let [a, b] = [bar.effect - bar.error, bar.effect + bar.error].map(|e| number(zero + scale * e));
-            let middle = number(y + 0.5 * LINE);
-            let _ = write!(out, "<path class=\"tick\" d=\"M{a} {middle}L{b} {middle}\"/>");
+            let at = |effect: f64| [zero + scale * effect, y + 0.5 * LINE];
+            out.push(tick(at(bar.effect - bar.error), at(bar.effect + bar.error)));
         }
         let effect = format!("{} {}", signed(bar.effect), panel.unit);
-        text(out, "soft", [left + NAMES + BARS + 8.0, y + 12.0], "", &effect);
+        out.push(Words::node("soft", [left + NAMES + BARS + 8.0, y + 12.0], [], &effect));
     }
 }
 
@@ -125,7 +125,8 @@ mod tests {
             unit: "m/s".into(),
             bars: vec![bar(2.0, false), bar(-1.0, true), bar(f64::NAN, false)],
         };
-        let svg = tornado_svg(&Tornado { title: "t".into(), subtitle: String::new(), panels: vec![panel] });
+        let picture = tornado_picture(&Tornado { title: "t".into(), subtitle: String::new(), panels: vec![panel] });
+        let svg = picture.svg();
         assert!(svg.contains("class=\"up\"") && svg.contains("class=\"down hollow\"") && svg.contains("a&lt;b"));
         assert!(svg.contains("+2.00 m/s") && svg.contains("-1.00 m/s") && !svg.contains("NaN"));
     }

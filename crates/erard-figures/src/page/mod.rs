@@ -10,8 +10,9 @@ mod scene;
 pub use scene::scene;
 
 use crate::HOUSE_STYLE;
-use crate::drawing::{self, ChangedNote, Drawing, Piece, changed_marks, gradients, shapes};
+use crate::drawing::{self, ChangedNote, Drawing, GRADIENTS, Piece, changed_marks, shapes};
 use crate::figure::{self, Figure};
+use crate::picture::{gradients, nodes};
 use crate::svg::{escape, number};
 use erard::instrument::{Instrument, Placement};
 use erard::player::PinSeries;
@@ -106,7 +107,8 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
             },
         });
         let tint = if shown.len() > 1 { format!(" a{index}") } else { String::new() };
-        let (shapes, marks) = (shapes(drawing, &placed), changed_marks(one.instrument, one.changed, &placed));
+        let shapes = nodes(&shapes(drawing, &placed));
+        let marks = nodes(&changed_marks(one.instrument, one.changed, &placed));
         let _ = write!(groups, "<g class=\"action{tint}\" data-action=\"{index}\">{shapes}{marks}</g>");
     }
     let views = views.unwrap_or(Views { whole: [0.0, 0.0, 1.0, 1.0], close: None });
@@ -133,8 +135,8 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
         number(whole[1]),
         number(whole[2] - whole[0]),
         number(whole[3] - whole[1]),
-        drawing::STYLE,
-        gradients(),
+        drawing::style(),
+        gradients(GRADIENTS),
     );
     // Two actions can be hidden one by one, and say which is which.
     let mut which = String::new();

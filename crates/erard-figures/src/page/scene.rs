@@ -4,7 +4,8 @@
 use serde_json::{Value, json};
 
 use super::{Views, close_up};
-use crate::drawing::{self, ARROW, Drawing, MM, gradients, shapes};
+use crate::drawing::{self, ARROW, Drawing, GRADIENTS, MM, shapes};
+use crate::picture::{gradients, nodes};
 use erard::instrument::{Curve, Instrument};
 
 /// The instrument as drawn: `shapes` and `gradients` are SVG (for `<g>` and `<defs>`), lengths are millimetres of the
@@ -43,8 +44,8 @@ pub fn scene(instrument: &Instrument) -> Value {
         .collect();
     json!({
         "name": instrument.name,
-        "shapes": shapes(&drawing, &placed),
-        "gradients": gradients(),
+        "shapes": nodes(&shapes(&drawing, &placed)),
+        "gradients": gradients(GRADIENTS),
         "bodies": bodies,
         "zones": zones,
         "press": press(instrument),

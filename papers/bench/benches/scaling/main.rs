@@ -15,8 +15,7 @@ use erard::player::Input;
 use erard::run::Setup;
 use erard_bench::callgrind::{CountError, instructions, is_available};
 use erard_bench::{STEP_S, instrument};
-use erard_figures::figure::chart_svg;
-use erard_figures::figure::png_from_svg;
+use erard_figures::figure::chart_picture;
 use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash};
 use erard_workshop::study::{Job, Lanes, Workers, play_all};
 use levers::{BODIES, BODIES_AND_STOPS, Size, Stops, Tree, ZONES};
@@ -175,9 +174,9 @@ fn run(out: Option<PathBuf>) -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     std::fs::write(folder.join("scaling.csv"), csv)?;
-    let svg = chart_svg(&chart(&all), "scaling");
-    std::fs::write(folder.join("scaling.svg"), &svg)?;
-    std::fs::write(folder.join("scaling.png"), png_from_svg(&svg, 2.0)?)?;
+    let picture = chart_picture(&chart(&all), "scaling");
+    std::fs::write(folder.join("scaling.svg"), picture.svg())?;
+    std::fs::write(folder.join("scaling.png"), picture.png(2.0)?)?;
     Ok(())
 }
 
