@@ -14,6 +14,9 @@ use crate::vector::{Vector, scale, sub};
 /// N; a remainder that is not known, for no force comes near it.
 const FAR_OFF: f64 = 1e30;
 
+/// A row of as many entries as its zone's support has. It is not written out: rows of more than three entries are few.
+pub(crate) const ANY_LENGTH: usize = 0;
+
 /// Contact of one zone during one step.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<T> {
@@ -76,7 +79,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
     }
 
     /// Evaluates the geometry at the theta point, and in which lanes the felt is touched during the step. The row has K
-    /// entries. `candidates`: the lanes that may be in reach.
+    /// entries, or [`ANY_LENGTH`]. `candidates`: the lanes that may be in reach.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn evaluate<const K: usize, const YIELDS: bool>(
@@ -97,15 +100,20 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         }
         let in_reach = candidates.and((-timing.reach).le(compression));
         self.in_reach = in_reach;
-        let mut row = support.entries::<K>(&self.row);
         if !in_reach.any() {
             return Proximity { touched: in_reach, compression, normal };
         }
-        for k in 0..K {
-            row.entry[k] = support.sign(k) * pose.turning(row.joint[k], center, normal);
-            self.row[k] = row.entry[k];
-        }
-        let mut rate = row.product(w);
+        let mut rate = if const { K == ANY_LENGTH } {
+            pose.turning_row(support, center, normal, &mut self.row);
+            support.product(&self.row, w)
+        } else {
+            let mut row = support.entries::<K>(&self.row);
+            for k in 0..K {
+                row.entry[k] = support.sign(k) * pose.turning(row.joint[k], center, normal);
+                self.row[k] = row.entry[k];
+            }
+            row.product(w)
+        };
         if const { YIELDS } {
             rate -= surface.drift;
         }

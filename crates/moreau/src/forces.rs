@@ -7,7 +7,6 @@ use crate::linear::Symmetric;
 use crate::model::Model;
 use crate::real::{Mask, Real};
 use crate::timing::Timing;
-use crate::tree::Tree;
 use crate::vector::{cross, dot};
 use crate::workspace::{Drive, Inertia, Kinematics, Workspace};
 
@@ -32,8 +31,8 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
         impulse[i] = (model.inertia[i] * v0[i]).add_product(c, v0[i] - w0[i]);
         on_parent[i] = c * v0[i];
     }
-    if model.tree.deep {
-        beyond_parents(&model.tree, |i, ancestor, branch| {
+    if model.tree.is_deep() {
+        model.tree.beyond_parents(|i, ancestor, branch| {
             let c = dot(pose.arm(branch), [x[i], y[i]]);
             deep_coupling[i][ancestor] = c;
             impulse[i] += c * v0[ancestor];
@@ -48,49 +47,40 @@ pub(crate) fn joint_momentum<T: Real, const B: usize, const Z: usize, const N: u
     }
 }
 
-/// Calls `pair` with every body, each of its ancestors beyond its parent, and the ancestor's child on the way.
-#[cold]
-fn beyond_parents<T: Real, const B: usize>(tree: &Tree<T, B>, mut pair: impl FnMut(usize, usize, usize)) {
-    for &i in tree.hinged() {
-        let mut branch = tree.parent[i];
-        while tree.parent[branch] < B {
-            pair(i, tree.parent[branch], branch);
-            branch = tree.parent[branch];
-        }
-    }
-}
-
-/// The mass matrix of a tree of any depth in relative velocities.
+/// The mass matrix of a tree of any depth in relative velocities; writes what is not zero.
 ///
-/// It is built in absolute ones first. There v is the sum of w over the joints that carry a body; so each row and
-/// column is added to its parent's, from the leaves on.
-#[cold]
+/// It begins as the one in absolute velocities. There v is the sum of w over the joints that carry a body; so each row
+/// and column is added to its parent's, from the leaves on. What stands in a row belongs to a body's ancestors alone:
+/// bodies on different branches are not coupled.
+#[inline(always)]
 fn deep_mass<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
     coupling: &[T; B],
     deep_coupling: &[[T; B]; B],
-) -> Symmetric<T, B> {
-    let mut mass = [[T::ZERO; B]; B];
-    for i in 0..B {
-        mass[i][i] = model.inertia[i];
+    mass: &mut Symmetric<T, B>,
+) {
+    let tree = &model.tree;
+    mass.diagonal = model.inertia;
+    for &i in tree.hinged() {
+        mass.below[i][tree.parent[i]] = coupling[i];
     }
-    let mut couple = |i: usize, ancestor: usize, c: T| (mass[i][ancestor], mass[ancestor][i]) = (c, c);
-    for &i in model.tree.hinged() {
-        couple(i, model.tree.parent[i], coupling[i]);
-    }
-    beyond_parents(&model.tree, |i, ancestor, _| couple(i, ancestor, deep_coupling[i][ancestor]));
-    for &i in model.tree.hinged().iter().rev() {
-        let p = model.tree.parent[i];
-        for k in 0..B {
-            let t = mass[i][k];
-            mass[p][k] += t;
+    tree.beyond_parents(|i, ancestor, _| mass.below[i][ancestor] = deep_coupling[i][ancestor]);
+    for &i in tree.hinged().iter().rev() {
+        let parent = tree.parent[i];
+        let across = mass.below[i][parent];
+        let mut sum = across + mass.diagonal[i];
+        mass.diagonal[parent] = mass.diagonal[parent] + across + sum;
+        mass.below[i][parent] = sum;
+        let mut ancestor = tree.parent[parent];
+        while ancestor < B {
+            let coupled = mass.below[i][ancestor];
+            mass.below[parent][ancestor] += coupled;
+            // The row's own further entries: the body moves with every joint that carries it.
+            sum += coupled;
+            mass.below[i][ancestor] = sum;
+            ancestor = tree.parent[ancestor];
         }
-        for row in &mut mass {
-            let t = row[i];
-            row[p] += t;
-        }
     }
-    Symmetric { diagonal: core::array::from_fn(|i| mass[i][i]), below: mass }
 }
 
 /// A w1 = b: the linearised step in relative velocities, without zones and set-valued laws.
@@ -117,8 +107,9 @@ pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>
     let (a, b) = (&mut problem.system.a, &mut problem.system.b);
     let mut carried = [T::ZERO; B];
     let deep;
-    let inertia = if model.tree.deep {
-        *a = deep_mass(model, coupling, deep_coupling);
+    let inertia = if model.tree.is_deep() {
+        a.clear_below();
+        deep_mass(model, coupling, deep_coupling, a);
         deep = a.diagonal;
         &deep
     } else {
@@ -193,8 +184,8 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize>(
         force[i] = (-(model.gravity * x[i])).sub_product(carrier * carrier, c);
         on_parent[i] = v[i] * v[i] * c;
     }
-    if model.tree.deep {
-        beyond_parents(&model.tree, |i, ancestor, branch| {
+    if model.tree.is_deep() {
+        model.tree.beyond_parents(|i, ancestor, branch| {
             let c = cross(pose.arm(branch), [x[i], y[i]]);
             force[ancestor] += v[i] * v[i] * c;
             force[i] -= v[ancestor] * v[ancestor] * c;

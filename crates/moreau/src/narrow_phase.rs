@@ -1,6 +1,6 @@
 //! The narrow phase: finds the zones that are touched during the step, and evaluates their felts.
 
-use crate::contact::ContactState;
+use crate::contact::{ANY_LENGTH, ContactState};
 use crate::coupled::press_coupled;
 use crate::curvature::Margins;
 use crate::model::{Model, YIELDING};
@@ -37,7 +37,7 @@ pub(crate) fn narrow_phase<T: Real, const B: usize, const Z: usize, const N: usi
                 margins = seen;
                 touches
             }
-            _ => examine::<T, B, Z, B, false>(model, timing, z, first, &mut margins, kinematics, contacts),
+            _ => examine::<T, B, Z, ANY_LENGTH, false>(model, timing, z, first, &mut margins, kinematics, contacts),
         };
         contacts.touched[count] = z;
         count += usize::from(touches);
@@ -58,11 +58,11 @@ fn examine_yielding<T: Real, const B: usize, const Z: usize>(
     kinematics: &Kinematics<T, B>,
     contacts: &mut Contacts<T, B, Z>,
 ) -> (bool, Margins<T>) {
-    let touches = examine::<T, B, Z, B, true>(model, timing, z, first, &mut margins, kinematics, contacts);
+    let touches = examine::<T, B, Z, ANY_LENGTH, true>(model, timing, z, first, &mut margins, kinematics, contacts);
     (touches, margins)
 }
 
-/// Looks at a zone whose row has K entries. Says whether it is touched.
+/// Looks at a zone whose row has K entries, or [`ANY_LENGTH`]. Says whether it is touched.
 #[inline(always)]
 fn examine<T: Real, const B: usize, const Z: usize, const K: usize, const YIELDS: bool>(
     model: &Model<T, B, Z>,

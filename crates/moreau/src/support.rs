@@ -156,7 +156,21 @@ impl<T: Real, const B: usize> Support<T, B> {
             1 => self.entries::<1>(row).add_term(a, b, tangent, p, w),
             2 => self.entries::<2>(row).add_term(a, b, tangent, p, w),
             3 => self.entries::<3>(row).add_term(a, b, tangent, p, w),
-            _ => self.entries::<B>(row).add_term(a, b, tangent, p, w),
+            _ => self.add_long_term(a, b, row, tangent, p, w),
+        }
+    }
+
+    /// The same for a row that is not written out: as many rounds as it has entries.
+    #[inline(always)]
+    fn add_long_term(&self, a: &mut Symmetric<T, B>, b: &mut [T; B], row: &[T; B], tangent: T, p: T, w: &[T; B]) {
+        let total = p.add_product(tangent, self.product(row, w));
+        for (k, i) in self.joints() {
+            b[i] = b[i].add_product(row[k], total);
+            let t = tangent * row[k];
+            a.diagonal[i] = a.diagonal[i].add_product(t, row[k]);
+            for (l, j) in self.joints().take(k) {
+                a.below[i][j] = a.below[i][j].add_product(t, row[l]);
+            }
         }
     }
 }

@@ -22,8 +22,9 @@ pub(crate) struct Tree<T, const B: usize> {
     /// The bodies that others are hinged on, ascending.
     parents: [Parent<T, B>; B],
     parent_count: usize,
-    /// Whether a body is hinged on one that is hinged itself.
-    pub deep: bool,
+    /// The bodies that are hinged on one that is hinged itself, parents first.
+    beyond: [usize; B],
+    beyond_count: usize,
     /// Pivots in the parent's frame, m.
     pub pivot: [Vector<T>; B],
     /// x and y of the pivots on other bodies, in the parent's frame, and of the pivots on the ground; zero for the
@@ -54,7 +55,8 @@ impl<T: Real, const B: usize> Tree<T, B> {
                 own: join_all(|lane| tree(lane).parents[i].own),
             }),
             parent_count: first.parent_count,
-            deep: first.deep,
+            beyond: first.beyond,
+            beyond_count: first.beyond_count,
             pivot: core::array::from_fn(|i| join_all(|lane| tree(lane).pivot[i])),
             link: [join_all(|lane| tree(lane).link[0]), join_all(|lane| tree(lane).link[1])],
             root: [join_all(|lane| tree(lane).root[0]), join_all(|lane| tree(lane).root[1])],
@@ -65,6 +67,24 @@ impl<T: Real, const B: usize> Tree<T, B> {
     #[inline(always)]
     pub(crate) fn hinged(&self) -> &[usize] {
         &self.hinged[..self.hinged_count]
+    }
+
+    /// Whether a body is hinged on one that is hinged itself.
+    #[inline(always)]
+    pub(crate) fn is_deep(&self) -> bool {
+        self.beyond_count > 0
+    }
+
+    /// Calls `pair` with every body, each of its ancestors beyond its parent, and the ancestor's child on the way.
+    #[inline(always)]
+    pub(crate) fn beyond_parents(&self, mut pair: impl FnMut(usize, usize, usize)) {
+        for &i in &self.beyond[..self.beyond_count] {
+            let mut branch = self.parent[i];
+            while self.parent[branch] < B {
+                pair(i, self.parent[branch], branch);
+                branch = self.parent[branch];
+            }
+        }
     }
 
     /// The bodies that others are hinged on, parents first.
@@ -140,7 +160,8 @@ impl<T: Scalar, const B: usize> Tree<T, B> {
             hinged_count: 0,
             parents: [Parent { body: 0, children: zero, own: zero }; B],
             parent_count: 0,
-            deep: false,
+            beyond: [0; B],
+            beyond_count: 0,
             pivot: [[T::ZERO; 2]; B],
             link: [zero; 2],
             root: [zero; 2],
@@ -153,7 +174,10 @@ impl<T: Scalar, const B: usize> Tree<T, B> {
             if body.parent != GROUND {
                 tree.hinged[tree.hinged_count] = i;
                 tree.hinged_count += 1;
-                tree.deep |= bodies[body.parent].parent != GROUND;
+                if bodies[body.parent].parent != GROUND {
+                    tree.beyond[tree.beyond_count] = i;
+                    tree.beyond_count += 1;
+                }
             }
         }
         for body in 0..bodies.len() {

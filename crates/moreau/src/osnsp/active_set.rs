@@ -8,7 +8,7 @@
 //! over.
 
 use super::delassus::Dense;
-use super::relay::{eliminate, is_dependent, solve_dense};
+use super::relay::{Elimination, is_dependent, solve_dense};
 use super::system::{Guess, Impulses, SlidingLaw, System, lane_by_lane};
 use crate::linear::{back_substitute, product, solve as solve_factored};
 use crate::real::{Mask, Real, Scalar};
@@ -22,17 +22,17 @@ const SINGLE_GUESSES: u32 = 24;
 
 /// The sliding laws' own system, once the pivots are guessed, and what it is made from: workspace.
 #[derive(Debug, Clone)]
-pub(crate) struct Condensed<T, const B: usize, const N: usize> {
+pub(crate) struct Condensed<T: Real, const B: usize, const N: usize> {
     /// The factors of A for the joints that move.
     factors: [[T; B]; B],
     /// A^-1 row of every law.
     columns: [[T; B]; N],
-    matrix: [[T; N]; N],
+    own: Elimination<T, N>,
 }
 
 impl<T: Real, const B: usize, const N: usize> Condensed<T, B, N> {
     pub(crate) fn new() -> Self {
-        Condensed { factors: [[T::ZERO; B]; B], columns: [[T::ZERO; B]; N], matrix: [[T::ZERO; N]; N] }
+        Condensed { factors: [[T::ZERO; B]; B], columns: [[T::ZERO; B]; N], own: Elimination::new() }
     }
 }
 
@@ -176,7 +176,7 @@ fn velocities<T: Real, const B: usize, const N: usize>(
     w: &mut [T; B],
 ) -> (T::Mask, bool) {
     let no = T::Mask::splat(false);
-    let Condensed { factors, columns, matrix } = condensed;
+    let Condensed { factors, columns, own } = condensed;
     let (mut moves, mut diagonal, mut any) = ([T::ZERO; B], [T::ONE; B], no);
     for i in 0..B {
         let slides = not_zero(guess.pivot[i]);
@@ -211,7 +211,7 @@ fn velocities<T: Real, const B: usize, const N: usize>(
             columns[k] = solve_factored(factors, &inverse_d, &system.sliding[k].row);
             only(&moves, &mut columns[k]);
         }
-        return (slide(system, guess, impulses, columns, matrix, w, tolerance, single), true);
+        return (slide(system, guess, impulses, columns, own, w, tolerance, single), true);
     }
     // The usual case of several laws, spelt out.
     let law = &system.sliding[0];
@@ -274,36 +274,37 @@ fn slide<T: Real, const B: usize, const N: usize>(
     guess: &mut Guess<T, B, N>,
     impulses: &mut Impulses<T, B, N>,
     columns: &[[T; B]; N],
-    matrix: &mut [[T; N]; N],
+    own: &mut Elimination<T, N>,
     v: &mut [T; B],
     tolerance: T,
     single: bool,
 ) -> T::Mask {
     let n = system.count.min(N);
-    let (mut rhs, mut p, mut diagonal) = ([T::ZERO; N], [T::ZERO; N], [T::ONE; N]);
     for k in 0..n {
         let (law, side, closed) = (&system.sliding[k], guess.sliding[k], guess.open[k].not());
         let (slides, sticks) = (closed.and(not_zero(side)), closed.and(not_zero(side).not()));
-        matrix[k] = [T::ZERO; N];
-        matrix[k][k] = T::select(sticks, T::ZERO, T::ONE);
+        own.clear_row(k, n);
+        own.matrix[k][k] = T::select(sticks, T::ZERO, T::ONE);
+        (own.right[k], own.x[k], own.scale[k]) = (T::ZERO, T::ZERO, T::ONE);
         if sticks.any() {
             // Sticking: row . (w + sum columns p) = target.
-            rhs[k] = T::only(sticks, law.target - product(&law.row, v));
+            own.right[k] = T::only(sticks, law.target - product(&law.row, v));
             for j in 0..n {
-                matrix[k][j] += T::only(sticks, product(&law.row, &columns[j]));
+                own.matrix[k][j] += T::only(sticks, product(&law.row, &columns[j]));
             }
-            p[k] = impulses.sliding[k] * T::only(sticks, T::ONE);
-            diagonal[k] = T::select(sticks, scale_of(system, &law.row), T::ONE);
+            own.x[k] = impulses.sliding[k] * T::only(sticks, T::ONE);
+            own.scale[k] = T::select(sticks, scale_of(system, &law.row), T::ONE);
         }
         if slides.any() {
             // Sliding: p = s (bound + slope . (w + sum columns p)).
-            rhs[k] += T::only(slides, side * (law.bound + product(&law.slope, v)));
+            own.right[k] += T::only(slides, side * (law.bound + product(&law.slope, v)));
             for j in 0..n {
-                matrix[k][j] -= T::only(slides, side * product(&law.slope, &columns[j]));
+                own.matrix[k][j] -= T::only(slides, side * product(&law.slope, &columns[j]));
             }
         }
     }
-    let dependent = eliminate(matrix, &mut rhs, &mut p, &diagonal, n);
+    own.eliminate(n);
+    let Elimination { x: p, dependent, .. } = own;
     for k in 0..n {
         for r in 0..B {
             v[r] = v[r].add_product(columns[k][r], p[k]);

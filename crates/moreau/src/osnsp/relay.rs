@@ -86,8 +86,7 @@ fn impulses_of_guess<T: Scalar, const N: usize>(
     for &i in &unknown[..m] {
         is_unknown[i] = true;
     }
-    let mut a = [[T::ZERO; N]; N];
-    let mut rhs = [T::ZERO; N];
+    let mut own = Elimination::<T, N>::new();
     for (row, &i) in unknown[..m].iter().enumerate() {
         // Sticking: (W p)_i = -u_free_i. Sliding with a slope: p_i - s (slope p)_i = s bound_i.
         let (coefficients, sign, constant) = match side[i] {
@@ -102,26 +101,24 @@ fn impulses_of_guess<T: Scalar, const N: usize>(
             }
         }
         for (column, &j) in unknown[..m].iter().enumerate() {
-            a[row][column] = sign * coefficients[j];
+            own.matrix[row][column] = sign * coefficients[j];
         }
         if side[i] != Side::Stick {
-            a[row][row] += T::ONE;
+            own.matrix[row][row] += T::ONE;
         }
-        rhs[row] = constant - known;
+        own.right[row] = constant - known;
     }
-    let mut x = [T::ZERO; N];
     for (row, &i) in unknown[..m].iter().enumerate() {
         let b = problem.bound_at(i, p);
-        x[row] = p[i].max(-b).min(b);
+        own.x[row] = p[i].max(-b).min(b);
     }
-    let mut diagonal = [T::ZERO; N];
     for k in 0..m {
-        diagonal[k] = a[k][k].abs();
+        own.scale[k] = own.matrix[k][k].abs();
     }
-    let held = eliminate(&mut a, &mut rhs, &mut x, &diagonal, m);
+    own.eliminate(m);
     for (row, &i) in unknown[..m].iter().enumerate() {
-        p[i] = x[row];
-        dependent[i] = held[row];
+        p[i] = own.x[row];
+        dependent[i] = own.dependent[row];
     }
     dependent
 }
@@ -132,46 +129,71 @@ pub(super) fn is_dependent<T: Real>(pivot: T, scale: T) -> T::Mask {
     pivot.abs().le(scale * T::from_f64(DEPENDENT).max(T::from_f64(16.0) * T::EPSILON))
 }
 
-/// Gaussian elimination in the given order. A law whose pivot vanishes is held by the others: its impulse is not
-/// determined, and keeps the value that `x` came with. Returns which rows those are. `diagonal` is what pivots are
-/// compared with.
-#[inline(always)]
-pub(super) fn eliminate<T: Real, const N: usize>(
-    a: &mut [[T; N]; N],
-    rhs: &mut [T; N],
-    x: &mut [T; N],
-    diagonal: &[T; N],
-    m: usize,
-) -> [T::Mask; N] {
-    let mut dependent = [T::Mask::splat(false); N];
-    let mut inverse = [T::ZERO; N];
-    for k in 0..m {
-        dependent[k] = is_dependent(a[k][k], diagonal[k]);
-        if dependent[k].all() {
-            continue;
-        }
-        inverse[k] = T::select(dependent[k], T::ZERO, T::ONE / a[k][k]);
-        for i in k + 1..m {
-            let factor = a[i][k] * inverse[k];
-            for j in k + 1..m {
-                let t = a[k][j];
-                a[i][j] -= factor * t;
+/// A dense linear system of some of the laws, and its elimination's working memory: arrays that would be cleared in
+/// every step if they were not kept. Of each, only what belongs to the laws in question is read.
+#[derive(Debug, Clone)]
+pub(super) struct Elimination<T: Real, const N: usize> {
+    pub matrix: [[T; N]; N],
+    pub right: [T; N],
+    /// What pivots are compared with.
+    pub scale: [T; N],
+    /// Before: what a law whose pivot vanishes keeps. After: the solution.
+    pub x: [T; N],
+    inverse: [T; N],
+    /// The laws whose pivot has vanished: the others hold them, and their impulse is not determined.
+    pub dependent: [T::Mask; N],
+}
+
+impl<T: Real, const N: usize> Elimination<T, N> {
+    pub(super) fn new() -> Self {
+        let (zero, no) = ([T::ZERO; N], T::Mask::splat(false));
+        Elimination { matrix: [zero; N], right: zero, scale: zero, x: zero, inverse: zero, dependent: [no; N] }
+    }
+
+    /// Makes a row of the first `m` zero. In sizes with room for few laws it is quicker to clear all of it.
+    #[inline(always)]
+    pub(super) fn clear_row(&mut self, row: usize, m: usize) {
+        if const { N > 16 } {
+            for j in 0..m {
+                self.matrix[row][j] = T::ZERO;
             }
-            let t = rhs[k];
-            rhs[i] -= factor * t;
+        } else {
+            self.matrix[row] = [T::ZERO; N];
         }
     }
-    for k in (0..m).rev() {
-        if !dependent[k].all() {
-            let mut s = rhs[k];
-            for j in k + 1..m {
-                s -= a[k][j] * x[j];
+
+    /// Gaussian elimination of the first `m` laws in the given order.
+    #[inline(always)]
+    pub(super) fn eliminate(&mut self, m: usize) {
+        let Elimination { matrix: a, right: rhs, scale, x, inverse, dependent } = self;
+        for k in 0..m {
+            dependent[k] = is_dependent(a[k][k], scale[k]);
+            if dependent[k].all() {
+                inverse[k] = T::ZERO;
+                continue;
             }
-            let free = s * inverse[k];
-            x[k] = if dependent[k].any() { T::select(dependent[k], x[k], free) } else { free };
+            inverse[k] = T::select(dependent[k], T::ZERO, T::ONE / a[k][k]);
+            for i in k + 1..m {
+                let factor = a[i][k] * inverse[k];
+                for j in k + 1..m {
+                    let t = a[k][j];
+                    a[i][j] -= factor * t;
+                }
+                let t = rhs[k];
+                rhs[i] -= factor * t;
+            }
+        }
+        for k in (0..m).rev() {
+            if !dependent[k].all() {
+                let mut s = rhs[k];
+                for j in k + 1..m {
+                    s -= a[k][j] * x[j];
+                }
+                let free = s * inverse[k];
+                x[k] = if dependent[k].any() { T::select(dependent[k], x[k], free) } else { free };
+            }
         }
     }
-    dependent
 }
 
 /// Moves every law whose guess is refuted; says whether there was one.
@@ -303,18 +325,17 @@ fn downhill<T: Scalar, const N: usize>(
                 m += 1;
             }
         }
-        let mut a = [[T::ZERO; N]; N];
-        let mut rhs = [T::ZERO; N];
+        let mut own = Elimination::<T, N>::new();
         for (row, &i) in index[..m].iter().enumerate() {
             for (column, &j) in index[..m].iter().enumerate() {
-                a[row][column] = problem.delassus[i][j];
+                own.matrix[row][column] = problem.delassus[i][j];
             }
-            a[row][row] += proximal;
-            rhs[row] = -problem.velocity_at(i, p);
+            own.matrix[row][row] += proximal;
+            own.right[row] = -problem.velocity_at(i, p);
         }
-        let mut d = [T::ZERO; N];
         // Positive definite by the proximal term: no pivot vanishes.
-        eliminate(&mut a, &mut rhs, &mut d, &[T::ZERO; N], m);
+        own.eliminate(m);
+        let d = own.x;
         let mut length = T::ONE;
         let mut blocking = None;
         for (row, &i) in index[..m].iter().enumerate() {
