@@ -2,19 +2,20 @@
 
 use crate::real::Real;
 
-/// Repeats a body for every `row` below B (or down to 0), written out up to the size of a piano's action: the compiler
-/// does not unroll loops within loops early enough to keep a matrix in registers.
+/// Repeats a body for every `row` below B (or down to 0), written out up to nine, the size of a piano's action that bends:
+/// the compiler does not unroll loops within loops early enough to keep a matrix in registers, and beyond eight rows not
+/// at all. Numbers that do not fit into a register ([`Real::WRITTEN_OUT`]) keep the loop.
 macro_rules! written_out {
     (up $row:ident, $size:ident, $body:block) => {{
-        written_out!(@each $row, $size, $body, 0 1 2 3 4 5);
-        for $row in 6..$size $body
+        written_out!(@each $row, $size, $body, 0 1 2 3 4 5 6 7 8);
+        for $row in if T::WRITTEN_OUT { 9 } else { 0 }..$size $body
     }};
     (down $row:ident, $size:ident, $body:block) => {{
-        for $row in (6..$size).rev() $body
-        written_out!(@each $row, $size, $body, 5 4 3 2 1 0);
+        for $row in (if T::WRITTEN_OUT { 9 } else { 0 }..$size).rev() $body
+        written_out!(@each $row, $size, $body, 8 7 6 5 4 3 2 1 0);
     }};
     (@each $row:ident, $size:ident, $body:block, $($index:literal)+) => {
-        $(if $index < $size {
+        $(if const { T::WRITTEN_OUT } && $index < $size {
             let $row: usize = $index;
             $body
         })+

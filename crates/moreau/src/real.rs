@@ -78,6 +78,8 @@ pub trait Real:
     /// Whether a step's first Newton iteration is compiled separately from the further ones. This is faster, but
     /// doubles the code to compile.
     const FIRST_APART: bool = false;
+    /// Whether loops over the rows of a matrix are written out. This is faster where a number fits into a register.
+    const WRITTEN_OUT: bool = true;
     /// Zero.
     const ZERO: Self;
     /// One.
