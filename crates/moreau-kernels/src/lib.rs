@@ -21,7 +21,6 @@ mod lanes;
 mod mechanism;
 mod observation;
 mod side_by_side;
-mod six;
 mod size;
 mod surfaces;
 mod tangents;
@@ -35,7 +34,6 @@ pub use mechanism::{Mechanism, Part, Readout, Saved, StepOutput, Stepping, mecha
 pub use moreau::impact_in_flight;
 pub use observation::{LaneObserver, Observation, lane_observer};
 pub use side_by_side::{SideBySide, side_by_side};
-pub use six::{WorkspaceOfSix, steps_of_six};
-pub use size::{EveryBody, Size};
+pub use size::{EveryBody, Size, WorkspaceOfSix};
 pub use surfaces::{Halving, Parts, Surfaces, TellNumbers};
 pub use tangents::{DIRECTIONS, Number, Tangents, tangents};

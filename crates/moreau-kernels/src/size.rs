@@ -1,5 +1,7 @@
 //! Sizes that the engine is compiled for.
 
+use moreau::Workspace;
+
 use crate::{Lanes, OwnedDescription};
 
 /// Size of the engine: the largest numbers of bodies B, zones Z and set-valued laws N.
@@ -37,6 +39,9 @@ pub(crate) use with_size;
 
 /// One number for every body of the largest size.
 pub type EveryBody = [f64; Size::Most.holds()[0]];
+
+/// Workspace of six bodies, fourteen zones and ten set-valued laws ([`Size::Six`]).
+pub type WorkspaceOfSix = Workspace<f64, 6, 14, 10>;
 
 impl Size {
     /// All of them, the small ones first.

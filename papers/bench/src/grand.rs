@@ -1,7 +1,7 @@
 //! The subjects of the timing: the concert grand in the engine's own types, and one played note.
 
-use moreau::{Input, Model, SavedState, Settings, State};
-use moreau_kernels::{Lanes, OwnedDescription, SideBySide, WorkspaceOfSix, side_by_side, steps_of_six};
+use moreau::{Input, Model, Outcome, SavedState, Settings, State, step};
+use moreau_kernels::{Lanes, OwnedDescription, SideBySide, WorkspaceOfSix, side_by_side};
 
 use erard::assembly;
 use erard::instrument::Instrument;
@@ -76,4 +76,23 @@ pub fn press((model, state): &(GrandModel, GrandState), settings: &Settings<f64>
     let finite = steps_of_six(model, settings, &mut (0..steps).map(note), &mut state, &mut workspace);
     assert!(finite, "a number became infinite");
     state
+}
+
+/// Steps of six bodies in types of fixed size, with nothing around them: one for each input. Returns true if all numbers
+/// stayed finite, and stops with false at the first step where one did not. The step is compiled into this loop, here
+/// and not in a library that products are made of.
+#[inline(never)]
+pub(crate) fn steps_of_six(
+    model: &GrandModel,
+    settings: &Settings<f64>,
+    inputs: &mut dyn Iterator<Item = Input<f64>>,
+    state: &mut GrandState,
+    workspace: &mut WorkspaceOfSix,
+) -> bool {
+    for input in inputs {
+        if step(model, settings, &input, state, workspace).outcome == Outcome::NonFinite {
+            return false;
+        }
+    }
+    true
 }

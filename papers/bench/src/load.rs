@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use moreau::{Input, Outcome, Settings, State};
-use moreau_kernels::{Lanes, OwnedDescription, WorkspaceOfSix, steps_of_six};
+use moreau_kernels::{Lanes, OwnedDescription, WorkspaceOfSix};
 
-use super::grand::{GrandModel, MF_N, STEP_S, STEPS, described, group, instrument};
+use super::grand::{GrandModel, MF_N, STEP_S, STEPS, described, group, instrument, steps_of_six};
 use erard::run::SimulationError;
 use erard_workshop::cores;
 
