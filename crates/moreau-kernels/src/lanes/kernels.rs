@@ -85,7 +85,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     pub(crate) fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         let Lanes { kernel, stepped, rests_under, .. } = self;
         rests_under.clear();
-        // SAFETY: a `Lanes` is made only where the kernel's instructions have been detected.
+        // SAFETY: `kernel` asks for the instructions it is compiled for. `new` is called by the functions of `width!` alone,
+        // which have asked the processor for those of the kernel that they pass.
         if !unsafe { kernel(stepped, inputs, outcomes) } {
             self.one_by_one(inputs, outcomes);
         }
@@ -157,7 +158,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
 /// these functions has a part on its stack, and none has all.
 ///
 /// # Safety
-/// The place is valid for writing.
+/// `place` is aligned, and points to memory for one model that nothing else refers to.
 #[inline(never)]
 unsafe fn write_model<T: Real, const B: usize, const Z: usize>(
     place: *mut Model<T, B, Z>,
@@ -165,28 +166,29 @@ unsafe fn write_model<T: Real, const B: usize, const Z: usize>(
 ) -> bool {
     let each: Vec<_> = models.iter().collect();
     let Some(model) = Model::of_lanes(&each) else { return false };
-    // SAFETY: as the caller says.
+    // SAFETY: `place` is aligned and points to memory for one model that nothing else refers to: a field of the new box.
     unsafe { place.write(model) };
     true
 }
 
 /// # Safety
-/// As [`write_model`].
+/// `place` is aligned, and points to memory for one state that nothing else refers to.
 #[inline(never)]
 unsafe fn write_state<T: Real, const B: usize, const Z: usize>(
     place: *mut State<T, B, Z>,
     states: &[State<f64, B, Z>],
 ) {
     let each: Vec<_> = states.iter().collect();
-    // SAFETY: as the caller says.
+    // SAFETY: `place` is aligned and points to memory for one state that nothing else refers to: a field of the new box.
     unsafe { place.write(State::of_lanes(&each)) };
 }
 
 /// # Safety
-/// As [`write_model`].
+/// `place` is aligned, and points to memory for one workspace that nothing else refers to.
 #[inline(never)]
 unsafe fn write_workspace<T: Real, const B: usize, const Z: usize, const N: usize>(place: *mut Workspace<T, B, Z, N>) {
-    // SAFETY: as the caller says.
+    // SAFETY: `place` is aligned and points to memory for one workspace that nothing else refers to: a field of the new
+    // box.
     unsafe { place.write(Workspace::new()) };
 }
 

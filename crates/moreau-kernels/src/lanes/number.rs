@@ -7,7 +7,8 @@
 /// An intrinsic, in code that only a kernel compiled for it reaches.
 macro_rules! simd {
     ($e:expr) => {
-        // SAFETY: the instructions have been detected, see the documentation of `number.rs`.
+        // SAFETY: the intrinsic asks for a processor that has its instructions. These numbers exist only in what
+        // `kernels.rs` makes after it has found them.
         unsafe { $e }
     };
 }
