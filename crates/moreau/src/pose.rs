@@ -1,6 +1,6 @@
 //! Pose of all bodies: the kinematic tree, evaluated once per Newton iteration.
 
-use crate::real::{Real, opaque, sin_cos};
+use crate::real::{Real, sin_cos};
 use crate::support::Support;
 use crate::tree::Tree;
 use crate::vector::{Vector, add, cross, sub};
@@ -48,7 +48,7 @@ impl<T: Real, const B: usize> Pose<T, B> {
             self.moment_y[i] = (s * moment_x[i]).add_product(c, moment_y[i]);
         }
         let ([link_x, link_y], [root_x, root_y]) = (&tree.link, &tree.root);
-        let [first, further @ ..] = tree.parents() else {
+        let [first, ..] = tree.parents() else {
             (self.pivot_x, self.pivot_y) = (*root_x, *root_y);
             (self.arm_x, self.arm_y) = ([T::ZERO; B], [T::ZERO; B]);
             return;
@@ -62,19 +62,17 @@ impl<T: Real, const B: usize> Pose<T, B> {
             self.pivot_x[i] = (root_x[i] + self.arm_x[i]).add_product(first.children[i], x);
             self.pivot_y[i] = (root_y[i] + self.arm_y[i]).add_product(first.children[i], y);
         }
-        // A pivot is carried along by its parent's.
-        for parent in further {
-            let [link_x, link_y] = &opaque::<T, _>(tree).link;
-            let (c, s) = (self.cos[parent.body], self.sin[parent.body]);
-            let (x, y) = (self.pivot_x[parent.body], self.pivot_y[parent.body]);
-            for i in 0..B {
-                let arm_x = parent.children[i] * (c * link_x[i]).sub_product(s, link_y[i]);
-                let arm_y = parent.children[i] * (s * link_x[i]).add_product(c, link_y[i]);
-                self.arm_x[i] += arm_x;
-                self.arm_y[i] += arm_y;
-                self.pivot_x[i] += arm_x.add_product(parent.children[i], x);
-                self.pivot_y[i] += arm_y.add_product(parent.children[i], y);
-            }
+        // A pivot is carried along by its parent's. Body by body: nothing reads these entries together before the zones
+        // have been looked at.
+        for &i in tree.elsewhere() {
+            let [link_x, link_y] = &tree.link;
+            let parent = tree.parent[i];
+            let (c, s) = (self.cos[parent], self.sin[parent]);
+            let (x, y) = (self.pivot_x[parent], self.pivot_y[parent]);
+            let arm_x = (c * link_x[i]).sub_product(s, link_y[i]);
+            let arm_y = (s * link_x[i]).add_product(c, link_y[i]);
+            (self.arm_x[i], self.arm_y[i]) = (arm_x, arm_y);
+            (self.pivot_x[i], self.pivot_y[i]) = (arm_x + x, arm_y + y);
         }
     }
 

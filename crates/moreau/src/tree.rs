@@ -25,6 +25,9 @@ pub(crate) struct Tree<T, const B: usize> {
     /// The bodies that are hinged on one that is hinged itself, parents first.
     beyond: [usize; B],
     beyond_count: usize,
+    /// The bodies that are hinged on another parent than the first, parents first.
+    elsewhere: [usize; B],
+    elsewhere_count: usize,
     /// Pivots in the parent's frame, m.
     pub pivot: [Vector<T>; B],
     /// x and y of the pivots on other bodies, in the parent's frame, and of the pivots on the ground; zero for the
@@ -57,6 +60,8 @@ impl<T: Real, const B: usize> Tree<T, B> {
             parent_count: first.parent_count,
             beyond: first.beyond,
             beyond_count: first.beyond_count,
+            elsewhere: first.elsewhere,
+            elsewhere_count: first.elsewhere_count,
             pivot: core::array::from_fn(|i| join_all(|lane| tree(lane).pivot[i])),
             link: [join_all(|lane| tree(lane).link[0]), join_all(|lane| tree(lane).link[1])],
             root: [join_all(|lane| tree(lane).root[0]), join_all(|lane| tree(lane).root[1])],
@@ -67,6 +72,12 @@ impl<T: Real, const B: usize> Tree<T, B> {
     #[inline(always)]
     pub(crate) fn hinged(&self) -> &[usize] {
         &self.hinged[..self.hinged_count]
+    }
+
+    /// The bodies that are hinged on another parent than the first, parents first.
+    #[inline(always)]
+    pub(crate) fn elsewhere(&self) -> &[usize] {
+        &self.elsewhere[..self.elsewhere_count]
     }
 
     /// Whether a body is hinged on one that is hinged itself.
@@ -162,6 +173,8 @@ impl<T: Scalar, const B: usize> Tree<T, B> {
             parent_count: 0,
             beyond: [0; B],
             beyond_count: 0,
+            elsewhere: [0; B],
+            elsewhere_count: 0,
             pivot: [[T::ZERO; 2]; B],
             link: [zero; 2],
             root: [zero; 2],
@@ -189,6 +202,13 @@ impl<T: Scalar, const B: usize> Tree<T, B> {
             if parent.children.contains(&T::ONE) {
                 tree.parents[tree.parent_count] = parent;
                 tree.parent_count += 1;
+            }
+        }
+        for i in 0..tree.hinged_count {
+            let body = tree.hinged[i];
+            if tree.parent[body] != tree.parents[0].body {
+                tree.elsewhere[tree.elsewhere_count] = body;
+                tree.elsewhere_count += 1;
             }
         }
         tree
