@@ -2,9 +2,9 @@
 
 use crate::real::Real;
 
-/// Repeats a body for every `row` below B (or down to 0), written out up to nine, the size of a piano's action that bends:
-/// the compiler does not unroll loops within loops early enough to keep a matrix in registers, and beyond eight rows not
-/// at all. Numbers that do not fit into a register ([`Real::WRITTEN_OUT`]) keep the loop.
+/// Repeats a body for every `row` below B (or down to 0), written out up to nine, the size of a piano's action that
+/// bends: the compiler does not unroll loops within loops early enough to keep a matrix in registers, and beyond eight
+/// rows not at all. Numbers that do not fit into a register ([`Real::WRITTEN_OUT`]) keep the loop.
 macro_rules! written_out {
     (up $row:ident, $size:ident, $body:block) => {{
         written_out!(@each $row, $size, $body, 0 1 2 3 4 5 6 7 8);

@@ -78,9 +78,9 @@ pub fn press((model, state): &(GrandModel, GrandState), settings: &Settings<f64>
     state
 }
 
-/// Steps of six bodies in types of fixed size, with nothing around them: one for each input. Returns true if all numbers
-/// stayed finite, and stops with false at the first step where one did not. The step is compiled into this loop, here
-/// and not in a library that products are made of.
+/// Steps of six bodies in types of fixed size, with nothing around them: one for each input. Returns true if all
+/// numbers stayed finite, and stops with false at the first step where one did not. The step is compiled into this
+/// loop, here and not in a library that products are made of.
 #[inline(never)]
 pub(crate) fn steps_of_six(
     model: &GrandModel,

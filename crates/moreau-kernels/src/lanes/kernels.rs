@@ -85,8 +85,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     pub(crate) fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         let Lanes { kernel, stepped, rests_under, .. } = self;
         rests_under.clear();
-        // SAFETY: `kernel` asks for the instructions it is compiled for. `new` is called by the functions of `width!` alone,
-        // which have asked the processor for those of the kernel that they pass.
+        // SAFETY: `kernel` asks for the instructions it is compiled for. `new` is called by the functions of `width!`
+        // alone, which have asked the processor for those of the kernel that they pass.
         if !unsafe { kernel(stepped, inputs, outcomes) } {
             self.one_by_one(inputs, outcomes);
         }
@@ -166,7 +166,8 @@ unsafe fn write_model<T: Real, const B: usize, const Z: usize>(
 ) -> bool {
     let each: Vec<_> = models.iter().collect();
     let Some(model) = Model::of_lanes(&each) else { return false };
-    // SAFETY: `place` is aligned and points to memory for one model that nothing else refers to: a field of the new box.
+    // SAFETY: `place` is aligned and points to memory for one model that nothing else refers to: a field of the new
+    // box.
     unsafe { place.write(model) };
     true
 }
@@ -179,7 +180,8 @@ unsafe fn write_state<T: Real, const B: usize, const Z: usize>(
     states: &[State<f64, B, Z>],
 ) {
     let each: Vec<_> = states.iter().collect();
-    // SAFETY: `place` is aligned and points to memory for one state that nothing else refers to: a field of the new box.
+    // SAFETY: `place` is aligned and points to memory for one state that nothing else refers to: a field of the new
+    // box.
     unsafe { place.write(State::of_lanes(&each)) };
 }
 
