@@ -58,7 +58,6 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             &["check", "keyboard:concert-grand"],
             &["check", "run/summary.json"],
             &["check", "c7f-like"],
-            &["kinematics", "c7f-like", "--check"],
         ],
     ),
     (
@@ -118,7 +117,7 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             &["scan", "--cases", "half-stroke", "--keys", "40", "--keyboard", "concert-grand", "--no-scatter"],
         ],
     ),
-    ("list", &[&["list"], &["kinematics", "--list"]]),
+    ("list", &[&["list"]]),
     (
         "kinematics",
         &[&["kinematics", "--steps", "20"], &["kinematics", "c7f-like", "--steps", "20", "--move", "capstan=-5mm"]],

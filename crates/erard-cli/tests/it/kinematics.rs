@@ -344,6 +344,10 @@ fn built_in_linkages() {
             assert!(said.contains("a linkage") && said.contains("reach each other at rest"), "{said}");
         }
     }
+    let answer: Value = serde_json::from_str(&folder.good(&["--list", "--json"])).unwrap();
+    assert_eq!(answer["built_in"][0]["kind"], "linkage", "{answer}");
+    let answer: Value = serde_json::from_str(&folder.good(&["c7f-like", "--check", "--json"])).unwrap();
+    assert_eq!(answer["kind"], "linkage", "{answer}");
     assert_eq!(folder.names(), ["it.toml"]);
     assert!(folder.bad(&["it.toml", "--print"]).contains("built in: c7f-like"));
     assert!(folder.bad(&["--check"]).contains("LINKAGE.toml"));
