@@ -197,7 +197,7 @@ impl Kinematics {
     fn check_numbers(&self) -> Result<(), Failure> {
         let usage = |message: String| Err(Failure::Usage(message));
         for (option, mm) in [("--from", Some(self.from)), ("--to", self.to)] {
-            if let Some(mm) = mm.filter(|mm| mm.is_nan() || mm.abs() > FARTHEST_MM) {
+            if let Some(mm) = mm.filter(|mm| mm.abs() > FARTHEST_MM) {
                 return usage(format!("{option} {mm}: expected a number of at most {FARTHEST_MM} mm"));
             }
         }

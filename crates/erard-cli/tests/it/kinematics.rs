@@ -80,6 +80,9 @@ fn the_known_numbers() {
             assert!((ratio - expected).abs() < 0.005, "{ratio} {expected}");
             assert!(leverage[step] > ratio && ratio > leverage[step + 1], "it falls through the step");
         }
+        let millimetres = fs::read(out.join("kinematics.csv")).unwrap();
+        folder.good(&[levers, "--from", "0.075 cm", "--to", "7.75mm", "--steps", "7"]);
+        assert_eq!(fs::read(out.join("kinematics.csv")).unwrap(), millimetres, "units may be typed");
         folder.good(&[levers]);
         let (rows, summary) = (rows(&out), summary(&out));
         let unmoved = &rows["unmoved"];
@@ -238,15 +241,16 @@ fn bad_arguments() {
     let folder = Folder::for_command("kinematics", "arguments");
     for (arguments, told) in [
         (&["--move", "pedal=1mm"][..], "unknown part `pedal`"),
-        (&["--move", "capstan=-10"], "write millimetres as `capstan=-10mm`"),
-        (&["--move", "capstan=nanmm"], "at most 200 mm"),
+        (&["--move", "capstan=-10"], "without a unit; type for example `-10mm`"),
+        (&["--move", "capstan=nanmm"], "expected a length"),
         (&["--move", "capstan=1mm", "--move", "capstan=1.0mm"], "given twice"),
         (&["--steps", "0"], "--steps 0: expected a number from 1"),
         (&["--steps", "-5"], "--steps -5: expected a number from 1"),
         (&["--from", "5", "--to", "3"], "expected --to to be larger"),
         (&["--from", "3", "--to", "3"], "expected --to to be larger"),
-        (&["--from", "NaN"], "--from NaN: expected a number"),
-        (&["--to", "inf"], "--to inf: expected a number"),
+        (&["--from", "NaN"], "expected a length"),
+        (&["--to", "inf"], "expected a length"),
+        (&["--to", "2m"], "--to 2000: expected a number of at most 1000 mm"),
         (&["--to", "ten"], "invalid value 'ten'"),
         (&["--from", "9"], "let-off, 5.77 mm"),
         (&["c7f-like", "--instrument", "concert-grand"], "cannot be used with"),
