@@ -142,7 +142,8 @@ enum ErardStatus
    */
   ERARD_STATUS_SAVED = -7,
   /**
-   * The saved state belongs to another instrument or to another step length.
+   * The saved state belongs to another instrument, or to other settings: another step length, theta, solver or
+   * friction.
    */
   ERARD_STATUS_FOREIGN = -8,
   /**
