@@ -789,11 +789,12 @@ char *erard_builtin(size_t *length, ErardStatus *status);
 /**
  * Changes one quantity by its common name, as the command's option `--vary` does. `called` is "body.hammer.mass" (a
  * body's mass and, in proportion, its inertia), "let_off", "zone.check.friction", or the path of a parameter. `change`
- * is "8.7 g", "+0.8 g", "-0.2 mm", "*1.5" or "= 0.2". The new values are written into the file's text, to ten digits,
- * and the text is read anew. Errors: ERARD_STATUS_NO_SUCH (unknown name), ERARD_STATUS_ARGUMENT (the change cannot be
- * read), ERARD_STATUS_RANGE (the change is too large) and ERARD_STATUS_FILE (the file may not have this value);
- * erard_last_error says what is expected. An error leaves the instrument as it was. Actions made from it earlier do
- * not change.
+ * is "8.7 g" (a value), "+0.8 g" or "-0.2 mm" (a difference), "x1.5" (a factor) or "=-0.2 mm" (a value with a sign). A
+ * number without a unit is in SI units, or in the unit at the end of a path; it is never a factor. The new values are
+ * written into the file's text, to ten digits, and the text is read anew. Errors: ERARD_STATUS_NO_SUCH (unknown name,
+ * or one that does nothing in this instrument), ERARD_STATUS_ARGUMENT (the change cannot be read), ERARD_STATUS_RANGE
+ * (the change is too large) and ERARD_STATUS_FILE (the file may not have this value); erard_last_error says what is
+ * expected. An error leaves the instrument as it was. Actions made from it earlier do not change.
  */
 ErardStatus erard_instrument_vary(struct ErardInstrument *instrument, const char *called, const char *change);
 

@@ -5,6 +5,7 @@
 
 use erard::grand::Parts;
 use erard::instrument::{Instrument, InstrumentFile, ScrewAction, Vec2, with_numbers};
+use erard::parameter::{Parameter, Quantity};
 use serde::Serialize;
 
 use erard_workshop::regulate::known_screw;
@@ -173,19 +174,18 @@ fn spoken(name: &str) -> String {
     HYPHENED.iter().fold(name.replace('_', " "), |text, (from, to)| text.replace(from, to))
 }
 
-fn of_screw(file: &InstrumentFile, screw: usize) -> Option<Dial> {
+fn of_screw(file: &InstrumentFile, index: usize) -> Option<Dial> {
     let instrument = &file.instrument;
-    let screw = &instrument.screws[screw];
+    let screw = &instrument.screws[index];
     let known = known_screw(&screw.name);
     let limits = known.map(|known| known.limits(instrument, screw));
-    let (end, unit, si, decimals) = match screw.action {
-        ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => ("mm", "mm", 1e3, 2),
-        ScrewAction::Turn { .. } => ("deg", "deg", 1_f64.to_degrees(), 1),
-        ScrewAction::Spring { .. } => ("N_m", "N mm", 1e3, 1),
-    };
+    let quantity = screw.action.quantity();
+    let (si, _) = screw.action.shown_unit();
+    let shown = quantity.trade_unit()?;
+    let decimals = if quantity == Quantity::Length { 2 } else { 1 };
     // The dial of a spring is in N mm, its file in N m.
-    let units = if end == "N_m" { 1e-3 } else { 1.0 };
-    let path = format!("screw.{}.setting_{end}", screw.name);
+    let units = shown.si / screw.action.file_unit().si;
+    let path = Parameter::Screw { screw: index, action: screw.action.clone() }.path(instrument);
     let value = number(file, &path, 0)? / units;
     let [from, to] = limits.map_or([value - 2.0, value + 2.0], |limits| limits.map(|limit| limit * si));
     Some(Dial {
@@ -196,7 +196,7 @@ fn of_screw(file: &InstrumentFile, screw: usize) -> Option<Dial> {
             .map_or_else(|| spoken(&screw.name), |(_, what)| format!("{} ({what})", spoken(&screw.name))),
         note: screw.label.clone(),
         group: Group::Screws,
-        unit,
+        unit: shown.symbol,
         decimals,
         value,
         from: from.min(value),

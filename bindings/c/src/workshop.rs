@@ -7,15 +7,15 @@ use std::ptr::null_mut;
 
 use erard::instrument::{Instrument, InstrumentFile, KeyError};
 use erard::keyboard::KEYS;
+use erard::parameter::canonical_name;
+use erard::parameter::{ChangeError, Wanted, varied_text};
 use erard_figures::drawing::{PoseOptions, pose_picture};
 use erard_figures::page::scene;
 use erard_workshop::diagnose::{self, Typed, diagnose};
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::norms::{GROUPS, Line, MIDDLE_C, lines};
 use erard_workshop::measure::{MeasureError, measure, measure_some};
-use erard_workshop::regional::canonical_name;
 use erard_workshop::regulate::{Goal, Specification, parse_value, regulate};
-use erard_workshop::study::{Change, ChangeError, varied_text};
 use erard_workshop::test_press::test_press;
 use serde_json::{Map, Value, json};
 
@@ -30,11 +30,12 @@ pub type ErardProgress = Option<unsafe extern "C" fn(share: f64, user: *mut c_vo
 
 /// Changes one quantity by its common name, as the command's option `--vary` does. `called` is "body.hammer.mass" (a
 /// body's mass and, in proportion, its inertia), "let_off", "zone.check.friction", or the path of a parameter. `change`
-/// is "8.7 g", "+0.8 g", "-0.2 mm", "*1.5" or "= 0.2". The new values are written into the file's text, to ten digits,
-/// and the text is read anew. Errors: ERARD_STATUS_NO_SUCH (unknown name), ERARD_STATUS_ARGUMENT (the change cannot be
-/// read), ERARD_STATUS_RANGE (the change is too large) and ERARD_STATUS_FILE (the file may not have this value);
-/// erard_last_error says what is expected. An error leaves the instrument as it was. Actions made from it earlier do
-/// not change.
+/// is "8.7 g" (a value), "+0.8 g" or "-0.2 mm" (a difference), "x1.5" (a factor) or "=-0.2 mm" (a value with a sign). A
+/// number without a unit is in SI units, or in the unit at the end of a path; it is never a factor. The new values are
+/// written into the file's text, to ten digits, and the text is read anew. Errors: ERARD_STATUS_NO_SUCH (unknown name,
+/// or one that does nothing in this instrument), ERARD_STATUS_ARGUMENT (the change cannot be read), ERARD_STATUS_RANGE
+/// (the change is too large) and ERARD_STATUS_FILE (the file may not have this value); erard_last_error says what is
+/// expected. An error leaves the instrument as it was. Actions made from it earlier do not change.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_vary(
     instrument: *mut ErardInstrument,
@@ -47,7 +48,7 @@ pub unsafe extern "C" fn erard_instrument_vary(
         let instrument = unsafe { instrument.as_mut() }.ok_or_else(|| Fault::null("the instrument"))?;
         // SAFETY: `called` and `change` are NULL, or texts that end with a zero and do not change during the call.
         let (called, change) = unsafe { (name(called, "what is varied")?, name(change, "the change")?) };
-        let text = varied_text(&instrument.text, "instrument", called, &Change::Text(change.to_owned()));
+        let text = varied_text(&instrument.text, "instrument", called, &Wanted::Text(change.to_owned()));
         let text = text.map_err(|error| change_fault(&error))?;
         instrument.file = InstrumentFile::parse(&text, "instrument").map_err(|error| file_fault(&error))?;
         instrument.text = text;
@@ -57,10 +58,11 @@ pub unsafe extern "C" fn erard_instrument_vary(
 
 fn change_fault(error: &ChangeError) -> Fault {
     let status = match error {
-        ChangeError::Unknown { .. } => ErardStatus::NoSuch,
+        ChangeError::Unknown(_) | ChangeError::Idle(_) => ErardStatus::NoSuch,
         ChangeError::Value { .. } => ErardStatus::Argument,
         ChangeError::Range { .. } => ErardStatus::Range,
         ChangeError::File(_) => ErardStatus::File,
+        _ => ErardStatus::Argument,
     };
     Fault::new(status, error.to_string())
 }

@@ -1,7 +1,7 @@
 //! Options that take one of a few names.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use erard_workshop::regional::{aliases, canonical_name};
+use erard::parameter::{aliases, canonical_name};
 
 /// A name on the command line, what the help says of it, and the value it represents.
 pub(crate) type Name<T> = (&'static str, &'static str, T);

@@ -5,9 +5,7 @@ use std::time::Duration;
 
 use erard_workshop::digits::{rounds_to_zero, signed};
 use erard_workshop::distances::Distances;
-use erard_workshop::regulate::{
-    Achieved, Goal, Handwork, Kind, Regulated, Turned, known_screw, screw_unit, turns_text, unit,
-};
+use erard_workshop::regulate::{Achieved, Goal, Handwork, Kind, Regulated, Turned, known_screw, turns_text, unit};
 use erard_workshop::worklist::{GaveUp, Settled, usual_aftertouch_m};
 use serde_json::{Value, json};
 
@@ -28,7 +26,7 @@ pub(crate) fn shown_value(goal: Goal, value: f64, lengths: Lengths) -> String {
 /// How far a screw was turned and which way; where it has a thread, in turns, too.
 pub(crate) fn turned_text(turned: &Turned, lengths: Lengths) -> String {
     let by = turned.setting[1] - turned.setting[0];
-    let far = match screw_unit(&turned.action) {
+    let far = match turned.action.shown_unit() {
         (factor, "mm") => lengths.signed(by * factor, 3),
         (factor, unit) => format!("{} {unit}", signed(by * factor, 3)),
     };

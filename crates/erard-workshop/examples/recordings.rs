@@ -9,9 +9,9 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use erard::instrument::Instrument;
+use erard::parameter::Parameter;
 use erard::run::{Setup, simulate};
 use erard::stroke::{Stroke, Touch};
-use erard_workshop::study::Parameter;
 
 /// Differences from the file: factors, and a screw's turn in m.
 pub const TRUE: [(&str, f64); 4] = [

@@ -14,7 +14,6 @@ pub mod first_impact;
 pub mod fit;
 pub mod fmu;
 pub mod measure;
-pub mod regional;
 pub mod regulate;
 pub mod sample;
 pub mod sensitivities;

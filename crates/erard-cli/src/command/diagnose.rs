@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::{Arg, ArgMatches, Args, FromArgMatches};
 use erard::instrument::utf8;
 use erard::keyboard::key_named;
+use erard::parameter::aliases;
 use erard_workshop::balance::Lead;
 use erard_workshop::diagnose::{Diagnosis, Entry, Known, answer, diagnose, entries, read};
 use erard_workshop::measure::norms::MIDDLE_C;
-use erard_workshop::regional::aliases;
 use serde_json::Value;
 
 use super::measure::lead;

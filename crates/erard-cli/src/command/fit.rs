@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::instrument_spec::InstrumentSpec;
-use erard::parameter::{Bare, Quantity};
+use erard::parameter::{Bare, Quantity, canonical_name};
 use erard::run::Setup;
 use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::figure_picture;
@@ -17,7 +17,7 @@ use erard_workshop::fit::{
 use super::options::{DRIVES, StepOptions, check, load_instrument_and_text};
 use super::out::OutOptions;
 use crate::failure::Failure;
-use crate::fit::{column, figure, lines, report, table, value};
+use crate::fit::{bounds, column, figure, lines, report, table, value};
 use crate::names::{Name, one_of};
 use crate::number::{number, whole};
 use crate::progress::Progress;
@@ -42,11 +42,13 @@ pub(crate) struct Fit {
     /// Names of the screws and parameters to fit, with commas
     #[arg(long, value_name = "NAME,NAME,..", value_delimiter = ',', required = true)]
     vary: Vec<String>,
-    /// Bounds of a parameter: `let_off=-1mm..1mm` (from the screw's setting), `body.hammer.mass=0.9..1.2` (a factor) or
-    /// `body.hammer.mass=9g..12g`; can be repeated
+    /// Bounds of a parameter: values (`body.hammer.mass=9g..12g`), changes with a sign (`let_off=-1mm..1mm`, from the
+    /// screw's setting) or factors (`body.hammer.mass=x0.9..1.2`); a bare number is in mm, deg, g or N mm; can be
+    /// repeated
     #[arg(long, value_name = "NAME=LOW..HIGH", allow_hyphen_values = true)]
     bounds: Vec<String>,
-    /// Starting value of a parameter, e.g. `body.hammer.mass=1.1`; can be repeated [default: the instrument as it is]
+    /// Starting value of a parameter, e.g. `body.hammer.mass=10g` or `body.hammer.mass=x1.1`; can be repeated [default:
+    /// the instrument as it is]
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
     start: Vec<String>,
     /// Channel that drives the model [default: force if there is one, else the recorded motion]
@@ -128,10 +130,10 @@ impl Fit {
         let settings = self.step.settings(&instrument)?;
         check(&Setup { settings, ..Setup::new(1.0) })?;
         let file = InstrumentFile::parse(&text, &self.instrument.to_string())?;
-        let vary: Vec<String> = self.vary.iter().map(|name| name.trim().to_owned()).collect();
-        let bounds = self.bounds(&instrument, &text)?;
+        let vary: Vec<String> = self.vary.iter().map(|name| canonical_name(name)).collect();
+        let bounds = self.bounds(&instrument)?;
         let parameters = fit_parameters(&file, &vary, &bounds).map_err(failure)?;
-        let start = self.start(&instrument, &text)?;
+        let start = self.start(&instrument)?;
         let data = self.data(settings)?;
         let sigma: PerName<f64> = self.sigma.iter().map(|(role, sigma)| (column(*role).to_owned(), *sigma)).collect();
         let problem = Problem::new(&instrument, parameters, data, self.delays).map_err(failure)?;
@@ -212,32 +214,28 @@ impl Fit {
         Ok(())
     }
 
-    fn bounds(&self, instrument: &Instrument, text: &str) -> Result<PerName<[f64; 2]>, Failure> {
+    fn bounds(&self, instrument: &Instrument) -> Result<PerName<[f64; 2]>, Failure> {
         let one = |given: &String| {
             let expected =
-                "expected a name and two increasing numbers, as in `let_off=-1mm..1mm` or `body.hammer.mass=0.9..1.2`";
+                "expected a name and two increasing numbers, as in `let_off=-1mm..1mm` or `body.hammer.mass=x0.9..1.2`";
             let wrong = || Failure::Usage(format!("--bounds {given}: {expected}"));
             let (name, range) = given.split_once('=').ok_or_else(wrong)?;
-            let (low, high) = range.split_once("..").ok_or_else(wrong)?;
-            let name = name.trim();
-            let read = |number: &str| {
-                value(instrument, text, name, number).map_err(|why| Failure::Usage(format!("--bounds {given}: {why}")))
-            };
-            Ok((name.to_owned(), [read(low)?, read(high)?]))
+            let ends = bounds(instrument, name, range);
+            let ends = ends.map_err(|why| Failure::Usage(format!("--bounds {given}: {why}")))?;
+            Ok((canonical_name(name), ends))
         };
         self.named_once("--bounds", self.bounds.iter().map(one).collect::<Result<_, Failure>>()?)
     }
 
-    fn start(&self, instrument: &Instrument, text: &str) -> Result<PerName<f64>, Failure> {
+    fn start(&self, instrument: &Instrument) -> Result<PerName<f64>, Failure> {
         let one = |given: &String| {
             let wrong = || {
-                Failure::Usage(format!("--start {given}: expected a name and a number, as in `body.hammer.mass=1.1`"))
+                Failure::Usage(format!("--start {given}: expected a name and a number, as in `body.hammer.mass=x1.1`"))
             };
             let (name, number) = given.split_once('=').ok_or_else(wrong)?;
-            let name = name.trim();
-            let number = value(instrument, text, name, number)
-                .map_err(|why| Failure::Usage(format!("--start {given}: {why}")))?;
-            Ok((name.to_owned(), number))
+            let number =
+                value(instrument, name, number).map_err(|why| Failure::Usage(format!("--start {given}: {why}")))?;
+            Ok((canonical_name(name), number))
         };
         self.named_once("--start", self.start.iter().map(one).collect::<Result<_, Failure>>()?)
     }

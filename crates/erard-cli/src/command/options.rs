@@ -9,13 +9,12 @@ use erard::key::{self, key_named};
 use erard::keyboard::{Keyboard, is_keyboard};
 use erard::level::LevelError;
 use erard::one_dof;
-use erard::parameter::{Bare, Quantity};
+use erard::parameter::{Bare, Quantity, canonical_name};
 use erard::run::{Setup, SimulationError};
 pub(crate) use erard::stroke::Stroke;
 use erard::stroke::{Columns, DrivingError, Prescribed, Series, constant_force_fault};
 use erard_workshop::compare::{PathNoise, Which};
 use erard_workshop::measure::norms::{Line, lines};
-use erard_workshop::regional::canonical_name;
 use erard_workshop::worklist::Priority;
 use moreau::{FrictionLaw, Settings, Solver};
 

@@ -6,9 +6,9 @@ use std::time::Instant;
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::instrument_spec::InstrumentSpec;
+use erard::parameter::aliases;
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::range::{HARDLY_HEARD_M_PER_S, double_strike};
-use erard_workshop::regional::aliases;
 use erard_workshop::regulate::{
     Goal, Regulated, Specification, Status, disturbed, parse_value, regulate, regulate_following,
 };

@@ -487,7 +487,7 @@ fn play_portion(
         let mut force_n = None;
         let mut own = Vec::new();
         for (axis, &index) in axes.iter().zip(indices) {
-            if axis.target == Target::Force { force_n = Some(axis.si(index)) } else { own.push(index) }
+            if axis.target == Target::Force { force_n = Some(axis.force_n(index)) } else { own.push(index) }
         }
         // Strokes on the same variant share it.
         let place = match &last {
@@ -567,10 +567,11 @@ fn variant(varied: &Varied<'_>, plain: &Instrument, indices: &[usize]) -> Result
         }
     };
     for (axis, &index) in varied.axes.iter().zip(indices) {
-        if let Target::Parameter(parameter) = &axis.target
-            && !parameter.vary(&mut instrument, axis.si(index))
-        {
-            return Err(format!("{} cannot be varied by {} {}", axis.name, axis.shown[index], axis.unit));
+        if let Target::Parameter(parameter) = &axis.target {
+            let by = axis.by(parameter, &instrument, index);
+            if !parameter.vary(&mut instrument, by) {
+                return Err(axis.refusal(parameter, index, by));
+            }
         }
     }
     Ok(instrument)

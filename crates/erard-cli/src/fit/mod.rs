@@ -8,4 +8,4 @@ mod values;
 pub(crate) use figure::figure;
 pub(crate) use report::report;
 pub(crate) use table::{lines, table};
-pub(crate) use values::{column, value};
+pub(crate) use values::{bounds, column, value};

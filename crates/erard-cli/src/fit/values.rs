@@ -1,43 +1,45 @@
 //! Numbers as people write them, and units in which they are shown.
 
 use erard::instrument::Instrument;
+use erard::parameter::{Change, NumberError, Parameter, Sweep};
 use erard::stroke::Role;
 use erard_workshop::fit::COLUMNS;
-use erard_workshop::regulate::screw_unit;
-use erard_workshop::study::{Change, Parameter, varied};
 
 /// The column of a channel.
 pub(crate) fn column(role: Role) -> &'static str {
     COLUMNS.iter().find(|(_, own, _)| *own == role).map_or("time_s", |(column, ..)| column)
 }
 
-/// A bound or a start as it was written, in SI units or as a factor: of a screw its turn, in its unit where none is
-/// said; of a parameter a factor, or what it shall be with its unit.
+/// A start as typed, as the argument of [`Parameter::vary`]: a screw's turn, m, rad or N m, or a factor.
 ///
 /// # Errors
 /// What was expected.
-pub(crate) fn value(instrument: &Instrument, text: &str, name: &str, written: &str) -> Result<f64, String> {
-    let written = written.trim();
-    let number: Option<f64> = written.parse().ok();
-    // Who varies it says that it is not there.
-    let Some((_, parameter)) = Parameter::all(instrument).into_iter().find(|(known, _)| known == name) else {
-        return number.ok_or_else(|| format!("found `{written}`, expected a number"));
-    };
-    if let Parameter::Screw { action, .. } = &parameter {
-        let (per_si, unit) = screw_unit(action);
-        let bare =
-            written.strip_suffix(unit).or_else(|| written.strip_suffix(&unit.replace(' ', ""))).unwrap_or(written);
-        let turn: Option<f64> = bare.trim().parse().ok();
-        return turn.map(|turn| turn / per_si).ok_or_else(|| {
-            format!("found `{written}`, expected a change of the screw in {unit}, e.g. `-0.5{}`", unit.replace(' ', ""))
-        });
-    }
-    if let Some(factor) = number {
-        return Ok(factor);
-    }
-    let changed = varied(text, &instrument.name, &[(name.to_owned(), Change::Text(written.to_owned()))]);
-    let changed = changed.map_err(|error| format!("{error}; a bare number is a factor"))?.instrument;
-    Ok(parameter.value(&changed) / parameter.value(instrument))
+pub(crate) fn value(instrument: &Instrument, name: &str, typed: &str) -> Result<f64, String> {
+    let [value] = read(instrument, name, |parameter| {
+        let quantity = parameter.quantity(instrument);
+        Ok([Change::read(typed, quantity, parameter.trade_bare(instrument))?])
+    })?;
+    Ok(value)
+}
+
+/// Two bounds `LOW..HIGH` as typed, as arguments of [`Parameter::vary`].
+///
+/// # Errors
+/// What was expected.
+pub(crate) fn bounds(instrument: &Instrument, name: &str, typed: &str) -> Result<[f64; 2], String> {
+    read(instrument, name, |parameter| {
+        Sweep::read_ends(typed, parameter.quantity(instrument), parameter.trade_bare(instrument))
+    })
+}
+
+fn read<const N: usize>(
+    instrument: &Instrument,
+    name: &str,
+    read: impl Fn(&Parameter) -> Result<[Change; N], NumberError>,
+) -> Result<[f64; N], String> {
+    let (_, parameter) = Parameter::named(instrument, name).map_err(|error| error.to_string())?;
+    let changes = read(&parameter).map_err(|error| error.to_string())?;
+    Ok(changes.map(|change| parameter.by(instrument, change)))
 }
 
 /// The unit in which an SI value is shown, and how many of these an SI unit is.
@@ -57,28 +59,34 @@ mod tests {
 
     #[test]
     fn numbers_are_read_with_and_without_units() {
-        let text = Instrument::builtin_text("concert-grand").unwrap();
         let grand = Instrument::builtin("concert-grand").unwrap();
-        let mass =
-            Parameter::all(&grand).into_iter().find(|(name, _)| name == "body.hammer.mass").unwrap().1.value(&grand);
-        for (name, written, expected) in [
+        let mass = Parameter::named(&grand, "body.hammer.mass").unwrap().1.value(&grand);
+        for (name, typed, expected) in [
             ("let_off", "-1", -1e-3),
-            ("let_off", "0.5mm", 5e-4),
-            ("let_off", " -0.5 mm ", -5e-4),
-            ("repetition_spring", "2N mm", 2e-3),
-            ("body.hammer.mass", "0.9", 0.9),
+            ("let_off", "+0.5mm", 5e-4),
+            // From the setting in the file, 0.0568 mm.
+            ("let_off", "0.5mm", 4.432e-4),
+            ("set_off", " -0.5 mm ", -5e-4),
+            ("repetition_spring", "+2N mm", 2e-3),
+            ("body.hammer.mass", "x0.9", 0.9),
             ("body.hammer.mass", "10g", 10e-3 / mass),
+            ("body.hammer.mass", "10", 10e-3 / mass),
             ("body.hammer.mass", "+1 g", 1.0 + 1e-3 / mass),
-            ("nobody", "3", 3.0),
         ] {
-            let found = value(&grand, text, name, written).unwrap();
-            assert!((found - expected).abs() < 1e-12, "{name} {written}: {found} {expected}");
+            let found = value(&grand, name, typed).unwrap();
+            assert!((found - expected).abs() < 1e-12, "{name} {typed}: {found} {expected}");
         }
-        for (name, written, told) in
-            [("let_off", "1g", "in mm"), ("body.hammer.mass", "3 mm", "units: kg, g"), ("nobody", "x", "a number")]
-        {
-            let error = value(&grand, text, name, written).unwrap_err();
+        for (name, typed, told) in [
+            ("let_off", "1g", "`g` is not one of its units"),
+            ("body.hammer.mass", "3 mm", "expected kg, g"),
+            ("nobody", "x2", "unknown name `nobody`"),
+            ("body.key.friction", "x2", "type `body.key_back.friction`"),
+        ] {
+            let error = value(&grand, name, typed).unwrap_err();
             assert!(error.contains(told), "{error}");
         }
+        assert_eq!(bounds(&grand, "let_off", "-1mm..1mm").unwrap(), [-1e-3, 1e-3]);
+        assert_eq!(bounds(&grand, "body.hammer.mass", "x0.9..1.2").unwrap(), [0.9, 1.2]);
+        assert!(bounds(&grand, "let_off", "1mm").unwrap_err().contains("LOW..HIGH"));
     }
 }

@@ -2,9 +2,10 @@
 
 use erard::instrument::{Instrument, with_numbers};
 use erard::keyboard::{Between, Graded, KEYS, Keyboard, key_named, keys_named};
+use erard::parameter::{
+    Bare, Change, NameError, Parameter, Quantity, Sweep, file_unit, in_file_unit, known_name, number_of,
+};
 use erard::stroke::MAX_FORCE_N;
-use erard_workshop::regulate::screw_unit;
-use erard_workshop::study::{Parameter, known_name, nearest, number_of};
 
 /// What a value is given to.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,9 +72,9 @@ impl Source {
     pub(crate) fn instrument(&self, axes: &[Axis], indices: &[usize]) -> Option<Result<Instrument, String>> {
         let each = || axes.iter().zip(indices);
         let key = each().find(|(axis, _)| axis.target == Target::Key).map(|(axis, &i)| axis.shown[i] as usize);
-        let changes: Vec<(&str, usize, f64)> = each()
+        let numbers: Vec<(&str, usize, &str, Change)> = each()
             .filter_map(|(axis, &i)| match &axis.target {
-                Target::Number(path, which) => Some((path.as_str(), *which, axis.shown[i])),
+                Target::Number(path, which) => Some((path.as_str(), *which, axis.name.as_str(), axis.changes[i])),
                 _ => None,
             })
             .collect();
@@ -83,17 +84,35 @@ impl Source {
                 _ => None,
             })
             .collect();
-        if key.is_none() && changes.is_empty() && gradings.is_empty() {
+        if key.is_none() && numbers.is_empty() && gradings.is_empty() {
             return None;
         }
         let name = match key {
             Some(key) => format!("key {key}"),
             None => "the varied instrument".to_owned(),
         };
-        let text = with_numbers(&self.graded(key, &gradings), &changes)
+        let text = self.graded(key, &gradings);
+        let changed = |(path, which, name, change)| {
+            let (.., now) = number_of(&text, name)?;
+            Some((path, which, in_file_unit(change, now, file_unit(name).1)))
+        };
+        let changes: Option<Vec<(&str, usize, f64)>> = numbers.into_iter().map(changed).collect();
+        let text = changes
+            .and_then(|changes| with_numbers(&text, &changes))
             .ok_or_else(|| "a number that is varied is not there".to_owned());
         Some(text.and_then(|text| Instrument::parse(&text, &name).map_err(|error| error.to_string())))
     }
+}
+
+/// What the shown values of an axis are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    /// Values: of a screw its setting, of a key its number.
+    Value,
+    /// Differences from the present value.
+    Difference,
+    /// Factors.
+    Factor,
 }
 
 /// One `--vary`.
@@ -103,23 +122,27 @@ pub(crate) struct Axis {
     pub name: String,
     /// Of the shown values, e.g. `mm`; empty for a factor.
     pub unit: &'static str,
+    /// End of the column's name, e.g. `mm`, `N_per_m_r`.
+    suffix: String,
+    kind: Kind,
     /// As shown: in `unit`.
     pub shown: Vec<f64>,
-    /// The shown value of one SI unit.
-    pub per_si: f64,
+    /// The changes that make them, in SI units.
+    pub changes: Vec<Change>,
     /// The target that receives them.
     pub target: Target,
 }
 
 /// The names of the force and of the key.
 const FORCE: &str = "force";
-/// Most degrees that a screw turns a curve.
-const MOST_TURNED_DEG: f64 = 90.0;
 const KEY: &str = "key";
 /// What the name of a grading of a keyboard begins with.
 pub(crate) const GRADING: &str = "grading.";
-/// Most values of one axis.
-const MOST: usize = 100_000;
+
+/// As a person would write it: the last digits of a sum mean nothing.
+fn as_written(shown: f64) -> f64 {
+    (shown * 1e9).round() / 1e9
+}
 
 impl Axis {
     /// Reads the value of `--vary` for an instrument.
@@ -136,79 +159,128 @@ impl Axis {
         if name == KEY {
             return Self::keys(values);
         }
-        let (target, per_si, unit, suffixes): (Target, f64, &str, &[&str]) = if name == FORCE {
-            (Target::Force, 1.0, "N", &["N"])
+        let wrong = |error: &dyn std::fmt::Display| format!("`--vary {name}`: {error}");
+        let axis = if name == FORCE {
+            Self::values(name, values, Target::Force, Quantity::Force, "N").map_err(|error| wrong(&error))?
         } else if let Some(grading) = name.strip_prefix(GRADING) {
-            let (target, unit) = grading_of(grading, source)?;
-            (target, 1.0, unit, if unit == "g" { &["g"] } else { &["mm"] })
-        } else if let Some((path, which, _)) = number_of(&source.text(None), name) {
-            (Target::Number(path, which), 1.0, "", &[])
+            let (target, quantity, unit) = grading_of(grading, source)?;
+            if matches!(target, Target::Grading(_, None)) {
+                Self::factors(name, values, target).map_err(|error| wrong(&error))?
+            } else {
+                Self::values(name, values, target, quantity, unit).map_err(|error| wrong(&error))?
+            }
+        } else if let Some((path, which, now)) = number_of(&source.text(None), name) {
+            Self::of_number(name, values, (path, which), now).map_err(|error| wrong(&error))?
         } else {
-            let Some((_, parameter)) = all.iter().find(|(known, _)| known == name) else {
-                return Err(format!(
-                    "--vary: unknown name `{name}`, nearest {}; expected a screw or parameter, {FORCE}, {KEY} or {GRADING}NAME (of a keyboard), or the path of a number in the file, e.g. `body.hammer.mass_g`",
-                    nearest(name, all.iter().map(|(known, _)| known))
-                ));
-            };
-            let (per_si, unit) = match parameter {
-                Parameter::Screw { action, .. } => screw_unit(action),
-                _ => (1.0, ""),
-            };
-            let suffixes: &[&str] = match unit {
-                "mm" => &["mm"],
-                "degrees" => &["degrees", "deg"],
-                "N mm" => &["N mm", "Nmm"],
-                _ => &[],
-            };
-            (Target::Parameter(parameter.clone()), per_si, unit, suffixes)
+            let (name, parameter) = Parameter::named(instrument, name).map_err(|error| match error {
+                NameError::Unknown { nearest, .. } => format!(
+                    "--vary: unknown name `{name}`, nearest {nearest}; expected a screw or parameter, {FORCE}, {KEY} or {GRADING}NAME (of a keyboard), or the path of a number in the file, e.g. `body.hammer.mass_g`"
+                ),
+                error => format!("--vary: {error}"),
+            })?;
+            Self::of_parameter(&name, values, &parameter, instrument).map_err(|error| wrong(&error))?
         };
-        let number = |text: &str| {
-            let text = text.trim();
-            let bare = suffixes.iter().find_map(|suffix| text.strip_suffix(suffix)).unwrap_or(text).trim_end();
-            let value = bare.parse::<f64>().ok().filter(|value| value.is_finite());
-            value.ok_or_else(|| {
-                let is_number = matches!(target, Target::Number(..));
-                let kind = match unit {
-                    "" if is_number => "a number".to_owned(),
-                    "" => "a factor".to_owned(),
-                    unit => format!("a number of {unit}"),
-                };
-                format!("`{text}` in `--vary {name}`: expected {kind}")
-            })
-        };
-        let (range, count) = match values.rsplit_once(':') {
-            Some((range, count)) => (range, Some(count.trim())),
-            None => (values, None),
-        };
-        let shown = match (range.split_once(".."), count) {
-            (Some((from, to)), Some(count)) => {
-                let count = count.parse().ok().filter(|count| (2..=MOST).contains(count));
-                let count =
-                    count.ok_or_else(|| format!("`--vary {text}`: expected 2 to {MOST} values after the `:`"))?;
-                let (from, to) = (number(from)?, number(to)?);
-                let at = |i: usize| {
-                    let share = i as f64 / (count - 1) as f64;
-                    // As a person would write it: the sum's last digits mean nothing.
-                    (((1.0 - share) * from + share * to) * 1e9).round() / 1e9
-                };
-                (0..count).map(at).collect()
+        match (0..axis.shown.len()).find(|at| !axis.allows(instrument, *at)) {
+            Some(at) => {
+                let found = format!("{} {}", axis.shown[at], axis.unit);
+                Err(format!("`--vary {name}`: {} is out of range; expected {}", found.trim(), axis.allowed(instrument)))
             }
-            (None, None) => range.split(',').map(number).collect::<Result<Vec<f64>, _>>()?,
-            _ => {
-                return Err(format!(
-                    "`--vary {text}`: expected FROM..TO:COUNT, such as `{name}=1{u}..2{u}:5`, or values with commas",
-                    u = suffixes.first().copied().unwrap_or_default()
-                ));
-            }
-        };
-        let axis = Axis { name: name.to_owned(), unit, shown, per_si, target };
-        match axis.shown.iter().find(|value| !axis.allows(**value)) {
-            Some(value) => Err(format!("`--vary {name}`: {value} {unit} is out of range; expected {}", axis.allowed())),
             None => Ok(axis),
         }
     }
 
-    /// Keys of a keyboard: `1..88`, `1..88:12`, `1,40,88`.
+    /// Values of what has no present value: a sign belongs to them.
+    fn values(
+        name: &str,
+        values: &str,
+        target: Target,
+        quantity: Quantity,
+        unit: &'static str,
+    ) -> Result<Self, String> {
+        let bare = if unit.is_empty() { Bare::Si } else { Bare::In(unit) };
+        let values = values.trim();
+        let values = if values.starts_with('=') { values.to_owned() } else { format!("={values}") };
+        let sweep = Sweep::read(&values, quantity, bare).map_err(|error| error.to_string())?;
+        let si = quantity.unit(unit).map_or(1.0, |unit| unit.si);
+        let shown = sweep.changes.iter().map(|change| as_written(change.of(0.0) / si)).collect();
+        let suffix = unit.replace(' ', "_");
+        Ok(Axis {
+            name: name.to_owned(),
+            unit,
+            suffix,
+            kind: if unit.is_empty() { Kind::Factor } else { Kind::Value },
+            shown,
+            changes: sweep.changes,
+            target,
+        })
+    }
+
+    /// Factors only.
+    fn factors(name: &str, values: &str, target: Target) -> Result<Self, String> {
+        let sweep = Sweep::read(values, Quantity::Number, Bare::Si).map_err(|error| error.to_string())?;
+        let shown = sweep.changes.iter().map(|change| match change {
+            Change::Multiply(factor) => Ok(*factor),
+            _ => Err(format!("found `{}`, expected factors, as in `x0,x0.5,x1` or `x0..1:5`", values.trim())),
+        });
+        let shown = shown.collect::<Result<_, _>>()?;
+        let (unit, suffix, kind) = ("", String::new(), Kind::Factor);
+        Ok(Axis { name: name.to_owned(), unit, suffix, kind, shown, changes: sweep.changes, target })
+    }
+
+    /// A number of the file, in the file's unit.
+    fn of_number(name: &str, values: &str, (path, which): (String, usize), now: f64) -> Result<Self, String> {
+        let (quantity, unit) = file_unit(name);
+        let bare = unit.map_or(Bare::Si, |unit| Bare::In(unit.symbol));
+        let sweep = Sweep::read(values, quantity, bare).map_err(|error| error.to_string())?;
+        let shown = |change: &Change| match *change {
+            Change::Set(_) => in_file_unit(*change, now, unit),
+            Change::Add(by) => in_file_unit(Change::Set(by), now, unit),
+            Change::Multiply(factor) => factor,
+        };
+        let shown = sweep.changes.iter().map(shown).collect();
+        let suffix = unit.map_or("", |unit| unit.suffix).to_owned();
+        let (kind, target) = (kind_of(&sweep), Target::Number(path, which));
+        Ok(Axis { name: name.to_owned(), unit: "", suffix, kind, shown, changes: sweep.changes, target })
+    }
+
+    /// A screw, or another parameter.
+    fn of_parameter(name: &str, values: &str, parameter: &Parameter, instrument: &Instrument) -> Result<Self, String> {
+        let quantity = parameter.quantity(instrument);
+        let sweep =
+            Sweep::read(values, quantity, parameter.trade_bare(instrument)).map_err(|error| error.to_string())?;
+        let target = Target::Parameter(parameter.clone());
+        if let Parameter::Screw { action, .. } = parameter {
+            let (per_si, unit) = action.shown_unit();
+            let setting = parameter.value(instrument);
+            // Shown as typed, and turned by what is shown.
+            let each = sweep.changes.iter().map(|change| match *change {
+                Change::Set(value) => {
+                    let shown = as_written(value * per_si);
+                    (shown, Change::Set(shown / per_si))
+                }
+                Change::Add(by) => {
+                    let by = as_written(by * per_si);
+                    (as_written(setting * per_si + by), Change::Add(by / per_si))
+                }
+                Change::Multiply(_) => (as_written(change.of(setting) * per_si), *change),
+            });
+            let (shown, changes) = each.unzip();
+            let suffix = unit.replace(' ', "_");
+            return Ok(Axis { name: name.to_owned(), unit, suffix, kind: Kind::Value, shown, changes, target });
+        }
+        let trade = quantity.trade_unit();
+        let si = trade.map_or(1.0, |unit| unit.si);
+        let shown = sweep.changes.iter().map(|change| match *change {
+            Change::Multiply(factor) => factor,
+            Change::Set(by) | Change::Add(by) => as_written(by / si),
+        });
+        let (shown, kind) = (shown.collect(), kind_of(&sweep));
+        let unit = if kind == Kind::Factor { "" } else { trade.map_or("", |unit| unit.symbol) };
+        let suffix = trade.map_or("", |unit| unit.suffix).to_owned();
+        Ok(Axis { name: name.to_owned(), unit, suffix, kind, shown, changes: sweep.changes, target })
+    }
+
+    /// Keys of a keyboard: `1..88`, `A0..C8:12`, `1,C4,88`.
     fn keys(values: &str) -> Result<Self, String> {
         let wrong = || {
             format!(
@@ -232,49 +304,100 @@ impl Axis {
             (None, None) => keys_named(range).map_err(|_| wrong())?,
             _ => return Err(wrong()),
         };
-        let shown = keys.into_iter().map(|key| key as f64).collect();
-        Ok(Axis { name: KEY.to_owned(), unit: "", shown, per_si: 1.0, target: Target::Key })
+        let shown: Vec<f64> = keys.into_iter().map(|key| key as f64).collect();
+        let changes = shown.iter().map(|key| Change::Set(*key)).collect();
+        let (unit, suffix, kind) = ("", String::new(), Kind::Value);
+        Ok(Axis { name: KEY.to_owned(), unit, suffix, kind, shown, changes, target: Target::Key })
     }
 
-    /// A value in SI units, or the factor.
-    pub(crate) fn si(&self, index: usize) -> f64 {
-        self.shown[index] / self.per_si
+    /// A value of the force, N.
+    pub(crate) fn force_n(&self, index: usize) -> f64 {
+        self.shown[index]
+    }
+
+    /// The argument of [`Parameter::vary`] for an instrument.
+    pub(crate) fn by(&self, parameter: &Parameter, instrument: &Instrument, index: usize) -> f64 {
+        parameter.by(instrument, self.changes[index])
+    }
+
+    /// Why a variant cannot be: what was asked of which number.
+    pub(crate) fn refusal(&self, parameter: &Parameter, index: usize, by: f64) -> String {
+        let (by, unit) = match parameter {
+            Parameter::Screw { action, .. } => (as_written(by * action.shown_unit().0), self.unit),
+            _ => (self.shown[index], self.unit),
+        };
+        format!("{} cannot be varied by {by} {unit}", self.name).trim_end().to_owned()
     }
 
     /// The name of its column: with the unit, as all columns.
     pub(crate) fn column(&self) -> String {
-        if matches!(self.target, Target::Key | Target::Number(..)) {
-            return self.name.clone();
+        let suffix = if self.suffix.is_empty() { String::new() } else { format!("_{}", self.suffix) };
+        // A number of the file has its unit in its path already.
+        let name = match self.target {
+            Target::Key => return self.name.clone(),
+            Target::Number(..) if self.kind == Kind::Value => return self.name.clone(),
+            Target::Number(..) => self.name.strip_suffix(&suffix).unwrap_or(&self.name),
+            _ => &self.name,
+        };
+        match self.kind {
+            Kind::Value => format!("{name}{suffix}"),
+            Kind::Difference => format!("{name}_change{suffix}"),
+            Kind::Factor => format!("{name}_factor"),
         }
-        let unit = self.unit.replace(' ', "_");
-        if unit.is_empty() { format!("{}_factor", self.name) } else { format!("{}_{unit}", self.name) }
     }
 
-    fn allows(&self, shown: f64) -> bool {
+    fn allows(&self, instrument: &Instrument, index: usize) -> bool {
         match &self.target {
-            Target::Force => (0.0..=MAX_FORCE_N).contains(&shown),
+            Target::Force => (0.0..=MAX_FORCE_N).contains(&self.shown[index]),
             // The reader of the file knows what can be.
             Target::Key | Target::Number(..) | Target::Grading(..) => true,
             Target::Parameter(parameter) => {
                 let [least, most] = parameter.range();
-                (least * self.per_si..=most * self.per_si).contains(&shown)
+                (least..=most).contains(&self.by(parameter, instrument, index))
             }
         }
     }
 
-    fn allowed(&self) -> String {
-        match &self.target {
-            Target::Force => format!("from 0 to {MAX_FORCE_N} N: a finger pushes the key down, and cannot pull it up"),
-            Target::Key | Target::Number(..) | Target::Grading(..) => "a number".into(),
-            Target::Parameter(parameter) if parameter.is_factor() => "a factor from 0.001 to 1000".into(),
-            Target::Parameter(_) if self.unit == "degrees" => format!("at most {MOST_TURNED_DEG} degrees either way"),
-            Target::Parameter(_) => format!("at most {} {}", 0.1 * self.per_si, self.unit),
+    fn allowed(&self, instrument: &Instrument) -> String {
+        let parameter = match &self.target {
+            Target::Force => {
+                return format!("from 0 to {MAX_FORCE_N} N: a finger pushes the key down, and cannot pull it up");
+            }
+            Target::Key | Target::Number(..) | Target::Grading(..) => return "a number".into(),
+            Target::Parameter(parameter) => parameter,
+        };
+        let [least, most] = parameter.range();
+        match parameter {
+            Parameter::Screw { action, .. } => {
+                let (per_si, unit) = action.shown_unit();
+                format!("at most {} {unit} either way", as_written(most * per_si))
+            }
+            _ => {
+                let quantity = parameter.quantity(instrument);
+                let (si, unit) = quantity.trade_unit().map_or((1.0, ""), |unit| (unit.si, unit.symbol));
+                let now = parameter.value(instrument) / si;
+                let expected = format!(
+                    "a factor from {least} to {most}, which is {:.3e} to {:.3e} {unit}",
+                    least * now,
+                    most * now
+                );
+                expected.trim_end().to_owned()
+            }
         }
     }
 }
 
+/// Whether a sweep's changes are values, differences or factors.
+fn kind_of(sweep: &Sweep) -> Kind {
+    match sweep.changes.first() {
+        Some(Change::Multiply(_)) => Kind::Factor,
+        Some(Change::Add(_)) => Kind::Difference,
+        _ => Kind::Value,
+    }
+}
+
 /// A grading of a keyboard by its name: the whole; with `.` and the number of a key behind it, its point there.
-fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), String> {
+fn grading_of(name: &str, source: &Source) -> Result<(Target, Quantity, &'static str), String> {
     let Source::Keyboard(keyboard, _) = source else {
         return Err(format!(
             "`{GRADING}{name}`: only a keyboard has gradings; vary {KEY} too, or use --instrument concert-grand:key=88"
@@ -282,7 +405,7 @@ fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), Str
     };
     let place = |name: &str| keyboard.gradings.iter().position(|grading| grading.name == name);
     if let Some(index) = place(name) {
-        return Ok((Target::Grading(index, None), ""));
+        return Ok((Target::Grading(index, None), Quantity::Number, ""));
     }
     let point = name.rsplit_once('.').and_then(|(grading, key)| Some((place(grading)?, key)));
     let Some((index, key)) = point else {
@@ -304,12 +427,12 @@ fn grading_of(name: &str, source: &Source) -> Result<(Target, &'static str), Str
             keyboard.base_key
         ));
     };
-    let unit = match grading.graded {
-        Graded::AddedMass { .. } => "g",
-        Graded::Factor { .. } => "",
-        Graded::Shift { .. } => "mm",
+    let (quantity, unit) = match grading.graded {
+        Graded::AddedMass { .. } => (Quantity::Mass, "g"),
+        Graded::Factor { .. } => (Quantity::Number, ""),
+        Graded::Shift { .. } => (Quantity::Length, "mm"),
     };
-    Ok((Target::Grading(index, Some(at)), unit))
+    Ok((Target::Grading(index, Some(at)), quantity, unit))
 }
 
 #[cfg(test)]
@@ -338,8 +461,10 @@ mod tests {
         for wrong in ["key=0..88", "key=1..89", "key=9..2", "key=1..5:9", "key=H4"] {
             assert!(Axis::parse(wrong, &grand(), &keyboard).unwrap_err().contains("keys from 1 to 88"), "{wrong}");
         }
+        let notes = Axis::parse("key=A0,C8,a4", &grand(), &keyboard).unwrap();
+        assert_eq!(notes.shown, [1.0, 88.0, 49.0]);
         // What cannot be is said by the reader of such a file.
-        let axes = [Axis::parse("body.hammer.mass_g=-3,1", &grand(), &read()).unwrap()];
+        let axes = [Axis::parse("body.hammer.mass_g==-3,1", &grand(), &read()).unwrap()];
         assert!(read().instrument(&axes, &[0]).unwrap().unwrap_err().contains("mass_g"));
     }
 
@@ -359,7 +484,7 @@ mod tests {
         };
         let source = Source::Keyboard(Box::new(keyboard.clone()), Some(last.key));
         let own = mass(&keyboard.key(keyboard.base_key).unwrap());
-        let whole = Axis::parse(&format!("grading.{}=0,0.5,1", grading.name), &grand(), &source).unwrap();
+        let whole = Axis::parse(&format!("grading.{}=x0,x0.5,x1", grading.name), &grand(), &source).unwrap();
         assert_eq!(whole.column(), format!("grading.{}_factor", grading.name));
         let axes = [whole];
         for (i, factor) in [0.0, 0.5, 1.0].into_iter().enumerate() {
@@ -376,6 +501,7 @@ mod tests {
             (&format!("grading.{}.2=1,2", grading.name)[..], &source, "no point at key `2`"),
             (&format!("grading.{}.{}=1,2", grading.name, keyboard.base_key), &source, "is the instrument itself"),
             (&format!("grading.{}=1,2", grading.name), &read(), "only a keyboard has gradings"),
+            (&format!("grading.{}=0.5,1", grading.name), &source, "expected factors"),
         ] {
             let error = Axis::parse(wrong, &grand(), source).unwrap_err();
             assert!(error.contains(told), "{wrong}: {error}");
@@ -388,15 +514,57 @@ mod tests {
 
     #[test]
     fn ranges_and_lists_are_read() {
-        let axis = Axis::parse("let_off=-1mm..1mm:5", &grand(), &read()).unwrap();
-        assert_eq!(axis.shown, [-1.0, -0.5, 0.0, 0.5, 1.0]);
-        assert_eq!((axis.column().as_str(), axis.si(0)), ("let_off_mm", -1e-3));
-        let axis = Axis::parse("body.hammer.mass=0.8, 1 ,1.25", &grand(), &read()).unwrap();
-        assert_eq!((axis.shown.as_slice(), axis.column().as_str()), (&[0.8, 1.0, 1.25][..], "body.hammer.mass_factor"));
-        let axis = Axis::parse("force=1N..20:3", &grand(), &read()).unwrap();
-        assert_eq!((axis.shown.as_slice(), axis.column().as_str()), (&[1.0, 10.5, 20.0][..], "force_N"));
-        let axis = Axis::parse("back_check_angle=-2deg..2 degrees:2", &grand(), &read()).unwrap();
-        assert!((axis.si(1) - 2.0_f64.to_radians()).abs() < 1e-15);
+        let axis = |text: &str| Axis::parse(text, &grand(), &read()).unwrap_or_else(|error| panic!("{text}: {error}"));
+        let screw = axis("let_off=-1mm..1mm:5");
+        // Its setting in the file is 0.0568 mm.
+        assert_eq!(screw.shown, [-0.9432, -0.4432, 0.0568, 0.5568, 1.0568]);
+        assert_eq!((screw.column().as_str(), screw.changes[0]), ("let_off_mm", Change::Add(-1e-3)));
+        let angle = axis("back_check_angle=-2deg..2 degrees:2");
+        assert_eq!(angle.column(), "back_check_angle_degrees");
+        assert_eq!(angle.changes[1], Change::Add(2.0 / (180.0 / std::f64::consts::PI)));
+        for (text, column, shown) in [
+            ("body.hammer.mass=x0.8, x1 ,x1.25", "body.hammer.mass_factor", vec![0.8, 1.0, 1.25]),
+            ("body.hammer.mass=*0.8,1.25", "body.hammer.mass_factor", vec![0.8, 1.25]),
+            ("body.hammer.mass=4.5,5g,0.2oz", "body.hammer.mass_g", vec![4.5, 5.0, 5.669_904_625]),
+            ("body.hammer.mass=+0.8g", "body.hammer.mass_change_g", vec![0.8]),
+            ("body.hammer.mass=-0.8,0,0.8g", "body.hammer.mass_change_g", vec![-0.8, 0.0, 0.8]),
+            ("body.hammer.mass_g=+0.8,-1", "body.hammer.mass_change_g", vec![0.8, -1.0]),
+            ("body.hammer.mass_g=5g", "body.hammer.mass_g", vec![5.0]),
+            ("zone.string.stiffness=*2", "zone.string.stiffness_factor", vec![2.0]),
+            ("zone.string.stiffness=2e8", "zone.string.stiffness_N_per_m_r", vec![2e8]),
+            ("let_off=0.004in", "let_off_mm", vec![0.1016]),
+            ("let_off=\u{2212}0.2", "let_off_mm", vec![-0.1432]),
+            ("set_off=+0.2", "let_off_mm", vec![0.2568]),
+            ("body.wippen.mass=x2", "body.whippen.mass_factor", vec![2.0]),
+            ("force=1N..20:3", "force_N", vec![1.0, 10.5, 20.0]),
+            ("force=100gf", "force_N", vec![0.980_665]),
+        ] {
+            let found = axis(text);
+            assert_eq!(found.column(), column, "{text}");
+            assert_eq!(found.shown, shown, "{text}");
+        }
+    }
+
+    /// Values, differences and factors of a mass make the instruments that they say; a screw's values are settings.
+    #[test]
+    fn changes_are_counted_from_the_instrument() {
+        let one = |text: &str| {
+            let axis = Axis::parse(text, &grand(), &read()).unwrap();
+            let Target::Parameter(parameter) = &axis.target else { panic!("{text}") };
+            let mut varied = grand();
+            let by = axis.by(parameter, &varied, 0);
+            assert!(parameter.vary(&mut varied, by));
+            parameter.value(&varied)
+        };
+        let mass = Parameter::named(&grand(), "body.hammer.mass").unwrap().1.value(&grand());
+        for (text, expected) in [
+            ("body.hammer.mass=x1.25", 1.25 * mass),
+            ("body.hammer.mass=+0.8g", mass + 0.8e-3),
+            ("body.hammer.mass=5", 5e-3),
+            ("let_off=0.3", 0.3e-3),
+        ] {
+            assert!((one(text) - expected).abs() < 1e-15, "{text}");
+        }
     }
 
     /// Whatever is wrong is named, and what would be right.
@@ -407,15 +575,20 @@ mod tests {
             ("let_of=1mm..2mm:3", "nearest `let_off`"),
             ("let_off=1mm..2mm", "FROM..TO:COUNT"),
             ("let_off=1mm:3", "FROM..TO:COUNT"),
-            ("let_off=1cm..2mm:3", "a number of mm"),
-            ("let_off=..2mm:3", "a number of mm"),
-            ("let_off=1mm..2mm:1", "2 to 100000 values"),
-            ("let_off=1mm..2mm:many", "2 to 100000 values"),
+            ("let_off=1g..2mm:3", "`g` is not one of its units"),
+            ("let_off=..2mm:3", "a length"),
+            ("let_off=1mm..2mm:1", "from 2 to 100000"),
+            ("let_off=1mm..2mm:many", "FROM..TO:COUNT"),
             ("let_off=1mm..200mm:3", "out of range"),
-            ("let_off=nan..2mm:3", "a number of mm"),
+            ("let_off=nan..2mm:3", "a length"),
+            ("let_off=0,5mm,1mm", "type `0.5mm, 1mm`"),
+            ("let_off=1,-1", "values and changes are mixed"),
             ("body.hammer.mass=0..2:3", "a factor from 0.001 to 1000"),
-            ("body.hammer.mass=one", "expected a factor"),
+            ("body.hammer.mass=x0..2:3", "a factor from 0.001 to 1000"),
+            ("body.hammer.mass=one", "a mass"),
+            ("body.key.friction=x2", "type `body.key_back.friction`"),
             ("force=1e9", "out of range"),
+            ("force=-1", "out of range"),
             ("back_check_angle=1e9", "at most 90 degrees either way"),
             ("back_check_angle=-91deg..0deg:3", "at most 90 degrees either way"),
         ] {

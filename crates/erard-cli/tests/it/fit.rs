@@ -2,7 +2,7 @@
 
 use crate::common::Folder;
 use erard::instrument::Instrument;
-use erard_workshop::study::Parameter;
+use erard::parameter::Parameter;
 use serde_json::Value;
 
 const MF: &str = include_str!("../../../erard/recordings/heavier-mf.csv");
@@ -164,7 +164,7 @@ fn what_is_not_told_is_said() {
     folder.file("late.csv", &late);
     let vary =
         "--vary=body.hammer.mass,zone.capstan_heel.stiffness,body.key_back.friction,let_off,zone.check.stiffness";
-    let bounds = ["--bounds=body.hammer.mass=0.5..2", "--bounds=let_off=-1..1"];
+    let bounds = ["--bounds=body.hammer.mass=x0.5..2", "--bounds=let_off=-1..1"];
     let how = ["--delays", "--restarts=1", "--no-pictures"];
     let said = folder.good(&[&["fit", "concert-grand", "late.csv", vary], &bounds[..], &how].concat());
     assert!(said.contains("Not seen: zone.check.stiffness up: the data leave"), "{said}");
@@ -200,15 +200,15 @@ fn what_is_wrong_is_named() {
         (&["force.csv", mass], "no other channel was recorded"),
         (&["pressed.csv", mass, "--drive=motion"], "begins with a force"),
         (
-            &["mf.csv", mass, "--bounds=body.hammer.mass=1.2..0.9"],
+            &["mf.csv", mass, "--bounds=body.hammer.mass=x1.2..0.9"],
             "--bounds: body.hammer.mass from 1.2 to 0.9; expected two increasing numbers",
         ),
-        (&["mf.csv", mass, "--bounds=body.hammer.mass=nan..2"], "--bounds"),
-        (&["mf.csv", mass, "--bounds=body.hammer.mass=1mm..2mm"], "units: kg, g"),
+        (&["mf.csv", mass, "--bounds=body.hammer.mass=xnan..2"], "--bounds"),
+        (&["mf.csv", mass, "--bounds=body.hammer.mass=1mm..2mm"], "expected kg, g"),
         (&["mf.csv", mass, "--bounds=body.hammer.mass"], "expected a name and two increasing numbers"),
         (&["mf.csv", mass, "--bounds=let_off=-1..1"], "let_off is not varied"),
-        (&["mf.csv", mass, "--bounds=body.hammer.mass=0.5..2", "--bounds=body.hammer.mass=0.5..3"], "twice"),
-        (&["mf.csv", mass, "--start=body.hammer.mass=9"], "its bounds are"),
+        (&["mf.csv", mass, "--bounds=body.hammer.mass=x0.5..2", "--bounds=body.hammer.mass=x0.5..3"], "twice"),
+        (&["mf.csv", mass, "--start=body.hammer.mass=x9"], "its bounds are"),
         (&["mf.csv", mass, "--sigma=force=-1N"], "as in force=0.02N"),
         (&["mf.csv", mass, "--sigma=position=0"], "expected positive numbers"),
         (&["mf.csv", mass, "--compare=string"], "expected force, position, hammer or hammer_speed"),

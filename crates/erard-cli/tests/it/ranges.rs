@@ -22,7 +22,7 @@ fn numbers_are_refused_as_by_the_other_fronts() {
             "force_n" => format!("press --force-step {value} --duration 1e-3"),
             "hammer_speed_m_per_s" => format!("press --hammer-speed {value}"),
             "key" => format!("press --instrument concert-grand:key={value} --force-step 5 --duration 1e-3"),
-            "hammer_mass_factor" => format!("study --vary body.hammer.mass={value} --force-step 5 --duration 1e-3"),
+            "hammer_mass_factor" => format!("study --vary body.hammer.mass=x{value} --force-step 5 --duration 1e-3"),
             "let_off_turned_mm" => format!("study --vary let_off={value}mm --force-step 5 --duration 1e-3"),
             // The command steps nothing live.
             "live_force_n" | "live_position_m" | "live_speed_m_per_s" => continue,

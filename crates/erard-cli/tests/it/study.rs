@@ -36,7 +36,7 @@ fn a_level_may_be_found_for_each() {
     };
     let is_p = |speed: &f64| (speed / 0.79 - 1.0).abs() < 2e-3;
     assert!(speeds(&["--vary", "key=1,88"]).iter().all(is_p));
-    let hammers = ["--vary", "body.hammer.mass=0.9,1.1"];
+    let hammers = ["--vary", "body.hammer.mass=x0.9,x1.1"];
     assert!(speeds(&[&hammers[..], &["--each"]].concat()).iter().all(is_p));
     let one_hand = speeds(&hammers);
     assert!(one_hand[0] > 1.02 * 0.79 && one_hand[1] < 0.98 * 0.79, "{one_hand:?}");
@@ -44,7 +44,7 @@ fn a_level_may_be_found_for_each() {
     assert!(said.contains("nothing to vary") && said.contains("--sensitivities"), "{said}");
     let said = folder.bad(&["study", "--each", "--force-step", "3", "--vary", "let_off=0"]);
     assert!(said.contains("--each") && said.contains("--stroke"), "{said}");
-    let said = folder.bad(&["study", "--each", "--model", "one-dof", "--vary", "body.key.mass=1"]);
+    let said = folder.bad(&["study", "--each", "--model", "one-dof", "--vary", "body.key.mass=x1"]);
     assert!(said.contains("--each") && said.contains("--model one-dof"), "{said}");
 }
 
@@ -53,10 +53,10 @@ fn a_level_may_be_found_for_each() {
 fn several_strikes_and_none_are_counted() {
     let folder = Folder::new("study-strikes");
     // In words of another region, too; the column has this program's name.
-    let said = folder.good(&["study", "--vary", "set_off=0,1mm", "--force-step", "5"]);
+    let said = folder.good(&["study", "--vary", "set_off=+0mm,1mm", "--force-step", "5"]);
     assert_eq!(column(&folder, "erard-out-study/study.csv", "let_off_mm").len(), 2);
     assert!(said.contains("2 strokes; 0 failed; 1 with several impacts"), "{said}");
-    let said = folder.good(&["study", "--vary", "let_off=0,0.1mm", "--force-step", "0.2", "--out", "soft"]);
+    let said = folder.good(&["study", "--vary", "let_off=+0mm,0.1mm", "--force-step", "0.2", "--out", "soft"]);
     assert!(said.contains("2 strokes; 0 failed; 2 without an impact"), "{said}");
 }
 
@@ -64,7 +64,7 @@ fn several_strikes_and_none_are_counted() {
 #[test]
 fn a_screw_and_what_it_sets_are_two_columns() {
     let folder = Folder::new("study-titles");
-    folder.good(&["study", "--vary", "let_off=0,0.1mm", "--measure", "let_off_mm", "--force-step", "5"]);
+    folder.good(&["study", "--vary", "let_off=0mm,0.1mm", "--measure", "let_off_mm", "--force-step", "5"]);
     let [set, measured] =
         ["let_off_mm", "measured_let_off_mm"].map(|title| column(&folder, "erard-out-study/study.csv", title));
     assert_eq!(set, [Some(0.0), Some(0.1)]);
@@ -86,7 +86,7 @@ fn a_study_is_many_presses() {
         "--vary",
         "let_off=-0.5mm..0.5mm:3",
         "--vary",
-        "body.hammer.mass=0.9,1",
+        "body.hammer.mass=x0.9,x1",
         "--stroke",
         "f",
         "--drive",
@@ -97,7 +97,8 @@ fn a_study_is_many_presses() {
     assert!(printed.contains("6 strokes") && printed.contains("0 failed"), "{printed}");
     let study = "erard-out-study/study.csv";
     let varied: Vec<_> = ["let_off_mm", "body.hammer.mass_factor"].map(|name| column(&folder, study, name)).into();
-    assert_eq!(varied[0], [-0.5, -0.5, 0.0, 0.0, 0.5, 0.5].map(Some));
+    // The setting in the file is 0.0568 mm.
+    assert_eq!(varied[0], [-0.4432, -0.4432, 0.0568, 0.0568, 0.5568, 0.5568].map(Some));
     assert_eq!(varied[1], [0.9, 1.0, 0.9, 1.0, 0.9, 1.0].map(Some));
     folder.good(&["press", "--stroke", "f", "--drive", "force", "--duration", "0.2", "--out", "press"]);
     let summary: Value = serde_json::from_str(&folder.read("press/summary.json")).unwrap();
@@ -153,7 +154,7 @@ fn what_does_not_happen_is_empty_and_what_cannot_be_fails_alone() {
     assert_eq!(column(&folder, "forces/study.csv", "impact_count"), [Some(0.0), Some(1.0)]);
 
     let printed =
-        folder.good(&["study", "--vary", "repetition_spring=0,-99Nmm", "--force-step", "5", "--out", "springs"]);
+        folder.good(&["study", "--vary", "repetition_spring=+0,-99Nmm", "--force-step", "5", "--out", "springs"]);
     // The reason is wrapped beside its row.
     let words = printed.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words.contains("1 failed") && words.contains("repetition_spring cannot be varied by -99"), "{printed}");
@@ -262,7 +263,7 @@ fn anything_is_varied_and_measured() {
     let said = folder.good(&[
         "study",
         "--vary",
-        "body.hammer.mass_g=7.7,8.7,-1",
+        "body.hammer.mass_g==7.7,8.7,-1",
         "--measure",
         "strike_weight_g",
         "--force-step",

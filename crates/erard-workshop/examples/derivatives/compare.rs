@@ -4,11 +4,12 @@ use std::time::Instant;
 
 use erard::gradient::QUANTITIES;
 use erard::level::{Kind, MASS_KG, Reference, named};
+use erard::parameter::Parameter;
 use erard::player::Input;
 use erard::stroke::{HandStroke, Touch};
 use erard::{Action, Instrument, Settings, Setup};
 use erard_workshop::sensitivities::{Differentiation, Gradient, Rest, SHORTER, Variable, gradient};
-use erard_workshop::study::{Job, JobResult, OUTCOMES, Parameter, Stroke, Workers, play_all};
+use erard_workshop::study::{Job, JobResult, OUTCOMES, Stroke, Workers, play_all};
 
 /// Levels of the comparison.
 pub const LEVELS: [&str; 3] = ["pp", "mf", "ff"];

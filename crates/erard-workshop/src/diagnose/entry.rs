@@ -7,8 +7,8 @@ use erard::parameter::{NumberError, Quantity as Physical};
 use super::bench::Bench;
 use crate::balance::Lead;
 use crate::measure::usual::usual;
-use crate::regional::canonical_name;
 use crate::worklist::{Quantity, Readings};
+use erard::parameter::canonical_name;
 
 /// Number of entries.
 pub(super) const ENTRIES: usize = 21;

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use erard::parameter::Quantity;
 use erard::player::Hand;
 use erard::run::Setup;
 use erard::stroke::{Cursor, ForceSeries, PositionOf, PositionSeries, Prescribed, Recording, Role, Series, Stroke};
@@ -21,11 +22,13 @@ pub const COLUMNS: [(&str, Role, f64); 4] = [
 ];
 /// Display unit for misfit and noise of a column, and its factor from SI.
 pub fn misfit_unit(column: &str) -> (f64, &'static str) {
-    match column {
-        "force_N" => (1e3, "mN"),
-        "hammer_head_m_per_s" => (1e3, "mm/s"),
-        _ => (1e6, "um"),
-    }
+    let quantity = Quantity::of_name(column).map_or(Quantity::Length, |(quantity, _)| quantity);
+    let fine = match quantity {
+        Quantity::Force => "mN",
+        Quantity::Speed => "mm/s",
+        _ => "um",
+    };
+    quantity.unit(fine).map_or((1.0, ""), |unit| ((1.0 / unit.si).round(), unit.symbol))
 }
 
 /// Samples per second at most: above, a recording shows more of its noise than of the action.

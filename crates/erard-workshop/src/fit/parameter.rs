@@ -1,7 +1,7 @@
 //! Fitted parameters, their bounds and their scales.
 
-use crate::study::{Parameter, Quantity, nearest, quantities};
 use erard::instrument::{Instrument, InstrumentFile};
+use erard::parameter::{Change, Entry, NameError, Parameter, nearest, register};
 
 use super::FitError;
 
@@ -77,6 +77,11 @@ impl FitParameter {
         if self.parameter.is_factor() { (self.value * x).abs() * error / x } else { error }
     }
 
+    /// Converts a change of the instrument's number to a turn or a factor.
+    pub fn outer_of(&self, instrument: &Instrument, change: Change) -> f64 {
+        self.parameter.by(instrument, change)
+    }
+
     /// Turn or factor that leaves the instrument unchanged.
     pub(crate) fn unchanged(&self) -> f64 {
         if self.parameter.is_factor() { 1.0 } else { 0.0 }
@@ -101,10 +106,13 @@ pub fn fit_parameters(
     names: &[String],
     bounds: &PerName<[f64; 2]>,
 ) -> Result<Vec<FitParameter>, FitError> {
-    let known = quantities(file);
+    let known = register(file);
     let mut found: Vec<FitParameter> = Vec::new();
     for name in names {
-        let own = known.iter().find(|quantity| quantity.name == *name).ok_or_else(|| unknown(name, &known))?;
+        let own = known
+            .iter()
+            .find(|quantity| quantity.name == *name)
+            .ok_or_else(|| unknown(&file.instrument, name, &known))?;
         if found.iter().any(|other| other.name == *name) {
             return Err(FitError::argument("vary", format!("`{name}` is given twice; expected once")));
         }
@@ -119,7 +127,7 @@ pub fn fit_parameters(
     }
 }
 
-fn parameter(own: &Quantity, bounds: &PerName<[f64; 2]>) -> Result<FitParameter, FitError> {
+fn parameter(own: &Entry, bounds: &PerName<[f64; 2]>) -> Result<FitParameter, FitError> {
     let [least, most] = own.parameter.range();
     let usual = || {
         let screw = [-USUAL_TURN * most, USUAL_TURN * most];
@@ -129,7 +137,7 @@ fn parameter(own: &Quantity, bounds: &PerName<[f64; 2]>) -> Result<FitParameter,
     let given = bounds.iter().find(|(name, _)| *name == own.name).map(|(_, bounds)| *bounds);
     let [low, high] = given.unwrap_or_else(usual);
     if !(low.is_finite() && high.is_finite() && least <= low && low < high && high <= most) {
-        let unit = if own.parameter.is_factor() { "times" } else { own.unit };
+        let unit = if own.parameter.is_factor() { "times" } else { own.quantity.si_unit() };
         let expected = format!("expected two increasing numbers from {least:.4} to {most:.4} {unit}");
         return Err(FitError::argument("bounds", format!("{} from {low} to {high}; {expected}", own.name)));
     }
@@ -138,13 +146,16 @@ fn parameter(own: &Quantity, bounds: &PerName<[f64; 2]>) -> Result<FitParameter,
         name: own.name.clone(),
         parameter: own.parameter.clone(),
         value: own.value,
-        unit: own.unit,
+        unit: own.quantity.si_unit(),
         low,
         high,
     })
 }
 
-fn unknown(name: &str, known: &[Quantity]) -> FitError {
+fn unknown(instrument: &Instrument, name: &str, known: &[Entry]) -> FitError {
+    if let Err(error @ NameError::Idle { .. }) = Parameter::named(instrument, name) {
+        return FitError::asked("vary", error.to_string());
+    }
     let is_number = known.iter().any(|one| one.path == name);
     let what = if is_number {
         "is a number of the file; expected a screw or a parameter"

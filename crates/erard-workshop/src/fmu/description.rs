@@ -2,40 +2,19 @@
 
 use std::fmt::Write;
 
+use erard::parameter::Quantity;
+
 use super::{MODEL, Unit, Variable};
 
-/// Units by the ends of keys, and their composition from SI units: exponents of kg, m, s, rad, and a factor.
-const UNITS: [(&str, &str, [i32; 4], f64); 24] = [
-    ("", "m", [0, 1, 0, 0], 1.0),
-    ("", "m/s", [0, 1, -1, 0], 1.0),
-    ("", "s", [0, 0, 1, 0], 1.0),
-    ("_mm", "mm", [0, 1, 0, 0], 1e-3),
-    ("_deg", "deg", [0, 0, 0, 1], std::f64::consts::PI / 180.0),
-    ("_rad", "rad", [0, 0, 0, 1], 1.0),
-    ("_g", "g", [1, 0, 0, 0], 1e-3),
-    ("_kg_m2", "kg.m2", [1, 2, 0, 0], 1.0),
-    ("_g_mm2", "g.mm2", [1, 2, 0, 0], 1e-9),
-    ("_N_m", "N.m", [1, 2, -2, 0], 1.0),
-    ("_N_mm", "N.mm", [1, 2, -2, 0], 1e-3),
-    ("_N_m_s_per_rad", "N.m.s/rad", [1, 2, -1, -1], 1.0),
-    ("_N_m_per_rad", "N.m/rad", [1, 2, -2, -1], 1.0),
-    ("_N_per_m", "N/m", [1, 0, -2, 0], 1.0),
-    ("_N_s_per_m", "N.s/m", [1, 0, -1, 0], 1.0),
-    ("_N_s_per_m3", "N.s/m3", [1, -2, -1, 0], 1.0),
-    ("_m_s2", "m/s2", [0, 1, -2, 0], 1.0),
-    ("_s_per_m", "s/m", [0, -1, 1, 0], 1.0),
-    ("_N", "N", [1, 1, -2, 0], 1.0),
-    ("_s", "s", [0, 0, 1, 0], 1.0),
-    ("_ms", "ms", [0, 0, 1, 0], 1e-3),
-    ("_m", "m", [0, 1, 0, 0], 1.0),
-    ("_m_per_s", "m/s", [0, 1, -1, 0], 1.0),
-    ("_kg", "kg", [1, 0, 0, 0], 1.0),
-];
-
-/// Unit at the end of a key's name; empty if unknown.
+/// Unit at the end of a key's name; empty if unknown, or if no SI units make it up.
 pub(super) fn unit_of(key: &str) -> &'static str {
-    let fits = UNITS.iter().filter(|(end, ..)| !end.is_empty() && key.ends_with(end));
-    fits.max_by_key(|(end, ..)| end.len()).map_or("", |(_, unit, ..)| unit)
+    let is_made_up = |quantity: Quantity| quantity.dimension().is_some_and(|exponents| exponents != [0; 4]);
+    Quantity::of_name(key).filter(|(quantity, _)| is_made_up(*quantity)).map_or("", |(_, unit)| unit.symbol)
+}
+
+/// A unit's name in FMI: `kg.m2`.
+fn unit_name(unit: &str) -> String {
+    unit.replace(' ', ".")
 }
 
 /// Whether a name follows FMI's structured naming convention: `key[40].force`, not `contact.back-check`.
@@ -76,17 +55,20 @@ fn description(unit: &Unit) -> String {
         env!("CARGO_PKG_VERSION"),
     );
     out.push_str("<UnitDefinitions>");
-    for (n, (_, unit, exponents, factor)) in UNITS.iter().enumerate() {
-        let is_new = UNITS[..n].iter().all(|(_, other, ..)| other != unit);
-        if is_new && variables.iter().any(|variable| variable.unit == *unit) {
-            let _ = write!(out, "<Unit name=\"{unit}\"><BaseUnit");
-            for (base, exponent) in
-                ["kg", "m", "s", "rad"].iter().zip(exponents).filter(|(_, exponent)| **exponent != 0)
+    let known =
+        Quantity::ALL.into_iter().flat_map(|quantity| quantity.units().iter().map(move |unit| (quantity, unit)));
+    // A weight's units are named like a mass's, and are not used.
+    let known = known.filter(|(quantity, _)| *quantity != Quantity::Weight);
+    for (quantity, own) in known {
+        let (name, Some(exponents)) = (unit_name(own.symbol), quantity.dimension()) else { continue };
+        if variables.iter().any(|variable| variable.unit == own.symbol) {
+            let _ = write!(out, "<Unit name=\"{name}\"><BaseUnit");
+            for (base, exponent) in ["kg", "m", "s", "rad"].iter().zip(exponents).filter(|(_, exponent)| *exponent != 0)
             {
                 let _ = write!(out, " {base}=\"{exponent}\"");
             }
-            if *factor != 1.0 {
-                let _ = write!(out, " factor=\"{factor}\"");
+            if own.si != 1.0 {
+                let _ = write!(out, " factor=\"{}\"", own.si);
             }
             out.push_str("/></Unit>");
         }
@@ -116,7 +98,7 @@ fn description(unit: &Unit) -> String {
         }
         out.push_str(if variable.is_integer() { "><Integer" } else { "><Real" });
         if !unit.is_empty() {
-            let _ = write!(out, " unit=\"{unit}\"");
+            let _ = write!(out, " unit=\"{}\"", unit_name(unit));
         }
         if let Some(start) = start {
             let _ = write!(out, " start=\"{start}\"");

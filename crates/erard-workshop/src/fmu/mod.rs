@@ -10,7 +10,7 @@ mod unit;
 use erard::instrument::{InstrumentFile, numbers_at_each};
 use erard::keyboard::{KEYS, note_name};
 
-use crate::study::Parameter;
+use erard::parameter::Parameter;
 
 pub use unit::Unit;
 

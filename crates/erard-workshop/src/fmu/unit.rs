@@ -6,7 +6,7 @@ use erard::keyboard::Keyboard;
 use erard::saved::{FNV1A, fnv1a};
 
 use super::{INSTRUMENT, KEYBOARD, Role, Variable, keyboard_variables, variables};
-use crate::study::Parameter;
+use erard::parameter::Parameter;
 
 /// An instrument or a keyboard, with the variables for a simulator.
 #[derive(Debug)]

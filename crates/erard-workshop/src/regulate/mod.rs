@@ -19,7 +19,7 @@ pub use goal::{Goal, Kind, Specification};
 pub use rounds::{Achieved, Miss, Regulated, Status, Turned, regulate};
 pub(crate) use screw::way;
 pub use screw::{CAPSTAN_THREAD_M, Handwork, KnownScrew, Range, SMALL_THREAD_M, known_screw, turns_text};
-pub use value::{parse_value, screw_unit, show, unit};
+pub use value::{parse_value, show, unit};
 
 use thiserror::Error;
 

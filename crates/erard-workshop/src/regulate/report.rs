@@ -3,7 +3,7 @@
 use erard::instrument::RewriteError;
 use serde_json::{Value, json};
 
-use super::{Achieved, Goal, Handwork, Miss, Regulated, Turned, known_screw, screw_unit, show, unit};
+use super::{Achieved, Goal, Handwork, Miss, Regulated, Turned, known_screw, show, unit};
 use crate::distances::Distances;
 
 impl Regulated {
@@ -24,7 +24,7 @@ impl Regulated {
             })
         });
         let screws = self.turned.iter().map(|turned| {
-            let (factor, unit) = screw_unit(&turned.action);
+            let (factor, unit) = turned.action.shown_unit();
             // To a millionth of the unit, as in the file.
             let [from, to] = turned.setting.map(|s| (s * factor * 1e6).round() / 1e6);
             let by = ((to - from) * 1e6).round() / 1e6;

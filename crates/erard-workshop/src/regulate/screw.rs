@@ -1,6 +1,7 @@
 //! Known screws of a grand action, by their names in instrument files.
 
 use erard::instrument::{Instrument, Screw, ScrewAction, Vec2};
+use erard::parameter::Quantity;
 
 /// Range of a screw, counted from the drawn geometry.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,10 +108,10 @@ impl KnownScrew {
 /// Rounds a setting as in files: 0.1 um, a ten-thousandth of a degree, 1 uN m.
 pub(super) fn rounded(action: &ScrewAction, setting: f64) -> f64 {
     // Multiplied and divided as in reading the file, so that both give the same bits.
-    match action {
-        ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => ((setting * 1e7).round() / 1e4) / 1e3,
-        ScrewAction::Turn { .. } => ((setting.to_degrees() * 1e4).round() / 1e4).to_radians(),
-        ScrewAction::Spring { .. } => (setting * 1e6).round() / 1e6,
+    match action.quantity() {
+        Quantity::Length => ((setting * 1e7).round() / 1e4) / 1e3,
+        Quantity::Angle => ((setting.to_degrees() * 1e4).round() / 1e4).to_radians(),
+        _ => (setting * 1e6).round() / 1e6,
     }
 }
 

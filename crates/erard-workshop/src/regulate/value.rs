@@ -1,6 +1,5 @@
-//! Display of goals' values and screws' units.
+//! Display of goals' values.
 
-use erard::instrument::ScrewAction;
 use erard::parameter::{Bare, NumberError, Quantity};
 
 use super::{Goal, Kind};
@@ -36,15 +35,6 @@ pub fn parse_value(goal: Goal, text: &str) -> Result<f64, String> {
         Ok(value) if (least..=most).contains(&value) => Ok(value),
         Ok(_) | Err(NumberError::Text { .. } | NumberError::Unit { .. }) => Err(range()),
         Err(error) => Err(error.to_string()),
-    }
-}
-
-/// Returns the factor from SI to the displayed unit of a screw, the unit, and the digits.
-pub fn screw_unit(action: &ScrewAction) -> (f64, &'static str) {
-    match action {
-        ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => (1e3, "mm"),
-        ScrewAction::Turn { .. } => (180.0 / std::f64::consts::PI, "degrees"),
-        ScrewAction::Spring { .. } => (1e3, "N mm"),
     }
 }
 

@@ -5,11 +5,11 @@ use crate::measure::MeasureError;
 use crate::measure::norms::norms_key;
 use crate::measure::usual::usual;
 use crate::regulate::{Goal, RegulateError, Specification, Status, regulate};
-use crate::study::ten_digits;
 use crate::weighing::touch;
 use erard::Progress;
 use erard::grand::Parts;
 use erard::instrument::{Instrument, InstrumentFile, with_numbers};
+use erard::parameter::ten_digits;
 
 const MM_PER_M: f64 = 1e3;
 /// Place of the leads, mm in front of the balance pin.

@@ -1,8 +1,8 @@
 //! Numbers of a sample: each with a spread deviates from the file's.
 
 use super::random::deviation;
-use crate::study::ten_digits;
 use erard::instrument::{CitedNumber, InstrumentFile, Spread, with_numbers};
+use erard::parameter::ten_digits;
 
 /// Share of its thickness at which a felt's force is kept when its exponent deviates.
 const SIZED_AT: f64 = 0.05;

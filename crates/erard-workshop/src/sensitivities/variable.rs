@@ -1,11 +1,9 @@
 //! A number of an instrument as a variable of derivatives.
 
 use erard::gradient::{Direction, GradientError};
-use erard::instrument::{Instrument, ScrewAction, with_numbers};
+use erard::instrument::{Instrument, with_numbers};
+use erard::parameter::{NameError, Parameter, Quantity, file_unit, known_name, number_of};
 use thiserror::Error;
-
-use crate::regulate::screw_unit;
-use crate::study::{Parameter, known_name, number_of};
 
 /// Half the difference, in units of [`Parameter::vary`], for the map from a number to the mechanism's numbers, which is
 /// smooth and mostly linear. Of a factor.
@@ -65,6 +63,9 @@ pub enum VariableError {
         /// Known names.
         known: String,
     },
+    /// The name does nothing in this instrument.
+    #[error(transparent)]
+    Idle(NameError),
     /// The number is at an end of its range.
     #[error("`{name}` has no derivative here, because it cannot change a little in both directions: {why}")]
     Stuck {
@@ -109,6 +110,9 @@ impl Variable {
             });
         }
         Self::number(text, name).unwrap_or_else(|| {
+            if let Err(error @ NameError::Idle { .. }) = Parameter::named(&plain, name) {
+                return Err(VariableError::Idle(error));
+            }
             let known: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
             Err(VariableError::Unknown { name: name.to_owned(), known: known.join(", ") })
         })
@@ -136,8 +140,8 @@ impl Variable {
     fn parameter(plain: &Instrument, name: String, parameter: Parameter) -> Result<Self, VariableError> {
         let (per_si, per, usual, window) = match &parameter {
             Parameter::Screw { action, .. } => {
-                let (per_si, unit) = screw_unit(action);
-                let torque = matches!(action, ScrewAction::Spring { .. });
+                let (per_si, unit) = action.shown_unit();
+                let torque = action.quantity() == Quantity::Torque;
                 (per_si, unit, 0.1, if torque { 0.02 } else { 0.01 })
             }
             _ => (100.0, "%", 1.0, 0.5),
@@ -258,18 +262,30 @@ fn without_outlines(instrument: Instrument) -> Instrument {
     Instrument { parts: Vec::new(), ..instrument }
 }
 
-/// Unit at the end of a key in the file.
+/// Unit at the end of a path in the file; `1` without one.
 fn unit_of(name: &str) -> &'static str {
-    let key = name.trim_end_matches(".x").trim_end_matches(".y");
-    const UNITS: [(&str, &str); 8] = [
-        ("_mm", "mm"),
-        ("_kg_m2", "kg m2"),
-        ("_deg", "deg"),
-        ("_g", "g"),
-        ("_N_m_per_rad", "N m/rad"),
-        ("_N_m", "N m"),
-        ("_N_per_m", "N/m"),
-        ("_m_s2", "m/s2"),
-    ];
-    UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map_or("1", |(_, unit)| unit)
+    file_unit(name).1.map_or("1", |unit| unit.symbol)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A number of the file has the unit at the end of its path, and a name that does nothing is refused.
+    #[test]
+    fn numbers_of_the_file_have_their_units() {
+        let text = Instrument::builtin_text("concert-grand").unwrap();
+        let grand = Instrument::builtin("concert-grand").unwrap();
+        for (name, per) in [
+            ("zone.string.felt.stiffness_N_per_m_r", "N/m^r"),
+            ("body.hammer.mass_g", "g"),
+            ("spring.key_bending.stiffness_N_m_per_rad", "N m/rad"),
+            ("zone.capstan_heel.disc.center_mm.x", "mm"),
+            ("zone.check.friction_coefficient", "1"),
+        ] {
+            assert_eq!(Variable::named(&grand, text, name).unwrap().per, per, "{name}");
+        }
+        let error = Variable::named(&grand, text, "body.key.friction").unwrap_err().to_string();
+        assert!(error.contains("type `body.key_back.friction`"), "{error}");
+    }
 }

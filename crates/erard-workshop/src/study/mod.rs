@@ -7,18 +7,11 @@
 //! single bodies with up to four zones; the others are played one by one on all cores. So are instruments with modal
 //! strings, and adaptive steps, because lanes share their steps.
 
-mod change;
 mod lanes;
-mod parameter;
 mod rests;
 mod sampling;
 mod topology;
 
-pub use change::{Change, ChangeError, known_name, nearest, number_of, quantities, varied, varied_of, varied_text};
-
-pub(crate) use change::Quantity;
-pub use parameter::Parameter;
-pub(crate) use parameter::ten_digits;
 pub(crate) use rests::rests;
 pub use sampling::{Sampling, SamplingError};
 

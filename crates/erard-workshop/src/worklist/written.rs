@@ -52,7 +52,7 @@ impl Worklist {
         }
         let written: Vec<(&str, usize, f64)> = changes
             .iter()
-            .map(|(path, component, value)| (path.as_str(), *component, crate::study::ten_digits(*value)))
+            .map(|(path, component, value)| (path.as_str(), *component, erard::parameter::ten_digits(*value)))
             .collect();
         with_numbers(&turned, &written).ok_or_else(|| {
             RewriteError::NoNumber(written.first().map_or(String::new(), |(path, ..)| (*path).to_owned()))

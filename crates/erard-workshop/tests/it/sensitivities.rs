@@ -75,7 +75,7 @@ fn the_rest_moves_as_that_of_a_press_or_is_held() {
     let (name, force_n) = ("concert-grand-rigid", 5.0);
     let (instrument, text) = (Instrument::builtin(name).unwrap(), Instrument::builtin_text(name).unwrap());
     let names = ["body.jack.friction", "body.hammer.friction", "body.key.friction"];
-    let parameters = erard_workshop::study::Parameter::all(&instrument);
+    let parameters = erard::parameter::Parameter::all(&instrument);
     let rest = Action::new(&instrument).unwrap().mechanism().save();
     let speed = |name: &str, by: f64, held: bool| {
         let (_, parameter) = parameters.iter().find(|(known, _)| known == name).unwrap();
@@ -235,7 +235,7 @@ fn columns_have_derivatives() {
     )
     .unwrap();
     let run = |of: &Instrument| erard::simulate(of, &motion, &setup, &mut |_| true).unwrap();
-    let parameters = erard_workshop::study::Parameter::all(&instrument);
+    let parameters = erard::parameter::Parameter::all(&instrument);
     let plain = run(&instrument);
     for (k, name) in names.iter().enumerate() {
         let (_, parameter) = parameters.iter().find(|(known, _)| known == name).unwrap();

@@ -3,8 +3,8 @@
 
 use toml_edit::DocumentMut;
 
+use super::Instrument;
 use super::edit::{cite, find, numbers, set, source_name};
-use super::{Instrument, ScrewAction};
 
 /// Author of the new settings in the file's own list of sources.
 const AUTHOR: &str = "erard regulate";
@@ -40,15 +40,9 @@ impl Instrument {
         let source = source_name(&document, SOURCE, AUTHOR);
         let mut changed = false;
         for screw in &self.screws {
-            let (key, setting) = match screw.action {
-                ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => {
-                    ("setting_mm", to_digits(screw.setting * 1e3, 1e4))
-                }
-                ScrewAction::Turn { .. } => ("setting_deg", to_digits(screw.setting.to_degrees(), 1e4)),
-                ScrewAction::Spring { .. } => ("setting_N_m", to_digits(screw.setting, 1e6)),
-            };
+            let (key, setting) = screw.action.in_file(screw.setting);
             let missing = || RewriteError::NoSetting(screw.name.clone());
-            let path = ["screw", screw.name.as_str(), key];
+            let path = ["screw", screw.name.as_str(), key.as_str()];
             let item = find(document.as_table_mut(), &path).ok_or_else(missing)?;
             if numbers(item).as_deref() != Some(&[setting]) {
                 set(item, setting, &source, note);
@@ -111,11 +105,6 @@ impl Form {
         let text = if self.crlf { plain.replace('\n', "\r\n") } else { plain.to_owned() };
         if self.byte_order_mark { format!("\u{feff}{text}") } else { text }
     }
-}
-
-/// Rounds to a multiple of 1/`per`.
-fn to_digits(x: f64, per: f64) -> f64 {
-    (x * per).round() / per
 }
 
 #[cfg(test)]

@@ -1,4 +1,8 @@
-//! Numbers as people type them: quantities with all their units, one reader, one grammar of changes.
+//! The register of an instrument's numbers, and numbers as people type them: quantities with all their units, one
+//! reader, one grammar of changes.
+//!
+//! [`Parameter`] is a number that can be changed by name; [`register`] lists those of an instrument with quantity,
+//! value, spread and path. Studies, fits, sensitivities, pages, C and Python read it.
 //!
 //! [`Quantity::read`] reads a value, [`Change::read`] a change, [`Sweep::read`] several of either. Options, files, C,
 //! Python and the studio call these and no other reader. A number without a unit is in the unit that the caller names
@@ -7,9 +11,18 @@
 mod change;
 mod number;
 mod quantity;
+mod register;
 mod sweep;
+mod varied;
+mod words;
 
 pub use change::Change;
 pub use number::{Bare, NumberError};
 pub use quantity::{Quantity, Unit};
+pub use register::{NameError, Parameter, nearest, ten_digits};
 pub use sweep::{Sweep, read_list};
+pub use varied::{
+    ChangeError, Entry, Wanted, file_unit, in_file_unit, known_name, number_of, register, varied, varied_of,
+    varied_text,
+};
+pub use words::{aliases, canonical_name};

@@ -97,6 +97,22 @@ pub enum NumberError {
     },
 }
 
+impl NumberError {
+    /// Found text.
+    #[must_use]
+    pub fn found(&self) -> &str {
+        match self {
+            NumberError::Text { found, .. }
+            | NumberError::Unit { found, .. }
+            | NumberError::NoUnit { found, .. }
+            | NumberError::Comma { found, .. }
+            | NumberError::List { found, .. }
+            | NumberError::Mixed { found }
+            | NumberError::Range { found, .. } => found,
+        }
+    }
+}
+
 /// A text that was read: its value in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Typed {

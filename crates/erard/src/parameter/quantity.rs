@@ -351,6 +351,8 @@ impl Quantity {
     #[must_use]
     pub fn of_name(name: &str) -> Option<(Quantity, &'static Unit)> {
         let name = name.trim_end_matches(".x").trim_end_matches(".y");
+        // Columns of screws: `back_check_angle_degrees`.
+        let name = name.strip_suffix("_degrees").map_or(name, |_| name.trim_end_matches("rees"));
         // A weight's names look like a mass's.
         let all = Quantity::ALL.into_iter().filter(|quantity| *quantity != Quantity::Weight);
         let units = all.flat_map(|quantity| quantity.units().iter().map(move |unit| (quantity, unit)));
@@ -456,6 +458,7 @@ mod tests {
             ("strings.mass_g_per_m", Quantity::LineDensity, "g/m"),
             ("strings.loss_per_s", Quantity::Rate, "1/s"),
             ("force_N", Quantity::Force, "N"),
+            ("back_check_angle_degrees", Quantity::Angle, "deg"),
         ] {
             let (found, own) = Quantity::of_name(name).unwrap_or_else(|| panic!("{name}"));
             assert_eq!((found, own.symbol), (quantity, unit), "{name}");

@@ -57,6 +57,20 @@ impl Sweep {
         Ok(Sweep { changes, unit })
     }
 
+    /// Reads the two ends of a range without a count, `LOW..HIGH`, of one kind as in [`Sweep::read`].
+    ///
+    /// # Errors
+    /// See [`NumberError`].
+    pub fn read_ends(text: &str, quantity: Quantity, bare: Bare) -> Result<[Change; 2], NumberError> {
+        let expected = || NumberError::Text {
+            found: text.trim().to_owned(),
+            expected: "two increasing numbers, LOW..HIGH".to_owned(),
+        };
+        let (low, high) = text.split_once("..").ok_or_else(expected)?;
+        let (ends, _) = Self::items(text, &[low, high], quantity, bare)?;
+        Ok([ends[0], ends[1]])
+    }
+
     /// Reads items of one kind, which the first one decides.
     fn items(
         text: &str,

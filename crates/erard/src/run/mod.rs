@@ -16,6 +16,7 @@ pub use crate::player::{BodySeries, ControlWork, StringSeries, Work, ZoneSeries}
 
 use moreau::Ledger;
 
+use crate::parameter::Quantity;
 use crate::trust::{Extremes, Warning};
 
 /// A recorded run. All series have the same length; SI units; key and force positive downward (pushing).
@@ -92,29 +93,8 @@ impl Run {
     }
 }
 
-/// Units by the endings of columns' names, the longer before the shorter.
-const UNITS: [(&str, &str); 18] = [
-    ("_rad_per_s2", "rad/s2"),
-    ("_degrees", "deg"),
-    ("_kg", "kg"),
-    ("_ms", "ms"),
-    ("_rad_per_s", "rad/s"),
-    ("_m_per_s", "m/s"),
-    ("_N_mm", "N mm"),
-    ("_N_m", "N m"),
-    ("_kg_m2", "kg m2"),
-    ("_rad", "rad"),
-    ("_deg", "deg"),
-    ("_mm", "mm"),
-    ("_Hz", "Hz"),
-    ("_g", "g"),
-    ("_J", "J"),
-    ("_m", "m"),
-    ("_s", "s"),
-    ("_N", "N"),
-];
-
 /// The unit that a column's name ends with; `1` for a number without.
+#[must_use]
 pub fn column_unit(name: &str) -> &'static str {
-    UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map_or("1", |(_, unit)| unit)
+    Quantity::of_name(name).map_or("1", |(_, unit)| unit.symbol)
 }

@@ -25,6 +25,7 @@ mod player;
 mod playing;
 mod reactions;
 mod readme;
+mod register;
 mod repose;
 mod rest;
 mod robustness;

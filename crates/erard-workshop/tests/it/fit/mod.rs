@@ -12,6 +12,7 @@ mod doubts;
 use std::sync::LazyLock;
 
 use erard::instrument::{Instrument, InstrumentFile};
+use erard::parameter::Parameter;
 use erard::recording::Preparation;
 use erard::run::{Setup, simulate};
 use erard::stroke::{Columns, PositionOf, Prescribed, Recording, Stroke, Touch};
@@ -19,7 +20,6 @@ use erard_workshop::fit::{
     DIFFERENCES, Data, FitError, FitResult, Jacobian, Loss, NoiseModel, PerName, Plan, Problem, Simulator,
     by_differences, by_gradient, fit_parameters,
 };
-use erard_workshop::study::Parameter;
 use fastrand::Rng;
 use moreau::Settings;
 

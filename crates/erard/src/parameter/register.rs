@@ -1,14 +1,81 @@
-//! Parameters of an instrument that a study varies.
+//! Register of an instrument's numbers that can be changed by name.
 
-use erard::instrument::{Instrument, ScrewAction, numbers_at};
+use crate::instrument::{Instrument, ScrewAction, numbers_at};
 use moreau::LawNumber;
+use thiserror::Error;
+
+use super::{Bare, Change, Quantity, Unit, canonical_name};
 
 /// Largest turn of a curve by a screw, rad.
 const FARTHEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
 /// Largest displacement by a screw, m, or change of a spring's torque, N m.
 const FARTHEST_SCREW: f64 = 0.1;
 
-/// A number of an instrument that a study varies.
+impl ScrewAction {
+    /// Physical quantity of the screw's setting.
+    #[must_use]
+    pub const fn quantity(&self) -> Quantity {
+        match self {
+            ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => Quantity::Length,
+            ScrewAction::Turn { .. } => Quantity::Angle,
+            ScrewAction::Spring { .. } => Quantity::Torque,
+        }
+    }
+
+    /// Unit of the setting in files: mm, deg or N m.
+    #[must_use]
+    pub fn file_unit(&self) -> &'static Unit {
+        let quantity = self.quantity();
+        let own = if quantity == Quantity::Torque { quantity.units().first() } else { quantity.trade_unit() };
+        own.unwrap_or_else(|| unreachable!("every screw has a unit"))
+    }
+
+    /// Key of a setting in files, and the setting in the file's unit, rounded to 0.1 um, 0.0001 degrees or 1 uN m.
+    pub(crate) fn in_file(&self, setting: f64) -> (String, f64) {
+        let to_digits = |x: f64, per_unit: f64| (x * per_unit).round() / per_unit;
+        let setting = match self.quantity() {
+            Quantity::Length => to_digits(setting * 1e3, 1e4),
+            Quantity::Angle => to_digits(setting.to_degrees(), 1e4),
+            _ => to_digits(setting, 1e6),
+        };
+        (format!("setting_{}", self.file_unit().suffix), setting)
+    }
+
+    /// Displayed unit of the setting, and how many of it one SI unit is: mm, degrees or N mm.
+    #[must_use]
+    pub fn shown_unit(&self) -> (f64, &'static str) {
+        match self.quantity() {
+            Quantity::Angle => (180.0 / std::f64::consts::PI, "degrees"),
+            quantity => quantity.trade_unit().map_or((1.0, ""), |unit| (1.0 / unit.si, unit.symbol)),
+        }
+    }
+}
+
+/// Reason why a name is no parameter of an instrument.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum NameError {
+    /// The name is unknown.
+    #[error("unknown name `{name}`; expected one of {count} names, nearest {nearest}")]
+    Unknown {
+        /// Requested name.
+        name: String,
+        /// Number of known names.
+        count: usize,
+        /// Similar names.
+        nearest: String,
+    },
+    /// The name belongs to the computation, not to the piano: changing it does nothing.
+    #[error("`{name}` does nothing in this instrument: it is the hinge at which the part bends; type `{acts}`")]
+    Idle {
+        /// Requested name.
+        name: String,
+        /// The name that acts.
+        acts: String,
+    },
+}
+
+/// A number of an instrument that can be changed by name.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Parameter {
     /// A screw, turned from its setting, m, rad or N m.
@@ -36,8 +103,9 @@ pub enum Parameter {
 
 impl Parameter {
     /// Returns every parameter of an instrument with its name: screws by their own, the others as in
-    /// `body.hammer.mass`, `body.key.friction`, `spring.repetition.torque`, `spring.key_bending.stiffness`,
+    /// `body.hammer.mass`, `body.whippen.friction`, `spring.repetition.torque`, `spring.key_bending.stiffness`,
     /// `zone.string.stiffness`, `zone.check.damping`, `zone.check.friction`.
+    #[must_use]
     pub fn all(instrument: &Instrument) -> Vec<(String, Parameter)> {
         let mut all = Vec::new();
         for (screw, one) in instrument.screws.iter().enumerate() {
@@ -45,7 +113,8 @@ impl Parameter {
         }
         for (i, body) in instrument.bodies.iter().enumerate() {
             all.push((format!("body.{}.mass", body.name), Parameter::Mass(i)));
-            if body.friction_torque_n_m > 0.0 {
+            // A bend's dry torque only lets it come to rest; no result depends on it.
+            if body.friction_torque_n_m > 0.0 && !body.is_bend {
                 all.push((format!("body.{}.friction", body.name), Parameter::PivotFriction(i)));
             }
         }
@@ -69,16 +138,73 @@ impl Parameter {
         all
     }
 
-    /// Whether its values are factors, which must be positive.
+    /// Finds a parameter by its name; regional words are read as this program's.
+    ///
+    /// # Errors
+    /// [`NameError`].
+    pub fn named(instrument: &Instrument, name: &str) -> Result<(String, Parameter), NameError> {
+        let all = Self::all(instrument);
+        let find = |name: &str| all.iter().find(|(known, _)| known == name).cloned();
+        let name = name.trim();
+        let own = canonical_name(name);
+        if let Some(found) = find(name).or_else(|| find(&own)) {
+            return Ok(found);
+        }
+        Err(idle(instrument, &own).unwrap_or_else(|| NameError::Unknown {
+            name: name.to_owned(),
+            count: all.len(),
+            nearest: nearest(name, all.iter().map(|(known, _)| known)),
+        }))
+    }
+
+    /// Physical quantity of the parameter's value.
+    #[must_use]
+    pub fn quantity(&self, instrument: &Instrument) -> Quantity {
+        match *self {
+            Parameter::Screw { ref action, .. } => action.quantity(),
+            Parameter::Mass(_) => Quantity::Mass,
+            Parameter::PivotFriction(_) | Parameter::Torque(_) => Quantity::Torque,
+            Parameter::SpringStiffness(_) => Quantity::AngularStiffness,
+            Parameter::Stiffness(_) => Quantity::FeltStiffness,
+            Parameter::Damping(_) => {
+                Quantity::of_name(&self.path(instrument)).map_or(Quantity::Number, |(quantity, _)| quantity)
+            }
+            Parameter::Friction(_) => Quantity::Number,
+        }
+    }
+
+    /// Unit in which technicians read the value; the command takes a number without a unit in it.
+    #[must_use]
+    pub fn trade_bare(&self, instrument: &Instrument) -> Bare {
+        self.quantity(instrument).trade_unit().map_or(Bare::Si, |unit| Bare::In(unit.symbol))
+    }
+
+    /// Argument of [`Parameter::vary`] that makes a change, in SI units: the turn of a screw, or a factor.
+    #[must_use]
+    pub fn by(&self, instrument: &Instrument, change: Change) -> f64 {
+        let now = self.value(instrument);
+        match (self.is_factor(), change) {
+            (false, Change::Add(by)) => by,
+            (true, Change::Multiply(factor)) => factor,
+            (false, change) => change.of(now) - now,
+            (true, change) => change.of(now) / now,
+        }
+    }
+
+    /// Whether [`Parameter::vary`] takes factors, which must be positive, rather than turns.
+    #[must_use]
     pub fn is_factor(&self) -> bool {
         !matches!(self, Parameter::Screw { .. })
     }
 
     /// Range of arguments for [`Parameter::vary`], in SI units or as a factor. The reader of files has narrower limits.
+    #[must_use]
     pub fn range(&self) -> [f64; 2] {
         match self {
             // The largest turn of a curve by a file's own setting.
-            Parameter::Screw { action: ScrewAction::Turn { .. }, .. } => [-FARTHEST_TURN_RAD, FARTHEST_TURN_RAD],
+            Parameter::Screw { action, .. } if action.quantity() == Quantity::Angle => {
+                [-FARTHEST_TURN_RAD, FARTHEST_TURN_RAD]
+            }
             // Metres; a spring's torque is also limited by its sign.
             Parameter::Screw { .. } => [-FARTHEST_SCREW, FARTHEST_SCREW],
             _ => [1e-3, 1e3],
@@ -87,6 +213,7 @@ impl Parameter {
 
     /// Returns the value in an instrument, in SI units: a screw's setting, a mass, a torque, a felt's stiffness or
     /// damping, a coefficient.
+    #[must_use]
     pub fn value(&self, instrument: &Instrument) -> f64 {
         match *self {
             Parameter::Screw { screw, .. } => instrument.screws[screw].setting,
@@ -101,16 +228,12 @@ impl Parameter {
     }
 
     /// Path of the parameter's number in the instrument's file.
-    pub(crate) fn path(&self, instrument: &Instrument) -> String {
+    #[must_use]
+    pub fn path(&self, instrument: &Instrument) -> String {
         let (body, zone) = (|i: usize| &instrument.bodies[i].name, |i: usize| &instrument.zones[i].name);
         match *self {
             Parameter::Screw { screw, ref action } => {
-                let unit = match action {
-                    ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => "mm",
-                    ScrewAction::Turn { .. } => "deg",
-                    ScrewAction::Spring { .. } => "N_m",
-                };
-                format!("screw.{}.setting_{unit}", instrument.screws[screw].name)
+                format!("screw.{}.setting_{}", instrument.screws[screw].name, action.file_unit().suffix)
             }
             Parameter::Mass(i) => format!("body.{}.mass_g", body(i)),
             Parameter::PivotFriction(i) => format!("body.{}.friction_torque_N_m", body(i)),
@@ -127,18 +250,15 @@ impl Parameter {
 
     /// Returns the numbers of the file after [`Parameter::vary`], by their paths, in the file's units, to ten digits.
     /// `text` is the file of this instrument.
-    pub(crate) fn numbers(&self, instrument: &Instrument, value: f64, text: &str) -> Vec<(String, f64)> {
+    #[must_use]
+    pub fn numbers(&self, instrument: &Instrument, value: f64, text: &str) -> Vec<(String, f64)> {
         let path = self.path(instrument);
         let own = |path: &str| numbers_at(text, path).and_then(|numbers| numbers.first().copied());
         let scaled = |path: String| own(&path).map(|number| (path, ten_digits(number * value)));
         match *self {
             Parameter::Screw { ref action, .. } => {
-                let unit = match action {
-                    ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => 1e3,
-                    ScrewAction::Turn { .. } => 180.0 / std::f64::consts::PI,
-                    ScrewAction::Spring { .. } => 1.0,
-                };
-                vec![(path, ten_digits((self.value(instrument) + value) * unit))]
+                let setting = self.value(instrument) + value;
+                vec![(path, ten_digits(setting / action.file_unit().si))]
             }
             // The torque may include a screw's part, which the file states separately.
             Parameter::Torque(_) => {
@@ -192,15 +312,32 @@ impl Parameter {
     }
 }
 
+/// The name that acts instead of the dry torque of a bend; `None` if the name is no such torque.
+fn idle(instrument: &Instrument, name: &str) -> Option<NameError> {
+    let body = name.strip_prefix("body.")?.strip_suffix(".friction")?;
+    let body = instrument.bodies.iter().position(|own| own.name == body)?;
+    let acts = &instrument.bodies[instrument.first_piece(body)];
+    let is_idle = instrument.bodies[body].is_bend && !acts.is_bend && acts.friction_torque_n_m > 0.0;
+    is_idle.then(|| NameError::Idle { name: name.to_owned(), acts: format!("body.{}.friction", acts.name) })
+}
+
+/// Returns the three known names most similar to one.
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a String>) -> String {
+    let mut near: Vec<(f64, &String)> = known.map(|known| (strsim::jaro_winkler(name, known), known)).collect();
+    near.sort_by(|a, b| b.0.total_cmp(&a.0));
+    near.iter().take(3).map(|(_, name)| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
 /// Rounds to ten digits, so that products look as typed.
-pub(crate) fn ten_digits(x: f64) -> f64 {
+#[must_use]
+pub fn ten_digits(x: f64) -> f64 {
     format!("{x:.9e}").parse().unwrap_or(x)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use erard::instrument::cited;
+    use crate::instrument::cited;
 
     /// Changing the numbers in the file equals varying the instrument, for every parameter of every built-in instrument
     /// that is played.

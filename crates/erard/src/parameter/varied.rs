@@ -1,44 +1,37 @@
-//! Changes of an instrument's parameters as typed: `+0.8 g`, `8.7 g`, `*1.5`.
+//! Instruments with some numbers changed by name.
 
-use erard::instrument::{
-    Certainty, FileError, Instrument, InstrumentFile, ScrewAction, Spread, numbers_at, with_numbers,
-};
+use super::number::NumberError;
+use super::{Bare, Change, NameError, Parameter, Quantity, Unit, canonical_name};
+use crate::instrument::{Certainty, FileError, Instrument, InstrumentFile, Spread, numbers_at, with_numbers};
 use thiserror::Error;
 
-use super::Parameter;
-use crate::regional::canonical_name;
-
-/// Change of a number.
+/// What a caller wants of a number.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Change {
-    /// As in `study --vary`: the turn of a screw, m, rad or N m; the factor of another parameter; the new value of a
-    /// number of the file.
-    Number(f64),
-    /// As typed: `8.7 g` is the new value, `+0.8 g` and `-0.2 mm` are added, `*1.5` is a factor, and `= -0.2 mm` is a
-    /// new value with a sign or without a unit.
+pub enum Wanted {
+    /// New value in SI units; of a number of the file whose path ends with its unit, in that unit.
+    Value(f64),
+    /// As typed ([`Change::read`]): `8.7 g` is the new value, `+0.8 g` and `-0.2 mm` are added, `x1.5` is a factor, and
+    /// `=-0.2 mm` is a new value with a sign. A number without a unit is in the unit of [`Wanted::Value`].
     Text(String),
 }
 
 /// Reason why a number cannot be changed so.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ChangeError {
     /// The name is unknown.
-    #[error("unknown name `{name}`; {nearest}, or the path of a number in the file, e.g. `body.hammer.mass_g`")]
-    Unknown {
-        /// Requested name.
-        name: String,
-        /// Similar names.
-        nearest: String,
-    },
+    #[error("{0}, or the path of a number in the file, e.g. `body.hammer.mass_g`")]
+    Unknown(NameError),
+    /// The name does nothing in this instrument.
+    #[error(transparent)]
+    Idle(NameError),
     /// The text cannot be read.
-    #[error("`{name}`: found `{found}`, expected {expected}")]
+    #[error("`{name}`: {error}")]
     Value {
         /// Name of the changed number.
         name: String,
-        /// Found text.
-        found: String,
-        /// Expected text.
-        expected: String,
+        /// What is wrong.
+        error: NumberError,
     },
     /// Out of range.
     #[error("`{name}`: `{found}` is out of range; expected {expected}")]
@@ -55,28 +48,51 @@ pub enum ChangeError {
     File(#[from] Box<FileError>),
 }
 
-impl std::fmt::Display for Change {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Change::Number(x) => write!(f, "{x}"),
-            Change::Text(text) => f.write_str(text),
+impl From<NameError> for ChangeError {
+    fn from(error: NameError) -> Self {
+        match error {
+            NameError::Unknown { .. } => ChangeError::Unknown(error),
+            NameError::Idle { .. } => ChangeError::Idle(error),
         }
     }
 }
 
-/// Parameter that can be varied, with its uncertainty and source in the file.
+impl std::fmt::Display for Wanted {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Wanted::Value(x) => write!(f, "{x}"),
+            Wanted::Text(text) => f.write_str(text),
+        }
+    }
+}
+
+impl Wanted {
+    /// Reads the change of a number of some quantity, in SI units; `bare` is the unit without one.
+    fn read(&self, name: &str, quantity: Quantity, bare: Bare) -> Result<Change, ChangeError> {
+        let text = match self {
+            Wanted::Value(value) if value.is_finite() => {
+                return Ok(Change::Set(value * bare.unit(quantity).map_or(1.0, |(si, _)| si)));
+            }
+            Wanted::Value(value) => value.to_string(),
+            Wanted::Text(text) => text.clone(),
+        };
+        Change::read(&text, quantity, bare).map_err(|error| ChangeError::Value { name: name.to_owned(), error })
+    }
+}
+
+/// Entry of the register: a parameter of an instrument, with its uncertainty and source in the file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Quantity {
+pub struct Entry {
     /// Name of the parameter ([`Parameter::all`]).
     pub name: String,
     /// The parameter.
     pub parameter: Parameter,
-    /// Value of the parameter, in `unit`.
+    /// Physical quantity.
+    pub quantity: Quantity,
+    /// Value of the parameter, in SI units.
     pub value: f64,
-    /// SI unit; empty for a coefficient.
-    pub unit: &'static str,
-    /// Uncertainty stated in the file, in the form of [`Change::Number`]: turns in m, rad or N m, or factors. `None` if
-    /// the file states none.
+    /// Uncertainty stated in the file, as arguments of [`Parameter::vary`]: turns in m, rad or N m, or factors. `None`
+    /// if the file states none.
     pub spread: Option<[f64; 2]>,
     /// Certainty stated in the file; `None` for a bare number.
     pub certainty: Option<Certainty>,
@@ -84,8 +100,9 @@ pub struct Quantity {
     pub path: String,
 }
 
-/// Returns all parameters of an instrument that can be varied by name.
-pub fn quantities(file: &InstrumentFile) -> Vec<Quantity> {
+/// Returns the register of an instrument: all parameters that can be changed by name.
+#[must_use]
+pub fn register(file: &InstrumentFile) -> Vec<Entry> {
     let instrument = &file.instrument;
     let all = Parameter::all(instrument).into_iter();
     all.map(|(name, parameter)| {
@@ -96,9 +113,9 @@ pub fn quantities(file: &InstrumentFile) -> Vec<Quantity> {
         let spread = citation.and_then(|citation| citation.spread).zip(own).and_then(|(spread, own)| {
             spread_of(&parameter, spread, own).filter(|[low, high]| low.is_finite() && high.is_finite() && low < high)
         });
-        Quantity {
+        Entry {
             value: parameter.value(instrument),
-            unit: units(instrument, &parameter).first().map_or("", |(unit, _)| unit),
+            quantity: parameter.quantity(instrument),
             certainty: citation.map(|citation| citation.certainty),
             name,
             parameter,
@@ -113,11 +130,7 @@ pub fn quantities(file: &InstrumentFile) -> Vec<Quantity> {
 fn spread_of(parameter: &Parameter, spread: Spread, own: f64) -> Option<[f64; 2]> {
     match (parameter, spread) {
         (Parameter::Screw { action, .. }, Spread::PlusMinus(by)) => {
-            let si = match action {
-                ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => 1e-3,
-                ScrewAction::Turn { .. } => std::f64::consts::PI / 180.0,
-                ScrewAction::Spring { .. } => 1.0,
-            };
+            let si = action.file_unit().si;
             Some([-by * si, by * si])
         }
         (Parameter::Screw { .. }, Spread::Factor(_)) => None,
@@ -130,90 +143,12 @@ fn spread_of(parameter: &Parameter, spread: Spread, own: f64) -> Option<[f64; 2]
     }
 }
 
-/// Accepted units of a parameter, with the SI value of each, the SI unit first.
-fn units(instrument: &Instrument, parameter: &Parameter) -> &'static [(&'static str, f64)] {
-    const LENGTHS: &[(&str, f64)] = &[("m", 1.0), ("mm", 1e-3), ("cm", 1e-2), ("um", 1e-6), ("in", 25.4e-3)];
-    const ANGLES: &[(&str, f64)] = &[
-        ("rad", 1.0),
-        ("deg", std::f64::consts::PI / 180.0),
-        ("degrees", std::f64::consts::PI / 180.0),
-        ("°", std::f64::consts::PI / 180.0),
-    ];
-    const MASSES: &[(&str, f64)] = &[("kg", 1.0), ("g", 1e-3)];
-    const TORQUES: &[(&str, f64)] = &[("N m", 1.0), ("N mm", 1e-3), ("mN m", 1e-3)];
-    match parameter {
-        Parameter::Screw { action, .. } => match action {
-            ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => LENGTHS,
-            ScrewAction::Turn { .. } => ANGLES,
-            ScrewAction::Spring { .. } => TORQUES,
-        },
-        Parameter::Mass(_) => MASSES,
-        Parameter::PivotFriction(_) | Parameter::Torque(_) => TORQUES,
-        Parameter::SpringStiffness(_) => &[("N m/rad", 1.0)],
-        Parameter::Stiffness(_) => &[("N/m^r", 1.0)],
-        Parameter::Damping(i) => match instrument.zones[*i].felt.first_loss().map(|(number, _)| number.unit) {
-            Some("N s/m3") => &[("N s/m3", 1.0), ("N s/m^3", 1.0)],
-            Some("s/m") => &[("s/m", 1.0)],
-            _ => &[],
-        },
-        Parameter::Friction(_) => &[],
-    }
-}
-
-/// Change requested by a text.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Wanted {
-    Value(f64),
-    Difference(f64),
-    Factor(f64),
-}
-
-impl Wanted {
-    /// Reads a change; a value without a unit needs `=`, so that a coefficient is not mistaken for a factor.
-    fn read(text: &str, units: &[(&str, f64)]) -> Option<Self> {
-        let text = text.trim();
-        if let Some(factor) = text.strip_prefix('*') {
-            return number(factor.trim()).map(Wanted::Factor);
-        }
-        let (absolute, rest) = match text.strip_prefix('=') {
-            Some(rest) => (true, rest.trim()),
-            None => (false, text),
-        };
-        // The longest prefix that is a number: units begin with letters that also occur in numbers.
-        let (value, unit) = (1..=rest.len())
-            .rev()
-            .filter(|end| rest.is_char_boundary(*end))
-            .find_map(|end| Some((number(&rest[..end])?, rest[end..].trim())))?;
-        let close = |unit: &str| unit.replace([' ', '\u{b7}', '.'], "");
-        let si = match unit {
-            "" if absolute || rest.starts_with(['+', '-']) => (units.is_empty()).then_some(1.0),
-            "" => None,
-            unit => units.iter().find(|(known, _)| close(known) == close(unit)).map(|(_, si)| *si),
-        }?;
-        let value = value * si;
-        Some(if !absolute && rest.starts_with(['+', '-']) { Wanted::Difference(value) } else { Wanted::Value(value) })
-    }
-
-    /// Applies the change to a value.
-    fn from(self, value: f64) -> f64 {
-        match self {
-            Wanted::Value(wanted) => wanted,
-            Wanted::Difference(by) => value + by,
-            Wanted::Factor(factor) => value * factor,
-        }
-    }
-}
-
-fn number(text: &str) -> Option<f64> {
-    text.trim_end().parse().ok().filter(|x: &f64| x.is_finite())
-}
-
 /// Returns the instrument of a file's text with some numbers changed, one after the other: screws and parameters by
 /// their names ([`Parameter::all`]), any other number by its path in the file.
 ///
 /// # Errors
 /// See [`ChangeError`].
-pub fn varied(text: &str, file_name: &str, changes: &[(String, Change)]) -> Result<InstrumentFile, ChangeError> {
+pub fn varied(text: &str, file_name: &str, changes: &[(String, Wanted)]) -> Result<InstrumentFile, ChangeError> {
     varied_of(&InstrumentFile::parse(text, file_name)?, text, file_name, changes)
 }
 
@@ -225,16 +160,16 @@ pub fn varied_of(
     read: &InstrumentFile,
     text: &str,
     file_name: &str,
-    changes: &[(String, Change)],
+    changes: &[(String, Wanted)],
 ) -> Result<InstrumentFile, ChangeError> {
     let mut file = read.clone();
     let all = Parameter::all(&file.instrument);
-    let changes: Vec<(String, &Change)> =
+    let changes: Vec<(String, &Wanted)> =
         changes.iter().map(|(name, change)| (known_name(name, &all, text), change)).collect();
     let find = |name: &str| all.iter().find(|(known, _)| known == name).map(|(_, parameter)| parameter);
     let mut numbers: Vec<(String, usize, f64)> = Vec::new();
     for (name, change) in changes.iter().filter(|(name, _)| find(name).is_none()) {
-        let (path, which, now) = number_of(text, name).ok_or_else(|| unknown(name, &all))?;
+        let (path, which, now) = number_or_fault(&file.instrument, text, name)?;
         let earlier = numbers.iter().rev().find(|(p, w, _)| *p == path && *w == which).map(|(.., value)| *value);
         numbers.push((path, which, of_file(name, change, earlier.unwrap_or(now))?));
     }
@@ -252,6 +187,7 @@ pub fn varied_of(
 }
 
 /// Finds a number of the file by its path, of a point by `.x` or `.y` after it: path, component and value.
+#[must_use]
 pub fn number_of(text: &str, name: &str) -> Option<(String, usize, f64)> {
     if let Some([value]) = numbers_at(text, name).as_deref() {
         return Some((name.to_owned(), 0, *value));
@@ -262,45 +198,42 @@ pub fn number_of(text: &str, name: &str) -> Option<(String, usize, f64)> {
     Some((path.to_owned(), which, values[which]))
 }
 
-/// Units accepted for a number of the file: only its own, at the end of its key.
-fn own_unit(name: &str) -> &'static [(&'static str, f64)] {
-    let key = name.trim_end_matches(".x").trim_end_matches(".y");
-    const UNITS: [(&str, &[(&str, f64)]); 6] = [
-        ("_mm", &[("mm", 1.0)]),
-        ("_kg_m2", &[("kg m2", 1.0)]),
-        ("_deg", &[("deg", 1.0)]),
-        ("_g", &[("g", 1.0)]),
-        ("_N_m", &[("N m", 1.0)]),
-        ("_N_per_m", &[("N/m", 1.0)]),
-    ];
-    UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map_or(&[], |(_, units)| units)
+/// [`number_of`], or why the name is neither that of a number nor a parameter's.
+fn number_or_fault(instrument: &Instrument, text: &str, name: &str) -> Result<(String, usize, f64), ChangeError> {
+    number_of(text, name).ok_or_else(|| match Parameter::named(instrument, name) {
+        Err(error) => error.into(),
+        Ok((name, _)) => unreachable!("{name} is a parameter"),
+    })
+}
+
+/// Quantity of a number of the file by the end of its path, and its unit there; `None` for a number without a unit.
+#[must_use]
+pub fn file_unit(path: &str) -> (Quantity, Option<&'static Unit>) {
+    Quantity::of_name(path).map_or((Quantity::Number, None), |(quantity, unit)| (quantity, Some(unit)))
+}
+
+/// Value of a number of the file after a change in SI units, both in the file's unit, to fifteen digits as typed.
+#[must_use]
+pub fn in_file_unit(change: Change, now: f64, unit: Option<&'static Unit>) -> f64 {
+    let si = unit.map_or(1.0, |unit| unit.si);
+    let new = match change {
+        Change::Set(value) => value / si,
+        Change::Add(by) => now + by / si,
+        Change::Multiply(factor) => now * factor,
+    };
+    format!("{new:.14e}").parse().unwrap_or(new)
 }
 
 /// Changes a number of the file, in the file's unit.
-fn of_file(name: &str, change: &Change, now: f64) -> Result<f64, ChangeError> {
-    let text = match change {
-        Change::Number(value) if value.is_finite() => return Ok(*value),
-        Change::Number(value) => value.to_string(),
-        Change::Text(text) => text.clone(),
-    };
-    let units = own_unit(name);
-    match Wanted::read(&text, units) {
-        Some(wanted) => Ok(wanted.from(now)),
-        None => Err(ChangeError::Value { name: name.to_owned(), found: text, expected: expected(units) }),
+fn of_file(name: &str, wanted: &Wanted, now: f64) -> Result<f64, ChangeError> {
+    if let Wanted::Value(value) = wanted
+        && value.is_finite()
+    {
+        return Ok(*value);
     }
-}
-
-/// Describes the accepted text.
-fn expected(units: &[(&str, f64)]) -> String {
-    let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
-    // The trade's own unit is second where there is one.
-    match names.get(1).or(names.first()) {
-        Some(unit) => format!(
-            "a value with its unit (`2 {unit}`), a difference with its sign (`+2 {unit}`) or a factor (`*1.5`); units: {}",
-            names.join(", ")
-        ),
-        None => "`= 0.2` (a value), `+0.2` (a difference) or `*1.5` (a factor)".to_owned(),
-    }
+    let (quantity, unit) = file_unit(name);
+    let bare = unit.map_or(Bare::Si, |unit| Bare::In(unit.symbol));
+    Ok(in_file_unit(wanted.read(name, quantity, bare)?, now, unit))
 }
 
 /// Returns the text of an instrument's file with one number changed as by [`varied`], to ten digits: the mass of a body
@@ -308,7 +241,7 @@ fn expected(units: &[(&str, f64)]) -> String {
 ///
 /// # Errors
 /// See [`ChangeError`]. A screw without a setting in the file is refused: there is no number to change.
-pub fn varied_text(text: &str, file_name: &str, name: &str, change: &Change) -> Result<String, ChangeError> {
+pub fn varied_text(text: &str, file_name: &str, name: &str, change: &Wanted) -> Result<String, ChangeError> {
     let mut instrument = Instrument::parse(text, file_name)?;
     let all = Parameter::all(&instrument);
     let name = known_name(name, &all, text);
@@ -319,12 +252,12 @@ pub fn varied_text(text: &str, file_name: &str, name: &str, change: &Change) -> 
             parameter.numbers(&drawn, by, text).into_iter().map(|(path, value)| (path, 0, value)).collect()
         }
         None => {
-            let (path, which, now) = number_of(text, &name).ok_or_else(|| unknown(&name, &all))?;
+            let (path, which, now) = number_or_fault(&instrument, text, &name)?;
             vec![(path, which, of_file(&name, change, now)?)]
         }
     };
     let changes: Vec<(&str, usize, f64)> = numbers.iter().map(|(path, which, v)| (path.as_str(), *which, *v)).collect();
-    let new = with_numbers(text, &changes).filter(|_| !changes.is_empty()).ok_or_else(|| ChangeError::Value {
+    let new = with_numbers(text, &changes).filter(|_| !changes.is_empty()).ok_or_else(|| ChangeError::Range {
         expected: format!("the file to hold it: {}", changes.first().map_or("a number", |(path, ..)| path)),
         found: change.to_string(),
         name,
@@ -334,36 +267,28 @@ pub fn varied_text(text: &str, file_name: &str, name: &str, change: &Change) -> 
 }
 
 /// Changes a parameter of an instrument. Returns the argument of [`Parameter::vary`].
-fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, change: &Change) -> Result<f64, ChangeError> {
-    let units = units(instrument, parameter);
-    let now = parameter.value(instrument);
-    let by = match change {
-        Change::Number(by) if by.is_finite() => *by,
-        Change::Text(text) if Wanted::read(text, units).is_some() => match Wanted::read(text, units) {
-            Some(Wanted::Factor(factor)) if parameter.is_factor() => factor,
-            Some(wanted) if parameter.is_factor() => wanted.from(now) / now,
-            Some(wanted) => wanted.from(now) - now,
-            None => f64::NAN,
-        },
-        change => {
-            let found = change.to_string();
-            return Err(ChangeError::Value { name: name.to_owned(), found, expected: expected(units) });
-        }
-    };
+fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, wanted: &Wanted) -> Result<f64, ChangeError> {
+    let quantity = parameter.quantity(instrument);
+    let by = parameter.by(instrument, wanted.read(name, quantity, Bare::Si)?);
+    let range = out_of_range(instrument, name, parameter, wanted);
     let [least, most] = parameter.range();
-    let out_of_range = || {
-        let unit = units.first().map_or("", |(unit, _)| unit);
-        let expected = if parameter.is_factor() {
-            format!("a positive value from {least} to {most} times {now:e} {unit}")
-        } else {
-            format!("at most {most:.4} {unit} either way, and a spring that does not turn around")
-        };
-        ChangeError::Range { name: name.to_owned(), found: change.to_string(), expected: expected.replace(" ,", ",") }
-    };
     if !(least..=most).contains(&by) || !parameter.vary(instrument, by) {
-        return Err(out_of_range());
+        return Err(range);
     }
     Ok(by)
+}
+
+fn out_of_range(instrument: &Instrument, name: &str, parameter: &Parameter, wanted: &Wanted) -> ChangeError {
+    let [least, most] = parameter.range();
+    let unit = parameter.quantity(instrument).si_unit();
+    let expected = if parameter.is_factor() {
+        let now = parameter.value(instrument);
+        format!("a positive value from {least} to {most} times {now:e} {unit}")
+    } else {
+        format!("at most {most:.4} {unit} either way, and a spring that does not turn around")
+    };
+    let expected = expected.trim_end().to_owned();
+    ChangeError::Range { name: name.to_owned(), found: wanted.to_string(), expected }
 }
 
 /// Returns a name as typed if it is a parameter's, or the path of a number in the file's text; else with regional words
@@ -375,21 +300,6 @@ pub fn known_name(name: &str, all: &[(String, Parameter)], text: &str) -> String
     if is_known { name.to_owned() } else { canonical_name(name) }
 }
 
-fn unknown(name: &str, all: &[(String, Parameter)]) -> ChangeError {
-    let nearest = nearest(name, all.iter().map(|(known, _)| known));
-    ChangeError::Unknown {
-        name: name.to_owned(),
-        nearest: format!("expected one of {} names, nearest {nearest}", all.len()),
-    }
-}
-
-/// Returns the three known names most similar to one.
-pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a String>) -> String {
-    let mut near: Vec<(f64, &String)> = known.map(|known| (strsim::jaro_winkler(name, known), known)).collect();
-    near.sort_by(|a, b| b.0.total_cmp(&a.0));
-    near.iter().take(3).map(|(_, name)| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -398,23 +308,23 @@ mod tests {
         Instrument::builtin_text("concert-grand").unwrap()
     }
 
-    fn with(changes: &[(&str, Change)]) -> Result<Instrument, ChangeError> {
-        let changes: Vec<(String, Change)> =
+    fn with(changes: &[(&str, Wanted)]) -> Result<Instrument, ChangeError> {
+        let changes: Vec<(String, Wanted)> =
             changes.iter().map(|(name, change)| ((*name).to_owned(), change.clone())).collect();
         varied(text(), "grand", &changes).map(|file| file.instrument)
     }
 
     fn written(name: &str, text: &str) -> Result<Instrument, ChangeError> {
-        with(&[(name, Change::Text(text.to_owned()))])
+        with(&[(name, Wanted::Text(text.to_owned()))])
     }
 
-    /// Values, differences and factors are applied as typed; a bare number does the same as in a study, to the bit.
+    /// Values, differences and factors are applied as typed; a number is the value in SI units.
     #[test]
     fn numbers_change_as_they_say() {
         let grand = Instrument::builtin("concert-grand").unwrap();
         // Regional words; what a file itself calls so stays.
         assert_eq!(written("set_off", "-0.2 mm").unwrap(), written("let_off", "-0.2 mm").unwrap());
-        let mass = |name: &str| with(&[(name, Change::Text("= 10 g".to_owned()))]);
+        let mass = |name: &str| with(&[(name, Wanted::Text("= 10 g".to_owned()))]);
         assert_eq!(mass("body.wippen.mass_g").unwrap(), mass("body.whippen.mass_g").unwrap());
         let wippen = text().replace("\"whippen\"", "\"wippen\"");
         assert_eq!(known_name("body.wippen.mass_g", &[], &wippen), "body.wippen.mass_g");
@@ -430,8 +340,8 @@ mod tests {
             ("let_off", "= -0.3 mm", -3e-4),
             ("body.hammer.mass", "8.7 g", 8.7e-3),
             ("body.hammer.mass", "+0.8 g", mass + 0.8e-3),
-            ("body.hammer.mass", "*1.5", mass * 1.5),
-            ("body.key.friction", "2 N mm", 2e-3),
+            ("body.hammer.mass", "x1.5", mass * 1.5),
+            ("body.whippen.friction", "2 N mm", 2e-3),
             ("zone.string.stiffness", "*0.5", now("zone.string.stiffness") * 0.5),
         ] {
             let found = value(&written(name, text).unwrap(), name);
@@ -441,10 +351,15 @@ mod tests {
             let by = if parameter.is_factor() { 1.25 } else { 1e-4 };
             let mut studied = grand.clone();
             assert!(parameter.vary(&mut studied, by));
-            assert_eq!(with(&[(name, Change::Number(by))]).unwrap(), studied, "{name}");
+            let by = if parameter.is_factor() { "x1.25" } else { "+1e-4" };
+            assert_eq!(written(name, by).unwrap(), studied, "{name}");
+            // A number is the new value, in SI units.
+            let wanted = parameter.value(&studied);
+            let set = with(&[(name, Wanted::Value(wanted))]).unwrap();
+            assert!((parameter.value(&set) - wanted).abs() <= 1e-15 * wanted.abs().max(1e-3), "{name}");
         }
         // The same change twice is applied twice; numbers of the file go by their paths.
-        let twice = Change::Text("+0.5 g".into());
+        let twice = Wanted::Text("+0.5 g".into());
         let heavy = with(&[("body.hammer.mass", twice.clone()), ("body.hammer.mass", twice)]).unwrap();
         assert!((value(&heavy, "body.hammer.mass") - mass - 1e-3).abs() < 1e-15);
         let own = written("body.hammer.mass_g", "+0.5 g").unwrap();
@@ -460,7 +375,7 @@ mod tests {
             ("let_off", "-0.2 mm"),
             ("set_off", "0.3mm"),
         ] {
-            let change = Change::Text(change.to_owned());
+            let change = Wanted::Text(change.to_owned());
             let new = varied_text(text(), "grand", name, &change).unwrap();
             let (read, wanted) = (Instrument::parse(&new, "new").unwrap(), with(&[(name, change)]).unwrap());
             for (a, b) in read.bodies.iter().zip(&wanted.bodies) {
@@ -472,10 +387,10 @@ mod tests {
             }
             assert_ne!(new, text());
         }
-        let own = varied_text(text(), "grand", "body.hammer.mass_g", &Change::Text("= 9 g".into())).unwrap();
+        let own = varied_text(text(), "grand", "body.hammer.mass_g", &Wanted::Text("= 9 g".into())).unwrap();
         assert_eq!(numbers_at(&own, "body.hammer.mass_g"), Some(vec![9.0]));
         for (name, change) in [("body.drummer.mass", "*2"), ("body.hammer.mass", "-200 g"), ("let_off", "3 g")] {
-            assert!(varied_text(text(), "grand", name, &Change::Text(change.into())).is_err(), "{name} {change}");
+            assert!(varied_text(text(), "grand", name, &Wanted::Text(change.into())).is_err(), "{name} {change}");
         }
     }
 
@@ -483,7 +398,7 @@ mod tests {
     #[test]
     fn every_quantity_stands_in_the_file() {
         let file = InstrumentFile::parse(text(), "grand").unwrap();
-        let all = quantities(&file);
+        let all = register(&file);
         assert_eq!(all.len(), Parameter::all(&file.instrument).len());
         for quantity in &all {
             let number = file.provenance.numbers.iter().find(|number| number.key == quantity.path);
@@ -501,25 +416,26 @@ mod tests {
     fn what_is_wrong_is_named() {
         for (name, text, told) in [
             ("letof", "1 mm", "`let_off`"),
-            ("let_off", "1 g", "units: m, mm"),
-            ("let_off", "1", "with its unit"),
-            ("let_off", "+1", "with its unit"),
-            ("let_off", "nan mm", "with its unit"),
+            ("let_off", "1 g", "`g` is not one of its units; expected m, dm, cm, mm"),
+            ("let_off", "1", "out of range"),
+            ("let_off", "+1", "out of range"),
+            ("let_off", "nan mm", "expected a length"),
+            ("body.key.friction", "2 N mm", "type `body.key_back.friction`"),
             ("let_off", "200 mm", "out of range"),
             ("body.hammer.mass", "-200 g", "out of range"),
             ("body.hammer.mass", "*0", "out of range"),
             ("body.hammer.mass", "", "a factor"),
-            ("body.hammer.mass_g", "3 kg", "units: g"),
+            ("body.hammer.mass_g", "3 mm", "`mm` is not one of its units"),
             ("body.hammer.mass_g", "= -3 g", "mass_g"),
         ] {
             let error = written(name, text).unwrap_err().to_string();
             assert!(error.contains(told), "{name} {text}: {error}");
         }
-        assert!(with(&[("let_off", Change::Number(f64::NAN))]).is_err());
-        let friction = Parameter::all(&Instrument::builtin("concert-grand").unwrap());
-        let friction =
-            friction.iter().find(|(name, _)| name.starts_with("zone.") && name.ends_with(".friction")).unwrap();
-        assert!(written(&friction.0, "0.2").unwrap_err().to_string().contains("`= 0.2`"));
-        assert!(written(&friction.0, "= 0.2").is_ok());
+        assert!(with(&[("let_off", Wanted::Value(f64::NAN))]).is_err());
+        let all = Parameter::all(&Instrument::builtin("concert-grand").unwrap());
+        let (friction, _) =
+            all.iter().find(|(name, _)| name.starts_with("zone.") && name.ends_with(".friction")).unwrap();
+        assert!(written(friction, "0.2 mm").unwrap_err().to_string().contains("expected a number"));
+        assert_eq!(written(friction, "=0.2").unwrap(), written(friction, "0.2").unwrap());
     }
 }
