@@ -47,7 +47,7 @@ def native(command: str, strokes: int) -> tuple[int, float, float]:
     axes, forces = grid(strokes)
     side = len(axes["let_off"])
     with tempfile.TemporaryDirectory() as folder:
-        arguments = [command, "study", "--vary", f"let_off=-0.5mm..0.5mm:{side}", "--vary", f"body.hammer.mass=0.9..1.1:{side}"]
+        arguments = [command, "study", "--vary", f"let_off=-0.5mm..0.5mm:{side}", "--vary", f"body.hammer.mass=x0.9..1.1:{side}"]
         arguments += ["--vary", f"force=3..12:{len(forces)}", "--duration", str(DURATION_S), "--rows", "1", "--out", folder, "--force"]
         before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
         subprocess.run(arguments, check=True, capture_output=True)

@@ -30,7 +30,7 @@ TRUTHS = {
 }
 STROKES = (("p", "pressed"), ("mf", "pressed"), ("f", "pressed"), ("mf", "struck"))
 NOISE = {"force_N": 0.02, "key_m": 10e-6, "hammer_head_m": 50e-6}
-BOUNDS = {"let_off": (-1e-3, 1e-3)}
+BOUNDS = {"let_off": ("-1 mm", "+1 mm")}
 
 
 def recordings(true: erard.Instrument, rng: np.random.Generator, duration: float = 0.15) -> list[dict[str, np.ndarray]]:
@@ -60,8 +60,9 @@ def main() -> None:
         true = {}
         for name, far in truths.items():
             by = rng.uniform(-far, far)
-            true[name] = float(np.exp(by)) if grand.parameters[name].is_factor else by
-        data = recordings(grand.vary(true), rng)
+            true[name] = by if grand.parameters[name].is_screw else float(np.exp(by))
+        texts = {name: f"{by:+}" if grand.parameters[name].is_screw else f"x{by}" for name, by in true.items()}
+        data = recordings(grand.vary(texts), rng)
         bounds = {k: v for k, v in BOUNDS.items() if k in truths}
         fit = erard.fit(grand, data, vary=list(truths), bounds=bounds, sigma=NOISE)
         pull = {name: (fit.x[name] - true[name]) / fit.std[name] for name in truths}

@@ -18,7 +18,7 @@ import pandas as pd
 import erard
 
 grand = erard.load("concert-grand")
-true = grand.vary({"body.hammer.mass": 1.1})
+true = grand.vary({"body.hammer.mass": "x1.1"})
 played, rng = true.press(stroke="mf", duration=0.15), np.random.default_rng(1)
 rows = slice(None, None, 10)
 frame = pd.DataFrame(

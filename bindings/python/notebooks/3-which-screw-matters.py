@@ -19,7 +19,7 @@ import erard
 
 grand = erard.load("concert-grand")
 turn = 0.1e-3
-screws = [name for name, one in grand.parameters.items() if not one.is_factor and one.unit == "m"]
+screws = [name for name, one in grand.parameters.items() if one.is_screw and one.unit == "m"]
 rows = []
 for screw in screws:
     study = erard.study(grand, {screw: [-turn, 0.0, turn]}, stroke="mf", progress=False)

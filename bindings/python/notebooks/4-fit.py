@@ -22,7 +22,7 @@ noise = {"force_N": 0.02, "key_m": 1e-5, "hammer_head_m": 5e-5}
 rng = np.random.default_rng(1)
 recordings = []
 for nuance in ("mf", "f"):
-    run = grand.vary(truth).press(stroke=nuance, duration=0.1)
+    run = grand.vary({name: f"x{factor}" for name, factor in truth.items()}).press(stroke=nuance, duration=0.1)
     rows = {name: run[name][::10] for name in ("time_s", "force_N", "key_m", "hammer_head_m")}
     for name, sigma in noise.items():
         rows[name] = rows[name] + sigma * rng.standard_normal(len(rows[name]))
@@ -33,8 +33,8 @@ fit
 # %%
 fit.plot()
 
-# %% [markdown] `x` is what `vary` takes: the fitted instrument is one call away. What the data do not tell is said: a
-# felt that this stroke never touches.
+# %% [markdown] `x` holds the factors, `values` the values; `instrument` is the fitted instrument. What the data do not
+# tell is said: a felt that this stroke never touches.
 
 # %%
 for name, true in truth.items():

@@ -26,7 +26,7 @@ side = round(strokes ** (1 / 3))
 grand = erard.load("concert-grand")
 axes = {
     "let_off": np.linspace(-5e-4, 5e-4, side),
-    "body.hammer.mass": np.linspace(0.9, 1.1, side),
+    "body.hammer.mass": grand.parameters["body.hammer.mass"].value * np.linspace(0.9, 1.1, side),
 }
 force = np.linspace(3.0, 12.0, side)
 folder = tempfile.mkdtemp() + "/study"

@@ -7,7 +7,7 @@ use erard::player::ActionError;
 use erard::run::SimulationError;
 use erard::stroke::StrokeError;
 use erard_workshop::measure::MeasureError;
-use erard_workshop::study::ChangeError;
+use erard::parameter::{ChangeError, NameError};
 use pyo3::prelude::*;
 
 mod python {
@@ -84,12 +84,18 @@ pub(crate) fn change(error: &ChangeError) -> PyErr {
     let message = error.to_string();
     match error {
         ChangeError::File(error) => file(error),
-        ChangeError::Unknown { name, nearest } => {
-            input(message, &Place { key: name, found: name, expected: nearest, ..Place::default() })
+        ChangeError::Unknown(NameError::Unknown { name, nearest: expected, .. })
+        | ChangeError::Idle(NameError::Idle { name, acts: expected }) => {
+            input(message, &Place { key: name, found: name, expected, ..Place::default() })
         }
-        ChangeError::Value { name, found, expected } | ChangeError::Range { name, found, expected } => {
+        ChangeError::Range { name, found, expected } => {
             input(message, &Place { key: name, found, expected, ..Place::default() })
         }
+        ChangeError::Value { name, error } => {
+            let expected = error.to_string();
+            input(message, &Place { key: name, found: error.found(), expected: &expected, ..Place::default() })
+        }
+        _ => input(message, &Place::default()),
     }
 }
 

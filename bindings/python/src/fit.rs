@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
+use erard::parameter::{Bare, Change, Parameter};
 use erard::run::SimulationError;
 use erard_workshop::cores;
 use erard_workshop::fit::{
@@ -15,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::fault::{self, failed, wrong, wrong_argument};
-use crate::instrument::Instrument;
+use crate::instrument::{Instrument, Value};
 use crate::recording::Recording;
 use crate::setup::Steps;
 use crate::stroke::prescribed;
@@ -31,10 +32,23 @@ pub(crate) struct Problem {
     threads: usize,
     /// Noise as given, or as the last fit estimated it.
     noise: Mutex<NoiseModel>,
+    /// Instrument at which the fit starts.
+    instrument: Arc<erard::Instrument>,
+}
+
+/// Turn or factor for a value or a text, as in `Instrument.vary`.
+fn outer(instrument: &erard::Instrument, argument: &str, name: &str, value: Value) -> PyResult<f64> {
+    let (_, parameter) = Parameter::named(instrument, name).map_err(|error| wrong_argument(argument, error))?;
+    let change = match value {
+        Value::Number(value) => Change::Set(value),
+        Value::Text(text) => Change::read(&text, parameter.quantity(instrument), Bare::Si)
+            .map_err(|error| wrong_argument(argument, format!("{name}: {error}")))?,
+    };
+    Ok(parameter.by(instrument, change))
 }
 
 /// Arguments of the fit, besides the problem: start, loss, Jacobian, restarts, largest number of evaluations.
-type FitArguments = (Vec<(String, f64)>, String, String, usize, usize);
+type FitArguments = (Vec<(String, Value)>, String, String, usize, usize);
 
 /// Title, index of the recording, column, times, measured values, fitted values, noise, delay.
 type Curve<'py> = (
@@ -55,7 +69,7 @@ impl Problem {
     fn new(
         instrument: &Instrument,
         vary: Vec<String>,
-        bounds: Vec<(String, (f64, f64))>,
+        bounds: Vec<(String, (Value, Value))>,
         recordings: Vec<Bound<'_, Recording>>,
         drive: Option<&str>,
         columns: Option<Vec<String>>,
@@ -67,7 +81,11 @@ impl Problem {
         let drive = drive.map(prescribed).transpose()?;
         let how = steps.setup(&instrument.inner, 0.0, 1.0)?;
         how.check().map_err(|error| fault::simulation(&error))?;
-        let bounds = bounds.into_iter().map(|(name, (low, high))| (name, [low, high])).collect();
+        let ends = |(name, (low, high)): (String, (Value, Value))| {
+            let ends = [outer(&instrument.inner, "bounds", &name, low)?, outer(&instrument.inner, "bounds", &name, high)?];
+            Ok((name, ends))
+        };
+        let bounds = bounds.into_iter().map(ends).collect::<PyResult<_>>()?;
         let parameters = fit_parameters(&instrument.file(), &vary, &bounds).map_err(told)?;
         let data = recordings.iter().map(|recording| {
             let own = recording.get();
@@ -82,7 +100,7 @@ impl Problem {
         };
         let question = Question::new(&instrument.inner, parameters, data, delay).map_err(told)?;
         let noise = Mutex::new(NoiseModel::new(&question, &sigma).map_err(told)?);
-        Ok(Problem { question, threads, noise })
+        Ok(Problem { question, threads, noise, instrument: instrument.inner.clone() })
     }
 
     /// Fits with the solver of this library or with one in Python. A Python solver is called with two functions
@@ -96,6 +114,11 @@ impl Problem {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (start, loss, jacobian, restarts, max_evaluations) = arguments;
+        let of = |(name, value): (String, Value)| {
+            let value = outer(&self.instrument, "start", &name, value)?;
+            Ok((name, value))
+        };
+        let start = start.into_iter().map(of).collect::<PyResult<_>>()?;
         let plan = Plan { start, loss: loss_of(&loss)?, jacobian: jacobian_of(&jacobian)?, restarts, max_evaluations };
         let noise = self.noise();
         let found = self.watched(py, progress, |simulator, raised| match solver {
@@ -156,7 +179,7 @@ impl Problem {
         self.question.bounds()
     }
 
-    /// Converts the solver's points, row by row, to values as `vary` takes them, without delays.
+    /// Converts the solver's points, row by row, to turns and factors, without delays.
     fn outer<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let points = self.points(&points)?;
         let values: Vec<Vec<f64>> = points.iter().map(|point| self.question.from_solver(point)).collect();

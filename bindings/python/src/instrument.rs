@@ -5,9 +5,9 @@ use std::sync::Arc;
 use erard::instrument::{Certainty, Instrument as Inner, InstrumentFile, Provenance, numbers_at};
 use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::Keyboard;
+use erard::parameter::{Wanted, register, varied_of};
 use erard::stroke::NUANCES;
 use erard_kinematics::LinkageFile;
-use erard_workshop::study::{Change, quantities, varied_of};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -20,11 +20,11 @@ pub(crate) enum Value {
     Text(String),
 }
 
-impl From<Value> for Change {
+impl From<Value> for Wanted {
     fn from(value: Value) -> Self {
         match value {
-            Value::Number(number) => Change::Number(number),
-            Value::Text(text) => Change::Text(text),
+            Value::Number(number) => Wanted::Value(number),
+            Value::Text(text) => Wanted::Text(text),
         }
     }
 }
@@ -114,18 +114,25 @@ impl Instrument {
 
     /// Returns all named parameters.
     fn quantities<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        quantities(&self.file())
+        register(&self.file())
             .into_iter()
-            .map(|quantity| {
+            .map(|entry| {
+                // Turns and factors become values.
+                let si = |by: f64| if entry.parameter.is_factor() { entry.value * by } else { entry.value + by };
+                let ends = |[low, high]: [f64; 2]| if entry.value < 0.0 && entry.parameter.is_factor() {
+                    vec![si(high), si(low)]
+                } else {
+                    vec![si(low), si(high)]
+                };
                 let row = PyDict::new(py);
-                row.set_item("name", quantity.name)?;
-                row.set_item("value", quantity.value)?;
-                row.set_item("unit", quantity.unit)?;
-                row.set_item("is_factor", quantity.parameter.is_factor())?;
-                row.set_item("range", quantity.parameter.range().to_vec())?;
-                row.set_item("spread", quantity.spread.map(|spread| spread.to_vec()))?;
-                row.set_item("certainty", quantity.certainty.map(certainty))?;
-                row.set_item("path", quantity.path)?;
+                row.set_item("name", &entry.name)?;
+                row.set_item("value", entry.value)?;
+                row.set_item("unit", entry.quantity.si_unit())?;
+                row.set_item("is_screw", !entry.parameter.is_factor())?;
+                row.set_item("range", ends(entry.parameter.range()))?;
+                row.set_item("spread", entry.spread.map(ends))?;
+                row.set_item("certainty", entry.certainty.map(certainty))?;
+                row.set_item("path", &entry.path)?;
                 Ok(row)
             })
             .collect()
@@ -180,7 +187,7 @@ impl Instrument {
             Some(read) => read,
             None => Arc::new(InstrumentFile::parse(&text, &file_name).map_err(|error| fault::file(&error))?),
         };
-        let asked: Vec<(String, Change)> =
+        let asked: Vec<(String, Wanted)> =
             changes.iter().map(|(name, value)| (name.clone(), value.clone().into())).collect();
         let file = varied_of(&read, &text, &file_name, &asked).map_err(|error| fault::change(&error))?;
         Ok(Instrument { text, file_name, read, changes, provenance: file.provenance, inner: Arc::new(file.instrument) })

@@ -1,16 +1,16 @@
 //! Many strokes at once: arrays in, arrays out.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use erard::Progress;
 use erard::instrument::Instrument as Inner;
+use erard::parameter::{Change, Parameter};
 use erard::player::Input;
 use erard::run::{Setup, SimulationError};
 use erard::stroke::{PositionOf, Prescribed, Stroke as InnerStroke};
 use erard::trust::{Warning, worst_of_each};
 use erard_workshop::cores;
-use erard_workshop::study::{Job, JobResult, OUTCOMES, Parameter, Sampling, Workers, sample_all};
+use erard_workshop::study::{Job, JobResult, OUTCOMES, Sampling, Workers, sample_all};
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -261,8 +261,8 @@ pub(crate) fn play_all<'py>(
     run(py, Plan { instruments, jobs, strokes }, setup, &work, progress)
 }
 
-/// Plays a stroke, or constant forces, on variants of an instrument, given row by row as values of parameters (turns in
-/// m, rad, N m, or factors).
+/// Plays a stroke, or constant forces, on variants of an instrument, given row by row as values of parameters in SI
+/// units.
 #[pyfunction]
 #[pyo3(signature = (instrument, names, values, stroke, forces, duration, steps, work, progress))]
 #[allow(clippy::too_many_arguments)]
@@ -279,9 +279,9 @@ pub(crate) fn study<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let own = &instrument.inner;
-    let known: HashMap<String, Parameter> = Parameter::all(own).into_iter().collect();
     let find = |name: &String| {
-        known.get(name).cloned().ok_or_else(|| wrong_argument(name, "is no screw and no parameter of the instrument"))
+        let found = Parameter::named(own, name).map_err(|error| wrong_argument(name, error))?;
+        Ok(found.1)
     };
     let parameters: Vec<Parameter> = names.iter().map(find).collect::<PyResult<_>>()?;
     let values = values.as_array();
@@ -326,8 +326,9 @@ fn variant(plain: &Inner, names: &[String], parameters: &[Parameter], values: &[
     let mut instrument = plain.clone();
     for ((name, parameter), value) in names.iter().zip(parameters).zip(values) {
         let [least, most] = parameter.range();
-        if !(least..=most).contains(value) || !parameter.vary(&mut instrument, *value) {
-            return Err(format!("{name} cannot be varied by {value}"));
+        let by = parameter.by(&instrument, Change::Set(*value));
+        if !(least..=most).contains(&by) || !parameter.vary(&mut instrument, by) {
+            return Err(format!("{name} cannot be varied to {value} {}", parameter.quantity(plain).si_unit()));
         }
     }
     Ok(instrument)

@@ -44,7 +44,7 @@ def test_they_are_what_wide_differences_see(rigid: erard.Instrument, found: erar
     half = {"let_off": 1e-5, "capstan_height": 1e-6, "force": 0.02}
 
     def press(name: str, by: float) -> erard.Run:
-        own = rigid if name == "force" else rigid.vary({name: by if name in half else 1.0 + by})
+        own = rigid if name == "force" else rigid.vary({name: f"{by:+}" if name in half else f"x{1.0 + by}"})
         return own.press(force=5.0 + (by if name == "force" else 0.0), duration=0.12, step=10e-6)
 
     for k, name in enumerate(NAMES):
@@ -82,7 +82,7 @@ def test_the_rest_moves_or_is_held(rigid: erard.Instrument) -> None:
         erard.gradient(rigid, names, of=["hammer_speed_m_per_s"], force=5.0, rest=rest)["hammer_speed_m_per_s"] for rest in ("moves", "held")
     )
     for name in names:
-        speeds = [rigid.vary({name: 1.0 + by}).press(force=5.0, duration=0.12, step=5e-6).hammer_speed for by in (-half, half)]
+        speeds = [rigid.vary({name: f"x{1.0 + by}"}).press(force=5.0, duration=0.12, step=5e-6).hammer_speed for by in (-half, half)]
         assert moving[name] == pytest.approx((speeds[1] - speeds[0]) / (2 * half), rel=0.02), name
         assert abs(held[name] / moving[name] - 1) > 0.3, name
 

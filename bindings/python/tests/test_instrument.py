@@ -12,30 +12,31 @@ def test_values_as_people_write_them(grand: erard.Instrument) -> None:
         return instrument.parameters[name].value
 
     mass = value(grand, "body.hammer.mass")
-    for change, expected in [("8.7 g", 8.7e-3), ("+0.8 g", mass + 0.8e-3), ("*1.5", 1.5 * mass), (1.5, 1.5 * mass)]:
+    for change, expected in [("8.7 g", 8.7e-3), ("+0.8 g", mass + 0.8e-3), ("*1.5", 1.5 * mass), (1.5 * mass, 1.5 * mass), ("x1.5", 1.5 * mass), ("0.3 oz", 0.3 * 28.349523125e-3)]:
         assert value(grand.vary({"body.hammer.mass": change}), "body.hammer.mass") == pytest.approx(expected, rel=1e-12)
     before = value(grand, "let_off")
     assert value(grand.vary(let_off="-0.2 mm"), "let_off") == pytest.approx(before - 2e-4, abs=1e-15)
-    assert value(grand.vary(let_off=-2e-4), "let_off") == pytest.approx(before - 2e-4, abs=1e-15)
+    assert value(grand.vary(let_off=-2e-4), "let_off") == pytest.approx(-2e-4, abs=1e-15)
     assert value(grand.vary(let_off="= -0.2 mm"), "let_off") == pytest.approx(-2e-4, abs=1e-15)
     by_path = grand.vary({"body.hammer.mass_g": "+0.3 g"})
     assert value(by_path, "body.hammer.mass") == pytest.approx(mass + 0.3e-3, rel=1e-12)
-    assert grand.vary({}) == grand == grand.vary(let_off=0.0)
+    assert grand.vary({}) == grand == grand.vary(let_off=before)
 
 
 def test_parameters_tell_their_spread(grand: erard.Instrument) -> None:
     parameters = grand.parameters
-    assert parameters["let_off"].unit == "m" and not parameters["let_off"].is_factor
+    assert parameters["let_off"].unit == "m" and parameters["let_off"].is_screw
     spread = [p for p in parameters.values() if p.spread]
-    assert spread and all(p.spread[0] < (1 if p.is_factor else 0) < p.spread[1] for p in spread)  # type: ignore[index]
+    assert spread and all(p.spread[0] < p.value < p.spread[1] for p in spread)  # type: ignore[index]
     assert {p.certainty for p in parameters.values()} <= {"measured", "read", "second-hand", "estimate", None}
 
 
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ({"let_off": "1 g"}, "units: m, mm"),
-        ({"let_off": "1"}, "with its unit"),
+        ({"let_off": "1 g"}, "not one of its units; expected m, dm, cm, mm"),
+        ({"let_off": "1"}, "out of range"),
+        ({"body.key.friction": "x2"}, "type `body.key_back.friction`"),
         ({"let_of": "1 mm"}, "nearest `let_off`"),
         ({"body.hammer.mass": -1.0}, "out of range"),
         ({"body.hammer.mass": float("nan")}, "finite"),

@@ -108,7 +108,7 @@ class Problem:
         return np.array(low), np.array(high)
 
     def outer(self, points: Array) -> Array:
-        """Converts inner points, row by row, to values as `vary` takes them."""
+        """Converts inner points, row by row, to turns and factors as in `Fit.x`."""
         return self._inner.outer(np.ascontiguousarray(points))
 
     def residuals(self, points: Array, tell: Callable[[int], None] | None = None) -> Array:
@@ -134,8 +134,8 @@ class Fit:
     Attributes
     ----------
     x : dict of str to float
-        Fitted values, as `Instrument.vary` takes them: turns of screws (m, rad, N m), factors of other parameters.
-        `instrument` is the instrument with these values.
+        Fitted changes from the instrument at the start: turns of screws (m, rad, N m), factors of other parameters.
+        `instrument` is the instrument with these changes, `values` holds the values.
     std : dict of str to float
         Standard deviations of `x`, from the covariance.
     values, errors : dict of str to float
@@ -195,7 +195,9 @@ class Fit:
     @property
     def instrument(self) -> Instrument:
         """Instrument with the fitted values."""
-        return self._problem.asked.instrument.vary(self.x)
+        start = self._problem.asked.instrument
+        known = start.parameters
+        return start.vary({name: f"{by:+}" if known[name].is_screw else f"x{by}" for name, by in self.x.items()})
 
     @property
     def channels(self) -> list[Channel]:
@@ -223,7 +225,7 @@ class Fit:
         """
         found = []
         for name, unit, is_factor, low, high, at_bound in self._found["free"]:
-            told = f"{'*' if is_factor else ''}{self.x[name]:.5g} +- {self.std[name]:.2g}"
+            told = f"{'x' if is_factor else ''}{self.x[name]:.5g} +- {self.std[name]:.2g}"
             bounds = f"{low:.4g} to {high:.4g}{' (at its end)' if at_bound else ''}"
             found.append((name, f"{self.values[name]:.6g} +- {self.errors[name]:.2g} {unit}".rstrip(), told, bounds))
         return found
@@ -239,7 +241,7 @@ class Fit:
             if self.chi2_reduced is None or self.chi2_expected is None
             else f"  reduced chi2 {self.chi2_reduced:.3f}, of which the noise of sensors and drive explains {self.chi2_expected:.3f}",
         ]
-        rows = [("", "value", "as vary takes it", "bounds"), *self.rows()]
+        rows = [("", "value", "change", "bounds"), *self.rows()]
         wide = [max(len(row[k]) for row in rows) for k in range(4)]
         lines += ["  " + "  ".join(cell.ljust(width) for cell, width in zip(row, wide, strict=True)).rstrip() for row in rows]
         for name, explanation, quantity, unit, before, value, std in self._found["meanings"]:
@@ -319,11 +321,11 @@ def fit(
         The 20 mN of a load cell can make errors ten times larger.
     delay : bool
         Whether to estimate the delay of every column behind the drive.
-    bounds : mapping of str to (float, float), optional
-        Bounds of parameters, as `vary` takes them. By default they are the uncertainty that the instrument's file
+    bounds : mapping of str to (float or str, float or str), optional
+        Bounds of parameters, as `Instrument.vary` takes them: ("x0.5", "x2"), ("-1 mm", "+1 mm"), (8e-3, 12e-3). By default they are the uncertainty that the instrument's file
         states; without one, a factor of 0.2 to 5, or for a screw a fiftieth of its range.
-    start : mapping of str to float, optional
-        Start values, as `vary` takes them.
+    start : mapping of str to float or str, optional
+        Start values, as `Instrument.vary` takes them.
     loss : {"linear", "soft_l1", "huber", "cauchy"}
         "linear" is plain least squares; the others give outliers less weight. The covariance is that of plain least squares.
     jacobian : {"differences", "gradient"}
@@ -367,7 +369,7 @@ def fit(
     --------
     >>> import erard, numpy as np
     >>> grand = erard.load("concert-grand")
-    >>> true = grand.vary({"body.hammer.mass": 1.04})
+    >>> true = grand.vary({"body.hammer.mass": "x1.04"})
     >>> run, rng = true.press(stroke="p", duration=0.1), np.random.default_rng(1)
     >>> mine = {"time_s": run["time_s"][::20], "force_N": run["force_N"][::20],
     ...         "key_m": run["key_m"][::20] + 1e-5 * rng.standard_normal(101)}
@@ -393,7 +395,7 @@ def fit(
         steps(how),
         None if threads is None else whole("threads", threads),
     )
-    begin = [(name, number(f"start[{name!r}]", value)) for name, value in mapping("start", start).items()]
+    begin = [(name, value if isinstance(value, str) else number(f"start[{name!r}]", value)) for name, value in mapping("start", start).items()]
     problem = Problem(asked)
     with counter(progress, "fit", "strokes") as tell:
         found = problem._inner.fit((begin, loss, jacobian, restarts, most), _by_scipy if minimizer == "scipy" else None, tell)
@@ -403,10 +405,10 @@ def fit(
     return fitted
 
 
-def _bounds(name: str, limits: Any) -> tuple[float, float]:
+def _bounds(name: str, limits: Any) -> tuple[float | str, float | str]:
     if isinstance(limits, str) or np.shape(limits) != (2,):
-        raise InputError(f"bounds[{name!r}]: found {limits!r}, expected two numbers, as in (0.5, 2.0)", key="bounds", found=repr(limits))
-    low, high = (number(f"bounds[{name!r}]", bound) for bound in limits)
+        raise InputError(f"bounds[{name!r}]: found {limits!r}, expected two values, as in (\"x0.5\", \"x2\")", key="bounds", found=repr(limits))
+    low, high = (bound if isinstance(bound, str) else number(f"bounds[{name!r}]", bound) for bound in limits)
     return low, high
 
 

@@ -51,9 +51,9 @@ class Gradient(Mapping[str, Mapping[str, float]]):
     value : dict of str to float
         Values of the quantities; nan for events that did not happen.
     jacobian : ndarray of shape (Q, P)
-        Derivatives of the quantities (rows) by the parameters (columns), in SI units per bare number of
-        `Instrument.vary`: per metre of a screw's turn, per factor of a parameter (for one percent, take a hundredth),
-        per file unit of a number of the file, per N of the force.
+        Derivatives of the quantities (rows) by the parameters (columns), in SI units: per metre of a
+        screw's turn (rad, N m), per factor of another parameter (for one percent, take a hundredth), per file unit of a
+        number of the file, per N of the force.
     in_shorter_steps : ndarray of shape (Q, P) or None
         The same derivatives with steps a fifth shorter; `None` without `compare`. The difference is not an error bar:
         it misses errors that do not depend on the step length.

@@ -43,12 +43,12 @@ class Parameter:
         Value in `unit` (SI).
     unit : str
         SI unit; empty for a coefficient.
-    is_factor : bool
-        Whether a bare number is a factor; for a screw it is a turn instead (m, rad or N m).
+    is_screw : bool
+        Whether it is the setting of a screw.
     range : (float, float)
-        Allowed range of a bare number.
+        Range of values that `Instrument.vary` takes, in `unit`.
     spread : (float, float) or None
-        Uncertainty that the file states, as a range of bare numbers.
+        Uncertainty that the file states, as a range of values in `unit`.
     certainty : str or None
         "measured", "read", "second-hand" or "estimate"; `None` for a parameter without a source.
     path : str
@@ -58,7 +58,7 @@ class Parameter:
     name: str
     value: float
     unit: str
-    is_factor: bool
+    is_screw: bool
     range: tuple[float, float]
     spread: tuple[float, float] | None
     certainty: str | None
@@ -172,11 +172,11 @@ class Instrument:
             Changes by name: a screw or a parameter (see `parameters`), or any number of the file by its path, as in
             "body.hammer.mass_g" or "zone.string.disc.center_mm.x".
 
-            A text is a new value with its unit ("8.7 g"), an amount to add with its sign ("+0.8 g", "-0.2 mm"), or a
-            factor ("*1.5"). A new value that has a sign or no unit needs an equals sign ("= -0.2 mm", "= 0.15").
+            A text is a new value ("8.7 g"), an amount to add with its sign ("+0.8 g", "-0.2 mm"), or a factor ("x1.5",
+            "*1.5"). A new value that has a sign needs an equals sign ("=-0.2 mm").
 
-            A bare number means the same as in `erard study --vary`, in SI units: for a screw a turn (m; rad for an
-            angle, N m for a spring), for another parameter a factor, for a number of the file its new value.
+            A number, or a text without a unit, is in SI units: a screw's setting in m, rad or N m, a mass in kg. A
+            number of the file is in the unit at the end of its path. It is never a factor.
 
         Returns
         -------

@@ -342,9 +342,8 @@ def study(
     ----------
     instrument : Instrument
     vary, **more : mapping of str to array_like
-        Names and their values, as bare numbers of `Instrument.vary`: for a screw turns in m (rad, N m), for other
-        parameters factors, for numbers of the file new values. Texts ("-0.2 mm", "8.7 g") are converted to such
-        numbers.
+        Names and their values in SI units, as `Instrument.vary` takes them; numbers of the file are in their own unit.
+        Texts ("-0.2 mm", "8.7 g", "x1.1") are converted to values.
     force : float or array_like, optional
         Constant force from the start on, N; several forces are one more axis.
     stroke, touch, drive, duration
@@ -408,13 +407,13 @@ def study(
         values.flags.writeable = False
     if measure:
         columns |= _measured(instrument, varied, table, measure, threads)
-    # What turns has a unit, a factor has none; of a number of the file its key tells.
-    turned = {name: known[name].unit for name in varied if name in known and not known[name].is_factor}
+    # A parameter's unit is known; of a number of the file its path tells.
+    turned = {name: known[name].unit or "1" for name in varied if name in known}
     return Study(axes, columns, dict(found["errors"]), found["doubts"], turned)
 
 
 def axis(instrument: Instrument, name: str, values: Any) -> NDArray[np.float64]:
-    """Returns the values of a varied name as bare numbers; converts texts to such numbers."""
+    """Returns the values of a varied name in SI units; converts texts to such numbers."""
     given = np.atleast_1d(unmasked(name, values))
     if given.dtype.kind not in "USO" or not any(isinstance(value, str) for value in given.ravel()):
         return floats(name, given, 1)
@@ -425,8 +424,7 @@ def axis(instrument: Instrument, name: str, values: Any) -> NDArray[np.float64]:
 
     def number_of(value: Any) -> float:
         asked = str(value) if isinstance(value, str) else number(name, value)
-        varied = instrument.vary({name: asked}).parameters[name].value
-        return varied / known.value if known.is_factor else varied - known.value
+        return instrument.vary({name: asked}).parameters[name].value
 
     return floats(name, [number_of(value) for value in given.tolist()], 1)
 

@@ -122,15 +122,15 @@ def study_figure(study: DrawnStudy, column: str, over: str) -> Figure:
     others = np.meshgrid(*(study.axes[name] for name in names), indexing="ij") if names else []
     figure, panel = plt.subplots(figsize=(7, 4), layout="constrained")
     x, unit = study.axes[over], study.units[over]
-    if unit == "m":
-        x, unit = 1e3 * x, "mm"
+    if unit in ("m", "kg", "N m"):
+        x, unit = 1e3 * x, {"m": "mm", "kg": "g", "N m": "N mm"}[unit]
     for row, curve in enumerate(values):
         label = ", ".join(f"{name} {grid.ravel()[row]:.4g}" for name, grid in zip(names, others, strict=False))
         told = label if 1 < len(values) <= 10 else None
         panel.plot(x, curve, "." if len(x) == 1 else "-", color=COLOURS[row % len(COLOURS)], label=told)
     if 1 < len(values) <= 10:
         panel.legend(fontsize="small")
-    panel.set_xlabel(f"{over} ({'factor' if unit == '1' and over.count('.') == 2 else unit})")
+    panel.set_xlabel(f"{over} ({unit})")
     panel.set_ylabel(f"{column} ({study.units[column]})")
     return _once(figure)
 

@@ -322,7 +322,7 @@ def _instruments(plan: Plan, turns: Mapping[str, Array], keys: Sequence[int]) ->
     own = {key: load(f"{plan.keyboard}:key={key}") for key in set(keys)}
     found = []
     for row, key in enumerate(keys):
-        by = {name: float(values[row]) for name, values in turns.items() if values[row] != 0.0}
+        by = {name: f"{float(values[row]):+}" for name, values in turns.items() if values[row] != 0.0}
         found.append(own[key].vary(by) if by else own[key])
     return found
 
