@@ -1,6 +1,7 @@
 """Loading, varying, and the technician's work."""
 
 import pickle
+import re
 from pathlib import Path
 
 import erard
@@ -138,3 +139,21 @@ def test_a_diagnosis() -> None:
     for wrong in ({}, {"dawn_weight_g": 58.0}, {"down_weight_g": float("nan")}, {"key": 89, "down_weight_g": 58.0}):
         with pytest.raises(erard.InputError):
             erard.diagnose(**wrong)
+
+
+TYPED = Path(__file__).parents[3] / "crates" / "erard" / "tests" / "typed.tsv"
+
+
+@pytest.mark.parametrize("row", [row for row in TYPED.read_text(encoding="utf-8").splitlines()[1:]])
+def test_texts_are_read_as_by_the_other_fronts(grand: erard.Instrument, row: str) -> None:
+    """The table holds what the command, and what C and Python make of a text."""
+    name, text, _, expected = row.split("\t")
+    kind, told = expected.split(" ", 1)
+    if kind == "no":
+        with pytest.raises(erard.InputError, match=re.escape(told)):
+            grand.vary({name: text})
+        return
+    own = {"set_off": "let_off", "body.wippen.mass": "body.whippen.mass"}.get(name, name)
+    now, by = grand.parameters[own].value, float(told)
+    wanted = by if kind == "set" else now + by if kind == "add" else now * by
+    assert grand.vary({name: text}).parameters[own].value == pytest.approx(wanted, rel=1e-9, abs=1e-12)

@@ -1,6 +1,6 @@
 //! The C interface accepts and refuses the numbers that the command and the Python interface accept and refuse.
 
-use std::ffi::CString;
+use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
 
 use erard_c::*;
@@ -52,4 +52,47 @@ fn numbers_are_refused_as_by_the_other_fronts() {
         tried += 1;
     }
     assert!(tried > 30, "{tried}");
+}
+
+/// Rows of `name, text, command, other`: what C makes of a text.
+const TYPED: &str = include_str!("../../../../crates/erard/tests/typed.tsv");
+
+/// Texts of changes are read as the table says, which the command and Python are held against, too.
+#[test]
+fn texts_are_read_as_by_the_other_fronts() {
+    use erard::instrument::Instrument;
+    use erard::parameter::Parameter;
+
+    let own = Instrument::builtin("concert-grand").unwrap();
+    for row in TYPED.lines().skip(1) {
+        let [name, text, _, expected] = row.split('\t').collect::<Vec<_>>().try_into().expect("four columns");
+        let [called, change] = [name, text].map(|text| CString::new(text).unwrap());
+        let grand = unsafe { erard_instrument_new(null(), 0, null_mut()) };
+        let status = unsafe { erard_instrument_vary(grand, called.as_ptr(), change.as_ptr()) };
+        let said = unsafe { CStr::from_ptr(erard_last_error()) }.to_owned();
+        let varied = unsafe {
+            let given = erard_instrument_text(grand, null_mut(), null_mut());
+            let text = CStr::from_ptr(given).to_str().unwrap().to_owned();
+            erard_text_free(given);
+            erard_instrument_free(grand);
+            text
+        };
+        let (kind, told) = expected.split_once(' ').expect("two words");
+        if kind == "no" {
+            assert_ne!(status, ErardStatus::Ok, "{row}");
+            let said = said.to_str().unwrap();
+            assert!(said.contains(told), "{row}: {said}");
+            continue;
+        }
+        assert_eq!(status, ErardStatus::Ok, "{row}");
+        let (_, parameter) = Parameter::named(&own, name).unwrap();
+        let (now, by): (f64, f64) = (parameter.value(&own), told.parse().unwrap());
+        let wanted = match kind {
+            "set" => by,
+            "add" => now + by,
+            _ => now * by,
+        };
+        let found = parameter.value(&Instrument::parse(&varied, "varied").unwrap());
+        assert!((found - wanted).abs() <= 1e-9 * wanted.abs() + 1e-12, "{row}: {found} {wanted}");
+    }
 }

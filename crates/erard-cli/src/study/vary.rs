@@ -567,6 +567,65 @@ mod tests {
         }
     }
 
+    /// Rows of `name, text, command, other`: what the command, and what C and Python make of a text for the grand.
+    const TYPED: &str = include_str!("../../../erard/tests/typed.tsv");
+
+    #[test]
+    fn typed_texts_are_read_as_the_table_says() {
+        let mut tried = 0;
+        for row in TYPED.lines().skip(1) {
+            let [name, text, expected, _] = row.split('\t').collect::<Vec<_>>().try_into().expect("four columns");
+            let found = Axis::parse(&format!("{name}={text}"), &grand(), &read());
+            let (kind, told) = expected.split_once(' ').expect("two words");
+            let change = match (kind, found) {
+                ("no", Err(error)) => {
+                    assert!(error.contains(told), "{row}: {error}");
+                    tried += 1;
+                    continue;
+                }
+                (_, Ok(axis)) if kind != "no" => axis.changes[0],
+                (_, found) => panic!("{row}: {found:?}"),
+            };
+            let number: f64 = told.parse().unwrap();
+            let (kind, value) = match change {
+                Change::Set(value) => ("set", value),
+                Change::Add(by) => ("add", by),
+                Change::Multiply(factor) => ("times", factor),
+            };
+            assert!(expected.starts_with(kind) && (value - number).abs() <= 1e-12, "{row}: {change:?}");
+            tried += 1;
+        }
+        assert!(tried > 40, "{tried}");
+    }
+
+    /// Every unit, by each of its names, of every registered number of every built-in instrument.
+    #[test]
+    fn every_unit_of_every_number_is_read() {
+        let mut tried = 0;
+        for file in Instrument::builtin_names() {
+            let grand = Instrument::builtin(file).unwrap();
+            let source = Source::Text(Instrument::builtin_text(file).unwrap().to_owned());
+            let text = source.text(None);
+            for (name, parameter) in Parameter::all(&grand) {
+                let quantity = parameter.quantity(&grand);
+                let wanted = if parameter.is_factor() { 1.01 * parameter.value(&grand) } else { 1e-4 };
+                for unit in quantity.units() {
+                    for symbol in unit.also.iter().chain([&unit.symbol]) {
+                        let typed = format!("={:e} {symbol}", wanted / unit.si);
+                        // The text of the file is read once for all.
+                        assert_eq!(known_name(&name, &[(name.clone(), parameter.clone())], &text), name);
+                        let axis = Axis::of_parameter(&name, &typed, &parameter, &grand)
+                            .unwrap_or_else(|error| panic!("{name} {typed}: {error}"));
+                        let Change::Set(found) = axis.changes[0] else { panic!("{name} {typed}") };
+                        assert!((found / wanted - 1.0).abs() < 1e-6, "{file}: {name} {typed}: {found}");
+                        tried += 1;
+                    }
+                }
+            }
+        }
+        assert!(tried > 1000, "{tried}");
+    }
+
     /// Whatever is wrong is named, and what would be right.
     #[test]
     fn what_is_wrong_is_named() {

@@ -36,3 +36,20 @@ fn numbers_are_refused_as_by_the_other_fronts() {
     }
     assert!(tried > 30, "{tried}");
 }
+
+/// Texts of a study's values that the table refuses, and dead names, through the whole command.
+#[test]
+fn texts_are_refused_as_by_the_other_fronts() {
+    let folder = Folder::new("typed");
+    let mut tried = 0;
+    for row in include_str!("../../../erard/tests/typed.tsv").lines().skip(1) {
+        let [name, text, expected, _] = row.split('\t').collect::<Vec<_>>().try_into().expect("four columns");
+        if let Some(told) = expected.strip_prefix("no ") {
+            let said = folder.bad(&["study", &format!("--vary={name}={text}"), "--force-step", "5"]);
+            let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(words.contains(told), "{row}: {said}");
+            tried += 1;
+        }
+    }
+    assert!(tried > 15, "{tried}");
+}
