@@ -154,7 +154,7 @@ fn parameter(own: &Entry, bounds: &PerName<[f64; 2]>) -> Result<FitParameter, Fi
 
 fn unknown(instrument: &Instrument, name: &str, known: &[Entry]) -> FitError {
     if let Err(error @ NameError::Idle { .. }) = Parameter::named(instrument, name) {
-        return FitError::asked("vary", error.to_string());
+        return FitError::argument("vary", error.to_string());
     }
     let is_number = known.iter().any(|one| one.path == name);
     let what = if is_number {
