@@ -37,7 +37,11 @@ pub(crate) fn narrow_phase<T: Real, const B: usize, const Z: usize, const N: usi
                 margins = seen;
                 touches
             }
-            _ => examine::<T, B, Z, ANY_LENGTH, false>(model, timing, z, first, &mut margins, kinematics, contacts),
+            // Six bodies have hardly any longer row; written out, it leaves the others their registers.
+            _ if const { B > 6 } => {
+                examine::<T, B, Z, ANY_LENGTH, false>(model, timing, z, first, &mut margins, kinematics, contacts)
+            }
+            _ => examine::<T, B, Z, B, false>(model, timing, z, first, &mut margins, kinematics, contacts),
         };
         contacts.touched[count] = z;
         count += usize::from(touches);
