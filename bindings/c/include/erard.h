@@ -764,8 +764,9 @@ ErardStatus erard_instrument_get(const struct ErardInstrument *instrument,
 ErardStatus erard_instrument_set(struct ErardInstrument *instrument, const char *path, size_t which, double value);
 
 /**
- * Returns the instrument as JSON: name, key (1 to 88) and sample (null where not known), description, gravity_m_s2, bodies, zones and screws by name, and its
- * parameters with path, values, line and source. Returns NULL on failure. Free the text with erard_text_free.
+ * Returns the instrument as JSON: name, key (1 to 88) and sample (null where not known), description, gravity_m_s2,
+ * bodies, zones and screws by name, and its parameters with path, values, line and source. Returns NULL on failure.
+ * Free the text with erard_text_free.
  */
 char *erard_instrument_json(const struct ErardInstrument *instrument,
                             size_t *length,
@@ -818,7 +819,7 @@ char *erard_draw(const struct ErardInstrument *instrument,
  * ("down_weight_g,dip_mm"); the JSON is an object of their values, and only these are measured. `key` is the piano key
  * whose usual ranges hold, 1 to 88 (erard_key_number reads notes); 0 is the instrument's own, or C4 where it does not
  * know its key. `progress` may be NULL; with `wanted` its share is NaN. Takes tenths of a second to seconds. Returns
- * NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown line or key and ERARD_STATUS_ARGUMENT for a key that is not
+ * NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown line or key and ERARD_STATUS_ARGUMENT for a key other than
  * the instrument's own. Free the text with erard_text_free.
  */
 char *erard_measure(const struct ErardInstrument *instrument,

@@ -124,7 +124,7 @@ pub unsafe extern "C" fn erard_instrument_of_keyboard(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_key_number(called: *const c_char, status: *mut ErardStatus) -> u32 {
     told(0, status, || {
-        // SAFETY: passed on.
+        // SAFETY: `called` is NULL, or a text that ends with a zero and does not change during the call.
         let text = unsafe { name(called, "the key's name") }?;
         let found = key_named(text).and_then(|key| u32::try_from(key).ok());
         found.ok_or_else(|| {
@@ -227,8 +227,9 @@ pub unsafe extern "C" fn erard_instrument_set(
     })
 }
 
-/// Returns the instrument as JSON: name, key (1 to 88) and sample (null where not known), description, gravity_m_s2, bodies, zones and screws by name, and its
-/// parameters with path, values, line and source. Returns NULL on failure. Free the text with erard_text_free.
+/// Returns the instrument as JSON: name, key (1 to 88) and sample (null where not known), description, gravity_m_s2,
+/// bodies, zones and screws by name, and its parameters with path, values, line and source. Returns NULL on failure.
+/// Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_json(
     instrument: *const ErardInstrument,

@@ -111,7 +111,7 @@ pub unsafe extern "C" fn erard_draw(
 /// ("down_weight_g,dip_mm"); the JSON is an object of their values, and only these are measured. `key` is the piano key
 /// whose usual ranges hold, 1 to 88 (erard_key_number reads notes); 0 is the instrument's own, or C4 where it does not
 /// know its key. `progress` may be NULL; with `wanted` its share is NaN. Takes tenths of a second to seconds. Returns
-/// NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown line or key and ERARD_STATUS_ARGUMENT for a key that is not
+/// NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown line or key and ERARD_STATUS_ARGUMENT for a key other than
 /// the instrument's own. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_measure(

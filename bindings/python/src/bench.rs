@@ -6,6 +6,7 @@ use erard::instrument::Instrument as Inner;
 use erard::instrument_spec::InstrumentSpec;
 use erard::run::{Setup, simulate};
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_picture};
+use erard_kinematics::three_lever::StrokePose;
 use erard_kinematics::{Design, LinkageFile, derive};
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::norms::{Line, MIDDLE_C, lines, norms_key};
@@ -14,7 +15,6 @@ use erard_workshop::regulate::{
     Goal, Kind, Miss, RegulateError, Specification, parse_value, regulate as turn, regulate_following, show,
 };
 use erard_workshop::weighing::weigh;
-use erard_kinematics::three_lever::StrokePose;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -3,11 +3,11 @@
 
 use erard::instrument::FileError;
 use erard::instrument_spec::InstrumentSpecError;
+use erard::parameter::{ChangeError, NameError};
 use erard::player::ActionError;
 use erard::run::SimulationError;
 use erard::stroke::StrokeError;
 use erard_workshop::measure::MeasureError;
-use erard::parameter::{ChangeError, NameError};
 use pyo3::prelude::*;
 
 mod python {

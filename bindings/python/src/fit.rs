@@ -82,7 +82,8 @@ impl Problem {
         let how = steps.setup(&instrument.inner, 0.0, 1.0)?;
         how.check().map_err(|error| fault::simulation(&error))?;
         let ends = |(name, (low, high)): (String, (Value, Value))| {
-            let ends = [outer(&instrument.inner, "bounds", &name, low)?, outer(&instrument.inner, "bounds", &name, high)?];
+            let ends =
+                [outer(&instrument.inner, "bounds", &name, low)?, outer(&instrument.inner, "bounds", &name, high)?];
             Ok((name, ends))
         };
         let bounds = bounds.into_iter().map(ends).collect::<PyResult<_>>()?;

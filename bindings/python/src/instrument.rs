@@ -119,10 +119,12 @@ impl Instrument {
             .map(|entry| {
                 // Turns and factors become values.
                 let si = |by: f64| if entry.parameter.is_factor() { entry.value * by } else { entry.value + by };
-                let ends = |[low, high]: [f64; 2]| if entry.value < 0.0 && entry.parameter.is_factor() {
-                    vec![si(high), si(low)]
-                } else {
-                    vec![si(low), si(high)]
+                let ends = |[low, high]: [f64; 2]| {
+                    if entry.value < 0.0 && entry.parameter.is_factor() {
+                        vec![si(high), si(low)]
+                    } else {
+                        vec![si(low), si(high)]
+                    }
                 };
                 let row = PyDict::new(py);
                 row.set_item("name", &entry.name)?;

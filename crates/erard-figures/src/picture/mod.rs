@@ -48,7 +48,7 @@ impl Picture {
 /// What stands at the head of a document.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Head {
-    /// What a reader who cannot see the picture is told.
+    /// Text for readers who cannot see the picture.
     pub title: String,
     /// Width and height, px.
     pub size_px: [f64; 2],

@@ -1,7 +1,7 @@
 //! From the instrument of one key to the instruments of all: what a grading does to an instrument file.
 //!
-//! It changes the file's numbers and not those in SI units, because a key's instrument is then a file like any other: it
-//! is checked by the same reader, every number says where it comes from, and it can be written down, measured and
+//! It changes the file's numbers and not those in SI units, because a key's instrument is then a file like any other:
+//! it is checked by the same reader, every number says where it comes from, and it can be written down, measured and
 //! regulated. [`graded_text`] is that file; [`GradedDocument`] reads the same instrument from the base's parsed text,
 //! without writing the key's.
 

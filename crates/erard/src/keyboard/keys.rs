@@ -278,8 +278,8 @@ impl Keys {
         }
     }
 
-    /// Continues a key from a snapshot of the same instrument and settings, to the bit; its input stays. The key's clock is that of
-    /// all keys, so the snapshot's record of the hammer's flight is shifted to it.
+    /// Continues a key from a snapshot of the same instrument and settings, to the bit; its input stays. The key's clock
+    /// is that of all keys, so the snapshot's record of the hammer's flight is shifted to it.
     ///
     /// # Errors
     /// [`SnapshotError`].

@@ -230,7 +230,7 @@ impl Quantity {
     }
 }
 
-/// Value in SI units. Units that are a decimal part of the SI unit are divided by the number of them in it, which rounds
+/// Value in SI units. If the unit is a decimal part of the SI unit, divides by the number of these in it, which rounds
 /// once: `100us` is 1e-4 s to the bit.
 fn to_si(value: f64, unit: f64) -> f64 {
     let parts = (1.0 / unit).round();

@@ -43,8 +43,8 @@ pub struct MechanismState {
     aimed_m: Option<f64>,
 }
 
-/// The settings that a state belongs to, as numbers: step, s; theta; solver; law of friction, and its two widths. A step
-/// of zero: the state does not say, as those written before states had settings.
+/// The settings that a state belongs to, as numbers: step, s; theta; solver; law of friction, and its two widths. A
+/// step of zero means that the state does not say, as those written before states had settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepSettings([f64; 6]);
 
