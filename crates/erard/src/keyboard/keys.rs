@@ -278,7 +278,7 @@ impl Keys {
         }
     }
 
-    /// Continues a key from a snapshot of the same instrument and settings, to the bit; its input stays. The key's clock
+    /// Continues a key from a snapshot of the same instrument and settings, to the bit; its input stays. Its clock
     /// is that of all keys, so the snapshot's record of the hammer's flight is shifted to it.
     ///
     /// # Errors
