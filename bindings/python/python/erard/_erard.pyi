@@ -116,7 +116,7 @@ class Problem:
         cls,
         instrument: Instrument,
         vary: list[str],
-        bounds: list[tuple[str, tuple[float, float]]],
+        bounds: list[tuple[str, tuple[float | str, float | str]]],
         recordings: list[Recording],
         drive: str | None,
         columns: list[str] | None,
@@ -127,7 +127,7 @@ class Problem:
     ) -> Problem: ...
     def fit(
         self,
-        asked: tuple[list[tuple[str, float]], str, str, int, int],
+        asked: tuple[list[tuple[str, float | str]], str, str, int, int],
         solver: Callable[..., tuple[list[float], list[float], str]] | None,
         progress: Callable[[int], None] | None,
     ) -> Fitted: ...

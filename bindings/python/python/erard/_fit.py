@@ -76,7 +76,7 @@ class Asked(NamedTuple):
 
     instrument: Instrument
     vary: list[str]
-    bounds: list[tuple[str, tuple[float, float]]]
+    bounds: list[tuple[str, tuple[float | str, float | str]]]
     recordings: list[Recording]
     drive: str | None
     columns: list[str] | None
@@ -282,8 +282,8 @@ def fit(
     columns: Sequence[str] | None = None,
     sigma: Mapping[str, float] | None = None,
     delay: bool = False,
-    bounds: Mapping[str, tuple[float, float]] | None = None,
-    start: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float | str, float | str]] | None = None,
+    start: Mapping[str, float | str] | None = None,
     loss: str = "linear",
     jacobian: str = "differences",
     minimizer: str = "erard",
