@@ -10,7 +10,9 @@ use std::time::{Duration, Instant};
 
 use erard::keyboard::Keyboard;
 use erard::stroke::least_jerk;
-use erard_cli::say;
+use erard_cli::print_line;
+use erard_cli::printer::OutputMode;
+use erard_cli::session::Session;
 use erard_cli::table::Table;
 use erard_live::stream::{Of, Sample, SensorUnit};
 use erard_live::{Event, Live, Options, SensorKind};
@@ -109,7 +111,7 @@ fn main() {
             }
         }
     }
-    say!("{}", Table::of(heads, rows));
+    print_line!(Session::new(OutputMode::default()), "{}", Table::of(heads, rows));
 }
 
 /// Sends samples at their instants; returns when each note-on came back, s, and its key.

@@ -1,104 +1,95 @@
-//! The answer of a command with `--json`: its own JSON result, or what it names as one, or its table.
+//! The answer of a command: what it found, which files it wrote, and whether that is what was asked for.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::failure::Failure;
-use crate::identity;
 use crate::inputs::shown;
-use crate::say;
-use crate::table::{Table, is_beside_a_table};
+use crate::output::Written;
+use crate::session::Session;
+use crate::table::Table;
 
-/// What there is to answer with.
-#[derive(Default)]
-struct Answer {
-    json: Option<String>,
-    table: Option<Value>,
+/// What a command answers. Its words have been printed by then, its files written; with `--json` the answer is printed
+/// instead of the words.
+#[derive(Debug, Default)]
+pub struct Answer {
+    fields: Map<String, Value>,
+    /// A text that is printed as it is, such as a built-in file.
+    text: Option<String>,
     written: Vec<PathBuf>,
+    shortfall: Option<String>,
 }
 
-static ANSWER: Mutex<Option<Answer>> = Mutex::new(None);
-
-fn answer() -> MutexGuard<'static, Option<Answer>> {
-    ANSWER.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Takes this as the answer, whatever is written to files.
-///
-/// # Errors
-/// [`Failure::Internal`] where it is nothing that JSON can hold.
-pub fn give(value: &impl Serialize) -> Result<(), Failure> {
-    if say::wants_json() {
-        let text = serde_json::to_string_pretty(value).map_err(|error| Failure::Internal(error.to_string()))?;
-        answer().get_or_insert_default().json = Some(identity::made_by().in_json(&text));
+impl Answer {
+    /// The fields of a record.
+    ///
+    /// # Errors
+    /// [`Failure::Internal`] where it is no record, or nothing that JSON can hold.
+    pub fn of(record: &impl Serialize) -> Result<Self, Failure> {
+        match serde_json::to_value(record)? {
+            Value::Object(fields) => Ok(Answer { fields, ..Answer::default() }),
+            other => Err(Failure::Internal(format!("an answer is a record; found {other}"))),
+        }
     }
-    Ok(())
-}
 
-/// A text that a command prints as it is, such as a built-in file: with `--json`, the answer's `text`.
-///
-/// # Errors
-/// As [`give`].
-pub(crate) fn text(text: &str) -> Result<(), Failure> {
-    if say::wants_json() {
-        return give(&serde_json::json!({ "text": text }));
+    /// A text that is printed as it is; with `--json`, the answer's `text`.
+    pub fn text(text: impl Into<String>) -> Self {
+        Answer { text: Some(text.into()), ..Answer::default() }
     }
-    say::verbatim(text);
-    Ok(())
-}
 
-/// What went wrong, as the answer: nothing was answered before.
-pub(crate) fn print_error(message: &str, exit_code: u8) {
-    let error = serde_json::json!({ "error": { "message": message, "exit_code": exit_code } });
-    if let Ok(text) = serde_json::to_string_pretty(&error) {
-        say::verbatim(&format!("{text}\n"));
+    /// A table by its columns, as `table`; `None` where the answer is in the files alone. It is made only where JSON is
+    /// wanted: a study has millions of rows.
+    pub(crate) fn table(session: &Session, table: Option<&Table<'_>>) -> Self {
+        let table = table.filter(|_| session.printer.wants_json()).map_or(Value::Null, Table::json);
+        Answer::default().field("table", table)
     }
-}
 
-/// Takes a JSON result that is written to a file: it is the answer unless another was given. Metadata of a table are
-/// none.
-pub(crate) fn offer(name: &str, bytes: &[u8]) {
-    if takes(name) {
-        let text = || String::from_utf8(bytes.to_vec()).ok();
-        let mut answer = answer();
-        let json = &mut answer.get_or_insert_default().json;
-        *json = json.take().or_else(text);
+    /// Adds a field.
+    ///
+    /// # Errors
+    /// [`Failure::Internal`] where the value is nothing that JSON can hold.
+    pub fn with(self, name: &str, value: &impl Serialize) -> Result<Self, Failure> {
+        Ok(self.field(name, serde_json::to_value(value)?))
     }
-}
 
-/// Takes a table that is written to a file: it is the answer where no JSON is.
-pub(crate) fn offer_table(table: &Table<'_>) {
-    if say::wants_json() {
-        answer().get_or_insert_default().table.get_or_insert_with(|| table.json());
+    fn field(mut self, name: &str, value: Value) -> Self {
+        self.fields.insert(name.to_owned(), value);
+        self
     }
-}
 
-/// Whether a result of this name may be an answer.
-pub(crate) fn takes(name: &str) -> bool {
-    say::wants_json() && name.ends_with(".json") && !is_beside_a_table(name)
-}
-
-/// Remembers which files were written.
-pub(crate) fn written(paths: impl Iterator<Item = PathBuf>) {
-    if say::wants_json() {
-        answer().get_or_insert_default().written.extend(paths);
+    /// Names the files that were written.
+    #[must_use]
+    pub fn files(mut self, written: &Written) -> Self {
+        self.written.extend(written.paths());
+        self
     }
-}
 
-/// Prints the answer, where one is wanted and there is anything to answer.
-pub(crate) fn print() {
-    let Some(answer) = answer().take() else { return };
-    let text = answer.json.or_else(|| {
-        let mut all = Map::new();
-        all.insert("table".into(), answer.table.unwrap_or(Value::Null));
-        all.insert("written".into(), answer.written.iter().map(|path| Value::from(shown(path))).collect());
-        let text = serde_json::to_string_pretty(&all).ok()?;
-        Some(identity::made_by().in_json(&text))
-    });
-    if let Some(text) = text {
-        say::verbatim(&format!("{}\n", text.trim_end()));
+    /// All was done and written, but it is not what was asked for: exit code 1, with this message.
+    #[must_use]
+    pub fn short_of(mut self, message: Option<String>) -> Self {
+        self.shortfall = message;
+        self
+    }
+
+    /// How it falls short of what was asked for.
+    pub(crate) fn shortfall(&self) -> Option<&str> {
+        self.shortfall.as_deref()
+    }
+
+    /// The text to print as it is.
+    pub(crate) fn verbatim(&self) -> Option<&str> {
+        self.text.as_deref()
+    }
+
+    /// Its fields, and under `written` the files' names.
+    pub(crate) fn json(&self) -> Value {
+        let mut all = self.fields.clone();
+        if let Some(text) = &self.text {
+            all.insert("text".into(), text[..].into());
+        }
+        all.insert("written".into(), self.written.iter().map(|path| Value::from(shown(path))).collect());
+        all.into()
     }
 }

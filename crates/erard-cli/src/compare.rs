@@ -6,7 +6,8 @@ use erard_workshop::compare::{Band, Comparison, Errors, ForceUncertainty, RATE_H
 use erard_workshop::digits::plain;
 use serde_json::{Value, json};
 
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 use crate::table::Table;
 
 /// One quantity of a trial, held against what was measured.
@@ -43,7 +44,7 @@ fn findings(c: &Comparison) -> Vec<Finding<'_>> {
 }
 
 /// The errors as a table, then by frequency.
-pub(crate) fn print_table(comparison: &Comparison) {
+pub(crate) fn print_table(session: &mut Session, comparison: &Comparison) {
     let findings = findings(comparison);
     let heads = ["drive", "model", "quantity", "rms", "of range", "largest", "explained", "delay, ms", ""];
     let rows = findings.iter().map(|Finding { trial, quantity, shown: (factor, unit), measured, errors, .. }| {
@@ -65,18 +66,19 @@ pub(crate) fn print_table(comparison: &Comparison) {
         let names = [trial.driven.name().to_owned(), trial.which.name().to_owned(), format!("{quantity}, {unit}")];
         names.into_iter().chain(numbers).chain([why.to_owned()])
     });
-    say!("{}", Table::of(heads, rows).to_string().trim_end_matches('\n'));
+    print_line!(session, "{}", Table::of(heads, rows).to_string().trim_end_matches('\n'));
     let limit = findings.iter().map(|f| f.told_to_hz).fold(f64::INFINITY, f64::min);
     if limit < 0.5 * RATE_HZ {
         let all = findings.iter().all(|f| f.told_to_hz == limit);
-        say!(
+        print_line!(
+            session,
             "  (all up to {limit:.0} Hz{}: above, the recording holds only noise or nothing)",
             if all { "" } else { " or more" }
         );
     }
-    say!();
+    print_line!(session);
     if findings.iter().any(|f| f.errors.is_some()) {
-        say!("  error by frequency band in Hz (rms; in brackets, share of the signal there)");
+        print_line!(session, "  error by frequency band in Hz (rms; in brackets, share of the signal there)");
         let Some(edges) = findings.iter().find_map(|finding| Some(&finding.errors?.bands)) else { return };
         let bands: Vec<String> = edges.iter().map(|band| format!("{:.0}-{:.0}", band.from_hz, band.to_hz)).collect();
         let heads = ["drive", "model", "quantity"].into_iter().chain(bands.iter().map(String::as_str));
@@ -86,8 +88,8 @@ pub(crate) fn print_table(comparison: &Comparison) {
             let cells = errors.as_ref()?.bands.iter().map(|band| by_frequency(band, *factor, *told_to_hz));
             Some(names.into_iter().chain(cells).collect::<Vec<_>>())
         });
-        say!("{}", Table::of(heads, rows).to_string().trim_end_matches('\n'));
-        say!();
+        print_line!(session, "{}", Table::of(heads, rows).to_string().trim_end_matches('\n'));
+        print_line!(session);
     }
 }
 

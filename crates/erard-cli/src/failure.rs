@@ -1,11 +1,8 @@
-//! Failures of a command, each reported once and clearly on stderr.
+//! Failures of a command.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
-use crate::excerpt::excerpt;
-use crate::inputs::{clipped, shown};
-use crate::{answer, say, signals, tell};
+use crate::inputs::shown;
 use erard::instrument::FileError;
 use erard::one_dof::OneDofError;
 use erard::run::SimulationError;
@@ -47,15 +44,6 @@ pub enum Failure {
     /// No list of work can be worked out.
     #[error(transparent)]
     Worklist(#[from] WorklistError),
-    /// Goals that cannot be met; the nearest that can be has been written.
-    #[error("{0}")]
-    Unmet(String),
-    /// A fit that is doubtful; it has been written.
-    #[error("{0}")]
-    Doubtful(String),
-    /// Levers that do not reach as far as was asked; what they do reach has been written.
-    #[error("{0}")]
-    Reach(String),
     /// Arguments that do not fit together or name what is not there.
     #[error("{0}")]
     Usage(String),
@@ -88,32 +76,8 @@ impl Failure {
         Failure::Write { path: path.to_path_buf(), source }
     }
 
-    /// Prints the failure on stderr and gives the exit code: 2 for what the user can mend, 1
-    /// otherwise: goals that were not met or a fit that is doubtful although everything went well, or a fault of the
-    /// program.
-    pub(crate) fn report(&self) -> ExitCode {
-        signals::yield_to_the_end();
-        let code = self.exit_code();
-        let message = clipped(&self.to_string()).into_owned();
-        tell!("error: {message}");
-        // A command that failed although everything went well has answered.
-        if say::wants_json() && !self.has_answered() {
-            answer::print_error(&message, code);
-        }
-        if let Failure::Instrument(error) = self
-            && let Some(excerpt) = excerpt(error)
-        {
-            tell!("{excerpt}");
-        }
-        ExitCode::from(code)
-    }
-
-    fn exit_code(&self) -> u8 {
-        if self.has_answered() || matches!(self, Failure::Internal(_)) { 1 } else { 2 }
-    }
-
-    /// Whether all was done and written, and the failure is what came out.
-    pub(crate) fn has_answered(&self) -> bool {
-        matches!(self, Failure::Unmet(_) | Failure::Doubtful(_) | Failure::Reach(_))
+    /// 2 for what the user can mend, 1 for a fault of the program.
+    pub(crate) fn exit_code(&self) -> u8 {
+        if matches!(self, Failure::Internal(_)) { 1 } else { 2 }
     }
 }

@@ -1,10 +1,9 @@
-//! The sources of this process' results: the program, the command, and the files and built-in data that it was made
+//! The sources of a session's results: the program, the command, and the files and built-in data that it was made
 //! from.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fmt::Write;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use clap::{ArgMatches, Command};
 use erard_figures::made_by::{MadeBy, Source};
@@ -13,50 +12,93 @@ use sha2::{Digest, Sha256};
 /// The commit that the program was built from, where that was known; a `+`: changed since.
 pub(crate) const COMMIT: Option<&str> = option_env!("ERARD_COMMIT");
 
-/// What was read, in its order.
-static SOURCES: Mutex<Vec<Source>> = Mutex::new(Vec::new());
-/// The command line, and all options.
-static COMMAND: Mutex<(String, BTreeMap<String, Vec<String>>)> = Mutex::new((String::new(), BTreeMap::new()));
-
 /// Options that say where results go and how they are reported, not what they are; with a value, or without.
 const ELSEWHERE: [(&str, bool); 4] = [("out", true), ("force", false), ("quiet", false), ("json", false)];
 
-/// Remembers the command that this process was asked for.
-pub(crate) fn remember(arguments: &[OsString], definition: &Command, matches: &ArgMatches) {
-    let mut command = definition.get_name().to_owned();
-    let mut skip = false;
-    for argument in arguments.iter().skip(1).map(|argument| argument.to_string_lossy()) {
-        if std::mem::take(&mut skip) {
-            continue;
-        }
-        let option = argument
-            .strip_prefix("--")
-            .map(|rest| rest.split_once('=').map_or((rest, false), |(name, _)| (name, true)));
-        if let Some((_, takes_value)) = ELSEWHERE.iter().find(|(name, _)| option.is_some_and(|(own, _)| own == *name)) {
-            skip = *takes_value && option.is_some_and(|(_, has_value)| !has_value);
-            continue;
-        }
-        command.push(' ');
-        command.push_str(&quoted(&argument));
-    }
-    let mut options = BTreeMap::new();
-    // A program without subcommands is its own.
-    let chosen = match matches.subcommand() {
-        Some((name, matches)) => definition.find_subcommand(name).map(|definition| (definition, matches)),
-        None => Some((definition, matches)),
-    };
-    if let Some((definition, matches)) = chosen {
-        for argument in definition.get_arguments() {
-            let id = argument.get_id().as_str();
-            if ELSEWHERE.iter().any(|(name, _)| *name == id) {
+/// The command line, and what was read.
+#[derive(Debug, Default)]
+pub struct Provenance {
+    command: String,
+    /// All options.
+    options: BTreeMap<String, Vec<String>>,
+    /// What was read, in its order.
+    sources: Vec<Source>,
+}
+
+impl Provenance {
+    /// Remembers the command that was asked for.
+    pub(crate) fn remember(&mut self, arguments: &[OsString], definition: &Command, matches: &ArgMatches) {
+        let mut command = definition.get_name().to_owned();
+        let mut skip = false;
+        for argument in arguments.iter().skip(1).map(|argument| argument.to_string_lossy()) {
+            if std::mem::take(&mut skip) {
                 continue;
             }
-            if let Ok(Some(values)) = matches.try_get_raw(id) {
-                options.insert(id.to_owned(), values.map(|value| value.to_string_lossy().into_owned()).collect());
+            let option = argument
+                .strip_prefix("--")
+                .map(|rest| rest.split_once('=').map_or((rest, false), |(name, _)| (name, true)));
+            if let Some((_, takes_value)) =
+                ELSEWHERE.iter().find(|(name, _)| option.is_some_and(|(own, _)| own == *name))
+            {
+                skip = *takes_value && option.is_some_and(|(_, has_value)| !has_value);
+                continue;
+            }
+            command.push(' ');
+            command.push_str(&quoted(&argument));
+        }
+        let mut options = BTreeMap::new();
+        // A program without subcommands is its own.
+        let chosen = match matches.subcommand() {
+            Some((name, matches)) => definition.find_subcommand(name).map(|definition| (definition, matches)),
+            None => Some((definition, matches)),
+        };
+        if let Some((definition, matches)) = chosen {
+            for argument in definition.get_arguments() {
+                let id = argument.get_id().as_str();
+                if ELSEWHERE.iter().any(|(name, _)| *name == id) {
+                    continue;
+                }
+                if let Ok(Some(values)) = matches.try_get_raw(id) {
+                    options.insert(id.to_owned(), values.map(|value| value.to_string_lossy().into_owned()).collect());
+                }
             }
         }
+        (self.command, self.options) = (command, options);
     }
-    *COMMAND.lock().unwrap_or_else(PoisonError::into_inner) = (command, options);
+
+    /// Remembers what results are made from; `file` as it was given, `bytes` as they were read.
+    pub fn used(&mut self, kind: &str, name: &str, file: Option<&str>, bytes: &[u8]) {
+        self.push(kind, name, file, Some(hex(&Sha256::digest(bytes))));
+    }
+
+    /// The same of something that has no bytes, such as a constant force.
+    pub(crate) fn used_without_file(&mut self, kind: &str, name: &str) {
+        self.push(kind, name, None, None);
+    }
+
+    /// The same of a file that was hashed while it was read.
+    pub(crate) fn used_hashed(&mut self, kind: &str, name: &str, file: &str, hash: Sha256) {
+        self.push(kind, name, Some(file), Some(hex(&hash.finalize())));
+    }
+
+    fn push(&mut self, kind: &str, name: &str, file: Option<&str>, sha256: Option<String>) {
+        let source = Source { kind: kind.into(), name: name.into(), file: file.map(str::to_owned), sha256 };
+        if !self.sources.contains(&source) {
+            self.sources.push(source);
+        }
+    }
+
+    /// What makes the results now.
+    pub(crate) fn made_by(&self) -> MadeBy {
+        MadeBy {
+            program: "erard".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            commit: COMMIT.map(str::to_owned),
+            command: self.command.clone(),
+            options: self.options.clone(),
+            sources: self.sources.clone(),
+        }
+    }
 }
 
 /// A word as a shell takes it.
@@ -68,29 +110,6 @@ fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', "'\\''"))
 }
 
-/// Remembers what results are made from; `file` as it was given, `bytes` as they were read.
-pub fn used(kind: &str, name: &str, file: Option<&str>, bytes: &[u8]) {
-    push(kind, name, file, Some(hex(&Sha256::digest(bytes))));
-}
-
-/// The same of something that has no bytes, such as a constant force.
-pub(crate) fn used_without_file(kind: &str, name: &str) {
-    push(kind, name, None, None);
-}
-
-/// The same of a file that was hashed while it was read.
-pub(crate) fn used_hashed(kind: &str, name: &str, file: &str, hash: Sha256) {
-    push(kind, name, Some(file), Some(hex(&hash.finalize())));
-}
-
-fn push(kind: &str, name: &str, file: Option<&str>, sha256: Option<String>) {
-    let source = Source { kind: kind.into(), name: name.into(), file: file.map(str::to_owned), sha256 };
-    let mut sources = sources();
-    if !sources.contains(&source) {
-        sources.push(source);
-    }
-}
-
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut text, byte| {
         // Writing to a string does not fail.
@@ -99,26 +118,8 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
     })
 }
 
-fn sources() -> MutexGuard<'static, Vec<Source>> {
-    SOURCES.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// What makes the results now.
-pub(crate) fn made_by() -> MadeBy {
-    let (command, options) = COMMAND.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    MadeBy {
-        program: "erard".into(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        commit: COMMIT.map(str::to_owned),
-        command,
-        options,
-        sources: sources().clone(),
-    }
-}
-
 /// A result with what made it in it, by the ending of its name; of other kinds as it is.
-pub(crate) fn stamped(name: &str, bytes: Vec<u8>) -> Vec<u8> {
-    let made_by = made_by();
+pub(crate) fn stamped(made_by: &MadeBy, name: &str, bytes: Vec<u8>) -> Vec<u8> {
     let text = |stamp: &dyn Fn(&str) -> String| match std::str::from_utf8(&bytes) {
         Ok(text) => stamp(text).into_bytes(),
         Err(_) => bytes.clone(),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::failure::Failure;
-use crate::{identity, inputs};
+use crate::session::Session;
 
 /// A file's name, as messages show it, and its points.
 pub(crate) type LawPoints = (String, Vec<[f64; 2]>);
@@ -13,8 +13,10 @@ pub(crate) type LawPoints = (String, Vec<[f64; 2]>);
 ///
 /// # Errors
 /// Where it cannot be read, with what `--law` expects, and where a line holds something else.
-pub(crate) fn law_points(path: &Path, head: &str, expected: &str) -> Result<LawPoints, Failure> {
-    let (name, bytes) = inputs::bytes(path)
+pub(crate) fn law_points(session: &mut Session, path: &Path, head: &str, expected: &str) -> Result<LawPoints, Failure> {
+    let (name, bytes) = session
+        .inputs
+        .bytes(path)
         .map_err(|error| Failure::Usage(format!("--law: expected {expected} or a file of points; {error}")))?;
     let text = erard::instrument::utf8(&bytes, &name)?;
     let wrong = |line: usize, what: &str| Failure::Usage(format!("{name}, line {line}: {what}"));
@@ -31,6 +33,6 @@ pub(crate) fn law_points(path: &Path, head: &str, expected: &str) -> Result<LawP
         let [from, to] = numbers[..] else { return Err(wrong(index + 1, "expected two numbers")) };
         points.push([from, to]);
     }
-    identity::used("law", &name, Some(&name), &bytes);
+    session.provenance.used("law", &name, Some(&name), &bytes);
     Ok((name, points))
 }

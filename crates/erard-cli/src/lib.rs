@@ -6,7 +6,7 @@
 #![deny(
     clippy::print_stdout,
     clippy::print_stderr,
-    reason = "`say!` and `tell!` neither panic nor let names steer a terminal"
+    reason = "`print_line!` and `warn!` neither panic nor let names steer a terminal"
 )]
 
 pub mod answer;
@@ -27,14 +27,15 @@ mod live;
 mod measure;
 mod names;
 mod number;
-mod output;
+pub mod output;
 mod paper;
 mod play;
+pub mod printer;
 pub mod progress;
 mod recordings;
 mod regulate;
-pub mod say;
 mod scan;
+pub mod session;
 mod sheet;
 mod signals;
 mod small_plot;

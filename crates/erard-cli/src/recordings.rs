@@ -16,9 +16,9 @@ use parquet::file::metadata::ParquetMetaDataReader;
 use sha2::{Digest, Sha256};
 
 use crate::failure::Failure;
-use crate::identity;
-use crate::inputs::{self, shown};
+use crate::inputs::shown;
 use crate::names::{Name, one_of};
+use crate::session::Session;
 use crate::zstandard::column_reader;
 
 /// How a recording is understood and prepared.
@@ -178,16 +178,16 @@ impl RecordingOptions {
     }
 
     /// Reads a recording: its name, its rows as they are, and whose position was recorded.
-    pub(crate) fn read(&self, path: &Path) -> Result<(String, Recording, PositionOf), Failure> {
+    pub(crate) fn read(&self, session: &mut Session, path: &Path) -> Result<(String, Recording, PositionOf), Failure> {
         let name = shown(path);
-        let recording = read(path, &name, self.columns.as_ref().unwrap_or(&Columns::default()))?;
+        let recording = read(session, path, &name, self.columns.as_ref().unwrap_or(&Columns::default()))?;
         let position_of = self.position_of(&name, &recording)?;
         Ok((name, recording, position_of))
     }
 
     /// Reads a recording and makes it ready.
-    pub(crate) fn load(&self, path: &Path) -> Result<Ready, Failure> {
-        let (name, recording, position_of) = self.read(path)?;
+    pub(crate) fn load(&self, session: &mut Session, path: &Path) -> Result<Ready, Failure> {
+        let (name, recording, position_of) = self.read(session, path)?;
         self.prepared(name, recording, position_of)
     }
 
@@ -225,8 +225,8 @@ impl RecordingOptions {
 const PARQUET: &[u8] = b"PAR1";
 
 /// Reads a recording, of text or Parquet: what the file begins with tells which.
-fn read(path: &Path, name: &str, columns: &Columns) -> Result<Recording, Box<StrokeError>> {
-    let mut file = match inputs::open(path) {
+fn read(session: &mut Session, path: &Path, name: &str, columns: &Columns) -> Result<Recording, Box<StrokeError>> {
+    let mut file = match session.inputs.open(path) {
         Ok(file) => file,
         Err(error) => {
             if let Some(force) = force(name) {
@@ -247,13 +247,13 @@ fn read(path: &Path, name: &str, columns: &Columns) -> Result<Recording, Box<Str
             .seek(SeekFrom::Start(0))
             .and_then(|_| io::copy(&mut file, &mut Hashed { hash: &mut hash, inner: io::empty() }));
         whole.map_err(|error| fault(name, "", format!("cannot be read: {error}"), ""))?;
-        identity::used_hashed("recording", name, name, hash);
+        session.provenance.used_hashed("recording", name, name, hash);
         return Ok(recording);
     }
     let mut hash = Sha256::new();
     let hashed = Hashed { hash: &mut hash, inner: Cursor::new(head).chain(file) };
     let recording = Recording::read(hashed, name, columns)?;
-    identity::used_hashed("recording", name, name, hash);
+    session.provenance.used_hashed("recording", name, name, hash);
     Ok(recording)
 }
 

@@ -5,52 +5,60 @@
 //! it, clears away what was begun, and ends the process as the signal would have.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crate::tell;
+use crate::printer::aside;
 
 /// Exit code after Control-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// Held while files change their names, and by whoever ends the process.
-static UNDISTURBED: Mutex<()> = Mutex::new(());
-static ENDING: AtomicBool = AtomicBool::new(false);
+/// What the work and the thread that ends the process know of each other.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Stop(Arc<Shared>);
 
-/// Nobody ends the process while this is held, but with SIGKILL.
-pub(crate) fn hold() -> MutexGuard<'static, ()> {
-    UNDISTURBED.lock().unwrap_or_else(PoisonError::into_inner)
+#[derive(Debug, Default)]
+struct Shared {
+    /// Held while files change their names, and by whoever ends the process.
+    undisturbed: Mutex<()>,
+    is_set: AtomicBool,
 }
 
-/// Whether the process is about to end.
-#[must_use]
-pub(crate) fn ending() -> bool {
-    ENDING.load(Ordering::Relaxed)
-}
+impl Stop {
+    /// Nobody ends the process while this is held, but with SIGKILL.
+    pub(crate) fn hold(&self) -> MutexGuard<'_, ()> {
+        self.0.undisturbed.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 
-/// Leaves the last word to who ends the process, where somebody does: what fails now fails because of it.
-pub(crate) fn yield_to_the_end() {
-    while ending() {
-        std::thread::park();
+    /// Whether the process is about to end.
+    #[must_use]
+    pub(crate) fn is_set(&self) -> bool {
+        self.0.is_set.load(Ordering::Relaxed)
+    }
+
+    /// Leaves the last word to who ends the process, where somebody does: what fails now fails because of it.
+    pub(crate) fn yield_to_the_end(&self) {
+        while self.is_set() {
+            std::thread::park();
+        }
     }
 }
 
-/// What clears up before the process ends.
-static CLEAR: Mutex<&[fn()]> = Mutex::new(&[]);
-
 /// From now on requests to end are heard; `clear` clears up before the process ends.
-pub(crate) fn listen(clear: &'static [fn()]) {
-    *CLEAR.lock().unwrap_or_else(PoisonError::into_inner) = clear;
+pub(crate) fn listen(stop: Stop, clear: impl FnOnce() + Send + 'static) {
     // Where nothing can be set up, they end the process as they do by default, and the next command clears up.
-    let _ = listening::start();
+    let _ = listening::start(stop, Box::new(clear));
 }
 
+/// What clears up.
+type Clear = Box<dyn FnOnce() + Send>;
+
 /// Clears up and says why.
-fn clean_up(why: &str) {
-    ENDING.store(true, Ordering::Relaxed);
+fn clean_up(stop: &Stop, clear: Clear, why: &str) {
+    stop.0.is_set.store(true, Ordering::Relaxed);
     // Never given back.
-    std::mem::forget(hold());
-    CLEAR.lock().unwrap_or_else(PoisonError::into_inner).iter().for_each(|clear| clear());
-    tell!("error: {why}");
+    std::mem::forget(stop.hold());
+    clear();
+    aside(format!("error: {why}"));
 }
 
 #[cfg(unix)]
@@ -63,12 +71,12 @@ mod listening {
     use signal_hook::iterator::Signals;
     use signal_hook::low_level::emulate_default_handler;
 
-    use super::{INTERRUPTED, clean_up};
+    use super::{Clear, INTERRUPTED, Stop, clean_up};
 
     /// How long an exchange of files may take before a second request ends the process all the same.
     const PATIENCE: Duration = Duration::from_secs(5);
 
-    pub(crate) fn start() -> std::io::Result<()> {
+    pub(crate) fn start(stop: Stop, clear: Clear) -> std::io::Result<()> {
         // A write beyond the limit of a file's size is an error like any other, and not the end.
         signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
         let ignored = ignored();
@@ -81,12 +89,13 @@ mod listening {
                 std::thread::sleep(PATIENCE);
                 end(signal);
             });
-            clean_up(match signal {
+            let why = match signal {
                 SIGINT => "interrupted",
                 SIGTERM => "ended by request (SIGTERM)",
                 SIGHUP => "the terminal has gone (SIGHUP)",
                 _ => "the limit of processor time is reached (SIGXCPU)",
-            });
+            };
+            clean_up(&stop, clear, why);
             end(signal);
         })?;
         Ok(())
@@ -124,11 +133,12 @@ mod listening {
 
 #[cfg(not(unix))]
 mod listening {
-    use super::{INTERRUPTED, clean_up};
+    use super::{Clear, INTERRUPTED, Stop, clean_up};
 
-    pub(crate) fn start() -> Result<(), ctrlc::Error> {
-        ctrlc::set_handler(|| {
-            clean_up("interrupted");
+    pub(crate) fn start(stop: Stop, clear: Clear) -> Result<(), ctrlc::Error> {
+        let mut clear = Some(clear);
+        ctrlc::set_handler(move || {
+            clean_up(&stop, clear.take().unwrap_or_else(|| Box::new(|| ())), "interrupted");
             std::process::exit(i32::from(INTERRUPTED));
         })
     }

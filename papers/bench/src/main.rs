@@ -4,7 +4,7 @@
 #![deny(
     clippy::print_stdout,
     clippy::print_stderr,
-    reason = "`say!` and `tell!` neither panic nor let names steer a terminal"
+    reason = "`print_line!` and `warn!` neither panic nor let names steer a terminal"
 )]
 
 use std::process::ExitCode;
@@ -12,11 +12,13 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser};
 use erard::run::SimulationError;
 use erard_bench::{Effort, PARTS, measure};
-use erard_cli::command::{Speech, run_program, version};
+use erard_cli::answer::Answer;
+use erard_cli::command::{run_program, version};
 use erard_cli::failure::Failure;
-use erard_cli::progress::Progress;
+use erard_cli::print_line;
+use erard_cli::printer::OutputMode;
+use erard_cli::session::Session;
 use erard_cli::table::{Table, three};
-use erard_cli::{answer, say};
 use serde_json::Value;
 
 /// Text below the options.
@@ -30,17 +32,17 @@ struct Bench {
     #[arg(long)]
     quick: bool,
     #[command(flatten)]
-    speech: Speech,
+    mode: OutputMode,
 }
 
 /// Exit codes are those of `erard`.
 fn main() -> ExitCode {
-    run_program(&Bench::command(), |bench: &Bench| &bench.speech, Bench::run)
+    run_program(&Bench::command(), |bench: &Bench| bench.mode, Bench::run)
 }
 
 impl Bench {
-    fn run(&self) -> Result<(), Failure> {
-        let mut progress = Progress::new("measuring");
+    fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
+        let mut progress = session.progress("measuring");
         let effort = if self.quick { Effort::QUICK } else { Effort::USUAL };
         let report = measure(&effort, &mut |share| {
             let (what, _) = PARTS.iter().find(|(_, end)| share < *end).unwrap_or(&PARTS[PARTS.len() - 1]);
@@ -49,14 +51,13 @@ impl Bench {
         });
         drop(progress);
         let report = report.ok_or(SimulationError::Interrupted)?;
-        answer::give(&report)?;
-        print(&report);
-        Ok(())
+        print(session, &report);
+        Answer::of(&report)
     }
 }
 
 /// Prints medians and spreads of the times by name, with their speed relative to real time or to another row.
-fn print(report: &Value) {
+fn print(session: &mut Session, report: &Value) {
     let number = |key: &str| report[key].as_f64().unwrap_or(f64::NAN);
     let lanes = match number("lanes") {
         lanes if lanes > 1.0 => format!("{lanes} in lanes"),
@@ -99,17 +100,23 @@ fn print(report: &Value) {
         ratio("a key awake, all 88 keys".to_owned(), bare("keyboard_all_keys_over_bare_step")),
     ];
     let sets = report["instruction_sets"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    say!("The concert grand on this machine: {} cores, {}", report["cores"], sets.collect::<Vec<_>>().join(", "));
-    say!();
-    say!("{}", Table::of([""; 5], single.into_iter().chain(many).chain(keyboard)));
-    say!(
+    print_line!(
+        session,
+        "The concert grand on this machine: {} cores, {}",
+        report["cores"],
+        sets.collect::<Vec<_>>().join(", ")
+    );
+    print_line!(session);
+    print_line!(session, "{}", Table::of([""; 5], single.into_iter().chain(many).chain(keyboard)));
+    print_line!(
+        session,
         "  in the tremolo {:.1} keys are awake on average, {} at most; {} of {} ticks took longer than they simulate",
         number("keyboard_awake_mean"),
         report["keyboard_awake_max"],
         report["keyboard_ticks_over_budget"],
         report["keyboard_ticks_timed"]
     );
-    say!();
+    print_line!(session);
     let rows = [
         ("one grand", "steps_timed", "step_ns"),
         ("as many as there are lanes", "group_steps_timed", "group_step_ns"),
@@ -119,8 +126,9 @@ fn print(report: &Value) {
         let times = ["p50", "p99", "p9999", "max"].map(|which| report[format!("{stem}_{which}")].to_string());
         [vec![name.to_owned(), report[timed].to_string()], times.to_vec()].concat()
     });
-    say!("{}", Table::of(["single steps (ns)", "timed", "50 %", "99 %", "99.99 %", "slowest"], rows));
-    say!(
+    print_line!(session, "{}", Table::of(["single steps (ns)", "timed", "50 %", "99 %", "99.99 %", "slowest"], rows));
+    print_line!(
+        session,
         "  at most {} Newton iterations and {} active sets a step; {} steps not converged; the clock itself takes {} ns",
         report["newton_iterations_max"],
         report["active_sets_max"],

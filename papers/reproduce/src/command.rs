@@ -3,14 +3,15 @@
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
-use erard_cli::answer;
+use erard_cli::answer::Answer;
 use erard_cli::command::options::load_instrument;
 use erard_cli::command::out::OutOptions;
-use erard_cli::command::{Speech, run_program, version};
+use erard_cli::command::{run_program, version};
 use erard_cli::failure::Failure;
 use erard_cli::inputs::shown;
-use erard_cli::progress::Progress;
-use erard_cli::say;
+use erard_cli::print_line;
+use erard_cli::printer::OutputMode;
+use erard_cli::session::Session;
 use erard_cli::table::Table as Lines;
 use erard_figures::figure::chart_picture;
 use serde::Serialize;
@@ -85,14 +86,14 @@ pub(crate) struct Reproduce {
     #[command(flatten)]
     out: OutOptions,
     #[command(flatten)]
-    speech: Speech,
+    mode: OutputMode,
 }
 
 /// Runs the command line of this process; exit codes are those of `erard`.
 pub fn run() -> ExitCode {
     let folder = |argument: clap::Arg| argument.default_value("erard-out-reproduce");
     let definition = Reproduce::command().mut_arg("out", folder);
-    run_program(&definition, |reproduce: &Reproduce| &reproduce.speech, Reproduce::run)
+    run_program(&definition, |reproduce: &Reproduce| reproduce.mode, Reproduce::run)
 }
 
 /// Converts a subject's error to a failure of the command.
@@ -107,21 +108,21 @@ fn failure(error: ReproduceError) -> Failure {
 }
 
 impl Reproduce {
-    fn run(&self) -> Result<(), Failure> {
+    fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         if self.list {
             let rows = subjects().into_iter().map(|subject| [subject.name.to_owned(), subject.title.to_owned()]);
-            say!("{}", Lines::of(["", ""], rows).to_string().trim_end_matches('\n'));
+            print_line!(session, "{}", Lines::of(["", ""], rows).to_string().trim_end_matches('\n'));
             let named = |subject: &Subject| Listed { name: subject.name, title: subject.title };
-            return answer::give(&Subjects { subjects: subjects().iter().map(named).collect() });
+            return Answer::of(&Subjects { subjects: subjects().iter().map(named).collect() });
         }
         let chosen = self.chosen()?;
-        let instrument = load_instrument(&self.instrument)?;
-        let mut output = self.out.prepare("reproduce", &["report.html"])?;
+        let instrument = load_instrument(session, &self.instrument)?;
+        let mut output = self.out.prepare(session, "reproduce", &["report.html"])?;
         let all: f64 = chosen.iter().map(|s| s.weight).sum();
         let mut done = 0.0;
         let mut reproduced = Vec::new();
         for subject in chosen {
-            let mut progress = Progress::new(subject.name);
+            let mut progress = session.progress(subject.name);
             let section = (subject.run)(&instrument, &mut |share| progress.tell((done + share * subject.weight) / all))
                 .map_err(failure)?;
             drop(progress);
@@ -129,54 +130,56 @@ impl Reproduce {
             reproduced.push(Reproduced { subject, section });
         }
         let html = page(&instrument.name, &reproduced);
-        output.text("report.html", &html)?;
+        output.text(session, "report.html", &html)?;
         let mut written = vec!["report.html".to_owned()];
         if self.figures {
             for one in &reproduced {
                 for (index, chart) in one.section.charts.iter().enumerate() {
                     let id = format!("{}-{index}", one.subject.name);
                     let name = format!("{id}.svg");
-                    output.text(&name, &chart_picture(chart, &id).svg())?;
+                    output.text(session, &name, &chart_picture(chart, &id).svg())?;
                     written.push(name);
                 }
             }
         }
-        output.commit()?;
+        let files = output.commit(session)?;
         let claims =
             || reproduced.iter().flat_map(|one| one.section.claims.iter().map(|claim| (one.subject.name, claim)));
-        say!("{} of {} claims hold.", claims().filter(|(_, claim)| claim.holds).count(), claims().count());
-        say!();
+        print_line!(
+            session,
+            "{} of {} claims hold.",
+            claims().filter(|(_, claim)| claim.holds).count(),
+            claims().count()
+        );
+        print_line!(session);
         if self.tables {
             let tables = reproduced.iter().flat_map(|one| &one.section.tables);
             for table in tables.filter(|table| !table.clock) {
-                say!("{}", table.caption);
-                say!("{}", Lines::of(table.header.iter().map(String::as_str), table.rows.clone()));
+                print_line!(session, "{}", table.caption);
+                print_line!(session, "{}", Lines::of(table.header.iter().map(String::as_str), table.rows.clone()));
             }
         } else {
             for (verdict, holds) in [("DOES NOT HOLD", false), ("holds", true)] {
                 for (subject, claim) in claims().filter(|(_, claim)| claim.holds == holds) {
-                    say!("{subject}: {verdict}: {}: {}", claim.source, claim.says);
-                    say!("  measured: {}", claim.measured);
+                    print_line!(session, "{subject}: {verdict}: {}: {}", claim.source, claim.says);
+                    print_line!(session, "  measured: {}", claim.measured);
                 }
             }
-            say!();
+            print_line!(session);
         }
-        say!("Written to {}: {}", shown(self.out.folder()), written.join(", "));
+        print_line!(session, "Written to {}: {}", shown(self.out.folder()), written.join(", "));
         let claims: Vec<ClaimReport> = reproduced.iter().flat_map(ClaimReport::all).collect();
         let failed: Vec<String> =
             claims.iter().filter(|c| !c.holds).map(|c| format!("{}: {}: {}", c.subject, c.source, c.claim)).collect();
-        answer::give(&Claims {
+        let answer = Answer::of(&Claims {
             instrument: &instrument.name,
             hold: claims.len() - failed.len(),
             of: claims.len(),
             claims,
         })?;
-        match failed.len() {
-            count if count > 0 && self.fail_on_miss => {
-                Err(Failure::Unmet(format!("{count} claims do not hold\n       {}", failed.join("\n       "))))
-            }
-            _ => Ok(()),
-        }
+        let missed = (self.fail_on_miss && !failed.is_empty())
+            .then(|| format!("{} claims do not hold\n       {}", failed.len(), failed.join("\n       ")));
+        Ok(answer.files(&files).short_of(missed))
     }
 
     /// The requested subjects, in their own order.

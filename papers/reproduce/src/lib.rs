@@ -6,7 +6,7 @@
 #![deny(
     clippy::print_stdout,
     clippy::print_stderr,
-    reason = "`say!` and `tell!` neither panic nor let names steer a terminal"
+    reason = "`print_line!` and `warn!` neither panic nor let names steer a terminal"
 )]
 
 pub mod command;

@@ -11,9 +11,9 @@ use crate::cache;
 use crate::failure::Failure;
 use crate::number::whole;
 use crate::output::Output;
-use crate::progress::Progress;
+use crate::session::Session;
 use crate::table::{Table, three};
-use crate::tell;
+use crate::warn;
 
 /// Whether values have bands.
 #[derive(Debug, Clone, Copy, Args)]
@@ -68,6 +68,7 @@ pub(crate) type SampleValues = Result<Vec<Option<f64>>, String>;
 /// instrument, in one order; what it finds of a sample is kept as `kind` with what else it depends on, unless that is
 /// nothing. Samples without values are left out of the bands, with a warning that gives the reason.
 pub(crate) fn bands(
+    session: &mut Session,
     asked: &InstrumentSpec,
     count: u32,
     names: &[Named],
@@ -75,9 +76,9 @@ pub(crate) fn bands(
     kept: Option<(&str, &str)>,
     values: impl Fn(&Instrument, &str, &mut erard::Progress<'_>) -> Result<SampleValues, SampleError> + Sync,
 ) -> Result<Vec<BandRow>, Failure> {
-    let samples = Samples::of(asked)?;
+    let samples = Samples::of(session, asked)?;
     let file_name = asked.to_string();
-    let mut progress = Progress::new("sampling");
+    let mut progress = session.progress("sampling");
     let found = samples.each(count, &mut progress, |_, text, progress| {
         let known = kept.and_then(|(kind, of)| serde_json::from_str(&cache::get(kind, &[of, text])?).ok());
         // A sample that an earlier version kept without any value is tried again for its reason.
@@ -95,7 +96,7 @@ pub(crate) fn bands(
         Ok(values)
     })?;
     drop(progress);
-    failures(&found).iter().for_each(|line| tell!("warning: {line}"));
+    failures(&found).iter().for_each(|line| warn!(session, "warning: {line}"));
     let of = |index: usize| band(found.iter().flatten().map(|values| values.get(index).copied().flatten()));
     let rows = names.iter().zip(own).enumerate();
     Ok(rows.map(|(index, ((name, unit), own))| BandRow::new(name.clone(), unit.clone(), *own, of(index))).collect())
@@ -131,9 +132,9 @@ pub(crate) fn unless_interrupted<T>(
 }
 
 /// Stages `bands.csv` and `bands.json`.
-pub(crate) fn stage(rows: &[BandRow], output: &mut Output) -> Result<(), Failure> {
-    output.json("bands.json", &rows)?;
-    output.table("bands.csv", &Table::of_records(&rows)?)
+pub(crate) fn stage(session: &Session, rows: &[BandRow], output: &mut Output) -> Result<(), Failure> {
+    output.json(session, "bands.json", &rows)?;
+    output.table(session, "bands.csv", &Table::of_records(&rows)?)
 }
 
 /// The rows for people.

@@ -13,13 +13,15 @@ use erard_live::stream::{Head, Of, Reader, SensorUnit};
 use serde_json::json;
 
 use super::out::OwnFile;
+use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::inputs::{self, shown};
+use crate::inputs::shown;
 use crate::law_points::law_points;
 use crate::number::between;
 use crate::output::Output;
+use crate::print_line;
+use crate::session::Session;
 use crate::table::{Table, decimal};
-use crate::{answer, identity, say};
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/calibrate.txt");
@@ -56,31 +58,32 @@ pub(crate) struct Calibrate {
 
 impl Calibrate {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
-        let law = self.law()?;
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
+        let law = self.law(session)?;
         let asked = shown(&self.readings);
-        let OwnFile { folder, name } = OwnFile::of(self.out.as_deref(), &asked, ".toml", "profile's", self.force)?;
-        let found = stops(&self.read()?).map_err(|fault| Failure::Usage(format!("{asked}: {fault}")))?;
+        let OwnFile { folder, name } =
+            OwnFile::of(session, self.out.as_deref(), &asked, ".toml", "profile's", self.force)?;
+        let found = stops(&self.read(session)?).map_err(|fault| Failure::Usage(format!("{asked}: {fault}")))?;
         let profile = Profile {
             law,
             travel_m: 1e-3 * self.travel,
             pressure_is_depth: self.pressure_is_depth,
             keys: found.iter().map(|(key, one)| (*key, one.stops)).collect(),
         };
-        let mut output = Output::files(&folder, self.force, &[&name])?;
-        output.text(&name, &profile.text())?;
-        let written = output.commit()?;
-        self.tell(&found)?;
-        say!("{written}");
-        Ok(())
+        let mut output = Output::files(session, &folder, self.force, &[&name])?;
+        output.text(session, &name, &profile.text())?;
+        let written = output.commit(session)?;
+        self.tell(session, &found);
+        print_line!(session, "{written}");
+        Ok(self.answer(&found)?.files(&written))
     }
 
     /// The readings of all keys.
-    fn read(&self) -> Result<BTreeMap<usize, Readings>, Failure> {
+    fn read(&self, session: &mut Session) -> Result<BTreeMap<usize, Readings>, Failure> {
         let name = shown(&self.readings);
         let wrong = |line: usize, what: String| Failure::Usage(format!("{name}, line {line}: {what}"));
         let unread = |error: std::io::Error| Failure::Usage(format!("{name}: cannot be read: {error}"));
-        let file = inputs::open(&self.readings).map_err(unread)?;
+        let file = session.inputs.open(&self.readings).map_err(unread)?;
         let (mut reader, mut keys) = (None, BTreeMap::<usize, Readings>::new());
         for (index, line) in BufReader::new(file).lines().enumerate() {
             let line = line.map_err(unread)?;
@@ -112,20 +115,20 @@ impl Calibrate {
                 "{name}: no readings; expected the header `time_s,key,raw` and a line for each reading"
             )));
         }
-        identity::used_without_file("readings", &name);
+        session.provenance.used_without_file("readings", &name);
         Ok(keys)
     }
 
-    fn law(&self) -> Result<Law, Failure> {
+    fn law(&self, session: &mut Session) -> Result<Law, Failure> {
         Ok(match self.law.as_str() {
             "linear" => Law::Linear {},
             "cny70" => Law::Cny70 {},
             "hall" => Law::Hall { nearest_mm: self.nearest, at_rest: self.nearest_at_rest },
-            file => own_table(Path::new(file))?,
+            file => own_table(session, Path::new(file))?,
         })
     }
 
-    fn tell(&self, found: &BTreeMap<usize, Found>) -> Result<(), Failure> {
+    fn answer(&self, found: &BTreeMap<usize, Found>) -> Result<Answer, Failure> {
         let keys: Vec<_> = found
             .iter()
             .map(|(key, one)| {
@@ -139,9 +142,12 @@ impl Calibrate {
                 })
             })
             .collect();
-        answer::give(&json!({"law": self.law, "travel_mm": self.travel, "keys": keys}))?;
-        say!("{} - {} keys", shown(&self.readings), found.len());
-        say!();
+        Answer::of(&json!({"law": self.law, "travel_mm": self.travel, "keys": keys}))
+    }
+
+    fn tell(&self, session: &mut Session, found: &BTreeMap<usize, Found>) {
+        print_line!(session, "{} - {} keys", shown(&self.readings), found.len());
+        print_line!(session);
         let rows: Vec<Vec<String>> = found
             .iter()
             .map(|(key, one)| {
@@ -154,13 +160,12 @@ impl Calibrate {
                 ]
             })
             .collect();
-        say!("{}", Table::of(["key", "rest", "pressed", "noise, %", "drift, %"], rows));
-        Ok(())
+        print_line!(session, "{}", Table::of(["key", "rest", "pressed", "noise, %", "drift, %"], rows));
     }
 }
 
 /// A law of one's own points: readings and millimetres, from the rest to the bottom.
-fn own_table(path: &Path) -> Result<Law, Failure> {
-    let (name, points) = law_points(path, "raw,mm", "linear, cny70, hall")?;
+fn own_table(session: &mut Session, path: &Path) -> Result<Law, Failure> {
+    let (name, points) = law_points(session, path, "raw,mm", "linear, cny70, hall")?;
     Law::of_points(&points).map_err(|fault| Failure::Usage(format!("{name}: {fault}")))
 }

@@ -13,14 +13,15 @@ use serde_json::{Map, Value, json};
 
 use super::check_recording::told;
 use super::list::built_in;
-use crate::answer;
+use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::inputs::{self, shown};
+use crate::inputs::shown;
 use crate::keyboard::doubts;
-use crate::progress::Progress;
+use crate::print_line;
 use crate::recordings::RecordingOptions;
+use crate::session::Session;
 use crate::table::Table;
-use crate::{say, tell};
+use crate::warn;
 use erard_workshop::test_press::test_presses;
 
 /// Bytes in which the header of a table of keys is looked for, comments before it included.
@@ -49,11 +50,11 @@ pub(super) fn checked<const N: usize>(kind: &str, file: &str, name: Option<&str>
 }
 
 /// Shows three levers from a linkage file; the answer.
-pub(super) fn checked_linkage(file: &str, design: &Design) -> Value {
-    say!("{file}: a linkage, \"{}\"", design.name);
-    say!();
+pub(super) fn checked_linkage(session: &mut Session, file: &str, design: &Design) -> Value {
+    print_line!(session, "{file}: a linkage, \"{}\"", design.name);
+    print_line!(session);
     if let Some(let_off) = &design.let_off {
-        say!("  three levers that reach each other at rest; {}: {}", let_off.name, let_off.what);
+        print_line!(session, "  three levers that reach each other at rest; {}: {}", let_off.name, let_off.what);
     }
     checked("linkage", file, Some(&design.name), [])
 }
@@ -63,24 +64,24 @@ const TABLES: [&str; 5] = ["csv", "tsv", "txt", "dat", "parquet"];
 
 impl Check {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         let extension = self.file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let checked = match extension.as_str() {
             "toml" => {
-                let (name, bytes) = inputs::bytes(&self.file)?;
-                self.toml(&name, &bytes)?
+                let (name, bytes) = session.inputs.bytes(&self.file)?;
+                self.toml(session, &name, &bytes)?
             }
             "json" => {
-                let (name, bytes) = inputs::bytes(&self.file)?;
-                Self::json(&name, &bytes)?
+                let (name, bytes) = session.inputs.bytes(&self.file)?;
+                Self::json(session, &name, &bytes)?
             }
-            ending if TABLES.contains(&ending) => self.table(ending)?,
+            ending if TABLES.contains(&ending) => self.table(session, ending)?,
             _ => match self.file.to_str().filter(|_| !self.file.exists()).and_then(built_in) {
                 Some(("stroke", text)) => {
                     let ready = self.recording.make_ready(&shown(&self.file), text.as_bytes())?;
-                    told(&ready)
+                    told(session, &ready)
                 }
-                Some((_, text)) => self.toml(&shown(&self.file), text.as_bytes())?,
+                Some((_, text)) => self.toml(session, &shown(&self.file), text.as_bytes())?,
                 None => {
                     return Err(Failure::Usage(format!(
                         "{}: unknown file type; expected .toml (instrument, keyboard, linkage, published measurements), .csv or .parquet (stroke, recording), .json (result), or a built-in name (`erard list`)",
@@ -89,66 +90,68 @@ impl Check {
                 }
             },
         };
-        answer::give(&checked)
+        Answer::of(&checked)
     }
 
     /// What a text says that it is decides.
-    fn toml(&self, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
+    fn toml(&self, session: &mut Session, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let text = String::from_utf8_lossy(bytes);
         let document = toml::from_str::<toml::Table>(&text).unwrap_or_default();
         let says = |key: &str| document.get(key).and_then(toml::Value::as_str);
         let is = |kind: &str| says("format").is_some_and(|format| format.starts_with(kind));
         if is("erard-keyboard") {
-            self.keyboard(name, bytes)
+            self.keyboard(session, name, bytes)
         } else if is("erard-published") {
-            Self::published(name, &text)
+            Self::published(session, name, &text)
         } else if is("erard-usual") {
-            Self::usual(name, &text)
+            Self::usual(session, name, &text)
         } else if says("format").is_none() && says("kind").is_some_and(|kind| kind == "three-lever") {
             let file = LinkageFile::parse_bytes(bytes, name)?;
             let design = file.design().map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
-            Ok(checked_linkage(name, &design))
+            Ok(checked_linkage(session, name, &design))
         } else {
-            Self::instrument(name, bytes)
+            Self::instrument(session, name, bytes)
         }
     }
 
-    fn usual(name: &str, text: &str) -> Result<Value, Failure> {
+    fn usual(session: &mut Session, name: &str, text: &str) -> Result<Value, Failure> {
         let lines = usual::check(text).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
-        say!("{name}: usual ranges");
-        say!();
-        say!("  of {lines} lines of the technician's sheet");
+        print_line!(session, "{name}: usual ranges");
+        print_line!(session);
+        print_line!(session, "  of {lines} lines of the technician's sheet");
         Ok(checked("usual ranges", name, None, [("lines", lines)]))
     }
 
-    fn published(name: &str, text: &str) -> Result<Value, Failure> {
+    fn published(session: &mut Session, name: &str, text: &str) -> Result<Value, Failure> {
         let table = Published::parse(text).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
         let silent = table.rows.iter().filter(|row| row.measure.is_none()).count();
-        say!("{name}: published measurements");
-        say!();
-        say!("  {} rows from {} sources; {silent} not modelled", table.rows.len(), table.sources.len());
+        print_line!(session, "{name}: published measurements");
+        print_line!(session);
+        print_line!(session, "  {} rows from {} sources; {silent} not modelled", table.rows.len(), table.sources.len());
         let counts = [("rows", table.rows.len()), ("sources", table.sources.len())];
         Ok(checked("published measurements", name, None, counts))
     }
 
     /// What this program writes, and its schemas.
-    fn json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
+    fn json(session: &mut Session, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let wrong = |error: &dyn std::fmt::Display| Failure::Usage(format!("{name}: is not JSON: {error}"));
         let value: Value = serde_json::from_slice(bytes).map_err(|error| wrong(&error))?;
         let first = value.as_array().and_then(|list| list.first()).unwrap_or(&value);
         let text = |pointer: &str| first.pointer(pointer).and_then(Value::as_str);
         if let Some(command) = text("/made_by/command") {
             let commit = text("/made_by/commit").map_or(String::new(), |commit| format!(" ({commit})"));
-            say!(
+            print_line!(
+                session,
                 "{name}: a result of {} {}{commit}",
                 text("/made_by/program").unwrap_or("?"),
                 text("/made_by/version").unwrap_or("?")
             );
-            say!();
-            say!("  {command}");
+            print_line!(session);
+            print_line!(session, "  {command}");
             for source in first.pointer("/made_by/sources").and_then(Value::as_array).into_iter().flatten() {
                 let of = |key: &str| source[key].as_str().unwrap_or("-");
-                say!(
+                print_line!(
+                    session,
                     "  from {} \"{}\", {}, sha256 {}",
                     of("kind"),
                     of("name"),
@@ -157,9 +160,9 @@ impl Check {
                 );
             }
         } else if let Some(format) = text("/format") {
-            say!("{name}: {format}");
+            print_line!(session, "{name}: {format}");
         } else if text("/$schema").is_some() {
-            say!("{name}: a JSON Schema, \"{}\"", text("/title").unwrap_or("without a title"));
+            print_line!(session, "{name}: a JSON Schema, \"{}\"", text("/title").unwrap_or("without a title"));
         } else {
             let expected = "a result of Erard (with `made_by`), a file with `format`, or a JSON Schema";
             return Err(Failure::Usage(format!("{name}: unknown kind of JSON; expected {expected}")));
@@ -168,13 +171,14 @@ impl Check {
         Ok(checked("JSON", name, title, []))
     }
 
-    fn instrument(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
+    fn instrument(session: &mut Session, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let file = InstrumentFile::parse_bytes(bytes, name)?;
         let i: &Instrument = &file.instrument;
-        say!("{name}: an instrument, \"{}\"", i.name);
-        say!();
-        Self::parts(i);
-        say!(
+        print_line!(session, "{name}: an instrument, \"{}\"", i.name);
+        print_line!(session);
+        Self::parts(session, i);
+        print_line!(
+            session,
             "  {} bodies, {} springs, {} zones, {} screws, {} outlines of its own; {} numbers, {} without a source",
             i.bodies.len(),
             i.springs.len(),
@@ -186,14 +190,23 @@ impl Check {
         );
         let outlived = file.provenance.outlived_notes();
         if !outlived.is_empty() {
-            say!();
-            say!("  Changed numbers whose notes still describe the value of a built-in instrument:");
+            print_line!(session);
+            print_line!(session, "  Changed numbers whose notes still describe the value of a built-in instrument:");
         }
+        let mut changed = Vec::new();
         for one in outlived {
             let note = one.number.citation.and_then(|citation| citation.note).unwrap_or_default();
             let numbers = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
             let (line, key, now) = (one.number.line, one.number.key, numbers(&one.number.values));
-            say!("  line {line:>4}  {key}: {now}; {} in {}: \"{note}\"", numbers(&one.was), one.builtin);
+            print_line!(
+                session,
+                "  line {line:>4}  {key}: {now}; {} in {}: \"{note}\"",
+                numbers(&one.was),
+                one.builtin
+            );
+            changed.push(json!({
+                "line": line, "key": key, "now": one.number.values, "was": one.was, "in": one.builtin, "note": note,
+            }));
         }
         let counts = [
             ("bodies", i.bodies.len()),
@@ -205,11 +218,13 @@ impl Check {
             ("numbers", file.provenance.numbers.len()),
             ("numbers_without_a_source", file.provenance.bare().count()),
         ];
-        Ok(checked("instrument", name, Some(&i.name), counts))
+        let mut checked = checked("instrument", name, Some(&i.name), counts);
+        checked["changed_numbers"] = changed.into();
+        Ok(checked)
     }
 
     /// The tables of bodies, springs, strings and zones.
-    fn parts(i: &Instrument) {
+    fn parts(session: &mut Session, i: &Instrument) {
         let name = |body: Option<usize>| body.map_or("ground", |body| &i.bodies[body].name);
         let bodies = i.bodies.iter().map(|body| {
             [
@@ -220,12 +235,12 @@ impl Check {
                 format!("{:.2e} N m", body.friction_torque_n_m),
             ]
         });
-        say!("{}", Table::of(["body", "hinged on", "mass", "inertia", "friction of its pin"], bodies));
+        print_line!(session, "{}", Table::of(["body", "hinged on", "mass", "inertia", "friction of its pin"], bodies));
         if !i.springs.is_empty() {
             let springs = i.springs.iter().map(|spring| {
                 [spring.name.clone(), name(Some(spring.body)).to_owned(), format!("{:.4} N m", spring.torque_n_m)]
             });
-            say!("{}", Table::of(["spring", "on", "torque"], springs));
+            print_line!(session, "{}", Table::of(["spring", "on", "torque"], springs));
         }
         if !i.strings.is_empty() {
             let strings = i.strings.iter().map(|string| {
@@ -240,7 +255,7 @@ impl Check {
                 ]
             });
             let heads = ["string", "length", "mass", "tension", "first partial", "B", "struck at"];
-            say!("{}", Table::of(heads, strings));
+            print_line!(session, "{}", Table::of(heads, strings));
         }
         let zones = i.zones.iter().map(|zone| {
             let felt = &zone.felt;
@@ -258,19 +273,19 @@ impl Check {
                 losses.chain(friction).collect::<Vec<_>>().join(", "),
             ]
         });
-        say!("{}", Table::of(["zone", "between", "k", "r", "losses"], zones));
+        print_line!(session, "{}", Table::of(["zone", "between", "k", "r", "losses"], zones));
     }
 
     /// Every key's instrument is read and pressed once, so that a file that is called sound has none that is not.
-    fn keyboard(&self, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
+    fn keyboard(&self, session: &mut Session, name: &str, bytes: &[u8]) -> Result<Value, Failure> {
         let keyboard = Keyboard::parse_bytes(bytes, name, self.file.parent().unwrap_or(Path::new("")))?;
         let instruments = keyboard.instruments()?;
-        let mut progress = Progress::new("pressing every key");
+        let mut progress = session.progress("pressing every key");
         let tried = test_presses(&instruments, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error })?;
         drop(progress);
-        say!("{name}: a keyboard, \"{}\", around key {}", keyboard.name, keyboard.base_key);
-        say!();
+        print_line!(session, "{name}: a keyboard, \"{}\", around key {}", keyboard.name, keyboard.base_key);
+        print_line!(session);
         let points = || keyboard.gradings.iter().flat_map(|grading| &grading.curve.points);
         let gradings = keyboard.gradings.iter().map(|Grading { name, graded, curve }| {
             let (kind, unit) = match graded {
@@ -281,8 +296,9 @@ impl Check {
             let [low, high] = [1, KEYS].map(|key| format!("{}{unit}", curve.at(key)));
             [name.clone(), kind.to_owned(), low, high]
         });
-        say!("{}", Table::of(["grading", "kind", "at key 1", "at key 88"], gradings));
-        say!(
+        print_line!(session, "{}", Table::of(["grading", "kind", "at key 1", "at key 88"], gradings));
+        print_line!(
+            session,
             "  {} gradings of {} points, {} of them without a source; {}",
             keyboard.gradings.len(),
             points().count(),
@@ -292,39 +308,43 @@ impl Check {
                 doubtful => format!("{doubtful} of the {KEYS} keys cannot be trusted"),
             }
         );
-        for doubt in doubts((1..).zip(&tried)) {
-            tell!("warning: {doubt}");
+        let doubts = doubts((1..).zip(&tried));
+        for doubt in &doubts {
+            warn!(session, "warning: {doubt}");
         }
         let counts = [("gradings", keyboard.gradings.len()), ("points", points().count()), ("keys", KEYS)];
-        Ok(checked("keyboard", name, Some(&keyboard.name), counts))
+        let mut checked = checked("keyboard", name, Some(&keyboard.name), counts);
+        checked["warnings"] = doubts.into();
+        Ok(checked)
     }
 
     /// A table of readings, a row for each key, or a stroke.
-    fn table(&self, ending: &str) -> Result<Value, Failure> {
+    fn table(&self, session: &mut Session, ending: &str) -> Result<Value, Failure> {
         if ending == "parquet" || !self.file.is_file() {
-            return self.stroke();
+            return self.stroke(session);
         }
         // A recording may be longer than any table of keys: its header tells it.
-        let header = inputs::beginning(&self.file, HEADER_BYTES).unwrap_or_default();
+        let header = session.inputs.beginning(&self.file, HEADER_BYTES).unwrap_or_default();
         if !is_table_of_keys(&String::from_utf8_lossy(&header)) {
-            return self.stroke();
+            return self.stroke(session);
         }
-        let (name, bytes) = inputs::bytes(&self.file)?;
+        let (name, bytes) = session.inputs.bytes(&self.file)?;
         let text = String::from_utf8_lossy(&bytes);
         let keys = readings(utf8(&bytes, &name)?, &name).map_err(|error| Failure::Usage(error.to_string()))?;
         let count = entries().iter().filter(|entry| keys.iter().any(|(_, known)| known.get(entry.name).is_some()));
         let names: Vec<&str> = count.map(|entry| entry.label).collect();
-        say!("{name}: readings of {} keys, for `erard diagnose`", keys.len());
+        print_line!(session, "{name}: readings of {} keys, for `erard diagnose`", keys.len());
         if let Ok(weighed) = erard_workshop::balance::read(&text, &name) {
-            say!("  weights of {} keys in it, for `erard keyboard --weigh`", weighed.len());
+            print_line!(session, "  weights of {} keys in it, for `erard keyboard --weigh`", weighed.len());
         }
-        say!();
-        say!("  {}", names.join(", "));
+        print_line!(session);
+        print_line!(session, "  {}", names.join(", "));
         Ok(checked("readings of keys", &name, None, [("keys", keys.len()), ("readings", names.len())]))
     }
 
-    fn stroke(&self) -> Result<Value, Failure> {
-        Ok(told(&self.recording.load(&self.file)?))
+    fn stroke(&self, session: &mut Session) -> Result<Value, Failure> {
+        let ready = self.recording.load(session, &self.file)?;
+        Ok(told(session, &ready))
     }
 }
 

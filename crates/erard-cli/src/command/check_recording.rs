@@ -6,16 +6,18 @@ use serde_json::{Value, json};
 
 use super::check::checked;
 use crate::compare::prepared_channel;
+use crate::print_line;
 use crate::recordings::Ready;
-use crate::{say, small_plot};
+use crate::session::Session;
+use crate::small_plot;
 
 /// Says what a recording is, and answers with it.
-pub(super) fn told(ready: &Ready) -> Value {
+pub(super) fn told(session: &mut Session, ready: &Ready) -> Value {
     let Ready { name, recording, prepared, position_of } = ready;
     let (start_s, end_s) = (prepared.series.start_s(), prepared.series.end_s());
     let rows = recording.time_s.len();
-    say!("{name}: a stroke of {rows} rows, {start_s} to {end_s} s");
-    say!();
+    print_line!(session, "{name}: a stroke of {rows} rows, {start_s} to {end_s} s");
+    print_line!(session);
     let Dialect { separator, decimal_comma, skipped_rows } = recording.dialect;
     let separated = match separator {
         Some(',') => "separated by commas",
@@ -29,32 +31,33 @@ pub(super) fn told(ready: &Ready) -> Value {
         0 => String::new(),
         rows => format!(", {rows} rows above the header skipped"),
     };
-    say!("  table         {separated}{decimals}{skipped}");
-    say!();
+    print_line!(session, "  table         {separated}{decimals}{skipped}");
+    print_line!(session);
     let steps = recording.time_s.windows(2).map(|t| t[1] - t[0]);
     let (shortest, longest) = steps.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
-    say!("  time          sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
+    print_line!(session, "  time          sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
     if end_s - start_s > MAX_DURATION_S {
-        say!(
+        print_line!(
+            session,
             "                longer than `compare` takes: `--duration {MAX_DURATION_S}` compares its first {MAX_DURATION_S} s"
         );
     }
     for channel in &prepared.report.channels {
         let (factor, unit) = channel.role.quantity().shown();
         let (low, high) = channel.range;
-        say!("  {:<12}  {:.4} to {:.4} {unit}", channel.role.name(), low * factor, high * factor);
+        print_line!(session, "  {:<12}  {:.4} to {:.4} {unit}", channel.role.name(), low * factor, high * factor);
         for line in channel.lines() {
-            say!("                {line}");
+            print_line!(session, "                {line}");
         }
         for line in picture(&prepared.series, channel.role, start_s, end_s) {
-            say!("                {line}");
+            print_line!(session, "                {line}");
         }
     }
     let warnings = prepared.report.warnings();
     for warning in &warnings {
-        say!("  warning: {warning}");
+        print_line!(session, "  warning: {warning}");
     }
-    told_columns(recording, *position_of);
+    told_columns(session, recording, *position_of);
     let column = |c: &Column| json!({"role": c.role.name(), "title": c.title, "unit": c.unit});
     let mut checked = checked("stroke", name, None, [("rows", rows)]);
     checked["stroke"] = json!({
@@ -98,16 +101,17 @@ const MOST_UNUSED: usize = 12;
 const LONGEST_TITLE: usize = 60;
 
 /// The columns that are used and those that are not, with what to type for them.
-fn told_columns(recording: &Recording, position_of: PositionOf) {
+fn told_columns(session: &mut Session, recording: &Recording, position_of: PositionOf) {
     let layout = &recording.layout;
-    say!();
-    say!("  columns used");
+    print_line!(session);
+    print_line!(session, "  columns used");
     for column in &layout.columns {
         let whose = match column.role {
             Role::Position => format!(", the {}'s", position_of.name()),
             _ => String::new(),
         };
-        say!(
+        print_line!(
+            session,
             "  {:<12}  column {}, `{}`, in {}{whose}",
             column.role.name(),
             column.index + 1,
@@ -116,7 +120,7 @@ fn told_columns(recording: &Recording, position_of: PositionOf) {
         );
     }
     if layout.unused.is_empty() {
-        say!("  columns not used: none");
+        print_line!(session, "  columns not used: none");
         return;
     }
     let short = |title: &String| title.chars().take(LONGEST_TITLE).collect::<String>();
@@ -126,7 +130,7 @@ fn told_columns(recording: &Recording, position_of: PositionOf) {
         0 => String::new(),
         more => format!(" and {more} more (--json names all)"),
     };
-    say!("  columns not used: {}{more}", unused.join(", "));
+    print_line!(session, "  columns not used: {}{more}", unused.join(", "));
     let example = short(&layout.unused[0]);
     let free: Vec<&str> = ROLES
         .iter()
@@ -135,10 +139,10 @@ fn told_columns(recording: &Recording, position_of: PositionOf) {
         .collect();
     let instead = layout.columns.last().map_or("position", |column| column.role.name());
     let name = free.first().copied().unwrap_or(instead);
-    say!("  to use one, give its meaning, title and unit:");
-    say!("    --columns '{name}={example}:{}'", example_unit(name));
+    print_line!(session, "  to use one, give its meaning, title and unit:");
+    print_line!(session, "    --columns '{name}={example}:{}'", example_unit(name));
     if free.len() > 1 {
-        say!("  no column yet for {}", free.join(", "));
+        print_line!(session, "  no column yet for {}", free.join(", "));
     }
 }
 

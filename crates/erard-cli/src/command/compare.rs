@@ -12,14 +12,15 @@ use erard_workshop::compare::{Choice, Comparison, DRIVES, MAX_DURATION_S, Which,
 
 use super::options::{self, MODELS, StepOptions, check, load_instrument};
 use super::out::OutOptions;
+use crate::answer::Answer;
 use crate::compare::{print_table, report};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::names::one_of;
 use crate::number::number;
-use crate::progress::Progress;
+use crate::print_line;
 use crate::recordings::{Ready, RecordingOptions};
-use crate::say;
+use crate::session::Session;
 use crate::table::Table;
 use erard_figures::figure::{Dash, Figure, Panel, Trace, Window, figure_picture};
 
@@ -58,10 +59,10 @@ pub(crate) struct Compare {
 
 impl Compare {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
-        let Ready { name: title, prepared, position_of, .. } = self.recording.load(&self.file)?;
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
+        let Ready { name: title, prepared, position_of, .. } = self.recording.load(session, &self.file)?;
         let series = self.begun(prepared.series)?;
-        let instrument = load_instrument(&self.instrument)?;
+        let instrument = load_instrument(session, &self.instrument)?;
         let settings = self.step.settings(&instrument)?;
         let setup = Setup { settings, ..Setup::new(1.0) };
         check(&setup)?;
@@ -70,38 +71,38 @@ impl Compare {
         if !self.no_pictures {
             names.extend(["compare.svg", "compare.png"]);
         }
-        let mut output = self.out.prepare("compare", &names)?;
-        let mut progress = Progress::new("comparing");
+        let mut output = self.out.prepare(session, "compare", &names)?;
+        let mut progress = session.progress("comparing");
         let comparison = compare_chosen(&instrument, &series, &choice, &setup, &mut |share| progress.tell(share))?;
         drop(progress);
 
-        output.table("compare.csv", &table(&comparison))?;
+        output.table(session, "compare.csv", &table(&comparison))?;
         let report = report(&comparison, &prepared.report, &title, &instrument.name);
-        output.json("compare.json", &report)?;
+        output.json(session, "compare.json", &report)?;
         if !self.no_pictures {
             let picture = figure_picture(&figure(&comparison, &title, &instrument.name));
-            output.figure("compare", &picture)?;
+            output.figure(session, "compare", &picture)?;
         }
-        let written = output.commit()?;
+        let written = output.commit(session)?;
 
-        say!("{title} compared with {}", instrument.name);
-        say!();
+        print_line!(session, "{title} compared with {}", instrument.name);
+        print_line!(session);
         let (verdicts, rests) = (comparison.verdicts(), comparison.rests());
         for line in verdicts.iter().chain(&comparison.force_uncertainties()).chain(&rests).chain(&comparison.notes) {
-            say!("{line}");
+            print_line!(session, "{line}");
         }
         for warning in comparison.warnings() {
-            say!("warning: {warning}");
+            print_line!(session, "warning: {warning}");
         }
-        say!();
-        print_table(&comparison);
-        say!("  how the recording was prepared");
+        print_line!(session);
+        print_table(session, &comparison);
+        print_line!(session, "  how the recording was prepared");
         for line in prepared.report.told() {
-            say!("  {line}");
+            print_line!(session, "  {line}");
         }
-        say!();
-        say!("{written}");
-        Ok(())
+        print_line!(session);
+        print_line!(session, "{written}");
+        Ok(Answer::of(&report)?.files(&written))
     }
 
     /// Drives and models that were asked for.

@@ -7,20 +7,20 @@ use erard::instrument::utf8;
 use erard::keyboard::key_named;
 use erard::parameter::aliases;
 use erard_workshop::balance::Lead;
-use erard_workshop::diagnose::{Diagnosis, Entry, Known, answer, diagnose, entries, read};
+use erard_workshop::diagnose::{Diagnosis, Entry, Known, answer as diagnosis_json, diagnose, entries, read};
 use erard_workshop::measure::norms::MIDDLE_C;
 use serde_json::Value;
 
 use super::measure::lead;
 use super::options::key;
 use super::out::OutOptions;
+use crate::answer::Answer;
 use crate::diagnose::{Work, html, table, text};
 use crate::failure::Failure;
-use crate::identity;
 use crate::inputs;
 use crate::paper::Headed;
-use crate::progress::Progress;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 use crate::units::Lengths;
 
 /// What stands below the options.
@@ -100,13 +100,13 @@ impl FromArgMatches for Readings {
 
 impl Diagnose {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         let keys = match &self.file {
             None => vec![self.given()?],
-            Some(path) => self.of_file(path)?,
+            Some(path) => self.of_file(session, path)?,
         };
-        let mut output = self.out.prepare("diagnose", &["diagnosis.json", "diagnosis.html"])?;
-        let mut progress = Progress::new("diagnosing");
+        let mut output = self.out.prepare(session, "diagnose", &["diagnosis.json", "diagnosis.html"])?;
+        let mut progress = session.progress("diagnosing");
         let mut found: Vec<Diagnosis> = Vec::new();
         for (done, (key, known)) in keys.iter().enumerate() {
             progress.tell(done as f64 / keys.len() as f64);
@@ -117,16 +117,18 @@ impl Diagnose {
         let is_key_assumed = self.file.is_none() && self.key.is_none();
         let work =
             Work { file: name.as_deref(), is_key_assumed, found: &found, headed: &self.headed, lengths: self.lengths };
-        output.text("diagnosis.html", &html(&work))?;
-        output.json("diagnosis.json", &answer(&found, work.file, is_key_assumed))?;
+        output.text(session, "diagnosis.html", &html(&work))?;
+        let found_json = diagnosis_json(&found, work.file, is_key_assumed);
+        output.json(session, "diagnosis.json", &found_json)?;
         if found.len() > 1 {
-            output.table("diagnosis.csv", &table(&work))?;
+            output.table(session, "diagnosis.csv", &table(&work))?;
         }
-        let written = output.commit()?;
-        say!("{}", text(&work).trim_end_matches('\n'));
-        say!();
-        say!("{written}");
-        Ok(())
+        let written = output.commit(session)?;
+        let answer = Answer::of(&found_json)?;
+        print_line!(session, "{}", text(&work).trim_end_matches('\n'));
+        print_line!(session);
+        print_line!(session, "{written}");
+        Ok(answer.files(&written))
     }
 
     /// What the options say of one key.
@@ -154,15 +156,15 @@ impl Diagnose {
     }
 
     /// The keys of a table, or of a sheet.
-    fn of_file(&self, path: &Path) -> Result<Vec<(usize, Known)>, Failure> {
+    fn of_file(&self, session: &mut Session, path: &Path) -> Result<Vec<(usize, Known)>, Failure> {
         if !self.readings.0.is_empty() || !self.leads.is_empty() {
             let file = inputs::shown(path);
             let why =
                 "found readings both in a table and as options; expected one of the two (a table takes more columns)";
             return Err(Failure::Usage(format!("{file}: {why}")));
         }
-        let (file, bytes) = inputs::bytes(path)?;
-        identity::used("readings", &file, Some(&file), &bytes);
+        let (file, bytes) = session.inputs.bytes(path)?;
+        session.provenance.used("readings", &file, Some(&file), &bytes);
         let text = utf8(&bytes, &file)?;
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
             return self.of_sheets(text, &file);
@@ -177,7 +179,9 @@ impl Diagnose {
     fn of_sheets(&self, text: &str, file: &str) -> Result<Vec<(usize, Known)>, Failure> {
         let wrong = |why: &str| Failure::Usage(format!("{file}: {why}; expected the measure.json of `erard measure`"));
         let value: Value = serde_json::from_str(text).map_err(|error| wrong(&error.to_string()))?;
-        let sheets = value.as_array().cloned().unwrap_or_else(|| vec![value]);
+        // An answer of `measure --json` to several instruments is a record with them.
+        let all = value.get("instruments").unwrap_or(&value);
+        let sheets = all.as_array().cloned().unwrap_or_else(|| vec![all.clone()]);
         let mut keys = Vec::new();
         for sheet in &sheets {
             let key = sheet["norms_for_key"].as_u64().and_then(|key| key_named(&key.to_string()));

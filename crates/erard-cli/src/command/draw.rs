@@ -10,8 +10,10 @@ use moreau::Settings;
 use super::options::{InstrumentOption, Noted, StrokeOptions};
 use super::out::OutOptions;
 use super::press::play_observed;
+use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pins_at, pose_picture};
 
 /// Draws the action in one pose, as SVG and PNG.
@@ -78,19 +80,19 @@ const LATEST_MS: f64 = 600_000.0;
 
 impl Draw {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
-        let Noted { instrument, changed, whole } = self.instrument.load_noted()?;
-        let stroke = self.stroke.load(&whole)?;
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
+        let Noted { instrument, changed, whole } = self.instrument.load_noted(session)?;
+        let stroke = self.stroke.load(session, &whole)?;
         let settings = Settings::new(instrument.usual_step_s());
         let duration_s = match self.at {
             At::Ms(ms) => (ms * 1e-3).max(settings.step),
             At::Event(_) => stroke.duration_s,
         };
         let setup = Setup { settings, start_s: stroke.start_s, hand: stroke.hand(), ..Setup::new(duration_s) };
-        let mut output = self.out.prepare("draw", &["action.svg", "action.png"])?;
+        let mut output = self.out.prepare(session, "draw", &["action.svg", "action.png"])?;
         let reactions = self.reactions.then(|| ReactionRecorder::new(&instrument));
         let mut inside = Inside { reactions, losses: None };
-        let run = play_observed(&instrument, &stroke, &setup, &mut inside)?;
+        let run = play_observed(session, &instrument, &stroke, &setup, &mut inside)?;
         let row = self.row(&run)?;
         let mut arrows = if self.forces { forces_at(&instrument, &run, row) } else { Vec::new() };
         if let Some(recorder) = inside.reactions {
@@ -113,9 +115,10 @@ impl Draw {
             ..PoseOptions::default()
         };
         let picture = pose_picture(&instrument, &angles_at(&run, row), &options);
-        output.picture("action", &picture, 1.0)?;
-        say!("{}", output.commit()?);
-        Ok(())
+        output.picture(session, "action", &picture, 1.0)?;
+        let written = output.commit(session)?;
+        print_line!(session, "{written}");
+        Ok(Answer::table(session, None).files(&written))
     }
 
     /// The row of a run to draw.

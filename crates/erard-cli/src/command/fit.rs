@@ -16,13 +16,14 @@ use erard_workshop::fit::{
 
 use super::options::{DRIVES, StepOptions, check, load_instrument_and_text};
 use super::out::OutOptions;
+use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::fit::{bounds, column, figure, lines, report, table, value};
 use crate::names::{Name, one_of};
 use crate::number::{number, whole};
-use crate::progress::Progress;
+use crate::print_line;
 use crate::recordings::RecordingOptions;
-use crate::say;
+use crate::session::Session;
 
 /// Text below the options.
 const AFTER: &str = include_str!("help/fit.txt");
@@ -125,8 +126,8 @@ fn noise(text: &str) -> Result<(Role, f64), String> {
 
 impl Fit {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
-        let (instrument, text) = load_instrument_and_text(&self.instrument)?;
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
+        let (instrument, text) = load_instrument_and_text(session, &self.instrument)?;
         let settings = self.step.settings(&instrument)?;
         check(&Setup { settings, ..Setup::new(1.0) })?;
         let file = InstrumentFile::parse(&text, &self.instrument.to_string())?;
@@ -134,7 +135,7 @@ impl Fit {
         let bounds = self.bounds(&instrument)?;
         let parameters = fit_parameters(&file, &vary, &bounds).map_err(failure)?;
         let start = self.start(&instrument)?;
-        let data = self.data(settings)?;
+        let data = self.data(session, settings)?;
         let sigma: PerName<f64> = self.sigma.iter().map(|(role, sigma)| (column(*role).to_owned(), *sigma)).collect();
         let problem = Problem::new(&instrument, parameters, data, self.delays).map_err(failure)?;
         let noise = NoiseModel::new(&problem, &sigma).map_err(failure)?;
@@ -149,8 +150,8 @@ impl Fit {
         if !self.no_pictures {
             names.extend(["fit.svg", "fit.png"]);
         }
-        let mut output = self.out.prepare("fit", &names)?;
-        let mut progress = Progress::counting("fitting");
+        let mut output = self.out.prepare(session, "fit", &names)?;
+        let mut progress = session.counting_progress("fitting");
         let counted = Box::new(move |strokes| progress.counted(|| format!("fitting: {strokes} strokes")));
         let mut simulator = Simulator::new(&problem, cores::count(), counted);
         let found = erard_workshop::fit::fit(&mut simulator, &noise, &plan).map_err(failure)?;
@@ -160,25 +161,26 @@ impl Fit {
 
         let recordings: Vec<&str> = problem.recordings().iter().map(|one| one.name.as_str()).collect();
         let fitted = found.rewrite(&text, &recordings).map_err(|error| Failure::Internal(error.to_string()))?;
-        output.json("fit.json", &report(&found, &problem, &instrument.name))?;
-        output.text("fitted.toml", &fitted)?;
-        output.table("fit.csv", &table(&channels, problem.recordings().len()))?;
+        let report = report(&found, &problem, &instrument.name);
+        output.json(session, "fit.json", &report)?;
+        output.text(session, "fitted.toml", &fitted)?;
+        output.table(session, "fit.csv", &table(&channels, problem.recordings().len()))?;
         if !self.no_pictures {
             let picture = figure_picture(&figure(&channels, &recordings, &instrument.name));
-            output.figure("fit", &picture)?;
+            output.figure(session, "fit", &picture)?;
         }
-        let written = output.commit()?;
+        let written = output.commit(session)?;
 
         for line in lines(&found, &problem, &instrument.name) {
-            say!("{line}");
+            print_line!(session, "{line}");
         }
-        say!();
-        say!("{written}");
-        doubtful(&found)
+        print_line!(session);
+        print_line!(session, "{written}");
+        Ok(Answer::of(&report)?.files(&written).short_of(doubtful(&found)))
     }
 
     /// What was recorded, ready to be fitted.
-    fn data(&self, settings: moreau::Settings<f64>) -> Result<Vec<Data>, Failure> {
+    fn data(&self, session: &mut Session, settings: moreau::Settings<f64>) -> Result<Vec<Data>, Failure> {
         let preparation = self.recording.preparation();
         let how = Setup { settings, ..Setup::new(1.0) };
         let columns: Vec<String> = self.compare.iter().map(|role| column(*role).to_owned()).collect();
@@ -186,7 +188,7 @@ impl Fit {
         let drive = self.drive;
         let mut all = Vec::new();
         for path in &self.recordings {
-            let (name, mut recording, position_of) = self.recording.read(path)?;
+            let (name, mut recording, position_of) = self.recording.read(session, path)?;
             self.truncate(&mut recording)?;
             let data = Data::new(&name, &recording, position_of, &preparation, drive, columns.as_deref(), &how);
             let data = data.map_err(failure)?;
@@ -249,16 +251,13 @@ impl Fit {
 }
 
 /// Nothing, or that there are doubts, with their kinds.
-fn doubtful(found: &FitResult) -> Result<(), Failure> {
+fn doubtful(found: &FitResult) -> Option<String> {
     let mut kinds: Vec<&str> = found.doubts.iter().map(|doubt| doubt.kind.name()).collect();
     kinds.dedup();
     match found.doubts.len() {
-        0 => Ok(()),
-        1 => Err(Failure::Doubtful(format!("the fit is doubtful ({}); all files were written", kinds[0]))),
-        n => Err(Failure::Doubtful(format!(
-            "the fit is doubtful for {n} reasons ({}); all files were written",
-            kinds.join(", ")
-        ))),
+        0 => None,
+        1 => Some(format!("the fit is doubtful ({}); all files were written", kinds[0])),
+        n => Some(format!("the fit is doubtful for {n} reasons ({}); all files were written", kinds.join(", "))),
     }
 }
 

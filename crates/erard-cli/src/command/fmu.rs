@@ -13,10 +13,12 @@ use rawzip::{CompressionMethod, ZipArchiveWriter};
 
 use super::options::{IS_KEYBOARD, load_instrument_and_text, load_keyboard_and_text};
 use super::out::OwnFile;
+use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::inputs::{self, shown};
+use crate::inputs::shown;
 use crate::output::Output;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 
 /// Text below the options.
 const AFTER: &str = include_str!("help/fmu.txt");
@@ -60,43 +62,51 @@ const MARKS: [&[u8]; 2] = [b"fmi2DoStep", b"erard_action_new"];
 
 impl Fmu {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         // As the library will read it: the file's name is in its errors only.
         let (unit, asked, end) = match &self.keyboard {
             None => {
-                let (_, text) = load_instrument_and_text(&self.instrument).map_err(|failure| match failure {
-                    Failure::Usage(text) if text.contains(IS_KEYBOARD) => {
-                        Failure::Usage(format!("{text}, or pack all of them: --keyboard {}", self.instrument))
-                    }
-                    other => other,
-                })?;
+                let (_, text) =
+                    load_instrument_and_text(session, &self.instrument).map_err(|failure| match failure {
+                        Failure::Usage(text) if text.contains(IS_KEYBOARD) => {
+                            Failure::Usage(format!("{text}, or pack all of them: --keyboard {}", self.instrument))
+                        }
+                        other => other,
+                    })?;
                 (Unit::of_instrument(&text)?, self.instrument.to_string(), ".fmu")
             }
             Some(asked) => {
-                let (keyboard, text) = load_keyboard_and_text(asked)?;
+                let (keyboard, text) = load_keyboard_and_text(session, asked)?;
                 keyboard.instruments()?;
                 (Unit::of_keyboard(&text, keyboard.base_text())?, asked.to_string(), "-keyboard.fmu")
             }
         };
-        let OwnFile { folder, name } = OwnFile::of(self.out.as_deref(), &asked, end, "unit's", self.force)?;
-        let (library, bytes, binary) = self.library()?;
-        let mut output = Output::files(&folder, self.force, &[&name])?;
+        let OwnFile { folder, name } = OwnFile::of(session, self.out.as_deref(), &asked, end, "unit's", self.force)?;
+        let (library, bytes, binary) = self.library(session)?;
+        let mut output = Output::files(session, &folder, self.force, &[&name])?;
         let archive = archive(&unit, &binary, &bytes).map_err(|error| Failure::Internal(error.to_string()))?;
-        output.stage(&name, |w| w.write_all(&archive))?;
-        let written = output.commit()?;
+        output.stage(session, &name, |w| w.write_all(&archive))?;
+        let written = output.commit(session)?;
         let count = |is: fn(&Variable) -> bool| unit.variables.iter().filter(|variable| is(variable)).count();
         let (inputs, parameters) = (count(Variable::is_input), count(Variable::is_parameter));
-        say!("{} - a unit for FMI 2.0, co-simulation, {} kB", unit.name, archive.len() / 1024);
-        say!();
-        say!("  {} variables: {inputs} inputs, {parameters} parameters, the others outputs", unit.variables.len());
-        say!("  library {} as {binary}", shown(&library));
-        say!();
-        say!("{written}");
-        Ok(())
+        print_line!(session, "{} - a unit for FMI 2.0, co-simulation, {} kB", unit.name, archive.len() / 1024);
+        print_line!(session);
+        print_line!(
+            session,
+            "  {} variables: {inputs} inputs, {parameters} parameters, the others outputs",
+            unit.variables.len()
+        );
+        print_line!(session, "  library {} as {binary}", shown(&library));
+        print_line!(session);
+        print_line!(session, "{written}");
+        let answer = Answer::table(session, None).with("name", &unit.name)?.with("bytes", &archive.len())?;
+        let answer = answer.with("variables", &unit.variables.len())?.with("inputs", &inputs)?;
+        let answer = answer.with("parameters", &parameters)?.with("library", &shown(&library))?;
+        Ok(answer.with("library_in_unit", &binary)?.files(&written))
     }
 
     /// The library: its path, its bytes, and its place in the archive.
-    fn library(&self) -> Result<(PathBuf, Vec<u8>, String), Failure> {
+    fn library(&self, session: &mut Session) -> Result<(PathBuf, Vec<u8>, String), Failure> {
         let Some((platform, end)) = PLATFORM else {
             return Err(Failure::Usage("FMI 2.0 does not support this platform".into()));
         };
@@ -104,7 +114,7 @@ impl Fmu {
             Some(path) => path.clone(),
             None => self.beside(end)?,
         };
-        let bytes = inputs::library(&path).map_err(|why| Failure::Usage(format!("{}: {why}", shown(&path))))?;
+        let bytes = session.inputs.library(&path).map_err(|why| Failure::Usage(format!("{}: {why}", shown(&path))))?;
         if let Some(mark) = MARKS.iter().find(|mark| !bytes.windows(mark.len()).any(|window| window == **mark)) {
             let mark = String::from_utf8_lossy(mark);
             return Err(Failure::Usage(format!(

@@ -10,10 +10,9 @@ use erard::stroke::{Muscle, Stroke, Touch};
 use erard::{Instrument, SimulationError};
 
 use crate::failure::Failure;
-use crate::identity;
 use crate::names::{Name, one_of};
 use crate::number::number;
-use crate::progress::Progress;
+use crate::session::Session;
 
 /// A hand that plays, and its level.
 #[derive(Debug, Clone, Args)]
@@ -84,14 +83,14 @@ impl HandOptions {
     }
 
     /// The built-in touch, its level found on this instrument.
-    pub(crate) fn touch(&self, reference: &Instrument) -> Result<Stroke, Failure> {
-        let mut progress = Progress::new("finding the hand");
+    pub(crate) fn touch(&self, session: &mut Session, reference: &Instrument) -> Result<Stroke, Failure> {
+        let mut progress = session.progress("finding the hand");
         let stroke = self.touch_with(reference, &mut |share| progress.tell(share)).map_err(|error| match error {
             LevelError::Interrupted => Failure::Simulation(SimulationError::Interrupted),
             error => Failure::Usage(told(&error)),
         })?;
         let hand = described(&stroke).unwrap_or_default();
-        identity::used("stroke", &format!("{}: {hand}", stroke.title), None, exact(&stroke).as_bytes());
+        session.provenance.used("stroke", &format!("{}: {hand}", stroke.title), None, exact(&stroke).as_bytes());
         Ok(stroke)
     }
 

@@ -9,13 +9,13 @@ use erard_workshop::weighing::weigh;
 use super::options::{KeyboardKey, key, load_keyboard};
 use super::out::OutOptions;
 use super::weigh::WeighOptions;
-use crate::answer;
+use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::keyboard::{doubts, pair, table, text, weighed_picture};
 use crate::number::whole;
-use crate::progress::Progress;
-use crate::say;
-use crate::tell;
+use crate::print_line;
+use crate::session::Session;
+use crate::warn;
 
 /// Text below the options.
 const AFTER: &str = include_str!("help/keyboard.txt");
@@ -42,38 +42,41 @@ pub(crate) struct Keyboard {
 
 impl Keyboard {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         if let [first, second] = &self.keyboards[..] {
-            return self.pair([first, second]);
+            return self.pair(session, [first, second]);
         }
         let [keyboard] = &self.keyboards[..] else { return Err(Failure::Internal("no keyboard".into())) };
-        let keyboard = load_keyboard(keyboard)?;
+        let keyboard = load_keyboard(session, keyboard)?;
         if let Some(key) = self.key {
             let one = KeyboardKey { keyboard, key };
-            return answer::text(&format!("{}\n", one.text()?.trim_end_matches('\n')));
+            return Ok(Answer::text(format!("{}\n", one.text()?.trim_end_matches('\n'))));
         }
         if let Some(path) = self.weigh.asked() {
-            return self.weigh.run(path, &keyboard, &self.out);
+            return self.weigh.run(session, path, &keyboard, &self.out);
         }
         let keys = self.keys(&keyboard)?;
-        let mut output = self.out.prepare("keyboard", &["keyboard.csv", "keyboard.svg", "keyboard.png"])?;
-        let mut progress = Progress::new("weighing");
+        let mut output = self.out.prepare(session, "keyboard", &["keyboard.csv", "keyboard.svg", "keyboard.png"])?;
+        let mut progress = session.progress("weighing");
         let weighed = weigh(&keys, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error })?;
         drop(progress);
         let picture = weighed_picture(&keyboard.name, &weighed);
-        output.table("keyboard.csv", &table(&weighed))?;
-        output.figure("keyboard", &picture)?;
-        let written = output.commit()?;
-        say!("{} - 88 keys, {} of them weighed", keyboard.name, weighed.len());
-        say!();
-        say!("{}", text(&weighed).trim_end_matches('\n'));
-        for doubt in doubts(weighed.iter().map(|one| (one.key, &one.test_press))) {
-            tell!("warning: {doubt}");
+        let table = table(&weighed);
+        output.table(session, "keyboard.csv", &table)?;
+        output.figure(session, "keyboard", &picture)?;
+        let written = output.commit(session)?;
+        print_line!(session, "{} - 88 keys, {} of them weighed", keyboard.name, weighed.len());
+        print_line!(session);
+        print_line!(session, "{}", text(&weighed).trim_end_matches('\n'));
+        let doubts = doubts(weighed.iter().map(|one| (one.key, &one.test_press)));
+        for doubt in &doubts {
+            warn!(session, "warning: {doubt}");
         }
-        say!();
-        say!("{written}");
-        Ok(())
+        print_line!(session);
+        print_line!(session, "{written}");
+        let answer = Answer::table(session, Some(&table)).with("keyboard", &keyboard.name)?;
+        Ok(answer.with("warnings", &doubts)?.files(&written))
     }
 
     /// The keys that are weighed, with their numbers.
@@ -86,14 +89,14 @@ impl Keyboard {
     }
 
     /// Two keyboards beside each other.
-    fn pair(&self, asked: [&Base; 2]) -> Result<(), Failure> {
+    fn pair(&self, session: &mut Session, asked: [&Base; 2]) -> Result<Answer, Failure> {
         if self.key.is_some() || self.weigh.asked().is_some() {
             return Err(Failure::Usage("--key and --weigh need one keyboard; found two".into()));
         }
-        let keyboards = [load_keyboard(asked[0])?, load_keyboard(asked[1])?];
+        let keyboards = [load_keyboard(session, asked[0])?, load_keyboard(session, asked[1])?];
         let keys = [self.keys(&keyboards[0])?, self.keys(&keyboards[1])?];
-        let mut output = self.out.prepare("keyboard", &pair::FILES)?;
-        let mut progress = Progress::new("weighing");
+        let mut output = self.out.prepare(session, "keyboard", &pair::FILES)?;
+        let mut progress = session.progress("weighing");
         let mut weighed = |which: usize| {
             let mut tell = |share: f64| progress.tell(0.5 * (which as f64 + share));
             weigh(&keys[which], &mut tell)
@@ -103,20 +106,23 @@ impl Keyboard {
         drop(progress);
         let mut names = pair::names([&keyboards[0].name, &keyboards[1].name]).into_iter();
         let sides = weighed.map(|weighed| pair::Side { name: names.next().unwrap_or_default(), weighed });
-        pair::write(&sides, &mut output)?;
-        let written = output.commit()?;
-        say!("1: {}", sides[0].name);
-        say!("2: {}", sides[1].name);
-        say!("88 keys each, {} of them weighed", sides[0].weighed.len());
-        say!();
-        say!("{}", pair::text(&sides).trim_end_matches('\n'));
+        let report = pair::write(session, &sides, &mut output)?;
+        let written = output.commit(session)?;
+        print_line!(session, "1: {}", sides[0].name);
+        print_line!(session, "2: {}", sides[1].name);
+        print_line!(session, "88 keys each, {} of them weighed", sides[0].weighed.len());
+        print_line!(session);
+        print_line!(session, "{}", pair::text(&sides).trim_end_matches('\n'));
+        let mut warnings = Vec::new();
         for side in &sides {
-            for doubt in doubts(side.weighed.iter().map(|one| (one.key, &one.test_press))) {
-                tell!("warning: {}: {doubt}", side.name);
-            }
+            let doubts = doubts(side.weighed.iter().map(|one| (one.key, &one.test_press)));
+            warnings.extend(doubts.iter().map(|doubt| format!("{}: {doubt}", side.name)));
         }
-        say!();
-        say!("{written}");
-        Ok(())
+        for warning in &warnings {
+            warn!(session, "warning: {warning}");
+        }
+        print_line!(session);
+        print_line!(session, "{written}");
+        Ok(Answer::of(&report)?.with("warnings", &warnings)?.files(&written))
     }
 }

@@ -14,12 +14,15 @@ use serde_json::{Value, json};
 use super::check::checked_linkage;
 use super::options::load_instrument;
 use super::out::OutOptions;
+use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::kinematics::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
 use crate::kinematics::{Shown, Summary, dynamics_picture, leverage_picture, sliding_picture, table};
 use crate::number::number;
+use crate::print_line;
+use crate::session::Session;
 use crate::table::Table;
-use crate::{answer, identity, inputs, say, tell};
+use crate::warn;
 
 /// Text below the options.
 const AFTER: &str = include_str!("help/kinematics.txt");
@@ -89,26 +92,26 @@ struct Subject {
 }
 
 impl Subject {
-    fn linkage(file_or_name: &str) -> Result<Self, Failure> {
-        let file = linkage_file(file_or_name)?;
+    fn linkage(session: &mut Session, file_or_name: &str) -> Result<Self, Failure> {
+        let file = linkage_file(session, file_or_name)?;
         let design = file.design().map_err(|error| Failure::Usage(format!("{file_or_name}: {error}")))?;
         Ok(Subject { design, instrument: None })
     }
 
-    fn instrument(asked: &InstrumentSpec) -> Result<Self, Failure> {
-        let instrument = load_instrument(asked)?;
+    fn instrument(session: &mut Session, asked: &InstrumentSpec) -> Result<Self, Failure> {
+        let instrument = load_instrument(session, asked)?;
         let derived = derive(&instrument).map_err(|error| Failure::Usage(error.to_string()))?;
         Ok(Subject { design: derived.design.clone(), instrument: Some((instrument, derived)) })
     }
 }
 
 /// Finds a linkage file, or a built-in one by its name.
-fn linkage_file(file_or_name: &str) -> Result<LinkageFile, Failure> {
+fn linkage_file(session: &mut Session, file_or_name: &str) -> Result<LinkageFile, Failure> {
     let path = Path::new(file_or_name);
     if path.exists() || path.extension().is_some() || path.components().count() > 1 {
-        let (name, bytes) = inputs::bytes(path)?;
+        let (name, bytes) = session.inputs.bytes(path)?;
         let file = LinkageFile::parse_bytes(&bytes, &name)?;
-        identity::used("linkage", &file.name, Some(&name), &bytes);
+        session.provenance.used("linkage", &file.name, Some(&name), &bytes);
         return Ok(file);
     }
     let text = LinkageFile::builtin_text(file_or_name).unwrap_or_default();
@@ -122,7 +125,7 @@ fn linkage_file(file_or_name: &str) -> Result<LinkageFile, Failure> {
         let names = names.join(", ");
         Failure::Usage(format!("there is no file and no built-in linkage `{file_or_name}` (built in: {names}){hint}"))
     })?;
-    identity::used("linkage", &file.name, None, text.as_bytes());
+    session.provenance.used("linkage", &file.name, None, text.as_bytes());
     Ok(file)
 }
 
@@ -138,19 +141,20 @@ struct Cases {
 
 impl Kinematics {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         self.check_numbers()?;
         if self.list {
-            return list();
+            return list(session);
         }
         if let Some(asked) = self.linkage.as_deref().filter(|_| self.check || self.print) {
-            return if self.print { print(asked) } else { check(asked) };
+            return if self.print { print(asked) } else { check(session, asked) };
         }
         if self.equations {
-            return self.print_equations();
+            return self.print_equations(session);
         }
-        let subject = self.subject()?;
+        let subject = self.subject(session)?;
         let mut output = self.out.prepare(
+            session,
             "kinematics",
             &["kinematics.csv", "summary.json", "sliding.svg", "sliding.png", "leverage.svg", "leverage.png"],
         )?;
@@ -159,36 +163,38 @@ impl Kinematics {
             return Err(Failure::Usage(unreached.join("\nerror: ")));
         }
         let unmoved = &cases[0];
-        let press = subject.instrument.as_ref().and_then(|(instrument, derived)| press(instrument, derived, unmoved));
+        let press =
+            subject.instrument.as_ref().and_then(|(instrument, derived)| press(session, instrument, derived, unmoved));
         let agreement = press.as_ref().and_then(|press| press.1.as_ref());
         let derived = subject.instrument.as_ref().map(|(_, derived)| derived);
         let summary = Summary::new(&subject.design, !self.no_regulate, &cases, derived, agreement);
 
         let design = &subject.design;
-        output.table("kinematics.csv", &table(&cases))?;
-        output.json("summary.json", &summary.json)?;
-        output.figure("sliding", &sliding_picture(design, &cases, range))?;
-        output.figure("leverage", &leverage_picture(design, &cases, range))?;
+        output.table(session, "kinematics.csv", &table(&cases))?;
+        output.json(session, "summary.json", &summary.json)?;
+        output.figure(session, "sliding", &sliding_picture(design, &cases, range))?;
+        output.figure(session, "leverage", &leverage_picture(design, &cases, range))?;
         if let Some((press, agreement)) = &press {
             let picture = dynamics_picture(design, unmoved, press, agreement.as_ref());
-            output.figure("leverage-dynamics", &picture)?;
+            output.figure(session, "leverage-dynamics", &picture)?;
         }
-        let written = output.commit()?;
+        let written = output.commit(session)?;
 
-        say!("{} - kinematics, key {} to {} mm", design.name, short(range.0), short(range.1));
-        say!();
-        say!("{summary}");
-        say!("{written}");
-        if unreached.is_empty() { Ok(()) } else { Err(Failure::Reach(unreached.join("\nerror: "))) }
+        print_line!(session, "{} - kinematics, key {} to {} mm", design.name, short(range.0), short(range.1));
+        print_line!(session);
+        print_line!(session, "{summary}");
+        print_line!(session, "{written}");
+        let unreached = (!unreached.is_empty()).then(|| unreached.join("\nerror: "));
+        Ok(Answer::of(&summary.json)?.files(&written).short_of(unreached))
     }
 
-    fn subject(&self) -> Result<Subject, Failure> {
+    fn subject(&self, session: &mut Session) -> Result<Subject, Failure> {
         match (&self.linkage, &self.instrument) {
-            (Some(linkage), _) => Subject::linkage(linkage),
-            (None, Some(instrument)) => Subject::instrument(instrument),
+            (Some(linkage), _) => Subject::linkage(session, linkage),
+            (None, Some(instrument)) => Subject::instrument(session, instrument),
             (None, None) => {
                 let own = "concert-grand".parse().map_err(|error| Failure::Internal(format!("{error}")))?;
-                Subject::instrument(&own)
+                Subject::instrument(session, &own)
             }
         }
     }
@@ -264,7 +270,7 @@ impl Kinematics {
         Ok(Cases { shown, range: (from, to), unreached })
     }
 
-    fn print_equations(&self) -> Result<(), Failure> {
+    fn print_equations(&self, session: &mut Session) -> Result<Answer, Failure> {
         let text = |title: &str, levers: &Levers| -> Result<String, Failure> {
             let mechanism =
                 levers.linkage(Drive::Key).assemble().map_err(|error| Failure::Internal(error.to_string()))?;
@@ -286,39 +292,40 @@ impl Kinematics {
                 .ok_or_else(|| Failure::Internal("the built-in linkage cannot be read".into()))?;
             texts.push(text(&file.name, &Levers::from(file.levers))?);
         }
-        let subject = self.subject()?;
+        let subject = self.subject(session)?;
         texts.push(text(&subject.design.name, &subject.design.levers)?);
         let text = texts.join("\n\n");
-        say!("{text}");
-        answer::give(&json!({ "text": text }))
+        print_line!(session, "{text}");
+        Answer::default().with("text", &text)
     }
 }
 
 /// Lists the built-in linkages.
-fn list() -> Result<(), Failure> {
+fn list(session: &mut Session) -> Result<Answer, Failure> {
     let titled = |name| Some((name, LinkageFile::builtin(name)?.name));
     let all: Vec<(&str, String)> = LinkageFile::builtin_names().filter_map(titled).collect();
-    say!(
+    print_line!(
+        session,
         "{}",
         Table::of(["", ""], all.iter().map(|(name, title)| [(*name).to_owned(), title.clone()])).to_string().trim_end()
     );
     let listed = all.iter().map(|(name, title)| json!({"kind": "linkage", "name": name, "title": title}));
-    answer::give(&json!({"built_in": listed.collect::<Value>()}))
+    Answer::of(&json!({"built_in": listed.collect::<Value>()}))
 }
 
 /// Prints the file of a built-in linkage unchanged.
-fn print(asked: &str) -> Result<(), Failure> {
+fn print(asked: &str) -> Result<Answer, Failure> {
     let text = LinkageFile::builtin_text(asked).ok_or_else(|| {
         let names: Vec<&str> = LinkageFile::builtin_names().collect();
         Failure::Usage(format!("there is no built-in linkage `{asked}` (built in: {})", names.join(", ")))
     })?;
-    answer::text(text)
+    Ok(Answer::text(text))
 }
 
 /// Checks a linkage file, and shows its contents as `erard check` does.
-fn check(asked: &str) -> Result<(), Failure> {
-    let Subject { design, .. } = Subject::linkage(asked)?;
-    answer::give(&checked_linkage(asked, &design))
+fn check(session: &mut Session, asked: &str) -> Result<Answer, Failure> {
+    let Subject { design, .. } = Subject::linkage(session, asked)?;
+    Answer::of(&checked_linkage(session, asked, &design))
 }
 
 /// Named constants of a linkage with their values.
@@ -332,7 +339,12 @@ fn constants(linkage: &Linkage) -> String {
 
 /// The slow press of an instrument and its agreement with the geometry. If it fails, a warning is printed and the
 /// geometry is still shown.
-fn press(instrument: &Instrument, derived: &Derived, unmoved: &Shown) -> Option<(SlowPress, Option<Agreement>)> {
+fn press(
+    session: &mut Session,
+    instrument: &Instrument,
+    derived: &Derived,
+    unmoved: &Shown,
+) -> Option<(SlowPress, Option<Agreement>)> {
     let let_off = unmoved.case.let_off_key_m?;
     match slow_press(instrument, &derived.levers, let_off) {
         Ok(press) => {
@@ -340,7 +352,7 @@ fn press(instrument: &Instrument, derived: &Derived, unmoved: &Shown) -> Option<
             Some((press, agreement))
         }
         Err(error) => {
-            tell!("warning: the slow press that checks the geometry failed: {error}");
+            warn!(session, "warning: the slow press that checks the geometry failed: {error}");
             None
         }
     }

@@ -9,9 +9,10 @@ use erard_kinematics::LinkageFile;
 use serde::Serialize;
 
 use super::samples::sample_text;
-use crate::answer;
+use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 use crate::table::Table;
 
 /// Lists the built-in instruments, keyboards, linkages and strokes, or prints the file of one.
@@ -70,11 +71,11 @@ pub(crate) fn built_in(asked: &str) -> Option<(&'static str, &'static str)> {
 
 impl List {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         if let Some(name) = &self.name {
             if name.contains(SAMPLE) {
                 let asked = name.parse().map_err(|error: InstrumentSpecError| Failure::Usage(error.to_string()))?;
-                return answer::text(&sample_text(&asked)?);
+                return Ok(Answer::text(sample_text(session, &asked)?));
             }
             let (_, text) = built_in(name).ok_or_else(|| {
                 let mut names: Vec<String> = Vec::new();
@@ -83,7 +84,7 @@ impl List {
                 }
                 Failure::Usage(format!("there is no built-in `{name}`; expected one of {}", names.join(", ")))
             })?;
-            return answer::text(text);
+            return Ok(Answer::text(text));
         }
         let built_in = all();
         let mut rows: Vec<[String; 2]> = Vec::new();
@@ -95,10 +96,11 @@ impl List {
             }
             rows.push([format!("  {}", one.name), one.title.clone()]);
         }
-        say!("{}", Table::of(["", ""], rows));
-        say!(
+        print_line!(session, "{}", Table::of(["", ""], rows));
+        print_line!(
+            session,
             "Copy one to edit it: `erard list NAME > FILE`. Each key of a keyboard is an instrument: NAME:key=1 to 88"
         );
-        answer::give(&Listed { built_in })
+        Answer::of(&Listed { built_in })
     }
 }

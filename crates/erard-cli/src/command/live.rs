@@ -16,16 +16,18 @@ use erard_live::{Event, Live as Keys, LiveError, Options, SensorKind};
 use erard_workshop::cores;
 
 use super::options::load_keyboard;
+use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::inputs::{self, shown};
+use crate::inputs::shown;
 use crate::live::feed::{Line, lines};
 use crate::live::latency::{Clock, Latency};
 use crate::live::report::Told;
-use crate::live::{Bits, Wire};
+use crate::live::{Bits, Sounding, Wire};
 use crate::number::{between, number, whole};
 use crate::output::Output;
-use crate::progress::Progress;
-use crate::{answer, identity, say, tell};
+use crate::print_line;
+use crate::session::Session;
+use crate::warn;
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/live.txt");
@@ -103,24 +105,24 @@ struct Heard {
 
 impl Live {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
-        let profile = self.calibration.as_deref().map(load_profile).transpose()?;
-        let keyboard = load_keyboard(&self.keyboard)?;
-        let (input, is_file) = self.input()?;
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
+        let profile = self.calibration.as_deref().map(|path| load_profile(session, path)).transpose()?;
+        let keyboard = load_keyboard(session, &self.keyboard)?;
+        let (input, is_file) = self.input(session)?;
         let feed = lines(input);
         let mut heard = Heard::default();
         let mut reader = self.head(&feed, &mut heard)?;
-        let options = self.options(reader.quantity(), profile.as_ref(), is_file)?;
+        let options = self.options(session, reader.quantity(), profile.as_ref(), is_file)?;
         let instruments = keyboard.instruments()?;
-        let mut wire = self.wire()?;
-        let mut progress = Progress::new("preparing keys");
+        let mut wire = self.wire(session)?;
+        let mut progress = session.progress("preparing keys");
         let made = Keys::new(&instruments, profile.as_ref(), options, &mut |share| progress.tell(share));
         drop(progress);
         let mut keys = made.map_err(|error| failed(&keyboard.name, error))?;
-        if !is_file && !say::is_quiet() {
-            tell!("ready: {} keys of {}", instruments.len(), keyboard.name);
+        if !is_file && !session.printer.is_quiet() {
+            warn!(session, "ready: {} keys of {}", instruments.len(), keyboard.name);
         }
-        self.play(&mut keys, &feed, &mut reader, &mut wire, &mut heard, is_file)?;
+        self.play(session, &mut keys, &feed, &mut reader, &mut wire, &mut heard, is_file)?;
         let report = keys.report();
         if let (0, Some((line, what))) = (report.samples, &heard.first) {
             return Err(Failure::Usage(format!("{}, line {line}: {what}; no line is a sample", self.name())));
@@ -134,7 +136,7 @@ impl Live {
             first_malformed: heard.first,
             latency: (!is_file).then(|| Latency::of(heard.late_s)),
         };
-        self.finish(&mut wire, &told)
+        self.finish(session, &mut wire, &told)
     }
 
     fn out(&self) -> &Path {
@@ -150,12 +152,12 @@ impl Live {
     }
 
     /// The stream, and whether it is a file, whose lines come as fast as they are read.
-    fn input(&self) -> Result<(Box<dyn Read + Send>, bool), Failure> {
+    fn input(&self, session: &mut Session) -> Result<(Box<dyn Read + Send>, bool), Failure> {
         if self.stream == Path::new("-") {
             return Ok((Box::new(io::stdin()), false));
         }
         let unread = |error| Failure::Usage(format!("{}: cannot be read: {error}", self.name()));
-        let file = inputs::open(&self.stream).map_err(unread)?;
+        let file = session.inputs.open(&self.stream).map_err(unread)?;
         let kind = file.metadata().map_err(unread)?;
         if kind.is_dir() {
             return Err(Failure::Usage(format!("{}: is a folder; expected a file or a pipe", self.name())));
@@ -179,9 +181,9 @@ impl Live {
     }
 
     /// The keys that a file moves.
-    fn moved(&self) -> Result<BTreeSet<usize>, Failure> {
+    fn moved(&self, session: &mut Session) -> Result<BTreeSet<usize>, Failure> {
         let mut all = BTreeSet::new();
-        let feed = lines(self.input()?.0);
+        let feed = lines(self.input(session)?.0);
         let mut reader = self.head(&feed, &mut Heard::default())?;
         // A line that cannot be read is reported when it is played.
         for line in feed.into_iter().flatten() {
@@ -192,7 +194,13 @@ impl Live {
         Ok(all)
     }
 
-    fn options(&self, quantity: SensorUnit, profile: Option<&Profile>, is_file: bool) -> Result<Options, Failure> {
+    fn options(
+        &self,
+        session: &mut Session,
+        quantity: SensorUnit,
+        profile: Option<&Profile>,
+        is_file: bool,
+    ) -> Result<Options, Failure> {
         let wrong = |what: &str| Err(Failure::Usage(format!("{}: {what}", self.name())));
         match (quantity, profile) {
             (SensorUnit::Raw | SensorUnit::Pressure, None) => {
@@ -230,7 +238,7 @@ impl Live {
             sensor_at_m: metres(self.sensor_at),
             travel_m: metres(self.travel),
             ahead: self.ahead,
-            moved: is_file.then(|| self.moved()).transpose()?,
+            moved: is_file.then(|| self.moved(session)).transpose()?,
             threads: cores::count(),
         })
     }
@@ -238,6 +246,7 @@ impl Live {
     /// Until the stream ends.
     fn play(
         &self,
+        session: &Session,
         keys: &mut Keys,
         feed: &Receiver<io::Result<Line>>,
         reader: &mut Reader,
@@ -246,7 +255,7 @@ impl Live {
         is_file: bool,
     ) -> Result<(), Failure> {
         let (mut clock, mut failure, mut waits) = (Clock::new(), None, false);
-        let mut progress = Progress::counting("playing");
+        let mut progress = session.counting_progress("playing");
         loop {
             let line = match feed.recv_timeout(Duration::from_secs_f64(self.stall)) {
                 Ok(line) => line,
@@ -295,44 +304,44 @@ impl Live {
     }
 
     /// Where bytes go.
-    fn wire(&self) -> Result<Wire, Failure> {
+    fn wire(&self, session: &Session) -> Result<Wire, Failure> {
         if let Some(name) = &self.port {
-            return self.port(name);
+            return self.port(&session.sounding, name);
         }
         if self.is_stdout() {
-            if say::wants_json() {
+            if session.printer.wants_json() {
                 return Err(Failure::Usage("--json answers on standard output; name a file with --out".into()));
             }
             if io::stdout().is_terminal() {
                 let what = "MIDI bytes would go to this terminal; name a file or a pipe with --out";
                 return Err(Failure::Usage(what.into()));
             }
-            return Ok(Wire::bytes(Box::new(io::stdout()), self.bits, self.channel - 1));
+            return Ok(Wire::bytes(&session.sounding, Box::new(io::stdout()), self.bits, self.channel - 1));
         }
         if self.ends_in("mid") {
             if self.bits == Bits::Sixteen {
                 return Err(Failure::Usage("--bits 16: a Standard MIDI File holds 7 or 14 bits".into()));
             }
-            self.staged()?;
+            self.staged(session)?;
             return Ok(Wire::piece());
         }
         let refused = |source| Failure::write(self.out(), source);
         if self.out().exists() && !self.is_kept() {
             let device = OpenOptions::new().write(true).open(self.out()).map_err(refused)?;
-            return Ok(Wire::bytes(Box::new(device), self.bits, self.channel - 1));
+            return Ok(Wire::bytes(&session.sounding, Box::new(device), self.bits, self.channel - 1));
         }
-        if inputs::is_one(self.out()) {
+        if session.inputs.is_one(self.out()) {
             return Err(Failure::Usage(format!("{}: is the stream; name another file", shown(self.out()))));
         }
-        self.staged()?;
+        self.staged(session)?;
         if self.ends_in("csv") {
             return Ok(Wire::table());
         }
-        Ok(Wire::kept(self.bits, self.channel - 1))
+        Ok(Wire::kept(&session.sounding, self.bits, self.channel - 1))
     }
 
     #[cfg(feature = "ports")]
-    fn port(&self, name: &str) -> Result<Wire, Failure> {
+    fn port(&self, sounding: &Sounding, name: &str) -> Result<Wire, Failure> {
         use erard_midi::ports::Output as Port;
         /// A port takes a message at a time.
         struct Sink(Port);
@@ -349,11 +358,11 @@ impl Live {
             return Err(Failure::Usage("--bits 16: ports take MIDI 1.0, 7 or 14 bits".into()));
         }
         let port = Port::open(name).map_err(|error| Failure::Usage(format!("--port {name}: {error}")))?;
-        Ok(Wire::bytes(Box::new(Sink(port)), self.bits, self.channel - 1))
+        Ok(Wire::bytes(sounding, Box::new(Sink(port)), self.bits, self.channel - 1))
     }
 
     #[cfg(not(feature = "ports"))]
-    fn port(&self, name: &str) -> Result<Wire, Failure> {
+    fn port(&self, _: &Sounding, name: &str) -> Result<Wire, Failure> {
         Err(Failure::Usage(format!(
             "--port {name}: this program was built without MIDI ports. Build it with `cargo build --release -p erard-cli \
              --features ports` (on Linux that needs ALSA's headers, Debian: libasound2-dev), or let --out name a pipe or \
@@ -371,43 +380,43 @@ impl Live {
     }
 
     /// The file that appears when all is done.
-    fn staged(&self) -> Result<(Output, String), Failure> {
+    fn staged(&self, session: &Session) -> Result<(Output, String), Failure> {
         let folder = self.out().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let name = self.out().file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok((Output::files(folder, self.force, &[&name])?, name))
+        Ok((Output::files(session, folder, self.force, &[&name])?, name))
     }
 
-    fn finish(&self, wire: &mut Wire, told: &Told) -> Result<(), Failure> {
+    fn finish(&self, session: &mut Session, wire: &mut Wire, told: &Told) -> Result<Answer, Failure> {
+        let mut answer = Answer::of(&told.json()?)?;
         if let Some(bytes) = wire.file(self.bits).map_err(Failure::Internal)? {
-            let (mut output, name) = self.staged()?;
-            output.stage(&name, |writer| writer.write_all(&bytes))?;
-            output.commit()?;
+            let (mut output, name) = self.staged(session)?;
+            output.stage(session, &name, |writer| writer.write_all(&bytes))?;
+            answer = answer.files(&output.commit(session)?);
         }
         if let Some(notes) = wire.notes() {
-            let (mut output, name) = self.staged()?;
-            output.table(&name, &notes)?;
-            output.commit()?;
+            let (mut output, name) = self.staged(session)?;
+            output.table(session, &name, &notes)?;
+            answer = answer.files(&output.commit(session)?);
         }
         if let Some(warning) = told.warning() {
-            tell!("{warning}");
+            warn!(session, "{warning}");
         }
-        answer::give(&told.json()?)?;
         if self.is_stdout() && self.port.is_none() {
-            if !say::is_quiet() {
-                told.text().into_iter().for_each(|line| tell!("{line}"));
+            if !session.printer.is_quiet() {
+                told.text().into_iter().for_each(|line| warn!(session, "{line}"));
             }
         } else {
-            told.text().into_iter().for_each(|line| say!("{line}"));
+            told.text().into_iter().for_each(|line| print_line!(session, "{line}"));
         }
-        Ok(())
+        Ok(answer)
     }
 }
 
-fn load_profile(path: &Path) -> Result<Profile, Failure> {
-    let (name, bytes) = inputs::bytes(path)?;
+fn load_profile(session: &mut Session, path: &Path) -> Result<Profile, Failure> {
+    let (name, bytes) = session.inputs.bytes(path)?;
     let text = erard::instrument::utf8(&bytes, &name)?;
     let profile = Profile::parse(text).map_err(|fault| Failure::Usage(format!("{name}: {fault}")))?;
-    identity::used("calibration", &name, Some(&name), &bytes);
+    session.provenance.used("calibration", &name, Some(&name), &bytes);
     Ok(profile)
 }
 

@@ -6,10 +6,11 @@ use clap::Args;
 use clap_complete::Shell;
 use clap_mangen::Man as Page;
 
-use crate::answer;
+use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 
 /// Prints a script that completes `erard` commands in a shell.
 #[derive(Debug, Args)]
@@ -21,10 +22,10 @@ pub(crate) struct Completions {
 
 impl Completions {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self) -> Result<Answer, Failure> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut super::definition(), "erard", &mut script);
-        answer::text(&String::from_utf8_lossy(&script))
+        Ok(Answer::text(String::from_utf8_lossy(&script)))
     }
 }
 
@@ -44,7 +45,7 @@ pub(crate) struct Man {
 
 impl Man {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         let mut program = super::definition();
         program.build();
         if let Some(folder) = &self.into {
@@ -55,12 +56,13 @@ impl Man {
                 }))
                 .collect();
             let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
-            let mut output = Output::files(folder, self.force, &names)?;
+            let mut output = Output::files(session, folder, self.force, &names)?;
             for (name, command) in &pages {
-                output.stage(name, |w| Page::new(command.clone()).render(w))?;
+                output.stage(session, name, |w| Page::new(command.clone()).render(w))?;
             }
-            say!("{}", output.commit()?);
-            return Ok(());
+            let written = output.commit(session)?;
+            print_line!(session, "{written}");
+            return Ok(Answer::table(session, None).files(&written));
         }
         let command = match &self.command {
             None => program,
@@ -73,6 +75,6 @@ impl Man {
         };
         let mut page = Vec::new();
         Page::new(command).render(&mut page).map_err(Failure::Said)?;
-        answer::text(&String::from_utf8_lossy(&page))
+        Ok(Answer::text(String::from_utf8_lossy(&page)))
     }
 }

@@ -13,10 +13,12 @@ use erard_workshop::measure::norms::lines as all_lines;
 use erard_workshop::measure::{MeasureError, Sheet, measure, measure_some};
 use erard_workshop::worklist::{Readings, worklist};
 use moreau::Settings;
+use serde_json::Value;
 
 use super::bands::{self, BandOptions};
 use super::options::{Stays, key, load_instrument, load_instrument_and_text, measured_lines};
 use super::out::OutOptions;
+use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::measure::figures::{Drawn, figures};
@@ -24,11 +26,11 @@ use crate::measure::rows::{self, MeasuredRow};
 use crate::measure::{Measured, doubts, page, table};
 use crate::number::whole;
 use crate::paper::Headed;
-use crate::progress::Progress;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 use crate::sheet::{self, Advised, ORDER, before_and_after, beyond, in_the_end, left, tasks};
-use crate::tell;
 use crate::units::Lengths;
+use crate::warn;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_picture};
 
 /// Text below the options.
@@ -86,21 +88,24 @@ const MOST: usize = 12;
 
 impl Measure {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         let asked = self.asked()?;
         let many = asked.len() > self.instruments.len() + self.more.len() && asked.len() > 1;
         if let Some(count) = self.bands.bands {
-            return self.banded(&asked, count);
+            return self.banded(session, &asked, count);
         }
         if many || !self.only.is_empty() {
-            return self.rows(&asked);
+            return self.rows(session, &asked);
         }
-        let named = self.load(&asked)?;
+        let named = self.load(session, &asked)?;
         let leads = self.leads.iter().map(|text| lead(text)).collect::<Result<Vec<_>, _>>()?;
-        let texts = asked.iter().filter(|_| self.carry_out.is_some()).map(|name| Ok(load_instrument_and_text(name)?.1));
+        let texts = asked
+            .iter()
+            .filter(|_| self.carry_out.is_some())
+            .map(|name| Ok(load_instrument_and_text(session, name)?.1));
         let texts = texts.collect::<Result<Vec<String>, Failure>>()?;
-        let mut output = self.out.prepare("measure", &["measure.json", "measure.html"])?;
-        let mut progress = Progress::new("measuring");
+        let mut output = self.out.prepare(session, "measure", &["measure.json", "measure.html"])?;
+        let mut progress = session.progress("measuring");
         let count = named.len() as f64;
         let mut measured = Vec::new();
         // A sheet's screws are tried when it has been measured: a fifth of the work.
@@ -125,18 +130,19 @@ impl Measure {
 
         let figures = figures(&measured);
         for drawn in drawings.iter().chain(&figures) {
-            output.figure(&drawn.name, &drawn.picture)?;
+            output.figure(session, &drawn.name, &drawn.picture)?;
         }
+        let reports: Vec<Value> = advised.iter().map(sheet::report).collect();
         let sheets: Vec<&Sheet> = measured.iter().map(|one| &one.sheet).collect();
         match sheets[..] {
-            [one] => output.json("measure.json", one)?,
-            _ => output.json("measure.json", &sheets)?,
+            [one] => output.json(session, "measure.json", one)?,
+            _ => output.json(session, "measure.json", &sheets)?,
         }
         let page = page::html(&measured, &drawings, &figures, &self.headed, self.lengths);
-        output.text("measure.html", &page)?;
+        output.text(session, "measure.html", &page)?;
         if self.sheet {
-            output.text("sheet.html", &sheet::html(&advised))?;
-            output.json("sheet.json", &advised.iter().map(sheet::report).collect::<Vec<_>>())?;
+            output.text(session, "sheet.html", &sheet::html(&advised))?;
+            output.json(session, "sheet.json", &reports)?;
             for (index, one) in advised.iter().enumerate() {
                 let Some(lines) = self.carry_out.map(usize::from) else { break };
                 let (text, begun) = (texts.get(index).map_or("", String::as_str), &one.measured.instrument);
@@ -150,60 +156,60 @@ impl Measure {
                 } else {
                     "carried-out.toml".into()
                 };
-                output.text(&name, &done.map_err(|error| Failure::Internal(error.to_string()))?)?;
+                output.text(session, &name, &done.map_err(|error| Failure::Internal(error.to_string()))?)?;
             }
         }
-        let written = output.commit()?;
+        let written = output.commit(session)?;
 
         match &measured[..] {
-            [one] if self.sheet => say!("{} - technician's sheet", one.label),
-            [one] => say!("{} - protocol sheet", one.label),
-            _ => say!("Protocol sheets side by side"),
+            [one] if self.sheet => print_line!(session, "{} - technician's sheet", one.label),
+            [one] => print_line!(session, "{} - protocol sheet", one.label),
+            _ => print_line!(session, "Protocol sheets side by side"),
         }
-        say!();
+        print_line!(session);
         // Of one action the sheet has every line that work can set; the whole protocol is in measure.html.
         if !self.sheet || measured.len() > 1 {
-            say!("{}", table::text(&measured, self.lengths).trim_end_matches('\n'));
-            say!();
+            print_line!(session, "{}", table::text(&measured, self.lengths).trim_end_matches('\n'));
+            print_line!(session);
         }
         for one in &measured {
             for doubt in doubts(&one.sheet) {
-                tell!("warning: {}: this result cannot be trusted: {doubt}", one.label);
+                warn!(session, "warning: {}: this result cannot be trusted: {doubt}", one.label);
             }
         }
         for one in &advised {
-            say!("{}", before_and_after(one).trim_end_matches('\n'));
-            say!();
+            print_line!(session, "{}", before_and_after(one).trim_end_matches('\n'));
+            print_line!(session);
             let whose = if advised.len() > 1 { format!(" ({})", one.measured.label) } else { String::new() };
             let tasks = tasks(one);
             if tasks.is_empty() {
-                say!("  To do{whose}: nothing");
+                print_line!(session, "  To do{whose}: nothing");
             } else {
-                say!("  To do{whose}, {ORDER}:");
+                print_line!(session, "  To do{whose}, {ORDER}:");
             }
             for (index, task) in tasks.iter().enumerate() {
-                say!("    {}. {}: {}", index + 1, task.what, task.by);
-                say!("       {}", task.for_);
+                print_line!(session, "    {}. {}: {}", index + 1, task.what, task.by);
+                print_line!(session, "       {}", task.for_);
                 if let Some(instead) = &task.instead {
-                    say!("       or instead: {instead}");
+                    print_line!(session, "       or instead: {instead}");
                 }
                 if let Some(then) = &task.then {
-                    say!("       then {then}");
+                    print_line!(session, "       then {then}");
                 }
             }
             if let Some(in_the_end) = in_the_end(&one.list) {
-                say!("    in the end: {in_the_end}");
+                print_line!(session, "    in the end: {in_the_end}");
             }
             for line in left(&one.list, self.lengths) {
-                say!("    stays out: {line}");
+                print_line!(session, "    stays out: {line}");
             }
             for line in beyond(&one.measured.sheet) {
-                say!("    not by this list: {line}");
+                print_line!(session, "    not by this list: {line}");
             }
-            say!();
+            print_line!(session);
         }
-        say!("{written}");
-        Ok(())
+        print_line!(session, "{written}");
+        Ok(answer(&sheets, reports)?.files(&written))
     }
 
     /// What was asked for, many keys one by one.
@@ -219,7 +225,7 @@ impl Measure {
     }
 
     /// The lines of one instrument's sheet with their bands.
-    fn banded(&self, asked: &[InstrumentSpec], count: u32) -> Result<(), Failure> {
+    fn banded(&self, session: &mut Session, asked: &[InstrumentSpec], count: u32) -> Result<Answer, Failure> {
         let [asked] = asked else {
             return Err(Failure::Usage(format!("--bands needs one instrument; found {}", asked.len())));
         };
@@ -227,38 +233,39 @@ impl Measure {
             return Err(Failure::Usage("--bands and --sheet cannot be combined: a sheet describes one piano".into()));
         }
         let lines = if self.only.is_empty() { all_lines().collect() } else { measured_lines("--only", &self.only)? };
-        let named = self.named(std::slice::from_ref(asked))?;
+        let named = self.named(session, std::slice::from_ref(asked))?;
         let Some(one) = named.first() else { return Err(Failure::Internal("no instrument".into())) };
-        let mut output = self.out.prepare("measure", &["bands.csv", "bands.json"])?;
-        let mut progress = Progress::new("measuring");
+        let mut output = self.out.prepare(session, "measure", &["bands.csv", "bands.json"])?;
+        let mut progress = session.progress("measuring");
         let own = measure_some(&one.instrument, &lines, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: one.label.clone(), error })?;
         drop(progress);
         let names: Vec<bands::Named> = lines.iter().map(|line| (line.key.to_owned(), line.unit.to_owned())).collect();
         let keys: Vec<&str> = lines.iter().map(|line| line.key).collect();
         let kept = keys.join(",");
-        let rows = bands::bands(asked, count, &names, &own, Some(("measured", &kept)), |instrument, _, progress| {
-            bands::unless_interrupted(measure_some(instrument, &lines, progress))
-        })?;
-        bands::stage(&rows, &mut output)?;
-        let written = output.commit()?;
-        say!("{} - values and bands over {count} samples", one.label);
-        say!();
-        bands::lines(&rows, count).iter().for_each(|line| say!("{line}"));
-        say!();
-        say!("{written}");
-        Ok(())
+        let rows =
+            bands::bands(session, asked, count, &names, &own, Some(("measured", &kept)), |instrument, _, progress| {
+                bands::unless_interrupted(measure_some(instrument, &lines, progress))
+            })?;
+        bands::stage(session, &rows, &mut output)?;
+        let written = output.commit(session)?;
+        print_line!(session, "{} - values and bands over {count} samples", one.label);
+        print_line!(session);
+        bands::lines(&rows, count).iter().for_each(|line| print_line!(session, "{line}"));
+        print_line!(session);
+        print_line!(session, "{written}");
+        Ok(Answer::default().with("bands", &rows)?.files(&written))
     }
 
     /// One row per instrument.
-    fn rows(&self, asked: &[InstrumentSpec]) -> Result<(), Failure> {
+    fn rows(&self, session: &mut Session, asked: &[InstrumentSpec]) -> Result<Answer, Failure> {
         if self.sheet {
             return Err(Failure::Usage("--sheet writes one page per instrument; found a range of keys. Name the keys one by one: concert-grand:key=1 concert-grand:key=2".into()));
         }
         let lines = if self.only.is_empty() { rows::usual() } else { measured_lines("--only", &self.only)? };
-        let named = self.named(asked)?;
-        let mut output = self.out.prepare("measure", &["measure.csv", "measure.json"])?;
-        let mut progress = Progress::new("measuring");
+        let named = self.named(session, asked)?;
+        let mut output = self.out.prepare(session, "measure", &["measure.csv", "measure.json"])?;
+        let mut progress = session.progress("measuring");
         let measure = |one: &Named, progress: &mut erard::Progress<'_>| {
             measure_some(&one.instrument, &lines, progress).map_err(|error| Unmeasured::from((one, error)))
         };
@@ -270,27 +277,28 @@ impl Measure {
             .zip(found)
             .map(|(one, values)| MeasuredRow { label: one.label, key: one.instrument.key(), values })
             .collect();
-        output.table("measure.csv", &rows::table(&lines, &measured))?;
-        output.json("measure.json", &rows::json(&lines, &measured))?;
-        let written = output.commit()?;
-        say!("{} measured", measured.len());
-        say!();
-        say!("{}", rows::text(&lines, &measured).trim_end_matches('\n'));
-        say!();
-        say!("{written}");
-        Ok(())
+        output.table(session, "measure.csv", &rows::table(&lines, &measured))?;
+        let report = rows::json(&lines, &measured);
+        output.json(session, "measure.json", &report)?;
+        let written = output.commit(session)?;
+        print_line!(session, "{} measured", measured.len());
+        print_line!(session);
+        print_line!(session, "{}", rows::text(&lines, &measured).trim_end_matches('\n'));
+        print_line!(session);
+        print_line!(session, "{written}");
+        Ok(Answer::default().with("instruments", &report)?.files(&written))
     }
 
     /// All instruments of a few, read before anything is measured, by labels that tell them apart.
-    fn load(&self, asked: &[InstrumentSpec]) -> Result<Vec<Named>, Failure> {
+    fn load(&self, session: &mut Session, asked: &[InstrumentSpec]) -> Result<Vec<Named>, Failure> {
         if asked.len() > MOST {
             return Err(Failure::Usage(format!("{} instruments; expected at most {MOST}", asked.len())));
         }
-        self.named(asked)
+        self.named(session, asked)
     }
 
-    fn named(&self, asked: &[InstrumentSpec]) -> Result<Vec<Named>, Failure> {
-        let instruments = asked.iter().map(|one| self.one(one)).collect::<Result<Vec<_>, _>>()?;
+    fn named(&self, session: &mut Session, asked: &[InstrumentSpec]) -> Result<Vec<Named>, Failure> {
+        let instruments = asked.iter().map(|one| self.one(session, one)).collect::<Result<Vec<_>, _>>()?;
         let shared = |name: &str| instruments.iter().filter(|other| other.name == name).count() > 1;
         // A file's own name, for a copy keeps the name of what it was copied from.
         let label = |asked: &InstrumentSpec, instrument: &Instrument| match asked.path() {
@@ -303,13 +311,26 @@ impl Measure {
     }
 
     /// An instrument, as that of the key that `--key` names.
-    fn one(&self, asked: &InstrumentSpec) -> Result<Instrument, Failure> {
-        let mut instrument = load_instrument(asked)?;
+    fn one(&self, session: &mut Session, asked: &InstrumentSpec) -> Result<Instrument, Failure> {
+        let mut instrument = load_instrument(session, asked)?;
         if let Some(key) = self.key {
             let wrong = |error| Failure::Usage(format!("--key with {asked}: {error}. Leave --key out"));
             instrument.set_key(key).map_err(wrong)?;
         }
         Ok(instrument)
+    }
+}
+
+/// What was measured of each instrument, with its list of work as `sheet` where there is one: the fields of one
+/// instrument, or `instruments` of several.
+fn answer(sheets: &[&Sheet], reports: Vec<Value>) -> Result<Answer, Failure> {
+    let mut all = sheets.iter().map(serde_json::to_value).collect::<Result<Vec<Value>, _>>()?;
+    for (one, report) in all.iter_mut().zip(reports) {
+        one["sheet"] = report;
+    }
+    match &all[..] {
+        [one] => Answer::of(one),
+        _ => Answer::default().with("instruments", &all),
     }
 }
 

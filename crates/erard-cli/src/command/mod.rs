@@ -36,10 +36,15 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use erard::files::steers;
 
+use crate::answer::Answer;
+use crate::excerpt::excerpt;
 use crate::failure::Failure;
+use crate::identity;
 use crate::inputs::clipped;
-use crate::live as wire;
-use crate::{answer, identity, output, progress, say, signals};
+use crate::printer::OutputMode;
+use crate::session::Session;
+use crate::signals;
+use crate::warn;
 
 /// Simulates the grand piano action: from a key press to the hammer's impact on the string.
 #[derive(Debug, Parser)]
@@ -48,18 +53,7 @@ pub(crate) struct Command {
     #[command(subcommand)]
     subcommand: Sub,
     #[command(flatten)]
-    speech: Speech,
-}
-
-/// How a program of this library speaks.
-#[derive(Debug, clap::Args)]
-pub struct Speech {
-    /// Print errors and warnings only; files are written as usual
-    #[arg(long, global = true)]
-    quiet: bool,
-    /// Print the answer as JSON on standard output
-    #[arg(long, global = true)]
-    json: bool,
+    mode: OutputMode,
 }
 
 /// The version, with the commit where it is known.
@@ -117,64 +111,113 @@ enum Sub {
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
 /// (goals of `regulate` that cannot be met and doubtful fits, among it).
 pub fn run() -> ExitCode {
-    run_program(&definition(), |command: &Command| &command.speech, |command| command.subcommand.run())
+    run_program(&definition(), |command: &Command| command.mode, |command, session| command.subcommand.run(session))
 }
 
 impl Sub {
-    fn run(&self) -> Result<(), Failure> {
+    fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         match self {
-            Sub::Press(press) => press.run(),
-            Sub::Play(play) => play.run(),
-            Sub::Live(live) => live.run(),
-            Sub::Scan(scan) => scan.run(),
-            Sub::Calibrate(calibrate) => calibrate.run(),
-            Sub::Draw(draw) => draw.run(),
-            Sub::Study(study) => study.run(),
-            Sub::Measure(measure) => measure.run(),
-            Sub::Diagnose(diagnose) => diagnose.run(),
-            Sub::Keyboard(keyboard) => keyboard.run(),
-            Sub::Kinematics(kinematics) => kinematics.run(),
-            Sub::Regulate(regulate) => regulate.run(),
-            Sub::Validate(validate) => validate.run(),
-            Sub::Check(check) => check.run(),
-            Sub::Compare(compare) => compare.run(),
-            Sub::Fit(fit) => fit.run(),
-            Sub::Fmu(fmu) => fmu.run(),
-            Sub::Studio(studio) => studio.run(),
-            Sub::List(list) => list.run(),
+            Sub::Press(press) => press.run(session),
+            Sub::Play(play) => play.run(session),
+            Sub::Live(live) => live.run(session),
+            Sub::Scan(scan) => scan.run(session),
+            Sub::Calibrate(calibrate) => calibrate.run(session),
+            Sub::Draw(draw) => draw.run(session),
+            Sub::Study(study) => study.run(session),
+            Sub::Measure(measure) => measure.run(session),
+            Sub::Diagnose(diagnose) => diagnose.run(session),
+            Sub::Keyboard(keyboard) => keyboard.run(session),
+            Sub::Kinematics(kinematics) => kinematics.run(session),
+            Sub::Regulate(regulate) => regulate.run(session),
+            Sub::Validate(validate) => validate.run(session),
+            Sub::Check(check) => check.run(session),
+            Sub::Compare(compare) => compare.run(session),
+            Sub::Fit(fit) => fit.run(session),
+            Sub::Fmu(fmu) => fmu.run(session),
+            Sub::Studio(studio) => studio.run(session),
+            Sub::List(list) => list.run(session),
             Sub::Completions(completions) => completions.run(),
-            Sub::Man(man) => man.run(),
+            Sub::Man(man) => man.run(session),
         }
     }
 }
 
 /// Runs a program that has this library's manners: arguments parsed by `definition`, requests to end heard, answers as
-/// text or JSON, exit codes as [`run`] says. `speech` finds the shared options among the parsed ones; `work` does the
+/// text or JSON, exit codes as [`run`] says. `mode` finds the shared options among the parsed ones; `work` does the
 /// work.
 pub fn run_program<P: FromArgMatches>(
     definition: &clap::Command,
-    speech: impl Fn(&P) -> &Speech,
-    work: impl FnOnce(&P) -> Result<(), Failure>,
+    mode: impl Fn(&P) -> OutputMode,
+    work: impl FnOnce(&P, &mut Session) -> Result<Answer, Failure>,
 ) -> ExitCode {
-    signals::listen(&[progress::clear, wire::silence, output::clear_stages]);
+    let mut session = Session::new(OutputMode::default());
+    signals::listen(session.stop.clone(), session.cleaner());
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let program = match definition.clone().try_get_matches_from(&arguments).and_then(|matches| {
-        identity::remember(&arguments, definition, &matches);
+        session.provenance.remember(&arguments, definition, &matches);
         P::from_arg_matches(&matches)
     }) {
         Ok(program) => program,
-        Err(error) => return usage(&error, &arguments),
+        Err(error) => return usage(&mut session, &error, &arguments),
     };
-    say::how(speech(&program).quiet, speech(&program).json);
-    let result = work(&program);
-    if result.as_ref().err().is_none_or(Failure::has_answered) {
-        answer::print();
+    session.printer.set_output_mode(mode(&program));
+    let result = work(&program, &mut session);
+    end(&mut session, result)
+}
+
+/// Prints the answer, or what went wrong. A failure is worth more than words that did not arrive.
+fn end(session: &mut Session, result: Result<Answer, Failure>) -> ExitCode {
+    let answer = match result {
+        Ok(answer) => answer,
+        Err(failure) => return report(session, &failure),
+    };
+    if session.printer.wants_json() {
+        match serde_json::to_string_pretty(&answer.json()) {
+            Ok(text) => print_json(session, &session.provenance.made_by().in_json(&text)),
+            Err(error) => return report(session, &error.into()),
+        }
+    } else if let Some(text) = answer.verbatim() {
+        session.printer.verbatim(text);
     }
-    // A failure is worth more than words that did not arrive.
-    match result.and_then(|()| say::finish().map_err(Failure::Said)) {
+    if let Some(message) = answer.shortfall() {
+        session.stop.yield_to_the_end();
+        warn!(session, "error: {}", clipped(message));
+        return ExitCode::from(SHORT_OF);
+    }
+    match session.printer.finish() {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
+        Err(error) => report(session, &Failure::Said(error)),
     }
+}
+
+/// Exit code where all was done and is not what was asked for.
+const SHORT_OF: u8 = 1;
+
+fn print_json(session: &mut Session, text: &str) {
+    session.printer.verbatim(&format!("{}\n", text.trim_end()));
+}
+
+/// Prints a failure on stderr, with `--json` as the answer too; gives the exit code.
+fn report(session: &mut Session, failure: &Failure) -> ExitCode {
+    session.stop.yield_to_the_end();
+    let (code, text) = (failure.exit_code(), failure.to_string());
+    let message = clipped(&text);
+    warn!(session, "error: {message}");
+    if session.printer.wants_json() {
+        print_error(session, &message, code);
+    }
+    if let Failure::Instrument(error) = failure
+        && let Some(excerpt) = excerpt(error)
+    {
+        warn!(session, "{excerpt}");
+    }
+    ExitCode::from(code)
+}
+
+/// What went wrong, as the answer.
+fn print_error(session: &mut Session, message: &str, exit_code: u8) {
+    let error = serde_json::json!({ "error": { "message": message, "exit_code": exit_code } });
+    print_json(session, &format!("{error:#}"));
 }
 
 /// The program's arguments, as they are read, told by `--help`, and listed in the book.
@@ -183,21 +226,21 @@ pub fn definition() -> clap::Command {
 }
 
 /// Help, the version, or what is wrong with the arguments.
-fn usage(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
+fn usage(session: &mut Session, error: &clap::Error, arguments: &[OsString]) -> ExitCode {
     let text = error.to_string();
     let code = u8::try_from(error.exit_code()).unwrap_or(2);
     let clip = clipped(&text);
     if error.use_stderr() && arguments.iter().take_while(|one| *one != "--").any(|one| one == "--json") {
-        answer::print_error(clip.trim_start_matches("error: ").trim_end(), code);
+        print_error(session, clip.trim_start_matches("error: ").trim_end(), code);
     }
     if error.use_stderr() && (text.contains(|c: char| steers(c)) || clip != text) {
         // In colours it would steer the terminal as the arguments will.
-        say::aside(clip.trim_end().to_owned());
+        warn!(session, "{}", clip.trim_end());
     } else if let Err(fault) = error.print()
         && !error.use_stderr()
         && fault.kind() != ErrorKind::BrokenPipe
     {
-        return Failure::Said(fault).report();
+        return report(session, &Failure::Said(fault));
     }
     ExitCode::from(code)
 }

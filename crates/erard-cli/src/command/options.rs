@@ -21,12 +21,11 @@ use moreau::{FrictionLaw, Settings, Solver};
 use super::hand::HandOptions;
 use super::samples::sample_text;
 use crate::failure::Failure;
-use crate::identity;
-use crate::inputs;
 use crate::names::{Name, one_of};
 use crate::number::number;
 use crate::recordings::{Ready, RecordingOptions};
-use crate::tell;
+use crate::session::Session;
+use crate::warn;
 use erard_figures::drawing::ChangedNote;
 
 /// A key by number or note.
@@ -89,12 +88,12 @@ impl InstrumentOption {
     }
 
     /// Loads the instrument, reduced to the model that was asked for, with what its pictures mark as changed.
-    pub(crate) fn load_noted(&self) -> Result<Noted, Failure> {
+    pub(crate) fn load_noted(&self, session: &mut Session) -> Result<Noted, Failure> {
         let Some(path) = self.instrument.path() else {
-            let whole = load_instrument(&self.instrument)?;
+            let whole = load_instrument(session, &self.instrument)?;
             return Ok(Noted { instrument: self.reduced(whole.clone())?, changed: Vec::new(), whole });
         };
-        let InstrumentFile { instrument: whole, provenance, .. } = load_file(path)?.0;
+        let InstrumentFile { instrument: whole, provenance, .. } = load_file(session, path)?.0;
         let instrument = self.reduced(whole.clone())?;
         let changed = ChangedNote::all(&instrument, &provenance.outlived_notes());
         Ok(Noted { instrument, changed, whole })
@@ -137,60 +136,64 @@ impl InstrumentsOption {
     }
 
     /// Loads the instrument, or both, reduced to the model that was asked for.
-    pub(crate) fn load(&self) -> Result<Vec<Noted>, Failure> {
+    pub(crate) fn load(&self, session: &mut Session) -> Result<Vec<Noted>, Failure> {
         if self.instruments.len() > 2 {
             return Err(Failure::Usage(format!(
                 "--instrument is given {} times; expected once, or twice to compare two",
                 self.instruments.len()
             )));
         }
-        let one =
-            |asked: &InstrumentSpec| InstrumentOption { instrument: asked.clone(), model: self.model }.load_noted();
+        let one = |asked: &InstrumentSpec| {
+            InstrumentOption { instrument: asked.clone(), model: self.model }.load_noted(session)
+        };
         self.instruments.iter().map(one).collect()
     }
 }
 
 /// An instrument by file or by name; after either, `:key=N` is key N of a keyboard.
-pub fn load_instrument(asked: &InstrumentSpec) -> Result<Instrument, Failure> {
-    Ok(load_instrument_and_text(asked)?.0)
+pub fn load_instrument(session: &mut Session, asked: &InstrumentSpec) -> Result<Instrument, Failure> {
+    Ok(load_instrument_and_text(session, asked)?.0)
 }
 
 /// What is said of a keyboard in the place of an instrument.
 pub(crate) const IS_KEYBOARD: &str = "is a keyboard; expected an instrument";
 
 /// An instrument file and its text.
-fn load_file(path: &Path) -> Result<(InstrumentFile, String), Failure> {
-    let (name, bytes) = inputs::bytes(path)?;
+fn load_file(session: &mut Session, path: &Path) -> Result<(InstrumentFile, String), Failure> {
+    let (name, bytes) = session.inputs.bytes(path)?;
     let text = utf8(&bytes, &name)?;
     if is_keyboard(text) {
         return Err(Failure::Usage(format!("{name}: {IS_KEYBOARD}. Name one of its keys: {name}{KEY}40")));
     }
     let file = InstrumentFile::parse(text, &name)?;
-    identity::used("instrument", &file.instrument.name, Some(&name), &bytes);
+    session.provenance.used("instrument", &file.instrument.name, Some(&name), &bytes);
     Ok((file, text.to_owned()))
 }
 
 /// The same, with the text it was read from.
-pub(crate) fn load_instrument_and_text(asked: &InstrumentSpec) -> Result<(Instrument, String), Failure> {
+pub(crate) fn load_instrument_and_text(
+    session: &mut Session,
+    asked: &InstrumentSpec,
+) -> Result<(Instrument, String), Failure> {
     if asked.sample().is_some() {
-        let text = sample_text(asked)?;
+        let text = sample_text(session, asked)?;
         let instrument = Instrument::parse(&text, &asked.to_string())?;
-        identity::used("instrument", &instrument.name, None, text.as_bytes());
+        session.provenance.used("instrument", &instrument.name, None, text.as_bytes());
         return Ok((instrument, text));
     }
-    if let Some(one) = KeyboardKey::asked(asked)? {
-        return one.instrument();
+    if let Some(one) = KeyboardKey::asked(session, asked)? {
+        return one.instrument(session);
     }
     match asked.base() {
-        Base::File(path) => load_file(path).map(|(file, text)| (file.instrument, text)),
-        Base::Builtin(name) => builtin_instrument(name),
+        Base::File(path) => load_file(session, path).map(|(file, text)| (file.instrument, text)),
+        Base::Builtin(name) => builtin_instrument(session, name),
     }
 }
 
-fn builtin_instrument(name: &str) -> Result<(Instrument, String), Failure> {
+fn builtin_instrument(session: &mut Session, name: &str) -> Result<(Instrument, String), Failure> {
     let found = Instrument::builtin(name).ok().zip(Instrument::builtin_text(name));
     let (instrument, text) = found.ok_or_else(|| not_found("instrument", name, Instrument::builtin_names()))?;
-    identity::used("instrument", &instrument.name, None, text.as_bytes());
+    session.provenance.used("instrument", &instrument.name, None, text.as_bytes());
     Ok((instrument, text.to_owned()))
 }
 
@@ -211,16 +214,16 @@ pub(crate) struct KeyboardKey {
 
 impl KeyboardKey {
     /// The key of a keyboard that is named, as in `concert-grand:key=88`; `None` where none is.
-    pub(crate) fn asked(asked: &InstrumentSpec) -> Result<Option<Self>, Failure> {
-        let of = |key| Ok(KeyboardKey { keyboard: load_keyboard(asked.base())?, key });
+    pub(crate) fn asked(session: &mut Session, asked: &InstrumentSpec) -> Result<Option<Self>, Failure> {
+        let of = |key| Ok(KeyboardKey { keyboard: load_keyboard(session, asked.base())?, key });
         asked.key().map(of).transpose()
     }
 
     /// Its instrument, and the text of it.
-    fn instrument(&self) -> Result<(Instrument, String), Failure> {
+    fn instrument(&self, session: &mut Session) -> Result<(Instrument, String), Failure> {
         let instrument = self.keyboard.key(self.key)?;
         let text = self.keyboard.key_text(self.key);
-        identity::used("instrument", &format!("{}, key {}", instrument.name, self.key), None, text.as_bytes());
+        session.provenance.used("instrument", &format!("{}, key {}", instrument.name, self.key), None, text.as_bytes());
         Ok((instrument, text))
     }
 
@@ -243,24 +246,24 @@ pub(crate) fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'stat
 }
 
 /// A keyboard by file or by name.
-pub(crate) fn load_keyboard(asked: &Base) -> Result<Keyboard, Failure> {
-    Ok(load_keyboard_and_text(asked)?.0)
+pub(crate) fn load_keyboard(session: &mut Session, asked: &Base) -> Result<Keyboard, Failure> {
+    Ok(load_keyboard_and_text(session, asked)?.0)
 }
 
 /// A keyboard, and the text it was read from.
-pub(crate) fn load_keyboard_and_text(asked: &Base) -> Result<(Keyboard, String), Failure> {
+pub(crate) fn load_keyboard_and_text(session: &mut Session, asked: &Base) -> Result<(Keyboard, String), Failure> {
     match asked {
         Base::File(path) => {
-            let (name, bytes) = inputs::bytes(path)?;
+            let (name, bytes) = session.inputs.bytes(path)?;
             let keyboard = Keyboard::parse_bytes(&bytes, &name, path.parent().unwrap_or(Path::new("")))?;
-            keyboard.base_path().into_iter().for_each(inputs::remember);
-            identity::used("keyboard", &keyboard.name, Some(&name), &bytes);
+            keyboard.base_path().into_iter().for_each(|path| session.inputs.remember(path));
+            session.provenance.used("keyboard", &keyboard.name, Some(&name), &bytes);
             Ok((keyboard, utf8(&bytes, &name)?.to_owned()))
         }
         Base::Builtin(name) => {
             let found = Keyboard::builtin(name).ok().zip(Keyboard::builtin_text(name));
             let (keyboard, text) = found.ok_or_else(|| not_found("keyboard", name, Keyboard::builtin_names()))?;
-            identity::used("keyboard", &keyboard.name, None, text.as_bytes());
+            session.provenance.used("keyboard", &keyboard.name, None, text.as_bytes());
             Ok((keyboard, text.to_owned()))
         }
     }
@@ -358,21 +361,27 @@ impl StrokeOptions {
     }
 
     /// Reads the stroke, or finds the hand whose level the reference has: the instrument that all are compared with.
-    pub(crate) fn load(&self, reference: &Instrument) -> Result<Stroke, Failure> {
-        self.load_with_noise(reference).map(|(stroke, _)| stroke)
+    pub(crate) fn load(&self, session: &mut Session, reference: &Instrument) -> Result<Stroke, Failure> {
+        self.load_with_noise(session, reference).map(|(stroke, _)| stroke)
     }
 
     /// The same with the noise of its recorded position, and until when the recording rests, s, where it has both.
     pub(crate) fn load_with_noise(
         &self,
+        session: &mut Session,
         reference: &Instrument,
     ) -> Result<(Stroke, Option<(PathNoise, f64)>), Failure> {
         let mut noise = None;
-        let stroke = self.loaded(reference, &mut noise)?;
+        let stroke = self.loaded(session, reference, &mut noise)?;
         Ok((stroke, noise))
     }
 
-    fn loaded(&self, reference: &Instrument, noise: &mut Option<(PathNoise, f64)>) -> Result<Stroke, Failure> {
+    fn loaded(
+        &self,
+        session: &mut Session,
+        reference: &Instrument,
+        noise: &mut Option<(PathNoise, f64)>,
+    ) -> Result<Stroke, Failure> {
         if let Some(file) = &self.file {
             self.hand.refuse_mass_as(file)?;
         }
@@ -380,7 +389,7 @@ impl StrokeOptions {
             if let Some(fault) = constant_force_fault(force_n) {
                 return Err(Failure::Usage(format!("--force-step {force_n}: {fault}")));
             }
-            identity::used_without_file("stroke", &format!("a constant force of {force_n} N"));
+            session.provenance.used_without_file("stroke", &format!("a constant force of {force_n} N"));
             if self.drive.is_some_and(|d| d != Prescribed::Force) {
                 return Err(Failure::Usage("--force-step needs --drive force: a constant force has no motion. Leave --drive out, or give a stroke file with a position".into()));
             }
@@ -393,13 +402,13 @@ impl StrokeOptions {
             ));
         }
         if self.is_touch() {
-            return self.hand.touch(reference);
+            return self.hand.touch(session, reference);
         }
         // What was done and noticed, told when nothing is wrong.
         let mut notes = Vec::new();
         let (stroke, note) = match &self.file {
             Some(path) => {
-                let Ready { name, prepared, position_of, .. } = self.recording.load(path)?;
+                let Ready { name, prepared, position_of, .. } = self.recording.load(session, path)?;
                 notes = prepared.report.told();
                 *noise = PathNoise::of(&prepared.report).zip(prepared.report.rest_until_s());
                 Stroke::recorded(name, prepared.series, position_of, self.drive)
@@ -408,13 +417,13 @@ impl StrokeOptions {
                 let nuance = self.hand.stroke.as_deref().unwrap_or("mf");
                 let touch = self.hand.touch;
                 let (text, name) = (Series::builtin_text(nuance, touch).unwrap_or_default(), touch.name());
-                identity::used("stroke", &format!("{nuance}, {name}"), None, text.as_bytes());
+                session.provenance.used("stroke", &format!("{nuance}, {name}"), None, text.as_bytes());
                 Stroke::curve(nuance, touch, self.drive)
                     .ok_or_else(|| Failure::Internal(format!("the force curve {nuance} {name} cannot be read")))?
             }
         }?;
         for note in notes.into_iter().chain(note.map(str::to_owned)) {
-            tell!("{}: {note}", stroke.title);
+            warn!(session, "{}: {note}", stroke.title);
         }
         self.through(stroke)
     }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::failure::Failure;
-use crate::inputs::{self, shown};
+use crate::inputs::shown;
 use crate::output::Output;
+use crate::session::Session;
 
 /// What the default folder of every command begins with. It is the whole name for `press`.
 const DEFAULT: &str = "erard-out";
@@ -30,8 +31,8 @@ impl OutOptions {
 
     /// Makes sure, before any long work, that results of this command can be written; `certain` are the files that will
     /// come in any case.
-    pub fn prepare(&self, command: &'static str, certain: &[&str]) -> Result<Output, Failure> {
-        Output::results(&self.folder, command, self.force, certain)
+    pub fn prepare(&self, session: &Session, command: &'static str, certain: &[&str]) -> Result<Output, Failure> {
+        Output::results(session, &self.folder, command, self.force, certain)
     }
 }
 
@@ -61,7 +62,14 @@ impl OwnFile {
     ///
     /// # Errors
     /// [`Failure::Usage`] for a name that cannot be, or must not be replaced.
-    pub(crate) fn of(out: Option<&Path>, asked: &str, end: &str, whose: &str, force: bool) -> Result<Self, Failure> {
+    pub(crate) fn of(
+        session: &Session,
+        out: Option<&Path>,
+        asked: &str,
+        end: &str,
+        whose: &str,
+        force: bool,
+    ) -> Result<Self, Failure> {
         let named = || {
             let stem = Path::new(asked).file_stem().unwrap_or_default().to_string_lossy();
             PathBuf::from(format!("{}{end}", stem.replace([':', '='], "-")))
@@ -75,7 +83,7 @@ impl OwnFile {
         if file.extension().is_none_or(|own| !own.eq_ignore_ascii_case(extension)) {
             return wrong(&format!("expected a name that ends in .{extension}"));
         }
-        if inputs::is_one(&file) {
+        if session.inputs.is_one(&file) {
             return wrong("is the input instrument, which is never overwritten; name another file with --out");
         }
         if file.exists() && !force {

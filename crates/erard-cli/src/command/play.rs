@@ -16,15 +16,16 @@ use erard_workshop::cores;
 use super::options::load_keyboard;
 use super::out::OutOptions;
 use super::press::wav_name;
+use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::inputs::{self, shown};
+use crate::inputs::shown;
 use crate::law_points::{LawPoints, law_points};
 use crate::number::{between, whole};
 use crate::output::Output;
 use crate::play::spool::Spools;
 use crate::play::{Played, Side, page, report};
-use crate::progress::Progress;
-use crate::{identity, say};
+use crate::print_line;
+use crate::session::Session;
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/play.txt");
@@ -79,32 +80,33 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
 
 impl Play {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
-        let points = self.law_points()?;
-        let score = score(&self.piece, self.law(&points)?, self.from, self.to)?;
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
+        let points = self.law_points(session)?;
+        let score = score(session, &self.piece, self.law(&points)?, self.from, self.to)?;
         let names = std::iter::once(&self.keyboard).chain(&self.against);
-        let keyboards = names.map(|name| load_keyboard(name)).collect::<Result<Vec<Keyboard>, Failure>>()?;
+        let keyboards = names.map(|name| load_keyboard(session, name)).collect::<Result<Vec<Keyboard>, Failure>>()?;
         let threads = self.threads.map_or_else(cores::count, usize::from);
-        let mut output = self.out.prepare("play", &["summary.json", "play.html"])?;
+        let mut output = self.out.prepare(session, "play", &["summary.json", "play.html"])?;
         let piece = self.piece.file_name().map_or_else(String::new, |name| shown(Path::new(name)));
         let mut played = Played { piece: &piece, score: &score, threads, sides: Vec::new() };
         for (index, keyboard) in keyboards.iter().enumerate() {
             let mark = Side::mark(index, keyboards.len());
-            played.sides.push(self.side(&score, keyboard, threads, &mark, &mut output)?);
+            played.sides.push(self.side(session, &score, keyboard, threads, &mark, &mut output)?);
         }
-        output.json("summary.json", &report::json(&played))?;
-        output.text("play.html", &page::html(&played))?;
-        let written = output.commit()?;
-        self.tell(&played);
-        say!("{written}");
-        Ok(())
+        let summary = report::json(&played);
+        output.json(session, "summary.json", &summary)?;
+        output.text(session, "play.html", &page::html(&played))?;
+        let written = output.commit(session)?;
+        self.tell(session, &played);
+        print_line!(session, "{written}");
+        Ok(Answer::of(&summary)?.files(&written))
     }
 
     /// The points of the law, where they are one's own.
-    fn law_points(&self) -> Result<Option<LawPoints>, Failure> {
+    fn law_points(&self, session: &mut Session) -> Result<Option<LawPoints>, Failure> {
         let is_own = self.law != "logarithmic" && !self.law.starts_with("linear:");
         let file = is_own.then(|| Path::new(&self.law));
-        file.map(|path| law_points(path, "m_per_s,velocity", "logarithmic, linear:V")).transpose()
+        file.map(|path| law_points(session, path, "m_per_s,velocity", "logarithmic, linear:V")).transpose()
     }
 
     fn law<'l>(&self, points: &'l Option<LawPoints>) -> Result<Law<'l>, Failure> {
@@ -124,6 +126,7 @@ impl Play {
     /// The piece on one keyboard, and its files.
     fn side(
         &self,
+        session: &Session,
         score: &Score<'_>,
         keyboard: &Keyboard,
         threads: usize,
@@ -138,7 +141,7 @@ impl Play {
         let moments = usize::from(self.slow_motion);
         let options = Options { row_s: 1e-3 * self.record_every, sound: self.wav.is_some(), moments, threads };
         let (spools, file) = (Spools::default(), output.spools());
-        let mut progress = Progress::new(&format!("playing on {}", keyboard.name));
+        let mut progress = session.progress(&format!("playing on {}", keyboard.name));
         let started = Instant::now();
         let performed =
             perform(score, &instruments, &options, &|key| spools.sink(key, &file), &mut |share| progress.tell(share));
@@ -146,21 +149,23 @@ impl Play {
         drop(progress);
         let performance = performed.map_err(|error| failed(&keyboard.name, error))?;
         let (rows, sound) = spools.rows_and_sound();
-        output.stage(&format!("actions{mark}.parquet"), |w| rows.write(w))?;
+        let made_by = session.provenance.made_by();
+        output.stage(session, &format!("actions{mark}.parquet"), |w| rows.write(&made_by, w))?;
         if let Some(name) = &self.wav {
             let mixed = file().and_then(|file| sound.mix(file)).map_err(|e| Failure::write(self.out.folder(), e))?;
             let stem = &name[..name.len() - ".wav".len()];
-            output.stage(&format!("{stem}{mark}.wav"), |w| mixed.write_wav(file()?, w))?;
+            output.stage(session, &format!("{stem}{mark}.wav"), |w| mixed.write_wav(file()?, w))?;
         }
-        let pages = self.slow_motions(&instruments, &performance, mark, output)?;
+        let pages = self.slow_motions(session, &instruments, &performance, mark, output)?;
         let side = Side { name: keyboard.name.clone(), performance, elapsed_s, pages };
-        output.table(&format!("notes{mark}.csv"), &report::table(&side))?;
+        output.table(session, &format!("notes{mark}.csv"), &report::table(&side))?;
         Ok(side)
     }
 
     /// A page for each of some notes, those that went wrong first.
     fn slow_motions(
         &self,
+        session: &Session,
         instruments: &[Instrument],
         performance: &Performance,
         mark: &str,
@@ -171,7 +176,7 @@ impl Play {
         moments.sort_by_key(|moment| (!is_wrong(moment.note), moment.note));
         moments.truncate(usize::from(self.slow_motion));
         moments.sort_by_key(|moment| moment.note);
-        let mut progress = Progress::new("slow motion");
+        let mut progress = session.progress("slow motion");
         let mut pages = Vec::new();
         for (index, moment) in moments.iter().enumerate() {
             let share = index as f64 / moments.len() as f64;
@@ -180,39 +185,56 @@ impl Play {
             let played = &performance.notes[moment.note];
             let (title, lines) = (page::heading(moment.note, played), page::note_lines(played, &run));
             let name = format!("note-{:04}{mark}.html", moment.note + 1);
-            output.text(&name, &page_html(&Shown::new(instrument, &run), &title, &lines))?;
+            output.text(session, &name, &page_html(&Shown::new(instrument, &run), &title, &lines))?;
             pages.push((moment.note, name));
         }
         Ok(pages)
     }
 
-    fn tell(&self, played: &Played<'_>) {
+    fn tell(&self, session: &mut Session, played: &Played<'_>) {
         let score = played.score;
-        say!("{} - {} notes, {:.1} s", played.piece, score.notes.len(), score.duration_s);
+        print_line!(session, "{} - {} notes, {:.1} s", played.piece, score.notes.len(), score.duration_s);
         if score.shift_s > 0.0 {
-            say!("begins {:.2} s later than written, so that the first hand has time to press", score.shift_s);
+            print_line!(
+                session,
+                "begins {:.2} s later than written, so that the first hand has time to press",
+                score.shift_s
+            );
         }
-        score.remarks.iter().for_each(|remark| say!("{remark}"));
-        say!();
-        say!("{}", report::text(played));
+        score.remarks.iter().for_each(|remark| print_line!(session, "{remark}"));
+        print_line!(session);
+        print_line!(session, "{}", report::text(played));
         for side in &played.sides {
             let times = score.duration_s / side.elapsed_s;
-            say!("{}: real-time factor {times:.2} ({:.1} s on {} threads)", side.name, side.elapsed_s, played.threads);
+            print_line!(
+                session,
+                "{}: real-time factor {times:.2} ({:.1} s on {} threads)",
+                side.name,
+                side.elapsed_s,
+                played.threads
+            );
         }
         if let Some(mb) = peak_memory_mb() {
-            say!("peak memory {mb:.0} MB");
+            print_line!(session, "peak memory {mb:.0} MB");
         }
-        say!();
+        print_line!(session);
     }
 }
 
 /// The notes of a piece that begin between two instants, s.
-pub(super) fn score<'l>(path: &Path, law: Law<'l>, from: f64, to: Option<f64>) -> Result<Score<'l>, Failure> {
+pub(super) fn score<'l>(
+    session: &mut Session,
+    path: &Path,
+    law: Law<'l>,
+    from: f64,
+    to: Option<f64>,
+) -> Result<Score<'l>, Failure> {
     let name = shown(path);
     let wrong = |what: String| Failure::Usage(format!("{name}: {what}"));
-    let bytes = inputs::beginning(path, MOST_BYTES + 1).map_err(|error| wrong(format!("cannot be read: {error}")))?;
+    let bytes =
+        session.inputs.beginning(path, MOST_BYTES + 1).map_err(|error| wrong(format!("cannot be read: {error}")))?;
     let mut piece = file::read(&bytes).map_err(|error| wrong(error.to_string()))?;
-    identity::used("piece", &name, Some(&name), &bytes);
+    session.provenance.used("piece", &name, Some(&name), &bytes);
     let between = if from > 0.0 || to.is_some() {
         piece = passage(&piece, from, to.unwrap_or(f64::INFINITY));
         " there"

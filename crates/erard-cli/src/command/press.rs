@@ -18,19 +18,21 @@ use super::hand::described;
 use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check, reduced};
 use super::out::OutOptions;
 use super::press_pair::{self, Played};
+use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inside::{self, LossReport, losses_picture, reactions_picture};
 use crate::number::number;
-use crate::progress::Progress;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 use crate::spectrogram::spectrogram_picture;
 use crate::summary::{MEASURES, Measure, Summary, value};
 use crate::table::Table;
-use crate::tell;
+use crate::warn;
 use erard_figures::figure::run_picture;
 use erard_figures::page::{Shown, page_html};
 use erard_workshop::compare::{ForceUncertainty, PathNoise};
 use erard_workshop::sample::SampleError;
+use serde_json::json;
 
 /// Simulates one key press and shows what happened.
 #[derive(Debug, Args)]
@@ -101,15 +103,15 @@ pub(super) fn wav_name(text: &str) -> Result<String, String> {
 
 impl Press {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         let against = self.against.as_ref().map(|other| self.stroke.with(other, self.against_columns.as_ref()));
         self.instrument.first().map_or(Ok(()), |first| self.bands.check(first))?;
-        let instruments = self.instrument.load()?;
+        let instruments = self.instrument.load(session)?;
         let reference = instruments.first().map(|one| &one.whole);
         let Some(reference) = reference else { return Err(Failure::Internal("no instrument".into())) };
         let settings = self.step.settings(reference)?;
         let own = against.as_ref().map_or_else(|| self.stroke.clone(), |other| self.stroke.beside(other));
-        let (stroke, noise) = own.load_with_noise(reference)?;
+        let (stroke, noise) = own.load_with_noise(session, reference)?;
         let setup = |stroke: &Stroke| Setup {
             settings,
             start_s: stroke.start_s,
@@ -120,8 +122,8 @@ impl Press {
             ..Setup::new(self.duration.unwrap_or(stroke.duration_s))
         };
         if self.against.is_some() || instruments.len() == 2 {
-            let strokes = self.strokes(&instruments, (stroke, noise), against.as_ref(), reference)?;
-            return self.pair(&instruments, strokes, setup);
+            let strokes = self.strokes(session, &instruments, (stroke, noise), against.as_ref(), reference)?;
+            return self.pair(session, &instruments, strokes, setup);
         }
         let [Noted { instrument, changed, .. }] = &instruments[..] else {
             return Err(Failure::Internal("no instrument".into()));
@@ -133,90 +135,103 @@ impl Press {
                 "--wav needs modal strings; this instrument's string is rigid. Use --instrument concert-grand-strings";
             return Err(Failure::Usage(message.into()));
         }
-        let mut output = self.out.prepare("press", &["run.csv", "summary.json", "run.svg", "run.png", "run.html"])?;
+        let mut output =
+            self.out.prepare(session, "press", &["run.csv", "summary.json", "run.svg", "run.png", "run.html"])?;
         let started = Instant::now();
         let mut inside = Inside {
             reactions: self.reactions.then(|| ReactionRecorder::new(instrument)),
             losses: self.losses.then(|| LossRecorder::new(instrument)),
         };
-        let run = play_observed(instrument, &stroke, &setup, &mut inside)?;
+        let run = play_observed(session, instrument, &stroke, &setup, &mut inside)?;
         let elapsed_s = started.elapsed().as_secs_f64();
         let driven = stroke.driven();
         let names = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
         let mut summary = Summary::new(&run, &setup, names, elapsed_s);
-        add_force_uncertainty(&mut summary, &run, instrument, &stroke, &setup, noise.as_ref())?;
+        add_force_uncertainty(session, &mut summary, &run, instrument, &stroke, &setup, noise.as_ref())?;
 
         let picture = run_picture(&run, &stroke.title);
         let pins = inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default();
         let shown_run = Shown { pins: &pins, changed, ..Shown::new(instrument, &run) };
         let page = page_html(&shown_run, &stroke.title, &summary.lines());
         let table = Table::of_run(&run, inside::columns(&pins));
-        output.table("run.csv", &table)?;
-        output.json("summary.json", &summary.json)?;
-        output.figure("run", &picture)?;
-        output.text("run.html", &page)?;
+        output.table(session, "run.csv", &table)?;
+        output.json(session, "summary.json", &summary.json)?;
+        output.figure(session, "run", &picture)?;
+        output.text(session, "run.html", &page)?;
         let title = format!("{} - {}", run.instrument, stroke.title);
         if self.reactions {
-            output.figure("reactions", &reactions_picture(&run, &title, &pins))?;
+            output.figure(session, "reactions", &reactions_picture(&run, &title, &pins))?;
         }
         let sound = match &self.wav {
-            Some(name) => listen(instrument, &stroke, &setup)?.map(|sound| (name, sound)),
+            Some(name) => listen(session, instrument, &stroke, &setup)?.map(|sound| (name, sound)),
             None => None,
         };
         if let Some((name, sound)) = &sound {
-            output.stage(name, |w| crate::wav::write(sound, w))?;
-            output.figure("spectrogram", &spectrogram_picture(&sound.bridge_n, f64::from(RATE_HZ), &title))?;
+            output.stage(session, name, |w| crate::wav::write(sound, w))?;
+            output.figure(session, "spectrogram", &spectrogram_picture(&sound.bridge_n, f64::from(RATE_HZ), &title))?;
         }
         let mut lost = None;
         if let Some((recorded, losses)) = inside.losses.as_ref().and_then(|one| Some((one, one.losses()?))) {
             let report = LossReport::new(instrument, losses);
-            output.json("losses.json", &report)?;
-            output.figure("losses", &losses_picture(&run, &title, recorded, &report))?;
+            output.json(session, "losses.json", &report)?;
+            output.figure(session, "losses", &losses_picture(&run, &title, recorded, &report))?;
             lost = Some(report);
         }
         let banded = match self.bands.bands {
             Some(count) => {
-                let rows = self.banded(&summary, &stroke, &setup, count)?;
-                bands::stage(&rows, &mut output)?;
+                let rows = self.banded(session, &summary, &stroke, &setup, count)?;
+                bands::stage(session, &rows, &mut output)?;
                 Some((rows, count))
             }
             None => None,
         };
-        let written = output.commit()?;
+        let written = output.commit(session)?;
+        let mut answer = Answer::of(&summary.json)?.with("stroke", &stroke.title)?.with("hand", &described(&stroke))?;
 
-        say!("{} - {} ({driven})", run.instrument, stroke.title);
+        print_line!(session, "{} - {} ({driven})", run.instrument, stroke.title);
         if let Some(hand) = described(&stroke) {
-            say!("hand: {hand}");
+            print_line!(session, "hand: {hand}");
         }
-        say!();
-        say!("{summary}");
+        print_line!(session);
+        print_line!(session, "{summary}");
         if let Some(uncertainty) = &summary.force_uncertainty {
-            say!("{uncertainty}");
-            say!();
+            print_line!(session, "{uncertainty}");
+            print_line!(session);
         }
         if let Some((rows, count)) = banded {
-            bands::lines(&rows, count).iter().for_each(|line| say!("{line}"));
-            say!();
+            answer = answer.with("bands", &rows)?;
+            bands::lines(&rows, count).iter().for_each(|line| print_line!(session, "{line}"));
+            print_line!(session);
         }
         if let Some(report) = lost {
-            say!("{}", report.table());
+            answer = answer.with("losses", &report)?;
+            print_line!(session, "{}", report.table());
         }
         if let Some((name, sound)) = &sound {
-            say!(
+            answer = answer.with("sound", &json!({"file": name, "peak_N": sound.peak_n()}))?;
+            print_line!(
+                session,
                 "{name} is the force on the bridge, {:.2} N at most, without a soundboard; steps of 1/96000 s",
                 sound.peak_n()
             );
-            say!();
+            print_line!(session);
         }
         for warning in &summary.warnings {
-            tell!("warning: this run cannot be trusted: {warning}");
+            warn!(session, "warning: this run cannot be trusted: {warning}");
         }
-        say!("{written}");
-        Ok(())
+        print_line!(session, "{written}");
+        Ok(answer.files(&written))
     }
 
     /// What happened, with its bands over samples of the instrument.
-    fn banded(&self, own: &Summary, stroke: &Stroke, setup: &Setup, count: u32) -> Result<Vec<BandRow>, Failure> {
+    fn banded(
+        &self,
+        session: &mut Session,
+        own: &Summary,
+        stroke: &Stroke,
+        setup: &Setup,
+        count: u32,
+    ) -> Result<Vec<BandRow>, Failure> {
         // The key of the summary, its unit that of the table.
         let name = |&(key, _, factor, unit, _): &Measure| match key.rsplit_once('_') {
             Some((stem, _)) if factor != 1.0 => (format!("{stem}_{unit}"), unit.to_owned()),
@@ -228,7 +243,7 @@ impl Press {
         let model = self.instrument.model;
         let each = self.each && self.stroke.is_touch();
         let Some(asked) = self.instrument.first() else { return Err(Failure::Internal("no instrument".into())) };
-        bands::bands(asked, count, &names, &values(own), None, |instrument, _, progress| {
+        bands::bands(session, asked, count, &names, &values(own), None, |instrument, _, progress| {
             let found = each.then(|| self.stroke.touch_on(instrument, progress)).transpose();
             let found = match found {
                 Err(LevelError::Interrupted) => return Err(SampleError::Interrupted),
@@ -254,6 +269,7 @@ impl Press {
     /// The strokes of a pair: one for both instruments, or two.
     fn strokes(
         &self,
+        session: &mut Session,
         instruments: &[Noted],
         stroke: Noisy,
         against: Option<&StrokeOptions>,
@@ -263,9 +279,9 @@ impl Press {
             (Some(_), [_, _]) => Err(Failure::Usage(
                 "--against with two instruments: expected either two instruments or two strokes, so that the page shows one difference".into(),
             )),
-            (Some(other), _) => Ok(vec![stroke, other.load_with_noise(reference)?]),
+            (Some(other), _) => Ok(vec![stroke, other.load_with_noise(session, reference)?]),
             (None, [first, second]) if self.stroke.is_touch() && (self.each || are_keys(first, second)) => {
-                Ok(vec![stroke, self.stroke.load_with_noise(&second.whole)?])
+                Ok(vec![stroke, self.stroke.load_with_noise(session, &second.whole)?])
             }
             (None, _) => Ok(vec![stroke]),
         }
@@ -274,10 +290,11 @@ impl Press {
     /// Two instruments under one stroke, or one under two.
     fn pair(
         &self,
+        session: &mut Session,
         instruments: &[Noted],
         strokes: Vec<Noisy>,
         setup: impl Fn(&Stroke) -> Setup,
-    ) -> Result<(), Failure> {
+    ) -> Result<Answer, Failure> {
         if self.bands.bands.is_some() {
             return Err(Failure::Usage(
                 "--bands needs a single run; leave out --against and the second --instrument".into(),
@@ -294,33 +311,33 @@ impl Press {
         let longest = setups.iter().map(|setup| setup.duration_s).fold(0.0, f64::max);
         setups.iter_mut().for_each(|setup| setup.duration_s = longest);
         setups.iter().try_for_each(check)?;
-        let mut output = self.out.prepare("press", &press_pair::FILES)?;
+        let mut output = self.out.prepare(session, "press", &press_pair::FILES)?;
         let mut played = Vec::new();
         for index in 0..2 {
             let at = |count: usize| index.min(count - 1);
             let (Noted { instrument, changed, .. }, (stroke, noise), setup) =
                 (&instruments[at(instruments.len())], &strokes[at(strokes.len())], &setups[at(setups.len())]);
             let started = Instant::now();
-            let run = play_observed(instrument, stroke, setup, &mut Inside::default())?;
+            let run = play_observed(session, instrument, stroke, setup, &mut Inside::default())?;
             let names = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
             let mut summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
-            add_force_uncertainty(&mut summary, &run, instrument, stroke, setup, noise.as_ref())?;
+            add_force_uncertainty(session, &mut summary, &run, instrument, stroke, setup, noise.as_ref())?;
             played.push(Played { instrument, changed, stroke: stroke.title.clone(), run, summary });
         }
         let Ok(played) = <[Played; 2]>::try_from(played) else { return Err(Failure::Internal("not two runs".into())) };
-        press_pair::write(&played, &mut output)?;
-        let written = output.commit()?;
-        press_pair::tell(&played);
+        let summary = press_pair::write(session, &played, &mut output)?;
+        let written = output.commit(session)?;
+        press_pair::tell(session, &played);
         for (one, name) in played.iter().zip(press_pair::names(&played)) {
             if let Some(uncertainty) = &one.summary.force_uncertainty {
-                say!("{name}: {uncertainty}");
+                print_line!(session, "{name}: {uncertainty}");
             }
             for warning in &one.summary.warnings {
-                tell!("warning: {name}: this run cannot be trusted: {warning}");
+                warn!(session, "warning: {name}: this run cannot be trusted: {warning}");
             }
         }
-        say!("{written}");
-        Ok(())
+        print_line!(session, "{written}");
+        Ok(Answer::of(&summary)?.files(&written))
     }
 }
 
@@ -334,6 +351,7 @@ type Noisy = (Stroke, Option<(PathNoise, f64)>);
 
 /// Adds what the run's force is worth where a noisy motion drives it.
 fn add_force_uncertainty(
+    session: &Session,
     summary: &mut Summary,
     run: &Run,
     instrument: &Instrument,
@@ -342,7 +360,7 @@ fn add_force_uncertainty(
     noise: Option<&(PathNoise, f64)>,
 ) -> Result<(), Failure> {
     let Some((noise, rest_until_s)) = noise else { return Ok(()) };
-    let mut progress = Progress::new("playing the motion with its noise");
+    let mut progress = session.progress("playing the motion with its noise");
     let mut tell = |share: f64| progress.tell(share);
     if let Some(uncertainty) =
         ForceUncertainty::of_run(run, instrument, stroke, setup, (noise, *rest_until_s), &mut tell)?
@@ -353,19 +371,25 @@ fn add_force_uncertainty(
 }
 
 /// A stroke played once more, to be heard.
-fn listen(instrument: &Instrument, stroke: &Stroke, setup: &Setup) -> Result<Option<Sound>, Failure> {
-    let mut progress = Progress::new("listening");
+fn listen(
+    session: &Session,
+    instrument: &Instrument,
+    stroke: &Stroke,
+    setup: &Setup,
+) -> Result<Option<Sound>, Failure> {
+    let mut progress = session.progress("listening");
     Ok(sound(instrument, stroke.inputs(&instrument.finger)?.as_ref(), setup, &mut |share| progress.tell(share))?)
 }
 
 /// A stroke simulated before an observer.
 pub(crate) fn play_observed(
+    session: &Session,
     instrument: &Instrument,
     stroke: &Stroke,
     setup: &Setup,
     observer: &mut dyn Observer,
 ) -> Result<Run, Failure> {
-    let mut progress = Progress::new("simulating");
+    let mut progress = session.progress("simulating");
     let mut tell = |share: f64| {
         progress.say(if share > 0.0 { "simulating" } else { "coming to rest" });
         progress.tell(share)

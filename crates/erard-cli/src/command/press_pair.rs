@@ -10,7 +10,8 @@ use serde_json::{Map, Value, json};
 
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 use crate::summary::{MEASURES, Measure, Summary, value};
 use crate::table::Table;
 
@@ -85,11 +86,11 @@ fn impacts(summaries: [&Value; 2]) -> [usize; 2] {
 }
 
 /// Stages the page, the figure, the tables and the numbers.
-pub(crate) fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(), Failure> {
+pub(crate) fn write(session: &Session, played: &[Played<'_>; 2], output: &mut Output) -> Result<Value, Failure> {
     let (names, title, summaries) = (names(played), title(played), json_of(played));
     for (one, name) in played.iter().zip(["run-1.csv", "run-2.csv"]) {
         let table = Table::of_run(&one.run, Vec::new());
-        output.table(name, &table)?;
+        output.table(session, name, &table)?;
     }
     let mut difference = Map::new();
     for measure in &MEASURES {
@@ -102,9 +103,9 @@ pub(crate) fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(),
     difference.insert("impacts".to_owned(), json!(second as f64 - first as f64));
     let rows = rows(summaries);
     let both = json!({"names": names, "runs": summaries, "difference": difference});
-    output.json("summary.json", &both)?;
+    output.json(session, "summary.json", &both)?;
     let picture = pair_picture(&title, [(&names[0], &played[0].run), (&names[1], &played[1].run)]);
-    output.figure("run", &picture)?;
+    output.figure(session, "run", &picture)?;
     let shown = [0, 1].map(|index| Shown {
         name: names[index].clone(),
         changed: played[index].changed,
@@ -115,19 +116,19 @@ pub(crate) fn write(played: &[Played<'_>; 2], output: &mut Output) -> Result<(),
         rows: rows.into_iter().map(|(name, values)| (name, values.to_vec())).collect(),
     };
     let page = pair_html(&title, &shown, &table);
-    output.text("run.html", &page)?;
-    Ok(())
+    output.text(session, "run.html", &page)?;
+    Ok(both)
 }
 
 /// Prints the table of differences.
-pub(crate) fn tell(played: &[Played<'_>; 2]) {
+pub(crate) fn tell(session: &mut Session, played: &[Played<'_>; 2]) {
     let names = names(played);
-    say!("{}", title(played));
-    say!();
+    print_line!(session, "{}", title(played));
+    print_line!(session);
     let rows = rows(json_of(played)).into_iter().map(|(name, cells)| [vec![name], cells.to_vec()].concat());
     let heads = [String::new()].into_iter().chain(names.clone()).chain(["difference".to_owned()]);
-    say!("{}", Table::of(heads, rows));
+    print_line!(session, "{}", Table::of(heads, rows));
     for (name, count) in names.iter().zip(impacts(json_of(played))).filter(|(_, count)| *count > 1) {
-        say!("  {name}: the hammer strikes {count} times.");
+        print_line!(session, "  {name}: the hammer strikes {count} times.");
     }
 }

@@ -16,14 +16,16 @@ use erard_workshop::worklist::{is_usual_aftertouch, regulate_to_aftertouch};
 
 use super::options::{Stays, load_instrument_and_text};
 use super::out::OwnFile;
+use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::progress::Progress;
+use crate::print_line;
 use crate::regulate::{
     Shown, aftertouch_report, aftertouch_text, misses, report, settled_text, shown_value, turned_text,
 };
+use crate::session::Session;
 use crate::units::Lengths;
-use crate::{say, tell};
+use crate::warn;
 
 /// Text below the options.
 const AFTER: &str = include_str!("help/regulate.txt");
@@ -114,15 +116,16 @@ impl Goals {
 
 impl Regulate {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         let specification = self.specification()?;
-        let (instrument, text) = load_instrument_and_text(&self.instrument)?;
+        let (instrument, text) = load_instrument_and_text(session, &self.instrument)?;
         let (out, asked) = (self.out.as_deref(), self.instrument.to_string());
-        let OwnFile { folder, name } = OwnFile::of(out, &asked, "-regulated.toml", "new instrument's", self.force)?;
+        let OwnFile { folder, name } =
+            OwnFile::of(session, out, &asked, "-regulated.toml", "new instrument's", self.force)?;
         let report_name = Path::new(&name).with_extension("json").to_string_lossy().into_owned();
-        let mut output = Output::files(&folder, self.force, &[&name, &report_name])?;
+        let mut output = Output::files(session, &folder, self.force, &[&name, &report_name])?;
 
-        let mut progress = Progress::new("measuring");
+        let mut progress = session.progress("measuring");
         let mut tell = |status: &Status| {
             progress.say(&match status.goal {
                 Some(goal) => format!("round {}, {}", status.round, goal.name()),
@@ -164,11 +167,12 @@ impl Regulate {
         if let (Some(settled), serde_json::Value::Object(report)) = (&settled, &mut report) {
             report.insert("aftertouch".into(), aftertouch_report(settled));
         }
-        output.text(&name, &new_text)?;
-        output.json(&report_name, &report)?;
-        let written = output.commit()?;
+        output.text(session, &name, &new_text)?;
+        output.json(session, &report_name, &report)?;
+        let written = output.commit(session)?;
 
-        say!(
+        print_line!(
+            session,
             "{} - regulated in {} {}, {} simulations, {:.1} s",
             instrument.name,
             regulated.rounds,
@@ -176,10 +180,11 @@ impl Regulate {
             regulated.simulations,
             elapsed.as_secs_f64()
         );
-        say!();
-        say!("{}", Shown(&regulated, self.lengths));
+        print_line!(session);
+        print_line!(session, "{}", Shown(&regulated, self.lengths));
         if soft[1] > HARDLY_HEARD_M_PER_S {
-            tell!(
+            warn!(
+                session,
                 "warning: a soft note strikes twice, the second time at {:.2} m/s (before: {:.2} m/s): a weaker repetition spring (--spring) or a \
                  longer drop (--drop) helps",
                 soft[1],
@@ -188,21 +193,23 @@ impl Regulate {
         }
         if !self.follow && regulated.all_met() {
             for line in moved(&regulated, self.lengths) {
-                say!("{line}");
+                print_line!(session, "{line}");
             }
         }
         match &settled {
-            Some(settled) => settled_text(settled, self.lengths).iter().for_each(|line| say!("{line}")),
+            Some(settled) => settled_text(settled, self.lengths).iter().for_each(|line| print_line!(session, "{line}")),
             None if !is_usual_aftertouch(&regulated.instrument, &regulated.after) => {
-                say!("{}", aftertouch_text(&regulated, self.lengths));
-                say!(
+                print_line!(session, "{}", aftertouch_text(&regulated, self.lengths));
+                print_line!(
+                    session,
                     "To change that, add --priority dip (changes the blow) or --priority aftertouch (changes the dip first)."
                 );
-                say!();
+                print_line!(session);
             }
             None => {}
         }
-        say!("{written}");
+        print_line!(session, "{written}");
+        let answer = Answer::of(&report)?.files(&written);
         let unsettled = settled.as_ref().filter(|settled| !settled.is_settled);
         let unsettled = unsettled.map(|settled| {
             let [dip, blow] = [Goal::Dip, Goal::Blow].map(|goal| {
@@ -213,10 +220,10 @@ impl Regulate {
             format!("{text}; dip ({dip}) and blow ({blow}) are at the ends of their usual ranges")
         });
         match [misses(&regulated), unsettled.into_iter().collect()].concat() {
-            misses if misses.is_empty() => Ok(()),
+            misses if misses.is_empty() => Ok(answer),
             mut misses => {
                 misses.extend(help.map(|followed| must_follow(&specification, &followed, self.lengths)));
-                Err(Failure::Unmet(misses.join("\n       ")))
+                Ok(answer.short_of(Some(misses.join("\n       "))))
             }
         }
     }

@@ -8,9 +8,10 @@ use erard_workshop::cores;
 use erard_workshop::sample::{SampleError, Sampled};
 
 use super::options::{KeyboardKey, load_instrument_and_text};
+use crate::cache;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::{cache, identity};
+use crate::session::Session;
 
 /// What cached samples are called.
 const KIND: &str = "sample";
@@ -32,11 +33,11 @@ enum Source {
 
 impl Samples {
     /// Samples of what the user asked for: an instrument, or a key of a keyboard.
-    pub(crate) fn of(asked: &InstrumentSpec) -> Result<Self, Failure> {
+    pub(crate) fn of(session: &mut Session, asked: &InstrumentSpec) -> Result<Self, Failure> {
         not_one_sample(asked)?;
-        let source = match KeyboardKey::asked(asked)? {
+        let source = match KeyboardKey::asked(session, asked)? {
             Some(key) => Source::Key(key),
-            None => Source::Text(load_instrument_and_text(asked)?.1),
+            None => Source::Text(load_instrument_and_text(session, asked)?.1),
         };
         Ok(Samples { asked: asked.to_string(), source, sampled: OnceLock::new(), making: Mutex::new(()) })
     }
@@ -92,12 +93,17 @@ impl Samples {
 }
 
 /// A sample of a keyboard: its base instrument drawn and put right, its gradings around that.
-pub(crate) fn keyboard_sample(keyboard: &Keyboard, name: &str, sample: u32) -> Result<Keyboard, Failure> {
+pub(crate) fn keyboard_sample(
+    session: &mut Session,
+    keyboard: &Keyboard,
+    name: &str,
+    sample: u32,
+) -> Result<Keyboard, Failure> {
     let source = Source::Text(keyboard.base_text().to_owned());
     let samples = Samples { asked: name.to_owned(), source, sampled: OnceLock::new(), making: Mutex::new(()) };
-    let mut progress = Progress::new("drawing a sample");
+    let mut progress = session.progress("drawing a sample");
     let text = samples.text(sample, &mut |_| progress.tell(0.0)).map_err(|error| failed(name, error))?;
-    identity::used("instrument", &format!("{name}{SAMPLE}{sample}"), None, text.as_bytes());
+    session.provenance.used("instrument", &format!("{name}{SAMPLE}{sample}"), None, text.as_bytes());
     Ok(keyboard.around(text)?)
 }
 
@@ -110,10 +116,10 @@ pub(crate) fn not_one_sample(asked: &InstrumentSpec) -> Result<(), Failure> {
 }
 
 /// The text of the sample that is named.
-pub(crate) fn sample_text(asked: &InstrumentSpec) -> Result<String, Failure> {
+pub(crate) fn sample_text(session: &mut Session, asked: &InstrumentSpec) -> Result<String, Failure> {
     let Some(sample) = asked.sample() else { return Err(Failure::Internal(format!("{asked}: names no sample"))) };
-    let mut progress = Progress::new("drawing a sample");
-    let samples = Samples::of(&asked.without_sample())?;
+    let mut progress = session.progress("drawing a sample");
+    let samples = Samples::of(session, &asked.without_sample())?;
     samples.text(sample, &mut |_| progress.tell(0.0)).map_err(|error| failed(&asked.to_string(), error))
 }
 

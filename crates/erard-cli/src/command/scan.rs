@@ -19,11 +19,12 @@ use super::options::load_keyboard;
 use super::out::OutOptions;
 use super::play::{failed, score, seconds};
 use super::samples::keyboard_sample;
+use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::number::{between, whole};
-use crate::progress::Progress;
-use crate::say;
+use crate::print_line;
 use crate::scan::{Scanned, report};
+use crate::session::Session;
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/scan.txt");
@@ -117,8 +118,9 @@ fn percent(text: &str) -> Result<f64, String> {
 
 impl Scan {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
-        let score = self.piece.as_deref().map(|piece| score(piece, Law::GOEBL, self.from, self.to)).transpose()?;
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
+        let score =
+            self.piece.as_deref().map(|piece| score(session, piece, Law::GOEBL, self.from, self.to)).transpose()?;
         let sensors = self.sensors()?;
         let (name, sample) = (self.keyboard.base(), self.keyboard.sample());
         if self.keyboard.key().is_some() {
@@ -127,17 +129,17 @@ impl Scan {
                 self.keyboard
             )));
         }
-        let own = load_keyboard(name)?;
-        let mut output = self.out.prepare("scan", &["truth.csv", "windows.csv", "scan.json"])?;
+        let own = load_keyboard(session, name)?;
+        let mut output = self.out.prepare(session, "scan", &["truth.csv", "windows.csv", "scan.json"])?;
         let keyboard = match sample {
-            Some(sample) => keyboard_sample(&own, &name.to_string(), sample)?,
+            Some(sample) => keyboard_sample(session, &own, &name.to_string(), sample)?,
             None => own,
         };
         let played = self.played(score.as_ref());
-        let instruments = self.instruments(&keyboard, sample.unwrap_or(0), &played)?;
+        let instruments = self.instruments(session, &keyboard, sample.unwrap_or(0), &played)?;
         let travels_m = travels_m(&keyboard.name, &instruments, &played)?;
         let scans = Scans::new(&sensors, travels_m.clone(), u64::from(self.seed));
-        let truth = self.play(score.as_ref(), &keyboard.name, &instruments, &scans)?;
+        let truth = self.play(session, score.as_ref(), &keyboard.name, &instruments, &scans)?;
         let asked = self.keyboard.to_string();
         let scanned = Scanned {
             piece: self.piece.as_deref().map(crate::inputs::shown),
@@ -153,12 +155,13 @@ impl Scan {
             sensors: &sensors,
             truth: &truth,
         };
-        let counts = scanned.write(scans.readings(), &mut output)?;
-        output.json("scan.json", &report::json(&scanned, &counts))?;
-        let written = output.commit()?;
-        say!("{}", report::text(&scanned));
-        say!("{written}");
-        Ok(())
+        let counts = scanned.write(session, scans.readings(), &mut output)?;
+        let report = report::json(&scanned, &counts);
+        output.json(session, "scan.json", &report)?;
+        let written = output.commit(session)?;
+        print_line!(session, "{}", report::text(&scanned));
+        print_line!(session, "{written}");
+        Ok(Answer::of(&report)?.files(&written))
     }
 
     /// All sensors that are asked for.
@@ -194,7 +197,13 @@ impl Scan {
     }
 
     /// The instruments of all keys; those that are played differ by what a technician leaves.
-    fn instruments(&self, keyboard: &Keyboard, sample: u32, played: &[usize]) -> Result<Vec<Instrument>, Failure> {
+    fn instruments(
+        &self,
+        session: &Session,
+        keyboard: &Keyboard,
+        sample: u32,
+        played: &[usize],
+    ) -> Result<Vec<Instrument>, Failure> {
         let mut instruments = keyboard.instruments()?;
         if self.no_scatter {
             return Ok(instruments);
@@ -205,7 +214,7 @@ impl Scan {
         };
         // Another seed is another technician.
         let number = sample ^ self.seed << 20;
-        let mut progress = Progress::new("regulating keys");
+        let mut progress = session.progress("regulating keys");
         let off = cores::map(played, self.threads(), &mut |share| progress.tell(share), |&key, progress| {
             let mut one = instruments[key - 1].clone();
             technicians_scatter(&mut one, number, key, progress)?;
@@ -219,6 +228,7 @@ impl Scan {
 
     fn play(
         &self,
+        session: &Session,
         score: Option<&Score<'_>>,
         keyboard: &str,
         instruments: &[Instrument],
@@ -227,14 +237,14 @@ impl Scan {
         let (mut truth, threads) = (Truth::default(), self.threads());
         if let Some(score) = score {
             let options = Options { row_s: 0.0, threads, ..Options::default() };
-            let mut progress = Progress::new(&format!("playing on {keyboard}"));
+            let mut progress = session.progress(&format!("playing on {keyboard}"));
             let tell = &mut |share| progress.tell(share);
             let played = perform(score, instruments, &options, &|key| Ok(scans.sink(key)), tell);
             truth =
                 Truth::of_performance(&played.map_err(|error| failed(keyboard, error))?.notes, score.duration_s + 1.0);
         }
         if let Some(Cases(cases)) = &self.cases {
-            let mut progress = Progress::new("playing cases");
+            let mut progress = session.progress("playing cases");
             let (begins_s, tell) = (truth.end_s() + PAUSE_S, &mut |share| progress.tell(share));
             let what = (&self.keys.0[..], &cases[..]);
             let played = play_cases(instruments, what, begins_s, u64::from(self.seed), scans, threads, tell);

@@ -8,10 +8,12 @@ use std::time::Duration;
 
 use clap::Args;
 
+use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::number::whole;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 
 /// The page's files where it was built in: names and bytes. `build.rs` fills it from the folder that ERARD_STUDIO
 /// names.
@@ -53,7 +55,7 @@ enum Page {
 
 impl Studio {
     /// Runs the command, until it is interrupted.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         let page = self.page()?;
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, self.port)).map_err(|error| {
             Failure::Usage(format!(
@@ -63,8 +65,8 @@ impl Studio {
         })?;
         let port = listener.local_addr().map_err(|error| Failure::Internal(error.to_string()))?.port();
         let address = format!("http://localhost:{port}/");
-        say!("The studio runs at {address}. Stop it with Control-C.");
-        say::finish().map_err(Failure::Said)?;
+        print_line!(session, "The studio runs at {address}. Stop it with Control-C.");
+        session.printer.finish().map_err(Failure::Said)?;
         if !self.no_open {
             open(&address);
         }
@@ -76,7 +78,7 @@ impl Studio {
                 });
             }
         });
-        Ok(())
+        Ok(Answer::default())
     }
 
     fn page(&self) -> Result<Page, Failure> {

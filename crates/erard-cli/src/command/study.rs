@@ -20,14 +20,15 @@ use super::options::{
     measured_lines, reduced,
 };
 use super::out::OutOptions;
+use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::number::number;
-use crate::progress::Progress;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 use crate::study::sensitivities as sensitive;
 use crate::study::{Axis, Column, GRADING, Row, Source, Target, chart, columns, doubts, shown, table_of};
 use crate::table::Table;
-use crate::tell;
+use crate::warn;
 use erard_figures::figure::chart_picture;
 
 /// Text below the options.
@@ -115,9 +116,9 @@ fn rows_shown(text: &str) -> Result<usize, String> {
 
 impl Study {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         if self.sensitivities {
-            return self.tell_what_matters();
+            return self.tell_what_matters(session);
         }
         if self.vary.is_empty() {
             return Err(Failure::Usage(
@@ -128,20 +129,21 @@ impl Study {
         }
         self.bands.check(self.instrument.asked())?;
         let measures = measured_lines("--measure", &self.measure)?;
-        let (instrument, source) = self.source()?;
+        let (instrument, source) = self.source(session)?;
         let settings = self.step.settings(&instrument)?;
         let axes = self.axes(&instrument, &source)?;
         let forces = axes.iter().any(|axis| axis.target == Target::Force);
-        let stroke = if forces { self.stroke.load_constant()? } else { self.stroke.load(&self.reference(&source)?)? };
+        let stroke =
+            if forces { self.stroke.load_constant()? } else { self.stroke.load(session, &self.reference(&source)?)? };
         let each = self.each(&axes)?;
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
         let setup = Setup { settings, start_s: stroke.start_s, hand: stroke.hand(), ..Setup::new(duration_s) };
         check(&setup)?;
-        let mut output = self.out.prepare("study", &["study.csv"])?;
+        let mut output = self.out.prepare(session, "study", &["study.csv"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };
         let model = self.instrument.model;
         let varied = Varied { instrument: &instrument, source: &source, model, axes: &axes, each };
-        let rows = play(&varied, &measures, &stroke, &setup, workers)?;
+        let rows = play(session, &varied, &measures, &stroke, &setup, workers)?;
         if rows.iter().all(|row| row.outcome.is_err())
             && let Some(Err(first)) = rows.first().map(|row| &row.outcome)
         {
@@ -152,7 +154,7 @@ impl Study {
         let mut columns = columns(&axes, &measures, &rows);
         let banded = match self.bands.bands {
             Some(count) => {
-                let found = self.banded(&varied, &columns, &measures, &stroke, &setup, count)?;
+                let found = self.banded(session, &varied, &columns, &measures, &stroke, &setup, count)?;
                 let shown = bands::lines(&found[..found.len().min(self.rows.saturating_mul(SHOWN_BANDS))], count);
                 columns.extend(band_columns(&columns, axes.len(), &found));
                 shown
@@ -160,15 +162,15 @@ impl Study {
             None => Vec::new(),
         };
         let table = table_of(&columns);
-        output.table("study.csv", &table)?;
+        output.table(session, "study.csv", &table)?;
         let title = format!("{} - {} ({})", instrument.name, stroke.title, stroke.driven());
         if let Some(chart) = chart(&title, &axes, &rows) {
             let picture = chart_picture(&chart, "study");
-            output.figure("study", &picture)?;
+            output.figure(session, "study", &picture)?;
         }
-        let written = output.commit()?;
+        let written = output.commit(session)?;
 
-        say!("{title}");
+        print_line!(session, "{title}");
         let failed = rows.iter().filter(|row| row.outcome.is_err()).count();
         // A row that is not printed may be the one that matters.
         let impacts = |which: fn(usize) -> bool| {
@@ -178,28 +180,36 @@ impl Study {
         let counted =
             [(impacts(|count| count == 0), "without an impact"), (impacts(|count| count > 1), "with several impacts")];
         let counted = counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("; {count} {what}"));
-        say!("{} strokes; {failed} failed{}", rows.len(), counted.collect::<String>());
-        say!();
-        say!("{}", shown(&axes, &measures, &rows, self.rows).to_string().trim_end_matches('\n'));
+        print_line!(session, "{} strokes; {failed} failed{}", rows.len(), counted.collect::<String>());
+        print_line!(session);
+        print_line!(session, "{}", shown(&axes, &measures, &rows, self.rows).to_string().trim_end_matches('\n'));
         if rows.len() > self.rows {
-            say!();
-            say!("{} of {} rows; --rows all prints every one, and study.csv holds them", self.rows, rows.len());
+            print_line!(session);
+            print_line!(
+                session,
+                "{} of {} rows; --rows all prints every one, and study.csv holds them",
+                self.rows,
+                rows.len()
+            );
         }
         if !banded.is_empty() {
-            say!();
-            banded.iter().for_each(|line| say!("{line}"));
+            print_line!(session);
+            banded.iter().for_each(|line| print_line!(session, "{line}"));
         }
-        for doubt in doubts(&rows) {
-            tell!("warning: this result cannot be trusted: {doubt}");
+        let doubts = doubts(&rows);
+        for doubt in &doubts {
+            warn!(session, "warning: this result cannot be trusted: {doubt}");
         }
-        say!();
-        say!("{written}");
-        Ok(())
+        print_line!(session);
+        print_line!(session, "{written}");
+        let answer = Answer::table(session, Some(&table)).with("instrument", &instrument.name)?;
+        Ok(answer.with("stroke", &stroke.title)?.with("warnings", &doubts)?.files(&written))
     }
 
     /// The values of every row, row by row, with their bands over samples of the instrument: the same study of each.
     fn banded(
         &self,
+        session: &mut Session,
         varied: &Varied<'_>,
         columns: &[Column],
         measures: &[&'static Line],
@@ -236,26 +246,34 @@ impl Study {
             );
         }
         let model = self.instrument.model;
-        bands::bands(self.instrument.asked(), count, &names, &flat(columns), None, |instrument, text, progress| {
-            let instrument = match reduced(model, instrument.clone()) {
-                Ok(instrument) => instrument,
-                Err(error) => return Ok(Err(error.to_string())),
-            };
-            let source = Source::Text(text.to_owned());
-            let own = Varied { instrument: &instrument, source: &source, model, axes, each: varied.each };
-            match play_all_rows(&own, measures, stroke, setup, Workers::one(), progress) {
-                Ok(rows) => Ok(Ok(flat(&crate::study::columns(axes, measures, &rows)))),
-                Err(_) if !progress(0.0) => Err(SampleError::Interrupted),
-                Err(error) => Ok(Err(error.to_string())),
-            }
-        })
+        bands::bands(
+            session,
+            self.instrument.asked(),
+            count,
+            &names,
+            &flat(columns),
+            None,
+            |instrument, text, progress| {
+                let instrument = match reduced(model, instrument.clone()) {
+                    Ok(instrument) => instrument,
+                    Err(error) => return Ok(Err(error.to_string())),
+                };
+                let source = Source::Text(text.to_owned());
+                let own = Varied { instrument: &instrument, source: &source, model, axes, each: varied.each };
+                match play_all_rows(&own, measures, stroke, setup, Workers::one(), progress) {
+                    Ok(rows) => Ok(Ok(flat(&crate::study::columns(axes, measures, &rows)))),
+                    Err(_) if !progress(0.0) => Err(SampleError::Interrupted),
+                    Err(error) => Ok(Err(error.to_string())),
+                }
+            },
+        )
     }
 
     /// The derivatives of a stroke's outcome.
-    fn tell_what_matters(&self) -> Result<(), Failure> {
+    fn tell_what_matters(&self, session: &mut Session) -> Result<Answer, Failure> {
         let of = sensitive::wanted(&self.of)?;
-        let (whole, text) = load_instrument_and_text(self.instrument.asked())?;
-        let stroke = self.stroke.load(&whole)?;
+        let (whole, text) = load_instrument_and_text(session, self.instrument.asked())?;
+        let stroke = self.stroke.load(session, &whole)?;
         let instrument = self.instrument.reduced(whole)?;
         let settings = self.step.settings(&instrument)?;
         let by = sensitive::variables(&instrument, &text, &self.by, self.stroke.is_constant())?;
@@ -264,31 +282,32 @@ impl Study {
             Setup { settings, start_s: stroke.start_s, ledger: false, hand: stroke.hand(), ..Setup::new(duration_s) };
         check(&setup)?;
         let files = ["sensitivities.csv", "sensitivities.json", "sensitivities.svg", "sensitivities.png"];
-        let mut output = self.out.prepare("study", &files)?;
+        let mut output = self.out.prepare(session, "study", &files)?;
         // Once, so that its errors are reported before any work.
         drop(stroke.inputs(&instrument.finger)?);
         let finger = instrument.finger;
         let inputs = || stroke.inputs(&finger).unwrap_or_else(|_| Box::new(|_| Input::Free));
         let rest = if self.rest == RestAsked::Held { Rest::Held } else { Rest::Moves };
-        let found = sensitive::find(&instrument, by, of, &inputs, &setup, rest)?;
+        let found = sensitive::find(session, &instrument, by, of, &inputs, &setup, rest)?;
         let title = format!("{} - {} ({})", instrument.name, stroke.title, stroke.driven());
-        output.table("sensitivities.csv", &Table::of_records(&sensitive::rows(&found))?)?;
-        output.json("sensitivities.json", &sensitive::report(&found, &instrument.name, &stroke.title))?;
-        output.figure("sensitivities", &sensitive::figure(&found, &title))?;
-        let written = output.commit()?;
+        output.table(session, "sensitivities.csv", &Table::of_records(&sensitive::rows(&found))?)?;
+        let report = sensitive::report(&found, &instrument.name, &stroke.title);
+        output.json(session, "sensitivities.json", &report)?;
+        output.figure(session, "sensitivities", &sensitive::figure(&found, &title))?;
+        let written = output.commit(session)?;
 
-        say!("{title}");
-        say!();
+        print_line!(session, "{title}");
+        print_line!(session);
         for line in sensitive::lines(&found, self.rows) {
-            say!("{line}");
+            print_line!(session, "{line}");
         }
-        say!();
+        print_line!(session);
         let [switches, unresolved] = found.switches;
         if switches > 0 {
-            say!("{switches} switches of friction during the stroke, {unresolved} of them unresolved");
+            print_line!(session, "{switches} switches of friction during the stroke, {unresolved} of them unresolved");
         }
-        say!("{written}");
-        Ok(())
+        print_line!(session, "{written}");
+        Ok(Answer::of(&report)?.files(&written))
     }
 
     /// The touch whose hand is found for each variant: where that was asked for, and where keys are varied.
@@ -316,7 +335,7 @@ impl Study {
     }
 
     /// What is varied: a keyboard where keys are, else an instrument.
-    fn source(&self) -> Result<(Instrument, Source), Failure> {
+    fn source(&self, session: &mut Session) -> Result<(Instrument, Source), Failure> {
         let asked = self.instrument.asked();
         let varies = |is_it: &dyn Fn(&str) -> bool| {
             self.vary.iter().any(|text| text.split('=').next().is_some_and(|name| is_it(name.trim())))
@@ -328,7 +347,7 @@ impl Study {
                     asked.base()
                 )));
             }
-            let keyboard = load_keyboard(asked.base())?;
+            let keyboard = load_keyboard(session, asked.base())?;
             let instrument = self.instrument.reduced(keyboard.key(keyboard.base_key)?)?;
             return Ok((
                 Instrument { name: keyboard.name.clone(), ..instrument },
@@ -341,11 +360,11 @@ impl Study {
                 "{asked}: is a sample; --vary {GRADING}NAME needs the keyboard itself. Remove `{SAMPLE}N`"
             )));
         }
-        if gradings && let Some(KeyboardKey { keyboard, key }) = KeyboardKey::asked(asked)? {
+        if gradings && let Some(KeyboardKey { keyboard, key }) = KeyboardKey::asked(session, asked)? {
             let instrument = self.instrument.reduced(keyboard.key(key)?)?;
             return Ok((instrument, Source::Keyboard(Box::new(keyboard), Some(key))));
         }
-        let (instrument, text) = load_instrument_and_text(asked)?;
+        let (instrument, text) = load_instrument_and_text(session, asked)?;
         Ok((self.instrument.reduced(instrument)?, Source::Text(text)))
     }
 
@@ -381,13 +400,14 @@ struct Varied<'a> {
 
 /// Plays, and measures, every combination, in portions.
 fn play(
+    session: &Session,
     varied: &Varied<'_>,
     measures: &[&'static Line],
     stroke: &Stroke,
     setup: &Setup,
     workers: Workers,
 ) -> Result<Vec<Row>, Failure> {
-    let mut progress = Progress::new("playing");
+    let mut progress = session.progress("playing");
     play_all_rows(varied, measures, stroke, setup, workers, &mut |share| progress.tell(share))
 }
 

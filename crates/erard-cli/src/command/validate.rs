@@ -3,9 +3,10 @@
 use super::bands::{self, BandOptions, BandRow};
 use super::options::{KeyboardKey, load_instrument_and_text};
 use super::out::OutOptions;
+use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::progress::Progress;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 use crate::table::{Table, three};
 use clap::Args;
 use erard::instrument_spec::InstrumentSpec;
@@ -38,10 +39,10 @@ pub(crate) struct Validate {
 
 impl Validate {
     /// Runs the command.
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         self.bands.check(&self.instrument)?;
-        let (instrument, text) = load_instrument_and_text(&self.instrument)?;
-        let keyboard = match KeyboardKey::asked(&self.instrument)? {
+        let (instrument, text) = load_instrument_and_text(session, &self.instrument)?;
+        let keyboard = match KeyboardKey::asked(session, &self.instrument)? {
             Some(one) => Some(one.keyboard),
             None => Keyboard::builtin(&self.instrument.base().to_string()).ok(),
         };
@@ -49,16 +50,18 @@ impl Validate {
         let around = |text: &str| keyboard.as_ref().and_then(|keyboard| keyboard.around(text.to_owned()).ok());
         let keyboard = if self.instrument.sample().is_some() { around(&text) } else { keyboard.clone() };
         let published = Published::builtin();
-        let mut output = self
-            .out
-            .prepare("validate", &["validate.json", "validate.csv", "order-of-events.svg", "order-of-events.png"])?;
-        let mut progress = Progress::new("validating");
+        let mut output = self.out.prepare(
+            session,
+            "validate",
+            &["validate.json", "validate.csv", "order-of-events.svg", "order-of-events.png"],
+        )?;
+        let mut progress = session.progress("validating");
         let validation = validate(&instrument, keyboard.as_ref(), &published, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: self.instrument.to_string(), error })?;
         drop(progress);
 
         let bands = match self.bands.bands {
-            Some(count) => Some(self.banded(&published, &validation, keyboard.as_ref(), count)?),
+            Some(count) => Some(self.banded(session, &published, &validation, keyboard.as_ref(), count)?),
             None => None,
         };
         let picture = order_picture(&validation, &published);
@@ -66,14 +69,15 @@ impl Validate {
         if let Some(bands) = &bands {
             report.take_bands(bands, &published);
         }
-        output.json("validate.json", &report)?;
-        output.table("validate.csv", &Table::of_records(&report.rows)?)?;
-        output.figure("order-of-events", &picture)?;
-        let written = output.commit()?;
+        output.json(session, "validate.json", &report)?;
+        output.table(session, "validate.csv", &Table::of_records(&report.rows)?)?;
+        output.figure(session, "order-of-events", &picture)?;
+        let written = output.commit(session)?;
 
-        say!("{} compared with measured pianos", validation.instrument);
-        say!();
-        say!(
+        print_line!(session, "{} compared with measured pianos", validation.instrument);
+        print_line!(session);
+        print_line!(
+            session,
             "Predicted: {} of {} rows met; {} of {} groups without a miss. Set: {} of {} met.",
             report.predicted.met,
             report.predicted.judged,
@@ -83,13 +87,18 @@ impl Validate {
             report.set.judged
         );
         if report.undecided > 0 {
-            say!("{} rows cannot be judged: their bands are wider than the published ranges", report.undecided);
+            print_line!(
+                session,
+                "{} rows cannot be judged: their bands are wider than the published ranges",
+                report.undecided
+            );
         }
-        say!("{} rows are beyond the model, {} have no published value", report.silent, report.open);
-        say!();
-        print_groups(&report.groups);
-        print_table(&report.rows);
-        say!("{written}");
+        print_line!(session, "{} rows are beyond the model, {} have no published value", report.silent, report.open);
+        print_line!(session);
+        print_groups(session, &report.groups);
+        print_table(session, &report.rows);
+        print_line!(session, "{written}");
+        let answer = Answer::of(&report)?.files(&written);
         match report.missed {
             missed if missed > 0 && self.fail_on_miss => {
                 let names: Vec<&str> = report
@@ -98,9 +107,9 @@ impl Validate {
                     .filter(|row| [MISSED, ABSENT].contains(&row.verdict))
                     .map(|row| row.name)
                     .collect();
-                Err(Failure::Unmet(format!("{missed} rows missed: {}", names.join(", "))))
+                Ok(answer.short_of(Some(format!("{missed} rows missed: {}", names.join(", ")))))
             }
-            _ => Ok(()),
+            _ => Ok(answer),
         }
     }
 }
@@ -332,6 +341,7 @@ impl Validate {
     /// The simulated values of all rows with their bands.
     fn banded(
         &self,
+        session: &mut Session,
         published: &Published,
         own: &Validation,
         keyboard: Option<&Keyboard>,
@@ -342,7 +352,7 @@ impl Validate {
             |validation: &Validation| validation.verdicts.iter().map(Verdict::simulated).collect::<Vec<_>>();
         let kept = format!("{published:?}{}", keyboard.map_or("", Keyboard::base_text));
         let kept = Some(("validated", kept.as_str()));
-        bands::bands(&self.instrument, count, &names, &simulated(own), kept, |instrument, text, progress| {
+        bands::bands(session, &self.instrument, count, &names, &simulated(own), kept, |instrument, text, progress| {
             let keyboard = keyboard.and_then(|keyboard| keyboard.around(text.to_owned()).ok());
             let found = validate(instrument, keyboard.as_ref(), published, progress);
             Ok(bands::unless_interrupted(found)?.map(|found| simulated(&found)))
@@ -351,7 +361,7 @@ impl Validate {
 }
 
 /// Rows met of rows judged, by group.
-fn print_groups(groups: &[GroupReport]) {
+fn print_groups(session: &mut Session, groups: &[GroupReport]) {
     let share =
         |tally: TallyReport| if tally.judged == 0 { "-".into() } else { format!("{}/{}", tally.met, tally.judged) };
     let banded = groups.iter().any(|group| group.undecided > 0);
@@ -361,10 +371,10 @@ fn print_groups(groups: &[GroupReport]) {
         [group.title.clone(), share(group.predicted), share(group.set)].into_iter().chain(undecided).chain([z])
     });
     let undecided = banded.then_some("cannot tell");
-    say!("{}", Table::of(["", "predicted", "set"].into_iter().chain(undecided).chain(["z"]), cells));
+    print_line!(session, "{}", Table::of(["", "predicted", "set"].into_iter().chain(undecided).chain(["z"]), cells));
 }
 
-fn print_table(rows: &[RowReport]) {
+fn print_table(session: &mut Session, rows: &[RowReport]) {
     let banded = rows.iter().any(|row| row.band_low.is_some());
     let heads = ["", "met if", "simulated", "5 to 95 %", "verdict"];
     let mut group = rows.first().map_or("", |row| row.group);
@@ -391,9 +401,9 @@ fn print_table(rows: &[RowReport]) {
     }
     let shown = |column: &usize| banded || heads[*column] != "5 to 95 %";
     let of = |row: &[String; 5]| (0..5).filter(shown).map(|column| row[column].clone()).collect::<Vec<_>>();
-    say!("{}", Table::of((0..5).filter(shown).map(|column| heads[column]), cells.iter().map(of)));
-    say!("  The published values, and the source of each, are in validate.csv.");
-    say!();
+    print_line!(session, "{}", Table::of((0..5).filter(shown).map(|column| heads[column]), cells.iter().map(of)));
+    print_line!(session, "  The published values, and the source of each, are in validate.csv.");
+    print_line!(session);
     // Rows with one reason share a line.
     let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for row in rows.iter().filter(|row| row.verdict != MET) {
@@ -404,9 +414,9 @@ fn print_table(rows: &[RowReport]) {
         }
     }
     for (reason, quantities) in reasons {
-        say!("  {}: {reason}", quantities.join("; "));
+        print_line!(session, "  {}: {reason}", quantities.join("; "));
     }
-    say!();
+    print_line!(session);
 }
 
 /// Hammer speeds that the figure names, m/s, and their marks: equal ratios from pp, 0.5, to ff, 5.

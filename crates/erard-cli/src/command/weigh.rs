@@ -14,12 +14,12 @@ use erard_workshop::worklist::{KeyboardGoal, KeyboardList, SECTION_ENDS, carry_o
 
 use super::options::key;
 use super::out::OutOptions;
+use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::inputs;
 use crate::number::whole;
 use crate::paper::Headed;
-use crate::progress::Progress;
-use crate::say;
+use crate::print_line;
+use crate::session::Session;
 use crate::units::Lengths;
 use crate::weigh::{Work, again, again_text, html, report, table, text, weighed_picture};
 
@@ -68,16 +68,22 @@ impl WeighOptions {
     }
 
     /// Runs the work.
-    pub(crate) fn run(&self, path: &Path, keyboard: &Keyboard, out: &OutOptions) -> Result<(), Failure> {
+    pub(crate) fn run(
+        &self,
+        session: &mut Session,
+        path: &Path,
+        keyboard: &Keyboard,
+        out: &OutOptions,
+    ) -> Result<Answer, Failure> {
         let goal = self.goal()?;
-        let (file, bytes) = inputs::bytes(path)?;
+        let (file, bytes) = session.inputs.bytes(path)?;
         let measured = read(utf8(&bytes, &file)?, &file).map_err(|error| Failure::Usage(error.to_string()))?;
         let instruments = keyboard.instruments()?;
         let files = ["weigh.csv", "weigh.json", "weigh.html", "weigh.svg", "weigh.png", "again.csv"];
-        let mut output = out.prepare("keyboard", &files[..if self.carry_out { 6 } else { 5 }])?;
+        let mut output = out.prepare(session, "keyboard", &files[..if self.carry_out { 6 } else { 5 }])?;
         let failed = |error: MeasureError| Failure::Measure { label: keyboard.name.clone(), error };
 
-        let mut progress = Progress::new("weighing");
+        let mut progress = session.progress("weighing");
         let model = |one: &Instrument, _: &mut erard::Progress<'_>| KeyModel::of(one);
         let models = cores::map(&instruments, cores::count(), &mut |share| progress.tell(0.3 * share), model);
         let models = models.map_err(failed)?.into_boxed_slice();
@@ -113,27 +119,33 @@ impl WeighOptions {
         };
         let picture = weighed_picture(&work);
         let page = html(&work, &picture.svg());
-        output.table("weigh.csv", &table(&work))?;
-        output.json("weigh.json", &report(&work))?;
-        output.text("weigh.html", &page)?;
-        output.figure("weigh", &picture)?;
+        output.table(session, "weigh.csv", &table(&work))?;
+        let report = report(&work);
+        output.json(session, "weigh.json", &report)?;
+        output.text(session, "weigh.html", &page)?;
+        output.figure(session, "weigh", &picture)?;
         if let Some(keys) = &weighed_again {
-            output.table("again.csv", &again(keys))?;
+            output.table(session, "again.csv", &again(keys))?;
         }
-        let written = output.commit()?;
+        let written = output.commit(session)?;
         let keys = if list.plan.keys.len() == 1 { "key" } else { "keys" };
-        say!("{file} - {} {keys} weighed; what was not comes from {}", list.plan.keys.len(), keyboard.name);
-        say!();
-        say!("{}", text(&work).trim_end_matches('\n'));
-        say!();
+        print_line!(
+            session,
+            "{file} - {} {keys} weighed; what was not comes from {}",
+            list.plan.keys.len(),
+            keyboard.name
+        );
+        print_line!(session);
+        print_line!(session, "{}", text(&work).trim_end_matches('\n'));
+        print_line!(session);
         if let Some(keys) = weighed_again.as_ref().filter(|_| !list.lines.is_empty()) {
-            say!("  The list carried out on copies of these keys, weighed again:");
-            say!();
-            say!("{}", again_text(&work, keys).trim_end_matches('\n'));
-            say!();
+            print_line!(session, "  The list carried out on copies of these keys, weighed again:");
+            print_line!(session);
+            print_line!(session, "{}", again_text(&work, keys).trim_end_matches('\n'));
+            print_line!(session);
         }
-        say!("{written}");
-        Ok(())
+        print_line!(session, "{written}");
+        Ok(Answer::of(&report)?.files(&written))
     }
 
     fn goal(&self) -> Result<KeyboardGoal, Failure> {

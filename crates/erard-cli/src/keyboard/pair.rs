@@ -11,6 +11,7 @@ use super::{COLUMNS, numbers, over_the_keys, samples};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::paper::{self, picture};
+use crate::session::Session;
 use crate::table::Table;
 
 const STYLE: &str = include_str!("../paper.css");
@@ -211,15 +212,17 @@ fn table(sides: &[Side; 2]) -> Markup {
 ///
 /// # Errors
 /// [`Failure::Write`].
-pub(crate) fn write(sides: &[Side; 2], output: &mut Output) -> Result<(), Failure> {
+pub(crate) fn write(session: &Session, sides: &[Side; 2], output: &mut Output) -> Result<Value, Failure> {
     let picture = figure(sides);
     let page = page(sides, &picture.svg());
-    output.json("keyboard.json", &json_of(sides))?;
-    output.table("keyboard-1.csv", &super::table(&sides[0].weighed))?;
-    output.table("keyboard-2.csv", &super::table(&sides[1].weighed))?;
-    output.table("difference.csv", &difference(sides))?;
-    output.figure("keyboard", &picture)?;
-    output.text("keyboard.html", &page)
+    let report = json_of(sides);
+    output.json(session, "keyboard.json", &report)?;
+    output.table(session, "keyboard-1.csv", &super::table(&sides[0].weighed))?;
+    output.table(session, "keyboard-2.csv", &super::table(&sides[1].weighed))?;
+    output.table(session, "difference.csv", &difference(sides))?;
+    output.figure(session, "keyboard", &picture)?;
+    output.text(session, "keyboard.html", &page)?;
+    Ok(report)
 }
 
 #[cfg(test)]

@@ -5,4 +5,4 @@ pub(crate) mod latency;
 pub(crate) mod report;
 mod wire;
 
-pub(crate) use wire::{Bits, Wire, silence};
+pub(crate) use wire::{Bits, Sounding, Wire};

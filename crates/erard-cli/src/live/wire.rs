@@ -1,7 +1,7 @@
 //! Bytes of MIDI to whoever takes them; where the process is ended, notes that sound are ended first.
 
 use std::io::{self, Write};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use erard::keyboard::note_name;
 use erard_live::Event;
@@ -34,7 +34,7 @@ impl Bits {
 /// What takes bytes.
 pub(crate) type Sink = Box<dyn Write + Send>;
 
-/// The notes that sound on a sink, for whoever ends the process.
+/// A sink, and the notes that sound on it.
 struct Open {
     sink: Sink,
     sounding: [u32; KEYS],
@@ -42,20 +42,28 @@ struct Open {
     channel: u8,
 }
 
-static OPEN: Mutex<Option<Open>> = Mutex::new(None);
+/// The notes that sound, shared with the thread that ends the process.
+#[derive(Clone, Default)]
+pub(crate) struct Sounding(Arc<Mutex<Option<Open>>>);
 
-/// Ends what sounds, before the process is ended.
-pub(crate) fn silence() {
-    // Whoever is writing now finishes its message first.
-    let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
-    let Some(open) = open.as_mut() else { return };
-    for key in 1..=KEYS {
-        for _ in 0..std::mem::take(&mut open.sounding[key - 1]) {
-            // Nobody is left to tell.
-            let _ = open.off(key, Velocity::of_seven_bits(64)).and_then(|bytes| open.sink.write_all(&bytes).ok());
+impl Sounding {
+    /// Ends what sounds, before the process is ended.
+    pub(crate) fn silence(&self) {
+        // Whoever is writing now finishes its message first.
+        let mut open = self.open();
+        let Some(open) = open.as_mut() else { return };
+        for key in 1..=KEYS {
+            for _ in 0..std::mem::take(&mut open.sounding[key - 1]) {
+                // Nobody is left to tell.
+                let _ = open.off(key, Velocity::of_seven_bits(64)).and_then(|bytes| open.sink.write_all(&bytes).ok());
+            }
         }
+        let _ = open.sink.flush();
     }
-    let _ = open.sink.flush();
+
+    fn open(&self) -> MutexGuard<'_, Option<Open>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Open {
@@ -121,6 +129,7 @@ struct Row {
 
 /// Where events go: bytes to a sink at once, or a file.
 pub(crate) struct Wire {
+    sounding: Sounding,
     kept: Option<Kept>,
     piece: Option<Piece>,
     rows: Option<Vec<Row>>,
@@ -131,17 +140,17 @@ pub(crate) struct Wire {
 
 impl Wire {
     /// Bytes to a sink.
-    pub(crate) fn bytes(sink: Sink, bits: Bits, channel: u8) -> Self {
-        let open = Open { sink, sounding: [0; KEYS], bits, channel };
-        *OPEN.lock().unwrap_or_else(PoisonError::into_inner) = Some(open);
+    pub(crate) fn bytes(sounding: &Sounding, sink: Sink, bits: Bits, channel: u8) -> Self {
+        *sounding.open() = Some(Open { sink, sounding: [0; KEYS], bits, channel });
         let cable = (bits != Bits::Sixteen).then(Cable::default);
-        Wire { kept: None, piece: None, rows: None, open: Vec::new(), begins_s: None, cable }
+        let sounding = sounding.clone();
+        Wire { sounding, kept: None, piece: None, rows: None, open: Vec::new(), begins_s: None, cable }
     }
 
     /// Bytes for a file.
-    pub(crate) fn kept(bits: Bits, channel: u8) -> Self {
+    pub(crate) fn kept(sounding: &Sounding, bits: Bits, channel: u8) -> Self {
         let kept = Kept::default();
-        Wire { kept: Some(kept.clone()), ..Wire::bytes(Box::new(kept), bits, channel) }
+        Wire { kept: Some(kept.clone()), ..Wire::bytes(sounding, Box::new(kept), bits, channel) }
     }
 
     /// A piece for a Standard MIDI File.
@@ -151,7 +160,8 @@ impl Wire {
 
     /// Notes for a table.
     pub(crate) fn table() -> Self {
-        Wire { kept: None, piece: None, rows: Some(Vec::new()), open: Vec::new(), begins_s: None, cable: None }
+        let (sounding, rows) = (Sounding::default(), Some(Vec::new()));
+        Wire { sounding, kept: None, piece: None, rows, open: Vec::new(), begins_s: None, cable: None }
     }
 
     /// Sends an event at an instant of the stream, s.
@@ -165,7 +175,7 @@ impl Wire {
             note_down(rows, event);
             return Ok(());
         }
-        let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut open = self.sounding.open();
         let Some(open) = open.as_mut() else { return Ok(()) };
         let Some(bytes) = open.bytes(event) else { return Ok(()) };
         if let Some(cable) = &mut self.cable {

@@ -23,13 +23,13 @@ use erard_figures::Picture;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::inputs;
-use crate::signals;
+use crate::identity;
+use crate::inputs::{self, Inputs};
+use crate::session::Session;
 use crate::table::{TABLE, Table, as_parquet, beside, is_beside_a_table};
-use crate::{answer, identity};
 pub(crate) use mark::Mark;
 use stage::Stage;
-pub(crate) use stage::clear as clear_stages;
+pub(crate) use stage::Stages;
 
 /// Files that a command collects for a folder. Nothing stands there under its own name before [`Output::commit`].
 #[derive(Debug)]
@@ -54,41 +54,48 @@ impl Output {
     /// # Errors
     /// [`Failure::Write`]; [`Failure::Usage`] where something stands in the way.
     pub(crate) fn results(
+        session: &Session,
         folder: &Path,
         command: &'static str,
         force: bool,
         certain: &[&str],
     ) -> Result<Self, Failure> {
-        Self::prepare(folder, Some(command), force, certain)
+        Self::prepare(session, folder, Some(command), force, certain)
     }
 
     /// Files for the user to keep, among others of theirs.
     ///
     /// # Errors
     /// As [`Output::results`].
-    pub(crate) fn files(folder: &Path, force: bool, certain: &[&str]) -> Result<Self, Failure> {
-        Self::prepare(folder, None, force, certain)
+    pub(crate) fn files(session: &Session, folder: &Path, force: bool, certain: &[&str]) -> Result<Self, Failure> {
+        Self::prepare(session, folder, None, force, certain)
     }
 
-    fn prepare(folder: &Path, command: Option<&'static str>, force: bool, certain: &[&str]) -> Result<Self, Failure> {
+    fn prepare(
+        session: &Session,
+        folder: &Path,
+        command: Option<&'static str>,
+        force: bool,
+        certain: &[&str],
+    ) -> Result<Self, Failure> {
         let refused = |source| Failure::write(folder, source);
         stage::recover(folder).map_err(refused)?;
         if folder.exists() && !folder.is_dir() {
             return Err(refused(std::io::Error::other("this is a file; expected a folder")));
         }
-        let place = Place { folder, command, force };
+        let place = Place { folder, command, force, inputs: &session.inputs };
         let tables = certain.iter().filter(|name| name.ends_with(TABLE));
         let tables = tables
             .flat_map(|name| [beside(name), as_parquet(name)].into_iter().take(1 + usize::from(command.is_some())));
         place.check(&certain.iter().map(|name| (*name).to_owned()).chain(tables).collect::<Vec<_>>())?;
         let stage = if place.is_whole() || !folder.exists() {
             // Where nothing can be made beside the folder, there may be room within it.
-            match Stage::beside(folder) {
-                Err(_) if folder.exists() => Stage::within(folder),
+            match Stage::beside(&session.stages, folder) {
+                Err(_) if folder.exists() => Stage::within(&session.stages, folder),
                 stage => stage,
             }
         } else {
-            Stage::within(folder)
+            Stage::within(&session.stages, folder)
         };
         Ok(Output { folder: folder.to_path_buf(), command, force, names: Vec::new(), stage: stage.map_err(refused)? })
     }
@@ -100,12 +107,13 @@ impl Output {
     /// [`Failure::Write`].
     pub(crate) fn stage(
         &mut self,
+        session: &Session,
         name: &str,
         write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<(), Failure> {
         // What follows is compiled once, not for each caller.
         let mut write = Some(write);
-        self.put(name, &mut |writer| write.take().map_or(Ok(()), |write| write(writer)))
+        self.put(session, name, &mut |writer| write.take().map_or(Ok(()), |write| write(writer)))
     }
 
     /// Writes a table as CSV, and beside it the units of its columns and what made it, which a CSV cannot hold. Results
@@ -113,13 +121,13 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::Write`].
-    pub fn table(&mut self, name: &str, table: &Table<'_>) -> Result<(), Failure> {
-        self.stage(name, |writer| table.write_csv(writer))?;
-        answer::offer_table(table);
-        self.json(&beside(name), &table.metadata(name))?;
+    pub fn table(&mut self, session: &Session, name: &str, table: &Table<'_>) -> Result<(), Failure> {
+        self.stage(session, name, |writer| table.write_csv(writer))?;
+        self.json(session, &beside(name), &table.metadata(name))?;
         if self.command.is_some() {
             let title = name.strip_suffix(TABLE).unwrap_or(name);
-            self.stage(&as_parquet(name), |writer| table.write_parquet(title, writer))?;
+            let made_by = session.provenance.made_by();
+            self.stage(session, &as_parquet(name), |writer| table.write_parquet(title, &made_by, writer))?;
         }
         Ok(())
     }
@@ -135,16 +143,16 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::Write`].
-    pub fn text(&mut self, name: &str, text: &str) -> Result<(), Failure> {
-        self.stage(name, |writer| writer.write_all(text.as_bytes()))
+    pub fn text(&mut self, session: &Session, name: &str, text: &str) -> Result<(), Failure> {
+        self.stage(session, name, |writer| writer.write_all(text.as_bytes()))
     }
 
     /// Writes a value as JSON, indented.
     ///
     /// # Errors
     /// [`Failure::Write`].
-    pub fn json(&mut self, name: &str, value: &impl Serialize) -> Result<(), Failure> {
-        self.stage(name, |writer| {
+    pub fn json(&mut self, session: &Session, name: &str, value: &impl Serialize) -> Result<(), Failure> {
+        self.stage(session, name, |writer| {
             serde_json::to_writer_pretty(&mut *writer, value)?;
             writer.write_all(b"\n")
         })
@@ -154,29 +162,28 @@ impl Output {
     ///
     /// # Errors
     /// [`Failure::Write`]; [`Failure::Internal`] where it cannot be drawn.
-    pub fn figure(&mut self, name: &str, picture: &Picture) -> Result<(), Failure> {
-        self.picture(name, picture, 2.0)
+    pub fn figure(&mut self, session: &Session, name: &str, picture: &Picture) -> Result<(), Failure> {
+        self.picture(session, name, picture, 2.0)
     }
 
     /// Writes a picture twice: `NAME.svg`, and `NAME.png` of so many times its size.
     ///
     /// # Errors
     /// [`Failure::Write`]; [`Failure::Internal`] where it cannot be drawn.
-    pub fn picture(&mut self, name: &str, picture: &Picture, scale: f64) -> Result<(), Failure> {
+    pub fn picture(&mut self, session: &Session, name: &str, picture: &Picture, scale: f64) -> Result<(), Failure> {
         let png = picture.png(scale).map_err(|error| Failure::Internal(error.to_string()))?;
-        self.text(&format!("{name}.svg"), &picture.svg())?;
-        self.stage(&format!("{name}.png"), |writer| writer.write_all(&png))
+        self.text(session, &format!("{name}.svg"), &picture.svg())?;
+        self.stage(session, &format!("{name}.png"), |writer| writer.write_all(&png))
     }
 
-    fn put(&mut self, name: &str, write: &mut Writes) -> Result<(), Failure> {
+    fn put(&mut self, session: &Session, name: &str, write: &mut Writes) -> Result<(), Failure> {
         let refused = |source| Failure::write(&self.folder.join(name), source);
         let file = fs::File::create_new(self.stage.results().join(name)).map_err(refused)?;
         let mut writer = std::io::BufWriter::new(file);
-        if identity::is_stamped(name) || answer::takes(name) {
+        if identity::is_stamped(name) {
             let mut bytes = Vec::new();
             write(&mut bytes).map_err(refused)?;
-            let bytes = identity::stamped(name, bytes);
-            answer::offer(name, &bytes);
+            let bytes = identity::stamped(&session.provenance.made_by(), name, bytes);
             writer.write_all(&bytes).and_then(|()| writer.flush()).map_err(refused)?;
         } else {
             write(&mut writer).and_then(|()| writer.flush()).map_err(refused)?;
@@ -192,12 +199,12 @@ impl Output {
     /// # Errors
     /// [`Failure::Write`]; [`Failure::Usage`] where something has come to stand in the way. Either leaves the folder as
     /// it was.
-    pub fn commit(mut self) -> Result<Written, Failure> {
+    pub fn commit(mut self, session: &Session) -> Result<Written, Failure> {
         // Whoever wants to end the program now waits until this is done.
-        let _undisturbed = signals::hold();
+        let _undisturbed = session.stop.hold();
         let folder = self.folder.clone();
         let refused = |source| Failure::write(&folder, source);
-        let place = Place { folder: &folder, command: self.command, force: self.force };
+        let place = Place { folder: &folder, command: self.command, force: self.force, inputs: &session.inputs };
         place.check(&self.names)?;
         let whole = self.stage.is_beside() && (place.is_whole() || !folder.exists());
         if let Some(command) = self.command {
@@ -220,23 +227,29 @@ impl Output {
                 .map_err(|(name, source)| Failure::write(&folder.join(name), source))?;
         }
         self.stage.keep_parents();
-        answer::written(self.names.iter().map(|name| folder.join(name)));
-        let mut names = std::mem::take(&mut self.names);
-        names.retain(|name| !is_beside_a_table(name));
-        Ok(Written { folder, names })
+        Ok(Written { folder, names: std::mem::take(&mut self.names) })
     }
 }
 
-/// The files that a command wrote, but for the tables' metadata: nobody opens those by hand.
+/// The files that a command wrote.
 #[derive(Debug)]
 pub struct Written {
     folder: PathBuf,
     names: Vec<String>,
 }
 
+impl Written {
+    /// All of them, with the tables' metadata.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = PathBuf> {
+        self.names.iter().map(|name| self.folder.join(name))
+    }
+}
+
 impl std::fmt::Display for Written {
+    /// Without the tables' metadata: nobody opens those by hand.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Written to {}: {}", inputs::shown(&self.folder), shortened(&self.names).join(", "))
+        let names: Vec<&String> = self.names.iter().filter(|name| !is_beside_a_table(name)).collect();
+        write!(f, "Written to {}: {}", inputs::shown(&self.folder), shortened(&names).join(", "))
     }
 }
 
@@ -244,7 +257,7 @@ impl std::fmt::Display for Written {
 const MANY: usize = 6;
 
 /// The names, with a line of numbered pages as its ends and their number.
-fn shortened(names: &[String]) -> Vec<String> {
+fn shortened(names: &[&String]) -> Vec<String> {
     let kind = |name: &str| name.replace(|c: char| c.is_ascii_digit(), "");
     let mut kinds: Vec<(String, Vec<&str>)> = Vec::new();
     for name in names {
@@ -265,6 +278,7 @@ struct Place<'a> {
     folder: &'a Path,
     command: Option<&'static str>,
     force: bool,
+    inputs: &'a Inputs,
 }
 
 impl Place<'_> {
@@ -274,7 +288,7 @@ impl Place<'_> {
         let wrong = |path: &Path, why: &str| Err(Failure::Usage(format!("{}: {why}", inputs::shown(path))));
         for name in names.iter().chain(&self.stale(names)) {
             let path = self.folder.join(name);
-            if inputs::is_one(&path) {
+            if self.inputs.is_one(&path) {
                 return wrong(
                     &path,
                     "is an input of this command and is never overwritten; name another folder with --out",

@@ -11,7 +11,7 @@
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tempfile::TempDir;
 
@@ -27,14 +27,15 @@ const RESULTS: &str = "results";
 /// What was there before.
 pub(crate) const OLD: &str = "old";
 
-/// Stages of this process, and the folders made for them: for the handler that ends the process from outside. Held
-/// while one is made, so that whoever clears up knows of all that stand; and from then on for ever, so that no other is
-/// made.
-static OPEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+/// Stages of a session, and the folders made for them: for the thread that ends the process. Held while one is made, so
+/// that whoever clears up knows of all that stand; and from then on for ever, so that no other is made.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Stages(Arc<Mutex<Vec<PathBuf>>>);
 
-/// A stage of this process; gone when dropped, with what is in it.
+/// A stage of a session; gone when dropped, with what is in it.
 #[derive(Debug)]
 pub(crate) struct Stage {
+    stages: Stages,
     folder: TempDir,
     /// Held open for its lock.
     _lock: File,
@@ -45,7 +46,7 @@ pub(crate) struct Stage {
 
 impl Stage {
     /// Beside a folder, which need not exist yet.
-    pub(crate) fn beside(folder: &Path) -> io::Result<Self> {
+    pub(crate) fn beside(stages: &Stages, folder: &Path) -> io::Result<Self> {
         let parent = parent(folder);
         let mut made: Vec<PathBuf> = parent
             .ancestors()
@@ -53,8 +54,8 @@ impl Stage {
             .map(Path::to_path_buf)
             .collect();
         made.reverse();
-        let mut open = open();
-        let stage = fs::create_dir_all(&parent).and_then(|()| Self::new(&prefix(folder), &parent, &mut open));
+        let mut open = stages.open();
+        let stage = fs::create_dir_all(&parent).and_then(|()| Self::new(stages, &prefix(folder), &parent, &mut open));
         let mut stage = stage.inspect_err(|_| remove_empty(&made))?;
         open.extend(made.iter().cloned());
         drop(open);
@@ -67,19 +68,19 @@ impl Stage {
     }
 
     /// Within a folder that exists.
-    pub(crate) fn within(folder: &Path) -> io::Result<Self> {
-        Self::new(WITHIN, folder, &mut open())
+    pub(crate) fn within(stages: &Stages, folder: &Path) -> io::Result<Self> {
+        Self::new(stages, WITHIN, folder, &mut stages.open())
     }
 
     /// What a stage beside a folder holds, within it.
     pub(crate) fn moved_into(folder: &Path, other: &Stage) -> io::Result<Self> {
-        let stage = Self::within(folder)?;
+        let stage = Self::within(&other.stages, folder)?;
         fs::remove_dir(stage.results())?;
         fs::rename(other.results(), stage.results())?;
         Ok(stage)
     }
 
-    fn new(prefix: &str, parent: &Path, open: &mut Vec<PathBuf>) -> io::Result<Self> {
+    fn new(stages: &Stages, prefix: &str, parent: &Path, open: &mut Vec<PathBuf>) -> io::Result<Self> {
         loop {
             let folder = tempfile::Builder::new().prefix(prefix).suffix(END).tempdir_in(parent)?;
             let path = folder.path().join(LOCK);
@@ -98,7 +99,7 @@ impl Stage {
             open.push(folder.path().to_path_buf());
             // Made by the usual rules, whatever those for temporary folders are: it is to stay.
             fs::create_dir(folder.path().join(RESULTS))?;
-            return Ok(Stage { folder, _lock: lock, beside: false, made: Vec::new() });
+            return Ok(Stage { stages: stages.clone(), folder, _lock: lock, beside: false, made: Vec::new() });
         }
     }
 
@@ -136,7 +137,7 @@ impl Stage {
     /// Something has come of it.
     pub(crate) fn keep_parents(&mut self) {
         let made = std::mem::take(&mut self.made);
-        open().retain(|folder| !made.contains(folder));
+        self.stages.open().retain(|folder| !made.contains(folder));
     }
 }
 
@@ -145,27 +146,33 @@ impl Drop for Stage {
         // What cannot be removed now, the next command clears away.
         let _ = fs::remove_dir_all(self.folder.path());
         remove_empty(&self.made);
-        open().retain(|folder| folder != self.folder.path() && !self.made.contains(folder));
+        self.stages.open().retain(|folder| folder != self.folder.path() && !self.made.contains(folder));
     }
 }
 
-/// Clears what this process has begun to write. For its end: whoever still writes then finds that there is no folder.
-pub(crate) fn clear() {
-    let mut open = open();
-    let folders = std::mem::take(&mut *open);
-    // Never given back.
-    std::mem::forget(open);
-    let (stages, made): (Vec<_>, Vec<_>) = folders.into_iter().partition(|folder| folder.join(LOCK).exists());
-    for stage in stages {
-        // A file that is created meanwhile is in the way once or twice.
-        for _ in 0..20 {
-            if fs::remove_dir_all(&stage).is_ok() || !stage.exists() {
-                break;
+impl Stages {
+    /// Clears what the session has begun to write. For its end: whoever still writes then finds that there is no folder.
+    pub(crate) fn clear(&self) {
+        let mut open = self.open();
+        let folders = std::mem::take(&mut *open);
+        // Never given back.
+        std::mem::forget(open);
+        let (stages, made): (Vec<_>, Vec<_>) = folders.into_iter().partition(|folder| folder.join(LOCK).exists());
+        for stage in stages {
+            // A file that is created meanwhile is in the way once or twice.
+            for _ in 0..20 {
+                if fs::remove_dir_all(&stage).is_ok() || !stage.exists() {
+                    break;
+                }
+                std::thread::sleep(std::time::Duration::from_millis(2));
             }
-            std::thread::sleep(std::time::Duration::from_millis(2));
         }
+        remove_empty(&made);
     }
-    remove_empty(&made);
+
+    fn open(&self) -> MutexGuard<'_, Vec<PathBuf>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Clears up after processes that were killed while they wrote results for a folder: finishes what they had decided,
@@ -236,8 +243,4 @@ fn remove_empty(made: &[PathBuf]) {
     for folder in made.iter().rev() {
         let _ = fs::remove_dir(folder);
     }
-}
-
-fn open() -> std::sync::MutexGuard<'static, Vec<PathBuf>> {
-    OPEN.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }

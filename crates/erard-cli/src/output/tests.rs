@@ -6,6 +6,7 @@ use super::journal;
 use super::stage::recover;
 use super::{Mark, Output, Written, mark};
 use crate::failure::Failure;
+use crate::session::Session;
 
 /// A folder of its own, gone at the end.
 fn root() -> tempfile::TempDir {
@@ -13,17 +14,17 @@ fn root() -> tempfile::TempDir {
 }
 
 fn write(output: &mut Output, name: &str, text: &str) -> Result<(), Failure> {
-    output.stage(name, |w| w.write_all(text.as_bytes()))
+    output.stage(&Session::silent(), name, |w| w.write_all(text.as_bytes()))
 }
 
 /// Writes these files as a command does.
 fn put(folder: &Path, command: &'static str, force: bool, files: &[(&str, &str)]) -> Result<Written, Failure> {
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
-    let mut output = Output::results(folder, command, force, &names)?;
+    let mut output = Output::results(&Session::silent(), folder, command, force, &names)?;
     for (name, text) in files {
         write(&mut output, name, text)?;
     }
-    output.commit()
+    output.commit(&Session::silent())
 }
 
 /// Names and texts of a folder's files, without the mark.
@@ -49,15 +50,15 @@ fn files(files: &[(&str, &str)]) -> Vec<(String, String)> {
 fn nothing_or_all() {
     let root = root();
     let folder = root.path().join("a/b");
-    let mut output = Output::results(&folder, "press", false, &[]).unwrap();
+    let mut output = Output::results(&Session::silent(), &folder, "press", false, &[]).unwrap();
     write(&mut output, "x.txt", "x").unwrap();
     assert!(!folder.exists());
     drop(output);
     assert_eq!(held(root.path()), []);
 
     put(&folder, "press", false, &[("x.txt", "x")]).unwrap();
-    let mut output = Output::results(&folder, "press", false, &[]).unwrap();
-    output.stage("x.txt", |_| Err(io::Error::other("disk full"))).unwrap_err();
+    let mut output = Output::results(&Session::silent(), &folder, "press", false, &[]).unwrap();
+    output.stage(&Session::silent(), "x.txt", |_| Err(io::Error::other("disk full"))).unwrap_err();
     drop(output);
     assert_eq!(held(&folder), files(&[("x.txt", "x")]), "the old file is still whole");
     assert_eq!(fs::read_dir(root.path().join("a")).unwrap().count(), 1, "nothing beside it");
@@ -123,9 +124,9 @@ fn results_do_not_mix() {
     let refused = put(&foreign, "press", false, &[("run", "press")]).unwrap_err().to_string();
     assert!(refused.contains("was not written by `erard press`"), "{refused}");
     // Not even where it has come while the command ran, under a name that was not foreseen.
-    let mut output = Output::results(&foreign, "press", false, &[]).unwrap();
+    let mut output = Output::results(&Session::silent(), &foreign, "press", false, &[]).unwrap();
     write(&mut output, "run", "press").unwrap();
-    output.commit().unwrap_err();
+    output.commit(&Session::silent()).unwrap_err();
     assert_eq!(held(&foreign), files(&[("run", "mine")]));
     put(&foreign, "press", true, &[("run", "press")]).unwrap();
     assert_eq!(held(&foreign), files(&[("run", "press")]));
@@ -263,7 +264,7 @@ fn a_folder_that_went_aside_comes_back() {
 fn stages_of_the_living_stay() {
     let root = root();
     let folder = root.path().join("out");
-    let mut one = Output::results(&folder, "press", false, &[]).unwrap();
+    let mut one = Output::results(&Session::silent(), &folder, "press", false, &[]).unwrap();
     write(&mut one, "a", "one").unwrap();
     // Names that a user may have chosen, the last one of a stage's own form.
     let users = [".out.mine.part", ".out.backup.part", ".out.backup.erard.part"].map(|name| root.path().join(name));
@@ -273,7 +274,7 @@ fn stages_of_the_living_stay() {
     }
     put(&folder, "press", false, &[("a", "two")]).unwrap();
     assert_eq!(held(&folder), files(&[("a", "two")]));
-    one.commit().unwrap();
+    one.commit(&Session::silent()).unwrap();
     assert_eq!(held(&folder), files(&[("a", "one")]));
     assert!(users.iter().all(|folder| fs::read_to_string(folder.join("kept")).unwrap() == "mine"));
 }

@@ -7,6 +7,8 @@ use std::sync::{Mutex, PoisonError};
 
 use erard_piece::{Block, COLUMNS, RATE_HZ, Sink};
 
+use erard_figures::made_by::MadeBy;
+
 use crate::table::RowGroups;
 
 /// Rows of a group in Parquet.
@@ -65,9 +67,9 @@ pub(crate) struct Rows(Vec<(usize, File)>);
 
 impl Rows {
     /// As Parquet, key after key.
-    pub(crate) fn write(self, writer: &mut dyn Write) -> io::Result<()> {
+    pub(crate) fn write(self, made_by: &MadeBy, writer: &mut dyn Write) -> io::Result<()> {
         let names: Vec<&str> = std::iter::once("key").chain(COLUMNS).collect();
-        let mut groups = RowGroups::new("actions", &names, writer)?;
+        let mut groups = RowGroups::new("actions", made_by, &names, writer)?;
         for (key, mut file) in self.0 {
             let bytes = file.seek(SeekFrom::End(0))?;
             file.rewind()?;

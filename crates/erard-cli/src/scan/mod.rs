@@ -15,6 +15,7 @@ use erard_piece::scan::{Reading, Sensor, Strike, Truth, stops};
 
 use crate::failure::Failure;
 use crate::output::Output;
+use crate::session::Session;
 use crate::table::Table;
 
 /// What was scanned.
@@ -60,21 +61,26 @@ impl Scanned<'_> {
     }
 
     /// Writes all but the summary. Returns how many readings each sensor sent.
-    pub(crate) fn write(&self, readings: Vec<Vec<Reading>>, output: &mut Output) -> Result<Vec<usize>, Failure> {
+    pub(crate) fn write(
+        &self,
+        session: &Session,
+        readings: Vec<Vec<Reading>>,
+        output: &mut Output,
+    ) -> Result<Vec<usize>, Failure> {
         let counts = readings.iter().map(Vec::len).collect();
         let pedals = self.score.map(Score::sustain).unwrap_or_default();
         for (sensor, readings) in self.sensors.iter().zip(readings) {
-            output.stage(&scan_name(sensor), |writer| stream(&readings, &pedals, writer))?;
+            output.stage(session, &scan_name(sensor), |writer| stream(&readings, &pedals, writer))?;
         }
         let bits: BTreeMap<u32, ()> = self.sensors.iter().map(|sensor| (sensor.bits, ())).collect();
         for bits in bits.into_keys() {
             let keys = self.played.iter().map(|key| (*key, stops(bits))).collect();
             let travel_m = self.known_travel_m();
             let profile = Profile { law: SensorLaw::Linear {}, travel_m, pressure_is_depth: false, keys };
-            output.text(&profile_name(bits), &profile.text())?;
+            output.text(session, &profile_name(bits), &profile.text())?;
         }
-        output.table("truth.csv", &self.strikes())?;
-        output.table("windows.csv", &self.windows())?;
+        output.table(session, "truth.csv", &self.strikes())?;
+        output.table(session, "windows.csv", &self.windows())?;
         Ok(counts)
     }
 

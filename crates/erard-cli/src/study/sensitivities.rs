@@ -12,7 +12,7 @@ use erard_workshop::sensitivities::{
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
-use crate::progress::Progress;
+use crate::session::Session;
 use crate::table::{Table, three};
 
 /// Bars of a panel of the figure.
@@ -72,6 +72,7 @@ pub(crate) fn variables(
 /// # Errors
 /// What cannot be differentiated, and an interruption.
 pub(crate) fn find<'a>(
+    session: &Session,
     instrument: &Instrument,
     by: Vec<Variable>,
     of: Vec<Quantity>,
@@ -79,7 +80,7 @@ pub(crate) fn find<'a>(
     setup: &Setup,
     rest: Rest,
 ) -> Result<Sensitivities, Failure> {
-    let mut progress = Progress::new("differentiating");
+    let mut progress = session.progress("differentiating");
     sensitivities(instrument, by, of, stroke, setup, rest, cores::count(), &mut |share| progress.tell(share)).map_err(
         |error| match error {
             SensitivityError::Simulation(error) => Failure::Simulation(error),

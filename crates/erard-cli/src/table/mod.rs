@@ -7,6 +7,7 @@ use std::borrow::Cow;
 use std::io::Write;
 
 use erard::run::{Run, column_unit};
+use erard_figures::made_by::MadeBy;
 use maud::{Markup, html};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -145,7 +146,7 @@ impl<'a> Table<'a> {
     ///
     /// # Errors
     /// Of the writer.
-    pub(crate) fn write_parquet(&self, title: &str, writer: &mut dyn Write) -> std::io::Result<()> {
+    pub(crate) fn write_parquet(&self, title: &str, made_by: &MadeBy, writer: &mut dyn Write) -> std::io::Result<()> {
         let rows = self.rows();
         let columns = self.columns.iter().map(|(name, cells)| {
             let is_there = |row: usize| match cells {
@@ -161,7 +162,7 @@ impl<'a> Table<'a> {
             };
             (name.as_ref(), values, (0..rows).map(|row| i16::from(is_there(row))).collect())
         });
-        parquet::write(title, &columns.collect::<Vec<_>>(), writer)
+        parquet::write(title, made_by, &columns.collect::<Vec<_>>(), writer)
     }
 
     /// Its columns by their names: null where a cell is empty.

@@ -6,14 +6,13 @@ use std::io::{Error, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use erard::run::column_unit;
+use erard_figures::made_by::MadeBy;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
-
-use crate::identity;
 
 /// The values of a column that are there.
 pub(super) enum Values<'a> {
@@ -28,14 +27,22 @@ pub(super) type ParquetColumn<'a> = (&'a str, Values<'a>, Vec<i16>);
 const COUNTS: [&str; 4] = ["impact_count", "unconverged_steps", "failed", "key"];
 
 /// One row group: doubles, whole numbers for what counts, and words.
-pub(super) fn write(title: &str, columns: &[ParquetColumn<'_>], writer: &mut dyn Write) -> std::io::Result<()> {
+pub(super) fn write(
+    title: &str,
+    made_by: &MadeBy,
+    columns: &[ParquetColumn<'_>],
+    writer: &mut dyn Write,
+) -> std::io::Result<()> {
     let names: Vec<&str> = columns.iter().map(|(name, ..)| *name).collect();
     let kinds: Vec<_> = columns.iter().map(|(name, values, _)| (*name, kind(name, values))).collect();
     // The library wants a writer that can be sent to another thread; a buffer in between can.
     let mut bytes = Vec::new();
-    let mut file =
-        SerializedFileWriter::new(&mut bytes, schema(title, &kinds, Repetition::OPTIONAL)?, properties(&names)?)
-            .map_err(Error::other)?;
+    let mut file = SerializedFileWriter::new(
+        &mut bytes,
+        schema(title, &kinds, Repetition::OPTIONAL)?,
+        properties(made_by, &names)?,
+    )
+    .map_err(Error::other)?;
     let mut group = file.next_row_group().map_err(Error::other)?;
     for (name, values, there) in columns {
         let Some(mut column) = group.next_column().map_err(Error::other)? else { break };
@@ -83,10 +90,10 @@ fn schema(title: &str, columns: &[(&str, Physical)], repetition: Repetition) -> 
 
 /// Compressed by Snappy, which every reader of Parquet knows. The metadata hold what made the file (`made_by`) and
 /// every column's unit (`units`), as JSON.
-fn properties(names: &[&str]) -> std::io::Result<Arc<WriterProperties>> {
+fn properties(made_by: &MadeBy, names: &[&str]) -> std::io::Result<Arc<WriterProperties>> {
     let units: BTreeMap<&str, &str> = names.iter().map(|name| (*name, column_unit(name))).collect();
     let metadata = vec![
-        KeyValue::new("made_by".into(), identity::made_by().json()),
+        KeyValue::new("made_by".into(), made_by.json()),
         KeyValue::new("units".into(), serde_json::to_string(&units)?),
     ];
     let properties = WriterProperties::builder()
@@ -121,12 +128,18 @@ pub(crate) struct RowGroups<'w> {
 impl<'w> RowGroups<'w> {
     /// # Errors
     /// Of the writer.
-    pub(crate) fn new(title: &str, names: &[&str], writer: &'w mut dyn Write) -> std::io::Result<Self> {
+    pub(crate) fn new(
+        title: &str,
+        made_by: &MadeBy,
+        names: &[&str],
+        writer: &'w mut dyn Write,
+    ) -> std::io::Result<Self> {
         let taken = Taken::default();
         let kinds: Vec<_> =
             names.iter().map(|name| (*name, kind(name, &Values::Numbers(Cow::Borrowed(&[]))))).collect();
         let schema = schema(title, &kinds, Repetition::REQUIRED)?;
-        let file = SerializedFileWriter::new(taken.clone(), schema, properties(names)?).map_err(Error::other)?;
+        let file =
+            SerializedFileWriter::new(taken.clone(), schema, properties(made_by, names)?).map_err(Error::other)?;
         Ok(RowGroups { file, taken, writer })
     }
 

@@ -12,10 +12,13 @@ use erard_workshop::fmu::{INSTRUMENT, KEYBOARD, Unit};
 use flate2::read::DeflateDecoder;
 use rawzip::{CompressionMethod, ZipArchive};
 
+/// A text that passes for the library.
+pub const LIBRARY: &str = "some code, fmi2DoStep, some code, erard_action_new, some code";
+
 /// A folder with a file that passes for the library.
 fn folder(test: &str) -> Folder {
     let folder = Folder::for_command("fmu", test);
-    folder.file("liberard.so", "some code, fmi2DoStep, some code, erard_action_new, some code");
+    folder.file("liberard.so", LIBRARY);
     folder
 }
 

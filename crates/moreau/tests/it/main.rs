@@ -7,6 +7,7 @@ mod drives;
 mod imports;
 mod left_out;
 mod regularised;
+mod statics;
 mod tangent;
 mod workspace;
 mod yielding;

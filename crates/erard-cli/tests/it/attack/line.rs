@@ -2,6 +2,7 @@
 
 use clap::Arg;
 use fastrand::Rng;
+use serde_json::Value;
 
 use super::world::{INPUTS, OUTPUTS};
 
@@ -132,8 +133,14 @@ impl Line {
     }
 
     /// The schema of its answer.
-    pub fn schema(&self) -> &str {
-        if self.command() == "study" && self.has("--sensitivities") { "study-sensitivities" } else { self.command() }
+    pub fn schema(&self, answer: &Value) -> &str {
+        match self.command() {
+            "study" if self.has("--sensitivities") => "study-sensitivities",
+            "press" if answer.get("runs").is_some() => "press-two",
+            "measure" if answer.get("bands").is_some() => "measure-bands",
+            "measure" if answer.get("instruments").is_some() => "measure-many",
+            own => own,
+        }
     }
 }
 

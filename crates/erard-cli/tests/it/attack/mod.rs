@@ -166,7 +166,7 @@ fn said_well(line: &Line, ended: &Ended, faults: &mut Vec<String>) {
     match serde_json::from_str::<Value>(&ended.said) {
         Err(error) => faults.push(format!("--json: exit code {code}, {error}: {:.300}", ended.said)),
         Ok(answer) => {
-            let name = if code == 2 { "error" } else { line.schema() };
+            let name = if code == 2 { "error" } else { line.schema(&answer) };
             let home = format!("{}/schemas/{name}.schema.json", env!("CARGO_MANIFEST_DIR"));
             let schema = std::fs::read_to_string(if answer.get("text").is_some() {
                 home.replace(&format!("{name}.schema"), "text.schema")

@@ -3,72 +3,122 @@
 //! Names and paths come from files and strangers. What could steer a terminal is shown by its code instead.
 
 use std::io::{self, ErrorKind, IsTerminal, Write};
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use std::sync::{Mutex, PoisonError};
 
 use erard::files::printable;
 
 use crate::table::{USUAL, wrapped};
 
-/// Whether words on standard output are left out.
-static QUIET: AtomicBool = AtomicBool::new(false);
-/// Whether the answer is wanted as JSON, in place of words.
-static JSON: AtomicBool = AtomicBool::new(false);
-
-/// The first thing that went wrong on standard output.
-static FAULT: Mutex<Option<io::Error>> = Mutex::new(None);
+/// How a program of this library reports its results.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::Args)]
+pub struct OutputMode {
+    /// Print errors and warnings only; files are written as usual
+    #[arg(long, global = true)]
+    pub quiet: bool,
+    /// Print the answer as JSON on standard output
+    #[arg(long, global = true)]
+    pub json: bool,
+}
 
 /// Prints a line on standard output.
 #[macro_export]
-macro_rules! say {
-    () => { $crate::say::line(String::new()) };
-    ($($text:tt)*) => { $crate::say::line(format!($($text)*)) };
+macro_rules! print_line {
+    ($session:expr) => { $session.printer.line(String::new()) };
+    ($session:expr, $($text:tt)*) => { $session.printer.line(format!($($text)*)) };
 }
 
 /// Prints a line on standard error.
 #[macro_export]
-macro_rules! tell {
-    ($($text:tt)*) => { $crate::say::aside(format!($($text)*)) };
+macro_rules! warn {
+    ($session:expr, $($text:tt)*) => { $session.printer.aside(format!($($text)*)) };
 }
 
-/// How this process tells its results: in words, as JSON, or not at all.
-pub(crate) fn how(quiet: bool, json: bool) {
-    QUIET.store(quiet, Relaxed);
-    JSON.store(json, Relaxed);
+/// Standard output and standard error of a session.
+pub struct Printer {
+    mode: OutputMode,
+    out: Box<dyn Write>,
+    is_coloured: bool,
+    /// The first thing that went wrong on standard output.
+    fault: Option<io::Error>,
 }
 
-/// Whether progress and words are left out.
-pub(crate) fn is_quiet() -> bool {
-    QUIET.load(Relaxed)
-}
-
-/// Whether the answer is wanted as JSON.
-pub(crate) fn wants_json() -> bool {
-    JSON.load(Relaxed)
-}
-
-/// Writes lines to standard output: sentences in the width of a terminal, rows of tables as they are; in colour what is
-/// out of range, if a terminal shows it. `finish` reports what went wrong.
-pub fn line(text: String) {
-    if is_quiet() || wants_json() {
-        return;
+impl Printer {
+    /// Prints on the standard streams of this process.
+    pub(crate) fn standard(mode: OutputMode) -> Self {
+        let out = io::stdout();
+        let is_coloured = shows_colour(&out);
+        Printer { mode, out: Box::new(out), is_coloured, fault: None }
     }
-    let is_coloured = shows_colour(&io::stdout());
-    let lines: Vec<String> = folded(&printable(&text))
-        .split('\n')
-        .map(|line| if is_coloured { marked(line) } else { line.to_owned() })
-        .collect();
-    keep(writeln!(io::stdout(), "{}", lines.join("\n")));
-}
 
-/// Bytes on standard output as they are: a file, not words.
-pub fn verbatim(text: &str) {
-    keep(io::stdout().write_all(text.as_bytes()));
+    /// Prints nothing on standard output.
+    #[cfg(test)]
+    pub(crate) fn silent() -> Self {
+        Printer { mode: OutputMode::default(), out: Box::new(io::sink()), is_coloured: false, fault: None }
+    }
+
+    /// Changes how results are reported.
+    pub(crate) fn set_output_mode(&mut self, mode: OutputMode) {
+        self.mode = mode;
+    }
+
+    /// Whether progress and words are left out.
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.mode.quiet
+    }
+
+    /// Whether the answer is wanted as JSON.
+    pub(crate) fn wants_json(&self) -> bool {
+        self.mode.json
+    }
+
+    /// Writes lines to standard output: sentences in the width of a terminal, rows of tables as they are; in colour
+    /// what is out of range, if a terminal shows it. `finish` reports what went wrong.
+    pub fn line(&mut self, text: String) {
+        if self.is_quiet() || self.wants_json() {
+            return;
+        }
+        let lines: Vec<String> = folded(&printable(&text))
+            .split('\n')
+            .map(|line| if self.is_coloured { marked(line) } else { line.to_owned() })
+            .collect();
+        let written = writeln!(self.out, "{}", lines.join("\n"));
+        self.keep(written);
+    }
+
+    /// Bytes on standard output as they are: a file, not words.
+    pub(crate) fn verbatim(&mut self, text: &str) {
+        let written = self.out.write_all(text.as_bytes());
+        self.keep(written);
+    }
+
+    /// A line on standard error, as [`aside`] writes it.
+    pub fn aside(&self, text: String) {
+        aside(text);
+    }
+
+    /// Keeps the first fault. A reader that has gone away, as in `erard check FILE | head -1`, has read enough: that is
+    /// none.
+    fn keep(&mut self, result: io::Result<()>) {
+        if let Err(error) = result
+            && error.kind() != ErrorKind::BrokenPipe
+        {
+            self.fault.get_or_insert(error);
+        }
+    }
+
+    /// Whether all that was printed has arrived.
+    ///
+    /// # Errors
+    /// The first fault of standard output.
+    pub(crate) fn finish(&mut self) -> io::Result<()> {
+        let flushed = self.out.flush();
+        self.keep(flushed);
+        self.fault.take().map_or(Ok(()), Err)
+    }
 }
 
 /// A line on standard error, folded if a terminal shows it: who searches a log finds a message in one line. Where even
 /// that cannot be written, nobody is left to tell.
-pub fn aside(text: String) {
+pub(crate) fn aside(text: String) {
     let mut text = printable(&text).into_owned();
     let stderr = io::stderr();
     // The excerpt of a file is a picture of its lines.
@@ -133,28 +183,6 @@ fn marked(line: &str) -> String {
         rest = &rest[end..];
     }
     out
-}
-
-/// Keeps the first fault. A reader that has gone away, as in `erard check FILE | head -1`, has read enough: that is
-/// none.
-fn keep(result: io::Result<()>) {
-    if let Err(error) = result
-        && error.kind() != ErrorKind::BrokenPipe
-    {
-        FAULT.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-    }
-}
-
-/// Whether all that was said has arrived.
-///
-/// # Errors
-/// The first fault of standard output.
-pub(crate) fn finish() -> io::Result<()> {
-    keep(io::stdout().flush());
-    match FAULT.lock().unwrap_or_else(PoisonError::into_inner).take() {
-        Some(source) => Err(source),
-        None => Ok(()),
-    }
 }
 
 #[cfg(test)]
