@@ -151,7 +151,8 @@ impl Drop for Stage {
 }
 
 impl Stages {
-    /// Clears what the session has begun to write. For its end: whoever still writes then finds that there is no folder.
+    /// Clears what the session has begun to write. For its end: whoever still writes then finds that there is no
+    /// folder.
     pub(crate) fn clear(&self) {
         let mut open = self.open();
         let folders = std::mem::take(&mut *open);
