@@ -73,7 +73,7 @@ fn interface(front: &str) -> String {
             "crates/erard/src/keyboard/keys.rs",
             "crates/erard/src/keyboard/file.rs",
             "crates/erard/src/strings/modal/reading.rs",
-            "crates/erard-workshop/src/study/parameter.rs",
+            "crates/erard/src/parameter/register.rs",
             "crates/erard-workshop/src/diagnose/report.rs",
         ]),
         "Python" => all(&[

@@ -300,10 +300,13 @@ impl<'a> SeqAccess<'a> for Items<'a> {
     }
 }
 
+/// Keys of a table with their values.
+type Rows<'a> = toml::map::Iter<'a, Spanned<Cow<'a, str>>, Spanned<DeValue<'a>>>;
+
 /// Keys and values: of a table, with the place of each key, or the pairs by which `serde` receives the place of a
 /// value.
 struct Pairs<'a> {
-    table: Option<(toml::map::Iter<'a, Spanned<Cow<'a, str>>, Spanned<DeValue<'a>>>, &'a Replaced)>,
+    table: Option<(Rows<'a>, &'a Replaced)>,
     more: [Option<(&'a str, Node<'a>)>; 3],
     value: Option<Node<'a>>,
 }
