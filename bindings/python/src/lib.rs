@@ -50,4 +50,11 @@ mod _erard {
     use super::recording::Recording;
     #[pymodule_export]
     use super::stroke::Stroke;
+
+    /// Loads NumPy's interface with the module: at the first call an interrupt could end it half-way.
+    #[pymodule_init]
+    fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        drop(numpy::PyArray1::<f64>::zeros(module.py(), 0, false));
+        Ok(())
+    }
 }

@@ -166,7 +166,7 @@ def test_a_motion_drives_and_the_force_is_fitted(rigid: erard.Instrument) -> Non
         ({"vary": ["let_off"], "bounds": {"drop": (0, 1e-3)}}, "not varied"),
         ({"vary": ["let_off"], "columns": ["string_N"]}, "to compare"),
         ({"vary": ["let_off"], "sigma": {"string_N": 1.0}}, "neither compared"),
-        ({"vary": ["let_off"], "bounds": {"let_off": "1 mm"}}, "two numbers"),
+        ({"vary": ["let_off"], "bounds": {"let_off": "1 mm"}}, "two values"),
         ({"vary": ["let_off"], "start": {"drop": 0.0}}, "not varied"),
         ({"vary": ["let_off"], "start": {"let_off": 1.0}}, "its bounds"),
         ({"vary": ["let_off"], "loss": "square"}, "soft_l1"),

@@ -127,7 +127,7 @@ class Problem:
     ) -> Problem: ...
     def fit(
         self,
-        asked: tuple[list[tuple[str, float | str]], str, str, int, int],
+        arguments: tuple[list[tuple[str, float | str]], str, str, int, int],
         solver: Callable[..., tuple[list[float], list[float], str]] | None,
         progress: Callable[[int], None] | None,
     ) -> Fitted: ...

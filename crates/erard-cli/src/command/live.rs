@@ -244,6 +244,7 @@ impl Live {
     }
 
     /// Until the stream ends.
+    #[allow(clippy::too_many_arguments)]
     fn play(
         &self,
         session: &Session,

@@ -207,6 +207,7 @@ impl Study {
     }
 
     /// The values of every row, row by row, with their bands over samples of the instrument: the same study of each.
+    #[allow(clippy::too_many_arguments)]
     fn banded(
         &self,
         session: &mut Session,

@@ -36,9 +36,6 @@ use erard::instrument::{Instrument, Placement};
 pub(crate) use outline::MM;
 use std::fmt::Write;
 
-/// The fonts asked for, the one bundled for PNGs first.
-pub(crate) const FONTS: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
-
 /// Additions to the picture of the action.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PoseOptions {

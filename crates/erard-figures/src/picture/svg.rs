@@ -2,9 +2,11 @@
 
 use super::style::{Anchor, Gradient, Look, Paint, Rule};
 use super::{Carried, Clip, Geometry, Group, Node, Picture, Segment, Shape, Words};
-use crate::drawing::FONTS;
 use crate::svg::{escape, number, sides};
 use std::fmt::Write;
+
+/// Fonts for viewers of SVG, the one bundled for PNG first.
+const FONTS: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
 
 /// Whether a property is written as an attribute or in a style sheet.
 #[derive(Clone, Copy, PartialEq, Eq)]
