@@ -768,9 +768,7 @@ ErardStatus erard_instrument_set(struct ErardInstrument *instrument, const char 
  * bodies, zones and screws by name, and its parameters with path, values, line and source. Returns NULL on failure.
  * Free the text with erard_text_free.
  */
-char *erard_instrument_json(const struct ErardInstrument *instrument,
-                            size_t *length,
-                            ErardStatus *status);
+char *erard_instrument_json(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
 /**
  * Checks the text of an instrument or keyboard file (`length` bytes) and returns the result as JSON: {"kind", "sound",
