@@ -40,6 +40,7 @@ mod sheet;
 mod signals;
 mod small_plot;
 mod spectrogram;
+mod stages;
 mod study;
 mod summary;
 pub mod table;

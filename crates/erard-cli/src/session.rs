@@ -4,10 +4,10 @@
 use crate::identity::Provenance;
 use crate::inputs::Inputs;
 use crate::live::Sounding;
-use crate::output::Stages;
 use crate::printer::{OutputMode, Printer};
 use crate::progress::{Progress, Shown};
 use crate::signals::Stop;
+use crate::stages::Stages;
 
 /// One run of a command: its inputs, where its results come from, where its words go, and what is cleared away when it
 /// is ended from outside.

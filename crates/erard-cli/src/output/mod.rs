@@ -29,7 +29,6 @@ use crate::session::Session;
 use crate::table::{TABLE, Table, as_parquet, beside, is_beside_a_table};
 pub(crate) use mark::Mark;
 use stage::Stage;
-pub(crate) use stage::Stages;
 
 /// Files that a command collects for a folder. Nothing stands there under its own name before [`Output::commit`].
 #[derive(Debug)]

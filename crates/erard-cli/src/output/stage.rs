@@ -11,26 +11,20 @@
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tempfile::TempDir;
 
 use super::exchange::exchange;
 use super::journal;
+use crate::stages::{LOCK, Stages, remove_empty};
 
 /// How its name ends: a user's folder is not likely to be called so, and what a stage does not hold is checked too.
 const END: &str = ".erard.part";
 /// How a stage within a folder begins.
 const WITHIN: &str = ".erard.";
-const LOCK: &str = "lock";
 const RESULTS: &str = "results";
 /// What was there before.
 pub(crate) const OLD: &str = "old";
-
-/// Stages of a session, and the folders made for them: for the thread that ends the process. Held while one is made, so
-/// that whoever clears up knows of all that stand; and from then on for ever, so that no other is made.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Stages(Arc<Mutex<Vec<PathBuf>>>);
 
 /// A stage of a session; gone when dropped, with what is in it.
 #[derive(Debug)]
@@ -150,32 +144,6 @@ impl Drop for Stage {
     }
 }
 
-impl Stages {
-    /// Clears what the session has begun to write. For its end: whoever still writes then finds that there is no
-    /// folder.
-    pub(crate) fn clear(&self) {
-        let mut open = self.open();
-        let folders = std::mem::take(&mut *open);
-        // Never given back.
-        std::mem::forget(open);
-        let (stages, made): (Vec<_>, Vec<_>) = folders.into_iter().partition(|folder| folder.join(LOCK).exists());
-        for stage in stages {
-            // A file that is created meanwhile is in the way once or twice.
-            for _ in 0..20 {
-                if fs::remove_dir_all(&stage).is_ok() || !stage.exists() {
-                    break;
-                }
-                std::thread::sleep(std::time::Duration::from_millis(2));
-            }
-        }
-        remove_empty(&made);
-    }
-
-    fn open(&self) -> MutexGuard<'_, Vec<PathBuf>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 /// Clears up after processes that were killed while they wrote results for a folder: finishes what they had decided,
 /// and removes the rest.
 ///
@@ -237,11 +205,4 @@ fn prefix(folder: &Path) -> String {
 
 fn parent(folder: &Path) -> PathBuf {
     folder.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_path_buf()
-}
-
-/// Only empty folders can be removed so.
-fn remove_empty(made: &[PathBuf]) {
-    for folder in made.iter().rev() {
-        let _ = fs::remove_dir(folder);
-    }
 }
