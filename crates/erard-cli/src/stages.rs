@@ -1,5 +1,5 @@
-//! The folders that a session has begun to write: what [`crate::output`] stages results in, for the thread that ends the
-//! process.
+//! The folders that a session has begun to write: what [`crate::output`] stages results in, for the thread that ends
+//! the process.
 
 use std::fs;
 use std::path::PathBuf;
