@@ -36,7 +36,7 @@ pub enum Failure {
         /// Name of the action.
         label: String,
         /// Why.
-        error: MeasureError,
+        error: Box<MeasureError>,
     },
     /// An action cannot be regulated.
     #[error(transparent)]

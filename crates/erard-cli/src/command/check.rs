@@ -282,7 +282,7 @@ impl Check {
         let instruments = keyboard.instruments()?;
         let mut progress = session.progress("pressing every key");
         let tried = test_presses(&instruments, &mut |share| progress.tell(share))
-            .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error })?;
+            .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error: Box::new(error) })?;
         drop(progress);
         print_line!(session, "{name}: a keyboard, \"{}\", around key {}", keyboard.name, keyboard.base_key);
         print_line!(session);

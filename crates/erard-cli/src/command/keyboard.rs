@@ -59,7 +59,7 @@ impl Keyboard {
         let mut output = self.out.prepare(session, "keyboard", &["keyboard.csv", "keyboard.svg", "keyboard.png"])?;
         let mut progress = session.progress("weighing");
         let weighed = weigh(&keys, &mut |share| progress.tell(share))
-            .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error })?;
+            .map_err(|error| Failure::Measure { label: keyboard.name.clone(), error: Box::new(error) })?;
         drop(progress);
         let picture = weighed_picture(&keyboard.name, &weighed);
         let table = table(&weighed);
@@ -100,7 +100,7 @@ impl Keyboard {
         let mut weighed = |which: usize| {
             let mut tell = |share: f64| progress.tell(0.5 * (which as f64 + share));
             weigh(&keys[which], &mut tell)
-                .map_err(|error| Failure::Measure { label: keyboards[which].name.clone(), error })
+                .map_err(|error| Failure::Measure { label: keyboards[which].name.clone(), error: Box::new(error) })
         };
         let weighed = [weighed(0)?, weighed(1)?];
         drop(progress);

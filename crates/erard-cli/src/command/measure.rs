@@ -112,8 +112,8 @@ impl Measure {
         let measuring = if self.sheet { 0.8 } else { 1.0 };
         for (index, Named { label, instrument }) in named.into_iter().enumerate() {
             let mut tell = |share: f64| progress.tell(measuring * (index as f64 + share) / count);
-            let sheet =
-                measure(&instrument, &mut tell).map_err(|error| Failure::Measure { label: label.clone(), error })?;
+            let sheet = measure(&instrument, &mut tell)
+                .map_err(|error| Failure::Measure { label: label.clone(), error: Box::new(error) })?;
             measured.push(Measured { label, instrument, sheet });
         }
         let drawings = drawings(&measured)?;
@@ -238,7 +238,7 @@ impl Measure {
         let mut output = self.out.prepare(session, "measure", &["bands.csv", "bands.json"])?;
         let mut progress = session.progress("measuring");
         let own = measure_some(&one.instrument, &lines, &mut |share| progress.tell(share))
-            .map_err(|error| Failure::Measure { label: one.label.clone(), error })?;
+            .map_err(|error| Failure::Measure { label: one.label.clone(), error: Box::new(error) })?;
         drop(progress);
         let names: Vec<bands::Named> = lines.iter().map(|line| (line.key.to_owned(), line.unit.to_owned())).collect();
         let keys: Vec<&str> = lines.iter().map(|line| line.key).collect();
@@ -270,7 +270,7 @@ impl Measure {
             measure_some(&one.instrument, &lines, progress).map_err(|error| Unmeasured::from((one, error)))
         };
         let found = cores::map(&named, cores::count(), &mut |share| progress.tell(share), measure)
-            .map_err(|error: Unmeasured| Failure::Measure { label: error.label, error: error.error })?;
+            .map_err(|error: Unmeasured| Failure::Measure { label: error.label, error: Box::new(error.error) })?;
         drop(progress);
         let measured: Vec<MeasuredRow> = named
             .into_iter()

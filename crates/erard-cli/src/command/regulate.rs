@@ -155,7 +155,7 @@ impl Regulate {
         let soft = {
             let mut measured = |instrument: &Instrument| {
                 double_strike(instrument, &mut |_| progress.tell(0.99))
-                    .map_err(|error| Failure::Measure { label: instrument.name.clone(), error })
+                    .map_err(|error| Failure::Measure { label: instrument.name.clone(), error: Box::new(error) })
             };
             [measured(&instrument)?, measured(&regulated.instrument)?]
         };

@@ -129,7 +129,7 @@ fn failed(asked: &str, error: SampleError) -> Failure {
         SampleError::Measure(error) if error.is_interruption() => {
             Failure::from(erard::run::SimulationError::Interrupted)
         }
-        SampleError::Measure(error) => Failure::Measure { label: asked.to_owned(), error },
+        SampleError::Measure(error) => Failure::Measure { label: asked.to_owned(), error: Box::new(error) },
         error => Failure::Usage(error.to_string()),
     }
 }

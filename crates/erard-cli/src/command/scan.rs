@@ -210,7 +210,7 @@ impl Scan {
         }
         let wrong = |error| match error {
             error if MeasureError::is_interruption(&error) => erard::run::SimulationError::Interrupted.into(),
-            error => Failure::Measure { label: keyboard.name.clone(), error },
+            error => Failure::Measure { label: keyboard.name.clone(), error: Box::new(error) },
         };
         // Another seed is another technician.
         let number = sample ^ self.seed << 20;

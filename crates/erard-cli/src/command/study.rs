@@ -570,7 +570,7 @@ fn measure_portion(
         values => Ok(values.map_err(|error| error.to_string())),
     };
     let found = cores::map(&played.instruments, cores::count(), progress, measure)
-        .map_err(|error| Failure::Measure { label: "a variant".into(), error })?;
+        .map_err(|error| Failure::Measure { label: "a variant".into(), error: Box::new(error) })?;
     let of = |place: &Result<usize, String>| match place {
         Ok(place) => found[*place].clone(),
         Err(why) => Err(why.clone()),

@@ -57,7 +57,7 @@ impl Validate {
         )?;
         let mut progress = session.progress("validating");
         let validation = validate(&instrument, keyboard.as_ref(), &published, &mut |share| progress.tell(share))
-            .map_err(|error| Failure::Measure { label: self.instrument.to_string(), error })?;
+            .map_err(|error| Failure::Measure { label: self.instrument.to_string(), error: Box::new(error) })?;
         drop(progress);
 
         let bands = match self.bands.bands {

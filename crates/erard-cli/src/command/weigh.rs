@@ -81,7 +81,7 @@ impl WeighOptions {
         let instruments = keyboard.instruments()?;
         let files = ["weigh.csv", "weigh.json", "weigh.html", "weigh.svg", "weigh.png", "again.csv"];
         let mut output = out.prepare(session, "keyboard", &files[..if self.carry_out { 6 } else { 5 }])?;
-        let failed = |error: MeasureError| Failure::Measure { label: keyboard.name.clone(), error };
+        let failed = |error: MeasureError| Failure::Measure { label: keyboard.name.clone(), error: Box::new(error) };
 
         let mut progress = session.progress("weighing");
         let model = |one: &Instrument, _: &mut erard::Progress<'_>| KeyModel::of(one);

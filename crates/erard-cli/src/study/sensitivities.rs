@@ -84,7 +84,9 @@ pub(crate) fn find<'a>(
     sensitivities(instrument, by, of, stroke, setup, rest, cores::count(), &mut |share| progress.tell(share)).map_err(
         |error| match error {
             SensitivityError::Simulation(error) => Failure::Simulation(error),
-            SensitivityError::Measure(error) => Failure::Measure { label: instrument.name.clone(), error },
+            SensitivityError::Measure(error) => {
+                Failure::Measure { label: instrument.name.clone(), error: Box::new(error) }
+            }
             SensitivityError::Gradient(erard::gradient::GradientError::Simulation(error)) => Failure::Simulation(error),
             error => Failure::Usage(error.to_string()),
         },

@@ -84,7 +84,7 @@ impl fmt::Display for StepSettings {
 }
 
 /// Why a run cannot continue from a snapshot.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SnapshotError {
     /// The state belongs to another instrument.
@@ -94,9 +94,9 @@ pub enum SnapshotError {
     #[error("the snapshot belongs to other settings: {saved}; expected {own}")]
     Settings {
         /// Settings of the state.
-        saved: Box<StepSettings>,
+        saved: StepSettings,
         /// Settings of the action.
-        own: Box<StepSettings>,
+        own: StepSettings,
     },
     /// A number is not finite.
     #[error("a number of the snapshot is not finite")]
@@ -255,7 +255,7 @@ impl MechanismState {
         }
         let own = settings.into();
         if !self.settings.allow(own) {
-            return Err(SnapshotError::Settings { saved: Box::new(self.settings), own: Box::new(own) });
+            return Err(SnapshotError::Settings { saved: self.settings, own });
         }
         let mut saved = self.saved;
         saved.state = saved.state.reordered(&places(&identity.bodies), &places(&identity.zones));
