@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import erard
+import matplotlib.figure  # noqa: F401 - the package imports it with the first figure; an interrupt would halve that
 import numpy as np
 
 #: A call that takes longer is interrupted as by Ctrl-C, and must then end.
