@@ -90,7 +90,7 @@ impl Printer {
         self.keep(written);
     }
 
-    /// A line on standard error, as [`aside`] writes it.
+    /// A line on standard error, folded if a terminal shows it.
     pub fn aside(&self, text: String) {
         aside(text);
     }

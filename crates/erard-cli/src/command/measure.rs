@@ -270,7 +270,7 @@ impl Measure {
             measure_some(&one.instrument, &lines, progress).map_err(|error| Unmeasured::from((one, error)))
         };
         let found = cores::map(&named, cores::count(), &mut |share| progress.tell(share), measure)
-            .map_err(|error: Unmeasured| Failure::Measure { label: error.label, error: Box::new(error.error) })?;
+            .map_err(|error: Unmeasured| Failure::Measure { label: error.label, error: error.error })?;
         drop(progress);
         let measured: Vec<MeasuredRow> = named
             .into_iter()
@@ -348,18 +348,18 @@ struct Named {
 /// An action that could not be measured.
 struct Unmeasured {
     label: String,
-    error: MeasureError,
+    error: Box<MeasureError>,
 }
 
 impl From<(&Named, MeasureError)> for Unmeasured {
     fn from((one, error): (&Named, MeasureError)) -> Self {
-        Unmeasured { label: one.label.clone(), error }
+        Unmeasured { label: one.label.clone(), error: Box::new(error) }
     }
 }
 
 impl From<SimulationError> for Unmeasured {
     fn from(error: SimulationError) -> Self {
-        Unmeasured { label: "a key".to_owned(), error: error.into() }
+        Unmeasured { label: "a key".to_owned(), error: Box::new(error.into()) }
     }
 }
 

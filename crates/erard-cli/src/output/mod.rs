@@ -1,6 +1,6 @@
 //! The outputs of a command: files in a folder, all of them or none.
 //!
-//! One rule for all commands: **a result belongs to the command that wrote it.** A small file in the folder, [`Mark`],
+//! One rule for all commands: **a result belongs to the command that wrote it.** A small file in the folder, its mark,
 //! says which results are whose. A command replaces its own, and takes away those that it no longer makes. What another
 //! command wrote, or nobody that is known, is replaced with `--force` only; what a command reads is never replaced.
 //!
