@@ -26,7 +26,7 @@ const RESULTS: &str = "results";
 /// What was there before.
 pub(crate) const OLD: &str = "old";
 
-/// A stage of a session; gone when dropped, with what is in it.
+/// A stage of a session. Dropping it removes its folder.
 #[derive(Debug)]
 pub(crate) struct Stage {
     stages: Stages,

@@ -46,7 +46,7 @@ impl ScrewAction {
     pub fn shown_unit(&self) -> (f64, &'static str) {
         match self.quantity() {
             Quantity::Angle => (180.0 / std::f64::consts::PI, "degrees"),
-            quantity => quantity.trade_unit().map_or((1.0, ""), |unit| (1.0 / unit.si, unit.symbol)),
+            quantity => quantity.shown(),
         }
     }
 }
