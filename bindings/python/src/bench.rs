@@ -34,6 +34,17 @@ pub fn measure_lines(key: Option<usize>) -> Vec<(&'static str, &'static str, &'s
     lines().map(|line| (line.key, line.label, line.unit, line.decimals, line.usual(key))).collect()
 }
 
+/// Returns the lines of the sheet by their names; `argument` is named in the error.
+pub(crate) fn lines_named(argument: &str, names: &[String]) -> PyResult<Vec<&'static Line>> {
+    let find = |name: &String| {
+        lines().find(|line| line.key == *name).ok_or_else(|| {
+            let known: Vec<&str> = lines().map(|line| line.key).collect();
+            wrong_argument(argument, format!("found `{name}`, expected {}", known.join(", ")))
+        })
+    };
+    names.iter().map(find).collect()
+}
+
 /// Measures an instrument and returns the sheet, or only some of its lines, as JSON; and the key whose norms hold.
 #[pyfunction]
 #[pyo3(signature = (instrument, key, only, progress))]
@@ -53,13 +64,7 @@ pub(crate) fn measure(
         let sheet = watched(py, progress, move |going| measure_all(&inner, going), fault::measure)?;
         return Ok((serde_json::to_string(&sheet).map_err(failed)?, key));
     };
-    let find = |name: &String| {
-        lines().find(|line| line.key == *name).ok_or_else(|| {
-            let known: Vec<&str> = lines().map(|line| line.key).collect();
-            wrong_argument("only", format!("found `{name}`, expected {}", known.join(", ")))
-        })
-    };
-    let chosen: Vec<&'static Line> = only.iter().map(find).collect::<PyResult<_>>()?;
+    let chosen = lines_named("only", &only)?;
     let values = watched(py, progress, |going| measure_some(&inner, &chosen, going), fault::measure)?;
     let object: serde_json::Map<String, serde_json::Value> =
         chosen.iter().zip(values).map(|(line, value)| (line.key.to_owned(), value.into())).collect();

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use erard::instrument::{Certainty, Instrument as Inner, InstrumentFile, Provenance, numbers_at};
 use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::Keyboard;
-use erard::parameter::{Wanted, register, varied_of};
+use erard::parameter::{Wanted, register, varied_of, with_changed_numbers};
 use erard::stroke::NUANCES;
 use erard_kinematics::LinkageFile;
+use erard_workshop::study::Source;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -169,6 +170,16 @@ impl Instrument {
 }
 
 impl Instrument {
+    /// Returns the text of the file with the numbers that were changed by their paths, and the other changes: variants
+    /// of a study are made from them.
+    pub(crate) fn source(&self) -> PyResult<Source> {
+        let changes: Vec<(String, Wanted)> =
+            self.changes.iter().map(|(name, value)| (name.clone(), value.clone().into())).collect();
+        let (text, changes) =
+            with_changed_numbers(&self.read.instrument, &self.text, &changes).map_err(|error| fault::change(&error))?;
+        Ok(Source::Text { text: text.unwrap_or_else(|| self.text.to_string()), changes })
+    }
+
     /// Returns the instrument with the sources of its parameters.
     pub(crate) fn file(&self) -> InstrumentFile {
         InstrumentFile {

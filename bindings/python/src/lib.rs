@@ -43,7 +43,7 @@ mod _erard {
     #[pymodule_export]
     use super::lab::{compare, validate};
     #[pymodule_export]
-    use super::many::{play_all, rollout, study};
+    use super::many::{rollout, study};
     #[pymodule_export]
     use super::press::{figure, press, unit};
     #[pymodule_export]

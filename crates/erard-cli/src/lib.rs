@@ -20,6 +20,7 @@ mod fit;
 pub mod identity;
 pub mod inputs;
 mod inside;
+pub mod instruments;
 mod keyboard;
 mod kinematics;
 mod law_points;

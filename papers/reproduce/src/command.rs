@@ -4,11 +4,11 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 use erard_cli::answer::Answer;
-use erard_cli::command::options::load_instrument;
 use erard_cli::command::out::OutOptions;
 use erard_cli::command::{run_program, version};
 use erard_cli::failure::Failure;
 use erard_cli::inputs::shown;
+use erard_cli::instruments::load_instrument;
 use erard_cli::print_line;
 use erard_cli::printer::OutputMode;
 use erard_cli::session::Session;

@@ -24,7 +24,6 @@ __all__ = [
     "kinematics",
     "measure",
     "measure_lines",
-    "play_all",
     "press",
     "regulate",
     "rollout",
@@ -243,21 +242,13 @@ def figure(columns: dict[str, Floats], about: dict[str, Any], title: str) -> str
 def rollout(
     instruments: list[Instrument], kind: str, values: Floats, dt: float, steps: Steps, work: Work, progress: Progress
 ) -> dict[str, Any]: ...
-def play_all(
-    instruments: list[Instrument],
-    strokes: list[Stroke],
-    jobs: list[tuple[int, int]],
-    duration: float | None,
-    steps: Steps,
-    work: Work,
-    progress: Progress,
-) -> dict[str, Any]: ...
 def study(
     instrument: Instrument,
-    names: list[str],
-    values: Floats,
+    axes: list[tuple[str, list[float]]],
     stroke: Stroke | None,
-    forces: Floats | None,
+    forces: list[float] | None,
+    rows: tuple[int, int] | None,
+    measure: list[str],
     duration: float | None,
     steps: Steps,
     work: Work,

@@ -380,36 +380,45 @@ def study(
             raise InputError("force: found none, expected one or more", key="force")
         if bad := [f for f in forces if not 0 <= f <= 1e4]:
             raise InputError(f"force: found {bad[0]}, expected numbers from 0 to 10000 N", key="force", found=str(bad[0]))
-        if len(forces) > 1:
-            axes["force_N"] = forces
-    if not axes or any(len(values) == 0 for values in axes.values()):
+    several = forces is not None and len(forces) > 1
+    if not (axes or several) or any(len(values) == 0 for values in axes.values()):
         raise InputError("nothing is varied; expected names with values, as in let_off=[-1e-4, 0, 1e-4]")
-    grid = [values.ravel() for values in np.meshgrid(*axes.values(), indexing="ij")]
-    rows = dict(zip(axes, grid, strict=True))
-    count = len(grid[0])
-    row_forces = None if forces is None else np.ascontiguousarray(rows.get("force_N", np.full(count, forces[0])))
-    varied = [name for name in axes if name != "force_N" or forces is None]
-    # Of what was varied each combination once: the force makes no other instrument.
-    table = np.column_stack([rows[name] for name in varied]) if varied else np.empty((count, 0))
     made = None if forces is not None else stroke_of(instrument, stroke=stroke, touch=touch, drive=drive, hand=hand)
     duration = None if duration is None else number("duration", duration)
     keep = work(threads, single, True)
-    known = instrument.parameters
     with bar(progress, "study") as tell:
-        if all(name in known for name in varied):
-            found = _erard.study(
-                instrument._inner, varied, np.ascontiguousarray(table), made, row_forces, duration, own, keep, tell
-            )
-        else:
-            found = _by_file(instrument, varied, table, made, row_forces, duration, own, keep, tell)
-    columns = {name: values for name, values in rows.items()} | outcomes(found)
-    for values in rows.values():
-        values.flags.writeable = False
-    if measure:
-        columns |= _measured(instrument, varied, table, measure, threads)
+        found = played(instrument, axes, made, forces, None, measure, duration, own, keep, tell)
+    known = instrument.parameters
     # A parameter's unit is known; of a number of the file its path tells.
-    turned = {name: known[name].unit or "1" for name in varied if name in known}
-    return Study(axes, columns, dict(found["errors"]), found["doubts"], turned)
+    units = {name: known[name].unit or "1" for name in axes if name in known}
+    rows = dict(zip([*axes, "force_N"], found["varied"], strict=False))
+    if several:
+        assert forces is not None
+        axes["force_N"] = forces
+    else:
+        rows.pop("force_N", None)
+    columns = rows | outcomes(found) | dict(zip(measure, found["measured"], strict=True))
+    for values in columns.values():
+        values.flags.writeable = False
+    return Study(axes, columns, dict(found["errors"]), found["doubts"], units)
+
+
+def played(
+    instrument: Instrument,
+    axes: Mapping[str, NDArray[np.float64]],
+    stroke: _erard.Stroke | None,
+    forces: NDArray[np.float64] | None,
+    rows: tuple[int, int] | None,
+    measure: Sequence[str],
+    duration: float | None,
+    own: Steps,
+    keep: Work,
+    tell: Any,
+) -> dict[str, Any]:
+    """Returns the results of the combinations of a study, or of some rows of it, as the extension names them."""
+    values = [(name, own_values.tolist()) for name, own_values in axes.items()]
+    constant = None if forces is None else forces.tolist()
+    return _erard.study(instrument._inner, values, stroke, constant, rows, list(measure), duration, own, keep, tell)
 
 
 def axis(instrument: Instrument, name: str, values: Any) -> NDArray[np.float64]:
@@ -427,66 +436,3 @@ def axis(instrument: Instrument, name: str, values: Any) -> NDArray[np.float64]:
         return instrument.vary({name: asked}).parameters[name].value
 
     return floats(name, [number_of(value) for value in given.tolist()], 1)
-
-
-def _by_file(
-    instrument: Instrument,
-    varied: list[str],
-    table: NDArray[np.float64],
-    made: _erard.Stroke | None,
-    forces: NDArray[np.float64] | None,
-    duration: float | None,
-    own: Steps,
-    keep: Work,
-    tell: Any,
-) -> dict[str, Any]:
-    """Plays a study of numbers that have a path but no name: every variant is read anew."""
-    unique, place = np.unique(table, axis=0, return_inverse=True)
-    variants = [instrument.vary(dict(zip(varied, map(float, row), strict=True)))._inner for row in unique]
-    if forces is None:
-        assert made is not None
-        strokes, which = [made], np.zeros(len(table), dtype=int)
-    else:
-        levels, which = np.unique(forces, return_inverse=True)
-        strokes = [_erard.Stroke.constant(float(level)) for level in levels]
-    jobs = list(zip(place.ravel().tolist(), which.ravel().tolist(), strict=True))
-    return _erard.play_all(variants, strokes, jobs, duration, own, keep, tell)
-
-
-def _measured(
-    instrument: Instrument, varied: list[str], table: NDArray[np.float64], keys: list[str], threads: int | None
-) -> dict[str, NDArray[Any]]:
-    """Measures lines of the sheet on every variant, in threads; the work itself runs without Python's lock."""
-    import json
-    import os
-    import threading
-    from concurrent.futures import ThreadPoolExecutor
-
-    unique, place = np.unique(table, axis=0, return_inverse=True)
-    over = threading.Event()
-
-    class Over(Exception):
-        """Ends a thread whose result is no longer needed. Only the main thread receives signals and stops the
-        others."""
-
-    def tell(_: float) -> None:
-        if over.is_set():
-            raise Over
-
-    def one(row: NDArray[np.float64]) -> list[float]:
-        try:
-            variant = instrument.vary(dict(zip(varied, map(float, row), strict=True)))
-            sheet = json.loads(_erard.measure(variant._inner, None, keys, tell)[0])
-        except (InputError, RuntimeError):
-            return [math.nan] * len(keys)
-        return [math.nan if sheet[key] is None else float(sheet[key]) for key in keys]
-
-    # Wrong keys are errors at once, not missing numbers.
-    if unknown := [key for key in keys if key not in {line[0] for line in _erard.measure_lines()}]:
-        instrument.measure(only=unknown, progress=False)
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        try:
-            found = np.array(list(pool.map(one, unique)))[place.ravel()]
-        finally:
-            over.set()
-    return {key: found[:, i] for i, key in enumerate(keys)}

@@ -160,25 +160,20 @@ def _each(
                 running.add(submit(following))
 
 
-def _study_chunk(index: int, shared: tuple[Any, ...], names: list[str], rows: np.ndarray, forces: np.ndarray | None) -> int:
-    """Plays one chunk of a study: rows of values on variants of an instrument."""
-    from . import _erard
+def _study_chunk(index: int, shared: tuple[Any, ...], rows: tuple[int, int]) -> int:
+    """Plays one chunk of a study: some of its combinations."""
     from ._common import steps
     from ._instrument import stroke_of
-    from ._many import outcomes, work
+    from ._many import outcomes, played, work
 
-    instrument, folder, options = shared
+    instrument, folder, axes, forces, options = shared
     made = None if forces is not None else stroke_of(
         instrument, stroke=options["stroke"], touch=options["touch"], hand=options.get("hand")
     )
     own = steps({"step": options["step"], "theta": options["theta"], "hand": options.get("hand")})
-    found = _erard.study(
-        instrument._inner, names, np.ascontiguousarray(rows), made, forces, options["duration"], own,
-        work(options["threads"], options["single"], True), None,
-    )  # fmt: skip
-    columns = {name: rows[:, k] for k, name in enumerate(names)}
-    if forces is not None:
-        columns["force_N"] = forces
+    keep = work(options["threads"], options["single"], True)
+    found = played(instrument, axes, made, forces, rows, [], options["duration"], own, keep, None)
+    columns = dict(zip([*axes, "force_N"], found["varied"], strict=False))
     _write(folder, index, columns | outcomes(found), dict(found["errors"]))
     return index
 
@@ -281,13 +276,10 @@ def study(
     missing = parts.missing
 
     def arguments(index: int) -> tuple[Any, ...]:
-        places = np.unravel_index(np.arange(index * chunk, min(count, (index + 1) * chunk)), shape)
-        columns = [values[place] for values, place in zip(axes.values(), places, strict=False)]
-        rows = np.column_stack(columns) if columns else np.empty((len(places[0]), 0))
-        return list(axes), rows, None if several is None else np.ascontiguousarray(several[places[-1]])
+        return ((index * chunk, min(count, (index + 1) * chunk)),)
 
     with _client(client, workers, processes) as own:
-        _each(missing, _study_chunk, arguments, (instrument, str(parts.path), options), own, progress, "study")
+        _each(missing, _study_chunk, arguments, (instrument, str(parts.path), axes, several, options), own, progress, "study")
     return Parts(parts.path, parts.count, len(missing))
 
 

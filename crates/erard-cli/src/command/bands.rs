@@ -3,12 +3,12 @@
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::instrument_spec::InstrumentSpec;
-use erard_workshop::sample::{Band, SampleError, band};
+use erard_workshop::sample::{self, Band, SampleError, SampleValues, failures};
 use serde::Serialize;
 
-use super::samples::{Samples, not_one_sample};
 use crate::cache;
 use crate::failure::Failure;
+use crate::instruments::{not_one_sample, samples};
 use crate::number::whole;
 use crate::output::Output;
 use crate::session::Session;
@@ -61,9 +61,6 @@ impl BandRow {
 /// What a value is called, and its unit.
 pub(crate) type Named = (String, String);
 
-/// Values of one sample, in the order of their names, or the reason why it has none.
-pub(crate) type SampleValues = Result<Vec<Option<f64>>, String>;
-
 /// Values of the instrument that was asked for, with their bands over its first samples. `values` finds them in an
 /// instrument, in one order; what it finds of a sample is kept as `kind` with what else it depends on, unless that is
 /// nothing. Samples without values are left out of the bands, with a warning that gives the reason.
@@ -76,7 +73,7 @@ pub(crate) fn bands(
     kept: Option<(&str, &str)>,
     values: impl Fn(&Instrument, &str, &mut erard::Progress<'_>) -> Result<SampleValues, SampleError> + Sync,
 ) -> Result<Vec<BandRow>, Failure> {
-    let samples = Samples::of(session, asked)?;
+    let samples = samples(session, asked)?;
     let file_name = asked.to_string();
     let mut progress = session.progress("sampling");
     let found = samples.each(count, &mut progress, |_, text, progress| {
@@ -97,38 +94,8 @@ pub(crate) fn bands(
     })?;
     drop(progress);
     failures(&found).iter().for_each(|line| warn!(session, "warning: {line}"));
-    let of = |index: usize| band(found.iter().flatten().map(|values| values.get(index).copied().flatten()));
-    let rows = names.iter().zip(own).enumerate();
-    Ok(rows.map(|(index, ((name, unit), own))| BandRow::new(name.clone(), unit.clone(), *own, of(index))).collect())
-}
-
-/// One line for each reason why samples have no values, with the samples' numbers.
-fn failures(found: &[SampleValues]) -> Vec<String> {
-    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
-    for (sample, values) in (1..).zip(found) {
-        let Err(reason) = values else { continue };
-        match reasons.iter_mut().find(|(known, _)| known == reason) {
-            Some((_, samples)) => samples.push(sample.to_string()),
-            None => reasons.push((reason, vec![sample.to_string()])),
-        }
-    }
-    let line = |(reason, samples): (&str, Vec<String>)| {
-        let which = if samples.len() == 1 { "sample" } else { "samples" };
-        format!("{which} {} not in the bands: {reason}", samples.join(", "))
-    };
-    reasons.into_iter().map(line).collect()
-}
-
-/// Returns the result for a sample, or the reason why its own instrument has none; an interruption ends the work.
-pub(crate) fn unless_interrupted<T>(
-    result: Result<T, impl Into<SampleError>>,
-) -> Result<Result<T, String>, SampleError> {
-    match result.map_err(Into::into) {
-        Ok(found) => Ok(Ok(found)),
-        Err(SampleError::Interrupted) => Err(SampleError::Interrupted),
-        Err(SampleError::Measure(error)) if error.is_interruption() => Err(SampleError::Interrupted),
-        Err(error) => Ok(Err(error.to_string())),
-    }
+    let rows = names.iter().zip(own).zip(sample::bands(&found, names.len()));
+    Ok(rows.map(|(((name, unit), own), band)| BandRow::new(name.clone(), unit.clone(), *own, band)).collect())
 }
 
 /// Stages `bands.csv` and `bands.json`.
@@ -145,22 +112,4 @@ pub(crate) fn lines(rows: &[BandRow], count: u32) -> Vec<String> {
         [row.name.clone(), number(row.value), number(row.low), number(row.high), row.unit.clone(), few]
     });
     Table::of(["", "value", "5 %", "95 %", "", ""], cells).to_string().lines().map(str::to_owned).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Samples with one reason share a line; an interruption is no reason.
-    #[test]
-    fn failed_samples_are_listed_by_their_reason() {
-        let failed = |reason: &str| Err(reason.to_owned());
-        let found = [Ok(vec![Some(1.0)]), failed("no rest"), failed("no string"), Ok(vec![None]), failed("no rest")];
-        let lines = failures(&found);
-        assert_eq!(lines, ["samples 2, 5 not in the bands: no rest", "sample 3 not in the bands: no string"]);
-        let interrupted: Result<(), SampleError> = Err(SampleError::Interrupted);
-        assert!(unless_interrupted(interrupted).is_err());
-        let failed: Result<(), _> = Err(erard_workshop::measure::MeasureError::Lost);
-        assert_eq!(unless_interrupted(failed).unwrap().unwrap_err(), "a measurement ended without a result");
-    }
 }

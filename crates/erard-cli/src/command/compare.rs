@@ -10,12 +10,13 @@ use erard::run::Setup;
 use erard::stroke::{Prescribed, Series};
 use erard_workshop::compare::{Choice, Comparison, DRIVES, MAX_DURATION_S, Which, compare_chosen, way_up_ends_s};
 
-use super::options::{self, MODELS, StepOptions, check, load_instrument};
+use super::options::{self, MODELS, StepOptions, check};
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::compare::{print_table, report};
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::instruments::load_instrument;
 use crate::names::one_of;
 use crate::number::number;
 use crate::print_line;

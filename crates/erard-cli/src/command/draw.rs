@@ -7,11 +7,12 @@ use erard::run::Setup;
 use erard::run::{Events, Run};
 use moreau::Settings;
 
-use super::options::{InstrumentOption, Noted, StrokeOptions};
+use super::options::{InstrumentOption, StrokeOptions};
 use super::out::OutOptions;
 use super::press::play_observed;
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::instruments::Noted;
 use crate::print_line;
 use crate::session::Session;
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pins_at, pose_picture};

@@ -14,11 +14,12 @@ use erard_workshop::fit::{
     Data, FitError, FitResult, Jacobian, Loss, NoiseModel, PerName, Plan, Problem, Simulator, fit_parameters,
 };
 
-use super::options::{DRIVES, StepOptions, check, load_instrument_and_text};
+use super::options::{DRIVES, StepOptions, check};
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::fit::{bounds, column, figure, lines, report, table, value};
+use crate::instruments::load_instrument_and_text;
 use crate::names::{Name, one_of};
 use crate::number::{number, whole};
 use crate::print_line;

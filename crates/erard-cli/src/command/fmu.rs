@@ -11,11 +11,11 @@ use flate2::write::DeflateEncoder;
 use rawzip::time::UtcDateTime;
 use rawzip::{CompressionMethod, ZipArchiveWriter};
 
-use super::options::{IS_KEYBOARD, load_instrument_and_text, load_keyboard_and_text};
 use super::out::OwnFile;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::instruments::{IS_KEYBOARD, load_instrument_and_text, load_keyboard_and_text};
 use crate::output::Output;
 use crate::print_line;
 use crate::session::Session;

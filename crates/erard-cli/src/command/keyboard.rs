@@ -6,11 +6,12 @@ use erard::instrument_spec::Base;
 use erard::keyboard::KEYS;
 use erard_workshop::weighing::weigh;
 
-use super::options::{KeyboardKey, key, load_keyboard};
+use super::options::key;
 use super::out::OutOptions;
 use super::weigh::WeighOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::instruments::{KeyboardKey, load_keyboard};
 use crate::keyboard::{doubts, pair, table, text, weighed_picture};
 use crate::number::whole;
 use crate::print_line;

@@ -12,10 +12,10 @@ use erard_kinematics::{Agreement, Derived, Design, LinkageFile, SlowPress, deriv
 use serde_json::{Value, json};
 
 use super::check::checked_linkage;
-use super::options::load_instrument;
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::instruments::load_instrument;
 use crate::kinematics::moves::{self, AS_IT_IS, MoveOption, UNMOVED};
 use crate::kinematics::{Shown, Summary, dynamics_picture, leverage_picture, sliding_picture, table};
 use crate::number::number;

@@ -8,9 +8,9 @@ use erard::stroke::{NUANCES, Series, Touch};
 use erard_kinematics::LinkageFile;
 use serde::Serialize;
 
-use super::samples::sample_text;
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::instruments::sample_text;
 use crate::print_line;
 use crate::session::Session;
 use crate::table::Table;

@@ -15,10 +15,10 @@ use erard_live::stream::{Head, Of, Reader, Sample, SensorUnit};
 use erard_live::{Event, Live as Keys, LiveError, Options, SensorKind};
 use erard_workshop::cores;
 
-use super::options::load_keyboard;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::instruments::load_keyboard;
 use crate::live::feed::{Line, lines};
 use crate::live::latency::{Clock, Latency};
 use crate::live::report::Told;

@@ -11,16 +11,18 @@ use erard_workshop::balance::Lead;
 use erard_workshop::cores::{self, Ending};
 use erard_workshop::measure::norms::lines as all_lines;
 use erard_workshop::measure::{MeasureError, Sheet, measure, measure_some};
+use erard_workshop::sample::unless_interrupted;
 use erard_workshop::worklist::{Readings, worklist};
 use moreau::Settings;
 use serde_json::Value;
 
 use super::bands::{self, BandOptions};
-use super::options::{Stays, key, load_instrument, load_instrument_and_text, measured_lines};
+use super::options::{Stays, key, measured_lines};
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::instruments::{load_instrument, load_instrument_and_text};
 use crate::measure::figures::{Drawn, figures};
 use crate::measure::rows::{self, MeasuredRow};
 use crate::measure::{Measured, doubts, page, table};
@@ -245,7 +247,7 @@ impl Measure {
         let kept = keys.join(",");
         let rows =
             bands::bands(session, asked, count, &names, &own, Some(("measured", &kept)), |instrument, _, progress| {
-                bands::unless_interrupted(measure_some(instrument, &lines, progress))
+                unless_interrupted(measure_some(instrument, &lines, progress))
             })?;
         bands::stage(session, &rows, &mut output)?;
         let written = output.commit(session)?;

@@ -22,7 +22,6 @@ mod play;
 mod press;
 mod press_pair;
 mod regulate;
-mod samples;
 mod scan;
 mod studio;
 mod study;

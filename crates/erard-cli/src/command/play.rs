@@ -13,12 +13,12 @@ use erard_midi::{Law, file};
 use erard_piece::{Options, PerformError, Performance, Score, passage, perform};
 use erard_workshop::cores;
 
-use super::options::load_keyboard;
 use super::out::OutOptions;
 use super::press::wav_name;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::instruments::load_keyboard;
 use crate::law_points::{LawPoints, law_points};
 use crate::number::{between, whole};
 use crate::output::Output;

@@ -15,12 +15,13 @@ use erard::stroke::Columns;
 
 use super::bands::{self, BandOptions, BandRow};
 use super::hand::described;
-use super::options::{InstrumentsOption, Noted, StepOptions, Stroke, StrokeOptions, check, reduced};
+use super::options::{InstrumentsOption, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
 use super::press_pair::{self, Played};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inside::{self, LossReport, losses_picture, reactions_picture};
+use crate::instruments::Noted;
 use crate::number::number;
 use crate::print_line;
 use crate::session::Session;
@@ -31,7 +32,7 @@ use crate::warn;
 use erard_figures::figure::run_picture;
 use erard_figures::page::{Shown, page_html};
 use erard_workshop::compare::{ForceUncertainty, PathNoise};
-use erard_workshop::sample::SampleError;
+use erard_workshop::sample::{SampleError, unless_interrupted};
 use serde_json::json;
 
 /// Simulates one key press and shows what happened.
@@ -252,7 +253,7 @@ impl Press {
             };
             let stroke = found.as_ref().unwrap_or(stroke);
             let setup = &Setup { hand: stroke.hand(), ..*setup };
-            let instrument = match reduced(model, instrument.clone()) {
+            let instrument = match model.of(instrument.clone()) {
                 Ok(instrument) => instrument,
                 Err(error) => return Ok(Err(error.to_string())),
             };
@@ -261,7 +262,7 @@ impl Press {
                 Err(error) => return Ok(Err(error.to_string())),
             };
             let run = simulate_observed(&instrument, inputs.as_ref(), setup, &mut Inside::default(), progress);
-            let run = bands::unless_interrupted(run)?;
+            let run = unless_interrupted(run)?;
             Ok(run.map(|run| values(&Summary::new(&run, setup, names_of, 0.0))))
         })
     }

@@ -14,10 +14,11 @@ use erard_workshop::regulate::{
 };
 use erard_workshop::worklist::{is_usual_aftertouch, regulate_to_aftertouch};
 
-use super::options::{Stays, load_instrument_and_text};
+use super::options::Stays;
 use super::out::OwnFile;
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::instruments::load_instrument_and_text;
 use crate::output::Output;
 use crate::print_line;
 use crate::regulate::{

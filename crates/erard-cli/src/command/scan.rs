@@ -15,12 +15,11 @@ use erard_workshop::cores;
 use erard_workshop::measure::MeasureError;
 use erard_workshop::sample::technicians_scatter;
 
-use super::options::load_keyboard;
 use super::out::OutOptions;
 use super::play::{failed, score, seconds};
-use super::samples::keyboard_sample;
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::instruments::{keyboard_sample, load_keyboard};
 use crate::number::{between, whole};
 use crate::print_line;
 use crate::scan::{Scanned, report};

@@ -7,26 +7,20 @@ use erard::parameter::Quantity;
 use erard::player::Input;
 use erard::run::Setup;
 use erard_workshop::compare::Which;
-use erard_workshop::cores;
-use erard_workshop::measure::measure_some;
-use erard_workshop::measure::norms::Line;
-use erard_workshop::sample::SampleError;
 use erard_workshop::sensitivities::Rest;
-use erard_workshop::study::{Job, OwnResult, Stroke as JobStroke, Workers, play_all, play_each};
+use erard_workshop::study::{Axis, Column, GRADING, Grid, MOST, MakeStroke, Source, Target, Workers, doubts};
 
 use super::bands::{self, BandOptions, BandRow};
-use super::options::{
-    InstrumentOption, KeyboardKey, StepOptions, Stroke, StrokeOptions, check, load_instrument_and_text, load_keyboard,
-    measured_lines, reduced,
-};
+use super::options::{InstrumentOption, StepOptions, StrokeOptions, check, measured_lines};
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::instruments::{KeyboardKey, load_instrument_and_text, load_keyboard};
 use crate::number::number;
 use crate::print_line;
 use crate::session::Session;
 use crate::study::sensitivities as sensitive;
-use crate::study::{Axis, Column, GRADING, Row, Source, Target, chart, columns, doubts, shown, table_of};
+use crate::study::{chart, shown, table_of};
 use crate::table::Table;
 use crate::warn;
 use erard_figures::figure::chart_picture;
@@ -103,11 +97,6 @@ enum RestAsked {
     Held,
 }
 
-/// Most strokes: their rows are held in memory.
-const MOST: usize = 2_000_000;
-/// Strokes that are played at a time: their instruments are held in memory.
-const PORTION: usize = 4096;
-
 /// Rows of the printed table: a number, or all.
 fn rows_shown(text: &str) -> Result<usize, String> {
     let number = if text == "all" { Some(usize::MAX) } else { text.parse().ok().filter(|rows| *rows > 0) };
@@ -131,19 +120,35 @@ impl Study {
         let measures = measured_lines("--measure", &self.measure)?;
         let (instrument, source) = self.source(session)?;
         let settings = self.step.settings(&instrument)?;
-        let axes = self.axes(&instrument, &source)?;
+        let axes = Axis::parse_all(&self.vary, &instrument, &source).map_err(Failure::Usage)?;
         let forces = axes.iter().any(|axis| axis.target == Target::Force);
         let stroke =
             if forces { self.stroke.load_constant()? } else { self.stroke.load(session, &self.reference(&source)?)? };
+        // Once, so that its errors are reported before any work.
+        drop(stroke.inputs(&instrument.finger)?);
         let each = self.each(&axes)?;
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
         let setup = Setup { settings, start_s: stroke.start_s, hand: stroke.hand(), ..Setup::new(duration_s) };
         check(&setup)?;
         let mut output = self.out.prepare(session, "study", &["study.csv"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };
-        let model = self.instrument.model;
-        let varied = Varied { instrument: &instrument, source: &source, model, axes: &axes, each };
-        let rows = play(session, &varied, &measures, &stroke, &setup, workers)?;
+        let make = each.map(|touch| {
+            move |instrument: &Instrument, progress: &mut erard::Progress<'_>| touch.touch_on(instrument, progress)
+        });
+        let grid = Grid {
+            instrument: &instrument,
+            source: &source,
+            model: self.instrument.model,
+            axes: &axes,
+            lines: &measures,
+            stroke: &stroke,
+            each: make.as_ref().map(|make| make as &MakeStroke<'_>),
+            setup: &setup,
+            workers,
+        };
+        let mut progress = session.progress("playing");
+        let rows = grid.play(&mut |share| progress.tell(share))?;
+        drop(progress);
         if rows.iter().all(|row| row.outcome.is_err())
             && let Some(Err(first)) = rows.first().map(|row| &row.outcome)
         {
@@ -151,12 +156,12 @@ impl Study {
             return Err(Failure::Usage(format!("{strokes} failed, and nothing is written; the first: {first}")));
         }
 
-        let mut columns = columns(&axes, &measures, &rows);
+        let mut columns = grid.columns(&rows);
         let banded = match self.bands.bands {
             Some(count) => {
-                let found = self.banded(session, &varied, &columns, &measures, &stroke, &setup, count)?;
+                let found = self.banded(session, &grid, &columns, count)?;
                 let shown = bands::lines(&found[..found.len().min(self.rows.saturating_mul(SHOWN_BANDS))], count);
-                columns.extend(band_columns(&columns, axes.len(), &found));
+                columns.extend(band_columns(grid.results(&columns), &found));
                 shown
             }
             None => Vec::new(),
@@ -196,7 +201,7 @@ impl Study {
             print_line!(session);
             banded.iter().for_each(|line| print_line!(session, "{line}"));
         }
-        let doubts = doubts(&rows);
+        let doubts = doubts(rows.iter().map(|row| &row.outcome));
         for doubt in &doubts {
             warn!(session, "warning: this result cannot be trusted: {doubt}");
         }
@@ -207,66 +212,41 @@ impl Study {
     }
 
     /// The values of every row, row by row, with their bands over samples of the instrument: the same study of each.
-    #[allow(clippy::too_many_arguments)]
     fn banded(
         &self,
         session: &mut Session,
-        varied: &Varied<'_>,
+        grid: &Grid<'_>,
         columns: &[Column],
-        measures: &[&'static Line],
-        stroke: &Stroke,
-        setup: &Setup,
         count: u32,
     ) -> Result<Vec<BandRow>, Failure> {
-        let Source::Text(_) = varied.source else {
+        let Source::Text { .. } = grid.source else {
             return Err(Failure::Usage(
                 "--bands needs one instrument or one key; remove --vary key and gradings".into(),
             ));
         };
-        let axes = varied.axes;
-        let strokes = columns.first().map_or(0, |(_, values)| values.len()) * count as usize;
+        let strokes = grid.count() * count as usize;
         if strokes > MOST {
             return Err(Failure::Usage(format!(
                 "{strokes} strokes; expected at most {MOST}. Give --vary fewer values or --bands fewer samples"
             )));
         }
-        let flat = |columns: &[Column]| -> Vec<Option<f64>> {
-            let results = results(columns, axes.len());
-            (0..columns[0].1.len()).flat_map(|row| results.iter().map(move |(_, values)| values[row])).collect()
-        };
         let mut names: Vec<bands::Named> = Vec::new();
-        for row in 0..columns[0].1.len() {
-            let at: Vec<String> = columns[..axes.len()]
+        for row in 0..grid.count() {
+            let at: Vec<String> = columns[..grid.axes.len()]
                 .iter()
                 .map(|(name, values)| format!("{name} {}", values[row].unwrap_or(f64::NAN)))
                 .collect();
-            names.extend(
-                results(columns, axes.len())
-                    .iter()
-                    .map(|(name, _)| (format!("{}: {name}", at.join(", ")), String::new())),
-            );
+            let results = grid.results(columns).iter();
+            names.extend(results.map(|(name, _)| (format!("{}: {name}", at.join(", ")), String::new())));
         }
-        let model = self.instrument.model;
         bands::bands(
             session,
             self.instrument.asked(),
             count,
             &names,
-            &flat(columns),
+            &grid.result_values(columns),
             None,
-            |instrument, text, progress| {
-                let instrument = match reduced(model, instrument.clone()) {
-                    Ok(instrument) => instrument,
-                    Err(error) => return Ok(Err(error.to_string())),
-                };
-                let source = Source::Text(text.to_owned());
-                let own = Varied { instrument: &instrument, source: &source, model, axes, each: varied.each };
-                match play_all_rows(&own, measures, stroke, setup, Workers::one(), progress) {
-                    Ok(rows) => Ok(Ok(flat(&crate::study::columns(axes, measures, &rows)))),
-                    Err(_) if !progress(0.0) => Err(SampleError::Interrupted),
-                    Err(error) => Ok(Err(error.to_string())),
-                }
-            },
+            |instrument, text, progress| grid.of_sample(instrument, text, progress),
         )
     }
 
@@ -331,7 +311,7 @@ impl Study {
     fn reference(&self, source: &Source) -> Result<Instrument, Failure> {
         match source {
             Source::Keyboard(keyboard, key) => Ok(keyboard.key(key.unwrap_or(keyboard.base_key))?),
-            Source::Text(text) => Ok(Instrument::parse(text, &self.instrument.asked().to_string())?),
+            Source::Text { text, .. } => Ok(Instrument::parse(text, &self.instrument.asked().to_string())?),
         }
     }
 
@@ -366,88 +346,10 @@ impl Study {
             return Ok((instrument, Source::Keyboard(Box::new(keyboard), Some(key))));
         }
         let (instrument, text) = load_instrument_and_text(session, asked)?;
-        Ok((self.instrument.reduced(instrument)?, Source::Text(text)))
-    }
-
-    fn axes(&self, instrument: &Instrument, source: &Source) -> Result<Vec<Axis>, Failure> {
-        let axes: Vec<Axis> = self
-            .vary
-            .iter()
-            .map(|text| Axis::parse(text, instrument, source))
-            .collect::<Result<_, _>>()
-            .map_err(Failure::Usage)?;
-        for (i, axis) in axes.iter().enumerate() {
-            if axes[..i].iter().any(|other| other.name == axis.name) {
-                return Err(Failure::Usage(format!("--vary: `{}` is given twice", axis.name)));
-            }
-        }
-        let strokes = axes.iter().try_fold(1_usize, |product, axis| product.checked_mul(axis.shown.len()));
-        if strokes.is_none_or(|strokes| strokes > MOST) {
-            return Err(Failure::Usage(format!("--vary: more than {MOST} strokes; expected fewer values")));
-        }
-        Ok(axes)
+        Ok((self.instrument.reduced(instrument)?, Source::of_text(text)))
     }
 }
 
-/// What is varied, and how.
-struct Varied<'a> {
-    instrument: &'a Instrument,
-    source: &'a Source,
-    model: Which,
-    axes: &'a [Axis],
-    /// The touch whose hand is found for each variant; `None` plays one stroke on all.
-    each: Option<&'a StrokeOptions>,
-}
-
-/// Plays, and measures, every combination, in portions.
-fn play(
-    session: &Session,
-    varied: &Varied<'_>,
-    measures: &[&'static Line],
-    stroke: &Stroke,
-    setup: &Setup,
-    workers: Workers,
-) -> Result<Vec<Row>, Failure> {
-    let mut progress = session.progress("playing");
-    play_all_rows(varied, measures, stroke, setup, workers, &mut |share| progress.tell(share))
-}
-
-fn play_all_rows(
-    varied: &Varied<'_>,
-    measures: &[&'static Line],
-    stroke: &Stroke,
-    setup: &Setup,
-    workers: Workers,
-    progress: &mut erard::Progress<'_>,
-) -> Result<Vec<Row>, Failure> {
-    let axes = varied.axes;
-    let count: usize = axes.iter().map(|axis| axis.shown.len()).product();
-    let mut rows = Vec::with_capacity(count);
-    // Measuring one variant takes as long as playing many.
-    let playing = if measures.is_empty() { 1.0 } else { 0.05 };
-    while rows.len() < count {
-        let from = rows.len();
-        let portion: Vec<Vec<usize>> = (from..count.min(from + PORTION)).map(|k| combination(axes, k)).collect();
-        let size = portion.len() as f64;
-        let mut tell = |share: f64| progress((from as f64 + share * size) / count as f64);
-        let played = play_portion(varied, &portion, stroke, setup, workers, &mut |share| tell(playing * share))?;
-        let measured = measure_portion(&played, measures, &mut |share| tell(playing + (1.0 - playing) * share))?;
-        rows.extend(portion.iter().zip(played.outcomes).zip(measured).map(|((indices, outcome), measured)| Row {
-            values: axes.iter().zip(indices).map(|(axis, &i)| axis.shown[i]).collect(),
-            outcome,
-            measured,
-        }));
-    }
-    Ok(rows)
-}
-
-/// Columns that bands are of: what came of a stroke, not what was varied, nor how well it was computed.
-fn results(columns: &[Column], varied: usize) -> &[Column] {
-    &columns[varied..columns.len() - OF_THE_SOLUTION]
-}
-
-/// `failed`, `trusted` and the energy residual.
-const OF_THE_SOLUTION: usize = 3;
 /// Bands are printed of so many results for each printed row, at most.
 const SHOWN_BANDS: usize = 12;
 
@@ -455,152 +357,9 @@ const SHOWN_BANDS: usize = 12;
 type BandEnd = fn(&BandRow) -> Option<f64>;
 
 /// The bands as columns beside those that they are of.
-fn band_columns(columns: &[Column], varied: usize, found: &[BandRow]) -> Vec<Column> {
-    let results = results(columns, varied);
+fn band_columns(results: &[Column], found: &[BandRow]) -> Vec<Column> {
     let of = |index: usize, end: BandEnd| found.iter().skip(index).step_by(results.len()).map(end).collect();
     let ends: [(&str, BandEnd); 2] = [("5", |row| row.low), ("95", |row| row.high)];
     let named = results.iter().enumerate();
     named.flat_map(|(index, (name, _))| ends.map(|(end, get)| (format!("{name}_{end}"), of(index, get)))).collect()
-}
-
-/// The index of each axis' value in the k-th combination, the last axis fastest.
-fn combination(axes: &[Axis], mut k: usize) -> Vec<usize> {
-    let mut indices: Vec<usize> = axes
-        .iter()
-        .rev()
-        .map(|axis| {
-            let index = k % axis.shown.len();
-            k /= axis.shown.len();
-            index
-        })
-        .collect();
-    indices.reverse();
-    indices
-}
-
-/// A portion that has been played.
-struct PlayedPortion {
-    outcomes: Vec<OwnResult>,
-    /// Its variants, and for each combination which of them is its own, or why there is none.
-    instruments: Vec<Instrument>,
-    variants: Vec<Result<usize, String>>,
-}
-
-fn play_portion(
-    varied: &Varied<'_>,
-    portion: &[Vec<usize>],
-    stroke: &Stroke,
-    setup: &Setup,
-    workers: Workers,
-    progress: &mut erard::Progress<'_>,
-) -> Result<PlayedPortion, Failure> {
-    let axes = varied.axes;
-    // Outlines are for drawings.
-    let plain = Instrument { parts: Vec::new(), ..varied.instrument.clone() };
-    let mut instruments: Vec<Instrument> = Vec::new();
-    // The last combination's own values, and where its variant is.
-    let mut last: Option<(Vec<usize>, Result<usize, String>)> = None;
-    let mut variants = Vec::with_capacity(portion.len());
-    // Where each stroke's job is, or what cannot be varied so.
-    let mut places = Vec::with_capacity(portion.len());
-    let mut jobs = Vec::with_capacity(portion.len());
-    for indices in portion {
-        let mut force_n = None;
-        let mut own = Vec::new();
-        for (axis, &index) in axes.iter().zip(indices) {
-            if axis.target == Target::Force { force_n = Some(axis.force_n(index)) } else { own.push(index) }
-        }
-        // Strokes on the same variant share it.
-        let place = match &last {
-            Some((values, place)) if *values == own => place.clone(),
-            _ => variant(varied, &plain, indices).map(|instrument| {
-                instruments.push(instrument);
-                instruments.len() - 1
-            }),
-        };
-        last = Some((own, place.clone()));
-        places.push(match &place {
-            Ok(index) => {
-                jobs.push(Job { instrument: *index, stroke: job_stroke(stroke, force_n, varied.instrument)? });
-                Ok(jobs.len() - 1)
-            }
-            Err(why) => Err(why.clone()),
-        });
-        variants.push(place);
-    }
-    let played: Vec<OwnResult> = match varied.each {
-        // Without forces every combination is a variant, in the order of the jobs.
-        Some(touch) => {
-            let own: Vec<usize> = jobs.iter().map(|job| job.instrument).collect();
-            let hand =
-                |instrument: &Instrument, progress: &mut erard::Progress<'_>| touch.touch_on(instrument, progress);
-            let found = play_each(&instruments, &hand, setup, progress)?;
-            own.into_iter().map(|index| found[index].clone()).collect()
-        }
-        None => {
-            let played = play_all(&instruments, jobs, setup, workers, progress)?;
-            played.into_iter().map(|result| result.map_err(|error| error.to_string())).collect()
-        }
-    };
-    let mut results: Vec<Option<OwnResult>> = played.into_iter().map(Some).collect();
-    let outcome = |place: Result<usize, String>| {
-        let result = results[place?].take();
-        result.ok_or_else(|| "no result".to_owned())?
-    };
-    let outcomes = places.into_iter().map(outcome).collect();
-    Ok(PlayedPortion { outcomes, instruments, variants })
-}
-
-/// What was measured of a variant, or why nothing could be.
-type Values = Result<Vec<Option<f64>>, String>;
-
-/// Measures every variant of a portion, side by side.
-fn measure_portion(
-    played: &PlayedPortion,
-    measures: &[&'static Line],
-    progress: &mut erard::Progress<'_>,
-) -> Result<Vec<Values>, Failure> {
-    if measures.is_empty() {
-        return Ok(vec![Ok(Vec::new()); played.variants.len()]);
-    }
-    let measure = |instrument: &Instrument, progress: &mut erard::Progress<'_>| match measure_some(
-        instrument, measures, progress,
-    ) {
-        Err(error) if error.is_interruption() => Err(error),
-        values => Ok(values.map_err(|error| error.to_string())),
-    };
-    let found = cores::map(&played.instruments, cores::count(), progress, measure)
-        .map_err(|error| Failure::Measure { label: "a variant".into(), error: Box::new(error) })?;
-    let of = |place: &Result<usize, String>| match place {
-        Ok(place) => found[*place].clone(),
-        Err(why) => Err(why.clone()),
-    };
-    Ok(played.variants.iter().map(of).collect())
-}
-
-/// The instrument with one combination of values.
-fn variant(varied: &Varied<'_>, plain: &Instrument, indices: &[usize]) -> Result<Instrument, String> {
-    let mut instrument = match varied.source.instrument(varied.axes, indices) {
-        None => plain.clone(),
-        Some(read) => {
-            let read = reduced(varied.model, read?).map_err(|error| error.to_string())?;
-            Instrument { parts: Vec::new(), ..read }
-        }
-    };
-    for (axis, &index) in varied.axes.iter().zip(indices) {
-        if let Target::Parameter(parameter) = &axis.target {
-            let by = axis.by(parameter, &instrument, index);
-            if !parameter.vary(&mut instrument, by) {
-                return Err(axis.refusal(parameter, index, by));
-            }
-        }
-    }
-    Ok(instrument)
-}
-
-fn job_stroke<'a>(stroke: &'a Stroke, force_n: Option<f64>, instrument: &Instrument) -> Result<JobStroke<'a>, Failure> {
-    match force_n {
-        Some(force_n) => Ok(Box::new(move |_| Input::Force(force_n))),
-        None => Ok(stroke.inputs(&instrument.finger)?),
-    }
 }

@@ -1,10 +1,10 @@
 //! `erard validate`.
 
 use super::bands::{self, BandOptions, BandRow};
-use super::options::{KeyboardKey, load_instrument_and_text};
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::instruments::{KeyboardKey, load_instrument_and_text};
 use crate::print_line;
 use crate::session::Session;
 use crate::table::{Table, three};
@@ -13,6 +13,7 @@ use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::Keyboard;
 use erard_figures::Picture;
 use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_picture};
+use erard_workshop::sample::unless_interrupted;
 use erard_workshop::validate::{
     Drive, GroupResult, Published, Row, SimulatedPress, Tally, Validation, Verdict, validate,
 };
@@ -355,7 +356,7 @@ impl Validate {
         bands::bands(session, &self.instrument, count, &names, &simulated(own), kept, |instrument, text, progress| {
             let keyboard = keyboard.and_then(|keyboard| keyboard.around(text.to_owned()).ok());
             let found = validate(instrument, keyboard.as_ref(), published, progress);
-            Ok(bands::unless_interrupted(found)?.map(|found| simulated(&found)))
+            Ok(unless_interrupted(found)?.map(|found| simulated(&found)))
         })
     }
 }

@@ -3,7 +3,7 @@
 use erard::run::Events;
 use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash};
 
-use super::{Axis, Row};
+use erard_workshop::study::{Axis, Row};
 
 /// More curves than this cannot be distinguished.
 const MOST_CURVES: usize = 6;

@@ -1,10 +1,8 @@
-//! Arguments and results of `erard study`: the varied parameters, the table, the figure.
+//! Results of `erard study`: the table, the figure, sensitivities.
 
 mod figure;
 pub(crate) mod sensitivities;
 mod table;
-mod vary;
 
 pub(crate) use figure::chart;
-pub(crate) use table::{Column, Row, columns, doubts, shown, table_of};
-pub(crate) use vary::{Axis, GRADING, Source, Target};
+pub(crate) use table::{shown, table_of};

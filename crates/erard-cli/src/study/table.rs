@@ -1,72 +1,10 @@
 //! The rows of a study: printed, and as columns of a file.
 
 use erard::run::Events;
-use erard::trust::worst_of_each;
 use erard_workshop::measure::norms::Line;
-use erard_workshop::study::{OUTCOMES, Played};
+use erard_workshop::study::{Axis, Column, Row, measured_title};
 
-use super::Axis;
 use crate::table::{Table, decimal, three};
-
-/// One stroke of a study.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Row {
-    /// The varied values as shown, one for each axis.
-    pub values: Vec<f64>,
-    /// The outcome, or why there is none.
-    pub outcome: Result<Played, String>,
-    /// The variant's measures, in the order asked for; or why there are none.
-    pub measured: Result<Vec<Option<f64>>, String>,
-}
-
-impl Row {
-    /// Whether it was played and nothing speaks against it.
-    pub(crate) fn is_trusted(&self) -> bool {
-        self.outcome.as_ref().is_ok_and(|played| played.warnings.is_empty())
-    }
-}
-
-/// What speaks against the strokes of a study: of every kind and part how many strokes, and the worst of them as a
-/// sentence.
-pub(crate) fn doubts(rows: &[Row]) -> Vec<String> {
-    let warnings = rows.iter().filter_map(|row| row.outcome.as_ref().ok()).flat_map(|played| &played.warnings);
-    let each = worst_of_each(warnings).into_iter();
-    each.map(|(count, worst)| format!("{count} of {} strokes; the worst: {worst}", rows.len())).collect()
-}
-
-/// The columns of the files.
-pub(crate) fn columns(axes: &[Axis], measures: &[&Line], rows: &[Row]) -> Vec<Column> {
-    let played = |row: &'_ Row, get: fn(&Played) -> Option<f64>| row.outcome.as_ref().ok().and_then(get);
-    let flag = |is_it: bool| Some(f64::from(u8::from(is_it)));
-    let varied = axes.iter().enumerate().map(|(i, axis)| {
-        let values = rows.iter().map(|row| row.values.get(i).copied()).collect();
-        (axis.column(), values)
-    });
-    let outcomes = OUTCOMES.iter().map(|(name, get)| {
-        let values = rows.iter().map(|row| played(row, *get)).collect();
-        ((*name).to_owned(), values)
-    });
-    let measured = measures.iter().enumerate().map(|(i, line)| {
-        let values = rows.iter().map(|row| *row.measured.as_ref().ok()?.get(i)?).collect();
-        (measured_title(axes, line), values)
-    });
-    let solution: [Column; 3] = [
-        ("failed".to_owned(), rows.iter().map(|row| flag(row.outcome.is_err())).collect()),
-        ("trusted".to_owned(), rows.iter().map(|row| flag(row.is_trusted())).collect()),
-        ("energy_residual_relative".to_owned(), rows.iter().map(|row| played(row, |p| p.energy_residual)).collect()),
-    ];
-    varied.chain(outcomes).chain(measured).chain(solution).collect()
-}
-
-/// The title of a measured column: the line's key. A varied column may have that title already: `let_off_mm` is a screw
-/// that is set and a distance that is measured. The measured one then begins with `measured_`.
-fn measured_title(axes: &[Axis], line: &Line) -> String {
-    let is_taken = axes.iter().any(|axis| axis.column() == line.key);
-    if is_taken { format!("measured_{}", line.key) } else { line.key.to_owned() }
-}
-
-/// A column's name and its values.
-pub(crate) type Column = (String, Vec<Option<f64>>);
 
 /// Columns as they are written.
 pub(crate) fn table_of(columns: &[Column]) -> Table<'static> {

@@ -56,6 +56,17 @@ impl Which {
         }
     }
 
+    /// Returns this model of a full instrument.
+    ///
+    /// # Errors
+    /// See [`OneDofError`].
+    pub fn of(self, full: Instrument) -> Result<Instrument, OneDofError> {
+        Ok(match self {
+            Which::Action => full,
+            Which::OneDof => reduce(&full)?.instrument,
+        })
+    }
+
     /// Name in a sentence.
     fn spoken(self) -> &'static str {
         match self {

@@ -1,4 +1,6 @@
-//! Band of a value over many samples.
+//! Bands of values over many samples.
+
+use super::SampleError;
 
 /// Range of a value in nine of ten samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +32,47 @@ pub fn band(values: impl IntoIterator<Item = Option<f64>>) -> Option<Band> {
     Some(Band { low, high, samples: sorted.len() })
 }
 
+/// Values of one sample, or the reason why it has none.
+pub type SampleValues = Result<Vec<Option<f64>>, String>;
+
+/// Returns the band of each of the first so many values over the samples that have values.
+#[must_use]
+pub fn bands(found: &[SampleValues], values: usize) -> Vec<Option<Band>> {
+    let of = |index: usize| band(found.iter().flatten().map(|values| values.get(index).copied().flatten()));
+    (0..values).map(of).collect()
+}
+
+/// Returns one line for each reason why samples have no values, with the samples' numbers.
+#[must_use]
+pub fn failures(found: &[SampleValues]) -> Vec<String> {
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+    for (sample, values) in (1..).zip(found) {
+        let Err(reason) = values else { continue };
+        match reasons.iter_mut().find(|(known, _)| known == reason) {
+            Some((_, samples)) => samples.push(sample.to_string()),
+            None => reasons.push((reason, vec![sample.to_string()])),
+        }
+    }
+    let line = |(reason, samples): (&str, Vec<String>)| {
+        let which = if samples.len() == 1 { "sample" } else { "samples" };
+        format!("{which} {} not in the bands: {reason}", samples.join(", "))
+    };
+    reasons.into_iter().map(line).collect()
+}
+
+/// Returns the result for a sample, or the reason why its own instrument has none.
+///
+/// # Errors
+/// [`SampleError::Interrupted`]: it ends the work.
+pub fn unless_interrupted<T>(result: Result<T, impl Into<SampleError>>) -> Result<Result<T, String>, SampleError> {
+    match result.map_err(Into::into) {
+        Ok(found) => Ok(Ok(found)),
+        Err(SampleError::Interrupted) => Err(SampleError::Interrupted),
+        Err(SampleError::Measure(error)) if error.is_interruption() => Err(SampleError::Interrupted),
+        Err(error) => Ok(Err(error.to_string())),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,5 +85,18 @@ mod tests {
         assert_eq!(found, Band { low: 5.0, high: 95.0, samples: 101 });
         assert_eq!(band([Some(1.0), Some(3.0)]).unwrap(), Band { low: 1.1, high: 2.9, samples: 2 });
         assert_eq!(band([Some(1.0), None]), None);
+    }
+
+    /// Samples with one reason share a line; an interruption is no reason.
+    #[test]
+    fn failed_samples_are_listed_by_their_reason() {
+        let failed = |reason: &str| Err(reason.to_owned());
+        let found = [Ok(vec![Some(1.0)]), failed("no rest"), failed("no string"), Ok(vec![None]), failed("no rest")];
+        let lines = failures(&found);
+        assert_eq!(lines, ["samples 2, 5 not in the bands: no rest", "sample 3 not in the bands: no string"]);
+        let interrupted: Result<(), SampleError> = Err(SampleError::Interrupted);
+        assert!(unless_interrupted(interrupted).is_err());
+        let failed: Result<(), _> = Err(crate::measure::MeasureError::Lost);
+        assert_eq!(unless_interrupted(failed).unwrap().unwrap_err(), "a measurement ended without a result");
     }
 }

@@ -15,7 +15,7 @@ mod draw;
 mod random;
 mod scatter;
 
-pub use band::{Band, band};
+pub use band::{Band, SampleValues, band, bands, failures, unless_interrupted};
 pub use scatter::technicians_scatter;
 
 use erard::Progress;

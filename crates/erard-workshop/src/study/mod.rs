@@ -1,5 +1,5 @@
 //! Parameter study: many strokes on many variants of an instrument, in the processor's vector lanes and on all its
-//! cores.
+//! cores. A [`Grid`] plays and measures all combinations of what its [`Axis`]es vary.
 //!
 //! Mechanisms of the same topology are stepped together, as many as the processor has lanes; their results agree with
 //! [`simulate`] to rounding (of single precision, if requested), and have the same bits for any number of threads. Only
@@ -7,11 +7,15 @@
 //! single bodies with up to four zones; the others are played one by one on all cores. So are instruments with modal
 //! strings, and adaptive steps, because lanes share their steps.
 
+mod axis;
+mod grid;
 mod lanes;
 mod rests;
 mod sampling;
 mod topology;
 
+pub use axis::{Axis, GRADING, MOST, Source, Target};
+pub use grid::{Column, Grid, Row, doubts, measured_title};
 pub(crate) use rests::rests;
 pub use sampling::{Sampling, SamplingError};
 
@@ -130,8 +134,8 @@ pub type OwnResult = Result<Played, String>;
 pub type MakeStroke<'a> =
     dyn Fn(&Instrument, &mut Progress<'_>) -> Result<erard::stroke::Stroke, LevelError> + Sync + 'a;
 
-/// Plays on each instrument the stroke that `make` makes for it, one by one on every core. A level out of reach is that
-/// instrument's result.
+/// Plays on each instrument the stroke that `make` makes for it, one by one on each thread. A level out of reach is
+/// that instrument's result.
 ///
 /// # Errors
 /// See [`play_all`].
@@ -139,6 +143,7 @@ pub fn play_each(
     instruments: &[Instrument],
     make: &MakeStroke<'_>,
     setup: &Setup,
+    threads: usize,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<OwnResult>, SimulationError> {
     let play = |instrument: &Instrument, progress: &mut Progress<'_>| {
@@ -156,7 +161,7 @@ pub fn play_each(
         let mut played = play_all(std::slice::from_ref(instrument), job, &setup, Workers::one(), progress)?;
         Ok(played.remove(0).map_err(|error| error.to_string()))
     };
-    cores::map(instruments, cores::count(), progress, play)
+    cores::map(instruments, threads, progress, play)
 }
 
 /// Plays all jobs as [`play_all`] does, and samples every stroke if requested ([`Played::samples`]).

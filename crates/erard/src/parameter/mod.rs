@@ -23,6 +23,6 @@ pub use register::{NameError, Parameter, nearest, ten_digits};
 pub use sweep::{Sweep, read_list};
 pub use varied::{
     ChangeError, Entry, Wanted, file_unit, in_file_unit, known_name, number_of, register, varied, varied_of,
-    varied_text,
+    varied_text, with_changed_numbers,
 };
 pub use words::{aliases, canonical_name};

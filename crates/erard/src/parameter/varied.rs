@@ -162,28 +162,47 @@ pub fn varied_of(
     file_name: &str,
     changes: &[(String, Wanted)],
 ) -> Result<InstrumentFile, ChangeError> {
-    let mut file = read.clone();
-    let all = Parameter::all(&file.instrument);
-    let changes: Vec<(String, &Wanted)> =
-        changes.iter().map(|(name, change)| (known_name(name, &all, text), change)).collect();
-    let find = |name: &str| all.iter().find(|(known, _)| known == name).map(|(_, parameter)| parameter);
-    let mut numbers: Vec<(String, usize, f64)> = Vec::new();
-    for (name, change) in changes.iter().filter(|(name, _)| find(name).is_none()) {
-        let (path, which, now) = number_or_fault(&file.instrument, text, name)?;
-        let earlier = numbers.iter().rev().find(|(p, w, _)| *p == path && *w == which).map(|(.., value)| *value);
-        numbers.push((path, which, of_file(name, change, earlier.unwrap_or(now))?));
-    }
-    if !numbers.is_empty() {
-        let changes: Vec<(&str, usize, f64)> = numbers.iter().map(|(p, w, v)| (p.as_str(), *w, *v)).collect();
-        let new = with_numbers(text, &changes).unwrap_or_else(|| text.to_owned());
-        file = InstrumentFile::parse(&new, file_name)?;
-    }
-    for (name, change) in &changes {
-        if let Some(parameter) = find(name) {
+    let all = Parameter::all(&read.instrument);
+    let (new, of_parameters) = with_changed_numbers(&read.instrument, text, changes)?;
+    let mut file = match new {
+        Some(new) => InstrumentFile::parse(&new, file_name)?,
+        None => read.clone(),
+    };
+    for (name, change) in &of_parameters {
+        if let Some((_, parameter)) = all.iter().find(|(known, _)| known == name) {
             vary(&mut file.instrument, name, parameter, change)?;
         }
     }
     Ok(file)
+}
+
+/// Makes those changes that are of numbers of the file by their paths, in the text of this instrument. Returns the new
+/// text, `None` if nothing in it changes, and the other changes, which are of parameters, in order.
+///
+/// # Errors
+/// See [`ChangeError`].
+#[allow(clippy::type_complexity)]
+pub fn with_changed_numbers(
+    instrument: &Instrument,
+    text: &str,
+    changes: &[(String, Wanted)],
+) -> Result<(Option<String>, Vec<(String, Wanted)>), ChangeError> {
+    let all = Parameter::all(instrument);
+    let mut numbers: Vec<(String, usize, f64)> = Vec::new();
+    let mut of_parameters = Vec::new();
+    for (name, change) in changes {
+        let name = known_name(name, &all, text);
+        if all.iter().any(|(known, _)| *known == name) {
+            of_parameters.push((name, change.clone()));
+            continue;
+        }
+        let (path, which, now) = number_or_fault(instrument, text, &name)?;
+        let earlier = numbers.iter().rev().find(|(p, w, _)| *p == path && *w == which).map(|(.., value)| *value);
+        numbers.push((path, which, of_file(&name, change, earlier.unwrap_or(now))?));
+    }
+    let changed: Vec<(&str, usize, f64)> = numbers.iter().map(|(p, w, v)| (p.as_str(), *w, *v)).collect();
+    let new = (!changed.is_empty()).then(|| with_numbers(text, &changed).unwrap_or_else(|| text.to_owned()));
+    Ok((new, of_parameters))
 }
 
 /// Finds a number of the file by its path, of a point by `.x` or `.y` after it: path, component and value.

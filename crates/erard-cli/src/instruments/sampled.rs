@@ -7,11 +7,9 @@ use erard::keyboard::Keyboard;
 use erard_workshop::cores;
 use erard_workshop::sample::{SampleError, Sampled};
 
-use super::options::{KeyboardKey, load_instrument_and_text};
 use crate::cache;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::session::Session;
 
 /// What cached samples are called.
 const KIND: &str = "sample";
@@ -26,20 +24,16 @@ pub(crate) struct Samples {
     making: Mutex<()>,
 }
 
-enum Source {
+pub(super) enum Source {
     Text(String),
-    Key(KeyboardKey),
+    /// A keyboard, and one of its keys.
+    Key(Box<Keyboard>, usize),
 }
 
 impl Samples {
-    /// Samples of what the user asked for: an instrument, or a key of a keyboard.
-    pub(crate) fn of(session: &mut Session, asked: &InstrumentSpec) -> Result<Self, Failure> {
-        not_one_sample(asked)?;
-        let source = match KeyboardKey::asked(session, asked)? {
-            Some(key) => Source::Key(key),
-            None => Source::Text(load_instrument_and_text(session, asked)?.1),
-        };
-        Ok(Samples { asked: asked.to_string(), source, sampled: OnceLock::new(), making: Mutex::new(()) })
+    /// Samples of a source; `asked` is what they are samples of.
+    pub(super) fn of(asked: String, source: Source) -> Self {
+        Samples { asked, source, sampled: OnceLock::new(), making: Mutex::new(()) }
     }
 
     /// The text of one sample's instrument file.
@@ -48,7 +42,7 @@ impl Samples {
         let (base, key) = match &self.source {
             Source::Text(text) => (text.clone(), String::new()),
             // A key's own text holds its keyboard's gradings; the base is what is drawn.
-            Source::Key(KeyboardKey { keyboard, key }) => (keyboard.base_text().to_owned(), keyboard.key_text(*key)),
+            Source::Key(keyboard, key) => (keyboard.base_text().to_owned(), keyboard.key_text(*key)),
         };
         let of = [base.as_str(), key.as_str(), &number];
         if let Some(text) = cache::get(KIND, &of) {
@@ -66,7 +60,7 @@ impl Samples {
         }
         let made = match &self.source {
             Source::Text(text) => Sampled::of_file(text, &self.asked, progress)?,
-            Source::Key(KeyboardKey { keyboard, key }) => Sampled::of_key(keyboard, *key, progress)?,
+            Source::Key(keyboard, key) => Sampled::of_key(keyboard, *key, progress)?,
         };
         Ok(self.sampled.get_or_init(|| made))
     }
@@ -92,21 +86,6 @@ impl Samples {
     }
 }
 
-/// A sample of a keyboard: its base instrument drawn and put right, its gradings around that.
-pub(crate) fn keyboard_sample(
-    session: &mut Session,
-    keyboard: &Keyboard,
-    name: &str,
-    sample: u32,
-) -> Result<Keyboard, Failure> {
-    let source = Source::Text(keyboard.base_text().to_owned());
-    let samples = Samples { asked: name.to_owned(), source, sampled: OnceLock::new(), making: Mutex::new(()) };
-    let mut progress = session.progress("drawing a sample");
-    let text = samples.text(sample, &mut |_| progress.tell(0.0)).map_err(|error| failed(name, error))?;
-    session.provenance.used("instrument", &format!("{name}{SAMPLE}{sample}"), None, text.as_bytes());
-    Ok(keyboard.around(text)?)
-}
-
 /// Refuses one sample where many are drawn.
 pub(crate) fn not_one_sample(asked: &InstrumentSpec) -> Result<(), Failure> {
     match asked.sample() {
@@ -115,15 +94,7 @@ pub(crate) fn not_one_sample(asked: &InstrumentSpec) -> Result<(), Failure> {
     }
 }
 
-/// The text of the sample that is named.
-pub(crate) fn sample_text(session: &mut Session, asked: &InstrumentSpec) -> Result<String, Failure> {
-    let Some(sample) = asked.sample() else { return Err(Failure::Internal(format!("{asked}: names no sample"))) };
-    let mut progress = session.progress("drawing a sample");
-    let samples = Samples::of(session, &asked.without_sample())?;
-    samples.text(sample, &mut |_| progress.tell(0.0)).map_err(|error| failed(&asked.to_string(), error))
-}
-
-fn failed(asked: &str, error: SampleError) -> Failure {
+pub(super) fn failed(asked: &str, error: SampleError) -> Failure {
     match error {
         SampleError::Interrupted => Failure::from(erard::run::SimulationError::Interrupted),
         SampleError::Measure(error) if error.is_interruption() => {

@@ -1,15 +1,16 @@
-//! `--vary let_off=-1mm..1mm:41`: what is varied, from where to where, in how many steps.
+//! Axes of a study (`let_off=-1mm..1mm:41`): what is varied, from where to where, in how many steps.
 
-use erard::instrument::{Instrument, with_numbers};
+use erard::instrument::{Instrument, InstrumentFile, with_numbers};
 use erard::keyboard::{Between, Graded, KEYS, Keyboard, key_named, keys_named};
 use erard::parameter::{
-    Bare, Change, NameError, Parameter, Quantity, Sweep, file_unit, in_file_unit, known_name, number_of,
+    Bare, Change, ChangeError, NameError, Parameter, Quantity, Sweep, Wanted, file_unit, in_file_unit, known_name,
+    number_of, varied_of,
 };
 use erard::stroke::MAX_FORCE_N;
 
 /// What a value is given to.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Target {
+pub enum Target {
     /// A number of the instrument.
     Parameter(Parameter),
     /// The constant force on the key.
@@ -24,18 +25,28 @@ pub(crate) enum Target {
 
 /// What is varied, as it was read.
 #[derive(Debug)]
-pub(crate) enum Source {
-    /// An instrument's text.
-    Text(String),
+pub enum Source {
+    /// The text of an instrument's file, and earlier changes of its parameters.
+    Text {
+        /// The text.
+        text: String,
+        /// Changes of parameters by their names; numbers of the file stand changed in the text.
+        changes: Vec<(String, Wanted)>,
+    },
     /// A keyboard, and the key that is played where keys are not varied (`None`: its own instrument's).
     Keyboard(Box<Keyboard>, Option<usize>),
 }
 
 impl Source {
+    /// An instrument's text, as it is.
+    pub fn of_text(text: impl Into<String>) -> Self {
+        Source::Text { text: text.into(), changes: Vec::new() }
+    }
+
     /// The text of the instrument: of a keyboard, that of a key, or of its own.
     fn text(&self, key: Option<usize>) -> String {
         match self {
-            Source::Text(text) => text.clone(),
+            Source::Text { text, .. } => text.clone(),
             Source::Keyboard(keyboard, own) => keyboard.key_text(key.or(*own).unwrap_or(keyboard.base_key)),
         }
     }
@@ -68,13 +79,13 @@ impl Source {
     /// The instrument with one value of every axis that changes its text; `None` where no axis does.
     ///
     /// # Errors
-    /// What the reader says of such an instrument.
+    /// What the reader reports about such an instrument.
     pub(crate) fn instrument(&self, axes: &[Axis], indices: &[usize]) -> Option<Result<Instrument, String>> {
         let each = || axes.iter().zip(indices);
         let key = each().find(|(axis, _)| axis.target == Target::Key).map(|(axis, &i)| axis.shown[i] as usize);
-        let numbers: Vec<(&str, usize, &str, Change)> = each()
+        let numbers: Vec<(&str, usize, &Axis, usize)> = each()
             .filter_map(|(axis, &i)| match &axis.target {
-                Target::Number(path, which) => Some((path.as_str(), *which, axis.name.as_str(), axis.changes[i])),
+                Target::Number(path, which) => Some((path.as_str(), *which, axis, i)),
                 _ => None,
             })
             .collect();
@@ -92,15 +103,32 @@ impl Source {
             None => "the varied instrument".to_owned(),
         };
         let text = self.graded(key, &gradings);
-        let changed = |(path, which, name, change)| {
-            let (.., now) = number_of(&text, name)?;
-            Some((path, which, in_file_unit(change, now, file_unit(name).1)))
+        let changed = |(path, which, axis, i): (_, _, &Axis, usize)| {
+            let (.., now) = number_of(&text, &axis.name)?;
+            let value = match axis.changes[i] {
+                // In the file's unit already, to the last bit.
+                Change::Set(_) => axis.shown[i],
+                change => in_file_unit(change, now, file_unit(&axis.name).1),
+            };
+            Some((path, which, value))
         };
         let changes: Option<Vec<(&str, usize, f64)>> = numbers.into_iter().map(changed).collect();
         let text = changes
             .and_then(|changes| with_numbers(&text, &changes))
             .ok_or_else(|| "a number that is varied is not there".to_owned());
-        Some(text.and_then(|text| Instrument::parse(&text, &name).map_err(|error| error.to_string())))
+        Some(text.and_then(|text| self.read(&text, &name)))
+    }
+
+    /// Reads a text of this source, and makes the earlier changes.
+    fn read(&self, text: &str, name: &str) -> Result<Instrument, String> {
+        match self {
+            Source::Text { changes, .. } if !changes.is_empty() => {
+                let file = InstrumentFile::parse(text, name).map_err(|error| error.to_string())?;
+                let changed = varied_of(&file, text, name, changes).map_err(|error| error.to_string())?;
+                Ok(changed.instrument)
+            }
+            _ => Instrument::parse(text, name).map_err(|error| error.to_string()),
+        }
     }
 }
 
@@ -115,9 +143,9 @@ enum Kind {
     Factor,
 }
 
-/// One `--vary`.
+/// A name and its values.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Axis {
+pub struct Axis {
     /// As it was asked for, e.g. `let_off`.
     pub name: String,
     /// Of the shown values, e.g. `mm`; empty for a factor.
@@ -137,19 +165,94 @@ pub(crate) struct Axis {
 const FORCE: &str = "force";
 const KEY: &str = "key";
 /// What the name of a grading of a keyboard begins with.
-pub(crate) const GRADING: &str = "grading.";
+pub const GRADING: &str = "grading.";
 
 /// As a person would write it: the last digits of a sum mean nothing.
 fn as_written(shown: f64) -> f64 {
     (shown * 1e9).round() / 1e9
 }
 
+/// Most strokes of a study: their rows are held in memory.
+pub const MOST: usize = 2_000_000;
+
 impl Axis {
-    /// Reads the value of `--vary` for an instrument.
+    /// Reads all values of `--vary` for an instrument.
     ///
     /// # Errors
     /// One sentence that says what is wrong and what would be right.
-    pub(crate) fn parse(text: &str, instrument: &Instrument, source: &Source) -> Result<Self, String> {
+    pub fn parse_all(texts: &[String], instrument: &Instrument, source: &Source) -> Result<Vec<Self>, String> {
+        let axes: Vec<Axis> =
+            texts.iter().map(|text| Axis::parse(text, instrument, source)).collect::<Result<_, _>>()?;
+        for (i, axis) in axes.iter().enumerate() {
+            if axes[..i].iter().any(|other| other.name == axis.name) {
+                return Err(format!("--vary: `{}` is given twice", axis.name));
+            }
+        }
+        if Axis::combinations(&axes).is_none_or(|strokes| strokes > MOST) {
+            return Err(format!("--vary: more than {MOST} strokes; expected fewer values"));
+        }
+        Ok(axes)
+    }
+
+    /// Returns the number of combinations of the axes' values; `None` if a `usize` cannot hold it.
+    #[must_use]
+    pub fn combinations(axes: &[Self]) -> Option<usize> {
+        axes.iter().try_fold(1_usize, |product, axis| product.checked_mul(axis.shown.len()))
+    }
+
+    /// Makes an axis of values in SI units, or of a number of the file in the file's own unit. A value out of range
+    /// makes a variant that fails.
+    ///
+    /// # Errors
+    /// A name that is neither a parameter's nor the path of a number in the file.
+    pub fn of_values(
+        name: &str,
+        values: Vec<f64>,
+        instrument: &Instrument,
+        source: &Source,
+    ) -> Result<Self, ChangeError> {
+        let all = Parameter::all(instrument);
+        let text = source.text(None);
+        let name = known_name(name, &all, &text);
+        let target = match (all.into_iter().find(|(known, _)| *known == name), number_of(&text, &name)) {
+            (Some((_, parameter)), _) => Target::Parameter(parameter),
+            (None, Some((path, which, _))) => Target::Number(path, which),
+            (None, None) => Target::Parameter(Parameter::named(instrument, &name)?.1),
+        };
+        let (unit, suffix, si) = match &target {
+            Target::Parameter(parameter) => {
+                let unit = parameter.quantity(instrument).si_unit();
+                (unit, unit.replace(' ', "_"), 1.0)
+            }
+            _ => {
+                let unit = file_unit(&name).1;
+                unit.map_or(("", String::new(), 1.0), |unit| (unit.symbol, unit.suffix.to_owned(), unit.si))
+            }
+        };
+        let changes = values.iter().map(|value| Change::Set(value * si)).collect();
+        Ok(Axis { name, unit, suffix, kind: Kind::Value, shown: values, changes, target })
+    }
+
+    /// Makes the axis of constant forces, N.
+    #[must_use]
+    pub fn of_forces(forces_n: Vec<f64>) -> Self {
+        let changes = forces_n.iter().map(|force_n| Change::Set(*force_n)).collect();
+        Axis {
+            name: FORCE.to_owned(),
+            unit: "N",
+            suffix: "N".to_owned(),
+            kind: Kind::Value,
+            shown: forces_n,
+            changes,
+            target: Target::Force,
+        }
+    }
+
+    /// Reads a value of `--vary` for an instrument.
+    ///
+    /// # Errors
+    /// One sentence that says what is wrong and what would be right.
+    pub fn parse(text: &str, instrument: &Instrument, source: &Source) -> Result<Self, String> {
         let (name, values) = text
             .split_once('=')
             .ok_or_else(|| format!("`{text}`: expected a name, `=`, and values such as `let_off=-1mm..1mm:41`"))?;
@@ -320,8 +423,13 @@ impl Axis {
         parameter.by(instrument, self.changes[index])
     }
 
-    /// Why a variant cannot be: what was asked of which number.
+    /// Reason why there is no such variant.
     pub(crate) fn refusal(&self, parameter: &Parameter, index: usize, by: f64) -> String {
+        if let Change::Set(_) = self.changes[index] {
+            return format!("{} cannot be varied to {} {}", self.name, self.shown[index], self.unit)
+                .trim_end()
+                .to_owned();
+        }
         let (by, unit) = match parameter {
             Parameter::Screw { action, .. } => (as_written(by * action.shown_unit().0), self.unit),
             _ => (self.shown[index], self.unit),
@@ -330,7 +438,7 @@ impl Axis {
     }
 
     /// The name of its column: with the unit, as all columns.
-    pub(crate) fn column(&self) -> String {
+    pub fn column(&self) -> String {
         let suffix = if self.suffix.is_empty() { String::new() } else { format!("_{}", self.suffix) };
         // A number of the file has its unit in its path already.
         let name = match self.target {
@@ -440,7 +548,7 @@ mod tests {
     use super::*;
 
     fn read() -> Source {
-        Source::Text(Instrument::builtin_text("concert-grand").unwrap().to_owned())
+        Source::of_text(Instrument::builtin_text("concert-grand").unwrap())
     }
 
     /// Keys, numbers of the file and coordinates are read, and make the instruments that they say.
@@ -604,7 +712,7 @@ mod tests {
         let mut tried = 0;
         for file in Instrument::builtin_names() {
             let grand = Instrument::builtin(file).unwrap();
-            let source = Source::Text(Instrument::builtin_text(file).unwrap().to_owned());
+            let source = Source::of_text(Instrument::builtin_text(file).unwrap());
             let text = source.text(None);
             for (name, parameter) in Parameter::all(&grand) {
                 let quantity = parameter.quantity(&grand);
